@@ -1,0 +1,70 @@
+from . import paper
+from .analysis.differential import gradient, hessian, laplacian
+from .analysis.normalisation import normalise
+from .codegen.fields import SIX
+from .codegen.kernel import Kernel, compile
+from .codegen.plain import lambdify
+from .errors import RsymError
+from .model.language.loading import load, loads
+from .model.letters import Letter
+from .model.motions import revolve
+from .model.operations import (
+    conjunction,
+    difference,
+    disjunction,
+    exclusive_or,
+    negation,
+    rfAND,
+    rfNOT,
+    rfOR,
+    trimming,
+)
+from .model.shape import Shape
+from .model.symbols import x, y, z
+from .model.systems import R0, R1
+from .output.fields import plot_field, plot_fields
+from .output.files import write
+from .output.surfaces import plot_mesh
+from .sampling.contours import LevelLines, level_lines
+from .sampling.mesh import Mesh
+from .sampling.meshing import mesh
+
+__all__ = [
+    "R0",
+    "R1",
+    "SIX",
+    "Kernel",
+    "Letter",
+    "LevelLines",
+    "Mesh",
+    "RsymError",
+    "Shape",
+    "compile",
+    "conjunction",
+    "difference",
+    "disjunction",
+    "exclusive_or",
+    "gradient",
+    "hessian",
+    "lambdify",
+    "laplacian",
+    "level_lines",
+    "load",
+    "loads",
+    "mesh",
+    "negation",
+    "normalise",
+    "paper",
+    "plot_field",
+    "plot_fields",
+    "plot_mesh",
+    "revolve",
+    "rfAND",
+    "rfNOT",
+    "rfOR",
+    "trimming",
+    "write",
+    "x",
+    "y",
+    "z",
+]

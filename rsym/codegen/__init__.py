@@ -1,0 +1,1 @@
+"""Formulas to functions: the program, its differentiation and its backends."""

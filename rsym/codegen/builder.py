@@ -1,0 +1,251 @@
+"""Making nodes: equal ones once, and what is exact simplified on the way.
+
+Every rule holds in exact arithmetic; none reorders a sum or a product, none
+replaces an undefined value by a defined one except a factor or numerator 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+
+from rsym.codegen.program import Data, Node, Program, assemble
+
+ZERO, ONE, TWO, HALF, MINUS_ONE = Fraction(0), Fraction(1), Fraction(2), Fraction(1, 2), Fraction(-1)
+
+# Exact folding stops here: float64 ends at about 1100 bits, beyond that the numbers only cost time.
+_FOLDED_BITS = 4096
+
+
+class Builder:
+    """A growing program. Nodes are numbers; the methods named after operations return numbers."""
+
+    def __init__(self, coordinates: tuple[str, ...], letters: tuple[str, ...]) -> None:
+        self.coordinates = coordinates
+        self.letters = letters
+        self.nodes: list[Node] = []
+        self.uniform: list[bool] = []
+        self.nonnegative: list[bool] = []
+        self.derivatives: dict[tuple[int, str], int] = {}
+        self._index: dict[Node, int] = {}
+
+    def make(self, operation: str, *arguments: int, data: Data = None) -> int:
+        """The node with this operation, arguments and data, as it stands."""
+        node = Node(operation, arguments, data)
+        number = self._index.get(node)
+        if number is None:
+            number = self._index[node] = len(self.nodes)
+            self.nodes.append(node)
+            varying = operation == "input" and data in self.coordinates
+            self.uniform.append(not varying and all(self.uniform[argument] for argument in arguments))
+            self.nonnegative.append(self._is_nonnegative(node))
+        return number
+
+    def program(self, outputs: Mapping[str, int]) -> Program:
+        """The frozen program with these outputs."""
+        return assemble(self.nodes, self.coordinates, self.letters, outputs)
+
+    def value(self, number: int) -> Fraction | None:
+        """The exact rational value of a constant node."""
+        node = self.nodes[number]
+        return node.data if node.operation == "const" and isinstance(node.data, Fraction) else None
+
+    def _is_nonnegative(self, node: Node) -> bool:
+        operation, arguments, data = node
+        if operation == "const":
+            return isinstance(data, str) or (isinstance(data, Fraction) and data >= 0)
+        if operation in {"sqrt", "abs", "exp", "trimming", "gap", "versine"}:
+            return True
+        if operation == "mul" and arguments[0] == arguments[1]:
+            return True
+        if operation == "powi" and isinstance(data, int) and data % 2 == 0:
+            return True
+        return operation in {"add", "mul", "div", "powi"} and all(self.nonnegative[a] for a in arguments)
+
+    def const(self, value: Fraction | int) -> int:
+        """An exact constant."""
+        return self.make("const", data=Fraction(value))
+
+    def input(self, name: str) -> int:
+        """A coordinate or a letter."""
+        return self.make("input", data=name)
+
+    def _folded(self, value: Fraction) -> int | None:
+        small = max(value.numerator.bit_length(), value.denominator.bit_length()) <= _FOLDED_BITS
+        return self.const(value) if small else None
+
+    def _operand_of(self, operation: str, number: int) -> int | None:
+        node = self.nodes[number]
+        return node.arguments[0] if node.operation == operation else None
+
+    def neg(self, a: int) -> int:
+        """Return -a."""
+        value = self.value(a)
+        if value is not None:
+            return self.const(-value)
+        inner = self._operand_of("neg", a)
+        return self.make("neg", a) if inner is None else inner
+
+    def add(self, a: int, b: int) -> int:
+        """Return a + b."""
+        p, q = self.value(a), self.value(b)
+        if p == 0:
+            return b
+        if q == 0:
+            return a
+        if p is not None and q is not None:
+            folded = self._folded(p + q)
+            if folded is not None:
+                return folded
+        if a == b:
+            return self.mul(self.const(2), a)
+        return self.make("add", *sorted((a, b)))
+
+    def sub(self, a: int, b: int) -> int:
+        """Return a - b."""
+        return self.add(a, self.neg(b))
+
+    def mul(self, a: int, b: int) -> int:
+        """Return a*b; signs move outwards, constants to the left."""
+        if self.value(b) is not None:
+            a, b = b, a
+        p, q = self.value(a), self.value(b)
+        if p == 0:
+            return a
+        if p == 1:
+            return b
+        if p == -1:
+            return self.neg(b)
+        if p is not None and q is not None:
+            folded = self._folded(p * q)
+            if folded is not None:
+                return folded
+        for first, second in ((a, b), (b, a)):
+            inner = self._operand_of("neg", first)
+            if inner is not None:
+                return self.neg(self.mul(inner, second))
+        return self._product(a, b)
+
+    def _product(self, a: int, b: int) -> int:
+        p = self.value(a)
+        if p is not None and self.nodes[b].operation == "mul":
+            c, rest = self.nodes[b].arguments
+            q = self.value(c)
+            folded = None if q is None else self._folded(p * q)
+            if folded is not None:
+                return self.mul(folded, rest)
+        root = self._operand_of("sqrt", a)
+        if a == b and root is not None and self.nonnegative[root]:
+            return root
+        return self.make("mul", *((a, b) if p is not None else sorted((a, b))))
+
+    def square(self, a: int) -> int:
+        """Return a*a."""
+        return self.mul(a, a)
+
+    def div(self, a: int, b: int) -> int:
+        """Return a/b; what is the same for all points is inverted once."""
+        p, q = self.value(a), self.value(b)
+        if p == 0:
+            return a
+        if q is not None and q != 0:
+            folded = self._folded(1 / q)
+            if folded is not None:
+                return self.mul(folded, a)
+        for first, other, signed in ((a, b, True), (b, a, False)):
+            inner = self._operand_of("neg", first)
+            if inner is not None:
+                return self.neg(self.div(inner, other) if signed else self.div(other, inner))
+        if self.uniform[b] and p != 1:
+            return self.mul(a, self.make("div", self.const(1), b))
+        return self.make("div", a, b)
+
+    def powi(self, a: int, exponent: int) -> int:
+        """Return a**exponent for an integer exponent."""
+        if exponent < 0:
+            return self.div(self.const(1), self.powi(a, -exponent))
+        if exponent == 0:
+            return self.const(1)
+        if exponent <= 2:
+            return a if exponent == 1 else self.square(a)
+        value = self.value(a)
+        if value is not None and self._folds(value, exponent):
+            return self.const(value**exponent)
+        inner = self._operand_of("neg", a)
+        if inner is not None:
+            power = self.powi(inner, exponent)
+            return self.neg(power) if exponent % 2 else power
+        root = self._operand_of("sqrt", a)
+        if root is not None and self.nonnegative[root] and exponent % 2 == 0:
+            return self.powi(root, exponent // 2)
+        return self.make("powi", a, data=exponent)
+
+    @staticmethod
+    def _folds(value: Fraction, exponent: int) -> bool:
+        return max(value.numerator.bit_length(), value.denominator.bit_length()) * exponent <= _FOLDED_BITS
+
+    def sqrt(self, a: int) -> int:
+        """Return sqrt(a); the root of a square is the absolute value."""
+        value = self.value(a)
+        if value is not None and value >= 0:
+            root = Fraction(math.isqrt(value.numerator), math.isqrt(value.denominator))
+            if root * root == value:
+                return self.const(root)
+        node = self.nodes[a]
+        if node.operation == "mul" and node.arguments[0] == node.arguments[1]:
+            return self.abs(node.arguments[0])
+        return self.make("sqrt", a)
+
+    def abs(self, a: int) -> int:
+        """Return |a|."""
+        value = self.value(a)
+        if value is not None:
+            return self.const(abs(value))
+        inner = self._operand_of("neg", a)
+        if inner is not None:
+            return self.abs(inner)
+        return a if self.nonnegative[a] else self.make("abs", a)
+
+    def undefined(self) -> int:
+        """NaN on purpose."""
+        return self.make("undefined")
+
+    def select(self, a: int, b: int, yes: int, no: int) -> int:
+        """Return `yes` where a > b, elsewhere `no`."""
+        p, q = self.value(a), self.value(b)
+        if p is not None and q is not None:
+            return yes if p > q else no
+        return yes if yes == no else self.make("select", a, b, yes, no)
+
+    def normalised(self, f: int, q: int) -> int:
+        """Return f/sqrt(f**2 + q) for q >= 0."""
+        inner = self._operand_of("neg", f)
+        return self.make("normalised", f, q) if inner is None else self.neg(self.make("normalised", inner, q))
+
+    def normalisation(self, f: int, denominator: int) -> int | None:
+        """Recognise f/denominator with denominator = sqrt(f**2 + q), q >= 0."""
+        radicand = self._operand_of("sqrt", denominator)
+        if radicand is None:
+            return None
+        terms, square = self._terms(radicand), self.square(f)
+        if square not in terms:
+            return None
+        terms.remove(square)
+        if not terms or not all(self.nonnegative[term] for term in terms):
+            return None
+        rest = terms[0]
+        for term in terms[1:]:
+            rest = self.add(rest, term)
+        return self.normalised(f, rest)
+
+    def _terms(self, number: int) -> list[int]:
+        terms, stack = [], [number]
+        while stack:
+            current = stack.pop()
+            node = self.nodes[current]
+            if node.operation == "add":
+                stack.extend(reversed(node.arguments))
+            else:
+                terms.append(current)
+        return terms

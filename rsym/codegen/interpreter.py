@@ -1,0 +1,35 @@
+"""The reference: a program evaluated node by node with the plain meaning of its operations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rsym.codegen.operations import OPERATIONS
+from rsym.codegen.program import Program, constant_value
+
+
+def interpret(program: Program, inputs: Mapping[str, ArrayLike]) -> dict[str, NDArray[np.float64]]:
+    """The outputs at the given inputs."""
+    values = interpret_nodes(program, inputs)
+    return {name: np.asarray(values[number], np.float64) for name, number in program.outputs}
+
+
+def interpret_nodes(program: Program, inputs: Mapping[str, ArrayLike]) -> list[NDArray[np.float64]]:
+    """The value of every node, in order."""
+    values: list[NDArray[np.float64]] = []
+    with np.errstate(all="ignore"):
+        for operation, arguments, data in program.nodes:
+            value: ArrayLike
+            if operation == "const":
+                value = np.float64(constant_value(data))
+            elif operation == "input":
+                value = np.asarray(inputs[str(data)], np.float64)
+            elif operation == "powi":
+                value = OPERATIONS[operation].meaning(values[arguments[0]], np.float64(data))
+            else:
+                value = OPERATIONS[operation].meaning(*(values[argument] for argument in arguments))
+            values.append(np.asarray(value, np.float64))
+    return values

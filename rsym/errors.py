@@ -1,0 +1,47 @@
+"""The one family of exceptions."""
+
+from __future__ import annotations
+
+
+class RsymError(ValueError):
+    """Input that rsym refuses: what was expected, what came, where, and the remedy.
+
+    Parameters
+    ----------
+    message : str
+        What was expected and what came.
+    code : str
+        A stable word for programs, for example ``"unknown-name"``.
+    where : str
+        The place, for example ``"line 3, column 7"``; empty if there is none.
+    remedy : str
+        What to do about it.
+
+    Examples
+    --------
+    >>> error = RsymError("the letter 'a' has no value", code="letter", remedy="give letters={a: 5}")
+    >>> print(error)
+    the letter 'a' has no value; remedy: give letters={a: 5}
+    >>> error.code
+    'letter'
+    """
+
+    def __init__(self, message: str, *, code: str, where: str = "", remedy: str = "") -> None:
+        super().__init__(message, code, where, remedy)
+        self.message = message
+        self.code = code
+        self.where = where
+        self.remedy = remedy
+
+    def __str__(self) -> str:
+        place = f"{self.where}: " if self.where else ""
+        remedy = f"; remedy: {self.remedy}" if self.remedy else ""
+        return f"{place}{self.message}{remedy}"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _restore, (self.message, self.code, self.where, self.remedy)
+
+
+def _restore(message: str, code: str, where: str, remedy: str) -> RsymError:
+    """Rebuild an error that has crossed a process border."""
+    return RsymError(message, code=code, where=where, remedy=remedy)

@@ -1,0 +1,1 @@
+"""What a shape is: R-systems, R-nodes, letters, shapes and the model language."""

@@ -1,0 +1,107 @@
+"""A model to a shape: one assignment chosen, every formula built once, names kept for display."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.language.building import Builder
+from rsym.model.language.extent import Extent
+from rsym.model.language.functions import operations
+from rsym.model.language.model import Model
+from rsym.model.language.parts import Part, symbol_part
+from rsym.model.language.syntax import Assignment, Name, names_in
+from rsym.model.language.vocabulary import listing, proposal
+from rsym.model.letters import Letter
+from rsym.model.shape import Shape
+from rsym.model.symbols import real_symbol
+from rsym.model.traversal import symbols_of
+
+
+def assemble(model: Model, shape: str | None, variant: str | None) -> Shape:
+    """The chosen shape of a model with the chosen letters."""
+    chosen, letters = _chosen(model, shape), _letters(model, variant)
+    expression = _inlined(model)[chosen].outer
+    used = {symbol.name for symbol in symbols_of(expression)}
+    return Shape(
+        expression,
+        tuple(map(real_symbol, model.coordinates)),
+        letters={name: letter for name, letter in letters.items() if name in used},
+        bounds=model.bounds,
+        definitions=_definitions(model, chosen),
+    )
+
+
+def _chosen(model: Model, shape: str | None) -> str:
+    names = [assignment.name for assignment in model.assignments]
+    if not names:
+        raise RsymError(
+            "the model has no formula",
+            code="empty",
+            where="line 1, column 1",
+            remedy="add one, such as omega = 1 - x^2",
+        )
+    if shape is None:
+        return "omega" if "omega" in names else names[-1]
+    if shape not in names:
+        remedy = proposal(shape, names, "ask for one of these names")
+        raise RsymError(f"no shape {shape!r}; the model has {listing(names)}", code="unknown-shape", remedy=remedy)
+    return shape
+
+
+def _letters(model: Model, variant: str | None) -> dict[str, Letter]:
+    if variant is None:
+        return dict(model.letters)
+    if variant not in model.variants:
+        remedy = proposal(variant, model.variants, "ask for one of these, or for none")
+        known = listing(model.variants)
+        raise RsymError(f"no variant {variant!r}; the model has {known}", code="unknown-variant", remedy=remedy)
+    return {**model.letters, **model.variants[variant]}
+
+
+def _inlined(model: Model) -> dict[str, Part]:
+    """Every formula with the others written into it; a part that is used twice is one object."""
+    builder, known = Builder(operations(model.system)), _given(model)
+    for assignment in model.assignments:
+        _check_names(assignment, known, model)
+        known[assignment.name] = builder.build(assignment.value, known)
+    return known
+
+
+def _definitions(model: Model, chosen: str) -> tuple[tuple[str, sp.Expr], ...]:
+    """The chosen formula and those that it needs, in the order of the file, each in terms of the others' names."""
+    needed, assigned = {chosen}, {assignment.name for assignment in model.assignments}
+    for assignment in reversed(model.assignments):
+        if assignment.name in needed:
+            needed.update(name.name for name in names_in(assignment.value) if name.name in assigned)
+    builder = Builder(operations(model.system))
+    known = {**_given(model), **{name: symbol_part(name) for name in assigned}}
+    wanted = [assignment for assignment in model.assignments if assignment.name in needed]
+    return tuple((assignment.name, builder.build(assignment.value, known).outer) for assignment in wanted)
+
+
+def _given(model: Model) -> dict[str, Part]:
+    """What formulas may speak of before the first assignment."""
+    names = (*model.coordinates, *model.letters)
+    return {**{name: symbol_part(name) for name in names}, "pi": Part(sp.pi, Extent(), None, math.pi)}
+
+
+def _check_names(assignment: Assignment, known: Mapping[str, Part], model: Model) -> None:
+    for name in names_in(assignment.value):
+        if name.name not in known:
+            raise _unknown(name, assignment, known, model)
+
+
+def _unknown(name: Name, assignment: Assignment, known: Mapping[str, Part], model: Model) -> Exception:
+    later = {other.name: other.place for other in model.assignments}
+    if name.name == assignment.name:
+        remedy = "a formula may use earlier names only; rename"
+        return name.place.refuse(f"'{name.name}' is defined by itself", "unknown-name", remedy)
+    if name.name in later:
+        remedy = "move its definition up"
+        return name.place.refuse(f"'{name.name}' is defined later, at {later[name.name]}", "unknown-name", remedy)
+    remedy = proposal(name.name, known, f"declare it, for example: letter {name.name} = 1")
+    return name.place.refuse(f"unknown name '{name.name}'", "unknown-name", remedy)

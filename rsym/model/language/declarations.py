@@ -1,0 +1,101 @@
+"""What one statement declares: a letter, a variant, a box, an R-system."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from rsym.errors import RsymError
+from rsym.model.language.building import Builder
+from rsym.model.language.functions import SYSTEMS, operations
+from rsym.model.language.syntax import (
+    BoundsStatement,
+    Expression,
+    Interval,
+    LetterStatement,
+    Place,
+    SystemStatement,
+    VariantStatement,
+    names_in,
+)
+from rsym.model.language.vocabulary import listing, proposal
+from rsym.model.letters import Letter, Number
+from rsym.model.shape import Bounds
+from rsym.model.systems import R0, RSystem
+
+
+def letter(statement: LetterStatement) -> Letter:
+    """The letter that a statement declares."""
+    low, high = (None, None) if statement.interval is None else _ends(statement.interval, "letter-range")
+    default = _number(statement.value)
+    return _in_range(statement.place, default, low, high, statement.doc)
+
+
+def variant(statement: VariantStatement, letters: Mapping[str, Letter]) -> dict[str, Letter]:
+    """The letters that a variant changes, with their new defaults."""
+    changed: dict[str, Letter] = {}
+    for name, value in statement.values:
+        if name.name not in letters:
+            remedy = proposal(name.name, letters, f"declare it; the letters are {listing(letters)}")
+            raise name.place.refuse(f"no letter '{name.name}'", "unknown-name", remedy)
+        if name.name in changed:
+            raise name.place.refuse(f"'{name.name}' is set twice", "redefinition", "keep one of the two values")
+        old, default = letters[name.name], _number(value)
+        changed[name.name] = _in_range(name.place, default, old.minimum, old.maximum, old.doc)
+    return changed
+
+
+def _in_range(place: Place, default: Number, low: Number | None, high: Number | None, doc: str) -> Letter:
+    """Build a letter; one out of its range is refused at its place in the text."""
+    try:
+        return Letter(default, minimum=low, maximum=high, doc=doc)
+    except RsymError as error:
+        raise place.refuse(error.message, error.code, error.remedy) from None
+
+
+def system(statement: SystemStatement) -> RSystem:
+    """The R-system of that name."""
+    if statement.name not in SYSTEMS:
+        remedy = f"the systems are {listing(SYSTEMS)}"
+        raise statement.place.refuse(f"no R-system '{statement.name}'", "unknown-system", remedy)
+    return SYSTEMS[statement.name]
+
+
+def bounds(statement: BoundsStatement, coordinates: tuple[str, ...]) -> Bounds:
+    """The box, one range for each coordinate in their order."""
+    box: dict[str, tuple[float, float]] = {}
+    for name, interval in statement.intervals:
+        if name.name not in coordinates or name.name in box:
+            raise name.place.refuse(
+                f"bounds want each coordinate once, got '{name.name}'",
+                "bounds",
+                f"the coordinates are {listing(coordinates)}",
+            )
+        low, high = _ends(interval, "bounds")
+        box[name.name] = (float(low), float(high))
+    if missing := [name for name in coordinates if name not in box]:
+        raise statement.place.refuse(
+            f"bounds lack {listing(missing)}", "bounds", f"add {missing[0]} [low, high], or leave the statement out"
+        )
+    return tuple(box[name] for name in coordinates)
+
+
+def _ends(interval: Interval, code: str) -> tuple[int | Fraction, int | Fraction]:
+    low, high = _number(interval.low), _number(interval.high)
+    if not float(low) < float(high):
+        raise interval.place.refuse(f"the range [{float(low):g}, {float(high):g}] is empty", code, "write [low, high]")
+    return low, high
+
+
+def _number(expression: Expression) -> int | Fraction:
+    """The exact value of a closed rational expression."""
+    for name in names_in(expression):
+        raise name.place.refuse(
+            f"'{name.name}' cannot stand here", "letter-value", "write a number such as -2.5 or 5/2, without names"
+        )
+    value = Builder(operations(R0)).build(expression, {}).exact
+    if value is None:
+        raise expression.place.refuse(
+            "expected a rational number", "letter-value", "write its decimal value, for example 1.4142"
+        )
+    return int(value) if value.denominator == 1 else value

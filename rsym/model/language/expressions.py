@@ -1,0 +1,131 @@
+"""The precedence parser of expressions: sums of products of signed powers, as in MATLAB.
+
+-x^2 is -(x^2), 2^-1 is 1/2, 2^3^2 is (2^3)^2, and .* ./ .^ ** mean * / ^ ^.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from rsym.model.language.cursor import Cursor
+from rsym.model.language.exact import literal
+from rsym.model.language.scanner import Token
+from rsym.model.language.syntax import Call, Expression, Name, Number, Power, Product, Sum
+from rsym.model.language.vocabulary import ARITIES, KEYWORDS, listing, proposal
+
+DEEPEST_NESTING = 100
+_HALF = Fraction(1, 2)
+
+
+class ExpressionParser:
+    """Parses expressions from a cursor; every bracket is one level of depth."""
+
+    def __init__(self, cursor: Cursor) -> None:
+        self._cursor = cursor
+        self._depth = 0
+
+    def expression(self) -> Expression:
+        """A sum."""
+        place, signs, parts = self._cursor.token.place, [1], [self._product()]
+        while operator := self._cursor.accept("+", "-"):
+            signs.append(1 if operator.text == "+" else -1)
+            parts.append(self._product())
+        return parts[0] if len(parts) == 1 else Sum(place, tuple(signs), tuple(parts))
+
+    def _product(self) -> Expression:
+        place, signs, parts = self._cursor.token.place, [1], [self._power()]
+        while operator := self._cursor.accept("*", "/", ".*", "./"):
+            signs.append(1 if operator.text.endswith("*") else -1)
+            parts.append(self._power())
+        return parts[0] if len(parts) == 1 else Product(place, tuple(signs), tuple(parts))
+
+    def _power(self) -> Expression:
+        place, sign = self._cursor.token.place, self._sign()
+        parts = [self._operand()]
+        while self._cursor.accept("^", "**", ".^"):
+            exponent_place, exponent_sign = self._cursor.token.place, self._sign()
+            exponent = self._operand()
+            parts.append(exponent if exponent_sign > 0 else Sum(exponent_place, (-1,), (exponent,)))
+        power = parts[0] if len(parts) == 1 else Power(parts[0].place, tuple(parts))
+        return power if sign > 0 else Sum(place, (-1,), (power,))
+
+    def _sign(self) -> int:
+        sign = 1
+        while operator := self._cursor.accept("+", "-"):
+            sign = sign if operator.text == "+" else -sign
+        return sign
+
+    def _operand(self) -> Expression:
+        token = self._cursor.token
+        if token.text == "(":
+            return self._group()
+        if token.kind == "number":
+            self._cursor.read()
+            return Number(token.place, literal(token.text, token.place))
+        if token.kind == "name" and token.text not in KEYWORDS:
+            self._cursor.read()
+            return self._call(token) if self._cursor.token.text == "(" else _name(token)
+        raise self._cursor.unexpected("a number, a name or '('", "finish the formula, or remove the last operator")
+
+    def _group(self) -> Expression:
+        opening = self._open()
+        inner = self.expression()
+        self._cursor.close(opening, ")")
+        self._depth -= 1
+        return inner
+
+    def _call(self, function: Token) -> Expression:
+        start = self._cursor.mark()
+        opening = self._open()
+        arguments: list[Expression] = []
+        if self._cursor.token.text != ")":
+            arguments.append(self.expression())
+            while self._cursor.accept(","):
+                arguments.append(self.expression())
+        self._cursor.close(opening, ")")
+        self._depth -= 1
+        self._check_call(function, len(arguments), start)
+        return _called(function, tuple(arguments))
+
+    def _open(self) -> Token:
+        opening = self._cursor.read()
+        self._depth += 1
+        if self._depth > DEEPEST_NESTING:
+            raise opening.place.refuse(
+                f"more than {DEEPEST_NESTING} brackets inside one another", "too-deep", "name a part of the formula"
+            )
+        return opening
+
+    def _check_call(self, function: Token, count: int, start: int) -> None:
+        if function.text not in ARITIES:
+            product = f"the functions are {listing(ARITIES)}; for a product write {function.text}*(...)"
+            raise function.place.refuse(
+                f"no function {function.shown}", "unknown-name", proposal(function.text, ARITIES, product)
+            )
+        fewest, most = ARITIES[function.text]
+        if fewest <= count and (most is None or count <= most):
+            return
+        if comma := self._cursor.decimal_comma(start):
+            raise comma
+        takes = f"{fewest}" if fewest == most else f"{fewest} or more"
+        raise function.place.refuse(
+            f"{function.text} takes {takes} argument{'s' * (takes != '1')}, got {count}",
+            "arity",
+            "add the missing arguments, or remove those too many",
+        )
+
+
+def _name(token: Token) -> Expression:
+    if token.text in ARITIES:
+        raise token.place.refuse(
+            f"the function {token.text} stands without arguments", "arity", f"write {token.text}(...)"
+        )
+    return Name(token.place, token.text)
+
+
+def _called(function: Token, arguments: tuple[Expression, ...]) -> Expression:
+    if function.text in ("rfNOT", "negation"):
+        return Sum(function.place, (-1,), arguments)
+    if function.text == "sqrt":
+        return Power(function.place, (*arguments, Number(function.place, _HALF)))
+    return Call(function.place, function.text, arguments)

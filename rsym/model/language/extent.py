@@ -1,0 +1,89 @@
+"""What a piece of a model costs SymPy, known before SymPy sees it.
+
+SymPy distributes (2*x)**n, merges sums into sums and compares trees without
+regard to shared parts; twenty lines of doubling definitions would keep it busy
+for hours. Sizes are therefore added up first, and a model beyond them is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from rsym.model.language.syntax import Place
+
+LARGEST_SIZE = 100_000  # nodes of one formula with every name written out
+DEEPEST = 1_000  # levels of one formula with every name written out
+HIGHEST_DEGREE = 1_000  # integer exponents of powers of powers, multiplied
+MOST_WORK = 60_000  # units of 20 to 40 microseconds: what SymPy was measured to need for one term of a sum
+_BITS_SQUARED = 100_000_000  # an exact operation on b bits was measured to take less than b*b/_BITS_SQUARED units
+
+
+@dataclass(frozen=True, slots=True)
+class Extent:
+    """The size of a formula, shared parts counted as often as they stand in it."""
+
+    size: int = 1
+    depth: int = 1
+    width: int = 1  # terms and factors that merge with those around them
+    bits: int = 0  # of the exact coefficients, if all of them met
+    degree: int = 1
+
+    def opaque(self, arguments: int) -> Extent:
+        """The same formula as a function: no number in it meets those around it; ten arguments cost one unit."""
+        return Extent(self.size, self.depth, 1 + arguments // 10)
+
+    def raised(self, exponent: int, *, distributes: bool) -> Extent:
+        """The same formula to an integer power, which SymPy distributes over factors, not over terms."""
+        times = max(abs(exponent), 1)
+        return replace(self, bits=self.bits * (times if distributes else 1), degree=self.degree * times)
+
+    def of_terms(self) -> Extent:
+        """The same formula as a true sum: exponents around it do not multiply those inside."""
+        return replace(self, degree=1)
+
+
+def joined(extents: Iterable[Extent]) -> Extent:
+    """The extent of an operation on formulas of these extents."""
+    parts = list(extents)
+    return Extent(
+        1 + sum(part.size for part in parts),
+        1 + max(part.depth for part in parts),
+        sum(part.width for part in parts),
+        sum(part.bits for part in parts),
+        max(part.degree for part in parts),
+    )
+
+
+class Budget:
+    """How much work one model may still cause."""
+
+    def __init__(self) -> None:
+        self._work = 0
+
+    def afford(self, extent: Extent, place: Place, *, sorts: bool = False) -> Extent:
+        """The extent, if it and all that came before it is not too much; sorting arguments looks at all of them."""
+        self._work += extent.width + extent.bits**2 // _BITS_SQUARED + sorts * extent.size // 50
+        if extent.depth > DEEPEST:
+            raise place.refuse(
+                f"with every name written out the formula is more than {DEEPEST} levels deep",
+                "too-deep",
+                "combine many shapes in one rfAND or rfOR instead of one after the other",
+            )
+        if extent.degree > HIGHEST_DEGREE:
+            raise place.refuse(
+                f"an exponent above {HIGHEST_DEGREE}, powers of powers multiplied", "too-large", "use smaller exponents"
+            )
+        if extent.size > LARGEST_SIZE:
+            raise place.refuse(
+                f"with every name written out the formula has more than {LARGEST_SIZE} parts",
+                "too-large",
+                "use each name less often",
+            )
+        if self._work > MOST_WORK:
+            raise place.refuse(
+                "the sums and products of this model are too long to be kept exact",
+                "too-large",
+                "use long sums less often, and numbers with fewer digits",
+            )
+        return extent

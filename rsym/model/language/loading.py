@@ -1,0 +1,119 @@
+"""Shapes from model files; text is parsed, never run."""
+
+from __future__ import annotations
+
+import codecs
+from os import PathLike
+from pathlib import Path
+
+from rsym.errors import RsymError
+from rsym.model.language.assembly import assemble
+from rsym.model.language.model import collect
+from rsym.model.language.parser import parse
+from rsym.model.language.scanner import LONGEST_TEXT
+from rsym.model.language.syntax import Place
+from rsym.model.shape import Shape
+
+_LONGEST_FILE = 4 * LONGEST_TEXT + len(codecs.BOM_UTF8)  # bytes; UTF-8 needs at most four for a character
+
+
+def load(path: str | PathLike[str], *, shape: str | None = None, variant: str | None = None) -> Shape:
+    """The shape that a model file describes; see `loads` for the language.
+
+    Parameters
+    ----------
+    path : str or path
+        A text file in UTF-8, by custom with the suffix ``.rf``.
+    shape, variant : str, optional
+        As for `loads`.
+
+    Raises
+    ------
+    RsymError
+        If the file cannot be read, or as for `loads`.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.load(rsym.paper.model_path("skeleton")).letters["a2"].default
+    Fraction(53, 10)
+    """
+    data = _read(path)
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        before = data[: error.start].decode("utf-8")
+        place = Place(before.count("\n") + 1, len(before) - (before.rfind("\n") + 1) + 1)
+        remedy = "save the file as UTF-8"
+        raise place.refuse(f"the byte 0x{data[error.start]:02X} is not UTF-8", "encoding", remedy) from None
+    return loads(text, shape=shape, variant=variant)
+
+
+def loads(text: str, *, shape: str | None = None, variant: str | None = None) -> Shape:
+    """The shape that a model text describes.
+
+    Statements are ``letter a = 5 in [1, 10] "what it is"``, ``variant b: a = 9``,
+    ``coordinates x y z``, ``bounds x [-8, 8] y [-4, 4]``, ``system R0`` and
+    ``name = formula``, each on its line or ended by a semicolon. Formulas are
+    written as in MATLAB with rfAND, rfOR, rfNOT, trimming, sqrt, abs, min, max,
+    sin, cos, tan, exp, log, atan2 and pi; decimals are exact; ``%`` and ``#``
+    begin comments.
+
+    Parameters
+    ----------
+    text : str
+        The model.
+    shape : str, optional
+        The name of the formula that is the shape; by default ``omega``, or else the last one.
+    variant : str, optional
+        The variant whose values the letters take.
+
+    Returns
+    -------
+    Shape
+        With the letters that the formula uses, and with its named parts as `definitions`.
+
+    Raises
+    ------
+    RsymError
+        For any text that is not such a model, with line, column and remedy; the
+        text is never run, and its size and that of its numbers are bounded.
+
+    Examples
+    --------
+    >>> disc = loads("letter r = 2.5 in [1, 10]; omega = (r^2 - x^2 - y^2)/(2*r)")
+    >>> disc.letters["r"].default
+    Fraction(5, 2)
+    >>> loads("f = 1 - x.^2; g = rfAND(f, y)").expression
+    conjunction(1 - x**2, y)
+    >>> loads("f = 1 - x^2; g = rfAND(f, y)", shape="f").expression
+    1 - x**2
+    """
+    if not isinstance(text, str):
+        raise RsymError(
+            f"a model is a text, got {type(text).__name__}", code="text", remedy="decode it, or use load for a file"
+        )
+    try:
+        return assemble(collect(parse(text)), shape, variant)
+    except RecursionError:
+        raise RsymError(
+            "the model is nested too deeply", code="too-deep", remedy="give names to parts of the formula"
+        ) from None
+
+
+def _read(path: str | PathLike[str]) -> bytes:
+    """The bytes of a file, no more than a model can have."""
+    try:
+        with Path(path).open("rb") as file:
+            data = file.read(_LONGEST_FILE + 1)
+    except FileNotFoundError:
+        raise RsymError(
+            f"no file {str(path)!r}", code="missing-file", remedy="check the path, or name a shipped model"
+        ) from None
+    except (OSError, ValueError, TypeError) as error:
+        raise RsymError(f"cannot read {path!r}: {error}", code="unreadable-file", remedy="give a text file") from None
+    if len(data) > _LONGEST_FILE:
+        raise RsymError(
+            f"{str(path)!r} has more than {_LONGEST_FILE} bytes", code="too-large", remedy="split the model"
+        )
+    return data

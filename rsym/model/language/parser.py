@@ -1,0 +1,131 @@
+"""Tokens to statements."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rsym.model.language.cursor import Cursor
+from rsym.model.language.expressions import ExpressionParser
+from rsym.model.language.scanner import Token, scan
+from rsym.model.language.syntax import (
+    Assignment,
+    BoundsStatement,
+    CoordinatesStatement,
+    Expression,
+    Interval,
+    LetterStatement,
+    Name,
+    Statement,
+    SystemStatement,
+    VariantStatement,
+)
+from rsym.model.language.vocabulary import KEYWORDS
+
+
+def parse(text: str) -> tuple[Statement, ...]:
+    """The statements of a model text.
+
+    Examples
+    --------
+    >>> [type(statement).__name__ for statement in parse("letter r = 1; omega = r - x^2 - y^2")]
+    ['LetterStatement', 'Assignment']
+    """
+    parser = _StatementParser(Cursor(scan(text)))
+    statements: list[Statement] = []
+    while statement := parser.next_statement():
+        statements.append(statement)
+    return tuple(statements)
+
+
+class _StatementParser:
+    """One method for each kind of statement."""
+
+    def __init__(self, cursor: Cursor) -> None:
+        self._cursor = cursor
+        self._expressions = ExpressionParser(cursor)
+        self._kinds: dict[str, Callable[[Token], Statement]] = {
+            "letter": self._letter,
+            "variant": self._variant,
+            "coordinates": self._coordinates,
+            "bounds": self._bounds,
+            "system": self._system,
+        }
+
+    def next_statement(self) -> Statement | None:
+        """The next statement, or None when the text is over."""
+        while self._cursor.statement_over:
+            if self._cursor.at_end:
+                return None
+            self._cursor.read()
+        word = self._cursor.expect_kind(
+            "name",
+            "a statement, which begins with a word",
+            "write name = expression; a formula goes on in the next line only after an operator, a comma or '('",
+        )
+        assigns = self._cursor.token.text == "="
+        statement = self._assignment(word) if assigns else self._kinds.get(word.text, self._assignment)(word)
+        if not self._cursor.statement_over:
+            raise self._cursor.unexpected(
+                "the end of the statement", "write * for a product, and one statement per line or a ';' between two"
+            )
+        return statement
+
+    def _assignment(self, word: Token) -> Statement:
+        keywords = ", ".join(KEYWORDS[:-1])
+        self._cursor.expect("=", f"write {word.text} = expression, or begin with one of {keywords}")
+        return Assignment(word.place, word.text, self._expressions.expression())
+
+    def _letter(self, word: Token) -> Statement:
+        name = self._name("a letter's name", "for example: letter a = 5 in [1, 10]")
+        self._cursor.expect("=", "every letter needs a value, for example: letter a = 5")
+        value = self._expressions.expression()
+        interval = self._interval() if self._cursor.accept("in") else None
+        doc = self._cursor.read().text[1:-1] if self._cursor.token.kind == "text" else ""
+        return LetterStatement(name.place, name.name, value, interval, doc)
+
+    def _variant(self, word: Token) -> Statement:
+        example = "for example: variant b: a1 = 9, b1 = 4"
+        name = self._name("a variant's name", example)
+        self._cursor.expect(":", example)
+        values = [self._variant_value(example)]
+        while self._cursor.accept(","):
+            if comma := self._cursor.decimal_comma():
+                raise comma
+            values.append(self._variant_value(example))
+        return VariantStatement(name.place, name.name, tuple(values))
+
+    def _variant_value(self, example: str) -> tuple[Name, Expression]:
+        name = self._name("a letter", example)
+        self._cursor.expect("=", example)
+        return name, self._expressions.expression()
+
+    def _coordinates(self, word: Token) -> Statement:
+        names = []
+        while self._cursor.token.kind == "name":
+            names.append(self._name("a coordinate", "for example: coordinates x y z"))
+        return CoordinatesStatement(word.place, tuple(names))
+
+    def _bounds(self, word: Token) -> Statement:
+        intervals = []
+        while self._cursor.token.kind == "name":
+            intervals.append((self._name("a coordinate", "for example: bounds x [-8, 8]"), self._interval()))
+        return BoundsStatement(word.place, tuple(intervals))
+
+    def _system(self, word: Token) -> Statement:
+        name = self._name("the name of an R-system", "for example: system R0")
+        return SystemStatement(name.place, name.name)
+
+    def _interval(self) -> Interval:
+        start = self._cursor.mark()
+        opening = self._cursor.expect("[", "a range is written [low, high]")
+        low = self._expressions.expression()
+        self._cursor.expect(",", "a range has two ends: [low, high]")
+        high = self._expressions.expression()
+        if self._cursor.token.text == ",":
+            raise self._cursor.decimal_comma(start) or self._cursor.unexpected("']'", "a range has two ends")
+        self._cursor.close(opening, "]")
+        return Interval(opening.place, low, high)
+
+    def _name(self, what: str, remedy: str) -> Name:
+        token = self._cursor.expect_kind("name", what, remedy)
+        return Name(token.place, token.text)

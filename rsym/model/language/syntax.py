@@ -1,0 +1,168 @@
+"""What a model file says, as frozen data: places, expressions and statements.
+
+Sums, products and powers are n-ary, so a long chain is wide and never deep.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+from rsym.errors import RsymError
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A line and a column, both counted from one."""
+
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"line {self.line}, column {self.column}"
+
+    def refuse(self, message: str, code: str, remedy: str) -> RsymError:
+        """The error for this place, to be raised."""
+        return RsymError(message, code=code, where=str(self), remedy=remedy)
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """An exact number."""
+
+    place: Place
+    value: Fraction
+    parts: tuple[Expression, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A letter, a coordinate, an assigned name or pi."""
+
+    place: Place
+    name: str
+    parts: tuple[Expression, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Sum:
+    """s1*p1 + s2*p2 + ... with signs s = 1 or -1."""
+
+    place: Place
+    signs: tuple[int, ...]
+    parts: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Product:
+    """p1^s1 * p2^s2 * ... with s = 1 for a factor and -1 for a divisor."""
+
+    place: Place
+    signs: tuple[int, ...]
+    parts: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Power:
+    """((base ^ exponent) ^ exponent) ...: the base first, then the exponents; MATLAB's power is left-associative."""
+
+    place: Place
+    parts: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A function of one or more arguments."""
+
+    place: Place
+    function: str
+    parts: tuple[Expression, ...]
+
+
+Expression: TypeAlias = Number | Name | Sum | Product | Power | Call
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """[low, high]."""
+
+    place: Place
+    low: Expression
+    high: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class LetterStatement:
+    """``letter a = 5 in [1, 10] "what it is"``."""
+
+    place: Place
+    name: str
+    value: Expression
+    interval: Interval | None
+    doc: str
+
+
+@dataclass(frozen=True, slots=True)
+class VariantStatement:
+    """``variant b: a1 = 9, b1 = 4``."""
+
+    place: Place
+    name: str
+    values: tuple[tuple[Name, Expression], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class CoordinatesStatement:
+    """``coordinates x y z``."""
+
+    place: Place
+    names: tuple[Name, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BoundsStatement:
+    """``bounds x [-8, 8] y [-4, 4]``."""
+
+    place: Place
+    intervals: tuple[tuple[Name, Interval], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SystemStatement:
+    """``system R0``."""
+
+    place: Place
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Assignment:
+    """``name = expression``."""
+
+    place: Place
+    name: str
+    value: Expression
+
+
+Statement: TypeAlias = (
+    LetterStatement | VariantStatement | CoordinatesStatement | BoundsStatement | SystemStatement | Assignment
+)
+
+
+def postorder(expression: Expression) -> Iterator[Expression]:
+    """Every part before the expression that it is a part of, without recursion."""
+    stack: list[tuple[Expression, bool]] = [(expression, False)]
+    while stack:
+        part, parts_done = stack.pop()
+        if parts_done or not part.parts:
+            yield part
+        else:
+            stack.append((part, True))
+            stack.extend((inner, False) for inner in reversed(part.parts))
+
+
+def names_in(expression: Expression) -> Iterator[Name]:
+    """The names that an expression mentions, in the order of the text."""
+    return (part for part in postorder(expression) if isinstance(part, Name))

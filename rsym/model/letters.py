@@ -1,0 +1,121 @@
+"""Letters: the named parameters of a model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from numbers import Real
+from typing import Any, TypeAlias
+
+import sympy as sp
+
+from rsym.errors import RsymError
+
+Number: TypeAlias = int | float | Fraction
+
+
+@dataclass(frozen=True)
+class Letter:
+    """A named parameter: its value, the range it may take, its unit and what it is.
+
+    Numbers are kept as given: an int, a float, a Fraction or a SymPy rational is exact.
+
+    Examples
+    --------
+    >>> Letter(5, minimum=1, maximum=10, unit="m", doc="half the length of the segment").default
+    5
+    """
+
+    default: Number
+    minimum: Number | None = None
+    maximum: Number | None = None
+    unit: str = ""
+    doc: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("default", "minimum", "maximum"):
+            value = getattr(self, name)
+            if value is not None or name == "default":
+                object.__setattr__(self, name, real_number(value, f"the {name} of a letter"))
+        self.check(self.default, "a letter")
+
+    def check(self, value: Number, name: str) -> None:
+        """Refuse a value outside the range."""
+        low = -math.inf if self.minimum is None else self.minimum
+        high = math.inf if self.maximum is None else self.maximum
+        if not low <= value <= high:
+            raise RsymError(
+                f"{name} must lie in [{_plain(low)}, {_plain(high)}], got {_plain(value)}",
+                code="letter-range",
+                remedy="choose a value inside the range, or widen the range of the Letter",
+            )
+
+
+class Letters(Mapping[str, Letter]):
+    """An immutable, hashable mapping from names to letters, in the order given."""
+
+    def __init__(self, items: Mapping[str, Letter]) -> None:
+        self._items = dict(items)
+
+    def __getitem__(self, name: str) -> Letter:
+        return self._items[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self._items.items()))
+
+    def __repr__(self) -> str:
+        return f"Letters({{{', '.join(f'{name!r}: {_plain(item.default)}' for name, item in self.items())}}})"
+
+    def merge(self, other: Letters) -> Letters:
+        """Both, by name; the same name must mean the same letter."""
+        for name in self.keys() & other.keys():
+            if self[name] != other[name]:
+                raise RsymError(
+                    f"the letter {name!r} means two things: {self[name]} and {other[name]}",
+                    code="letter-conflict",
+                    remedy="rename one of them, or give both shapes the same Letter",
+                )
+        return Letters({**self, **other})
+
+    def values_with(self, changes: Mapping[Any, Any] | None) -> dict[str, float]:
+        """Every letter's value, the defaults overridden by `changes` (names or symbols to numbers)."""
+        values = {name: float(item.default) for name, item in self.items()}
+        for key, value in (changes or {}).items():
+            name = str(key)
+            if name not in values:
+                known = ", ".join(values) or "none"
+                raise RsymError(f"no letter {name!r}; the letters are: {known}", code="unknown-letter")
+            number = real_number(value, f"the letter {name!r}")
+            self[name].check(number, f"the letter {name!r}")
+            values[name] = float(number)
+        return values
+
+
+def as_letters(letters: Mapping[Any, Any] | None) -> Letters:
+    """Accept {symbol or name: number or Letter}."""
+    return Letters(
+        {str(key): item if isinstance(item, Letter) else Letter(item) for key, item in (letters or {}).items()}
+    )
+
+
+def real_number(value: Any, what: str) -> Number:
+    """A finite real number as int, float or Fraction."""
+    if isinstance(value, sp.Rational):
+        value = int(value) if value.is_Integer else Fraction(int(value.p), int(value.q))
+    elif isinstance(value, sp.Expr) and value.is_number and value.is_real:
+        value = float(value)
+    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
+        raise RsymError(f"{what} must be a finite real number, got {value!r}", code="number")
+    return value if isinstance(value, int | float | Fraction) else float(value)
+
+
+def _plain(value: Number) -> str:
+    return f"{float(value):g}"

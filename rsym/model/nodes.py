@@ -1,0 +1,141 @@
+"""Nodes that SymPy keeps whole: what they share, trimming, and constants it must not evaluate."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import sympy as sp
+from mpmath import mp, mpf
+
+from rsym.model.traversal import rebuild
+
+_RUNTIME = "rsym.codegen.runtime."
+
+
+class RealNode(sp.Function):  # type: ignore[misc]
+    """A real function of real arguments, printed as a call to a small runtime function."""
+
+    is_commutative = True
+    runtime_name: ClassVar[str] = ""
+
+    def __new__(cls, *arguments: Any, **options: Any) -> sp.Expr:
+        """Know from the start whether there are symbols inside: SymPy asks often, and asks by recursion."""
+        node = super().__new__(cls, *arguments, **options)
+        node._is_number = all(argument.is_number for argument in node.args)
+        return node
+
+    @property
+    def is_number(self) -> bool:
+        """Whether the node has no symbols."""
+        return bool(self._is_number)
+
+    @classmethod
+    def _should_evalf(cls, argument: sp.Expr) -> int:
+        return -1  # one float among the arguments must not turn the exact numbers beside it into floats
+
+    def _eval_is_real(self) -> bool:
+        return True
+
+    def _eval_is_extended_real(self) -> bool:
+        return True
+
+    def as_roots(self) -> sp.Expr:
+        """The node itself, not what is below it, in plain arithmetic."""
+        raise NotImplementedError
+
+    def doit(self, **hints: Any) -> sp.Expr:
+        """The whole expression in plain arithmetic, square roots written out."""
+        return expand_nodes(self)
+
+    def _eval_evalf(self, precision: int) -> sp.Expr:
+        arguments = [argument._eval_evalf(precision) or argument for argument in self.args]
+        if not all(argument.is_Float or argument.is_Rational for argument in arguments):
+            return self.func(*arguments)
+        with mp.workprec(precision + 10):
+            value = self.numeric([argument._to_mpmath(precision + 10) for argument in arguments])
+        return sp.Float._new(value._mpf_, precision)
+
+    def numeric(self, arguments: list[mpf]) -> mpf:
+        """The value at high precision, free of cancellation."""
+        raise NotImplementedError
+
+    def _runtime_call(self, printer: Any) -> str:
+        function = printer._module_format(_RUNTIME + self.runtime_name)
+        return f"{function}({', '.join(printer._print(argument) for argument in self.args)})"
+
+    _numpycode = _pythoncode = _mpmathcode = _jaxcode = _torchcode = _cupycode = _runtime_call
+
+
+class Trimming(RealNode):
+    """The curve f = 0 kept where t >= 0: sqrt(f**2 + ((sqrt(t**2 + f**4) - t)/2)**2)."""
+
+    runtime_name = "trimming"
+
+    def as_roots(self) -> sp.Expr:
+        """The formula."""
+        f, t = self.args
+        return sp.sqrt(f**2 + ((sp.sqrt(t**2 + f**4) - t) / 2) ** 2)
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """With q = sqrt(t**2 + f**4), u = (q - t)/2, rho the node: f*(1 + u*f**2/q)/rho and -u**2/(q*rho)."""
+        f, t = self.args
+        root = sp.sqrt(t**2 + f**4)
+        gap = (root - t) / 2
+        return f * (1 + gap * f**2 / root) / self if argindex == 1 else -(gap**2) / (root * self)
+
+    def numeric(self, arguments: list[mpf]) -> mpf:
+        """The formula, the inner difference without cancellation."""
+        f, t = arguments
+        root = mp.hypot(t, f * f)
+        gap = (root - t) / 2 if t <= 0 else f**4 / (2 * (root + t))
+        return mp.hypot(f, gap)
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        text = rf"\rho\left({printer._print(self.args[0])};\, {printer._print(self.args[1])}\right)"
+        return text if exp is None else f"{text}^{{{exp}}}"
+
+    def _sympystr(self, printer: Any) -> str:
+        return f"trimming({', '.join(printer._print(argument) for argument in self.args)})"
+
+
+class Held(RealNode):
+    """A number without a rational value, sqrt(2) or sin(pi/7), which SymPy must not evaluate.
+
+    Deciding whether such a number is zero can take SymPy for ever; a model file could make it try.
+    """
+
+    is_number = False
+
+    def as_roots(self) -> sp.Expr:
+        """What is held."""
+        return self.args[0]
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """A constant does not change."""
+        return sp.S.Zero
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        text = printer._print(self.args[0])
+        return text if exp is None else rf"\left({text}\right)^{{{exp}}}"
+
+    def _sympystr(self, printer: Any) -> str:
+        text = printer._print(self.args[0])
+        return f"({text})" if self.args[0].args else text
+
+    def _runtime_call(self, printer: Any) -> str:
+        return f"({printer._print(self.args[0])})"
+
+    _numpycode = _pythoncode = _mpmathcode = _jaxcode = _torchcode = _cupycode = _runtime_call
+
+
+def expand_nodes(expression: sp.Expr) -> sp.Expr:
+    """Write every R-node out in square roots.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> expand_nodes(rsym.conjunction(x, y))
+    x + y - sqrt(x**2 + y**2)
+    """
+    return rebuild(expression, lambda part: part.as_roots() if isinstance(part, RealNode) else None)

@@ -1,0 +1,238 @@
+"""A shape: one real function, positive inside, with letters and bounds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeAlias
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.letters import Letter, Letters, as_letters
+from rsym.model.rnodes import ROperation
+from rsym.model.symbols import real_replacements
+from rsym.model.systems import R0
+from rsym.model.traversal import substitute, symbols_of
+
+Bounds: TypeAlias = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, init=False)
+class Shape:
+    """omega(x, y[, z]) > 0 inside, = 0 on the boundary, < 0 outside.
+
+    Parameters
+    ----------
+    expression : sympy.Expr
+        omega, in coordinates and letters; R-nodes are kept as they are.
+    coordinates : sequence of symbols
+        Two or three, in the order in which functions take them.
+    letters : mapping, optional
+        ``{symbol or name: number or Letter}``; every other symbol of the expression must be here.
+    bounds : sequence of pairs, optional
+        ``((xmin, xmax), (ymin, ymax)[, (zmin, zmax)])``, the box that holds what is of interest.
+
+    The operators ``& | - ~ ^`` are conjunction, disjunction, difference,
+    negation and exclusive or in system R_0.
+
+    Raises
+    ------
+    RsymError
+        For an unknown symbol, conflicting letters, or bounds that are not finite and increasing.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> disc = rsym.Shape((1 - x**2 - y**2) / 2, (x, y), bounds=((-1, 1), (-1, 1)))
+    >>> half = disc & rsym.Shape(x, (x, y))
+    >>> half.expression
+    conjunction(-x**2/2 - y**2/2 + 1/2, x)
+    """
+
+    expression: sp.Expr
+    coordinates: tuple[sp.Symbol, ...]
+    letters: Letters
+    bounds: Bounds | None
+    definitions: tuple[tuple[str, sp.Expr], ...] = field(compare=False)
+
+    def __init__(
+        self,
+        expression: Any,
+        coordinates: Any,
+        *,
+        letters: Mapping[Any, Letter | float] | None = None,
+        bounds: Any = None,
+        definitions: tuple[tuple[str, sp.Expr], ...] = (),
+    ) -> None:
+        expression = as_expression(expression)
+        coordinates = tuple(coordinates)
+        if len(coordinates) not in (2, 3) or not all(isinstance(symbol, sp.Symbol) for symbol in coordinates):
+            raise RsymError(
+                f"a shape needs two or three coordinate symbols, got {coordinates}",
+                code="coordinates",
+                remedy="for example (x, y) or (x, y, z)",
+            )
+        real = real_replacements((expression, *coordinates))
+        store = object.__setattr__
+        store(self, "expression", substitute(expression, real) if real else expression)
+        store(self, "coordinates", tuple(real.get(symbol, symbol) for symbol in coordinates))
+        store(self, "letters", as_letters(letters))
+        store(self, "bounds", None if bounds is None else _checked_bounds(bounds, len(coordinates)))
+        store(self, "definitions", definitions)
+        self._check_symbols()
+
+    def _check_symbols(self) -> None:
+        names = [symbol.name for symbol in self.coordinates]
+        if len(set(names)) != len(names) or self.letters.keys() & set(names):
+            raise RsymError("coordinates and letters must have different names", code="coordinates")
+        known = {*names, *self.letters}
+        unknown = [symbol.name for symbol in symbols_of(self.expression) if symbol.name not in known]
+        if unknown:
+            raise RsymError(
+                f"the expression contains {', '.join(unknown)}, neither coordinate nor letter",
+                code="unknown-letter",
+                remedy=f"give letters={{{unknown[0]}: value}}",
+            )
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return len(self.coordinates)
+
+    def with_letters(self, values: Mapping[Any, Any]) -> Shape:
+        """The same shape with other defaults: {name or symbol: number or Letter}.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> from rsym import x, y
+        >>> import sympy as sp
+        >>> r = sp.Symbol("r", real=True)
+        >>> rsym.Shape(r - x - y, (x, y), letters={r: 1}).with_letters({r: 2}).letters["r"].default
+        2
+        """
+        named = {str(key): value for key, value in values.items()}
+        self.letters.values_with({name: value for name, value in named.items() if not isinstance(value, Letter)})
+        changed = {
+            name: new if isinstance(new := named.get(name, old.default), Letter) else replace(old, default=new)
+            for name, old in self.letters.items()
+        }
+        return self.replace(letters=changed)
+
+    def replace(self, *, expression: Any = None, letters: Mapping[Any, Any] | None = None, bounds: Any = None) -> Shape:
+        """A copy with another expression, other letters or other bounds."""
+        return Shape(
+            self.expression if expression is None else expression,
+            self.coordinates,
+            letters=self.letters if letters is None else letters,
+            bounds=self.bounds if bounds is None else bounds,
+            definitions=self.definitions if expression is None else (),
+        )
+
+    def _combined(self, function: Callable[..., sp.Expr], *others: Shape) -> Shape:
+        result: Shape = combine(function, self, *others)
+        return result
+
+    def __and__(self, other: Shape) -> Shape:
+        return self._combined(R0.conjunction, other)
+
+    def __or__(self, other: Shape) -> Shape:
+        return self._combined(R0.disjunction, other)
+
+    def __sub__(self, other: Shape) -> Shape:
+        return self._combined(lambda f, g: R0.conjunction(f, -g), other)
+
+    def __invert__(self) -> Shape:
+        return self._combined(lambda f: -f)
+
+    def __xor__(self, other: Shape) -> Shape:
+        return self._combined(lambda f, g: R0.disjunction(R0.conjunction(f, -g), R0.conjunction(-f, g)), other)
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {latex(self)}$"
+
+
+def latex(shape: Shape) -> str:
+    r"""The equation as LaTeX; where a model file named its parts, the definitions one by one.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> print(latex(rsym.Shape(rsym.conjunction(x, y), (x, y))))
+    \omega\left(x, y\right) = x \wedge_0 y
+    """
+    arguments = ", ".join(sp.latex(symbol) for symbol in shape.coordinates)
+    name = rf"\omega\left({arguments}\right)"
+    if not shape.definitions:
+        return f"{name} = {_latex_line(shape.expression)}"
+    lines = [f"{sp.latex(sp.Symbol(title))} &= {_latex_line(value)}" for title, value in shape.definitions]
+    last = sp.latex(sp.Symbol(shape.definitions[-1][0]))
+    lines[-1] = lines[-1].replace(f"{last} &=", f"{name} &=", 1)
+    return r"\begin{aligned}" + r"\\ ".join(lines) + r"\end{aligned}"
+
+
+def _latex_line(expression: sp.Expr) -> str:
+    text: str = sp.latex(expression)
+    outer = isinstance(expression, ROperation)
+    return text.removeprefix(r"\left(").removesuffix(r"\right)") if outer else text
+
+
+def combine(function: Callable[..., sp.Expr], *operands: Any) -> Any:
+    """Apply a function of expressions to shapes: same coordinates, letters merged, bounds the smallest box around all.
+
+    Plain expressions among shapes take part as they are; without any shape the result is an expression.
+    """
+    shapes = [operand for operand in operands if isinstance(operand, Shape)]
+    expressions = [operand.expression if isinstance(operand, Shape) else as_expression(operand) for operand in operands]
+    if not shapes:
+        return function(*expressions)
+    letters = Letters({})
+    for shape in shapes:
+        if [s.name for s in shape.coordinates] != [s.name for s in shapes[0].coordinates]:
+            raise RsymError(
+                f"shapes in {shapes[0].coordinates} and {shape.coordinates} cannot be combined",
+                code="coordinates",
+                remedy="revolve or extrude the plane shape first",
+            )
+        letters = letters.merge(shape.letters)
+    return Shape(function(*expressions), shapes[0].coordinates, letters=letters, bounds=_hull(shapes))
+
+
+def as_expression(value: Any) -> sp.Expr:
+    """A real SymPy expression; text is refused, since turning text into SymPy would run it."""
+    try:
+        expression = sp.sympify(value, strict=True)
+    except (sp.SympifyError, TypeError) as error:
+        raise RsymError(
+            f"expected a SymPy expression or a number, got {type(value).__name__} {value!r}",
+            code="expression",
+            remedy="build it from symbols; for text use rsym.loads",
+        ) from error
+    if not isinstance(expression, sp.Expr):
+        raise RsymError(f"expected a real expression, got {type(expression).__name__}", code="expression")
+    return expression
+
+
+def _checked_bounds(bounds: Any, dimension: int) -> Bounds:
+    try:
+        box = tuple((float(low), float(high)) for low, high in bounds)
+    except (TypeError, ValueError) as error:
+        raise RsymError(f"bounds must be pairs (low, high), got {bounds!r}", code="bounds") from error
+    if len(box) != dimension or not all(math.isfinite(a) and math.isfinite(b) and a < b for a, b in box):
+        raise RsymError(
+            f"bounds must be {dimension} finite pairs with low < high, got {bounds!r}",
+            code="bounds",
+            remedy="for example ((-1, 1), (-1, 1))",
+        )
+    return box
+
+
+def _hull(shapes: list[Shape]) -> Bounds | None:
+    boxes = [shape.bounds for shape in shapes if shape.bounds is not None]
+    if not boxes:
+        return None
+    return tuple((min(low for low, _ in axis), max(high for _, high in axis)) for axis in zip(*boxes, strict=True))

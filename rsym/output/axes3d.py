@@ -1,0 +1,200 @@
+"""Three-dimensional axes for a body: true proportions, few ticks, nothing that overlaps or is cut off."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.backend_bases import RendererBase
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Bbox
+from mpl_toolkits.mplot3d import Axes3D
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.output.shading import unit
+
+Floats = NDArray[np.float64]
+
+WIDTH = 7.0  # inches, of a figure made here; its height follows from the body
+LOWEST, HIGHEST = 3.2, 7.5
+MARGIN, TOP_MARGIN = 47.0, 10.0  # points around the box, for ticks and labels; none stand above it
+TICK_OFFSET, LABEL_OFFSET, STEEP_OFFSET = 9.0, 28.0, 6.0  # points from an axis line
+TICK_SPACING, TICK_CLEARANCE = 42.0, 7.0  # points between ticks, and from the ends
+NUMBER_SIZE = (22.0, 11.0)  # points, of the label of a tick
+GREY = "#555555"
+
+
+class BodyAxes(Axes3D):  # type: ignore[misc]
+    """3D axes whose square may hang out of the figure; only the visible part counts when a picture is trimmed."""
+
+    def get_window_extent(self, renderer: RendererBase | None = None) -> Bbox:
+        """Return the visible part of the axes in pixels."""
+        return Bbox.intersection(self.bbox, self.figure.bbox) or self.bbox
+
+
+def new_axes(low: Floats, high: Floats, elevation: float, azimuth: float) -> Axes3D:
+    """Make a pyplot figure whose height suits the body, filled by one 3D axes.
+
+    mplot3d draws into a square round the middle of the box. The square is made
+    so large that box and labels just fill the figure.
+    """
+    from matplotlib import pyplot as plt
+
+    with plt.rc_context({"grid.color": "#e6e6e6", "grid.linewidth": 0.6}):
+        figure = plt.figure(figsize=(WIDTH, WIDTH))
+        axes = BodyAxes(figure, (0.0, 0.0, 1.0, 1.0))
+    figure.add_axes(axes)
+    axes.patch.set_in_layout(False)
+    frame(axes, low, high, elevation, azimuth)
+    corners = (_silhouette(axes) - axes.bbox.size / 2) / figure.dpi
+    least, most = corners.min(axis=0), corners.max(axis=0)
+    margin, above = MARGIN / 72, (MARGIN if elevation < 0 else TOP_MARGIN) / 72
+    growth = (WIDTH - 2 * margin) / (most[0] - least[0])
+    height = float(np.clip(growth * (most[1] - least[1]) + margin + above, LOWEST, HIGHEST))
+    growth = min(growth, (height - margin - above) / (most[1] - least[1]))
+    size = np.array([WIDTH, height])
+    centre = (size + np.array([0.0, margin - above]) - growth * (least + most)) / 2
+    half = np.maximum(centre, size - centre).max()
+    figure.set_size_inches(*size)
+    axes.set_position((*((centre - half) / size), *(2 * half / size)))
+    return axes
+
+
+def require_axes3d(axes: object) -> Axes3D:
+    """Refuse axes that are not three-dimensional."""
+    if not isinstance(axes, Axes3D):
+        raise RsymError(
+            f"a mesh is drawn on 3D axes, got {type(axes).__name__}",
+            code="axes",
+            remedy='make them by figure.add_subplot(projection="3d"), or leave ax out',
+        )
+    return axes
+
+
+def frame(axes: Axes3D, low: Floats, high: Floats, elevation: float, azimuth: float) -> None:
+    """Point the camera and fit the box [low, high] into the axes with equal scales."""
+    size = np.maximum(high - low, 1e-3 * max(float((high - low).max()), np.finfo(float).tiny))
+    middle = (low + high) / 2
+    axes.view_init(elev=elevation, azim=azimuth)
+    for set_limits, centre, length in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, size, strict=True):
+        set_limits(centre - 0.51 * length, centre + 0.51 * length)
+    zoom = 1.0
+    # Perspective makes the size of the picture not quite proportional to the zoom: a few steps settle it.
+    for _ in range(4):
+        axes.set_box_aspect(size, zoom=zoom)
+        zoom *= _room(axes)
+
+
+def _silhouette(axes: Axes3D) -> Floats:
+    """Return the eight corners of the box in pixels, (8, 2)."""
+    axes.apply_aspect()
+    limits = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()])
+    corners = np.stack(np.meshgrid(*limits, indexing="ij"), axis=-1).reshape(-1, 3)
+    return project(axes, corners)[:, :2]
+
+
+def project(axes: Axes3D, points: Floats) -> Floats:
+    """Project points (n, 3) to x, y in pixels of the figure and depth, by the camera's present place."""
+    homogeneous = points @ axes.get_proj()[:, :3].T + axes.get_proj()[:, 3]
+    screen: Floats = homogeneous[:, :3] / homogeneous[:, 3:]
+    screen[:, :2] = axes.transData.transform(screen[:, :2])
+    return screen
+
+
+def camera(axes: Axes3D) -> tuple[Floats, int]:
+    """Return the matrix that turns normals of the data to the camera's right, up and towards, and a handedness.
+
+    Normals go by the inverse of the stretch from data to box. The sign is -1
+    where inverted axes mirror the body, so that its triangles wind the other way.
+    """
+    limits = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()])
+    stretch = np.asarray(axes.get_box_aspect()) / np.diff(limits, axis=1)[:, 0]
+    right, up = unit(axes.get_proj()[:2, :3] / stretch)
+    turn = np.stack([right, up, np.cross(right, up)])
+    return turn / stretch * np.abs(stretch).max(), int(np.sign(stretch.prod()))
+
+
+def _room(axes: Axes3D) -> float:
+    """Return by how much the box may grow, with a margin for the labels, in the visible part of the axes."""
+    figure = axes.figure
+    low, high = np.maximum(axes.bbox.min, figure.bbox.min), np.minimum(axes.bbox.max, figure.bbox.max)
+    margin = min(MARGIN * figure.dpi / 72, 0.16 * float((high - low).min()))
+    above = min(TOP_MARGIN * figure.dpi / 72, margin) if axes.elev >= 0 else margin
+    middle = (axes.bbox.min + axes.bbox.max) / 2
+    corners = _silhouette(axes) - middle
+    low, high = low + margin - middle, high - (margin, above) - middle
+    return float(min((low / corners.min(axis=0)).min(), (high / corners.max(axis=0)).min()))
+
+
+class InnerTicks(MaxNLocator):
+    """A few round ticks, none so near another or an end that labels meet.
+
+    Parameters
+    ----------
+    span : (2,) array
+        How far the axis runs on the page, in points.
+    """
+
+    def __init__(self, span: Floats) -> None:
+        self.length = max(float(np.hypot(*span)), 1.0)
+        self.count = int(np.clip(self.length / TICK_SPACING, 1, 8))
+        # Numbers are wider than high: two of them are clear of each other sideways or upwards.
+        self.apart = min(
+            room / max(abs(part) / self.length, 1e-3) for room, part in zip(NUMBER_SIZE, span, strict=True)
+        )
+        super().__init__(nbins=self.count, steps=[1, 2, 2.5, 5, 10])
+
+    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
+        """Return the ticks for an axis from vmin to vmax, two or more if that can be had."""
+        low, high = min(vmin, vmax), max(vmin, vmax)
+        gap = min(TICK_CLEARANCE / self.length, 0.25) * (high - low)
+        for count in range(self.count, 2 * self.count + 5):
+            self.set_params(nbins=count)
+            ticks = [tick for tick in super().tick_values(low, high) if low + gap <= tick <= high - gap]
+            if len(ticks) > 1:
+                distance = (ticks[1] - ticks[0]) / (high - low) * self.length
+                stride = int(np.ceil(self.apart / distance))
+                return ticks[(len(ticks) - 1) % stride // 2 :: stride]
+        return ticks
+
+
+def style(axes: Axes3D) -> None:
+    """Label the axes, thin the ticks, and make the panes step back."""
+    figure = axes.figure
+    points = 72 / figure.dpi
+    axis_lines = (axes.xaxis, axes.yaxis, axes.zaxis)
+    limits = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()])
+    middle = limits.mean(axis=1)
+    ends = np.where(np.eye(3, dtype=bool)[:, None, :], limits.T[None], middle).reshape(-1, 3)
+    spans = (np.diff(project(axes, ends)[:, :2].reshape(3, 2, 2), axis=1)[:, 0]) * points
+    for index, (axis, label) in enumerate(zip(axis_lines, "xyz", strict=True)):
+        axis.set_label_text(label)
+        axis.set_major_locator(InnerTicks(spans[index]))
+        unit_offset = _offset(axes, spans, index)
+        # Numbers are wider than high: beside a steep axis they need more room.
+        extra = STEEP_OFFSET * abs(spans[index, 1]) / max(float(np.hypot(*spans[index])), 1e-9)
+        axis.set_tick_params(pad=(TICK_OFFSET + extra) / unit_offset - 8, labelsize=8, labelcolor=GREY, color=GREY)
+        axis.labelpad = (LABEL_OFFSET + 1.5 * extra) / unit_offset - 21
+        axis.label.set_size(10)
+        axis.line.set_color("#aaaaaa")
+        axis.line.set_linewidth(0.7)
+        axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
+        axis.pane.set_edgecolor("#e0e0e0")
+
+
+def _offset(axes: Axes3D, spans: Floats, index: int) -> float:
+    """Return by how many points one unit of padding moves a label away from an axis line.
+
+    mplot3d moves labels along the other two axes by 8 % of *their* lengths
+    times 48 over the axes' size in points, per unit: far from a short axis
+    of a slender body, not at all from its long one. With this number the
+    padding can be chosen so that each label gets the distance asked for.
+    """
+    figure: Any = axes.figure
+    size = float(np.sum(axes.bbox.size)) * 72 / figure.dpi
+    along = spans[index] / max(float(np.hypot(*spans[index])), 1e-9)
+    others = np.delete(spans, index, axis=0)
+    across = np.abs(others[:, 0] * along[1] - others[:, 1] * along[0]).sum()
+    return float(max(across, 1.0) * 0.08 * 48 / size)

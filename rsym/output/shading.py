@@ -1,0 +1,122 @@
+"""Light on a surface: directions to colours, and colours to an antialiased image.
+
+All sums are taken in linear light; only the last step encodes for the screen.
+Directions are those of the camera: x right, y up, z towards the eye.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+
+Floats = NDArray[np.float64]
+
+# Above the camera's left shoulder, so that neighbouring faces of a box differ in brightness.
+KEY = np.array([-0.38, 0.76, 0.53])
+FILL = np.array([0.70, -0.35, 0.62])
+KEY_STRENGTH, FILL_STRENGTH, AMBIENT, SKY = 0.84, 0.20, 0.20, 0.06
+SHINE, SHINE_EXPONENT = 0.16, 36
+# How much darker a place gets that lies this share of the body's depth behind its surroundings, and at most.
+HOLLOW, HOLLOW_MOST = 9.0, 0.5
+# Grazing surfaces lose this share of their light: a light body then keeps its outline on white paper.
+RIM = 0.30
+# The inside of a surface, seen where it is open.
+INSIDE = "#b5764c"
+
+
+def unit(vectors: Floats) -> Floats:
+    """Scale vectors (last axis) to length one; zero stays zero."""
+    length = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))[..., None]
+    result: Floats = vectors / np.where(length > 0, length, 1.0)
+    return result
+
+
+def linear(colour: str) -> Floats:
+    """Decode a colour's name to linear red, green and blue.
+
+    Examples
+    --------
+    >>> linear("#808080").round(4)
+    array([0.2159, 0.2159, 0.2159])
+    """
+    try:
+        encoded = np.array(to_rgb(colour))
+    except ValueError as error:
+        raise RsymError(
+            f"a colour is a name or #rrggbb, got {colour!r}", code="colour", remedy="write for example '#8aa4c8'"
+        ) from error
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def encode(light: Floats) -> Floats:
+    """Encode linear light for the screen (sRGB), clipped to [0, 1]."""
+    light = np.clip(light, 0.0, 1.0)
+    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+
+
+def shade(normals: Floats, colours: Floats) -> Floats:
+    """Return the linear light of points with unit normals (n, 3) and colours (n, 3).
+
+    A key light that wraps round the body, a fill light from the other side,
+    a sky that is brighter than the ground, and a soft highlight.
+    """
+    key, fill = unit(KEY), unit(FILL)
+    # A normal that turns away from the eye comes from interpolation: take the nearest one that does not.
+    normals = normals.copy()
+    normals[:, 2] = np.maximum(normals[:, 2], 0.0)
+    normals = unit(normals)
+    # Powers make both lights fade out without a visible line.
+    wrapped = ((normals @ key + 0.35) / 1.35).clip(0.0) ** 1.5
+    filled = (0.5 + 0.5 * (normals @ fill)) ** 2
+    diffuse = KEY_STRENGTH * wrapped + FILL_STRENGTH * filled + AMBIENT + SKY * normals[:, 1]
+    diffuse *= 1 - RIM * (1 - normals[:, 2]) ** 2
+    shine = SHINE * (normals @ unit(key + np.array([0.0, 0.0, 1.0]))).clip(0.0) ** SHINE_EXPONENT
+    return colours * diffuse[:, None] + shine[:, None]
+
+
+def hollows(depth: Floats, radius: int) -> Floats:
+    """Return factors that darken what lies behind its surroundings, so that recesses and openings read as such.
+
+    `depth` is (h, w) with NaN where there is nothing. The depth is compared with
+    its mean over the surroundings (Luft, Colditz, Deussen 2006).
+    """
+    there = np.isfinite(depth)
+    known = np.where(there, depth, 0.0)
+    span = max(float(np.ptp(depth[there])), np.finfo(float).tiny) if there.any() else 1.0
+    weight, total = (_blur(_blur(part, radius), radius) for part in (there.astype(float), known))
+    mean = np.divide(total, weight, out=np.zeros_like(total), where=weight > 1e-6)
+    behind = (np.where(there, known - mean, 0.0) / span).clip(0.0)
+    return 1 - HOLLOW_MOST * (1 - np.exp(-HOLLOW * behind))
+
+
+def _blur(values: Floats, radius: int) -> Floats:
+    """Average over squares of 2*radius + 1 samples, zero outside."""
+    for axis in (0, 1):
+        pad = [(radius + 1, radius) if axis == k else (0, 0) for k in (0, 1)]
+        total = np.cumsum(np.pad(values, pad), axis=axis)
+        ends = np.arange(values.shape[axis])
+        values = (total.take(ends + 2 * radius + 1, axis) - total.take(ends, axis)) / (2 * radius + 1)
+    return values
+
+
+def mean_depth(depth: Floats, factor: int) -> Floats:
+    """Average the depths of factor x factor samples, NaN left out, NaN where there is no other."""
+    height, width = depth.shape[0] // factor, depth.shape[1] // factor
+    blocks = depth.reshape(height, factor, width, factor)
+    there = np.isfinite(blocks)
+    count = there.sum(axis=(1, 3))
+    mean: Floats = np.where(there, blocks, 0.0).sum(axis=(1, 3)) / np.where(count, count, np.nan)
+    return mean
+
+
+def reduce(samples: NDArray[np.float32], factor: int) -> NDArray[np.uint8]:
+    """Average (h*factor, w*factor, 4) samples of light and coverage, light times coverage, to an (h, w, 4) image."""
+    height, width = samples.shape[0] // factor, samples.shape[1] // factor
+    mean = samples.reshape(height, factor, width, factor, 4).mean(axis=(1, 3), dtype=np.float64)
+    coverage = mean[..., 3:]
+    colour = encode(mean[..., :3] / np.where(coverage > 0, coverage, 1.0))
+    image: NDArray[np.uint8] = np.rint(255 * np.concatenate([colour, coverage], axis=-1)).astype(np.uint8)
+    return image

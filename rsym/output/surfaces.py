@@ -1,0 +1,202 @@
+"""Meshes as shaded pictures on three-dimensional matplotlib axes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.backend_bases import RendererBase
+from matplotlib.transforms import Bbox
+from mpl_toolkits.mplot3d import Axes3D
+from numpy.typing import NDArray
+
+from rsym.output import axes3d
+from rsym.output.rasteriser import Triangles, rasterise, snap
+from rsym.output.shading import INSIDE, hollows, linear, mean_depth, reduce, shade, unit
+from rsym.sampling.mesh import Mesh
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SAMPLES = 2  # per pixel and direction
+BATCH = 1 << 18  # pixels shaded at once
+EDGE_WIDTH = 0.3  # points
+HOLLOW_RADIUS = 0.025  # of the picture's longer side
+EDGE_LIGHT = 0.25  # what is left of the light on an edge
+
+
+def plot_mesh(
+    mesh: Mesh,
+    *,
+    ax: Axes3D | None = None,
+    colour: str = "#8aa4c8",
+    elevation: float = 22.0,
+    azimuth: float = -55.0,
+    edges: bool = False,
+) -> Artist:
+    """Draw a mesh as a shaded body with hidden surfaces removed.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The triangles; where the surface is open its inside shows in a warmer colour.
+    ax : Axes3D, optional
+        Where to draw; a new pyplot figure is made if it is left out.
+    colour : str
+        The colour of the body, as matplotlib writes colours.
+    elevation, azimuth : float
+        The direction of the eye in degrees: above the xy-plane, and from the x-axis towards the y-axis.
+    edges : bool
+        Whether to draw the edges of the triangles.
+
+    Returns
+    -------
+    Artist
+        The picture; its figure is ``artist.get_figure()``.
+
+    Raises
+    ------
+    RsymError
+        If `ax` is not three-dimensional.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from rsym.sampling.mesh import Mesh, examine
+    >>> corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    >>> faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> sides = np.cross(corners[faces[:, 1]] - corners[faces[:, 0]], corners[faces[:, 2]] - corners[faces[:, 0]])
+    >>> normals = np.repeat(sides[:, None], 3, axis=1)
+    >>> axes = Figure().add_subplot(projection="3d")
+    >>> artist = plot_mesh(Mesh(corners, faces, normals, examine(corners, faces)), ax=axes)
+    >>> artist.axes is axes
+    True
+    """
+    artist = ShadedMesh(mesh, colour=colour, edges=edges)
+    if ax is None:
+        axes = axes3d.new_axes(artist.low, artist.high, elevation, azimuth)
+    else:
+        axes = axes3d.require_axes3d(ax)
+    low, high = _with_others(axes, artist.low, artist.high)
+    axes3d.frame(axes, low, high, elevation, azimuth)
+    axes3d.style(axes)
+    axes.add_artist(artist)
+    return artist
+
+
+def _with_others(axes: Axes3D, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """Widen a box by the meshes that the axes already show."""
+    for other in axes.artists:
+        if isinstance(other, ShadedMesh):
+            low, high = np.minimum(low, other.low), np.maximum(high, other.high)
+    return low, high
+
+
+class ShadedMesh(Artist):
+    """A mesh that is projected, rasterised and lit anew, at the renderer's own resolution, whenever it is drawn."""
+
+    def __init__(self, mesh: Mesh, *, colour: str, edges: bool) -> None:
+        super().__init__()
+        self.mesh = mesh
+        self.edges = edges
+        self.colours = np.stack([linear(INSIDE), linear(colour)])
+        self.low, self.high = mesh.vertices[mesh.faces].min(axis=(0, 1)), mesh.vertices[mesh.faces].max(axis=(0, 1))
+        self.normals = _usable_normals(mesh)
+        self._state: object = None
+        self._drawn = (np.zeros(2, np.int64), np.zeros((0, 0, 4), np.uint8))
+        # Above panes, grid and axis lines, like the collections of mplot3d.
+        self.set_zorder(4)
+
+    def get_window_extent(self, renderer: RendererBase | None = None) -> Bbox:
+        """Return the rectangle that the body covers, in pixels of the figure."""
+        axes: Any = self.axes
+        screen = axes3d.project(axes, self.mesh.vertices[np.unique(self.mesh.faces)])[:, :2]
+        body = Bbox([screen.min(axis=0), screen.max(axis=0)])
+        return Bbox.intersection(body, axes.bbox) or Bbox.null()
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw the body as one image."""
+        axes: Any = self.axes
+        if axes is None or not self.get_visible():
+            return
+        scale = renderer.get_image_magnification()
+        line = EDGE_WIDTH * float(np.asarray(renderer.points_to_pixels(1.0))) * scale if self.edges else 0.0
+        # A picture saved with bbox_inches="tight" is drawn twice, the second time only moved.
+        state = (axes.get_proj().tobytes(), tuple(np.round(axes.bbox.size, 6)), scale, line)
+        if state != self._state:
+            self._state, self._drawn = state, self._picture(axes, scale, line)
+        corner, image = self._drawn
+        if image.size:
+            left, bottom = axes.bbox.min + corner / scale
+            context = renderer.new_gc()
+            context.set_clip_rectangle(axes.bbox)
+            renderer.draw_image(context, left, bottom, image)
+            context.restore()
+        self.stale = False
+
+    def _picture(self, axes: Axes3D, scale: float, line: float) -> tuple[Ints, NDArray[np.uint8]]:
+        """Return the lower left corner, in image pixels from that of the axes, and the image, lowest row first."""
+        screen = axes3d.project(axes, self.mesh.vertices)
+        screen[:, :2] = (screen[:, :2] - axes.bbox.min) * scale
+        corners = screen[self.mesh.faces]
+        low = np.maximum(np.floor(corners[..., :2].min(axis=(0, 1))), 0).astype(np.int64)
+        high = np.minimum(np.ceil(corners[..., :2].max(axis=(0, 1))), np.ceil(axes.bbox.size * scale)).astype(np.int64)
+        width, height = np.maximum(high - low, 0) * SAMPLES
+        corners[..., :2] = (corners[..., :2] - low) * SAMPLES
+        if not width or not height:
+            return low, np.zeros((0, 0, 4), np.uint8)
+        samples = self._samples(corners, (int(height), int(width)), axes3d.camera(axes), line * SAMPLES)
+        return low, reduce(samples, SAMPLES)
+
+    def _samples(
+        self, corners: Floats, size: tuple[int, int], camera: tuple[Floats, int], line: float
+    ) -> NDArray[np.float32]:
+        """Return linear light and coverage of samples, (h, w, 4)."""
+        turn, mirrored = camera
+        triangles, names = self._facing_triangles(corners, mirrored)
+        nearest = rasterise(triangles, size)
+        samples, depth = np.zeros((*size, 4), np.float32), np.full(size, np.nan)
+        rows, columns = np.nonzero(nearest >= 0)
+        for start in range(0, len(rows), BATCH):
+            row, column = rows[start : start + BATCH], columns[start : start + BATCH]
+            faces = nearest[row, column]
+            weights = triangles.weights(faces, row, column)
+            depth[row, column] = (weights * triangles.depth[faces]).sum(axis=1)
+            light = self._light(names[faces], weights, triangles.facing[faces] * mirrored, turn)
+            if line:
+                light *= _edge_light(triangles.distances(faces, row, column), line)[:, None]
+            samples[row, column, :3] = light
+            samples[row, column, 3] = 1.0
+        factors = hollows(mean_depth(depth, SAMPLES), max(int(HOLLOW_RADIUS * max(size) / SAMPLES), 1))
+        samples[..., :3] *= factors.repeat(SAMPLES, axis=0).repeat(SAMPLES, axis=1)[..., None]
+        return samples.clip(0.0, 1.0)
+
+    def _facing_triangles(self, corners: Floats, mirrored: int) -> tuple[Triangles, Ints]:
+        """Return the triangles to draw and their names in the mesh: those that face the eye if no inside can show."""
+        triangles = snap(corners)
+        if not self.mesh.status.closed:
+            return triangles, np.arange(len(corners))
+        names = np.flatnonzero(triangles.facing == mirrored)
+        return triangles[names], names
+
+    def _light(self, faces: Ints, weights: Floats, side: Ints, turn: Floats) -> Floats:
+        """Return the linear light of points of faces, seen from outside (side 1) or from inside (-1)."""
+        normals = unit(np.einsum("ij,ijk->ik", weights, self.normals[faces]) @ turn.T)
+        return shade(normals * side[:, None], self.colours[(side > 0).astype(int)])
+
+
+def _edge_light(distances: Floats, width: float) -> Floats:
+    """Darken samples nearer to an edge than half the line's width; both neighbours draw one half each."""
+    ink = np.clip(width / 2 + 0.5 - distances, 0.0, min(width, 1.0))
+    return 1 - (1 - EDGE_LIGHT) * ink
+
+
+def _usable_normals(mesh: Mesh) -> Floats:
+    """Replace normals that are zero or not finite, as on the skeleton of a shape, by those of the triangles."""
+    bad = np.asarray(~np.isfinite(mesh.normals).all(axis=2) | ~mesh.normals.any(axis=2))
+    if not bad.any():
+        return mesh.normals
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    flat = unit(np.cross(b - a, c - a))
+    return np.where(bad[:, :, None], flat[:, None, :], mesh.normals)

@@ -1,0 +1,6 @@
+"""The published models and the figures that reproduce them."""
+
+from rsym.paper.models import MODELS, car, model_path, skeleton_body
+from rsym.paper.reproduction import reproduce
+
+__all__ = ["MODELS", "car", "model_path", "reproduce", "skeleton_body"]

@@ -1,0 +1,1 @@
+"""Functions to arrays: lattices, level lines and meshes."""

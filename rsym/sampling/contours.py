@@ -1,0 +1,145 @@
+"""Level lines: found on a lattice, then moved onto the level."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+from skimage.measure import find_contours
+
+from rsym.errors import RsymError
+from rsym.model.letters import real_number
+from rsym.model.shape import Shape
+from rsym.sampling.plane import PlaneSampler, plane_sampler
+
+NEWTON_STEPS = 12
+# A vertex is on the level when one more Newton step would move it by less than this share of a cell.
+ON_LEVEL = 1e-9
+
+
+@dataclass(frozen=True)
+class LevelLinesStatus:
+    """How many vertices reached the level, how many kept their place, how many samples were undefined."""
+
+    vertices: int
+    kept: int
+    undefined_samples: int
+    closed: int
+    open: int
+
+    def __str__(self) -> str:
+        text = f"{self.closed} closed and {self.open} open lines with {self.vertices} vertices on the level."
+        if self.kept:
+            text += f" {self.kept} vertices are unresolved: they keep the place that linear interpolation gave."
+        if self.undefined_samples:
+            text += f" The field is undefined at {self.undefined_samples} samples."
+        return text
+
+
+@dataclass(frozen=True)
+class LevelLines(Sequence[NDArray[np.float64]]):
+    """A sequence of polylines, each (n, 2); a closed line repeats its first vertex."""
+
+    lines: tuple[NDArray[np.float64], ...]
+    level: float
+    field: str
+    status: LevelLinesStatus
+
+    @overload
+    def __getitem__(self, index: int) -> NDArray[np.float64]: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[NDArray[np.float64]]: ...
+    def __getitem__(self, index: int | slice) -> NDArray[np.float64] | Sequence[NDArray[np.float64]]:
+        return self.lines[index]
+
+    def __len__(self) -> int:
+        return len(self.lines)
+
+    def __iter__(self) -> Iterator[NDArray[np.float64]]:
+        return iter(self.lines)
+
+
+def level_lines(
+    shape: Shape,
+    level: float = 0.0,
+    *,
+    field: str = "value",
+    resolution: int | Sequence[int] = 512,
+    bounds: Any = None,
+    letters: Mapping[Any, float] | None = None,
+    section: Mapping[Any, float] | None = None,
+) -> LevelLines:
+    """The curves field = level, every vertex moved onto the level by Newton steps.
+
+    Parameters
+    ----------
+    shape : Shape
+        A shape in the plane, or one in space with ``section={z: 1.0}``.
+    level : float
+        The level.
+    field : str
+        A scalar field of `compile`.
+    resolution : int or two ints
+        Square cells along the longer side, or cells along each axis.
+    bounds, letters
+        Override those of the shape.
+
+    Returns
+    -------
+    LevelLines
+        A sequence of (n, 2) arrays; ``.status`` counts the vertices that could not be moved.
+
+    Raises
+    ------
+    RsymError
+        For a shape in space without a section, no bounds, an unknown field.
+
+    Examples
+    --------
+    >>> import numpy as np, rsym
+    >>> from rsym import x, y
+    >>> disc = rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-1.5, 1.5), (-1.5, 1.5)))
+    >>> (circle,) = rsym.level_lines(disc, resolution=32)
+    >>> bool(abs(np.hypot(*circle.T) - 1).max() < 1e-12)
+    True
+    """
+    wanted = float(real_number(level, "the level"))
+    sampler = plane_sampler(shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section)
+    values = sampler.values()
+    if np.isnan(values).all():
+        raise RsymError(f"the field {field!r} is undefined in all of the bounds", code="undefined")
+    found = find_contours(values, wanted)
+    moved = [move_onto_level(sampler, sampler.lattice.points(line), wanted) for line in found]
+    lines = tuple(line for line, _ in moved)
+    closed = sum(bool((line[0] == line[-1]).all()) for line in found)
+    status = LevelLinesStatus(
+        vertices=sum(map(len, lines)),
+        kept=sum(kept for _, kept in moved),
+        undefined_samples=int(np.isnan(values).sum()),
+        closed=closed,
+        open=len(lines) - closed,
+    )
+    return LevelLines(lines, wanted, field, status)
+
+
+def move_onto_level(sampler: PlaneSampler, line: NDArray[np.float64], level: float) -> tuple[NDArray[np.float64], int]:
+    """Newton along the gradient; a vertex that does not arrive within a cell keeps its place and is counted."""
+    cell = min(sampler.lattice.spacing)
+    points = line.copy()
+    arrived = np.zeros(len(line), bool)
+    with np.errstate(all="ignore"):
+        for _ in range(NEWTON_STEPS):
+            value, gradient = sampler.value_and_gradient(points)
+            squared = np.einsum("ij,ij->i", gradient, gradient)
+            step = ((value - level) / squared)[:, None] * gradient
+            length = np.hypot(*step.T)
+            step *= np.minimum(1, cell / np.maximum(length, 1e-300))[:, None]
+            points = np.where(arrived[:, None], points, points - step)
+            arrived |= length <= ON_LEVEL * cell
+            if arrived.all():
+                break
+        good = arrived & (np.hypot(*(points - line).T) <= 1.5 * cell)
+    return np.where(good[:, None], points, line), int((~good).sum())

@@ -1,0 +1,91 @@
+"""A field of a shape on a plane lattice: the shape's own plane, or a section of a shape in space."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.fields import SCALARS, program_of
+from rsym.codegen.kernel import Kernel, compile_program
+from rsym.errors import RsymError
+from rsym.model.letters import real_number
+from rsym.model.shape import Shape
+from rsym.sampling.lattice import Lattice, bounds_of, lattice_over
+
+
+@dataclass(frozen=True)
+class PlaneSampler:
+    """Values and in-plane gradient of one scalar field, as functions of the two free coordinates."""
+
+    kernel: Kernel
+    lattice: Lattice
+    free: tuple[int, int]
+    fixed: Mapping[int, float]
+    letters: Mapping[Any, float] | None
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """The names of the free coordinates."""
+        return self.kernel.program.coordinates[self.free[0]], self.kernel.program.coordinates[self.free[1]]
+
+    def values(self) -> NDArray[np.float64]:
+        """The field on the lattice, (nx, ny); infinite and undefined values as NaN."""
+        values = self._call(*self.lattice.open_axes())["value"]
+        return np.where(np.isfinite(values), values, np.nan)
+
+    def value_and_gradient(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """At points (n, 2): the value (n,) and the gradient (n, 2)."""
+        result = self._call(points[:, 0], points[:, 1])
+        return result["value"], result["gradient"][:, list(self.free)]
+
+    def _call(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> dict[str, NDArray[Any]]:
+        coordinates: list[Any] = [None] * (2 + len(self.fixed))
+        coordinates[self.free[0]], coordinates[self.free[1]] = u, v
+        for position, value in self.fixed.items():
+            coordinates[position] = value
+        return self.kernel(*coordinates, letters=self.letters)
+
+
+def plane_sampler(
+    shape: Shape,
+    field: str,
+    *,
+    resolution: Any,
+    bounds: Any = None,
+    letters: Mapping[Any, float] | None = None,
+    section: Mapping[Any, float] | None = None,
+) -> PlaneSampler:
+    """Prepare a field for sampling in the plane; `section={z: 1.0}` cuts a shape in space."""
+    if field not in SCALARS:
+        raise RsymError(f"no scalar field {field!r}", code="unknown-field", remedy=f"choose from {', '.join(SCALARS)}")
+    names = [symbol.name for symbol in shape.coordinates]
+    fixed = _fixed_coordinates(names, section)
+    free = tuple(k for k in range(len(names)) if k not in fixed)
+    if len(free) != 2:
+        raise RsymError(
+            f"a picture in the plane needs two free coordinates, the shape has {', '.join(names)}",
+            code="section",
+            remedy=f"give section={{{names[-1]}: value}}" if len(free) > 2 else "leave out section",
+        )
+    box = bounds
+    if bounds is None or len(bounds) == len(names):
+        whole = bounds_of(shape, bounds)
+        box = tuple(whole[k] for k in free)
+    flat = Shape(0, [shape.coordinates[k] for k in free], bounds=box)
+    assert flat.bounds is not None
+    program = program_of(shape, ("value", "gradient"), of=field)
+    kernel = compile_program(program, ("value", "gradient"), shape)
+    return PlaneSampler(kernel, lattice_over(flat.bounds, resolution), (free[0], free[1]), fixed, letters)
+
+
+def _fixed_coordinates(names: list[str], section: Mapping[Any, float] | None) -> dict[int, float]:
+    fixed: dict[int, float] = {}
+    for key, value in (section or {}).items():
+        if str(key) not in names:
+            raise RsymError(f"no coordinate {key} in {', '.join(names)}", code="section")
+        fixed[names.index(str(key))] = float(real_number(value, f"section {key}"))
+    return fixed

@@ -1,0 +1,59 @@
+"""Many one-dimensional roots at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Bisection alone reaches 2**-52 of the interval in 52 steps; the method needs 5 to 9 on smooth functions.
+MOST_STEPS = 60
+
+
+def bracketed_roots(function: Callable[[Array, NDArray[np.int64]], Array], low: Array, high: Array) -> Array:
+    """Roots t in [0, 1] of functions with values `low` at 0 and `high` at 1 of different sign.
+
+    Chandrupatla's method (1997): inverse quadratic interpolation where it is safe,
+    bisection elsewhere. ``function(t, which)`` evaluates the functions numbered `which`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> targets = np.array([0.25, 0.49])
+    >>> bracketed_roots(lambda t, which: t * t - targets[which], -targets, 1 - targets).round(12).tolist()
+    [0.5, 0.7]
+    """
+    result = np.where(np.abs(low) < np.abs(high), 0.0, 1.0)
+    active = np.arange(len(low))
+    a, b, c = np.ones(len(low)), np.zeros(len(low)), np.ones(len(low))
+    fa, fb, fc = high.copy(), low.copy(), high.copy()
+    t = np.full(len(low), 0.5)
+    for _ in range(MOST_STEPS):
+        x = a + t * (b - a)
+        fx = function(x, active)
+        same = np.sign(fx) == np.sign(fa)
+        c, fc = np.where(same, a, b), np.where(same, fa, fb)
+        b, fb = np.where(same, b, a), np.where(same, fb, fa)
+        a, fa = x, fx
+        nearer = np.abs(fa) < np.abs(fb)
+        best = np.where(nearer, a, b)
+        result[active] = best
+        tolerance = (2 * np.finfo(float).eps * np.abs(best) + 1e-16) / np.abs(b - a)
+        going = (tolerance < 0.5) & (np.where(nearer, fa, fb) != 0) & np.isfinite(fx)
+        if not going.any():
+            break
+        a, b, c, fa, fb, fc, active = (v[going] for v in (a, b, c, fa, fb, fc, active))
+        t = np.clip(_interpolated(a, b, c, fa, fb, fc), tolerance[going], 1 - tolerance[going])
+    return result
+
+
+def _interpolated(a: Array, b: Array, c: Array, fa: Array, fb: Array, fc: Array) -> Array:
+    """The next relative position: inverse quadratic where Chandrupatla's criterion holds, else the middle."""
+    with np.errstate(all="ignore"):
+        xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+        quadratic = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        use = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi) & np.isfinite(quadratic)
+    return np.where(use, quadratic, 0.5)

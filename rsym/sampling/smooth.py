@@ -1,0 +1,199 @@
+"""Method `smooth`: marching cubes for the connections, omega itself for the places.
+
+scikit-image decides how the triangles connect, in float32; every vertex lies on
+an edge of the lattice, and its place there is found again on omega in float64.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from concurrent.futures import Executor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from skimage.measure import marching_cubes
+
+from rsym.codegen.kernel import Kernel, compile
+from rsym.errors import RsymError
+from rsym.model.shape import Bounds, Shape
+from rsym.sampling.lattice import Lattice
+from rsym.sampling.mesh import Mesh, examine
+from rsym.sampling.roots import bracketed_roots
+
+Array = NDArray[np.float64]
+
+SLAB_POINTS = 2_000_000
+# Scaled samples near the surface are about this large: far above the 1e-7 below which marching cubes takes
+# its ambiguity tests for undecided, and far enough below the end of float32 for a range of 1e32.
+NEAR_SURFACE = 1e3
+LARGEST_SAMPLE = 1e18
+# A vertex keeps this share of a cell away from lattice points, so that no two vertices coincide.
+FROM_LATTICE_POINT = 1e-7
+
+
+def smooth_mesh(
+    shape: Shape,
+    lattice: Lattice,
+    bounds: Bounds,
+    letters: Mapping[Any, float] | None,
+    executor: Executor | None,
+    progress: Any,
+) -> Mesh:
+    """Mesh omega = 0 on the lattice."""
+    samples = sample(shape, lattice, letters, executor, progress)
+    scaled, zeros = _for_marching_cubes(samples)
+    index, faces, _, _ = marching_cubes(scaled, 0.0, gradient_direction="ascent")
+    del scaled
+    kernel = compile(shape, ("value",))
+    vertices, unresolved = _on_surface(kernel, letters, lattice, samples, index.astype(np.float64))
+    faces = faces.astype(np.int64)
+    limits = np.asarray(lattice.counts) - 1
+    on_box = ((index == 0) | (index == limits)).any(axis=1)
+    status = examine(vertices, faces, on_box=on_box, nudged_zeros=zeros, unresolved=unresolved)
+    return Mesh(vertices, faces, _corner_normals(shape, letters, vertices, faces), status)
+
+
+def sample(
+    shape: Shape, lattice: Lattice, letters: Mapping[Any, float] | None, executor: Executor | None, progress: Any
+) -> Array:
+    """Omega on the lattice, slab by slab; NaN is refused."""
+    axes = lattice.open_axes()
+    per_slab = max(1, SLAB_POINTS // (lattice.counts[1] * lattice.counts[2]))
+    starts = range(0, lattice.counts[0], per_slab)
+    slabs = [[axes[0][start : start + per_slab], axes[1], axes[2]] for start in starts]
+    samples = np.empty(lattice.counts)
+    arguments = ([shape] * len(slabs), [letters] * len(slabs), slabs)
+    results = executor.map(_sample_slab, *arguments) if executor else map(_sample_slab, *arguments)
+    for number, (start, values) in enumerate(zip(starts, results, strict=True), start=1):
+        samples[start : start + per_slab] = values
+        if progress is not None and progress(number, len(slabs)) is False:
+            raise RsymError("meshing was cancelled", code="cancelled")
+    undefined = np.isnan(samples)
+    if undefined.any():
+        place = lattice.points(np.argwhere(undefined)[:1])[0]
+        raise RsymError(
+            f"omega is undefined at {int(undefined.sum())} samples, first at {tuple(float(v) for v in place.round(6))}",
+            code="undefined",
+            remedy="choose bounds inside the domain of the formula",
+        )
+    return samples
+
+
+def _sample_slab(shape: Shape, letters: Mapping[Any, float] | None, axes: list[Array]) -> Array:
+    return compile(shape, ("value",))(*axes, letters=letters)["value"]
+
+
+def _for_marching_cubes(samples: Array) -> tuple[NDArray[np.float32], int]:
+    """The samples divided by one scale, as float32 with every sign kept; a zero counts as inside."""
+    inside = samples >= 0
+    if inside.all() or not inside.any():
+        sign = "positive" if inside.all() else "negative"
+        raise RsymError(
+            f"the surface does not meet the bounds: omega is {sign} at all samples",
+            code="no-surface",
+            remedy="widen the bounds, or refine the resolution if the body is thin",
+        )
+    size = np.abs(samples)
+    zeros = int((size == 0).sum())
+    finite = size[np.isfinite(size)]
+    scale = max(_near_surface(samples, inside) / NEAR_SURFACE, float(finite.max()) / LARGEST_SAMPLE)
+    scaled = np.clip(samples, -finite.max(), finite.max()) / (scale or 1.0)
+    tiny = np.finfo(np.float32).tiny
+    lost = np.abs(scaled) < tiny
+    scaled[lost] = np.where(inside[lost], tiny, -tiny)
+    return scaled.astype(np.float32), zeros
+
+
+def _near_surface(samples: Array, inside: NDArray[np.bool_]) -> float:
+    """The median size of samples beside a change of sign along the first axis that has one."""
+    for axis in range(3):
+        first = np.take(inside, range(inside.shape[axis] - 1), axis)
+        change = first != np.take(inside, range(1, inside.shape[axis]), axis)
+        if change.any():
+            sizes = np.abs(np.take(samples, range(samples.shape[axis] - 1), axis)[change])
+            return float(np.median(sizes[np.isfinite(sizes)])) if np.isfinite(sizes).any() else 0.0
+    return 0.0
+
+
+def _on_surface(
+    kernel: Kernel, letters: Mapping[Any, float] | None, lattice: Lattice, samples: Array, index: Array
+) -> tuple[Array, int]:
+    """Each vertex moved along its lattice edge to the root of omega; how many could not be."""
+    lower, axis, known = _edges(samples, index)
+    which = np.flatnonzero(known)
+    corner, along = lower[which], axis[which]
+    start = samples[tuple(corner.T)]
+    upper = corner.copy()
+    upper[np.arange(len(which)), along] += 1
+    end = samples[tuple(upper.T)]
+
+    def omega(t: Array, active: NDArray[np.int64]) -> Array:
+        place = corner[active].astype(np.float64)
+        place[np.arange(len(active)), along[active]] += t
+        points = lattice.points(place)
+        return kernel(points[:, 0], points[:, 1], points[:, 2], letters=letters)["value"]
+
+    roots = bracketed_roots(omega, start, end)
+    roots = np.clip(roots, FROM_LATTICE_POINT, 1 - FROM_LATTICE_POINT)
+    place = index.copy()
+    place[which] = corner
+    place[which, along] += roots
+    return lattice.points(place), int(len(index) - len(which))
+
+
+def _edges(samples: Array, index: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+    """The lattice edge of each vertex: its lower end, its axis, and whether it has one.
+
+    A vertex that float32 rounded onto a lattice point takes an edge of that point that nobody else has.
+    """
+    lower = np.floor(index).astype(np.int64)
+    fraction = index - lower
+    axis = fraction.argmax(axis=1)
+    known = (fraction > 0).sum(axis=1) == 1
+    taken = {(*lower[k], axis[k]) for k in _near_rounded(lower, known, fraction)}
+    for k in np.flatnonzero((fraction > 0).sum(axis=1) == 0):
+        for edge in _crossing_edges(samples, lower[k]):
+            if edge not in taken:
+                taken.add(edge)
+                lower[k], axis[k], known[k] = edge[:3], edge[3], True
+                break
+    return lower, axis, known
+
+
+def _near_rounded(lower: NDArray[np.int64], known: NDArray[np.bool_], fraction: Array) -> NDArray[np.int64]:
+    """The vertices on edges that could end in a lattice point onto which another vertex was rounded."""
+    rounded = lower[(fraction > 0).sum(axis=1) == 0]
+    if not len(rounded):
+        return np.empty(0, np.int64)
+    near = np.zeros(len(lower), bool)
+    for point in np.unique(rounded, axis=0):
+        near |= (np.abs(lower - point) <= 1).all(axis=1)
+    return np.flatnonzero(near & known)
+
+
+def _crossing_edges(samples: Array, point: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
+    """The edges of a lattice point along which omega changes sign."""
+    edges = []
+    for axis in range(3):
+        for step in (-1, 1):
+            other = point.copy()
+            other[axis] += step
+            if 0 <= other[axis] < samples.shape[axis] and (samples[tuple(point)] >= 0) != (samples[tuple(other)] >= 0):
+                low = np.minimum(point, other)
+                edges.append((int(low[0]), int(low[1]), int(low[2]), axis))
+    return edges
+
+
+def _corner_normals(
+    shape: Shape, letters: Mapping[Any, float] | None, vertices: Array, faces: NDArray[np.int64]
+) -> Array:
+    """-grad/|grad| at each corner; where that does not exist, the normal of the face."""
+    gradient = compile(shape, ("gradient",))(*vertices.T, letters=letters)["gradient"]
+    corners = vertices[faces]
+    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    with np.errstate(all="ignore"):
+        exact = -gradient / np.linalg.norm(gradient, axis=1, keepdims=True)
+        flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    normals = exact[faces]
+    return np.where(np.isfinite(normals).all(axis=2, keepdims=True), normals, np.nan_to_num(flat)[:, None, :])

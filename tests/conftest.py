@@ -1,0 +1,5 @@
+"""The suite draws without a screen."""
+
+import os
+
+os.environ["MPLBACKEND"] = "Agg"

@@ -1,0 +1,124 @@
+"""The shared suite: every operation, over awkward arguments, on every backend, against its plain meaning."""
+
+import itertools
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+
+from rsym.codegen.builder import Builder
+from rsym.codegen.expansion import expand
+from rsym.codegen.interpreter import interpret
+from rsym.codegen.llvm_backend import LlvmFunction
+from rsym.codegen.numpy_backend import NumpyFunction
+from rsym.codegen.operations import OPERATIONS, PRIMITIVES
+
+AWKWARD = [0.0, -0.0, 1.0, -1.0, 0.5, -3.0, 1e-9, -1e-20, 1e-170, 5e-324, 1e20, -1e170, 1e300, np.inf, -np.inf, np.nan]
+MILD = [0.0, -0.0, 0.25, -2.0, np.nan]
+BACKENDS = {"numpy": NumpyFunction, "llvm": LlvmFunction}
+EXACT = {"add", "mul", "div", "neg", "sqrt", "abs", "sign", "min", "max", "select", "undefined"}
+NONNEGATIVE_FIRST = {"trimming", "gap"}
+
+
+def single(operation):
+    """A program of one operation on inputs, and awkward arguments for it."""
+    arity = OPERATIONS[operation].arity
+    names = tuple(f"u{k}" for k in range(max(arity, 1)))
+    builder = Builder(names, ())
+    data = {"powi": 5, "const": Fraction(1, 3)}.get(operation)
+    node = builder.make(operation, *(builder.input(name) for name in names[:arity]), data=data)
+    program = builder.program({"value": node})
+    columns = np.array(list(itertools.product(AWKWARD if arity <= 2 else MILD, repeat=max(arity, 1)))).T
+    if operation in NONNEGATIVE_FIRST:
+        columns[0] = np.abs(columns[0])
+    if operation == "normalised":
+        columns[1] = np.abs(columns[1])
+    return program, [np.ascontiguousarray(column) for column in columns]
+
+
+def run(backend, program, columns):
+    output = np.empty(len(columns[0]))
+    BACKENDS[backend](expand(program)).run(columns, [], [output])
+    return output
+
+
+OPERATION_NAMES = sorted(set(OPERATIONS) - {"input"})
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("operation", OPERATION_NAMES)
+def test_an_operation_means_the_same_on_every_backend(operation, backend):
+    program, columns = single(operation)
+    got = run(backend, program, columns)
+    inputs = dict(zip(program.coordinates, columns, strict=True))
+    expected = np.broadcast_to(interpret(program, inputs)["value"], got.shape)
+    assert np.array_equal(np.isnan(got), np.isnan(expected))
+    if operation in EXACT:
+        assert np.array_equal(got, expected, equal_nan=True)
+    else:
+        known = np.isfinite(expected)
+        assert np.array_equal(got[~known], expected[~known], equal_nan=True)
+        assert (np.abs(got[known] - expected[known]) <= 1e-14 * np.abs(expected[known]) + 1e-300).all()
+        assert np.array_equal(np.sign(got)[known], np.sign(expected)[known])
+
+
+@pytest.mark.parametrize("operation", sorted(set(OPERATION_NAMES) - {"sin", "cos", "exp", "log", "pow", "atan2"}))
+def test_both_backends_give_the_same_bits_for_arithmetic(operation):
+    program, columns = single(operation)
+    first, second = (run(backend, program, columns) for backend in BACKENDS)
+    known = ~np.isnan(first)
+    assert np.array_equal(np.isnan(first), np.isnan(second))
+    assert np.array_equal(first[known].view(np.int64), second[known].view(np.int64))
+
+
+@pytest.mark.parametrize("operation", ["r0_conjunction", "r0_disjunction"])
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_r0_against_sixty_digits(operation, backend):
+    program, columns = single(operation)
+    f, g = (column[np.isfinite(columns[0]) & np.isfinite(columns[1])] for column in columns)
+    sizes = np.maximum(np.abs(f), np.abs(g))
+    fair = (sizes > 1e-150) & (sizes < 1e150)
+    f, g = np.ascontiguousarray(f), np.ascontiguousarray(g)
+    got = run(backend, program, [f, g])
+    with mpmath.workdps(700):
+        sign = -1 if operation == "r0_conjunction" else 1
+        expected = [mpmath.mpf(a) + mpmath.mpf(b) + sign * mpmath.hypot(a, b) for a, b in zip(f, g, strict=True)]
+        for value, truth, is_fair in zip(got, expected, fair, strict=True):
+            assert mpmath.sign(value) == mpmath.sign(truth)
+            if is_fair:
+                assert abs(value - truth) <= 4e-16 * abs(truth) + mpmath.mpf(5e-324)
+
+
+def test_homogeneity_under_powers_of_two():
+    program, _ = single("r0_conjunction")
+    rng = np.random.default_rng(3)
+    f, g = rng.normal(size=(2, 1000))
+    reference = run("llvm", program, [f, g])
+    for power in (-100, 100):
+        k = 2.0**power
+        scaled = run("llvm", program, [k * f, k * g])
+        assert (np.abs(scaled / k - reference) <= 2 * np.spacing(np.abs(reference))).all()
+
+
+def test_expansion_leaves_primitives_alone():
+    for operation in OPERATION_NAMES:
+        program, _ = single(operation)
+        assert {node.operation for node in expand(program).nodes} <= PRIMITIVES
+
+
+def test_no_fast_math_flag_and_no_contraction_in_the_code():
+    program, _ = single("r0_conjunction")
+    source = LlvmFunction(expand(program)).source
+    for flag in ("fast", "nnan", "ninf", "contract", "reassoc", "arcp", "afn", "fma"):
+        assert flag not in source
+
+
+def test_the_suite_sees_a_wrong_operation(monkeypatch):
+    """Red proof: a disjunction in place of a conjunction must differ."""
+    from rsym.codegen import expansion
+
+    wrong = dict(expansion.EXPANSIONS, r0_conjunction=expansion.EXPANSIONS["r0_disjunction"])
+    monkeypatch.setattr(expansion, "EXPANSIONS", wrong)
+    with pytest.raises(AssertionError):
+        test_an_operation_means_the_same_on_every_backend("r0_conjunction", "llvm")

@@ -1,0 +1,44 @@
+import sympy as sp
+
+import rsym
+from rsym import Shape, conjunction, trimming, x, y
+from rsym.analysis.differential import derivative
+
+
+def test_r_nodes_are_kept_in_derivatives():
+    gradient = rsym.gradient(Shape(conjunction(x, y, x * y), (x, y)))
+    assert gradient.has(type(conjunction(x, y)))
+
+
+def test_against_sympy_on_smooth_functions():
+    expression = sp.sin(x * y) * sp.exp(x) / (1 + y**2) + sp.atan2(y, x) + sp.log(x) ** y + sp.sqrt(x + y)
+    for symbol in (x, y):
+        ours, theirs = derivative(expression, symbol), sp.diff(expression, symbol)
+        assert abs((ours - theirs).subs({x: sp.Rational(17, 10), y: sp.Rational(2, 5)}).evalf(30)) < 1e-20
+
+
+def test_the_hessian_is_that_of_the_square_roots():
+    shape = Shape(conjunction(x - 1, trimming(y, x)), (x, y))
+    ours = rsym.hessian(shape)
+    theirs = sp.hessian(shape.expression.doit(), (x, y))
+    at = {x: sp.Rational(1, 3), y: sp.Rational(5, 4)}
+    assert max(abs(e) for e in (ours - theirs).subs(at).evalf(30)) < 1e-20
+    assert abs((rsym.laplacian(shape) - theirs.trace()).subs(at).evalf(30)) < 1e-20
+
+
+def test_no_dirac_and_no_heaviside_ever():
+    expression = sp.Abs(x * y) * sp.Min(x, y**2) + sp.Max(x, y, 1)
+    for _ in range(3):
+        expression = derivative(expression, x)
+        assert not expression.has(sp.DiracDelta, sp.Heaviside, sp.Derivative)
+
+
+def test_a_tie_is_undefined():
+    assert derivative(sp.Min(x, y), x).subs({x: 1, y: 1}) is sp.nan
+    assert derivative(sp.Min(x, y), x).subs({x: 0, y: 1}) == 1
+    assert derivative(sp.Max(x, y), x).subs({x: 0, y: 1}) == 0
+
+
+def test_piecewise_differentiates_its_branches():
+    inner = sp.Piecewise((x**2, x > y), (y * x, True))
+    assert derivative(inner, x) == sp.Piecewise((2 * x, x > y), (y, True))

@@ -1,0 +1,62 @@
+import ast
+import doctest
+import importlib
+import inspect
+import pkgutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rsym
+
+STUB = Path(rsym.__file__).with_name("__init__.pyi")
+MODULES = sorted(module.name for module in pkgutil.walk_packages(rsym.__path__, "rsym."))
+
+
+def test_stub_and_modules_agree():
+    imports = [node for node in ast.parse(STUB.read_text()).body if isinstance(node, ast.ImportFrom)]
+    for node in imports:
+        for alias in node.names:
+            if node.module is None:
+                continue
+            module = importlib.import_module(f"rsym.{node.module}")
+            assert getattr(rsym, alias.name) is getattr(module, alias.name)
+    (declared,) = [node.value for node in ast.parse(STUB.read_text()).body if isinstance(node, ast.Assign)]
+    names = {alias.name for node in imports for alias in node.names}
+    assert set(rsym.__all__) == names == set(ast.literal_eval(declared))
+
+
+@pytest.mark.parametrize("name", rsym.__all__)
+def test_every_public_function_and_class_has_an_example(name):
+    item = getattr(rsym, name)
+    if inspect.isfunction(item) or (inspect.isclass(item) and name not in {"Kernel", "LevelLines", "Mesh"}):
+        assert ">>>" in inspect.getdoc(item), name
+    if inspect.isfunction(item) or inspect.isclass(item):
+        assert len(inspect.getdoc(item)) > 40
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples_run(name):
+    result = doctest.testmod(importlib.import_module(name))
+    assert result.failed == 0
+
+
+def loaded_after(code):
+    script = f"import sys\n{code}\nprint(' '.join(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    return set(done.stdout.split())
+
+
+def test_importing_rsym_loads_nothing_heavy():
+    assert not loaded_after("import rsym") & {"sympy", "numpy", "matplotlib", "skimage", "scipy", "llvmlite"}
+
+
+def test_using_symbols_does_not_load_pictures():
+    assert not loaded_after("from rsym import x, Shape, compile") & {"matplotlib", "skimage", "trimesh"}
+
+
+def test_help_loads_no_sympy():
+    code = "import rsym.cli\ntry:\n    rsym.cli.main(['--help'])\nexcept SystemExit:\n    pass"
+    assert not loaded_after(code) & {"sympy", "numpy", "matplotlib"}

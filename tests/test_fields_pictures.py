@@ -1,0 +1,90 @@
+import matplotlib.figure
+import matplotlib.pyplot
+import numpy as np
+import pytest
+import sympy as sp
+
+import rsym
+from rsym import RsymError, Shape, x, y, z
+from rsym.output.fields import robust_levels
+
+DISC = Shape((1 - x**2 - y**2) / 2, (x, y), bounds=((-2, 2), (-1.5, 1.5)))
+
+
+@pytest.fixture(autouse=True)
+def _close_figures():
+    yield
+    matplotlib.pyplot.close("all")
+
+
+def boundary_of(ax):
+    (lines,) = [c for c in ax.collections if type(c).__name__ == "LineCollection"]
+    return np.concatenate(lines.get_segments())
+
+
+def test_the_sheet_has_six_panels_with_titles_labels_and_the_boundary():
+    figure = rsym.plot_fields(DISC, resolution=48)
+    panels = figure.axes[:6]
+    assert [ax.get_title() for ax in panels] == [
+        r"$\omega$",
+        r"$\omega_n$",
+        r"$(\nabla\omega)^2$",
+        r"$(\nabla\omega_n)^2$",
+        r"$\Delta\omega$",
+        r"$\Delta\omega_n$",
+    ]
+    for ax in panels:
+        assert ax.get_aspect() == 1
+        assert np.abs(np.hypot(*boundary_of(ax).T) - 1).max() < 1e-9
+    assert panels[4].get_xlabel() == "$x$"
+    assert panels[0].get_ylabel() == "$y$"
+
+
+def test_given_axes_are_used_and_pyplot_is_left_alone():
+    before = matplotlib.pyplot.get_fignums()
+    ax = matplotlib.figure.Figure().add_subplot()
+    artist = rsym.plot_field(DISC, "laplacian", ax=ax, resolution=32)
+    assert artist.axes is ax
+    assert matplotlib.pyplot.get_fignums() == before
+
+
+def test_levels_are_those_asked_for():
+    artist = rsym.plot_field(DISC, levels=[-1, 0, 0.25], resolution=32)
+    assert artist.levels.tolist() == [-1, 0, 0.25]
+
+
+def test_a_singular_spot_does_not_flatten_the_picture():
+    values = np.append(np.random.default_rng(0).normal(size=10_000), [1e12, -1e12, np.nan])
+    levels = robust_levels(values)
+    assert -4 < levels.min() < -1
+    assert 1 < levels.max() < 4
+    assert len(robust_levels(np.full(5, 3.0))) > 2
+
+
+def test_undefined_points_are_hatched():
+    half = Shape(sp.sqrt(x) - y, (x, y), bounds=((-1, 1), (-1, 1)))
+    ax = rsym.plot_field(half, resolution=32).axes
+    assert [patch.get_hatch() for patch in ax.patches] == ["////"]
+    assert not rsym.plot_field(DISC, resolution=32).axes.patches
+
+
+def test_a_section_names_its_own_axes():
+    ball = Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-1, 1),) * 3)
+    ax = rsym.plot_field(ball, section={x: 0.6}, resolution=48).axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$y$", "$z$")
+    assert np.abs(np.hypot(*boundary_of(ax).T) - 0.8).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: rsym.plot_field(DISC, "gradient"),
+        lambda: rsym.plot_field(DISC, levels=[1, 0]),
+        lambda: rsym.plot_field(Shape(x + y + z, (x, y, z), bounds=((-1, 1),) * 3)),
+        lambda: rsym.plot_fields(Shape(x, (x, y))),
+        lambda: rsym.plot_field(Shape(sp.sqrt(-1 - x**2) + y, (x, y), bounds=((-1, 1),) * 2)),
+    ],
+)
+def test_bad_input(call):
+    with pytest.raises(RsymError):
+        call()

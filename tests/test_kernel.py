@@ -1,0 +1,160 @@
+import threading
+
+import numpy as np
+import pytest
+import sympy as sp
+from closeness import assert_close
+
+import rsym
+from rsym import RsymError, Shape, conjunction, x, y, z
+from rsym.codegen import kernel as kernel_module
+from rsym.codegen.kernel import blocks_of
+
+a = sp.Symbol("a", real=True)
+SHAPE = Shape(conjunction(a - x**2 - y**2, y, x + 1), (x, y), letters={a: 2}, bounds=((-2, 2), (-2, 2)))
+ALL = (*rsym.SIX, "gradient", "hessian", "singular")
+
+
+@pytest.mark.parametrize("backend", ["numpy", "llvm"])
+def test_shapes_of_results(backend):
+    result = rsym.compile(SHAPE, ALL, backend=backend)(np.zeros((3, 1)), np.ones(4))
+    assert {name: array.shape for name, array in result.items()} == {
+        **{name: (3, 4) for name in rsym.SIX},
+        "gradient": (3, 4, 2),
+        "hessian": (3, 4, 2, 2),
+        "singular": (3, 4),
+    }
+    assert result["singular"].dtype == bool
+    scalar = rsym.compile(SHAPE, backend=backend)(0.5, 0.5)["value"]
+    assert scalar.shape == ()
+    assert rsym.compile(SHAPE, backend=backend)(np.zeros(0), 1.0)["value"].shape == (0,)
+
+
+def test_letters_change_the_result_and_never_recompile():
+    kernel = rsym.compile(SHAPE)
+    count = len(kernel_module._CACHE)
+    assert kernel(0.0, 0.5, letters={"a": 1.0})["value"] != kernel(0.0, 0.5)["value"]
+    rsym.compile(SHAPE.with_letters({"a": 7}))
+    assert len(kernel_module._CACHE) == count
+
+
+@pytest.mark.parametrize("backend", ["numpy", "llvm"])
+def test_the_same_bits_for_any_threads_blocks_and_neighbours(backend, monkeypatch):
+    points = np.random.default_rng(0).uniform(-2, 2, (2, 5003))
+    reference = rsym.compile(SHAPE, rsym.SIX, backend=backend, threads=1)(*points)
+    for block_size in (1, 7, 64, 1000):
+        kernel = rsym.compile(SHAPE, rsym.SIX, backend=backend, threads=2)
+        monkeypatch.setattr(type(kernel.function), "block_size", block_size)
+        result = kernel(*points)
+        for name in rsym.SIX:
+            assert np.array_equal(result[name], reference[name], equal_nan=True)
+    grid = rsym.compile(SHAPE, backend=backend)(points[0][:17, None], points[1][None, :19])["value"]
+    alone = [[rsym.compile(SHAPE, backend=backend)(u, v)["value"] for v in points[1][:19]] for u in points[0][:17]]
+    assert np.array_equal(grid, np.array(alone))
+
+
+def test_a_joint_zero_has_the_value_zero_and_is_singular():
+    result = rsym.compile(Shape(conjunction(x, y), (x, y)), ("value", "gradient", "laplacian", "singular"))
+    at = result(np.array([0.0, 1.0]), np.array([0.0, 0.0]))
+    assert at["value"].tolist() == [0, 0]
+    assert at["singular"].tolist() == [True, False]
+    assert np.isnan(at["gradient"][0]).all()
+    assert np.isnan(at["laplacian"][0])
+
+
+def test_min_has_no_derivative_on_a_tie():
+    result = rsym.compile(Shape(conjunction(x, y, system=rsym.R1), (x, y)), ("gradient", "singular"))
+    at = result(np.array([1.0, 1.0]), np.array([1.0, 2.0]))
+    assert at["singular"].tolist() == [True, False]
+    assert at["gradient"][1].tolist() == [1, 0]
+
+
+def test_constant_fields_have_the_shape_of_the_points():
+    result = rsym.compile(Shape(3 * x + 1, (x, y)), ("laplacian", "gradient_squared"))(np.zeros(5), 0.0)
+    assert result["laplacian"].tolist() == [0] * 5
+    assert result["gradient_squared"].tolist() == [9] * 5
+
+
+def test_integers_are_taken_as_real_numbers():
+    assert rsym.compile(Shape(x / 2 + y, (x, y)))([1, 2], 10**15)["value"].tolist() == [10**15 + 0.5, 10**15 + 1.0]
+
+
+@pytest.mark.parametrize(
+    ("call", "code"),
+    [
+        (lambda: rsym.compile(SHAPE, ("colour",)), "unknown-field"),
+        (lambda: rsym.compile(SHAPE, ()), "unknown-field"),
+        (lambda: rsym.compile(SHAPE, backend="fortran"), "unknown-backend"),
+        (lambda: rsym.compile(SHAPE, dtype="int8"), "dtype"),
+        (lambda: rsym.compile(SHAPE, threads=0), "threads"),
+        (lambda: rsym.compile(x + y), "shape"),
+        (lambda: rsym.compile(SHAPE)(1.0), "arity"),
+        (lambda: rsym.compile(SHAPE)(1.0, "north"), "array"),
+        (lambda: rsym.compile(SHAPE)(1.0, 2.0, letters={"b": 1}), "unknown-letter"),
+        (lambda: rsym.compile(SHAPE)(1.0, 2.0, letters={"a": float("nan")}), "number"),
+        (lambda: rsym.compile(SHAPE)(np.zeros(2), np.zeros(3)), "array"),
+    ],
+)
+def test_bad_input_is_refused(call, code):
+    with pytest.raises(RsymError) as caught:
+        call()
+    assert caught.value.code == code
+
+
+def test_a_kernel_shows_its_code():
+    assert "def kernel(c0, c1, p0)" in rsym.compile(SHAPE, backend="numpy").source
+    assert "define void @kernel" in rsym.compile(SHAPE, backend="llvm").source
+
+
+def test_a_miscompiled_kernel_is_not_handed_out(monkeypatch):
+    """Red proof of the check at 32 points."""
+    from rsym.codegen import expansion
+
+    wrong = dict(expansion.EXPANSIONS, versine=lambda b, node: b.const(0))
+    monkeypatch.setattr(expansion, "EXPANSIONS", wrong)
+    with pytest.raises(RsymError) as caught:
+        rsym.compile(Shape(conjunction(x - 7, y - 9), (x, y)), ("gradient",))
+    assert caught.value.code == "miscompiled"
+
+
+def test_without_llvmlite_numpy_takes_over(monkeypatch):
+    monkeypatch.setattr(kernel_module.importlib.util, "find_spec", lambda name: None)
+    assert rsym.compile(SHAPE).backend == "numpy"
+
+
+def test_compiling_in_eight_threads_at_once():
+    results = []
+
+    def work(k):
+        results.append(float(rsym.compile(Shape(x * (k + 11) + y**3, (x, y)))(1.0, 2.0)["value"]) - k)
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert results == [19.0] * 8
+
+
+def test_blocks_cover_an_array_once():
+    for shape, size in (((5, 7, 9), 10), ((100,), 7), ((3, 1000), 64), ((4, 4), 1)):
+        count = np.zeros(shape, int)
+        for block in blocks_of(shape, size):
+            count[block] += 1
+        assert (count == 1).all()
+
+
+def test_functions_of_libm():
+    shape = Shape(sp.sin(x) * sp.exp(y) + sp.atan2(y, x) + sp.log(x + 3) + (x + 3) ** y, (x, y))
+    points = np.random.default_rng(1).uniform(-1, 1, (2, 101))
+    u, v = points
+    expected = np.sin(u) * np.exp(v) + np.arctan2(v, u) + np.log(u + 3) + (u + 3) ** v
+    assert_close(rsym.compile(shape, backend="llvm")(u, v)["value"], expected, atol=1e-14)
+
+
+def test_three_dimensions():
+    shape = Shape(x**2 * y + z**3, (x, y, z))
+    result = rsym.compile(shape, ("gradient", "hessian", "laplacian"))(2.0, 3.0, 4.0)
+    assert result["gradient"].tolist() == [12, 4, 48]
+    assert result["hessian"].tolist() == [[6, 4, 0], [4, 0, 0], [0, 0, 24]]
+    assert result["laplacian"] == 30
