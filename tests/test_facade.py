@@ -31,10 +31,8 @@ def test_stub_and_modules_agree():
 @pytest.mark.parametrize("name", rsym.__all__)
 def test_every_public_function_and_class_has_an_example(name):
     item = getattr(rsym, name)
-    if inspect.isfunction(item) or (inspect.isclass(item) and name not in {"Kernel", "LevelLines", "Mesh"}):
-        assert ">>>" in inspect.getdoc(item), name
     if inspect.isfunction(item) or inspect.isclass(item):
-        assert len(inspect.getdoc(item)) > 40
+        assert ">>>" in inspect.getdoc(item), name
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -67,7 +67,10 @@ def test_normalisation_is_one_node():
     f = 1 - x**2 / 4 - y
     assert "normalised" in operations(f / sp.sqrt(f**2 + 4 * x**2 + 1))
     assert "normalised" in operations(a * f / sp.sqrt(f**2 + a**2), a=2)
+    assert "normalised" in operations(f / sp.sqrt(f**2 / 4 + 1))
     assert "normalised" not in operations(f / sp.sqrt(f**2 + x))
+    assert "normalised" not in operations(f / sp.sqrt(f**2 / 3 + 1))
+    assert_close(value(f / sp.sqrt(f**2 / 4 + 1), 0.5, -1.0), 1.9375 / np.sqrt(1.9375**2 / 4 + 1), rtol=1e-15)
 
 
 def test_the_square_of_a_root_is_its_radicand_where_that_is_not_negative():

@@ -47,4 +47,4 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
     if unit.is_number and not unit.is_positive:
         raise RsymError(f"the length must be positive, got {length}", code="length")
     squared = sp.Add(*(component**2 for component in gradient(shape)))
-    return shape.replace(expression=shape.expression / sp.sqrt((shape.expression / unit) ** 2 + squared))
+    return shape.replace(expression=shape.expression / sp.sqrt(shape.expression**2 / unit**2 + squared))

@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from fractions import Fraction
+from functools import reduce
 
 from rsym.codegen.program import Data, Node, Program, assemble
 
-ZERO, ONE, TWO, HALF, MINUS_ONE = Fraction(0), Fraction(1), Fraction(2), Fraction(1, 2), Fraction(-1)
+ONE, HALF = Fraction(1), Fraction(1, 2)
 
 # Exact folding stops here: float64 ends at about 1100 bits, beyond that the numbers only cost time.
 _FOLDED_BITS = 4096
@@ -224,20 +225,29 @@ class Builder:
         return self.make("normalised", f, q) if inner is None else self.neg(self.make("normalised", inner, q))
 
     def normalisation(self, f: int, denominator: int) -> int | None:
-        """Recognise f/denominator with denominator = sqrt(f**2 + q), q >= 0."""
+        """Recognise f/denominator with denominator = sqrt((k f)**2 + q), k rational, q >= 0."""
         radicand = self._operand_of("sqrt", denominator)
         if radicand is None:
             return None
         terms, square = self._terms(radicand), self.square(f)
-        if square not in terms:
+        for position, term in enumerate(terms):
+            scale = self._root_of_ratio(term, square)
+            rest = terms[:position] + terms[position + 1 :]
+            if scale is not None and rest and all(self.nonnegative[other] for other in rest):
+                unit = self.normalised(self.mul(self.const(scale), f), reduce(self.add, rest))
+                return self.mul(self.const(1 / scale), unit)
+        return None
+
+    def _root_of_ratio(self, term: int, square: int) -> Fraction | None:
+        """The rational k > 0 with term = k**2 * square."""
+        if term == square:
+            return ONE
+        node = self.nodes[term]
+        if node.operation != "mul" or node.arguments[1] != square:
             return None
-        terms.remove(square)
-        if not terms or not all(self.nonnegative[term] for term in terms):
-            return None
-        rest = terms[0]
-        for term in terms[1:]:
-            rest = self.add(rest, term)
-        return self.normalised(f, rest)
+        ratio = self.value(node.arguments[0])
+        root = None if ratio is None or ratio <= 0 else self.value(self.sqrt(self.const(ratio)))
+        return root or None
 
     def _terms(self, number: int) -> list[int]:
         terms, stack = [], [number]

@@ -115,13 +115,39 @@ def checked_fields(fields: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
+def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
+    """The program of a function with the same zero set and signs: positive factors drop, omega_n goes back to omega.
+
+    Where omega and its gradient vanish together a normalised value does not exist; omega does.
+    """
+    builder = _builder_for(shape)
+    node, sign = lower(builder, shape.expression), 1
+    while True:
+        operation, arguments, _ = builder.nodes[node]
+        factor = builder.value(arguments[0]) if operation == "mul" else None
+        if operation in {"neg", "normalised"}:
+            node, sign = arguments[0], -sign if operation == "neg" else sign
+        elif factor is not None and factor > 0:
+            node = arguments[1]
+        else:
+            break
+    return _program(builder, Calculus(builder, node if sign > 0 else builder.neg(node)), fields)
+
+
 def program_of(shape: Shape, fields: Sequence[str], *, of: str = "value") -> Program:
     """The program that computes the fields of a shape, or of the scalar field `of` of the shape."""
-    coordinates = tuple(symbol.name for symbol in shape.coordinates)
-    builder = Builder(coordinates, tuple(shape.letters))
+    builder = _builder_for(shape)
     calculus = Calculus(builder, lower(builder, shape.expression))
     if of != "value":
         calculus = Calculus(builder, calculus.scalar(of))
+    return _program(builder, calculus, fields)
+
+
+def _builder_for(shape: Shape) -> Builder:
+    return Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(shape.letters))
+
+
+def _program(builder: Builder, calculus: Calculus, fields: Sequence[str]) -> Program:
     outputs: dict[str, int] = {}
     for field in checked_fields(fields):
         outputs.update(outputs_of(calculus, field))

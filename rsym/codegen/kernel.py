@@ -49,6 +49,19 @@ class Kernel:
 
     Coordinates broadcast; `letters` overrides defaults by name and never recompiles.
     ``kernel.source`` is the generated code, ``kernel.program`` what it was made from.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> kernel = rsym.compile(rsym.Shape(x * y, (x, y)), backend="numpy")
+    >>> kernel([1.0, 2.0], [[3.0], [4.0]])["value"].tolist()
+    [[3.0, 6.0], [4.0, 8.0]]
+    >>> print(kernel.source)
+    def kernel(c0, c1):
+        v0 = c0 * c1
+        return v0,
+    <BLANKLINE>
     """
 
     program: Program

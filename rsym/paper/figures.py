@@ -76,7 +76,7 @@ def _draw_triangulation() -> Drawing:
 
 
 def _figure_of(artist: Artist) -> Figure:
-    figure = artist.get_figure(root=True)
+    figure = artist.get_figure()
     assert isinstance(figure, Figure)
     return figure
 

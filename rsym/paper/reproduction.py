@@ -52,6 +52,13 @@ def reproduce(
     ------
     RsymError
         For a name that no figure has, a folder that cannot be made, or a cancel.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     print(reproduce(folder, only=["fig10"])[0].path.name)
+    fig10.png
     """
     recipes = _chosen(only)
     folder = Path(out)

@@ -41,7 +41,18 @@ class LevelLinesStatus:
 
 @dataclass(frozen=True)
 class LevelLines(Sequence[NDArray[np.float64]]):
-    """A sequence of polylines, each (n, 2); a closed line repeats its first vertex."""
+    """A sequence of polylines, each (n, 2); a closed line repeats its first vertex.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> lines = rsym.level_lines(rsym.Shape(x**2 - y**2 - 1, (x, y), bounds=((-2, 2), (-2, 2))), resolution=16)
+    >>> len(lines), lines[0].shape[1]
+    (2, 2)
+    >>> print(lines.status)
+    0 closed and 2 open lines with 50 vertices on the level.
+    """
 
     lines: tuple[NDArray[np.float64], ...]
     level: float

@@ -60,6 +60,15 @@ class Mesh:
     faces : (m, 3) int64, counter-clockwise seen from outside
     normals : (m, 3, 3) float64, outward unit normal of each corner of each face
     status : MeshStatus
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-1.2, 1.2),) * 3)
+    >>> mesh = rsym.mesh(ball, 16)
+    >>> mesh.vertices.shape[1], mesh.faces.shape[1], mesh.normals.shape[1:]
+    (3, 3, (3, 3))
     """
 
     vertices: NDArray[np.float64]

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from skimage.measure import marching_cubes
 
-from rsym.codegen.kernel import Kernel, compile
+from rsym.codegen.fields import surface_program
+from rsym.codegen.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.lattice import Lattice
@@ -45,7 +46,7 @@ def smooth_mesh(
     scaled, zeros = _for_marching_cubes(samples)
     index, faces, _, _ = marching_cubes(scaled, 0.0, gradient_direction="ascent")
     del scaled
-    kernel = compile(shape, ("value",))
+    kernel = _surface_kernel(shape, "value")
     vertices, unresolved = _on_surface(kernel, letters, lattice, samples, index.astype(np.float64))
     faces = faces.astype(np.int64)
     limits = np.asarray(lattice.counts) - 1
@@ -81,7 +82,11 @@ def sample(
 
 
 def _sample_slab(shape: Shape, letters: Mapping[Any, float] | None, axes: list[Array]) -> Array:
-    return compile(shape, ("value",))(*axes, letters=letters)["value"]
+    return _surface_kernel(shape, "value")(*axes, letters=letters)["value"]
+
+
+def _surface_kernel(shape: Shape, field: str) -> Kernel:
+    return compile_program(surface_program(shape, (field,)), (field,), shape)
 
 
 def _for_marching_cubes(samples: Array) -> tuple[NDArray[np.float32], int]:
@@ -189,7 +194,7 @@ def _corner_normals(
     shape: Shape, letters: Mapping[Any, float] | None, vertices: Array, faces: NDArray[np.int64]
 ) -> Array:
     """-grad/|grad| at each corner; where that does not exist, the normal of the face."""
-    gradient = compile(shape, ("gradient",))(*vertices.T, letters=letters)["gradient"]
+    gradient = _surface_kernel(shape, "gradient")(*vertices.T, letters=letters)["gradient"]
     corners = vertices[faces]
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     with np.errstate(all="ignore"):
