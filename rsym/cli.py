@@ -52,6 +52,7 @@ def _parser() -> argparse.ArgumentParser:
 
     fields = commands.add_parser("fields", help="draw the level lines of six fields")
     _add_model_options(fields, "the picture: .png, .svg or .pdf")
+    fields.add_argument("--section", action="append", default=[], metavar="z=VALUE", help="cut a shape in space")
     fields.add_argument("--resolution", type=int, default=400, help="cells along the longer side (default: 400)")
     fields.set_defaults(command=_fields)
 
@@ -69,7 +70,6 @@ def _add_model_options(parser: argparse.ArgumentParser, output: str) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="LETTER=VALUE", help="another value of a letter")
     parser.add_argument("--variant", help="a variant of the model by name")
     parser.add_argument("--shape", help="another definition of the model than its last")
-    parser.add_argument("--section", action="append", default=[], metavar="z=VALUE", help="cut a shape in space")
 
 
 def _reproduce(options: argparse.Namespace) -> None:

@@ -173,8 +173,8 @@ def _target_machine() -> llvm.TargetMachine:
 class LlvmFunction:
     """A compiled program: arrays in, arrays out, the interpreter lock released meanwhile."""
 
-    # Measured flat from 4k to 128k points; smaller blocks share work among threads more evenly.
-    block_size = 16384
+    # One thread: the same from 8k to 128k points. Two threads: 1.8 times as fast from 32k on, less below.
+    block_size = 32768
 
     def __init__(self, program: Program) -> None:
         self.program = program

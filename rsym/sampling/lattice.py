@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
 
-# Of the shifts tried these, irrational and unequal, hit no exact zero of any model of the paper.
+# Unequal and irrational to six digits: at 50, 64, 100 and 128 cells no sample of the paper's models is an exact zero.
 SHIFTS = (0.381966, 0.414214, 0.442777)
-# 12 bytes a sample while meshing: more than this many do not fit a usual machine.
+# Meshing holds 13 bytes a sample (float64, float32 and a sign): this many fill 8 GB.
 MOST_POINTS = 600_000_000
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import Executor
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -85,7 +86,9 @@ def _sample_slab(shape: Shape, letters: Mapping[Any, float] | None, axes: list[A
     return _surface_kernel(shape, "value")(*axes, letters=letters)["value"]
 
 
+@lru_cache(maxsize=8)
 def _surface_kernel(shape: Shape, field: str) -> Kernel:
+    """Lowered and compiled once for all slabs, in each process that computes some."""
     return compile_program(surface_program(shape, (field,)), (field,), shape)
 
 
@@ -99,24 +102,24 @@ def _for_marching_cubes(samples: Array) -> tuple[NDArray[np.float32], int]:
             code="no-surface",
             remedy="widen the bounds, or refine the resolution if the body is thin",
         )
-    size = np.abs(samples)
-    zeros = int((size == 0).sum())
-    finite = size[np.isfinite(size)]
-    scale = max(_near_surface(samples, inside) / NEAR_SURFACE, float(finite.max()) / LARGEST_SAMPLE)
-    scaled = np.clip(samples, -finite.max(), finite.max()) / (scale or 1.0)
+    largest = max(float(np.abs(plane[np.isfinite(plane)]).max(initial=0)) for plane in samples)
+    scale = max(_near_surface(samples, inside) / NEAR_SURFACE, largest / LARGEST_SAMPLE) or 1.0
     tiny = np.finfo(np.float32).tiny
-    lost = np.abs(scaled) < tiny
-    scaled[lost] = np.where(inside[lost], tiny, -tiny)
-    return scaled.astype(np.float32), zeros
+    scaled = np.empty(samples.shape, np.float32)
+    for plane, sign_of, target in zip(samples, inside, scaled, strict=True):
+        divided = np.clip(plane, -largest, largest) / scale  # the clip is for infinite samples alone
+        target[...] = np.where(np.abs(divided) < tiny, np.where(sign_of, tiny, -tiny), divided)
+    return scaled, int(samples.size - np.count_nonzero(samples))
 
 
 def _near_surface(samples: Array, inside: NDArray[np.bool_]) -> float:
-    """The median size of samples beside a change of sign along the first axis that has one."""
+    """The median size of samples before a change of sign along the first axis that has one."""
     for axis in range(3):
-        first = np.take(inside, range(inside.shape[axis] - 1), axis)
-        change = first != np.take(inside, range(1, inside.shape[axis]), axis)
+        before = (slice(None),) * axis + (slice(None, -1),)
+        after = (slice(None),) * axis + (slice(1, None),)
+        change = inside[before] != inside[after]
         if change.any():
-            sizes = np.abs(np.take(samples, range(samples.shape[axis] - 1), axis)[change])
+            sizes = np.abs(samples[before][change])
             return float(np.median(sizes[np.isfinite(sizes)])) if np.isfinite(sizes).any() else 0.0
     return 0.0
 
