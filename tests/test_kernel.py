@@ -1,3 +1,4 @@
+import sys
 import threading
 
 import numpy as np
@@ -118,8 +119,12 @@ def test_a_miscompiled_kernel_is_not_handed_out(monkeypatch):
 
 
 def test_without_llvmlite_numpy_takes_over(monkeypatch):
-    monkeypatch.setattr(kernel_module.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "rsym.codegen.llvm_backend", None)
     assert rsym.compile(SHAPE).backend == "numpy"
+    monkeypatch.setattr(kernel_module, "_CACHE", {})
+    with pytest.raises(RsymError) as caught:
+        rsym.compile(SHAPE, backend="llvm")
+    assert caught.value.code == "missing-package"
 
 
 def test_compiling_in_eight_threads_at_once():

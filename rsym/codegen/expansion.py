@@ -56,7 +56,7 @@ def _r0_conjunction(b: Builder, node: Node) -> int:
     root, total, low, high = _root(b, f, g), b.add(f, g), _low(b, f, g), _high(b, f, g)
     product = b.mul(b.mul(b.const(2), low), b.make("div", high, b.add(total, root)))
     value = b.select(total, b.const(0), product, b.sub(total, root))
-    return _where_root_fails(b, root, b.make("min", f, g), value)
+    return _where_root_fails(b, root, low, value)
 
 
 def _r0_disjunction(b: Builder, node: Node) -> int:
@@ -65,7 +65,7 @@ def _r0_disjunction(b: Builder, node: Node) -> int:
     root, total, low, high = _root(b, f, g), b.add(f, g), _low(b, f, g), _high(b, f, g)
     product = b.mul(b.mul(b.const(2), high), b.make("div", low, b.sub(total, root)))
     value = b.select(b.const(0), total, product, b.add(total, root))
-    return _where_root_fails(b, root, b.make("max", f, g), value)
+    return _where_root_fails(b, root, high, value)
 
 
 def _versine(b: Builder, node: Node) -> int:

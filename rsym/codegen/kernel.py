@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import threading
 from collections.abc import Iterator, Mapping, Sequence
@@ -33,6 +32,8 @@ class CompiledFunction(Protocol):
 
     source: str
     block_size: int
+
+    def __init__(self, program: Program) -> None: ...
 
     def run(
         self,
@@ -163,8 +164,16 @@ def compile_program(
 
 
 def default_backend() -> str:
-    """`llvm` where llvmlite is installed, else `numpy`."""
-    return "llvm" if importlib.util.find_spec("llvmlite") else "numpy"
+    """`llvm` where llvmlite can be imported, else `numpy`."""
+    return "llvm" if _llvm_function() is not None else "numpy"
+
+
+def _llvm_function() -> type[CompiledFunction] | None:
+    try:
+        from rsym.codegen.llvm_backend import LlvmFunction
+    except (ImportError, OSError):  # OSError: the package is there, its library is not
+        return None
+    return LlvmFunction
 
 
 _CACHE: dict[tuple[str, str], CompiledFunction] = {}
@@ -192,15 +201,14 @@ def _make_function(program: Program, backend: str) -> CompiledFunction:
         return NumpyFunction(program)
     if backend != "llvm":
         raise RsymError(f"no backend {backend!r}", code="unknown-backend", remedy="choose 'llvm' or 'numpy'")
-    try:
-        from rsym.codegen.llvm_backend import LlvmFunction
-    except ImportError as error:
+    compiled = _llvm_function()
+    if compiled is None:
         raise RsymError(
             "the backend 'llvm' needs the package llvmlite, which cannot be imported",
             code="missing-package",
             remedy="pip install llvmlite, or backend='numpy'",
-        ) from error
-    return LlvmFunction(program)
+        )
+    return compiled(program)
 
 
 def _check(program: Program, function: CompiledFunction, shape: Shape) -> None:

@@ -66,10 +66,12 @@ def plane_sampler(
     fixed = _fixed_coordinates(names, section)
     free = tuple(k for k in range(len(names)) if k not in fixed)
     if len(free) != 2:
+        last = names[-1]
+        cut = f"give section={{{last}: value}}, on the command line --section {last}=VALUE"
         raise RsymError(
             f"a picture in the plane needs two free coordinates, the shape has {', '.join(names)}",
             code="section",
-            remedy=f"give section={{{names[-1]}: value}}" if len(free) > 2 else "leave out section",
+            remedy=cut if len(free) > 2 else "leave out section",
         )
     box = bounds
     if bounds is None or len(bounds) == len(names):
