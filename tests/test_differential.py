@@ -33,6 +33,14 @@ def test_no_dirac_and_no_heaviside_ever():
         assert not expression.has(sp.DiracDelta, sp.Heaviside, sp.Derivative)
 
 
+def test_sympys_own_second_derivative_of_r1_has_no_dirac_either():
+    node = conjunction(x**2, y, x * y, system=rsym.R1)
+    second = sp.diff(node, x, 2)
+    assert not second.has(sp.DiracDelta, sp.Heaviside, sp.Abs)
+    assert second.subs({x: 1, y: 5}).evalf() == sp.Float(2)
+    assert sp.diff(node, y, 2).subs({x: 1, y: 5}).evalf() == 0
+
+
 def test_a_tie_is_undefined():
     assert derivative(sp.Min(x, y), x).subs({x: 1, y: 1}) is sp.nan
     assert derivative(sp.Min(x, y), x).subs({x: 0, y: 1}) == 1

@@ -68,7 +68,8 @@ def test_plain_lambdify_works_at_once(cse):
 
 
 def test_lambdify_on_other_packages():
-    for node in (conjunction(x, y), disjunction(x, y, system=R1), trimming(x, y)):
+    derivative = sp.diff(disjunction(x, y, system=R1), x)
+    for node in (conjunction(x, y), disjunction(x, y, system=R1), trimming(x, y), derivative):
         exact = sp.lambdify((x, y), node, modules="mpmath")(mpmath.mpf(3), mpmath.mpf(-4))
         plain = sp.lambdify((x, y), node, modules="math")(3.0, -4.0)
         assert_close(float(plain), float(exact), rtol=1e-15)
@@ -97,6 +98,16 @@ def test_single_operand_and_text():
     assert caught.value.code == "expression"
     with pytest.raises(rsym.RsymError):
         conjunction()
+
+
+def test_the_derivative_of_r1_is_one_zero_or_undefined():
+    ahead = sp.diff(disjunction(x, y, system=R1), x)
+    assert sp.latex(ahead) == r"\left[x > y\right]"
+    assert [float(ahead.subs({x: value, y: 2}).evalf()) for value in (1, 3)] == [0, 1]
+    assert ahead.subs({x: 2, y: 2}).evalf() is sp.nan
+    values = rsym.compile(rsym.Shape(ahead, (x, y)))([1, 2, 3], 2)["value"]
+    assert_close(values[[0, 2]], [0, 1], atol=1e-300)
+    assert np.isnan(values[1])
 
 
 def test_held_constants_are_opaque_and_differentiate_to_zero():

@@ -115,10 +115,11 @@ def test_latex_of_a_shape():
     )
 
 
-def test_a_nest_of_five_hundred():
+@pytest.mark.parametrize(("system", "depth"), [(rsym.R0, 500), (rsym.R1, 250)])
+def test_a_deep_nest(system, depth):
     nest = x
-    for k in range(500):
-        nest = conjunction(nest, y - k) if k % 2 else rsym.disjunction(nest, -y - k)
+    for k in range(depth):
+        nest = system.conjunction(nest, y - k) if k % 2 else system.disjunction(nest, -y - k)
     shape = Shape(nest, (x, y))
     kernel = rsym.compile(shape, ("value", "gradient"))
     assert kernel(1.0, 2.0)["value"] < 0

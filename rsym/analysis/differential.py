@@ -40,7 +40,8 @@ def _rule(part: sp.Basic, inner: list[sp.Expr], symbol: sp.Symbol) -> sp.Expr:
     if part.is_Symbol:
         return sp.S.One if part == symbol else sp.S.Zero
     if isinstance(part, sp.Piecewise):
-        return sp.Piecewise(*((d, pair.cond) for d, pair in zip(inner, part.args, strict=True)))
+        pairs = [(d, pair.cond) for d, pair in zip(inner, part.args, strict=True)]
+        return sp.Piecewise(*pairs, evaluate=False)
     if part.is_Add:
         return sp.Add(*inner)
     if isinstance(part, sp.functions.elementary.piecewise.ExprCondPair):
@@ -73,7 +74,7 @@ def _extremum(part: sp.Expr, inner: list[sp.Expr]) -> sp.Expr:
     for k, (argument, d) in enumerate(zip(part.args, inner, strict=True)):
         others = [other for j, other in enumerate(part.args) if j != k]
         branches.append((d, sp.And(*(ahead(argument, other) for other in others))))
-    return sp.Piecewise(*branches, (sp.S.NaN, True))
+    return sp.Piecewise(*branches, (sp.S.NaN, True), evaluate=False)
 
 
 def gradient(shape: Shape) -> Matrix:

@@ -17,7 +17,7 @@ from sympy.logic.boolalg import BooleanAtom, BooleanFunction
 from rsym.codegen.builder import HALF, Builder
 from rsym.codegen.quadratics import sum_with_squares_completed, two_linear_factors
 from rsym.errors import RsymError
-from rsym.model.nodes import Held, Trimming
+from rsym.model.nodes import Ahead, Held, Trimming
 from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction, R1Disjunction, ROperation
 from rsym.model.traversal import postorder
 
@@ -156,6 +156,11 @@ def _trimming(b: Builder, part: Trimming, arguments: Lowered) -> int:
     return b.make("trimming", b.square(f), t)
 
 
+def _ahead(b: Builder, part: Ahead, arguments: Lowered) -> int:
+    f, g = arguments
+    return b.select(f, g, b.const(1), b.select(g, f, b.const(0), b.undefined()))
+
+
 def _exponentials(b: Builder, u: int) -> tuple[int, int]:
     return b.make("exp", u), b.make("exp", b.neg(u))
 
@@ -241,6 +246,7 @@ LOWERINGS: dict[type[sp.Basic], Callable[..., int]] = {
     R1Conjunction: _fold("min"),
     R1Disjunction: _fold("max"),
     Trimming: _trimming,
+    Ahead: _ahead,
     Held: lambda b, part, arguments: arguments[0],
     sp.Min: _fold("min"),
     sp.Max: _fold("max"),

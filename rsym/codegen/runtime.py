@@ -74,6 +74,12 @@ def r1_disjunction(*operands: Any) -> Any:
     return reduce(lambda f, g: _extremum(f, g, 1), operands)
 
 
+def ahead(f: Any, g: Any) -> Any:
+    """1 where f > g, 0 where f < g, NaN elsewhere."""
+    package = _package(f, g)
+    return package.where(f > g, 1.0, package.where(f < g, 0.0, float("nan")))
+
+
 def trimming(f: Any, t: Any) -> Any:
     """sqrt(f**2 + ((sqrt(t**2 + f**4) - t)/2)**2)."""
     package = _package(f, t)

@@ -19,15 +19,20 @@ class RealNode(sp.Function):  # type: ignore[misc]
     runtime_name: ClassVar[str] = ""
 
     def __new__(cls, *arguments: Any, **options: Any) -> sp.Expr:
-        """Know from the start whether there are symbols inside: SymPy asks often, and asks by recursion."""
+        """Know from the start which symbols are inside: SymPy asks often, and asks by recursion."""
         node = super().__new__(cls, *arguments, **options)
-        node._is_number = all(argument.is_number for argument in node.args)
+        node._free_symbols = frozenset().union(*(argument.free_symbols for argument in node.args))
         return node
 
     @property
+    def free_symbols(self) -> set[sp.Basic]:
+        """The symbols inside."""
+        return set(self._free_symbols)
+
+    @property
     def is_number(self) -> bool:
-        """Whether the node has no symbols."""
-        return bool(self._is_number)
+        """Whether there are none."""
+        return not self._free_symbols
 
     @classmethod
     def _should_evalf(cls, argument: sp.Expr) -> int:
@@ -96,6 +101,36 @@ class Trimming(RealNode):
 
     def _sympystr(self, printer: Any) -> str:
         return f"trimming({', '.join(printer._print(argument) for argument in self.args)})"
+
+
+class Ahead(RealNode):
+    """1 where f > g, 0 where f < g, undefined on f = g: the derivative of max(f, g) with respect to f.
+
+    It is constant wherever it is defined; SymPy's own forms of it lead to Dirac impulses.
+    """
+
+    runtime_name = "ahead"
+
+    def as_roots(self) -> sp.Expr:
+        """(1 + (f - g)/|f - g|)/2."""
+        f, g = self.args
+        return (1 + (f - g) / sp.Abs(f - g, evaluate=False)) / 2
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """0."""
+        return sp.S.Zero
+
+    def numeric(self, arguments: list[mpf]) -> mpf:
+        """1, 0 or NaN."""
+        f, g = arguments
+        return mpf(f > g) if f != g else mp.nan
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        text = rf"\left[{printer._print(self.args[0])} > {printer._print(self.args[1])}\right]"
+        return text if exp is None else f"{text}^{{{exp}}}"
+
+    def _sympystr(self, printer: Any) -> str:
+        return f"ahead({', '.join(printer._print(argument) for argument in self.args)})"
 
 
 class Held(RealNode):

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import sympy as sp
 from mpmath import mp, mpf
 
-from rsym.model.nodes import RealNode
+from rsym.model.nodes import Ahead, RealNode
 
 
 class ROperation(RealNode):
@@ -139,8 +139,8 @@ class R1Operation(ROperation):
         return (f + g + self.sign * sp.Abs(f - g, evaluate=False)) / 2
 
     def partial(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
-        """Return (1 + s*(f - g)/|f - g|)/2: 0, 1, or undefined on f = g."""
-        return (1 + self.sign * (f - g) / sp.Abs(f - g, evaluate=False)) / 2
+        """Return 1 where f decides, 0 where g does, undefined on f = g."""
+        return Ahead(g, f) if self.sign < 0 else Ahead(f, g)
 
     def pair_numeric(self, f: mpf, g: mpf) -> mpf:
         """The smaller or the larger."""
