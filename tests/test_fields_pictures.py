@@ -51,6 +51,10 @@ def test_given_axes_are_used_and_pyplot_is_left_alone():
 def test_levels_are_those_asked_for():
     artist = rsym.plot_field(DISC, levels=[-1, 0, 0.25], resolution=32)
     assert artist.levels.tolist() == [-1, 0, 0.25]
+    band = [path for path in artist.get_paths() if len(path.vertices)][2]  # below -1, -1 to 0, 0 to 0.25, above
+    radius = np.hypot(*band.vertices.T)
+    assert abs(radius.max() - 1) < 0.02
+    assert abs(radius.min() - np.sqrt(0.5)) < 0.02
 
 
 def test_a_singular_spot_does_not_flatten_the_picture():

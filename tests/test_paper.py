@@ -70,6 +70,13 @@ def test_every_figure_has_its_recipe():
     assert len(BODIES) == 6
 
 
+def test_figure_12_has_the_printed_letters():
+    drawing = RECIPES[-1].draw()
+    assert drawing.letters.startswith("a = 5, a2 = 5, p2 = 0.1, (a1, p1) = (8, 40), (8, 20)")
+    assert drawing.triangles > 100_000
+    assert [text.get_text() for text in drawing.figure.texts][5] == "$a_1 = 12$, $p_1 = 80$"
+
+
 def test_one_figure_is_drawn_with_its_page(tmp_path):
     seen = []
     results = rsym.paper.reproduce(tmp_path, only=["fig11"], progress=lambda *state: seen.append(state))

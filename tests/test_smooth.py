@@ -128,6 +128,19 @@ def test_random_integer_volumes_give_manifolds(seed, monkeypatch):
     assert directed_edges_match(mesh.faces)
 
 
+def test_signs_survive_float32(monkeypatch):
+    """Between 1e30 inside and -1e-30 outside no float32 scale keeps both; the sign must stay."""
+    from rsym.sampling.lattice import Lattice
+
+    values = np.full((6, 6, 6), -1e-30)
+    values[2:4, 2:4, 2:4] = 1e30
+    monkeypatch.setattr(smooth, "sample", lambda *arguments: values)
+    whole = Lattice((0.0,) * 3, (1.0,) * 3, (6,) * 3)
+    mesh = smooth.smooth_mesh(Shape(x + y + z, (x, y, z)), whole, ((0, 5),) * 3, None, None, None)
+    assert directed_edges_match(mesh.faces)
+    assert mesh.status.volume > 0
+
+
 @pytest.mark.parametrize("factor", [1e-200, 1e-50, 1e40, 1e250])
 def test_the_scale_of_omega_does_not_matter(factor):
     reference = rsym.mesh(BALL, 24)

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import lru_cache
 
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from rsym.model.letters import Letter
 from rsym.model.motions import revolve
-from rsym.model.shape import Shape
 from rsym.output.fields import plot_fields
 from rsym.output.surfaces import plot_mesh
 from rsym.paper.models import car, skeleton_body
@@ -64,7 +63,7 @@ def _car_mesh(stage: str, variant: str) -> Mesh:
 def _draw_car(stage: str, variant: str, azimuth: float) -> Drawing:
     shape, body = car(variant, stage), _car_mesh(stage, variant)
     figure = _figure_of(plot_mesh(body, azimuth=azimuth))
-    return Drawing(figure, letters_text(shape), body.status.triangles, str(body.status))
+    return Drawing(figure, letters_text(shape.letters), body.status.triangles, str(body.status))
 
 
 def _draw_triangulation() -> Drawing:
@@ -72,7 +71,7 @@ def _draw_triangulation() -> Drawing:
     shape = car()
     body = mesh(shape, (50, 50, 50))
     figure = _figure_of(plot_mesh(body, azimuth=FRONT, edges=True))
-    return Drawing(figure, letters_text(shape), body.status.triangles, str(body.status))
+    return Drawing(figure, letters_text(shape.letters), body.status.triangles, str(body.status))
 
 
 def _figure_of(artist: Artist) -> Figure:
@@ -83,7 +82,7 @@ def _figure_of(artist: Artist) -> Figure:
 
 def _draw_sheet() -> Drawing:
     shape = skeleton_body()
-    return Drawing(plot_fields(shape), letters_text(shape), 0, "six fields, the boundary as a heavy line")
+    return Drawing(plot_fields(shape), letters_text(shape.letters), 0, "six fields, the boundary as a heavy line")
 
 
 def _draw_bodies() -> Drawing:
@@ -114,13 +113,9 @@ def _draw_bodies() -> Drawing:
     )
 
 
-def letters_text(shape: Shape) -> str:
+def letters_text(letters: Mapping[str, Letter]) -> str:
     """The letters as `name = value`, decimals short."""
-    return ", ".join(f"{name} = {_decimal(letter.default)}" for name, letter in shape.letters.items())
-
-
-def _decimal(value: int | float | Fraction) -> str:
-    return f"{float(value):g}"
+    return ", ".join(f"{name} = {float(letter.default):g}" for name, letter in letters.items())
 
 
 RECIPES: tuple[Recipe, ...] = (
