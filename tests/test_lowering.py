@@ -94,5 +94,6 @@ def test_a_letter_is_never_divided_by_on_the_way():
 
 
 def test_a_condition_without_truth_gives_nan():
-    assert np.isnan(value(sp.Piecewise((1, sp.sqrt(x) < 1), (2, True)), -1.0, 0.0))
+    for condition in (sp.sqrt(x) < 1, sp.sqrt(x) <= 1, sp.sqrt(x) > 1, sp.sqrt(x) >= 1):
+        assert np.isnan(value(sp.Piecewise((1, condition), (2, True)), -1.0, 0.0))
     assert np.isnan(value(sp.Piecewise((x, x > 2)), 1.0, 0.0))

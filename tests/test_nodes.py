@@ -75,6 +75,17 @@ def test_lambdify_on_other_packages():
         assert_close(float(plain), float(exact), rtol=1e-15)
 
 
+def test_the_runtime_keeps_the_sign_of_tiny_numbers_and_nan():
+    tiny = np.array([1e-170, -1e-170, 1e-170])
+    other = np.array([-1e-170, 1e-170, 1e-180])
+    both, either = sp.lambdify((x, y), [conjunction(x, y), disjunction(x, y)])(tiny, other)
+    assert np.sign(both).tolist() == [-1, -1, 1]
+    assert np.sign(either).tolist() == [1, 1, 1]
+    for node in (conjunction(x, y, system=R1), disjunction(x, y, system=R1), conjunction(x, y)):
+        function = sp.lambdify((x, y), node)
+        assert np.isnan(function(np.array([np.nan, 1.0]), np.array([1.0, np.nan]))).all()
+
+
 def test_a_deep_nest_prints_a_call_for_each_node_and_not_an_expansion():
     nest = x
     for k in range(12):

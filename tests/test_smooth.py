@@ -64,9 +64,11 @@ def test_a_normalised_shape_is_meshed_through_its_omega(length):
     shape = conjunction(BALL, Shape(z - x**2 + sp.Rational(1, 3), (x, y, z)))
     unit = rsym.normalise(~shape, length=length)
     assert "sqrt" not in str(surface_program(rsym.normalise(BALL, length=length), ("value",)))
-    reference, other = rsym.mesh(~shape, 24), rsym.mesh(unit, 24)
-    assert np.array_equal(other.vertices, reference.vertices)
-    assert np.array_equal(other.faces, reference.faces)
+    reference = rsym.mesh(~shape, 24)
+    assert reference.status.volume < 0  # the outside of the body
+    for other in (rsym.mesh(unit, 24), rsym.mesh(~rsym.normalise(shape, length=length), 24)):
+        assert np.array_equal(other.vertices, reference.vertices)
+        assert np.array_equal(other.faces, reference.faces)
 
 
 def test_the_gradient_of_the_normalised_car_is_one_away_from_its_edges():

@@ -105,12 +105,9 @@ def _draw_bodies() -> Drawing:
     # A trimmed picture is then the whole figure, not the squares that hang out of it.
     figure.add_artist(Rectangle((0, 0), 1, 1, transform=figure.transFigure, alpha=0))
     pairs = ", ".join(f"({a1}, {p1})" for a1, p1 in BODIES)
-    return Drawing(
-        figure,
-        f"a = 5, a2 = 5, p2 = 0.1, (a1, p1) = {pairs}",
-        triangles,
-        "the source does not print the pairs (a1, p1)",
-    )
+    printed = letters_text({name: letter for name, letter in body.letters.items() if name not in {"a1", "p1"}})
+    remark = "the source does not print the pairs (a1, p1)"
+    return Drawing(figure, f"{printed}, (a1, p1) = {pairs}", triangles, remark)
 
 
 def letters_text(letters: Mapping[str, Letter]) -> str:
