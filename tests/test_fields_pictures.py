@@ -40,6 +40,15 @@ def test_the_sheet_has_six_panels_with_titles_labels_and_the_boundary():
     assert panels[0].get_ylabel() == "$y$"
 
 
+def test_tall_bounds_take_three_columns_and_colour_bars_are_as_tall_as_panels():
+    tall = DISC.replace(bounds=((-1.5, 1.5), (-4, 4)))
+    figure = rsym.plot_fields(tall, resolution=48)
+    assert figure.axes[0].get_subplotspec().get_gridspec().get_geometry() == (2, 3)
+    figure.canvas.draw()
+    panel, bar = figure.axes[0].get_window_extent(), figure.axes[6].get_window_extent()
+    assert 0.8 < bar.height / panel.height < 1.1
+
+
 def test_given_axes_are_used_and_pyplot_is_left_alone():
     before = matplotlib.pyplot.get_fignums()
     ax = matplotlib.figure.Figure().add_subplot()

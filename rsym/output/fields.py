@@ -107,7 +107,7 @@ def plot_fields(
 ) -> Figure:
     r"""The sheet: level lines of several fields, by default the six of the source's Fig. 11.
 
-    Panels are filled row by row in two columns, each with its colour bar.
+    Panels are filled row by row, in two columns if the bounds are wide and three if they are tall.
 
     Examples
     --------
@@ -123,10 +123,10 @@ def plot_fields(
     names = checked_fields(fields)
     sampler = plane_sampler(shape, names[0], resolution=16, bounds=bounds, letters=letters, section=section)
     width, height = (sampler.lattice.spacing[k] * sampler.lattice.counts[k] for k in (0, 1))
-    columns = min(2, len(names))
+    columns = min(2 if height <= 1.2 * width else 3, len(names))
     rows = -(-len(names) // columns)
-    panel = 4.2
-    size = (columns * (panel + 0.9), rows * (min(max(panel * height / width, 1.6), 7.0) + 0.45))
+    panel = min(8.4 / columns, 5.0 * width / height)
+    size = (columns * (panel + 0.9), rows * (max(panel * height / width, 1.6) + 0.45))
     figure: Figure
     figure, axes = matplotlib.pyplot.subplots(
         rows, columns, figsize=size, squeeze=False, sharex=True, sharey=True, layout="compressed"
@@ -194,7 +194,9 @@ def _colour_bar(artist: QuadContourSet, ax: Axes) -> None:
     levels = np.asarray(artist.levels)
     step = -(-len(levels) // 7)
     ticks = levels[np.abs(levels).argmin() % step :: step]
-    bar = ax.figure.colorbar(artist, ax=ax, pad=0.02, fraction=0.05, ticks=ticks)
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    slender = 20 * max(1.0, (high - low) / (right - left))
+    bar = ax.figure.colorbar(artist, ax=ax, pad=0.02, fraction=0.05, aspect=slender, ticks=ticks)
     bar.ax.tick_params(labelsize=7, length=2)
 
 
