@@ -12,12 +12,13 @@ PACKAGE = Path(rsym.__file__).parent
 # Layer: third-party packages it may import. Order is the direction of the data.
 LAYERS = {
     "errors": set(),
-    "model": {"sympy", "mpmath"},
+    "model": {"sympy"},
     "analysis": {"sympy"},
     "codegen": {"sympy", "numpy", "llvmlite", "flint"},
     "sampling": {"numpy", "scipy", "skimage", "numba"},
     "verify": {"sympy", "numpy", "scipy", "mpmath", "flint"},
     "surfaces": {"sympy", "numpy", "scipy"},
+    # mpl_toolkits is matplotlib's second package.
     "output": {"sympy", "numpy", "matplotlib", "mpl_toolkits", "trimesh", "plotly", "ipywidgets"},
     "paper": {"numpy", "matplotlib"},
     "cli": {"tqdm"},

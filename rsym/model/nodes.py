@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import sympy as sp
-from mpmath import mp, mpf
 
 from rsym.model.traversal import rebuild
 
@@ -53,14 +52,14 @@ class RealNode(sp.Function):  # type: ignore[misc]
         return expand_nodes(self)
 
     def _eval_evalf(self, precision: int) -> sp.Expr:
-        arguments = [argument._eval_evalf(precision) or argument for argument in self.args]
+        wider = precision + 10
+        arguments = [argument._eval_evalf(wider) or argument for argument in self.args]
         if not all(argument.is_Float or argument.is_Rational for argument in arguments):
             return self.func(*arguments)
-        with mp.workprec(precision + 10):
-            value = self.numeric([argument._to_mpmath(precision + 10) for argument in arguments])
-        return sp.Float._new(value._mpf_, precision)
+        value = self.numeric([sp.Float(argument, precision=wider) for argument in arguments])
+        return value if value is sp.S.NaN else sp.Float(value, precision=precision)
 
-    def numeric(self, arguments: list[mpf]) -> mpf:
+    def numeric(self, arguments: list[sp.Float]) -> sp.Expr:
         """The value at high precision, free of cancellation."""
         raise NotImplementedError
 
@@ -88,12 +87,12 @@ class Trimming(RealNode):
         gap = (root - t) / 2
         return f * (1 + gap * f**2 / root) / self if argindex == 1 else -(gap**2) / (root * self)
 
-    def numeric(self, arguments: list[mpf]) -> mpf:
+    def numeric(self, arguments: list[sp.Float]) -> sp.Expr:
         """The formula, the inner difference without cancellation."""
         f, t = arguments
-        root = mp.hypot(t, f * f)
+        root = sp.sqrt(t**2 + f**4)
         gap = (root - t) / 2 if t <= 0 else f**4 / (2 * (root + t))
-        return mp.hypot(f, gap)
+        return sp.sqrt(f**2 + gap**2)
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:
         text = rf"\rho\left({printer._print(self.args[0])};\, {printer._print(self.args[1])}\right)"
@@ -120,10 +119,10 @@ class Ahead(RealNode):
         """0."""
         return sp.S.Zero
 
-    def numeric(self, arguments: list[mpf]) -> mpf:
+    def numeric(self, arguments: list[sp.Float]) -> sp.Expr:
         """1, 0 or NaN."""
         f, g = arguments
-        return mpf(f > g) if f != g else mp.nan
+        return sp.S.NaN if f == g else sp.Integer(bool(f > g))
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:
         text = rf"\left[{printer._print(self.args[0])} > {printer._print(self.args[1])}\right]"

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import sympy as sp
-from mpmath import mp, mpf
 
 from rsym.model.nodes import Ahead, RealNode
 
@@ -54,7 +53,7 @@ class ROperation(RealNode):
         """The derivative of the operation on two operands with respect to the first (it is symmetric)."""
         raise NotImplementedError
 
-    def pair_numeric(self, f: mpf, g: mpf) -> mpf:
+    def pair_numeric(self, f: sp.Float, g: sp.Float) -> sp.Expr:
         """The operation on two numbers, free of cancellation."""
         raise NotImplementedError
 
@@ -65,7 +64,7 @@ class ROperation(RealNode):
             result = self.pair_as_roots(result, operand)
         return result
 
-    def numeric(self, arguments: list[mpf]) -> mpf:
+    def numeric(self, arguments: list[sp.Float]) -> sp.Expr:
         """The left fold of numbers."""
         result, *rest = arguments[self.parameter_count :]
         for operand in rest:
@@ -108,9 +107,9 @@ class R0Operation(ROperation):
         """Return 1 + s*f/sqrt(f**2 + g**2)."""
         return 1 + self.sign * f / sp.sqrt(f**2 + g**2)
 
-    def pair_numeric(self, f: mpf, g: mpf) -> mpf:
+    def pair_numeric(self, f: sp.Float, g: sp.Float) -> sp.Expr:
         """Where the terms cancel, the product form 2 f g / (f + g - s r)."""
-        root, total = mp.hypot(f, g), f + g
+        root, total = sp.sqrt(f**2 + g**2), f + g
         cancels = total * self.sign < 0
         return 2 * f * g / (total - self.sign * root) if cancels else total + self.sign * root
 
@@ -142,7 +141,7 @@ class R1Operation(ROperation):
         """Return 1 where f decides, 0 where g does, undefined on f = g."""
         return Ahead(g, f) if self.sign < 0 else Ahead(f, g)
 
-    def pair_numeric(self, f: mpf, g: mpf) -> mpf:
+    def pair_numeric(self, f: sp.Float, g: sp.Float) -> sp.Expr:
         """The smaller or the larger."""
         return min(f, g) if self.sign < 0 else max(f, g)
 
