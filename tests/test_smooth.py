@@ -111,7 +111,7 @@ def test_exact_zeros_on_the_lattice_are_handled():
 
     whole = Lattice((-4.0,) * 3, (1.0,) * 3, (9,) * 3)
     shape = Shape(2 - sp.Abs(x) - sp.Abs(y) - sp.Abs(z), (x, y, z))
-    mesh = smooth.smooth_mesh(shape, whole, ((-4, 4),) * 3, None, None, None)
+    mesh = smooth.smooth_mesh(shape, whole, None, None, None)
     assert directed_edges_match(mesh.faces)
     assert mesh.status.nudged_zeros == 18
     assert_close(mesh.status.volume, 4 / 3 * 8, atol=1e-4)
@@ -126,7 +126,7 @@ def test_random_integer_volumes_give_manifolds(seed, monkeypatch):
     values[[0, -1]] = values[:, [0, -1]] = values[:, :, [0, -1]] = -1
     monkeypatch.setattr(smooth, "sample", lambda *arguments: values)
     whole = Lattice((0.0,) * 3, (1.0,) * 3, (7,) * 3)
-    mesh = smooth.smooth_mesh(Shape(x + y + z, (x, y, z)), whole, ((0, 6),) * 3, None, None, None)
+    mesh = smooth.smooth_mesh(Shape(x + y + z, (x, y, z)), whole, None, None, None)
     assert directed_edges_match(mesh.faces)
 
 
@@ -138,7 +138,7 @@ def test_signs_survive_float32(monkeypatch):
     values[2:4, 2:4, 2:4] = 1e30
     monkeypatch.setattr(smooth, "sample", lambda *arguments: values)
     whole = Lattice((0.0,) * 3, (1.0,) * 3, (6,) * 3)
-    mesh = smooth.smooth_mesh(Shape(x + y + z, (x, y, z)), whole, ((0, 5),) * 3, None, None, None)
+    mesh = smooth.smooth_mesh(Shape(x + y + z, (x, y, z)), whole, None, None, None)
     assert directed_edges_match(mesh.faces)
     assert mesh.status.volume > 0
 

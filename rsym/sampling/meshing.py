@@ -7,15 +7,13 @@ from concurrent.futures import Executor
 from typing import Any, TypeAlias
 
 from rsym.errors import RsymError
-from rsym.model.shape import Bounds, Shape
+from rsym.model.shape import Shape
 from rsym.sampling.lattice import Lattice, bounds_of, lattice_over
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.smooth import smooth_mesh
 
 Progress: TypeAlias = Callable[[int, int], Any]
-Mesher: TypeAlias = Callable[
-    [Shape, Lattice, Bounds, Mapping[Any, float] | None, Executor | None, Progress | None], Mesh
-]
+Mesher: TypeAlias = Callable[[Shape, Lattice, Mapping[Any, float] | None, Executor | None, Progress | None], Mesh]
 
 # Another method is one more line here and one module beside `smooth`.
 METHODS: dict[str, Mesher] = {"smooth": smooth_mesh}
@@ -73,5 +71,5 @@ def mesh(
         )
     if method not in METHODS:
         raise RsymError(f"no method {method!r}", code="unknown-method", remedy=f"choose from {', '.join(METHODS)}")
-    box = bounds_of(shape, bounds)
-    return METHODS[method](shape, lattice_over(box, resolution), box, letters, executor, progress)
+    lattice = lattice_over(bounds_of(shape, bounds), resolution)
+    return METHODS[method](shape, lattice, letters, executor, progress)

@@ -18,7 +18,7 @@ from skimage.measure import marching_cubes
 from rsym.codegen.fields import surface_program
 from rsym.codegen.kernel import Kernel, compile_program
 from rsym.errors import RsymError
-from rsym.model.shape import Bounds, Shape
+from rsym.model.shape import Shape
 from rsym.sampling.lattice import Lattice
 from rsym.sampling.mesh import Mesh, examine
 from rsym.sampling.roots import bracketed_roots
@@ -37,7 +37,6 @@ FROM_LATTICE_POINT = 1e-7
 def smooth_mesh(
     shape: Shape,
     lattice: Lattice,
-    bounds: Bounds,
     letters: Mapping[Any, float] | None,
     executor: Executor | None,
     progress: Any,
