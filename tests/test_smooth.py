@@ -12,6 +12,7 @@ import rsym
 from rsym import RsymError, Shape, conjunction, disjunction, x, y, z
 from rsym.codegen.fields import surface_program
 from rsym.sampling import smooth
+from rsym.sampling.lattice import Lattice
 
 BALL = Shape((1 - x**2 - y**2 - z**2) / 2, (x, y, z), bounds=((-1.25, 1.25),) * 3)
 
@@ -107,21 +108,18 @@ def test_the_same_bits_for_any_block_slab_executor_and_thread(monkeypatch):
 
 
 def test_exact_zeros_on_the_lattice_are_handled():
-    from rsym.sampling.lattice import Lattice
-
     whole = Lattice((-4.0,) * 3, (1.0,) * 3, (9,) * 3)
     shape = Shape(2 - sp.Abs(x) - sp.Abs(y) - sp.Abs(z), (x, y, z))
     mesh = smooth.smooth_mesh(shape, whole, None, None, None)
     assert directed_edges_match(mesh.faces)
     assert mesh.status.nudged_zeros == 18
+    assert len(np.unique(mesh.vertices, axis=0)) == len(mesh.vertices)
     assert_close(mesh.status.volume, 4 / 3 * 8, atol=1e-4)
 
 
 @pytest.mark.parametrize("seed", range(25))
 def test_random_integer_volumes_give_manifolds(seed, monkeypatch):
     """Integers put exact zeros everywhere; scikit-image alone fails on most of these."""
-    from rsym.sampling.lattice import Lattice
-
     values = np.random.default_rng(seed).integers(-3, 4, (7, 7, 7)).astype(float)
     values[[0, -1]] = values[:, [0, -1]] = values[:, :, [0, -1]] = -1
     monkeypatch.setattr(smooth, "sample", lambda *arguments: values)
@@ -132,8 +130,6 @@ def test_random_integer_volumes_give_manifolds(seed, monkeypatch):
 
 def test_signs_survive_float32(monkeypatch):
     """Between 1e30 inside and -1e-30 outside no float32 scale keeps both; the sign must stay."""
-    from rsym.sampling.lattice import Lattice
-
     values = np.full((6, 6, 6), -1e-30)
     values[2:4, 2:4, 2:4] = 1e30
     monkeypatch.setattr(smooth, "sample", lambda *arguments: values)

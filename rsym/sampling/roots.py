@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# A lattice edge is a few hundredths of the box: its ends are rounded to about this share of it anyway.
+# With a thousand cells along the box the ends of a lattice edge are themselves rounded to about this share of it.
 NEAR_ENOUGH = 1e-13
 # Bisection alone needs 43 steps for that.
 MOST_STEPS = 60

@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from skimage.measure import marching_cubes
 
 from rsym.codegen.fields import surface_program
@@ -157,26 +157,24 @@ def _edges(samples: Array, index: Array) -> tuple[NDArray[np.int64], NDArray[np.
     lower = np.floor(index).astype(np.int64)
     fraction = index - lower
     axis = fraction.argmax(axis=1)
-    known = (fraction > 0).sum(axis=1) == 1
-    taken = {(*lower[k], axis[k]) for k in _near_rounded(lower, known, fraction)}
-    for k in np.flatnonzero((fraction > 0).sum(axis=1) == 0):
-        for edge in _crossing_edges(samples, lower[k]):
-            if edge not in taken:
-                taken.add(edge)
+    off_lattice = (fraction > 0).sum(axis=1)
+    known = off_lattice == 1
+    candidates = [(k, edge) for k in np.flatnonzero(off_lattice == 0) for edge in _crossing_edges(samples, lower[k])]
+    if candidates:
+        others = _edge_numbers(samples, np.column_stack([lower, axis])[known])
+        taken = np.isin(_edge_numbers(samples, [edge for _, edge in candidates]), others)
+        used: set[tuple[int, int, int, int]] = set()
+        for (k, edge), is_taken in zip(candidates, taken, strict=True):
+            if not is_taken and not known[k] and edge not in used:
+                used.add(edge)
                 lower[k], axis[k], known[k] = edge[:3], edge[3], True
-                break
     return lower, axis, known
 
 
-def _near_rounded(lower: NDArray[np.int64], known: NDArray[np.bool_], fraction: Array) -> NDArray[np.int64]:
-    """The vertices on edges that could end in a lattice point onto which another vertex was rounded."""
-    rounded = lower[(fraction > 0).sum(axis=1) == 0]
-    if not len(rounded):
-        return np.empty(0, np.int64)
-    near = np.zeros(len(lower), bool)
-    for point in np.unique(rounded, axis=0):
-        near |= (np.abs(lower - point) <= 1).all(axis=1)
-    return np.flatnonzero(near & known)
+def _edge_numbers(samples: Array, edges: ArrayLike) -> NDArray[np.int64]:
+    """One integer for each edge (i, j, k, axis)."""
+    i, j, k, axis = np.asarray(edges, np.int64).reshape(-1, 4).T
+    return np.asarray(np.ravel_multi_index((i, j, k), samples.shape) * 3 + axis, np.int64)
 
 
 def _crossing_edges(samples: Array, point: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
