@@ -12,7 +12,10 @@ from .model.operations import (
     conjunction,
     difference,
     disjunction,
+    equivalence,
     exclusive_or,
+    implication,
+    joining,
     negation,
     rfAND,
     rfNOT,
@@ -21,7 +24,7 @@ from .model.operations import (
 )
 from .model.shape import Shape
 from .model.symbols import x, y, z
-from .model.systems import R0, R1
+from .model.systems import R0, R1, R0m, RAlpha, Rp
 from .output.fields import plot_field, plot_fields
 from .output.files import write
 from .output.surfaces import plot_mesh
@@ -37,15 +40,21 @@ __all__ = [
     "Letter",
     "LevelLines",
     "Mesh",
+    "R0m",
+    "RAlpha",
+    "Rp",
     "RsymError",
     "Shape",
     "compile",
     "conjunction",
     "difference",
     "disjunction",
+    "equivalence",
     "exclusive_or",
     "gradient",
     "hessian",
+    "implication",
+    "joining",
     "lambdify",
     "laplacian",
     "level_lines",

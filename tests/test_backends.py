@@ -18,16 +18,36 @@ AWKWARD = [0.0, -0.0, 1.0, -1.0, 0.5, -3.0, 1e-9, -1e-20, 1e-170, 5e-324, 1e20, 
 MILD = [0.0, -0.0, 0.25, -2.0, np.nan]
 BACKENDS = {"numpy": NumpyFunction, "llvm": LlvmFunction}
 EXACT = {"add", "mul", "div", "neg", "sqrt", "abs", "sign", "min", "max", "select", "undefined"}
+ALPHAS, ORDERS, POWERS = [0, Fraction(1, 2), 1, Fraction(-3, 4)], [1, 2, 3, 6], [2, 4, 6, 3, Fraction(5, 2)]
+PARAMETERS = {
+    "r_alpha_conjunction": ALPHAS,
+    "r_alpha_disjunction": ALPHAS,
+    "r0m_conjunction": ORDERS,
+    "r0m_disjunction": ORDERS,
+    "monomial": [-1, 0, 1, 2],
+    "norm": POWERS,
+    "rp_conjunction": POWERS,
+    "rp_disjunction": POWERS,
+    "rp_versine": POWERS,
+    "equivalence": ORDERS,
+    "joining": ORDERS,
+    "absolute_power": [1, 2, 3, -1, Fraction(1, 2)],
+    "signed_power": [1, 2, 3, -1, 0, Fraction(1, 2)],
+}
+PARAMETRISED = [(operation, value) for operation, values in PARAMETERS.items() for value in values]
 NONNEGATIVE_FIRST = {"trimming", "gap"}
 
 
-def single(operation):
-    """A program of one operation on inputs, and awkward arguments for it."""
-    arity = OPERATIONS[operation].arity
+def single(operation, parameter=None, letter=False):
+    """A program of one operation on inputs, and awkward arguments for it; the parameter a constant or a letter."""
+    arity = OPERATIONS[operation].arity - (parameter is not None)
     names = tuple(f"u{k}" for k in range(max(arity, 1)))
-    builder = Builder(names, ())
-    data = {"powi": 5, "const": Fraction(1, 3)}.get(operation)
-    node = builder.make(operation, *(builder.input(name) for name in names[:arity]), data=data)
+    builder = Builder(names, ("parameter",) if letter else ())
+    data = {"powi": 5, "const": Fraction(1, 3), "monomial": (2, 1, -2)}.get(operation)
+    arguments = [builder.input(name) for name in names[:arity]]
+    if parameter is not None:
+        arguments.append(builder.input("parameter") if letter else builder.const(parameter))
+    node = builder.make(operation, *arguments, data=data)
     program = builder.program({"value": node})
     columns = np.array(list(itertools.product(AWKWARD if arity <= 2 else MILD, repeat=max(arity, 1)))).T
     if operation in NONNEGATIVE_FIRST:
@@ -37,13 +57,13 @@ def single(operation):
     return program, [np.ascontiguousarray(column) for column in columns]
 
 
-def run(backend, program, columns):
+def run(backend, program, columns, letters=()):
     output = np.empty(len(columns[0]))
-    BACKENDS[backend](expand(program)).run(columns, [], [output])
+    BACKENDS[backend](expand(program)).run(columns, list(letters), [output])
     return output
 
 
-OPERATION_NAMES = sorted(set(OPERATIONS) - {"input"})
+OPERATION_NAMES = sorted(set(OPERATIONS) - {"input"} - set(PARAMETERS))
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -61,6 +81,43 @@ def test_an_operation_means_the_same_on_every_backend(operation, backend):
         assert np.array_equal(got[~known], expected[~known], equal_nan=True)
         assert (np.abs(got[known] - expected[known]) <= 1e-14 * np.abs(expected[known]) + 1e-300).all()
         assert np.array_equal(np.sign(got)[known], np.sign(expected)[known])
+
+
+@pytest.mark.parametrize("letter", [False, True])
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(("operation", "parameter"), PARAMETRISED)
+def test_an_operation_with_a_parameter_means_the_same_on_every_backend(operation, parameter, backend, letter):
+    """Where the squares leave the range of float64 the sign is right, the value need not be."""
+    program, columns = single(operation, parameter, letter)
+    got = run(backend, program, columns, [float(parameter)] * letter)
+    inputs = dict(zip(program.coordinates, columns, strict=True), parameter=float(parameter))
+    expected = np.broadcast_to(interpret(program, inputs)["value"], got.shape)
+    finite = np.all([np.isfinite(column) for column in columns], axis=0)
+    fair = finite & np.all([(np.abs(c) < 1e20) & ((np.abs(c) > 1e-40) | (c == 0)) for c in columns], axis=0)
+    assert np.array_equal(np.isnan(got)[fair], np.isnan(expected)[fair])
+    assert np.isnan(got[np.any([np.isnan(column) for column in columns], axis=0)]).all()
+    known = fair & np.isfinite(expected)
+    assert (np.abs(got[known] - expected[known]) <= 4e-14 * np.abs(expected[known]) + 1e-300).all()
+    if operation.split("_")[-1] in {"conjunction", "disjunction", "equivalence", "joining"}:
+        assert np.array_equal(np.sign(got[finite]), np.sign(expected[finite]))
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    ("operation", "outside"),
+    [
+        ("r_alpha_conjunction", -1.0),
+        ("r_alpha_disjunction", 1.5),
+        ("rp_disjunction", 1.0),
+        ("r0m_conjunction", 0.5),
+        ("joining", 0.0),
+        ("equivalence", np.nan),
+    ],
+)
+def test_a_letter_outside_the_range_of_its_system_gives_nan(operation, outside, backend):
+    program, _ = single(operation, 1, letter=True)
+    columns = [np.array([1.0, -2.0, 0.5]), np.array([2.0, 3.0, -0.5])]
+    assert np.isnan(run(backend, program, columns, [outside])).all()
 
 
 @pytest.mark.parametrize("operation", sorted(set(OPERATION_NAMES) - {"sin", "cos", "exp", "log", "pow", "atan2"}))
@@ -102,8 +159,8 @@ def test_homogeneity_under_powers_of_two():
 
 
 def test_expansion_leaves_primitives_alone():
-    for operation in OPERATION_NAMES:
-        program, _ = single(operation)
+    for operation, parameter in [*((name, None) for name in OPERATION_NAMES), *PARAMETRISED]:
+        program, _ = single(operation, parameter)
         assert {node.operation for node in expand(program).nodes} <= PRIMITIVES
 
 

@@ -7,7 +7,7 @@ import sympy as sp
 from closeness import assert_close
 
 import rsym
-from rsym import R0, R1, Shape, trimming, x, y
+from rsym import R0, R1, R0m, RAlpha, Rp, Shape, equivalence, joining, trimming, x, y
 from rsym.codegen.differentiation import RULES
 from rsym.codegen.fields import program_of
 from rsym.codegen.operations import OPERATIONS
@@ -31,6 +31,13 @@ CASES = {
     "r0_conjunction versine": R0.conjunction(x * y, x - y, 3 - x**2),
     "r0_disjunction": R0.disjunction(x * y, x - y, 3 - x**2),
     "r1": R1.conjunction(R1.disjunction(x * y, x - y), 3 - x**2),
+    "r_alpha": RAlpha(sp.Rational(1, 3)).conjunction(RAlpha(-sp.Rational(1, 2)).disjunction(x * y, x - y), 3 - x**2),
+    "r0m monomial": R0m(2).conjunction(R0m(3).disjunction(x * y, x - y), 3 - x**2),
+    "rp even": Rp(4).conjunction(Rp(6).disjunction(x * y, x - y), 3 - x**2),
+    "rp odd": Rp(3).conjunction(Rp(5).disjunction(x * y, x - y), 3 - x**2),
+    "rp fraction": Rp(sp.Rational(5, 2)).conjunction(Rp(sp.Rational(7, 2)).disjunction(x * y, x - y), 3 - x**2),
+    "equivalence norm": equivalence(equivalence(x * y, x - y, order=1), 3 - x**2, x - 1, order=3),
+    "joining": joining(joining(x * y, x - y, order=2), trimming(3 - x**2, x), order=3),
     "trimming gap": trimming(x - y**2, 2 - x * y),
     "normalised": (x * y - 1) / sp.sqrt((x * y - 1) ** 2 + x**2 + y**2),
 }

@@ -16,9 +16,11 @@ import rsym.paper
 from rsym.errors import RsymError
 from rsym.model.language.loading import load, loads
 from rsym.model.nodes import Held, expand_nodes
+from rsym.model.operations import difference, implication, joining
 from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction
 from rsym.model.shape import Shape, latex
 from rsym.model.symbols import real_symbol, x, y, z
+from rsym.model.systems import Rp
 from rsym.model.traversal import postorder, symbols_of
 
 CAR = Path(rsym.paper.__file__).parent / "car.rf"
@@ -194,6 +196,11 @@ def test_bounds():
 
 
 def test_systems():
+    assert loads("letter q = 1; system Ralpha q; f = rfOR(x, y, rfAND(1, 2))").letters.keys() == {"q"}
+    assert loads("system Rp 8/2; f = rfOR(x, y)").expression == Rp(4).disjunction(x, y)
+    assert loads("f = implication(x, difference(y, joining(x, y)))").expression == implication(
+        x, difference(y, joining(x, y))
+    )
     assert isinstance(loads("system R1; f = rfAND(x, y)").expression, R1Conjunction)
     assert isinstance(loads("f = rfAND(x, y); system R0").expression, R0Conjunction)
 
@@ -350,7 +357,13 @@ REFUSED = [
     ("letter a = 5 in [7, 1]", "letter-range", 1, 17),
     ("letter a = 5 in [1, 9]\nvariant b: a = 10", "letter-range", 2, 12),
     ("letter a = 1; variant b: aa = 9", "unknown-name", 1, 26),
-    ("system Ralpha; f = x", "unknown-system", 1, 8),
+    ("system Rbeta; f = x", "unknown-system", 1, 8),
+    ("system Ralpha; f = x", "parameter", 1, 8),
+    ("system Ralpha 2; f = x", "parameter", 1, 15),
+    ("letter q = 3; system Rp q - 2; f = x", "letter-value", 1, 25),
+    ("letter q = 3; system R0m x; f = x", "letter-value", 1, 26),
+    ("letter q = 1; system Rp q; f = x", "parameter", 1, 25),
+    ("system R0 0.5; f = x", "parameter", 1, 11),
     ("coordinates x; f = x", "coordinates", 1, 1),
     ("coordinates x y z t; f = x", "coordinates", 1, 1),
     ("bounds x [0, 1]; f = x", "bounds", 1, 1),

@@ -8,7 +8,8 @@ import sympy as sp
 
 from rsym.analysis.differential import gradient
 from rsym.errors import RsymError
-from rsym.model.shape import Shape, as_expression
+from rsym.model.shape import Shape
+from rsym.model.symbols import as_expression
 
 
 def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:

@@ -15,6 +15,8 @@ from rsym.codegen.program import Data, Node, Program, assemble
 
 ONE, HALF = Fraction(1), Fraction(1, 2)
 
+_NONNEGATIVE = frozenset("sqrt abs exp trimming gap versine rp_versine norm joining absolute_power".split())
+
 # Exact folding stops here: float64 ends at about 1100 bits, beyond that the numbers only cost time.
 _FOLDED_BITS = 4096
 
@@ -56,7 +58,7 @@ class Builder:
         operation, arguments, data = node
         if operation == "const":
             return isinstance(data, str) or (isinstance(data, Fraction) and data >= 0)
-        if operation in {"sqrt", "abs", "exp", "trimming", "gap", "versine"}:
+        if operation in _NONNEGATIVE:
             return True
         if operation == "mul" and arguments[0] == arguments[1]:
             return True
@@ -207,6 +209,22 @@ class Builder:
         if inner is not None:
             return self.abs(inner)
         return a if self.nonnegative[a] else self.make("abs", a)
+
+    def absolute_power(self, a: int, exponent: int) -> int:
+        """Return |a|**exponent, an ordinary power for an even integer."""
+        value = self.value(exponent)
+        if value is not None and value.denominator == 1 and value % 2 == 0:
+            return self.powi(a, int(value))
+        return self.make("absolute_power", a, exponent)
+
+    def signed_power(self, a: int, exponent: int) -> int:
+        """Return sign(a)*|a|**exponent, an ordinary power for an odd integer."""
+        value = self.value(exponent)
+        if value is not None and value.denominator == 1 and value % 2 == 1:
+            return self.powi(a, int(value))
+        if value == 0:
+            return self.div(a, self.abs(a))
+        return self.make("signed_power", a, exponent)
 
     def undefined(self) -> int:
         """NaN on purpose."""

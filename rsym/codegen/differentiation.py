@@ -6,13 +6,12 @@ does not exist its value is NaN, never a Dirac impulse.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 
 from rsym.codegen.builder import HALF, Builder
 from rsym.codegen.program import Node, live
-
-Rule = Callable[[Builder, int, Node, Sequence[int]], int]
+from rsym.codegen.system_rules import SYSTEM_RULES, Rule
 
 
 def derivative(builder: Builder, output: int, name: str) -> int:
@@ -201,4 +200,5 @@ RULES: dict[str, Rule] = {
     "gap": _gap,
     "trimming": _trimming,
     "normalised": _normalised,
+    **SYSTEM_RULES,
 }

@@ -6,16 +6,13 @@ out, in the form that keeps the sign. Equal roots are shared by hash-consing.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from fractions import Fraction
 
 from rsym.codegen.builder import HALF, Builder
 from rsym.codegen.operations import PRIMITIVES
+from rsym.codegen.powers import root, where_fails, whole_power
 from rsym.codegen.program import Node, Program
-
-_LARGEST = Fraction(sys.float_info.max)
-_SMALLEST = Fraction(5e-324)
+from rsym.codegen.system_expansions import SYSTEM_EXPANSIONS
 
 
 def expand(program: Program) -> Program:
@@ -33,55 +30,20 @@ def expand(program: Program) -> Program:
     return builder.program({name: done[number] for name, number in program.outputs})
 
 
-def _root(b: Builder, f: int, g: int) -> int:
-    return b.sqrt(b.add(b.square(f), b.square(g)))
-
-
-def _where_root_fails(b: Builder, root: int, instead: int, value: int) -> int:
-    """Take `instead` where the root is 0 or infinite: squares have left the range of float64 there. NaN stays."""
-    return b.select(root, b.const(_LARGEST), instead, b.select(b.const(_SMALLEST), root, instead, value))
-
-
-def _low(b: Builder, f: int, g: int) -> int:
-    return b.select(g, f, f, g)
-
-
-def _high(b: Builder, f: int, g: int) -> int:
-    return b.select(f, g, f, g)
-
-
-def _r0_conjunction(b: Builder, node: Node) -> int:
-    """2 m (M/(f + g + r)) where f + g > 0, with m the smaller and M the larger; else f + g - r."""
-    f, g = node.arguments
-    root, total, low, high = _root(b, f, g), b.add(f, g), _low(b, f, g), _high(b, f, g)
-    product = b.mul(b.mul(b.const(2), low), b.make("div", high, b.add(total, root)))
-    value = b.select(total, b.const(0), product, b.sub(total, root))
-    return _where_root_fails(b, root, low, value)
-
-
-def _r0_disjunction(b: Builder, node: Node) -> int:
-    """2 M (m/(f + g - r)) where f + g < 0; else f + g + r."""
-    f, g = node.arguments
-    root, total, low, high = _root(b, f, g), b.add(f, g), _low(b, f, g), _high(b, f, g)
-    product = b.mul(b.mul(b.const(2), high), b.make("div", low, b.sub(total, root)))
-    value = b.select(b.const(0), total, product, b.add(total, root))
-    return _where_root_fails(b, root, high, value)
-
-
 def _versine(b: Builder, node: Node) -> int:
     """(g/r) (g/(r + f)) where f > 0, else 1 - f/r."""
     f, g = node.arguments
-    root = _root(b, f, g)
-    product = b.mul(b.make("div", g, root), b.make("div", g, b.add(root, f)))
-    return b.select(f, b.const(0), product, b.sub(b.const(1), b.make("div", f, root)))
+    size = root(b, f, g)
+    product = b.mul(b.make("div", g, size), b.make("div", g, b.add(size, f)))
+    return b.select(f, b.const(0), product, b.sub(b.const(1), b.make("div", f, size)))
 
 
 def _gap(b: Builder, node: Node) -> int:
     """s**2/(2 (q + t)) where t > 0, else (q - t)/2."""
     s, t = node.arguments
-    root = _root(b, t, s)
-    quotient = b.make("div", b.square(s), b.mul(b.const(2), b.add(root, t)))
-    return b.select(t, b.const(0), quotient, b.mul(b.const(HALF), b.sub(root, t)))
+    size = root(b, t, s)
+    quotient = b.make("div", b.square(s), b.mul(b.const(2), b.add(size, t)))
+    return b.select(t, b.const(0), quotient, b.mul(b.const(HALF), b.sub(size, t)))
 
 
 def _trimming(b: Builder, node: Node) -> int:
@@ -91,23 +53,13 @@ def _trimming(b: Builder, node: Node) -> int:
 
 def _normalised(b: Builder, node: Node) -> int:
     f, q = node.arguments
-    root = b.sqrt(b.add(b.square(f), q))
-    return _where_root_fails(b, root, b.make("div", f, b.abs(f)), b.make("div", f, root))
+    size = b.sqrt(b.add(b.square(f), q))
+    return where_fails(b, size, b.make("div", f, b.abs(f)), b.make("div", f, size))
 
 
 def _powi(b: Builder, node: Node) -> int:
-    """Repeated squaring, in an order that depends on the exponent alone."""
     assert isinstance(node.data, int)
-    base, exponent = node.arguments[0], node.data
-    result, power = None, base
-    while exponent:
-        if exponent & 1:
-            result = power if result is None else b.mul(result, power)
-        exponent >>= 1
-        if exponent:
-            power = b.square(power)
-    assert result is not None
-    return result
+    return whole_power(b, node.arguments[0], node.data)
 
 
 def _sign(b: Builder, node: Node) -> int:
@@ -127,10 +79,9 @@ SIMPLE: dict[str, Callable[..., int]] = {
 EXPANSIONS: dict[str, Callable[[Builder, Node], int]] = {
     "powi": _powi,
     "sign": _sign,
-    "r0_conjunction": _r0_conjunction,
-    "r0_disjunction": _r0_disjunction,
     "versine": _versine,
     "gap": _gap,
     "trimming": _trimming,
     "normalised": _normalised,
+    **SYSTEM_EXPANSIONS,
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,8 +29,9 @@ def interpret_nodes(program: Program, inputs: Mapping[str, ArrayLike]) -> list[N
             elif operation == "input":
                 value = np.asarray(inputs[str(data)], np.float64)
             elif operation == "powi":
-                value = OPERATIONS[operation].meaning(values[arguments[0]], np.float64(data))
+                value = OPERATIONS[operation].meaning(values[arguments[0]], float(cast(int, data)))
             else:
-                value = OPERATIONS[operation].meaning(*(values[argument] for argument in arguments))
+                exponents = () if data is None else (data,)
+                value = OPERATIONS[operation].meaning(*(values[argument] for argument in arguments), *exponents)
             values.append(np.asarray(value, np.float64))
     return values

@@ -17,8 +17,9 @@ from sympy.logic.boolalg import BooleanAtom, BooleanFunction
 from rsym.codegen.builder import HALF, Builder
 from rsym.codegen.quadratics import sum_with_squares_completed, two_linear_factors
 from rsym.errors import RsymError
+from rsym.model import equivalences, powers, rnodes
+from rsym.model.folds import Fold
 from rsym.model.nodes import Ahead, Held, Trimming
-from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction, R1Disjunction, ROperation
 from rsym.model.traversal import postorder
 
 Lowered = Sequence[int]
@@ -137,13 +138,23 @@ def _pow(b: Builder, part: sp.Pow, arguments: Lowered) -> int:
 
 def _fold(operation: str) -> Callable[[Builder, sp.Basic, Lowered], int]:
     def lowering(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
-        operands = arguments[part.parameter_count :] if isinstance(part, ROperation) else arguments
-        result = operands[0]
-        for operand in operands[1:]:
-            result = b.make(operation, result, operand)
+        count = part.parameter_count if isinstance(part, Fold) else 0
+        parameters, (result, *rest) = arguments[:count], arguments[count:]
+        _check_parameters(b, part, parameters)
+        for operand in rest:
+            result = b.make(operation, result, operand, *parameters)
         return result
 
     return lowering
+
+
+def _check_parameters(b: Builder, part: sp.Basic, parameters: Lowered) -> None:
+    if not all(b.uniform[parameter] for parameter in parameters):
+        raise RsymError(
+            f"the parameter {part.args[0]} of an R-operation varies from point to point",
+            code="parameter",
+            remedy="use a number or a letter",
+        )
 
 
 def _elementary(operation: str) -> Callable[[Builder, sp.Basic, Lowered], int]:
@@ -241,10 +252,20 @@ LOWERINGS: dict[type[sp.Basic], Callable[..., int]] = {
     sp.Mul: _mul,
     sp.Pow: _pow,
     sp.exp: _elementary("exp"),
-    R0Conjunction: _fold("r0_conjunction"),
-    R0Disjunction: _fold("r0_disjunction"),
-    R1Conjunction: _fold("min"),
-    R1Disjunction: _fold("max"),
+    rnodes.R0Conjunction: _fold("r0_conjunction"),
+    rnodes.R0Disjunction: _fold("r0_disjunction"),
+    rnodes.R1Conjunction: _fold("min"),
+    rnodes.R1Disjunction: _fold("max"),
+    rnodes.RAlphaConjunction: _fold("r_alpha_conjunction"),
+    rnodes.RAlphaDisjunction: _fold("r_alpha_disjunction"),
+    rnodes.R0mConjunction: _fold("r0m_conjunction"),
+    rnodes.R0mDisjunction: _fold("r0m_disjunction"),
+    rnodes.RpConjunction: _fold("rp_conjunction"),
+    rnodes.RpDisjunction: _fold("rp_disjunction"),
+    equivalences.Equivalence: _fold("equivalence"),
+    equivalences.Joining: _fold("joining"),
+    powers.AbsolutePower: lambda b, part, arguments: b.absolute_power(*arguments),
+    powers.SignedPower: lambda b, part, arguments: b.signed_power(*arguments),
     Trimming: _trimming,
     Ahead: _ahead,
     Held: lambda b, part, arguments: arguments[0],

@@ -16,7 +16,18 @@ from numpy.typing import ArrayLike, NDArray
 from rsym.codegen.fields import checked_fields, gather, program_of
 from rsym.codegen.program import Program
 from rsym.errors import RsymError
-from rsym.model.rnodes import R0Conjunction, R0Disjunction
+from rsym.model.equivalences import Equivalence, Joining
+from rsym.model.powers import absolute_power, signed_power
+from rsym.model.rnodes import (
+    R0Conjunction,
+    R0Disjunction,
+    R0mConjunction,
+    R0mDisjunction,
+    RAlphaConjunction,
+    RAlphaDisjunction,
+    RpConjunction,
+    RpDisjunction,
+)
 from rsym.model.shape import Shape
 
 Fields: TypeAlias = dict[str, NDArray[Any]]
@@ -75,7 +86,7 @@ def _assignments(program: Program) -> tuple[list[tuple[sp.Symbol, sp.Expr | None
             values.append(sp.Symbol(str(data), real=True))
         else:
             inner = [values[argument] for argument in arguments]
-            expression = inner[0] ** data if operation == "powi" else _FORMULAS[operation](*inner)
+            expression = _formula(operation, inner, data)
             symbol = sp.Symbol(f"_{number}", real=True)  # a name that no model can use
             assignments.append((symbol, expression))
             values.append(symbol)
@@ -84,6 +95,23 @@ def _assignments(program: Program) -> tuple[list[tuple[sp.Symbol, sp.Expr | None
                 (values[a], None) for a in done if values[a].is_Symbol and values[a].name.startswith("_")
             )
     return assignments, [values[number] for _, number in program.outputs]
+
+
+def _formula(operation: str, inner: list[sp.Expr], data: Any) -> sp.Expr:
+    if operation == "powi":
+        return inner[0] ** data
+    return _FORMULAS[operation](*inner) if data is None else _monomial(*inner, *data)
+
+
+def _monomial(f: sp.Expr, g: sp.Expr, m: sp.Expr, a: int, b: int, c: int) -> sp.Expr:
+    """f**a * g**b * r**(m + c), its limit at r = 0."""
+    squares = f**2 + g**2
+    limit = sp.Piecewise((0, m + a + b + c > 0), (sp.S.NaN, True))
+    return sp.Piecewise((f**a * g**b * squares ** ((m + c) / 2), squares > 0), (limit, True))
+
+
+def _norm(f: sp.Expr, g: sp.Expr, p: sp.Expr) -> sp.Expr:
+    return (absolute_power(f, p) + absolute_power(g, p)) ** (1 / p)
 
 
 def _gap(s: sp.Expr, t: sp.Expr) -> sp.Expr:
@@ -111,6 +139,18 @@ _FORMULAS: dict[str, Callable[..., sp.Expr]] = {
     "r0_conjunction": R0Conjunction,
     "r0_disjunction": R0Disjunction,
     "versine": lambda f, g: 1 - f / sp.sqrt(f**2 + g**2),
+    "r_alpha_conjunction": lambda f, g, alpha: RAlphaConjunction(alpha, f, g),
+    "r_alpha_disjunction": lambda f, g, alpha: RAlphaDisjunction(alpha, f, g),
+    "r0m_conjunction": lambda f, g, m: R0mConjunction(m, f, g),
+    "r0m_disjunction": lambda f, g, m: R0mDisjunction(m, f, g),
+    "norm": _norm,
+    "rp_conjunction": lambda f, g, p: RpConjunction(p, f, g),
+    "rp_disjunction": lambda f, g, p: RpDisjunction(p, f, g),
+    "rp_versine": lambda f, g, p: 1 - signed_power(f, p - 1) / _norm(f, g, p) ** (p - 1),
+    "equivalence": lambda f, g, m: Equivalence(m, f, g),
+    "joining": lambda f, g, m: Joining(m, f, g),
+    "absolute_power": absolute_power,
+    "signed_power": signed_power,
     "gap": _gap,
     "trimming": lambda s, t: sp.sqrt(s + _gap(s, t) ** 2),
     "normalised": lambda f, q: f / sp.sqrt(f**2 + q),

@@ -17,13 +17,13 @@ from typing import NamedTuple, TypeAlias
 from rsym.codegen.operations import OPERATIONS
 from rsym.errors import RsymError
 
-Data: TypeAlias = Fraction | str | int | None
+Data: TypeAlias = Fraction | str | int | tuple[int, int, int] | None
 
 CONSTANTS = {"pi": math.pi, "e": math.e}
 
 
 class Node(NamedTuple):
-    """One operation on earlier nodes; `data` is a constant, an input's name or an integer exponent."""
+    """One operation on earlier nodes; `data` is a constant, an input's name or integer exponents."""
 
     operation: str
     arguments: tuple[int, ...] = ()

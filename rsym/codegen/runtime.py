@@ -18,6 +18,8 @@ class _Scalars:
 
     def __init__(self, package: Any) -> None:
         self.sqrt = package.sqrt
+        self.expm1 = package.expm1
+        self.log1p = package.log1p
 
     @staticmethod
     def where(condition: Any, yes: Any, no: Any) -> Any:
@@ -54,6 +56,43 @@ def _extremum(f: Any, g: Any, sign: int) -> Any:
     return package.where(f != f, f, value)
 
 
+def _sheared_pair(f: Any, g: Any, alpha: Any, sign: int) -> Any:
+    """(f + g + sign*r)/(1 + alpha) without cancellation, the radicand as a sum of squares."""
+    package = _package(f, g)
+    root, total = package.sqrt((f - alpha * g) ** 2 + (1 - alpha) * (1 + alpha) * g**2), f + g
+    low, high = package.where(f < g, f, g), package.where(f < g, g, f)
+    near, far = (low, high) if sign < 0 else (high, low)
+    cancels = sign * total < 0
+    divisor = package.where(cancels, total - sign * root, 1.0)
+    value = package.where(cancels, 2 * near * (far / divisor), (total + sign * root) / (1 + alpha))
+    return package.where(root == 0, near, value)
+
+
+def _by_size(f: Any, g: Any) -> tuple[Any, Any, Any]:
+    """The operand larger in size, the other, and their ratio in size, 0 where both are 0."""
+    package = _package(f, g)
+    swap = abs(f) > abs(g)
+    large, small = package.where(swap, f, g), package.where(swap, g, f)
+    ratio = abs(small) / package.where(large == 0, 1.0, abs(large))
+    return large, small, ratio
+
+
+def _power_pair(f: Any, g: Any, p: Any, sign: int) -> Any:
+    """F + g + sign*(|f|**p + |g|**p)**(1/p) without cancellation."""
+    package = _package(f, g)
+    large, small, ratio = _by_size(f, g)
+    excess = package.expm1(package.log1p(ratio**p) / p)
+    return small + package.where(sign * large < 0, -large * excess, large * (2 + excess))
+
+
+def _joined(f: Any, g: Any, m: Any, sign: Any) -> Any:
+    """The smaller size over (1 + ratio**m)**(1/m), with the sign of `sign`."""
+    package = _package(f, g)
+    _, small, ratio = _by_size(f, g)
+    size = abs(small) / (1 + ratio**m) ** (1 / m)
+    return package.where(sign < 0, -size, size)
+
+
 def r0_conjunction(*operands: Any) -> Any:
     """The left fold of f + g - sqrt(f**2 + g**2)."""
     return reduce(lambda f, g: _pair(f, g, -1), operands)
@@ -72,6 +111,58 @@ def r1_conjunction(*operands: Any) -> Any:
 def r1_disjunction(*operands: Any) -> Any:
     """The largest."""
     return reduce(lambda f, g: _extremum(f, g, 1), operands)
+
+
+def r_alpha_conjunction(alpha: Any, *operands: Any) -> Any:
+    """The left fold of (f + g - sqrt(f**2 + g**2 - 2*alpha*f*g))/(1 + alpha)."""
+    return reduce(lambda f, g: _sheared_pair(f, g, alpha, -1), operands)
+
+
+def r_alpha_disjunction(alpha: Any, *operands: Any) -> Any:
+    """The left fold of (f + g + sqrt(f**2 + g**2 - 2*alpha*f*g))/(1 + alpha)."""
+    return reduce(lambda f, g: _sheared_pair(f, g, alpha, 1), operands)
+
+
+def r0m_conjunction(m: Any, *operands: Any) -> Any:
+    """The left fold of (f + g - r)*r**m with r = sqrt(f**2 + g**2)."""
+    return reduce(lambda f, g: _pair(f, g, -1) * _package(f, g).sqrt(f * f + g * g) ** m, operands)
+
+
+def r0m_disjunction(m: Any, *operands: Any) -> Any:
+    """The left fold of (f + g + r)*r**m with r = sqrt(f**2 + g**2)."""
+    return reduce(lambda f, g: _pair(f, g, 1) * _package(f, g).sqrt(f * f + g * g) ** m, operands)
+
+
+def rp_conjunction(p: Any, *operands: Any) -> Any:
+    """The left fold of f + g - (|f|**p + |g|**p)**(1/p)."""
+    return reduce(lambda f, g: _power_pair(f, g, p, -1), operands)
+
+
+def rp_disjunction(p: Any, *operands: Any) -> Any:
+    """The left fold of f + g + (|f|**p + |g|**p)**(1/p)."""
+    return reduce(lambda f, g: _power_pair(f, g, p, 1), operands)
+
+
+def equivalence(m: Any, *operands: Any) -> Any:
+    """The left fold of f*g/(|f|**m + |g|**m)**(1/m)."""
+    return reduce(lambda f, g: _joined(f, g, m, f * g), operands)
+
+
+def joining(m: Any, *operands: Any) -> Any:
+    """The left fold of |f|*|g|/(|f|**m + |g|**m)**(1/m)."""
+    return reduce(lambda f, g: _joined(f, g, m, 1.0), operands)
+
+
+def absolute_power(u: Any, a: Any) -> Any:
+    """|u|**a."""
+    return abs(u) ** a
+
+
+def signed_power(u: Any, a: Any) -> Any:
+    """sign(u)*|u|**a; undefined at u = 0 where a = 0."""
+    package = _package(u)
+    sign = package.where(u > 0, 1.0, package.where(u < 0, -1.0, float("nan") if a == 0 else 0.0))
+    return sign * abs(u) ** a
 
 
 def ahead(f: Any, g: Any) -> Any:

@@ -53,7 +53,7 @@ class RealNode(sp.Function):  # type: ignore[misc]
 
     def _eval_evalf(self, precision: int) -> sp.Expr:
         wider = precision + 10
-        arguments = [argument._eval_evalf(wider) or argument for argument in self.args]
+        arguments = [_evaluated(argument, wider) for argument in self.args]
         if not all(argument.is_Float or argument.is_Rational for argument in arguments):
             return self.func(*arguments)
         value = self.numeric([sp.Float(argument, precision=wider) for argument in arguments])
@@ -74,6 +74,12 @@ class Trimming(RealNode):
     """The curve f = 0 kept where t >= 0: sqrt(f**2 + ((sqrt(t**2 + f**4) - t)/2)**2)."""
 
     runtime_name = "trimming"
+
+    def _eval_is_nonnegative(self) -> bool:
+        return True
+
+    def _eval_is_extended_nonnegative(self) -> bool:
+        return True
 
     def as_roots(self) -> sp.Expr:
         """The formula."""
@@ -160,6 +166,11 @@ class Held(RealNode):
         return f"({printer._print(self.args[0])})"
 
     _numpycode = _pythoncode = _mpmathcode = _jaxcode = _torchcode = _cupycode = _runtime_call
+
+
+def _evaluated(argument: sp.Expr, precision: int) -> sp.Expr:
+    value = argument._eval_evalf(precision)
+    return argument if value is None else value
 
 
 def expand_nodes(expression: sp.Expr) -> sp.Expr:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from rsym.errors import RsymError
+from rsym.model.equivalences import Equivalence, Joining
 from rsym.model.nodes import Trimming
 from rsym.model.shape import combine
+from rsym.model.symbols import as_expression
 from rsym.model.systems import R0, RSystem
 
 
@@ -80,6 +82,80 @@ def exclusive_or(f: Any, g: Any, system: RSystem = R0) -> Any:
     return combine(lambda a, b: system.disjunction(system.conjunction(a, -b), system.conjunction(-a, b)), f, g)
 
 
+def implication(f: Any, g: Any, system: RSystem = R0) -> Any:
+    """Return (not f) or g: positive where f is negative or g is positive.
+
+    Examples
+    --------
+    >>> from rsym import implication, x, y
+    >>> implication(x, y)
+    disjunction(-x, y)
+    """
+    return combine(lambda a, b: system.disjunction(-a, b), f, g)
+
+
+def equivalence(*operands: Any, order: Any = 2) -> Any:
+    """The normalised equivalence f g/(|f|**m + |g|**m)**(1/m), m the order: positive where the signs agree.
+
+    Its zero set is the union of the zero sets. It is associative, 0 where an
+    operand is 0, and where the operands are normalised to order m so is the
+    result, except where two of them vanish. For even m it is analytic away
+    from there. More operands: the sign is the product of the signs.
+    Source: Sukumar and Srivastava (2022), equations 9 and 10.
+
+    Parameters
+    ----------
+    *operands : expressions or shapes
+        What is compared.
+    order : positive integer or letter
+        m, by default 2.
+
+    Raises
+    ------
+    RsymError
+        For no operand, or an order that is neither a positive integer nor a letter.
+
+    Examples
+    --------
+    >>> from rsym import equivalence, x, y
+    >>> equivalence(x, y).doit()
+    x*y/sqrt(x**2 + y**2)
+    """
+    m = _order(order)
+    return combine(lambda *f: Equivalence(m, *f), *_some(operands))
+
+
+def joining(*curves: Any, order: Any = 2) -> Any:
+    """The curves f = 0, g = 0, ... as one: |f| |g|/(|f|**m + |g|**m)**(1/m), m the order; never negative.
+
+    Normalised to order m where the operands are, except where two of them
+    vanish; associative. Segments and arcs (`trimming`) become polylines and
+    graphs, the skeletons of blended bodies.
+    Source: Sukumar and Srivastava (2022), equations 9 and 10.
+
+    Parameters
+    ----------
+    *curves : expressions or shapes
+        Functions that are zero on the curves.
+    order : positive integer or letter
+        m, by default 2; m = 1 has the smallest Laplacian, a large m comes near to the minimum.
+
+    Raises
+    ------
+    RsymError
+        For no operand, or an order that is neither a positive integer nor a letter.
+
+    Examples
+    --------
+    >>> from rsym import joining, trimming, x, y
+    >>> cross = joining(trimming(x, 1 - y**2), trimming(y, 1 - x**2))
+    >>> float(cross.subs({x: 0.5, y: 0}).evalf())
+    0.0
+    """
+    m = _order(order)
+    return combine(lambda *f: Joining(m, *f), *_some(curves))
+
+
 def trimming(f: Any, t: Any) -> Any:
     """The curve f = 0 kept where t >= 0: sqrt(f**2 + ((sqrt(t**2 + f**4) - t)/2)**2).
 
@@ -96,6 +172,13 @@ def trimming(f: Any, t: Any) -> Any:
 
 
 rfAND, rfOR, rfNOT = conjunction, disjunction, negation  # the source's own names
+
+
+def _order(order: Any) -> Any:
+    m = as_expression(order)
+    if not m.is_Symbol and not (m.is_Integer and m >= 1):
+        raise RsymError(f"the order must be a positive integer or a letter, got {order!r}", code="order")
+    return m
 
 
 def _some(operands: tuple[Any, ...]) -> tuple[Any, ...]:

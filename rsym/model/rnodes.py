@@ -10,90 +10,37 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
-from rsym.model.nodes import Ahead, RealNode
+from rsym.model.folds import Fold
+from rsym.model.nodes import Ahead
+from rsym.model.powers import absolute_power, plain_absolute_power, signed_power
 
 
-class ROperation(RealNode):
+class ROperation(Fold):
     """A conjunction or disjunction: parameters of the system first, then two or more operands."""
 
-    parameter_count: ClassVar[int] = 0
     sign: ClassVar[int]  # -1 for conjunction, +1 for disjunction
-    symbol: ClassVar[str]  # in LaTeX
-
-    def __new__(cls, *arguments: Any, **options: Any) -> sp.Expr:
-        """Flatten on the left, where the fold begins; a single operand is itself."""
-        arguments = tuple(sp.sympify(argument, strict=True) for argument in arguments)
-        parameters, operands = arguments[: cls.parameter_count], arguments[cls.parameter_count :]
-        if operands and type(operands[0]) is cls and operands[0].parameters == parameters:
-            operands = (*operands[0].operands, *operands[1:])
-        if len(operands) == 1:
-            return operands[0]
-        return super().__new__(cls, *parameters, *operands, **options)
 
     @property
-    def parameters(self) -> tuple[sp.Expr, ...]:
-        """alpha, m or p of the system."""
-        return tuple(self.args[: self.parameter_count])
+    def symbol(self) -> str:
+        """What stands between operands in LaTeX."""
+        return r"\wedge" if self.sign < 0 else r"\vee"
 
-    @property
-    def operands(self) -> tuple[sp.Expr, ...]:
-        """What is combined, in the order of the fold."""
-        return tuple(self.args[self.parameter_count :])
-
-    @property
-    def head(self) -> sp.Expr:
-        """The fold of all operands but the last."""
-        return self.func(*self.args[:-1])
-
-    def pair_as_roots(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
-        """The operation on two operands in plain arithmetic."""
+    def system_latex(self, printer: Any) -> str:
+        """The indices of the symbol that name the system."""
         raise NotImplementedError
 
-    def partial(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
-        """The derivative of the operation on two operands with respect to the first (it is symmetric)."""
+    def system_text(self, printer: Any) -> str:
+        """What `system=` would be given."""
         raise NotImplementedError
-
-    def pair_numeric(self, f: sp.Float, g: sp.Float) -> sp.Expr:
-        """The operation on two numbers, free of cancellation."""
-        raise NotImplementedError
-
-    def as_roots(self) -> sp.Expr:
-        """The left fold in plain arithmetic."""
-        result, *rest = self.operands
-        for operand in rest:
-            result = self.pair_as_roots(result, operand)
-        return result
-
-    def numeric(self, arguments: list[sp.Float]) -> sp.Expr:
-        """The left fold of numbers."""
-        result, *rest = arguments[self.parameter_count :]
-        for operand in rest:
-            result = self.pair_numeric(result, operand)
-        return result
-
-    def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """The partial derivative with respect to one operand, R-nodes kept."""
-        if argindex <= self.parameter_count:
-            return sp.S.Zero  # parameters of the system are never differentiated through
-        position = argindex - self.parameter_count
-        fold, last = self.head, self.operands[-1]
-        if position == len(self.operands):
-            return self.partial(last, fold)
-        outer = self.partial(fold, last)
-        return outer if len(self.operands) == 2 else outer * fold.fdiff(argindex)
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:
-        parts = [_bracketed(operand, printer) for operand in self.operands]
-        text = rf"\left({f' {self.symbol} '.join(parts)}\right)"
-        return text if exp is None else f"{text}^{{{exp}}}"
+        return self.infix_latex(self.symbol + self.system_latex(printer), printer, exp)
 
     def _sympystr(self, printer: Any) -> str:
         name = "conjunction" if self.sign < 0 else "disjunction"
         operands = ", ".join(printer._print(operand) for operand in self.operands)
-        return f"{name}({operands}{self._system_text(printer)})"
-
-    def _system_text(self, printer: Any) -> str:
-        return ""
+        system = self.system_text(printer)
+        return f"{name}({operands}{system and f', system={system}'})"
 
 
 class R0Operation(ROperation):
@@ -107,18 +54,25 @@ class R0Operation(ROperation):
         """Return 1 + s*f/sqrt(f**2 + g**2)."""
         return 1 + self.sign * f / sp.sqrt(f**2 + g**2)
 
-    def pair_numeric(self, f: sp.Float, g: sp.Float) -> sp.Expr:
+    def pair_numeric(self, f: sp.Float, g: sp.Float, *parameters: sp.Float) -> sp.Expr:
         """Where the terms cancel, the product form 2 f g / (f + g - s r)."""
         root, total = sp.sqrt(f**2 + g**2), f + g
         cancels = total * self.sign < 0
         return 2 * f * g / (total - self.sign * root) if cancels else total + self.sign * root
+
+    def system_latex(self, printer: Any) -> str:
+        """Return _0."""
+        return "_0"
+
+    def system_text(self, printer: Any) -> str:
+        """Return nothing: R_0 is the default."""
+        return ""
 
 
 class R0Conjunction(R0Operation):
     """Conjunction of system R_0."""
 
     sign = -1
-    symbol = r"\wedge_0"
     runtime_name = "r0_conjunction"
 
 
@@ -126,7 +80,6 @@ class R0Disjunction(R0Operation):
     """Disjunction of system R_0."""
 
     sign = 1
-    symbol = r"\vee_0"
     runtime_name = "r0_disjunction"
 
 
@@ -141,19 +94,23 @@ class R1Operation(ROperation):
         """Return 1 where f decides, 0 where g does, undefined on f = g."""
         return Ahead(g, f) if self.sign < 0 else Ahead(f, g)
 
-    def pair_numeric(self, f: sp.Float, g: sp.Float) -> sp.Expr:
+    def pair_numeric(self, f: sp.Float, g: sp.Float, *parameters: sp.Float) -> sp.Expr:
         """The smaller or the larger."""
         return min(f, g) if self.sign < 0 else max(f, g)
 
-    def _system_text(self, printer: Any) -> str:
-        return ", system=R1"
+    def system_latex(self, printer: Any) -> str:
+        """Return _1."""
+        return "_1"
+
+    def system_text(self, printer: Any) -> str:
+        """Return R1."""
+        return "R1"
 
 
 class R1Conjunction(R1Operation):
     """Conjunction of system R_1."""
 
     sign = -1
-    symbol = r"\wedge_1"
     runtime_name = "r1_conjunction"
 
 
@@ -161,12 +118,158 @@ class R1Disjunction(R1Operation):
     """Disjunction of system R_1."""
 
     sign = 1
-    symbol = r"\vee_1"
     runtime_name = "r1_disjunction"
 
 
-def _bracketed(operand: sp.Expr, printer: Any) -> str:
-    """An operand inside an infix operation; sums and signs need brackets."""
-    text: str = printer._print(operand)
-    bare = not (operand.is_Add or operand.could_extract_minus_sign())
-    return text if bare else rf"\left({text}\right)"
+class RAlphaOperation(ROperation):
+    """System R_alpha: (f + g -+ sqrt(f**2 + g**2 - 2*alpha*f*g))/(1 + alpha)."""
+
+    parameter_count = 1
+
+    def _root(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        return sp.sqrt(f**2 + g**2 - 2 * self.parameters[0] * f * g)
+
+    def pair_as_roots(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        """Return (f + g + s*r)/(1 + alpha), r the root, s = -1 for conjunction."""
+        return (f + g + self.sign * self._root(f, g)) / (1 + self.parameters[0])
+
+    def partial(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        """Return (1 + s*(f - alpha*g)/r)/(1 + alpha)."""
+        alpha = self.parameters[0]
+        return (1 + self.sign * (f - alpha * g) / self._root(f, g)) / (1 + alpha)
+
+    def pair_numeric(self, f: sp.Float, g: sp.Float, *parameters: sp.Float) -> sp.Expr:
+        """Where the terms cancel, the product form 2 f g / (f + g - s r); the radicand as a sum of squares."""
+        (alpha,) = parameters
+        root, total = sp.sqrt((f - alpha * g) ** 2 + (1 - alpha) * (1 + alpha) * g**2), f + g
+        if total * self.sign < 0:
+            return 2 * f * g / (total - self.sign * root)
+        return (total + self.sign * root) / (1 + alpha)
+
+    def system_latex(self, printer: Any) -> str:
+        """Return _{alpha=1/2} and the like."""
+        return f"_{{{_named(r'alpha', self.parameters[0], printer)}}}"
+
+    def system_text(self, printer: Any) -> str:
+        """Return RAlpha(alpha)."""
+        return f"RAlpha({printer._print(self.parameters[0])})"
+
+
+class RAlphaConjunction(RAlphaOperation):
+    """Conjunction of system R_alpha."""
+
+    sign = -1
+    runtime_name = "r_alpha_conjunction"
+
+
+class RAlphaDisjunction(RAlphaOperation):
+    """Disjunction of system R_alpha."""
+
+    sign = 1
+    runtime_name = "r_alpha_disjunction"
+
+
+class R0mOperation(ROperation):
+    """System R_0^m: (f + g -+ sqrt(f**2 + g**2))*(f**2 + g**2)**(m/2)."""
+
+    parameter_count = 1
+
+    def pair_as_roots(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        """Return (f + g + s*r)*r**m with r = sqrt(f**2 + g**2), s = -1 for conjunction."""
+        return (f + g + self.sign * sp.sqrt(f**2 + g**2)) * (f**2 + g**2) ** (self.parameters[0] / 2)
+
+    def partial(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        """Return (1 + s*f/r)*r**m + m*f*(f + g + s*r)*r**(m - 2)."""
+        m, squares = self.parameters[0], f**2 + g**2
+        root = sp.sqrt(squares)
+        plain = f + g + self.sign * root
+        return (1 + self.sign * f / root) * squares ** (m / 2) + m * f * plain * squares ** ((m - 2) / 2)
+
+    def pair_numeric(self, f: sp.Float, g: sp.Float, *parameters: sp.Float) -> sp.Expr:
+        """The operation of R_0, free of cancellation, times r**m."""
+        root, total = sp.sqrt(f**2 + g**2), f + g
+        cancels = total * self.sign < 0
+        plain = 2 * f * g / (total - self.sign * root) if cancels else total + self.sign * root
+        return plain * root ** parameters[0]
+
+    def system_latex(self, printer: Any) -> str:
+        """Return _0^m."""
+        return f"_{{0}}^{{{printer._print(self.parameters[0])}}}"
+
+    def system_text(self, printer: Any) -> str:
+        """Return R0m(m)."""
+        return f"R0m({printer._print(self.parameters[0])})"
+
+
+class R0mConjunction(R0mOperation):
+    """Conjunction of system R_0^m."""
+
+    sign = -1
+    runtime_name = "r0m_conjunction"
+
+
+class R0mDisjunction(R0mOperation):
+    """Disjunction of system R_0^m."""
+
+    sign = 1
+    runtime_name = "r0m_disjunction"
+
+
+class RpOperation(ROperation):
+    """System R_p: f + g -+ (|f|**p + |g|**p)**(1/p)."""
+
+    parameter_count = 1
+
+    def pair_as_roots(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        """Return f + g + s*(|f|**p + |g|**p)**(1/p), s = -1 for conjunction."""
+        (p,) = self.parameters
+        return f + g + self.sign * (plain_absolute_power(f, p) + plain_absolute_power(g, p)) ** (1 / p)
+
+    def partial(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        """Return 1 + s*sign(f)*(|f|/r)**(p - 1), r the root."""
+        (p,) = self.parameters
+        powers = absolute_power(f, p) + absolute_power(g, p)
+        return 1 + self.sign * signed_power(f, p - 1) * powers ** ((1 - p) / p)
+
+    def pair_numeric(self, f: sp.Float, g: sp.Float, *parameters: sp.Float) -> sp.Expr:
+        """With b the larger in size, a the other, r = |b|(1 + e): a + s*|b|*e or a + s*|b|*(2 + e), never a difference.
+
+        e = (1 + |a/b|**p)**(1/p) - 1 is taken with as many more bits as the subtraction costs.
+        """
+        (p,) = parameters
+        large, small = (f, g) if abs(f) > abs(g) else (g, f)
+        if large == 0:
+            return small
+        power = abs(small / large) ** p
+        lost = 0 if power == 0 else max(0, -int(sp.log(power, 2).evalf(5)))
+        wide = sp.Float(power, precision=power._prec + lost) if power != 0 else power
+        excess = (1 + wide) ** (1 / sp.Float(p, precision=wide._prec)) - 1 if power != 0 else power
+        return small - large * excess if self.sign * large < 0 else small + large * (2 + excess)
+
+    def system_latex(self, printer: Any) -> str:
+        """Return _{p=4} and the like."""
+        return f"_{{{_named('p', self.parameters[0], printer)}}}"
+
+    def system_text(self, printer: Any) -> str:
+        """Return Rp(p)."""
+        return f"Rp({printer._print(self.parameters[0])})"
+
+
+class RpConjunction(RpOperation):
+    """Conjunction of system R_p."""
+
+    sign = -1
+    runtime_name = "rp_conjunction"
+
+
+class RpDisjunction(RpOperation):
+    """Disjunction of system R_p."""
+
+    sign = 1
+    runtime_name = "rp_disjunction"
+
+
+def _named(name: str, parameter: sp.Expr, printer: Any) -> str:
+    """The parameter as an index: alpha=1/2, or alpha alone if that is what the letter is called."""
+    greek: str = printer._print(sp.Symbol(name))
+    return greek if parameter.is_Symbol and parameter.name == name else f"{greek}={printer._print(parameter)}"

@@ -10,9 +10,9 @@ from typing import Any, TypeAlias
 import sympy as sp
 
 from rsym.errors import RsymError
+from rsym.model.folds import Fold
 from rsym.model.letters import Letter, Letters, as_letters
-from rsym.model.rnodes import ROperation
-from rsym.model.symbols import real_replacements
+from rsym.model.symbols import as_expression, real_replacements
 from rsym.model.systems import R0
 from rsym.model.traversal import substitute, symbols_of
 
@@ -177,7 +177,7 @@ def latex(shape: Shape) -> str:
 
 def _latex_line(expression: sp.Expr) -> str:
     text: str = sp.latex(expression)
-    outer = isinstance(expression, ROperation)
+    outer = isinstance(expression, Fold)
     return text.removeprefix(r"\left(").removesuffix(r"\right)") if outer else text
 
 
@@ -200,21 +200,6 @@ def combine(function: Callable[..., sp.Expr], *operands: Any) -> Any:
             )
         letters = letters.merge(shape.letters)
     return Shape(function(*expressions), shapes[0].coordinates, letters=letters, bounds=_hull(shapes))
-
-
-def as_expression(value: Any) -> sp.Expr:
-    """A real SymPy expression; text is refused, since turning text into SymPy would run it."""
-    try:
-        expression = sp.sympify(value, strict=True)
-    except (sp.SympifyError, TypeError) as error:
-        raise RsymError(
-            f"expected a SymPy expression or a number, got {type(value).__name__} {value!r}",
-            code="expression",
-            remedy="build it from symbols; for text use rsym.loads",
-        ) from error
-    if not isinstance(expression, sp.Expr):
-        raise RsymError(f"expected a real expression, got {type(expression).__name__}", code="expression")
-    return expression
 
 
 def _checked_bounds(bounds: Any, dimension: int) -> Bounds:

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable
+from typing import Any
 
 import sympy as sp
 
+from rsym.errors import RsymError
 from rsym.model.traversal import symbols_of
 
 x: sp.Symbol = sp.Symbol("x", real=True)
@@ -38,3 +40,18 @@ def real_replacements(expressions: Iterable[sp.Basic]) -> dict[sp.Symbol, sp.Sym
         for symbol in alike
         if len(alike) > 1 or not symbol.is_real
     }
+
+
+def as_expression(value: Any) -> sp.Expr:
+    """A real SymPy expression; text is refused, since turning text into SymPy would run it."""
+    try:
+        expression = sp.sympify(value, strict=True)
+    except (sp.SympifyError, TypeError) as error:
+        raise RsymError(
+            f"expected a SymPy expression or a number, got {type(value).__name__} {value!r}",
+            code="expression",
+            remedy="build it from symbols; for text use rsym.loads",
+        ) from error
+    if not isinstance(expression, sp.Expr):
+        raise RsymError(f"expected a real expression, got {type(expression).__name__}", code="expression")
+    return expression

@@ -101,7 +101,7 @@ class Builder:
         extent = joined(part.extent for part in parts).opaque(len(parts))
         self._budget.afford(extent, node.place, sorts=operation.sorts)
         numbers = [part.number for part in parts if part.number is not None]
-        if len(numbers) == len(parts):
+        if len(numbers) == len(parts) and operation.numeric is not None:
             held = operation.symbolic(*(part.expression for part in parts))
             return constant_part(held, extent, node.place, operation.numeric, *numbers)
         arguments = [part.outer for part in parts]

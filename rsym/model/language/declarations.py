@@ -7,12 +7,13 @@ from fractions import Fraction
 
 from rsym.errors import RsymError
 from rsym.model.language.building import Builder
-from rsym.model.language.functions import SYSTEMS, operations
+from rsym.model.language.functions import FAMILIES, SYSTEMS, operations
 from rsym.model.language.syntax import (
     BoundsStatement,
     Expression,
     Interval,
     LetterStatement,
+    Name,
     Place,
     SystemStatement,
     VariantStatement,
@@ -21,6 +22,7 @@ from rsym.model.language.syntax import (
 from rsym.model.language.vocabulary import listing, proposal
 from rsym.model.letters import Letter, Number
 from rsym.model.shape import Bounds
+from rsym.model.symbols import real_symbol
 from rsym.model.systems import R0, RSystem
 
 
@@ -53,12 +55,26 @@ def _in_range(place: Place, default: Number, low: Number | None, high: Number | 
         raise place.refuse(error.message, error.code, error.remedy) from None
 
 
-def system(statement: SystemStatement) -> RSystem:
-    """The R-system of that name."""
-    if statement.name not in SYSTEMS:
-        remedy = f"the systems are {listing(SYSTEMS)}"
-        raise statement.place.refuse(f"no R-system '{statement.name}'", "unknown-system", remedy)
-    return SYSTEMS[statement.name]
+def system(statement: SystemStatement, letters: Mapping[str, Letter]) -> RSystem:
+    """The R-system of that name, its parameter a number or a letter."""
+    name, parameter = statement.name, statement.parameter
+    if name in SYSTEMS:
+        if parameter is not None:
+            raise parameter.place.refuse(f"the system {name} has no parameter", "parameter", f"write: system {name}")
+        return SYSTEMS[name]
+    if name not in FAMILIES:
+        remedy = f"the systems are {listing([*SYSTEMS, *FAMILIES])}"
+        raise statement.place.refuse(f"no R-system '{name}'", "unknown-system", remedy)
+    family, example = FAMILIES[name]
+    remedy = f"for example: system {name} {example}"
+    if parameter is None:
+        raise statement.place.refuse(f"the system {name} needs its parameter", "parameter", remedy)
+    spoken = letters.get(parameter.name) if isinstance(parameter, Name) else None
+    try:
+        checked = family(_number(parameter) if spoken is None else spoken.default)
+    except RsymError as error:
+        raise parameter.place.refuse(error.message, error.code, error.remedy or remedy) from None
+    return family(real_symbol(parameter.name)) if isinstance(parameter, Name) else checked
 
 
 def bounds(statement: BoundsStatement, coordinates: tuple[str, ...]) -> Bounds:

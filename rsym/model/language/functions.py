@@ -6,38 +6,57 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import sympy as sp
 
 from rsym.model.nodes import Trimming
-from rsym.model.systems import R0, R1, RSystem
+from rsym.model.operations import difference, equivalence, exclusive_or, implication, joining
+from rsym.model.systems import R0, R1, R0m, RAlpha, Rp, RSystem
 
 SYSTEMS: dict[str, RSystem] = {"R0": R0, "R1": R1}
+# Systems with a parameter, and an example of it.
+FAMILIES: dict[str, tuple[Callable[[Any], RSystem], str]] = {
+    "Ralpha": (RAlpha, "0.5"),
+    "R0m": (R0m, "2"),
+    "Rp": (Rp, "4"),
+}
 
 
 @dataclass(frozen=True)
 class Operation:
     """One function, three times over; SymPy never evaluates `symbolic`, `exact` is there where rationals stay so.
 
+    Without `numeric` a call on constants stays as it is: a letter is hidden in it.
     `sorts` says that SymPy puts the arguments into an order of its own.
     """
 
     symbolic: Callable[..., sp.Expr]
-    numeric: Callable[..., float]
+    numeric: Callable[..., float] | None
     exact: Callable[..., Fraction] | None = None
     sorts: bool = False
 
 
 def operations(system: RSystem) -> dict[str, Operation]:
     """Every function by name, the logical ones in the given R-system."""
-    both, either = _node(system.conjunction), _node(system.disjunction)
+    has_letter = bool(system.conjunction(sp.S.One, sp.S.One).free_symbols)
+
+    def logical(build: Callable[..., sp.Expr]) -> Operation:
+        return Operation(build, None) if has_letter else _node(build)
+
+    both, either = logical(system.conjunction), logical(system.disjunction)
     return {
         **_ELEMENTARY,
         "rfAND": both,
         "conjunction": both,
         "rfOR": either,
         "disjunction": either,
+        "difference": logical(partial(difference, system=system)),
+        "implication": logical(partial(implication, system=system)),
+        "exclusive_or": logical(partial(exclusive_or, system=system)),
+        "equivalence": _node(equivalence),
+        "joining": _node(joining),
         "trimming": _node(Trimming),
     }
 

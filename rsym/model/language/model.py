@@ -53,7 +53,7 @@ class _Table:
         self._variants: dict[str, VariantStatement] = {}
         self._coordinates: tuple[str, ...] = ()
         self._bounds: BoundsStatement | None = None
-        self._system: RSystem = R0
+        self._system: SystemStatement | None = None
         self._assignments: list[Assignment] = []
 
     def declare(self, statement: Statement) -> None:
@@ -72,7 +72,7 @@ class _Table:
                 self._bounds = statement
             case SystemStatement():
                 self._first("system", statement.place)
-                self._system = system(statement)
+                self._system = statement
             case Assignment():
                 self._define(statement.name, statement.place)
                 self._assignments.append(statement)
@@ -85,7 +85,7 @@ class _Table:
             {name: variant(statement, self._letters) for name, statement in self._variants.items()},
             coordinates,
             None if self._bounds is None else bounds(self._bounds, coordinates),
-            self._system,
+            R0 if self._system is None else system(self._system, self._letters),
             tuple(self._assignments),
         )
 

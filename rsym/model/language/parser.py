@@ -113,7 +113,8 @@ class _StatementParser:
 
     def _system(self, word: Token) -> Statement:
         name = self._name("the name of an R-system", "for example: system R0")
-        return SystemStatement(name.place, name.name)
+        parameter = None if self._cursor.statement_over else self._expressions.expression()
+        return SystemStatement(name.place, name.name, parameter)
 
     def _interval(self) -> Interval:
         start = self._cursor.mark()

@@ -131,10 +131,11 @@ class BoundsStatement:
 
 @dataclass(frozen=True, slots=True)
 class SystemStatement:
-    """``system R0``."""
+    """``system R0`` or ``system Ralpha 0.5``."""
 
     place: Place
     name: str
+    parameter: Expression | None
 
 
 @dataclass(frozen=True, slots=True)
