@@ -1,12 +1,29 @@
 """The table of R-systems, checked symbolically: derivatives, normalisation, smoothness at the corner, De Morgan."""
 
+import mpmath
 import numpy as np
 import pytest
 import sympy as sp
 from closeness import assert_close
 
 import rsym
-from rsym import R0, R1, R0m, RAlpha, Rp, RsymError, Shape, conjunction, disjunction, equivalence, joining, x, y, z
+from rsym import (
+    R0,
+    R1,
+    R0m,
+    RAlpha,
+    Rp,
+    RsymError,
+    Shape,
+    conjunction,
+    disjunction,
+    equivalence,
+    joining,
+    trimming,
+    x,
+    y,
+    z,
+)
 
 alpha, p, m = sp.symbols("alpha p m", real=True)
 u, v = sp.symbols("u v", positive=True)
@@ -183,6 +200,46 @@ def test_plain_lambdify_and_evalf_agree_with_the_kernel(system, kind):
     for k, point in enumerate(points.T):
         exact = node.subs(dict(zip((x, y, z), map(sp.Rational, point), strict=True))).evalf(30)
         assert_close(compiled["value"][k], float(exact), rtol=1e-14)
+
+
+NODES = [
+    *(system.conjunction(x, disjunction(y, z, system=system)) for system in SYSTEMS if system is not R1),
+    Rp(sp.Rational(7, 2)).disjunction(x, y, z),
+    *(equivalence(x, y, z, order=order) for order in (1, 2, 3)),
+    *(joining(x, y, z, order=order) for order in (1, 2, 3)),
+    joining(x),
+]
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_fdiff_is_the_derivative_of_the_plain_formula_to_second_order(node):
+    place = (0.5, -0.375, 1.125)
+    exact = sp.lambdify((x, y, z), node.doit(), modules="mpmath")
+    for symbol, order in zip((x, y, z), np.eye(3, dtype=int).tolist(), strict=True):
+        first = sp.diff(node, symbol)
+        for expression, orders in ((first, order), (sp.diff(first, y), np.add(order, (0, 1, 0)).tolist())):
+            with mpmath.workdps(50):
+                expected = mpmath.diff(exact, tuple(map(mpmath.mpf, place)), tuple(orders))
+            got = expression.subs(dict(zip((x, y, z), map(sp.Rational, place), strict=True))).evalf(30)
+            assert_close(float(got), float(expected), atol=1e-12)
+
+
+@pytest.mark.parametrize("node", [*NODES, trimming(x, y)])
+def test_the_runtime_of_a_node_agrees_with_its_formula(node):
+    points = np.random.default_rng(9).normal(size=(3, 20))
+    exact = sp.lambdify((x, y, z), node.doit(), modules="mpmath")
+    expected = [float(exact(*map(mpmath.mpf, point))) for point in points.T]
+    assert_close(sp.lambdify((x, y, z), node)(*points), expected, rtol=1e-12)
+    assert_close(
+        float(sp.lambdify((x, y, z), node, modules="mpmath")(*map(mpmath.mpf, points[:, 0]))), expected[0], rtol=1e-12
+    )
+
+
+@pytest.mark.parametrize("power", [3, 4, sp.Rational(5, 2)])
+def test_evalf_of_rp_does_not_cancel(power):
+    small = sp.Rational(1, 10**9)
+    node = conjunction(small, 1, system=Rp(power))
+    assert abs(node.evalf(30) / node.doit().evalf(30, maxn=300) - 1) < sp.Float("1e-28")
 
 
 def test_latex_names_the_system():
