@@ -38,15 +38,7 @@ def load(path: str | PathLike[str], *, shape: str | None = None, variant: str | 
     >>> rsym.load(rsym.paper.model_path("skeleton")).letters["a2"].default
     Fraction(53, 10)
     """
-    data = _read(path)
-    try:
-        text = data.decode("utf-8")
-    except UnicodeDecodeError as error:
-        before = data[: error.start].decode("utf-8")
-        place = Place(before.count("\n") + 1, len(before) - (before.rfind("\n") + 1) + 1)
-        remedy = "save the file as UTF-8"
-        raise place.refuse(f"the byte 0x{data[error.start]:02X} is not UTF-8", "encoding", remedy) from None
-    return loads(text, shape=shape, variant=variant)
+    return loads(read_text(path), shape=shape, variant=variant)
 
 
 def loads(text: str, *, shape: str | None = None, variant: str | None = None) -> Shape:
@@ -99,6 +91,18 @@ def loads(text: str, *, shape: str | None = None, variant: str | None = None) ->
         raise RsymError(
             "the model is nested too deeply", code="too-deep", remedy="give names to parts of the formula"
         ) from None
+
+
+def read_text(path: str | PathLike[str]) -> str:
+    """The text of a model file; what is not UTF-8 is refused at its place."""
+    data = _read(path)
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        before = data[: error.start].decode("utf-8")
+        place = Place(before.count("\n") + 1, len(before) - (before.rfind("\n") + 1) + 1)
+        remedy = "save the file as UTF-8"
+        raise place.refuse(f"the byte 0x{data[error.start]:02X} is not UTF-8", "encoding", remedy) from None
 
 
 def _read(path: str | PathLike[str]) -> bytes:

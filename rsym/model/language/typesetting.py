@@ -1,0 +1,167 @@
+r"""Formulas as LaTeX, as they stand in the file: nothing is reordered, nothing simplified.
+
+SymPy sorts the terms of a sum by rules of its own; a formula that is to be
+compared with a printed one must keep its order.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import NamedTuple
+
+import sympy as sp
+
+from rsym.model.language.syntax import Call, Expression, Name, Number, Power, Product, Sum, postorder
+from rsym.model.systems import RSystem
+
+_LOGIC, _SUM, _PRODUCT, _POWER, _ATOM = range(5)  # how firmly the parts of a text hold together
+_HALF = Fraction(1, 2)
+_GREEK = frozenset(
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi psi"
+    " omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega".split()
+)
+_FUNCTIONS = {"log": r"\ln", "atan2": r"\mathrm{atan2}"}
+
+
+class _Text(NamedTuple):
+    latex: str
+    rank: int
+
+    def within(self, rank: int) -> str:
+        """The text, in brackets if it holds together less firmly than its place asks for."""
+        return self.latex if self.rank >= rank else rf"\left({self.latex}\right)"
+
+
+def typeset_name(name: str) -> str:
+    r"""A name as the source prints it: one letter or a Greek one, the rest as a subscript; words upright.
+
+    Examples
+    --------
+    >>> print(*map(typeset_name, ("a1", "xk2", "omega_bkka", "eps", "test1", "W")))
+    a_{1} x_{k2} \omega_{bkka} \varepsilon \mathrm{test}_{1} W
+    """
+    head, _, tail = name.partition("_")
+    word, digits = _split(head)
+    if word == "eps":
+        base, index = r"\varepsilon", ""
+    elif word in _GREEK:
+        base, index = rf"\{word}", ""
+    elif len(word) <= 2:
+        base, index = word[:1], word[1:]
+    else:
+        base, index = rf"\mathrm{{{word}}}", ""
+    below = ",".join(part for part in (index + digits, tail.strip("_").replace("_", ",")) if part)
+    return f"{base}_{{{below}}}" if below else base
+
+
+def _split(head: str) -> tuple[str, str]:
+    match = re.fullmatch(r"([A-Za-z]+)(\w*)", head)
+    assert match is not None
+    return match.group(1), match.group(2)
+
+
+def typeset(expression: Expression, system: RSystem) -> str:
+    r"""The LaTeX of a formula; `system` is what rfAND and rfOR belong to.
+
+    Examples
+    --------
+    >>> from rsym.model.language.parser import parse
+    >>> from rsym.model.systems import R0
+    >>> (statement,) = parse("f = rfAND(-y*(y + y2)/y2, rfNOT(g))")
+    >>> print(typeset(statement.value, R0))
+    \left(-\frac{y \left(y + y_{2}\right)}{y_{2}}\right) \wedge_0 \left(-g\right)
+    """
+    signs = _logical_signs(system)
+    done: list[_Text] = []
+    for node in postorder(expression):
+        first = len(done) - len(node.parts)
+        done[first:] = [_combine(node, done[first:], signs)]
+    return done[0].latex
+
+
+def _logical_signs(system: RSystem) -> Mapping[str, str]:
+    """The infix signs, from what the system's own nodes print."""
+    left, right = sp.Symbol("l"), sp.Symbol("r")
+    both, either = (
+        sp.latex(operation(left, right)).removeprefix(r"\left(l ").removesuffix(r" r\right)")
+        for operation in (system.conjunction, system.disjunction)
+    )
+    return {"rfAND": both, "conjunction": both, "rfOR": either, "disjunction": either}
+
+
+def _combine(node: Expression, parts: list[_Text], signs: Mapping[str, str]) -> _Text:
+    match node:
+        case Number():
+            return _number(node.value)
+        case Name():
+            return _Text(typeset_name(node.name), _ATOM)
+        case Sum():
+            return _sum(node.signs, parts)
+        case Product():
+            return _product(node, parts)
+        case Power():
+            return _power(node, parts)
+        case Call():
+            return _call(node.function, parts, signs)
+
+
+def _number(value: Fraction) -> _Text:
+    mantissa, _, exponent = f"{float(value):.15g}".partition("e")
+    if not exponent:
+        return _Text(mantissa, _ATOM)
+    return _Text(rf"{mantissa} \cdot 10^{{{int(exponent)}}}", _PRODUCT)
+
+
+def _sum(signs: tuple[int, ...], parts: list[_Text]) -> _Text:
+    terms = []
+    for position, (sign, part) in enumerate(zip(signs, parts, strict=True)):
+        if position == 0 and sign > 0:
+            terms.append(part.within(_SUM))
+        else:
+            space = " " if position else ""
+            terms.append(f"{space}{'-' if sign < 0 else '+'}{space}{part.within(_PRODUCT)}")
+    return _Text("".join(terms), _SUM)
+
+
+def _product(node: Product, parts: list[_Text]) -> _Text:
+    """A fraction if there are divisors; the minus of the first factor comes before it."""
+    first = node.parts[0]
+    negative = isinstance(first, Sum) and first.signs == (-1,)
+    if negative:
+        parts = [_Text(parts[0].latex.removeprefix("-"), _PRODUCT), *parts[1:]]
+    above = [part for sign, part in zip(node.signs, parts, strict=True) if sign > 0]
+    below = [part for sign, part in zip(node.signs, parts, strict=True) if sign < 0]
+    text = _factors(above) if not below else rf"\frac{{{_factors(above)}}}{{{_factors(below)}}}"
+    if negative:
+        return _Text(f"-{text}", _SUM)
+    return _Text(text, _POWER if below else _PRODUCT)
+
+
+def _factors(parts: list[_Text]) -> str:
+    if len(parts) == 1:
+        return parts[0].latex
+    texts = [part.within(_PRODUCT) for part in parts]
+    return texts[0] + "".join(rf" \cdot {text}" if text[0].isdigit() else f" {text}" for text in texts[1:])
+
+
+def _power(node: Power, parts: list[_Text]) -> _Text:
+    text = parts[0]
+    for exponent, part in zip(parts[1:], node.parts[1:], strict=True):
+        if isinstance(part, Number) and part.value == _HALF:
+            text = _Text(rf"\sqrt{{{text.latex}}}", _ATOM)
+        else:
+            text = _Text(f"{text.within(_ATOM)}^{{{exponent.latex}}}", _POWER)
+    return text
+
+
+def _call(function: str, parts: list[_Text], signs: Mapping[str, str]) -> _Text:
+    if function in signs:
+        return _Text(f" {signs[function]} ".join(part.within(_POWER) for part in parts), _LOGIC)
+    inner = ", ".join(part.latex for part in parts)
+    if function == "abs":
+        return _Text(rf"\left|{inner}\right|", _ATOM)
+    if function == "trimming":
+        return _Text(rf"\rho\left({parts[0].latex};\, {parts[1].latex}\right)", _ATOM)
+    return _Text(rf"{_FUNCTIONS.get(function, chr(92) + function)}\left({inner}\right)", _ATOM)

@@ -1,0 +1,75 @@
+import pytest
+import sympy as sp
+
+from rsym import RsymError
+from rsym.model.language.listing import definitions
+from rsym.model.language.typesetting import typeset_name
+
+
+@pytest.mark.parametrize(
+    ("formula", "latex"),
+    [
+        ("1 - x^2/a^2", r"1 - \frac{x^{2}}{a^{2}}"),
+        ("-x*y", "-x y"),
+        ("x - (y - 2)", r"x - \left(y - 2\right)"),
+        ("x + (-y)", r"x + \left(-y\right)"),
+        ("(x + y)*x", r"\left(x + y\right) x"),
+        ("x*3*2", r"x \cdot 3 \cdot 2"),
+        ("x/y*a/2", r"\frac{x a}{y \cdot 2}"),
+        ("(x/y)^2", r"\left(\frac{x}{y}\right)^{2}"),
+        ("x^2^3", r"\left(x^{2}\right)^{3}"),
+        ("x^-a", "x^{-a}"),
+        ("sqrt(x + 1)^3", r"\sqrt{x + 1}^{3}"),
+        ("2.50*x", "2.5 x"),
+        ("1e-20*x", r"1 \cdot 10^{-20} x"),
+        ("abs(x - y)", r"\left|x - y\right|"),
+        ("atan2(y, x)", r"\mathrm{atan2}\left(y, x\right)"),
+        ("trimming(y, x)", r"\rho\left(y;\, x\right)"),
+        ("rfOR(x, y - 1, a*x)", r"x \vee_0 \left(y - 1\right) \vee_0 \left(a x\right)"),
+        ("rfAND(rfAND(x, y), rfNOT(x))", r"\left(x \wedge_0 y\right) \wedge_0 \left(-x\right)"),
+        ("2*rfAND(x, y)", r"2 \left(x \wedge_0 y\right)"),
+        ("-rfAND(x, y)", r"-\left(x \wedge_0 y\right)"),
+    ],
+)
+def test_formulas_keep_their_order_and_their_brackets(formula, latex):
+    (definition,) = definitions(f"letter a = 1; f = {formula}")
+    assert definition.latex == f"f = {latex}"
+
+
+@pytest.mark.parametrize(
+    ("name", "latex"),
+    [
+        ("x", "x"),
+        ("zb", "z_{b}"),
+        ("ho1", "h_{o1}"),
+        ("omega123", r"\omega_{123}"),
+        ("f_o", "f_{o}"),
+        ("rim2_a_b", r"\mathrm{rim}_{2,a,b}"),
+        ("pi", r"\pi"),
+        ("a__", "a"),
+        ("x1y", "x_{1y}"),
+    ],
+)
+def test_names(name, latex):
+    assert typeset_name(name) == latex
+
+
+def test_definitions_are_those_that_the_shape_needs_with_names_as_symbols(tmp_path):
+    text = "letter a = 2; unused = x; f = a*x; g = f + y; omega = f*g"
+    listed = definitions(text)
+    assert [definition.name for definition in listed] == ["f", "g", "omega"]
+    assert listed[2].expression == sp.Symbol("f", real=True) * sp.Symbol("g", real=True)
+    assert [definition.name for definition in definitions(text, shape="unused")] == ["unused"]
+    (tmp_path / "model.rf").write_text(text)
+    assert definitions(tmp_path / "model.rf") == listed
+
+
+def test_the_sign_is_that_of_the_system():
+    assert definitions("system R1; f = rfAND(x, y)")[0].latex == r"f = x \wedge_1 y"
+
+
+def test_refusals_are_those_of_the_language(tmp_path):
+    with pytest.raises(RsymError, match="line 1, column 9"):
+        definitions("f = x + q")
+    with pytest.raises(RsymError, match="no file"):
+        definitions(tmp_path / "missing.rf")
