@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from html import escape
 from numbers import Real
 from typing import Any, TypeAlias
 
 import sympy as sp
 
 from rsym.errors import RsymError
+from rsym.model.language.vocabulary import listing, proposal
 
 Number: TypeAlias = int | float | Fraction
 
@@ -47,10 +49,18 @@ class Letter:
         high = math.inf if self.maximum is None else self.maximum
         if not low <= value <= high:
             raise RsymError(
-                f"{name} must lie in [{_plain(low)}, {_plain(high)}], got {_plain(value)}",
+                f"{name} must lie in {self.range}, got {_plain(value)}",
                 code="letter-range",
-                remedy="choose a value inside the range, or widen the range of the Letter",
+                remedy="choose a value inside the range, or widen the range where the letter is declared",
             )
+
+    @property
+    def range(self) -> str:
+        """The range as text: ``[1, 10]``, with ``...`` for an end that is open; empty without any."""
+        if self.minimum is None and self.maximum is None:
+            return ""
+        low, high = ("..." if end is None else _plain(end) for end in (self.minimum, self.maximum))
+        return f"[{low}, {high}]"
 
 
 class Letters(Mapping[str, Letter]):
@@ -91,12 +101,27 @@ class Letters(Mapping[str, Letter]):
         for key, value in (changes or {}).items():
             name = str(key)
             if name not in values:
-                known = ", ".join(values) or "none"
-                raise RsymError(f"no letter {name!r}; the letters are: {known}", code="unknown-letter")
+                raise RsymError(
+                    f"no letter {name!r}; the letters are: {listing(values)}",
+                    code="unknown-letter",
+                    remedy=proposal(name, values, "use one of these, or none"),
+                )
             number = real_number(value, f"the letter {name!r}")
             self[name].check(number, f"the letter {name!r}")
             values[name] = float(number)
         return values
+
+    def changed(self, values: Mapping[Any, Any]) -> Letters:
+        """The same letters with other defaults: names or symbols to numbers."""
+        self.values_with(values)
+        named = {str(key): value for key, value in values.items()}
+        return Letters({name: replace(item, default=named.get(name, item.default)) for name, item in self.items()})
+
+    def _repr_html_(self) -> str:
+        rows = [(name, _plain(item.default), item.range, item.unit, item.doc) for name, item in self.items()]
+        body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
+        heading = "".join(f"<th>{word}</th>" for word in ("letter", "value", "range", "unit", "meaning"))
+        return f"<table><thead><tr>{heading}</tr></thead><tbody>{body}</tbody></table>"
 
 
 def as_letters(letters: Mapping[Any, Any] | None) -> Letters:
