@@ -27,7 +27,9 @@ from .model.symbols import x, y, z
 from .model.systems import R0, R1, R0m, RAlpha, Rp
 from .output.fields import plot_field, plot_fields
 from .output.files import write
+from .output.presets import load_letters, save_letters
 from .output.surfaces import plot_mesh
+from .output.sweep import plot_sweep
 from .sampling.contours import LevelLines, level_lines
 from .sampling.mesh import Mesh
 from .sampling.meshing import mesh
@@ -59,6 +61,7 @@ __all__ = [
     "laplacian",
     "level_lines",
     "load",
+    "load_letters",
     "loads",
     "mesh",
     "negation",
@@ -67,10 +70,12 @@ __all__ = [
     "plot_field",
     "plot_fields",
     "plot_mesh",
+    "plot_sweep",
     "revolve",
     "rfAND",
     "rfNOT",
     "rfOR",
+    "save_letters",
     "trimming",
     "write",
     "x",

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.backend_bases import RendererBase
+from matplotlib.figure import FigureBase
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import Axes3D
@@ -42,11 +44,8 @@ def new_axes(low: Floats, high: Floats, elevation: float, azimuth: float) -> Axe
     """
     from matplotlib import pyplot as plt
 
-    with plt.rc_context({"grid.color": "#e6e6e6", "grid.linewidth": 0.6}):
-        figure = plt.figure(figsize=(WIDTH, WIDTH))
-        axes = BodyAxes(figure, (0.0, 0.0, 1.0, 1.0))
-    figure.add_axes(axes)
-    axes.patch.set_in_layout(False)
+    figure = plt.figure(figsize=(WIDTH, WIDTH))
+    axes = add_axes(figure, (0.0, 0.0, 1.0, 1.0))
     frame(axes, low, high, elevation, azimuth)
     corners = (_silhouette(axes) - axes.bbox.size / 2) / figure.dpi
     least, most = corners.min(axis=0), corners.max(axis=0)
@@ -59,6 +58,16 @@ def new_axes(low: Floats, high: Floats, elevation: float, azimuth: float) -> Axe
     half = np.maximum(centre, size - centre).max()
     figure.set_size_inches(*size)
     axes.set_position((*((centre - half) / size), *(2 * half / size)))
+    return axes
+
+
+def add_axes(figure: FigureBase, place: Any) -> BodyAxes:
+    """Put 3D axes with a faint grid into a figure or a part of one; left, bottom, width, height are shares of it."""
+    with rc_context({"grid.color": "#e6e6e6", "grid.linewidth": 0.6}):
+        axes = BodyAxes(figure, place)
+    figure.add_axes(axes)
+    axes.patch.set_in_layout(False)
+    axes.patch.set_visible(False)
     return axes
 
 

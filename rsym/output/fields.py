@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeAlias
 
 import matplotlib.ticker
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colorbar import Colorbar
 from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
@@ -19,6 +20,8 @@ from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.contours import level_lines
 from rsym.sampling.plane import PlaneSampler, plane_sampler
+
+Progress: TypeAlias = Callable[[int, int], Any]
 
 TITLES = {
     "value": r"$\omega$",
@@ -86,12 +89,11 @@ def plot_field(
         import matplotlib.pyplot
 
         _, ax = matplotlib.pyplot.subplots(layout="compressed")
-    artist = _draw(ax, sampler, values, chosen, colour_map)
     boundary = level_lines(shape, resolution=resolution, bounds=bounds, letters=letters, section=section)
-    ax.add_collection(LineCollection(list(boundary), colors="black", linewidths=1.8, zorder=3), autolim=False)
-    _dress(ax, sampler, TITLES[field])
+    artist = draw_levels(ax, sampler, values, chosen, boundary, colour_map)
+    dress(ax, sampler, TITLES[field])
     if alone:
-        _colour_bar(artist, ax)
+        colour_bar(artist, ax)
     return artist
 
 
@@ -104,10 +106,12 @@ def plot_fields(
     letters: Mapping[Any, float] | None = None,
     section: Mapping[Any, float] | None = None,
     colour_map: str = COLOUR_MAP,
+    progress: Progress | None = None,
 ) -> Figure:
     r"""The sheet: level lines of several fields, by default the six of the source's Fig. 11.
 
     Panels are filled row by row, in two columns if the bounds are wide and three if they are tall.
+    ``progress(done, total)`` is called before each; returning False cancels with an RsymError.
 
     Examples
     --------
@@ -122,16 +126,13 @@ def plot_fields(
 
     names = checked_fields(fields)
     sampler = plane_sampler(shape, names[0], resolution=16, bounds=bounds, letters=letters, section=section)
-    width, height = (sampler.lattice.spacing[k] * sampler.lattice.counts[k] for k in (0, 1))
-    columns = min(2 if height <= 1.2 * width else 3, len(names))
-    rows = -(-len(names) // columns)
-    panel = min(8.4 / columns, 5.0 * width / height)
-    size = (columns * (panel + 0.9), rows * (max(panel * height / width, 1.6) + 0.45))
+    rows, columns, size = sheet_size(sampler, len(names))
     figure: Figure
     figure, axes = matplotlib.pyplot.subplots(
         rows, columns, figsize=size, squeeze=False, sharex=True, sharey=True, layout="compressed"
     )
-    for ax, field in zip(axes.flat, names, strict=False):
+    for done, (ax, field) in enumerate(zip(axes.flat, names, strict=False)):
+        report(progress, done, len(names))
         artist = plot_field(
             shape,
             field,
@@ -142,11 +143,27 @@ def plot_fields(
             section=section,
             colour_map=colour_map,
         )
-        _colour_bar(artist, ax)
+        colour_bar(artist, ax)
         ax.label_outer()
     for ax in axes.flat[len(names) :]:
         ax.set_axis_off()
+    report(progress, len(names), len(names))
     return figure
+
+
+def report(progress: Progress | None, done: int, total: int) -> None:
+    """Say how far a drawing is; an answer of False cancels it."""
+    if progress is not None and progress(done, total) is False:
+        raise RsymError("the drawing was cancelled", code="cancelled")
+
+
+def sheet_size(sampler: PlaneSampler, count: int) -> tuple[int, int, tuple[float, float]]:
+    """Rows, columns and inches of a sheet of panels, each with a colour bar."""
+    width, height = (sampler.lattice.spacing[k] * sampler.lattice.counts[k] for k in (0, 1))
+    columns = min(2 if height <= 1.2 * width else 3, count)
+    rows = -(-count // columns)
+    panel = min(8.4 / columns, 5.0 * width / height)
+    return rows, columns, (columns * (panel + 0.9), rows * (max(panel * height / width, 1.6) + 0.45))
 
 
 def robust_levels(values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -175,9 +192,15 @@ def _checked_levels(levels: Sequence[float]) -> NDArray[np.float64]:
     return chosen
 
 
-def _draw(
-    ax: Axes, sampler: PlaneSampler, values: NDArray[np.float64], levels: NDArray[np.float64], colour_map: str
+def draw_levels(
+    ax: Axes,
+    sampler: PlaneSampler,
+    values: NDArray[np.float64],
+    levels: NDArray[np.float64],
+    boundary: Iterable[NDArray[np.float64]],
+    colour_map: str = COLOUR_MAP,
 ) -> QuadContourSet:
+    """Filled level lines of sampled values, hatched where there are none, and the boundary as a heavy line."""
     u, v = sampler.lattice.axis(0), sampler.lattice.axis(1)
     shown = np.ma.masked_invalid(values.T)
     if shown.mask.any():
@@ -186,21 +209,24 @@ def _draw(
         ax.add_patch(box)
     artist = ax.contourf(u, v, shown, levels=levels, cmap=colour_map, extend="both")
     ax.contour(u, v, shown, levels=levels, colors="black", linewidths=0.35, linestyles="solid", alpha=0.55)
+    ax.add_collection(LineCollection(list(boundary), colors="black", linewidths=1.8, zorder=3), autolim=False)
     return artist
 
 
-def _colour_bar(artist: QuadContourSet, ax: Axes) -> None:
-    """As tall as the panel; every second or third level labelled, 0 among them."""
+def colour_bar(artist: QuadContourSet, *axes: Axes, rows: int = 1) -> Colorbar:
+    """As tall as the panels, which stand in so many rows; every second or third level labelled, 0 among them."""
     levels = np.asarray(artist.levels)
     step = -(-len(levels) // 7)
     ticks = levels[np.abs(levels).argmin() % step :: step]
-    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-    slender = 20 * max(1.0, (high - low) / (right - left))
-    bar = ax.figure.colorbar(artist, ax=ax, pad=0.02, fraction=0.05, aspect=slender, ticks=ticks)
+    (left, right), (low, high) = axes[0].get_xlim(), axes[0].get_ylim()
+    slender = 20 * max(1.0, rows * (high - low) / (right - left))
+    bar = axes[0].figure.colorbar(artist, ax=axes, pad=0.02, fraction=0.05, aspect=slender, ticks=ticks)
     bar.ax.tick_params(labelsize=7, length=2)
+    return bar
 
 
-def _dress(ax: Axes, sampler: PlaneSampler, title: str) -> None:
+def dress(ax: Axes, sampler: PlaneSampler, title: str) -> None:
+    """Equal scales, the lattice as limits, names of the axes, a title."""
     u, v = sampler.lattice.axis(0), sampler.lattice.axis(1)
     ax.set(
         xlim=(u[1], u[-2]),

@@ -119,11 +119,15 @@ def level_lines(
     """
     wanted = float(real_number(level, "the level"))
     sampler = plane_sampler(shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section)
-    values = sampler.values()
+    return trace(sampler, sampler.values(), wanted, field)
+
+
+def trace(sampler: PlaneSampler, values: NDArray[np.float64], level: float, field: str = "value") -> LevelLines:
+    """The curves where a sampled field, whose values on the lattice are known, takes a level."""
     if np.isnan(values).all():
         raise RsymError(f"the field {field!r} is undefined in all of the bounds", code="undefined")
-    found = find_contours(values, wanted)
-    moved = [move_onto_level(sampler, sampler.lattice.points(line), wanted) for line in found]
+    found = find_contours(values, level)
+    moved = [move_onto_level(sampler, sampler.lattice.points(line), level) for line in found]
     lines = tuple(line for line, _ in moved)
     closed = sum(bool((line[0] == line[-1]).all()) for line in found)
     status = LevelLinesStatus(
@@ -133,7 +137,7 @@ def level_lines(
         closed=closed,
         open=len(lines) - closed,
     )
-    return LevelLines(lines, wanted, field, status)
+    return LevelLines(lines, level, field, status)
 
 
 def move_onto_level(sampler: PlaneSampler, line: NDArray[np.float64], level: float) -> tuple[NDArray[np.float64], int]:

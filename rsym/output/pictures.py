@@ -1,0 +1,51 @@
+"""Figures to files: the format by suffix, the file whole or not at all, the same bytes every time."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+import matplotlib
+from matplotlib.figure import Figure
+
+from rsym.errors import RsymError
+from rsym.output.files import write_atomically
+
+# What matplotlib would write of the day and of itself, by suffix.
+METADATA: Mapping[str, Mapping[str, str | None]] = MappingProxyType(
+    {".png": {"Software": "rsym"}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+)
+DPI = 150
+
+
+def write_picture(figure: Figure, path: str | os.PathLike[str], *, dpi: float = DPI) -> Path:
+    """Write a figure as ``.png``, ``.svg`` or ``.pdf``, trimmed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_picture(Figure((2, 1)), Path(folder, "empty.png")).read_bytes()[1:4]
+    b'PNG'
+    """
+    suffix = picture_suffix(path)
+    data = io.BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": "rsym"}):
+        figure.savefig(data, format=suffix[1:], dpi=dpi, bbox_inches="tight", metadata=dict(METADATA[suffix]))
+    return write_atomically(path, data.getvalue())
+
+
+def picture_suffix(path: str | os.PathLike[str]) -> str:
+    """The suffix of a picture's name, one that `write_picture` knows: asked before the work, not after it."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in METADATA:
+        raise RsymError(
+            f"a picture is written as {', '.join(METADATA)}, got the suffix {Path(path).suffix!r}",
+            code="file-format",
+            where=str(path),
+            remedy=f"end the name with one of: {', '.join(METADATA)}",
+        )
+    return suffix

@@ -1,0 +1,206 @@
+"""Sweeps: one letter as a strip of small multiples, all drawn alike."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure, SubFigure
+from mpl_toolkits.mplot3d import Axes3D
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.model.language.typesetting import typeset_name
+from rsym.model.letters import Letter
+from rsym.model.shape import Shape
+from rsym.output import axes3d
+from rsym.output.fields import Progress, colour_bar, draw_levels, dress, report, robust_levels
+from rsym.output.surfaces import plot_mesh
+from rsym.sampling.contours import trace
+from rsym.sampling.mesh import Mesh
+from rsym.sampling.meshing import mesh
+from rsym.sampling.plane import plane_sampler
+
+PLANE_RESOLUTION, SPACE_RESOLUTION = 300, 192
+PANEL = 3.2  # inches, the longer side of a panel in the plane
+BODY = 4.2  # inches, the width of a panel with a body
+TITLE = 0.3  # inches
+
+
+def plot_sweep(
+    shape: Shape,
+    letter: Any,
+    values: Sequence[float],
+    *,
+    columns: int | None = None,
+    resolution: int | Sequence[int] | None = None,
+    bounds: Any = None,
+    letters: Mapping[Any, float] | None = None,
+    section: Mapping[Any, float] | None = None,
+    elevation: float = 22.0,
+    azimuth: float = -55.0,
+    progress: Progress | None = None,
+) -> Figure:
+    r"""The same shape at several values of one letter, side by side.
+
+    A shape in the plane, or a section, is drawn by the level lines of omega, with
+    the boundary heavy and with the same levels and colours in all panels; a shape
+    in space as shaded bodies in the same box, seen by the same camera.
+
+    Parameters
+    ----------
+    shape : Shape
+        What to draw; `revolve` a plane shape first to see bodies.
+    letter : str or symbol
+        The letter that changes.
+    values : sequence of float
+        Its values, one for each panel, row by row.
+    columns : int, optional
+        Panels in a row.
+    resolution : int or sequence of int, optional
+        Cells along the longest side: 300 in the plane, 192 in space.
+    bounds, letters, section
+        As for `plot_field` and `mesh`; `letters` sets the others.
+    elevation, azimuth : float
+        The camera of bodies, as for `plot_mesh`.
+    progress : callable, optional
+        ``progress(done, total)``; returning False cancels with an RsymError.
+
+    Raises
+    ------
+    RsymError
+        For an unknown letter, a value outside its range, a shape that cannot be drawn at one of the values, a cancel.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> figure = rsym.plot_sweep(rsym.paper.skeleton_body(), "p1", [20, 40], resolution=32)
+    >>> print(*(ax.get_title() for ax in figure.axes[:2]))
+    $p_{1} = 20$ $p_{1} = 40$
+    """
+    name = str(letter)
+    chosen = [shape.letters.values_with({**(letters or {}), name: value}) for value in values]
+    if not chosen:
+        raise RsymError("a sweep needs at least one value", code="values", remedy="for example [20, 40, 80]")
+    titles = [letter_title(name, shape.letters[name], setting[name]) for setting in chosen]
+    count = _columns(columns, len(chosen))
+    if shape.dimension == 2 or section:
+        cells = PLANE_RESOLUTION if resolution is None else resolution
+        return _plane(shape, chosen, titles, count, cells, bounds, section, progress)
+    cells = SPACE_RESOLUTION if resolution is None else resolution
+    bodies = []
+    for done, (setting, title) in enumerate(zip(chosen, titles, strict=True)):
+        report(progress, done, len(chosen))
+        with _named(title):
+            bodies.append(mesh(shape, cells, bounds=bounds, letters=setting))
+    report(progress, len(chosen), len(chosen))
+    return _space(bodies, titles, count, elevation, azimuth)
+
+
+def letter_title(name: str, letter: Letter, value: float) -> str:
+    """A letter and its value for a title: name, number, unit.
+
+    Examples
+    --------
+    >>> letter_title("p1", Letter(20, unit="mm"), 40.0)
+    '$p_{1} = 40$ mm'
+    """
+    return f"${typeset_name(name)} = {value:.6g}$ {letter.unit}".strip()
+
+
+def _columns(columns: int | None, count: int) -> int:
+    if columns is None:
+        return 2 if count == 4 else min(count, 3)
+    if isinstance(columns, bool) or not isinstance(columns, int) or columns < 1:
+        raise RsymError(f"columns must be a positive integer, got {columns!r}", code="columns")
+    return min(columns, count)
+
+
+@contextmanager
+def _named(title: str) -> Iterator[None]:
+    """Say at which value a shape could not be drawn."""
+    try:
+        yield
+    except RsymError as error:
+        where = title.replace("$", "") + (f", {error.where}" if error.where else "")
+        raise RsymError(error.message, code=error.code, where=where, remedy=error.remedy) from error
+
+
+def _plane(
+    shape: Shape,
+    chosen: Sequence[Mapping[str, float]],
+    titles: Sequence[str],
+    columns: int,
+    resolution: Any,
+    bounds: Any,
+    section: Mapping[Any, float] | None,
+    progress: Progress | None,
+) -> Figure:
+    import matplotlib.pyplot
+
+    sampler = plane_sampler(shape, "value", resolution=resolution, bounds=bounds, section=section)
+    samplers = [replace(sampler, letters=setting) for setting in chosen]
+    samples = [one.values() for one in samplers]
+    levels = robust_levels(np.concatenate(samples))
+    rows = -(-len(chosen) // columns)
+    sides = np.array(sampler.lattice.spacing) * sampler.lattice.counts
+    width, height = PANEL * sides / sides.max()
+    figure: Figure
+    figure, axes = matplotlib.pyplot.subplots(
+        rows,
+        columns,
+        figsize=(columns * (width + 0.4) + 0.8, rows * (height + 0.55)),
+        squeeze=False,
+        sharex=True,
+        sharey=True,
+        layout="compressed",
+    )
+    for done, (ax, one, values, title) in enumerate(zip(axes.flat, samplers, samples, titles, strict=False)):
+        report(progress, done, len(chosen))
+        with _named(title):
+            artist = draw_levels(ax, one, values, levels, trace(one, values, 0.0))
+        dress(ax, one, title)
+        ax.label_outer()
+    for ax in axes.flat[len(chosen) :]:
+        ax.set_axis_off()
+    colour_bar(artist, *axes.flat, rows=rows)
+    report(progress, len(chosen), len(chosen))
+    return figure
+
+
+def _space(bodies: Sequence[Mesh], titles: Sequence[str], columns: int, elevation: float, azimuth: float) -> Figure:
+    corners = np.concatenate([body.vertices[np.unique(body.faces)] for body in bodies])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    figure, cells = _cells(low, high, len(bodies), columns, elevation, azimuth)
+    for body, title, (heading, axes) in zip(bodies, titles, cells, strict=True):
+        heading.text(0.5, 0.4, title, ha="center", va="center", fontsize=12)
+        plot_mesh(body, ax=axes)
+        axes3d.frame(axes, low, high, elevation, azimuth)
+        axes3d.style(axes)
+    return figure
+
+
+def _cells(
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    count: int,
+    columns: int,
+    elevation: float,
+    azimuth: float,
+) -> tuple[Figure, list[tuple[SubFigure, Axes3D]]]:
+    """A figure with a heading and axes for each body, placed as `new_axes` places them on a page of their own."""
+    alone = axes3d.new_axes(low, high, elevation, azimuth)
+    figure: Any = alone.get_figure(root=True)
+    place, (width, height) = alone.get_position(original=True), figure.get_size_inches()
+    alone.remove()
+    rows, body = -(-count // columns), BODY * height / width
+    figure.set_size_inches(columns * BODY, rows * (TITLE + body))
+    parts = figure.subfigures(2 * rows, columns, squeeze=False, height_ratios=[TITLE, body] * rows)
+    cells = []
+    for number in range(count):
+        row, column = divmod(number, columns)
+        cells.append((parts[2 * row, column], axes3d.add_axes(parts[2 * row + 1, column], place)))
+    return figure, cells
