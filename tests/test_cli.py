@@ -1,17 +1,31 @@
+import os
 import subprocess
 import sys
+from pathlib import Path
 
+import matplotlib.pyplot
 import pytest
+import tqdm
 import trimesh
 
-from rsym.cli import main
+import rsym
+from rsym.cli import COMMANDS, main
 
 MODEL = """
 letter r = 1 in [0.5, 3] "radius"
+letter h = 2
+variant wide: r = 2
 bounds x [-2, 2] y [-2, 2] z [-2, 2]
 ball = (r^2 - x^2 - y^2 - z^2)/(2*r)
+slab = (h^2 - z^2)/(2*h)
 omega = rfAND(ball, z)
 """
+
+
+@pytest.fixture(autouse=True)
+def _close_figures():
+    yield
+    matplotlib.pyplot.close("all")
 
 
 @pytest.fixture
@@ -50,6 +64,76 @@ def test_mesh_of_a_plane_model_turned(tmp_path):
     assert trimesh.load_mesh(path).is_watertight
 
 
+def test_letters_are_a_table(model, capsys):
+    assert main(["letters", model]) == 0
+    assert [line.split() for line in capsys.readouterr().out.splitlines()] == [
+        ["letter", "value", "range", "wide", "meaning"],
+        ["r", "1", "[0.5,", "3]", "2", "radius"],
+        ["h", "2"],
+    ]
+    assert main(["letters", model, "--variant", "wide", "--shape", "ball"]) == 0
+    assert [line.split()[:2] for line in capsys.readouterr().out.splitlines()] == [["letter", "value"], ["r", "2"]]
+
+
+def test_a_model_as_text(model, capsys):
+    assert main(["show", model, "--set", "r=2.5"]) == 0
+    text = capsys.readouterr().out
+    assert text.splitlines() == [
+        "coordinates  x y z",
+        "bounds       x [-2, 2]  y [-2, 2]  z [-2, 2]",
+        "system       R0",
+        "letters      r = 2.5",
+        "",
+        "ball = (r**2 - x**2 - y**2 - z**2)/(2*r)",
+        "omega = conjunction(ball, z)",
+    ]
+
+
+def test_a_model_as_latex(model, capsys):
+    assert main(["show", model, "--latex", "--shape", "slab"]) == 0
+    text = capsys.readouterr().out
+    assert text.startswith(r"\documentclass{article}")
+    assert "$x \\in [-2, 2]$, $y" in text
+    assert "$h = 2$." in text
+    assert r"\mathrm{slab} &= \frac{h^{2} - z^{2}}{2 h}" in text
+    assert "ball" not in text
+    assert text.count(r"\begin") == text.count(r"\end") == 2
+    assert main(["show", "car", "--latex"]) == 0
+    text = capsys.readouterr().out
+    assert r"W &= \mathrm{test}_{5} \wedge_0 \left(-\omega_{far}\right)" in text
+    assert text.count("{") == text.count("}")
+    assert text.count(r"\left") == text.count(r"\right")
+
+
+def test_a_preset_sets_letters_and_a_single_value_beats_it(tmp_path, model, capsys):
+    preset = tmp_path / "wide.json"
+    rsym.save_letters({"r": 1.5, "h": 3}, preset)
+    assert main(["letters", model, "--letters", str(preset)]) == 0
+    assert [line.split()[1] for line in capsys.readouterr().out.splitlines()] == ["value", "1.5", "3"]
+    path = tmp_path / "body.stl"
+    common = ["mesh", model, "-o", str(path), "--shape", "ball", "--resolution", "32", "--letters", str(preset)]
+    assert main(common) == 0
+    assert abs(trimesh.load_mesh(path).extents.max() - 3) < 0.05
+    assert main([*common, "--set", "r=1"]) == 0
+    assert abs(trimesh.load_mesh(path).extents.max() - 2) < 0.05
+
+
+def test_a_strip_of_small_multiples(tmp_path, model):
+    sweep = ["sweep", model, "--letter", "r", "--values", "1,1.5", "--resolution", "24"]
+    assert main([*sweep, "-o", str(tmp_path / "bodies.png"), "--shape", "ball"]) == 0
+    assert main([*sweep, "-o", str(tmp_path / "cuts.svg"), "--section", "z=0.5", "--columns", "1"]) == 0
+    assert (tmp_path / "bodies.png").read_bytes().startswith(b"\x89PNG")
+    first = (tmp_path / "cuts.svg").read_bytes()
+    assert main([*sweep, "-o", str(tmp_path / "cuts.svg"), "--section", "z=0.5", "--columns", "1"]) == 0
+    assert (tmp_path / "cuts.svg").read_bytes() == first
+
+
+def test_the_resolution_of_each_axis(tmp_path, model):
+    path = tmp_path / "body.stl"
+    assert main(["mesh", model, "-o", str(path), "--resolution", "16,20,24"]) == 0
+    assert trimesh.load_mesh(path).is_watertight
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -60,6 +144,18 @@ def test_mesh_of_a_plane_model_turned(tmp_path):
         ["fields", "skeleton", "-o", "sheet.png", "--set", "q=1"],
         ["fields", "skeleton", "-o", "nowhere/sheet.png", "--resolution", "16"],
         ["fields", "missing.rf", "-o", "sheet.png"],
+        ["fields", "skeleton", "-o", "sheet.png", "--letters", "missing.json"],
+        ["fields", "skeleton", "-o", "sheet.png", "--resolution", "1"],
+        ["fields", "skeleton", "-o", "sheet.png", "--section", "z"],
+        ["fields", "car", "-o", "sheet.png", "--section", "w=1"],
+        ["fields", "car", "-o", "sheet.png", "--section", "z=nan"],
+        ["fields", "car", "-o", "sheet.png", "--shape", "test1", "--section", "z=1", "--set", "h5=4"],
+        ["sweep", "skeleton", "-o", "strip.png", "--letter", "p9", "--values", "1,2"],
+        ["sweep", "skeleton", "-o", "strip.png", "--letter", "p1", "--values", "20,1e9"],
+        ["sweep", "skeleton", "-o", "strip.png", "--letter", "p1", "--values", "20", "--columns", "0"],
+        ["sweep", "skeleton", "-o", "strip.gif", "--letter", "p1", "--values", "20"],
+        ["show", "skeleton", "--variant", "a"],
+        ["letters", "car", "--set", "raa=1"],
         ["reproduce", "--only", "fig99", "--out", "figures"],
     ],
 )
@@ -75,6 +171,70 @@ def test_wrong_usage_is_exit_code_2():
     for arguments in ([], ["fly"], ["fields"]):
         done = subprocess.run([sys.executable, "-m", "rsym.cli", *arguments], capture_output=True, check=False)
         assert done.returncode in (0, 2)
+    for arguments in (["fly"], ["fields", "car", "-o", "a.png", "--resolution", "4z"], ["sweep", "car"]):
+        with pytest.raises(SystemExit) as caught:
+            main(arguments)
+        assert caught.value.code == 2
+
+
+def test_the_remedy_names_what_was_probably_meant(capsys):
+    for arguments, meant in [
+        (["show", "skeletn"], "'skeleton'"),
+        (["letters", "car", "--set", "a11=3"], "'a1'"),
+        (["letters", "car", "--set", "ra=50"], "[0.5, 5]"),
+    ]:
+        assert main(arguments) == 1
+        assert meant in capsys.readouterr().err
+
+
+def test_every_command_has_an_example_that_is_no_wrong_usage(monkeypatch, capsys):
+    for command in COMMANDS:
+        monkeypatch.setattr(command, "run", lambda options: None)
+    names = [command.__name__.rpartition(".")[2] for command in COMMANDS]
+    for name in names:
+        with pytest.raises(SystemExit) as caught:
+            main([name, "--help"])
+        assert caught.value.code == 0
+        example = capsys.readouterr().out.rstrip().splitlines()[-1].split(">")[0].split()
+        assert example[:2] == ["rsym", name]
+        assert main(example[1:]) == 0
+    folder = Path(rsym.__file__).parent / "commands"
+    assert {path.stem for path in folder.glob("*.py")} == {*names, "__init__", "options"}
+
+
+def test_the_version(capsys):
     with pytest.raises(SystemExit) as caught:
-        main(["fly"])
-    assert caught.value.code == 2
+        main(["--version"])
+    assert caught.value.code == 0
+    assert capsys.readouterr().out.startswith("rsym ")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["fields", "skeleton", "-o", "sheet.png", "--resolution", "16"],
+        ["sweep", "skeleton", "-o", "strip.png", "--letter", "p1", "--values", "20", "--resolution", "16"],
+        ["mesh", "skeleton", "--revolve", "x", "-o", "nose.stl", "--resolution", "16"],
+    ],
+)
+def test_an_interrupt_leaves_nothing(arguments, tmp_path, monkeypatch, capsys):
+    def interrupt(bar):
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(tqdm.tqdm, "refresh", interrupt)
+    assert main(arguments) == 1
+    assert "interrupted" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(os.name == "nt", reason="pipes of POSIX")
+def test_a_reader_that_leaves():
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-m", "rsym.cli", "letters", "skeleton"]
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(writer)
+    assert done.returncode == 1
+    assert done.stderr.startswith("rsym: whoever read the output left")
+    assert len(done.stderr.splitlines()) == 1

@@ -21,7 +21,8 @@ LAYERS = {
     # mpl_toolkits is matplotlib's second package.
     "output": {"sympy", "numpy", "matplotlib", "mpl_toolkits", "trimesh", "plotly", "ipywidgets"},
     "paper": {"numpy", "matplotlib"},
-    "cli": {"tqdm"},
+    "commands": {"tqdm"},
+    "cli": set(),
 }
 FORBIDDEN_NAMES = {"utils", "helpers", "misc", "common", "core", "base", "tools"}
 ORDER = list(LAYERS)

@@ -1,0 +1,43 @@
+"""`rsym mesh`: the surface as triangles."""
+
+from __future__ import annotations
+
+import argparse
+
+from rsym.commands.options import (
+    Commands,
+    add_command,
+    add_model,
+    add_output,
+    add_resolution,
+    add_revolve,
+    load_shape,
+    progress_bar,
+)
+
+
+def add(commands: Commands) -> None:
+    """Describe the command."""
+    parser = add_command(
+        commands,
+        "mesh",
+        "triangulate the surface and write it",
+        "rsym mesh car -o car.stl --variant b --resolution 256",
+        run,
+    )
+    add_model(parser)
+    add_output(parser, "the mesh; its suffix says the format, such as .stl")
+    add_revolve(parser)
+    add_resolution(parser, 128)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Mesh the shape, write it, and say what is known of the mesh."""
+    from rsym.output.files import write
+    from rsym.sampling.meshing import mesh
+
+    shape = load_shape(options)
+    with progress_bar("slab", "sampling") as progress:
+        result = mesh(shape, options.resolution, progress=progress)
+    print(write(result, options.output))
+    print(result.status)

@@ -1,0 +1,174 @@
+"""What commands share: a model with letters, cells, sections, a bar that shows progress."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from rsym.errors import RsymError
+
+if TYPE_CHECKING:
+    from rsym.model.language.model import Model
+    from rsym.model.letters import Letters
+    from rsym.model.shape import Shape
+
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+Run: TypeAlias = Callable[[argparse.Namespace], None]
+
+
+def add_command(commands: Commands, name: str, summary: str, example: str, run: Run) -> argparse.ArgumentParser:
+    """A command with its summary, its example at the end of the help, and what it does."""
+    parser = commands.add_parser(
+        name,
+        help=summary,
+        description=summary[0].upper() + summary[1:] + ".",
+        epilog=f"example:\n  {example}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.set_defaults(command=run)
+    return parser
+
+
+def add_model(parser: argparse.ArgumentParser) -> None:
+    """The options that say which shape of which model, with which letters."""
+    parser.add_argument("model", metavar="MODEL", help="a model file (.rf), or a shipped one such as car or skeleton")
+    parser.add_argument("--shape", metavar="NAME", help="another definition of the model than omega or the last")
+    parser.add_argument("--variant", metavar="NAME", help="a variant of the model")
+    parser.add_argument("--letters", metavar="FILE", help="values of letters, as rsym.save_letters writes them")
+    parser.add_argument("--set", action="append", default=[], metavar="LETTER=VALUE", help="a value that comes first")
+
+
+def add_output(parser: argparse.ArgumentParser, what: str) -> None:
+    """The file to write."""
+    parser.add_argument("-o", "--output", required=True, metavar="FILE", help=what)
+
+
+def add_resolution(parser: argparse.ArgumentParser, default: int | None, note: str = "") -> None:
+    """Cells along the longest side, or along each axis."""
+    parser.add_argument(
+        "--resolution",
+        type=cells,
+        default=default,
+        metavar="CELLS",
+        help=f"along the longest side, or along each axis: 240,480,420 (default: {note or default})",
+    )
+
+
+def add_section(parser: argparse.ArgumentParser) -> None:
+    """A cut through a shape in space."""
+    parser.add_argument(
+        "--section", action="append", default=[], metavar="NAME=VALUE", help="cut a shape in space, such as z=1"
+    )
+
+
+def add_revolve(parser: argparse.ArgumentParser) -> None:
+    """Turning a plane model."""
+    parser.add_argument("--revolve", metavar="AXIS", help="turn a plane model about this coordinate first")
+
+
+def cells(text: str) -> int | tuple[int, ...]:
+    """A resolution as it is typed.
+
+    Examples
+    --------
+    >>> cells("128"), cells("240,480,420")
+    (128, (240, 480, 420))
+    """
+    try:
+        numbers = tuple(int(part) for part in text.split(","))
+    except ValueError:
+        message = f"expected a number of cells, or one for each axis such as 240,480,420; got {text!r}"
+        raise argparse.ArgumentTypeError(message) from None
+    return numbers[0] if len(numbers) == 1 else numbers
+
+
+def numbers(texts: Sequence[str], option: str) -> dict[str, float]:
+    """Names and values as they are typed: ``["a=1", "b=2.5"]``.
+
+    Examples
+    --------
+    >>> numbers(["a=1", "b=2.5"], "--set")
+    {'a': 1.0, 'b': 2.5}
+    """
+    result = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        try:
+            result[name.strip()] = float(value)
+        except ValueError:
+            raise RsymError(
+                f"{option} needs NAME=NUMBER, got {text!r}", code="number", remedy=f"for example {option} z=1.5"
+            ) from None
+    return result
+
+
+def model_file(name: str) -> Path:
+    """The file of a model that is named by its path or, if it comes with rsym, by its name."""
+    from rsym.model.language.vocabulary import proposal
+    from rsym.paper.models import MODELS, model_path
+
+    if name in MODELS:
+        return model_path(name)
+    if not Path(name).exists():
+        remedy = proposal(name, MODELS, f"give the path of a model file, or one of {', '.join(MODELS)}")
+        raise RsymError(f"no model file {name!r}", code="missing-file", remedy=remedy)
+    return Path(name)
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A model file, all its letters with the values that the options give, and the shape that they ask for."""
+
+    path: Path
+    model: Model
+    letters: Letters
+    shape: Shape
+
+
+def load_model(options: argparse.Namespace) -> Chosen:
+    """Read the model and apply the options that `add_model` has added.
+
+    A preset may set letters that the chosen shape does not need: it was written for the whole model.
+    """
+    from rsym.model.language.loading import loads, read_text
+    from rsym.model.language.model import collect
+    from rsym.model.language.parser import parse
+    from rsym.model.letters import Letters
+    from rsym.output.presets import load_letters
+
+    path = model_file(options.model)
+    text = read_text(path)
+    shape = loads(text, shape=options.shape, variant=options.variant)
+    model = collect(parse(text))
+    letters = Letters({**model.letters, **model.variants.get(options.variant, {})})
+    preset = load_letters(options.letters) if options.letters else {}
+    letters = letters.changed({**preset, **numbers(options.set, "--set")})
+    return Chosen(path, model, letters, shape.with_letters({name: letters[name] for name in shape.letters}))
+
+
+def load_shape(options: argparse.Namespace) -> Shape:
+    """The shape that the options ask for, turned if they say so."""
+    from rsym.model.motions import revolve
+
+    shape = load_model(options).shape
+    shape.letters.values_with(numbers(options.set, "--set"))  # refuses a letter that this shape does not need
+    axis = getattr(options, "revolve", None)
+    return revolve(shape, axis=axis) if axis else shape
+
+
+@contextmanager
+def progress_bar(unit: str, label: str) -> Iterator[Callable[[int, int], Any]]:
+    """A bar on the terminal, none in a file; what it gives is a ``progress(done, total)``."""
+    from tqdm import tqdm
+
+    with tqdm(total=1, unit=unit, desc=label, disable=None, leave=False) as bar:
+
+        def progress(done: int, total: int) -> None:
+            bar.total, bar.n = total, done
+            bar.refresh()
+
+        yield progress

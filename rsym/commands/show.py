@@ -1,0 +1,87 @@
+"""`rsym show`: a model as it is understood, as text or as LaTeX."""
+
+from __future__ import annotations
+
+import argparse
+import textwrap
+from typing import TYPE_CHECKING
+
+from rsym.commands.letters import written
+from rsym.commands.options import Chosen, Commands, add_command, add_model, load_model
+
+if TYPE_CHECKING:
+    from rsym.model.language.listing import Definition
+    from rsym.model.systems import RSystem
+
+WIDTH = 100  # characters in a line
+DOCUMENT = r"""\documentclass{article}
+\usepackage{amsmath}
+\usepackage[margin=2cm]{geometry}
+\allowdisplaybreaks
+\begin{document}
+\noindent %s
+\begin{align*}
+%s
+\end{align*}
+\end{document}"""
+
+
+def add(commands: Commands) -> None:
+    """Describe the command."""
+    parser = add_command(
+        commands,
+        "show",
+        "print a model: coordinates, bounds, system, letters, and the formulas that the shape needs",
+        "rsym show car --shape test4 --latex > car.tex",
+        run,
+    )
+    add_model(parser)
+    parser.add_argument("--latex", action="store_true", help="a LaTeX document instead of text")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print the model."""
+    from rsym.model.language.listing import definitions
+
+    chosen = load_model(options)
+    formulas = definitions(chosen.path, shape=options.shape)
+    print(_latex(chosen, formulas) if options.latex else _text(chosen, formulas))
+
+
+def _text(chosen: Chosen, formulas: tuple[Definition, ...]) -> str:
+    shape = chosen.shape
+    names = [symbol.name for symbol in shape.coordinates]
+    box = [f"{name} [{low:g}, {high:g}]" for name, (low, high) in zip(names, shape.bounds or (), strict=False)]
+    letters = [f"{name} = {written(letter)}" for name, letter in shape.letters.items()]
+    parts = {
+        "coordinates": " ".join(names),
+        "bounds": "  ".join(box) or "none",
+        "system": _system(chosen.model.system),
+        "letters": ", ".join(letters) or "none",
+    }
+    lines = [_wrapped(f"{name:<13}{text}", 13) for name, text in parts.items()]
+    return "\n".join([*lines, "", *(_wrapped(f"{one.name} = {one.expression}", 4) for one in formulas)])
+
+
+def _system(system: RSystem) -> str:
+    """The word of the model language, or for a system with a parameter what Python writes."""
+    from rsym.model.language.functions import SYSTEMS
+
+    return next((word for word, one in SYSTEMS.items() if one == system), str(system))
+
+
+def _wrapped(text: str, indent: int) -> str:
+    return textwrap.fill(text, WIDTH, subsequent_indent=" " * indent, break_long_words=False, break_on_hyphens=False)
+
+
+def _latex(chosen: Chosen, formulas: tuple[Definition, ...]) -> str:
+    from rsym.model.language.typesetting import typeset_name
+
+    shape = chosen.shape
+    names = [typeset_name(symbol.name) for symbol in shape.coordinates]
+    box = shape.bounds or ()
+    places = [rf"${name} \in [{low:g}, {high:g}]$" for name, (low, high) in zip(names, box, strict=False)]
+    letters = [f"${typeset_name(name)} = {written(letter)}$" for name, letter in shape.letters.items()]
+    sentences = [", ".join(part) + "." for part in (places, letters) if part]
+    lines = [one.latex.replace(" = ", " &= ", 1) for one in formulas]
+    return DOCUMENT % ("\n\n\\noindent ".join(sentences), "\\\\\n".join(lines))
