@@ -44,7 +44,7 @@ def test_an_unknown_suffix_is_refused_with_a_list(tmp_path):
 def test_stl_refuses_what_float32_cannot_hold(tmp_path, middle):
     with pytest.raises(RsymError, match="move the body to the origin") as caught:
         write(ball(1e-3, middle), tmp_path / "ball.stl")
-    assert caught.value.code == "stl-precision"
+    assert caught.value.code == "float32-precision"
     assert not list(tmp_path.iterdir())
 
 

@@ -26,7 +26,7 @@ def add(commands: Commands) -> None:
         run,
     )
     add_model(parser)
-    add_output(parser, "the mesh; its suffix says the format, such as .stl")
+    add_output(parser, "the mesh: .stl .ply .obj .off .glb .3mf, or .html to look at")
     add_revolve(parser)
     add_resolution(parser, 128)
 

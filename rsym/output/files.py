@@ -2,26 +2,44 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import secrets
-import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-import numpy as np
-import trimesh
-
 from rsym.errors import RsymError
+from rsym.output import formats
+from rsym.output.atomic import write_atomically
+from rsym.output.interactive import page
 from rsym.sampling.mesh import Mesh
 
-# float32 keeps 7 digits: below this ratio of size to distance from the origin fewer than 3 of them describe the body.
-SMALLEST_RATIO = 1e-4
+__all__ = ["FORMATS", "write", "write_atomically"]
+
+FORMATS: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(
+    {
+        ".stl": formats.stl,
+        ".ply": formats.ply,
+        ".obj": formats.obj,
+        ".off": formats.off,
+        ".glb": formats.glb,
+        ".3mf": formats.three_mf,
+        ".html": page,
+    }
+)
 
 
 def write(mesh: Mesh, path: str | os.PathLike[str]) -> Path:
-    """Write a mesh to a file, in the format that the suffix names (``.stl``, binary).
+    """Write a mesh to a file, in the format that the suffix names.
+
+    ========= ==================================================================================
+    ``.stl``  binary, float32, triangles without shared vertices
+    ``.ply``  binary, float64
+    ``.obj``  text, float64 in full, a normal for each corner of each face
+    ``.off``  text, float64 in full
+    ``.glb``  binary glTF 2.0, float32, y up (so x, z, -y), normals, copies along sharp edges
+    ``.3mf``  float64 in full, for printing: one unit a millimetre, closed bodies alone
+    ``.html`` a page that opens offline, turns with the mouse and zooms (extra ``view``)
+    ========= ==================================================================================
 
     The file appears whole or not at all: an older one stays as it is until
     the new one is safe on the disk. The same mesh gives the same bytes.
@@ -42,18 +60,29 @@ def write(mesh: Mesh, path: str | os.PathLike[str]) -> Path:
     ------
     RsymError
         If the suffix is unknown, the folder is missing or cannot be written, or
-        the format cannot hold the coordinates.
+        the format cannot hold the mesh.
 
     Examples
     --------
     >>> import tempfile
+    >>> import numpy as np
     >>> from rsym.sampling.mesh import examine
     >>> corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
     >>> faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     >>> mesh = Mesh(corners, faces, np.zeros((4, 3, 3)), examine(corners, faces))
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write(mesh, Path(folder, "corner.stl")).stat().st_size
-    284
+    ...     print(write(mesh, Path(folder, "corner.off")).read_text())
+    OFF
+    4 4 0
+    0.0 0.0 0.0
+    1.0 0.0 0.0
+    0.0 1.0 0.0
+    0.0 0.0 1.0
+    3 0 2 1
+    3 0 1 3
+    3 0 3 2
+    3 1 2 3
+    <BLANKLINE>
     """
     path = Path(path)
     encode = FORMATS.get(path.suffix.lower())
@@ -65,80 +94,3 @@ def write(mesh: Mesh, path: str | os.PathLike[str]) -> Path:
             remedy=f"end the name with one of: {', '.join(FORMATS)}",
         )
     return write_atomically(path, encode(mesh))
-
-
-def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
-    """Put data into a file by way of a temporary file in the same folder; a failure leaves no trace."""
-    path = Path(path)
-    # A link keeps pointing where it points: its target is replaced, not the link.
-    target = Path(os.path.realpath(path))
-    if not target.parent.is_dir():
-        raise RsymError(
-            f"there is no folder {str(target.parent)!r}", code="file-folder", where=str(path), remedy="make it first"
-        )
-    temporary = target.parent / f".{secrets.token_hex(8)}.part"
-    try:
-        _write_safely(temporary, data)
-        if target.exists():
-            shutil.copymode(target, temporary)
-        os.replace(temporary, target)
-    except OSError as error:
-        raise RsymError(
-            f"the file cannot be written: {error.strerror or error}",
-            code="file-write",
-            where=str(path),
-            remedy="choose a folder with room and the right to write",
-        ) from error
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
-    _sync_folder(target.parent)
-    return path
-
-
-def _write_safely(path: Path, data: bytes) -> None:
-    with path.open("xb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
-
-
-def _sync_folder(folder: Path) -> None:
-    """Make the new name last through a power cut, where the system can; the file itself is whole either way."""
-    with contextlib.suppress(OSError):
-        descriptor = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
-
-
-def _stl(mesh: Mesh) -> bytes:
-    """Encode as binary STL, 80 empty bytes and the triangles in float32."""
-    _require_float32(mesh)
-    data: bytes = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(file_type="stl")
-    return data
-
-
-def _require_float32(mesh: Mesh) -> None:
-    """Refuse coordinates that float32 cannot tell apart, axis by axis."""
-    corners = mesh.vertices[np.unique(mesh.faces)]
-    extent, offset = np.ptp(corners, axis=0), np.abs(corners).max(axis=0)
-    limits = np.finfo(np.float32)
-    far = (extent > 0) & (extent < SMALLEST_RATIO * offset)
-    if far.any():
-        axis = int(np.argmax(far))
-        raise RsymError(
-            f"STL keeps 7 digits, too few for a body {extent[axis]:.3g} wide at {'xyz'[axis]} = {offset[axis]:.6g}",
-            code="stl-precision",
-            remedy="move the body to the origin",
-        )
-    if offset.max() > limits.max or extent.max() < limits.tiny / SMALLEST_RATIO:
-        raise RsymError(
-            f"STL holds numbers from {limits.tiny:.1g} to {limits.max:.1g}, the body is {extent.max():.3g} wide",
-            code="stl-range",
-            remedy="scale the body",
-        )
-
-
-FORMATS: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType({".stl": _stl})

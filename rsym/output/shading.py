@@ -23,7 +23,8 @@ SHINE, SHINE_EXPONENT = 0.16, 36
 HOLLOW, HOLLOW_MOST = 9.0, 0.5
 # Grazing surfaces lose this share of their light: a light body then keeps its outline on white paper.
 RIM = 0.30
-# The inside of a surface, seen where it is open.
+# A body, and the inside of its surface, seen where it is open.
+BODY = "#8aa4c8"
 INSIDE = "#b5764c"
 
 
@@ -46,7 +47,7 @@ def linear(colour: str) -> Floats:
         encoded = np.array(to_rgb(colour))
     except ValueError as error:
         raise RsymError(
-            f"a colour is a name or #rrggbb, got {colour!r}", code="colour", remedy="write for example '#8aa4c8'"
+            f"a colour is a name or #rrggbb, got {colour!r}", code="colour", remedy=f"write for example '{BODY}'"
         ) from error
     return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 

@@ -12,8 +12,9 @@ from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
 from rsym.output import axes3d
+from rsym.output.corners import usable_normals
 from rsym.output.rasteriser import Triangles, rasterise, snap
-from rsym.output.shading import INSIDE, hollows, linear, mean_depth, reduce, shade, unit
+from rsym.output.shading import BODY, INSIDE, hollows, linear, mean_depth, reduce, shade, unit
 from rsym.sampling.mesh import Mesh
 
 Floats = NDArray[np.float64]
@@ -30,7 +31,7 @@ def plot_mesh(
     mesh: Mesh,
     *,
     ax: Axes3D | None = None,
-    colour: str = "#8aa4c8",
+    colour: str = BODY,
     elevation: float = 22.0,
     azimuth: float = -55.0,
     edges: bool = False,
@@ -102,7 +103,7 @@ class ShadedMesh(Artist):
         self.edges = edges
         self.colours = np.stack([linear(INSIDE), linear(colour)])
         self.low, self.high = mesh.vertices[mesh.faces].min(axis=(0, 1)), mesh.vertices[mesh.faces].max(axis=(0, 1))
-        self.normals = _usable_normals(mesh)
+        self.normals = usable_normals(mesh)
         self._state: object = None
         self._drawn = (np.zeros(2, np.int64), np.zeros((0, 0, 4), np.uint8))
         # Above panes, grid and axis lines, like the collections of mplot3d.
@@ -190,13 +191,3 @@ def _edge_light(distances: Floats, width: float) -> Floats:
     """Darken samples nearer to an edge than half the line's width; both neighbours draw one half each."""
     ink = np.clip(width / 2 + 0.5 - distances, 0.0, min(width, 1.0))
     return 1 - (1 - EDGE_LIGHT) * ink
-
-
-def _usable_normals(mesh: Mesh) -> Floats:
-    """Replace normals that are zero or not finite, as on the skeleton of a shape, by those of the triangles."""
-    bad = np.asarray(~np.isfinite(mesh.normals).all(axis=2) | ~mesh.normals.any(axis=2))
-    if not bad.any():
-        return mesh.normals
-    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
-    flat = unit(np.cross(b - a, c - a))
-    return np.where(bad[:, :, None], flat[:, None, :], mesh.normals)

@@ -1,0 +1,57 @@
+"""Files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import shutil
+from pathlib import Path
+
+from rsym.errors import RsymError
+
+
+def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
+    """Put data into a file by way of a temporary file in the same folder; a failure leaves no trace."""
+    path = Path(path)
+    # A link keeps pointing where it points: its target is replaced, not the link.
+    target = Path(os.path.realpath(path))
+    if not target.parent.is_dir():
+        raise RsymError(
+            f"there is no folder {str(target.parent)!r}", code="file-folder", where=str(path), remedy="make it first"
+        )
+    temporary = target.parent / f".{secrets.token_hex(8)}.part"
+    try:
+        _write_safely(temporary, data)
+        if target.exists():
+            shutil.copymode(target, temporary)
+        os.replace(temporary, target)
+    except OSError as error:
+        raise RsymError(
+            f"the file cannot be written: {error.strerror or error}",
+            code="file-write",
+            where=str(path),
+            remedy="choose a folder with room and the right to write",
+        ) from error
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+    _sync_folder(target.parent)
+    return path
+
+
+def _write_safely(path: Path, data: bytes) -> None:
+    with path.open("xb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the new name last through a power cut, where the system can; the file itself is whole either way."""
+    with contextlib.suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)

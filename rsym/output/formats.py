@@ -1,0 +1,166 @@
+"""A mesh as the bytes of a file: one function for each format, the same bytes for the same mesh.
+
+Text, PLY and 3MF keep every digit of float64; STL and GLB hold float32 by definition.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Iterable
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from trimesh.visual.material import PBRMaterial
+
+from rsym.errors import RsymError
+from rsym.output.corners import split_sharp
+from rsym.output.shading import BODY, linear
+from rsym.sampling.mesh import Mesh
+
+# float32 keeps 7 digits: below this ratio of size to distance from the origin fewer than 3 of them describe the body.
+SMALLEST_RATIO = 1e-4
+# The first moment a zip file can name: with the true time no two files would be equal.
+ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
+
+
+def stl(mesh: Mesh) -> bytes:
+    """Encode as binary STL: 80 empty bytes and the triangles in float32."""
+    require_float32(mesh, "STL")
+    data: bytes = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(file_type="stl")
+    return data
+
+
+def ply(mesh: Mesh) -> bytes:
+    """Encode as binary PLY: float64 vertices, int32 faces, little-endian."""
+    header = (
+        "ply\nformat binary_little_endian 1.0\n"
+        f"element vertex {len(mesh.vertices)}\nproperty double x\nproperty double y\nproperty double z\n"
+        f"element face {len(mesh.faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    faces = np.empty(len(mesh.faces), [("count", "u1"), ("corners", "<i4", 3)])
+    faces["count"], faces["corners"] = 3, mesh.faces
+    return header.encode() + mesh.vertices.astype("<f8").tobytes() + faces.tobytes()
+
+
+def obj(mesh: Mesh) -> bytes:
+    """Encode as OBJ: shared vertices in full, and beside them a normal for each corner of each face."""
+    shaded = split_sharp(mesh)
+    pairs = np.stack([mesh.faces, shaded.faces], axis=2).reshape(-1, 6) + 1
+    return _text(
+        _lines("v {!r} {!r} {!r}", mesh.vertices),
+        _lines("vn {:.6f} {:.6f} {:.6f}", shaded.normals),
+        _lines("f {}//{} {}//{} {}//{}", pairs),
+    )
+
+
+def off(mesh: Mesh) -> bytes:
+    """Encode as OFF text."""
+    return _text(
+        ["OFF", f"{len(mesh.vertices)} {len(mesh.faces)} 0"],
+        _lines("{!r} {!r} {!r}", mesh.vertices),
+        _lines("3 {} {} {}", mesh.faces),
+    )
+
+
+def glb(mesh: Mesh) -> bytes:
+    """Encode as binary glTF 2.0: float32, turned to its y-up, with normals, vertices copied along sharp edges."""
+    require_float32(mesh, "GLB")
+    shaded = split_sharp(mesh)
+    body = trimesh.Trimesh(_y_up(shaded.vertices), shaded.faces, vertex_normals=_y_up(shaded.normals), process=False)
+    colour = (255 * np.append(linear(BODY), 1.0)).round().astype(np.uint8)
+    material = PBRMaterial(name="body", baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=0.6)
+    body.visual = trimesh.visual.TextureVisuals(material=material)
+    data: bytes = body.export(file_type="glb", include_normals=True)
+    return data
+
+
+def three_mf(mesh: Mesh) -> bytes:
+    """Encode as 3MF, one unit a millimetre; the format is for bodies, so the mesh must be closed and not empty."""
+    if not mesh.status.closed or mesh.status.volume <= 0:
+        state = "an open surface" if not mesh.status.closed else f"a volume of {mesh.status.volume:.3g}"
+        raise RsymError(
+            f"3MF holds closed bodies with the inside inside, got {state}",
+            code="format-body",
+            remedy="widen the bounds until the body is whole, or write .ply",
+        )
+    parts = (
+        ("[Content_Types].xml", _CONTENT_TYPES.encode()),
+        ("_rels/.rels", _RELATIONS.encode()),
+        ("3D/3dmodel.model", _model(mesh)),
+    )
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, data in parts:
+            entry = zipfile.ZipInfo(name, ZIP_EPOCH)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, data)
+    return buffer.getvalue()
+
+
+def _model(mesh: Mesh) -> bytes:
+    return _text(
+        [
+            _XML,
+            f'<model unit="millimeter" xml:lang="en" xmlns="{_CORE}">',
+            "<resources>",
+            '<object id="1" type="model">',
+        ],
+        ["<mesh>", "<vertices>"],
+        _lines('<vertex x="{!r}" y="{!r}" z="{!r}"/>', mesh.vertices),
+        ["</vertices>", "<triangles>"],
+        _lines('<triangle v1="{}" v2="{}" v3="{}"/>', mesh.faces),
+        ["</triangles>", "</mesh>", "</object>", "</resources>", '<build><item objectid="1"/></build>', "</model>"],
+    )
+
+
+def require_float32(mesh: Mesh, name: str) -> None:
+    """Refuse coordinates that float32, and so the format of this name, cannot tell apart, axis by axis."""
+    corners = mesh.vertices[np.unique(mesh.faces)]
+    extent, offset = np.ptp(corners, axis=0), np.abs(corners).max(axis=0)
+    limits = np.finfo(np.float32)
+    far = (extent > 0) & (extent < SMALLEST_RATIO * offset)
+    if far.any():
+        axis = int(np.argmax(far))
+        raise RsymError(
+            f"{name} keeps 7 digits, too few for a body {extent[axis]:.3g} wide at {'xyz'[axis]} = {offset[axis]:.6g}",
+            code="float32-precision",
+            remedy="move the body to the origin, or write .ply",
+        )
+    if offset.max() > limits.max or extent.max() < limits.tiny / SMALLEST_RATIO:
+        raise RsymError(
+            f"{name} holds numbers from {limits.tiny:.1g} to {limits.max:.1g}, the body is {extent.max():.3g} wide",
+            code="float32-range",
+            remedy="scale the body, or write .ply",
+        )
+
+
+def _y_up(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Turn z-up to y-up by a quarter turn about x, which programs with z up undo when they read."""
+    return np.stack([vectors[:, 0], vectors[:, 2], -vectors[:, 1]], axis=1)
+
+
+def _lines(pattern: str, rows: NDArray[np.float64] | NDArray[np.int64]) -> Iterable[str]:
+    """Write each row by the pattern; `repr` of a float64 gives back the same float64."""
+    return (pattern.format(*row) for row in rows.tolist())
+
+
+def _text(*parts: Iterable[str]) -> bytes:
+    return "".join(f"{line}\n" for part in parts for line in part).encode()
+
+
+_XML = '<?xml version="1.0" encoding="UTF-8"?>'
+_CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+_PACKAGE = "http://schemas.openxmlformats.org/package/2006"
+_CONTENT_TYPES = f"""{_XML}
+<Types xmlns="{_PACKAGE}/content-types">
+<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>
+<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>
+</Types>
+"""
+_RELATIONS = f"""{_XML}
+<Relationships xmlns="{_PACKAGE}/relationships">
+<Relationship Id="model" Target="/3D/3dmodel.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>
+</Relationships>
+"""

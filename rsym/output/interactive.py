@@ -1,0 +1,94 @@
+"""A mesh as one page of HTML that opens offline, turns with the mouse and zooms.
+
+The page carries some 150 lines of WebGL and the light of printed pictures, so
+it needs no package; its exact normals are why no plotting library draws it:
+those take normals from the triangles.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from functools import lru_cache
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.output import shading
+from rsym.output.corners import split_sharp
+from rsym.sampling.mesh import Mesh
+
+# The eye of `plot_mesh`, and how far it stands from the unit ball round the body.
+ELEVATION, AZIMUTH = np.radians(22.0), np.radians(-55.0)
+DISTANCE = 5.0
+# The share of the window that the body fills; turned about its upright axis it stays inside.
+FILLED = 0.94
+# Beyond this the data nears the longest text that browsers hold, half a billion characters.
+MOST_TRIANGLES = 10_000_000
+
+
+def page(mesh: Mesh) -> bytes:
+    """Encode as HTML: positions float32 about the middle, normals int16, faces uint32, nothing that is fetched."""
+    if len(mesh.faces) > MOST_TRIANGLES:
+        raise RsymError(
+            f"a page shows at most {MOST_TRIANGLES:,} triangles, the mesh has {len(mesh.faces):,}",
+            code="format-size",
+            remedy="mesh at a lower resolution, or write .glb",
+        )
+    shaded = split_sharp(mesh)
+    low, high = shaded.vertices.min(axis=0), shaded.vertices.max(axis=0)
+    middle = low + (high - low) / 2
+    radius = float(np.linalg.norm(shaded.vertices - middle, axis=1).max())
+    places = (shaded.vertices - middle) / (radius or 1.0)
+    width, height = _extent(places)
+    body = {
+        "closed": mesh.status.closed,
+        "eye": DISTANCE,
+        "elevation": round(float(ELEVATION), 6),
+        "azimuth": round(float(AZIMUTH), 6),
+        "width": round(width, 6),
+        "height": round(height, 6),
+        "light": _light(),
+        "count": shaded.faces.size,
+        "places": _packed(places, "<f4"),
+        "normals": _packed(np.rint(shaded.normals * 32767), "<i2"),
+        "faces": _packed(shaded.faces, "<u4"),
+    }
+    return _template().replace("{{BODY}}", json.dumps(body)).encode()
+
+
+def _extent(places: NDArray[np.float64]) -> tuple[float, float]:
+    """The width and height, on the screen at distance 1, that hold the body at every azimuth."""
+    across, up = np.hypot(places[:, 0], places[:, 1]), np.abs(places[:, 2])
+    sine, cosine = np.sin(ELEVATION), np.cos(ELEVATION)
+    width = across / (DISTANCE - np.sqrt(across**2 + up**2))
+    height = (up * cosine + across * sine) / (DISTANCE - up * sine - across * cosine)
+    return float(width.max()) / FILLED, float(height.max()) / FILLED
+
+
+def _light() -> dict[str, Any]:
+    return {
+        "key": shading.unit(shading.KEY).tolist(),
+        "fill": shading.unit(shading.FILL).tolist(),
+        "outside": shading.linear(shading.BODY).tolist(),
+        "inside": shading.linear(shading.INSIDE).tolist(),
+        "keyStrength": shading.KEY_STRENGTH,
+        "fillStrength": shading.FILL_STRENGTH,
+        "ambient": shading.AMBIENT,
+        "sky": shading.SKY,
+        "rim": shading.RIM,
+        "shine": shading.SHINE,
+        "shineExponent": shading.SHINE_EXPONENT,
+    }
+
+
+def _packed(values: NDArray[Any], kind: str) -> str:
+    return base64.b64encode(values.astype(kind).tobytes()).decode()
+
+
+@lru_cache(maxsize=1)
+def _template() -> str:
+    return files("rsym.output").joinpath("interactive.html").read_text(encoding="utf-8")
