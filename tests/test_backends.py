@@ -9,12 +9,15 @@ import pytest
 
 from rsym.codegen.builder import Builder
 from rsym.codegen.expansion import expand
-from rsym.codegen.interpreter import interpret
+from rsym.codegen.interpreter import interpret, interpret_nodes
 from rsym.codegen.llvm_backend import LlvmFunction
 from rsym.codegen.numpy_backend import NumpyFunction
 from rsym.codegen.operations import OPERATIONS, PRIMITIVES
+from rsym.codegen.precision import FLOAT32, FLOAT64, PRECISIONS
 
 AWKWARD = [0.0, -0.0, 1.0, -1.0, 0.5, -3.0, 1e-9, -1e-20, 1e-170, 5e-324, 1e20, -1e170, 1e300, np.inf, -np.inf, np.nan]
+# The same for float32: squares leave its range in both directions.
+SINGLE = [0.0, -0.0, 1.0, -1.0, 0.5, -3.0, 1e-9, -1e-20, 1e-25, 1e-45, 1e10, -1e20, 3e38, np.inf, -np.inf, np.nan]
 MILD = [0.0, -0.0, 0.25, -2.0, np.nan]
 BACKENDS = {"numpy": NumpyFunction, "llvm": LlvmFunction}
 EXACT = {"add", "mul", "div", "neg", "sqrt", "abs", "sign", "min", "max", "select", "undefined"}
@@ -57,10 +60,16 @@ def single(operation, parameter=None, letter=False):
     return program, [np.ascontiguousarray(column) for column in columns]
 
 
-def run(backend, program, columns, letters=()):
-    output = np.empty(len(columns[0]))
-    BACKENDS[backend](expand(program)).run(columns, list(letters), [output])
+def run(backend, program, columns, letters=(), precision=FLOAT64):
+    output = np.empty(len(columns[0]), precision.dtype)
+    BACKENDS[backend](expand(program), precision).run(columns, list(letters), [output])
     return output
+
+
+def in_float32(columns):
+    """The same places in a table of arguments, filled with those of float32."""
+    single = {abs(double): abs(value) for double, value in zip(AWKWARD, SINGLE, strict=True)}
+    return [np.array([np.copysign(single.get(abs(v), v), v) for v in column], np.float32) for column in columns]
 
 
 OPERATION_NAMES = sorted(set(OPERATIONS) - {"input"} - set(PARAMETERS))
@@ -81,6 +90,25 @@ def test_an_operation_means_the_same_on_every_backend(operation, backend):
         assert np.array_equal(got[~known], expected[~known], equal_nan=True)
         assert (np.abs(got[known] - expected[known]) <= 1e-14 * np.abs(expected[known]) + 1e-300).all()
         assert np.array_equal(np.sign(got)[known], np.sign(expected)[known])
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("operation", OPERATION_NAMES)
+def test_an_operation_in_float32(operation, backend):
+    """Arithmetic is rounded once; the rest is near the float64 meaning wherever float32 can hold its squares."""
+    program, columns = single(operation)
+    columns = in_float32(columns)
+    got = run(backend, program, columns, precision=FLOAT32)
+    inputs = dict(zip(program.coordinates, columns, strict=True))
+    rounded, expected = (
+        np.broadcast_to(interpret_nodes(program, inputs, precision)[-1], got.shape) for precision in (FLOAT32, FLOAT64)
+    )
+    assert got.dtype == np.float32
+    if operation in EXACT:
+        assert np.array_equal(got, rounded, equal_nan=True)
+    fair = np.all([((np.abs(c) < 1e10) & (np.abs(c) > 1e-10)) | (c == 0) for c in columns], axis=0)
+    fair &= np.abs(expected) < 3e38
+    assert (np.abs(got[fair] - expected[fair]) <= 4e-7 * np.abs(expected[fair]) + 1e-45).all()
 
 
 @pytest.mark.parametrize("letter", [False, True])
@@ -120,31 +148,38 @@ def test_a_letter_outside_the_range_of_its_system_gives_nan(operation, outside, 
     assert np.isnan(run(backend, program, columns, [outside])).all()
 
 
+@pytest.mark.parametrize("precision", PRECISIONS.values(), ids=PRECISIONS)
 @pytest.mark.parametrize("operation", sorted(set(OPERATION_NAMES) - {"sin", "cos", "exp", "log", "pow", "atan2"}))
-def test_both_backends_give_the_same_bits_for_arithmetic(operation):
+def test_both_backends_give_the_same_bits_for_arithmetic(operation, precision):
     program, columns = single(operation)
-    first, second = (run(backend, program, columns) for backend in BACKENDS)
-    known = ~np.isnan(first)
+    if precision is FLOAT32:
+        columns = in_float32(columns)
+    first, second = (run(backend, program, columns, precision=precision) for backend in BACKENDS)
+    known, bits = ~np.isnan(first), f"i{precision.dtype.itemsize}"
     assert np.array_equal(np.isnan(first), np.isnan(second))
-    assert np.array_equal(first[known].view(np.int64), second[known].view(np.int64))
+    assert np.array_equal(first[known].view(bits), second[known].view(bits))
 
 
+@pytest.mark.parametrize("precision", PRECISIONS.values(), ids=PRECISIONS)
 @pytest.mark.parametrize("operation", ["r0_conjunction", "r0_disjunction"])
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_r0_against_sixty_digits(operation, backend):
+def test_r0_against_sixty_digits(operation, backend, precision):
+    """The sign is right for every pair of finite numbers; the value where squares stay within the range."""
     program, columns = single(operation)
+    if precision is FLOAT32:
+        columns = in_float32(columns)
     f, g = (column[np.isfinite(columns[0]) & np.isfinite(columns[1])] for column in columns)
-    sizes = np.maximum(np.abs(f), np.abs(g))
-    fair = (sizes > 1e-150) & (sizes < 1e150)
-    f, g = np.ascontiguousarray(f), np.ascontiguousarray(g)
-    got = run(backend, program, [f, g])
+    sizes, limits = np.maximum(np.abs(f), np.abs(g)), np.finfo(precision.dtype)
+    fair = (sizes > np.sqrt(limits.tiny) * 1e4) & (sizes < np.sqrt(limits.max) / 1e4)
+    got = run(backend, program, [f, g], precision=precision)
     with mpmath.workdps(700):
         sign = -1 if operation == "r0_conjunction" else 1
-        expected = [mpmath.mpf(a) + mpmath.mpf(b) + sign * mpmath.hypot(a, b) for a, b in zip(f, g, strict=True)]
-        for value, truth, is_fair in zip(got, expected, fair, strict=True):
+        pairs = [(mpmath.mpf(float(a)), mpmath.mpf(float(b))) for a, b in zip(f, g, strict=True)]
+        expected = [a + b + sign * mpmath.hypot(a, b) for a, b in pairs]
+        for value, truth, is_fair in zip(map(float, got), expected, fair, strict=True):
             assert mpmath.sign(value) == mpmath.sign(truth)
             if is_fair:
-                assert abs(value - truth) <= 4e-16 * abs(truth) + mpmath.mpf(5e-324)
+                assert abs(value - truth) <= 2 * float(limits.eps) * abs(truth) + float(limits.smallest_subnormal)
 
 
 def test_homogeneity_under_powers_of_two():

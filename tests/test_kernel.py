@@ -5,10 +5,13 @@ import numpy as np
 import pytest
 import sympy as sp
 from closeness import assert_close
+from hypothesis import given, settings
+from trees import trees
 
 import rsym
 from rsym import RsymError, Shape, conjunction, x, y, z
 from rsym.codegen import kernel as kernel_module
+from rsym.codegen.interpreter import interpret_nodes
 from rsym.codegen.kernel import blocks_of
 
 a = sp.Symbol("a", real=True)
@@ -39,19 +42,60 @@ def test_letters_change_the_result_and_never_recompile():
     assert len(kernel_module._CACHE) == count
 
 
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
 @pytest.mark.parametrize("backend", ["numpy", "llvm"])
-def test_the_same_bits_for_any_threads_blocks_and_neighbours(backend, monkeypatch):
+def test_the_same_bits_for_any_threads_blocks_and_neighbours(backend, dtype, monkeypatch):
     points = np.random.default_rng(0).uniform(-2, 2, (2, 5003))
-    reference = rsym.compile(SHAPE, rsym.SIX, backend=backend, threads=1)(*points)
+    reference = rsym.compile(SHAPE, rsym.SIX, backend=backend, dtype=dtype, threads=1)(*points)
     for block_size in (1, 7, 64, 1000):
-        kernel = rsym.compile(SHAPE, rsym.SIX, backend=backend, threads=2)
+        kernel = rsym.compile(SHAPE, rsym.SIX, backend=backend, dtype=dtype, threads=2)
         monkeypatch.setattr(type(kernel.function), "block_size", block_size)
         result = kernel(*points)
         for name in rsym.SIX:
             assert np.array_equal(result[name], reference[name], equal_nan=True)
-    grid = rsym.compile(SHAPE, backend=backend)(points[0][:17, None], points[1][None, :19])["value"]
-    alone = [[rsym.compile(SHAPE, backend=backend)(u, v)["value"] for v in points[1][:19]] for u in points[0][:17]]
+    value = rsym.compile(SHAPE, backend=backend, dtype=dtype)
+    grid = value(points[0][:17, None], points[1][None, :19])["value"]
+    alone = [[value(u, v)["value"] for v in points[1][:19]] for u in points[0][:17]]
     assert np.array_equal(grid, np.array(alone))
+
+
+def shares_of_the_largest_node(shape, points):
+    """Errors of the float32 value against the float64 interpreter, as shares of the largest node at the point."""
+    kernel = rsym.compile(shape, dtype="float32")
+    inputs = dict(zip(kernel.program.coordinates, points, strict=True))
+    inputs |= {name: float(shape.letters[name].default) for name in kernel.program.letters}
+    nodes = interpret_nodes(kernel.program, inputs)
+    largest = np.max([np.broadcast_to(np.abs(node), points[0].shape) for node in nodes], axis=0)
+    return np.abs(kernel(*points)["value"] - nodes[-1]) / largest
+
+
+def test_the_error_of_float32_on_the_car():
+    car = rsym.paper.car()
+    points = [np.random.default_rng(5).uniform(*side, 50_000).astype(np.float32) for side in car.bounds]
+    assert shares_of_the_largest_node(car, points).max() <= 2 * 2.0**-24
+
+
+@settings(max_examples=60, deadline=None)
+@given(tree=trees())
+def test_the_error_of_float32_on_random_trees(tree):
+    points = np.random.default_rng(6).uniform(-1.5, 1.5, (3, 300)).astype(np.float32)
+    operations = sum(len(node.args) - 1 for node in tree.atoms(sp.Function))
+    assert shares_of_the_largest_node(Shape(tree, (x, y, z)), points).max() <= 4 * (1 + operations) * 2.0**-24
+
+
+def test_both_backends_give_the_same_bits_in_float32():
+    body = rsym.paper.skeleton_body()
+    points = [np.random.default_rng(7).uniform(*side, 1000) for side in body.bounds]
+    first, second = (rsym.compile(body, ALL, backend=name, dtype="float32")(*points) for name in ("numpy", "llvm"))
+    for name in ALL:
+        assert first[name].dtype == (bool if name == "singular" else np.float32)
+        assert np.array_equal(first[name], second[name], equal_nan=True)
+
+
+def test_numbers_beyond_float32_are_zero_or_infinite():
+    kernel = rsym.compile(Shape(x * a, (x, y), letters={a: 1e-60}), dtype="float32")
+    assert kernel([1.0, 1e300], 0.0)["value"].tolist()[0] == 0.0
+    assert kernel(1e300, 0.0, letters={"a": 1.0})["value"] == np.inf
 
 
 def test_a_joint_zero_has_the_value_zero_and_is_singular():
@@ -100,14 +144,15 @@ def test_a_kernel_shows_its_code():
     assert "define void @kernel" in rsym.compile(SHAPE, backend="llvm").source
 
 
-def test_a_miscompiled_kernel_is_not_handed_out(monkeypatch):
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_a_miscompiled_kernel_is_not_handed_out(monkeypatch, dtype):
     """Red proof of the check at 32 points."""
     from rsym.codegen import expansion
 
     wrong = dict(expansion.EXPANSIONS, versine=lambda b, node: b.const(0))
     monkeypatch.setattr(expansion, "EXPANSIONS", wrong)
     with pytest.raises(RsymError) as caught:
-        rsym.compile(Shape(conjunction(x - 7, y - 9), (x, y)), ("gradient",))
+        rsym.compile(Shape(conjunction(x - 7, y - 9), (x, y)), ("gradient",), dtype=dtype)
     assert caught.value.code == "miscompiled"
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rsym.codegen.operations import OPERATIONS
+from rsym.codegen.precision import FLOAT64, Precision
 from rsym.codegen.program import Program, constant_value
 
 
@@ -18,20 +19,22 @@ def interpret(program: Program, inputs: Mapping[str, ArrayLike]) -> dict[str, ND
     return {name: np.asarray(values[number], np.float64) for name, number in program.outputs}
 
 
-def interpret_nodes(program: Program, inputs: Mapping[str, ArrayLike]) -> list[NDArray[np.float64]]:
-    """The value of every node, in order."""
-    values: list[NDArray[np.float64]] = []
+def interpret_nodes(
+    program: Program, inputs: Mapping[str, ArrayLike], precision: Precision = FLOAT64
+) -> list[NDArray[Any]]:
+    """The value of every node, in order, each rounded to the precision."""
+    values: list[NDArray[Any]] = []
     with np.errstate(all="ignore"):
         for operation, arguments, data in program.nodes:
             value: ArrayLike
             if operation == "const":
-                value = np.float64(constant_value(data))
+                value = constant_value(data)
             elif operation == "input":
-                value = np.asarray(inputs[str(data)], np.float64)
+                value = inputs[str(data)]
             elif operation == "powi":
                 value = OPERATIONS[operation].meaning(values[arguments[0]], float(cast(int, data)))
             else:
                 exponents = () if data is None else (data,)
                 value = OPERATIONS[operation].meaning(*(values[argument] for argument in arguments), *exponents)
-            values.append(np.asarray(value, np.float64))
+            values.append(np.asarray(value, precision.dtype))
     return values

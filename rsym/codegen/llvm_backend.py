@@ -1,9 +1,9 @@
-"""Backend `llvm`: explicit vectors of eight float64 lanes through llvmlite.
+"""Backend `llvm`: explicit vectors through llvmlite, eight lanes of float64 or sixteen of float32.
 
 No fast-math flag is ever set, contraction included: a lane computes the same
 bits whatever stands beside it. What is the same for all points is computed once
-per call, in scalars, before the loop. Every point runs through the vector code,
-the last few in a padded buffer.
+per call, in float64 scalars, before the loop, and rounded where it enters the
+loop. Every point runs through the vector code, the last few in a padded buffer.
 """
 
 from __future__ import annotations
@@ -12,28 +12,55 @@ import ctypes
 import struct
 import threading
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import llvmlite.binding as llvm
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.codegen.precision import FLOAT64, Precision
 from rsym.codegen.program import Node, Program, constant_value
 
-LANES = 8
-_VECTOR = f"<{LANES} x double>"
-_BOOLS = f"<{LANES} x i1>"
 _COMPILING = threading.Lock()  # LLVM's global context is not safe against two compilations at once
 
 _LIBM = {"sin": 1, "cos": 1, "exp": 1, "log": 1, "pow": 2, "atan2": 2}
+_INTRINSICS = {"sqrt": "sqrt", "abs": "fabs"}
 _ARITHMETIC = {"add": "fadd", "mul": "fmul", "div": "fdiv"}
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """A scalar or a vector type of LLVM."""
+
+    element: str
+    lanes: int
+
+    @property
+    def type(self) -> str:
+        return f"<{self.lanes} x {self.element}>" if self.lanes > 1 else self.element
+
+    @property
+    def booleans(self) -> str:
+        return f"<{self.lanes} x i1>" if self.lanes > 1 else "i1"
+
+    @property
+    def suffix(self) -> str:
+        bits = "f64" if self.element == "double" else "f32"
+        return f"v{self.lanes}{bits}" if self.lanes > 1 else bits
+
+
+_SCALAR = _Kind("double", 1)
+# 512 bits, whatever the machine: LLVM splits what its registers do not hold.
+_VECTORS = {"float64": _Kind("double", 8), "float32": _Kind("float", 16)}
 
 
 class _Emitter:
     """The text of one basic block, scalar or vector."""
 
-    def __init__(self, kind: str, booleans: str, suffix: str, prefix: str) -> None:
-        self.kind, self.booleans, self.suffix, self.prefix = kind, booleans, suffix, prefix
+    def __init__(self, kind: _Kind, prefix: str) -> None:
+        self.kind, self.prefix = kind, prefix
         self.lines: list[str] = []
 
     def name(self) -> str:
@@ -45,62 +72,69 @@ class _Emitter:
         return name
 
     def operation(self, node: Node, a: Sequence[str]) -> str:
-        operation, kind = node.operation, self.kind
+        operation, kind = node.operation, self.kind.type
         if operation in _ARITHMETIC:
             return self.emit(f"{_ARITHMETIC[operation]} {kind} {a[0]}, {a[1]}")
         if operation == "neg":
             return self.emit(f"fneg {kind} {a[0]}")
-        if operation in ("sqrt", "abs"):
-            intrinsic = "sqrt" if operation == "sqrt" else "fabs"
-            return self.emit(f"call {kind} @llvm.{intrinsic}.{self.suffix}({kind} {a[0]})")
+        if operation in _INTRINSICS:
+            return self.emit(f"call {kind} @llvm.{_INTRINSICS[operation]}.{self.kind.suffix}({kind} {a[0]})")
         if operation == "select":
             return self.choose(f"fcmp ogt {kind} {a[0]}, {a[1]}", a[2], a[3])
         if operation in ("min", "max"):
             better = self.emit(f"fcmp {'olt' if operation == 'min' else 'ogt'} {kind} {a[0]}, {a[1]}")
             is_nan = self.emit(f"fcmp uno {kind} {a[0]}, {a[0]}")
-            return self.choose(f"or {self.booleans} {better}, {is_nan}", a[0], a[1])
+            return self.choose(f"or {self.kind.booleans} {better}, {is_nan}", a[0], a[1])
         return self.libm(operation, a)
 
     def choose(self, condition: str, yes: str, no: str) -> str:
         flag = self.emit(condition)
-        return self.emit(f"select {self.booleans} {flag}, {self.kind} {yes}, {self.kind} {no}")
+        return self.emit(f"select {self.kind.booleans} {flag}, {self.kind.type} {yes}, {self.kind.type} {no}")
+
+    def convert(self, value: str, source: str, target: str) -> str:
+        """The same number as float or double."""
+        if source == target:
+            return value
+        return self.emit(f"{'fptrunc' if target == 'float' else 'fpext'} {source} {value} to {target}")
 
     def libm(self, operation: str, a: Sequence[str]) -> str:
-        if self.kind == "double":
+        """One call for each lane, in float64."""
+        vector, element = self.kind.type, self.kind.element
+        if self.kind.lanes == 1:
             return self.emit(f"call double @{operation}({', '.join(f'double {value}' for value in a)})")
         result = "poison"
-        for lane in range(LANES):
-            scalars = [self.emit(f"extractelement {_VECTOR} {value}, i32 {lane}") for value in a]
-            value = self.emit(f"call double @{operation}({', '.join(f'double {s}' for s in scalars)})")
-            result = self.emit(f"insertelement {_VECTOR} {result}, double {value}, i32 {lane}")
+        for lane in range(self.kind.lanes):
+            scalars = [self.emit(f"extractelement {vector} {value}, i32 {lane}") for value in a]
+            wide = ", ".join(f"double {self.convert(scalar, element, 'double')}" for scalar in scalars)
+            value = self.convert(self.emit(f"call double @{operation}({wide})"), "double", element)
+            result = self.emit(f"insertelement {vector} {result}, {element} {value}, i32 {lane}")
         return result
 
 
-def llvm_source(program: Program) -> str:
+def llvm_source(program: Program, precision: Precision = FLOAT64) -> str:
     """LLVM text of `void kernel(coordinates, outputs, letters, n)`, n a multiple of the lanes."""
-    scalar = _Emitter("double", "i1", "f64", "s")
-    vector = _Emitter(_VECTOR, _BOOLS, f"v{LANES}f64", "v")
+    scalar, vector = _Emitter(_SCALAR, "s"), _Emitter(_VECTORS[precision.name], "v")
     names: list[str] = []
     splats: dict[int, str] = {}
     varying_users = {a for n, node in enumerate(program.nodes) if not program.uniform[n] for a in node.arguments}
     outputs = {number for _, number in program.outputs}
     for number, node in enumerate(program.nodes):
         if program.uniform[number]:
-            names.append(_uniform(scalar, program, node, names))
+            names.append(_uniform(scalar, program, node, names, precision))
             if number in varying_users or number in outputs:
-                splats[number] = _splat(scalar, names[number])
+                splats[number] = _splat(scalar, names[number], vector.kind)
         elif node.operation == "input":
             names.append(_load_coordinate(vector, program.coordinates.index(str(node.data))))
         else:
             names.append(vector.operation(node, [splats.get(a, names[a]) for a in node.arguments]))
     for position, (_, number) in enumerate(program.outputs):
         _store_output(vector, position, splats.get(number, names[number]))
-    return _module(scalar.lines, vector.lines, program)
+    return _module(scalar.lines, vector.lines, program, vector.kind)
 
 
-def _uniform(scalar: _Emitter, program: Program, node: Node, names: Sequence[str]) -> str:
+def _uniform(scalar: _Emitter, program: Program, node: Node, names: Sequence[str], precision: Precision) -> str:
     if node.operation in ("const", "undefined"):
-        value = np.nan if node.operation == "undefined" else constant_value(node.data)
+        value = np.nan if node.operation == "undefined" else constant_value(node.data, precision)
         return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
     if node.operation == "input":
         position = program.letters.index(str(node.data))
@@ -109,33 +143,35 @@ def _uniform(scalar: _Emitter, program: Program, node: Node, names: Sequence[str
     return scalar.operation(node, [names[a] for a in node.arguments])
 
 
-def _splat(scalar: _Emitter, value: str) -> str:
-    first = scalar.emit(f"insertelement {_VECTOR} poison, double {value}, i32 0")
-    return scalar.emit(
-        f"shufflevector {_VECTOR} {first}, {_VECTOR} poison, <{LANES} x i32> zeroinitializer",
-    )
+def _splat(scalar: _Emitter, value: str, kind: _Kind) -> str:
+    vector, element = kind.type, kind.element
+    value = scalar.convert(value, "double", element)
+    first = scalar.emit(f"insertelement {vector} poison, {element} {value}, i32 0")
+    return scalar.emit(f"shufflevector {vector} {first}, {vector} poison, <{kind.lanes} x i32> zeroinitializer")
 
 
 def _load_coordinate(vector: _Emitter, position: int) -> str:
-    place = vector.emit(f"getelementptr double, ptr %in{position}, i64 %i")
-    return vector.emit(f"load {_VECTOR}, ptr {place}, align 8")
+    place = vector.emit(f"getelementptr {vector.kind.element}, ptr %in{position}, i64 %i")
+    return vector.emit(f"load {vector.kind.type}, ptr {place}, align 4")
 
 
 def _store_output(vector: _Emitter, position: int, value: str) -> None:
-    place = vector.emit(f"getelementptr double, ptr %out{position}, i64 %i")
-    vector.lines.append(f"  store {_VECTOR} {value}, ptr {place}, align 8")
+    place = vector.emit(f"getelementptr {vector.kind.element}, ptr %out{position}, i64 %i")
+    vector.lines.append(f"  store {vector.kind.type} {value}, ptr {place}, align 4")
 
 
-def _module(scalar: Sequence[str], vector: Sequence[str], program: Program) -> str:
+def _module(scalar: Sequence[str], vector: Sequence[str], program: Program, kind: _Kind) -> str:
     pointers = [
         f"  %{name}p{k} = getelementptr ptr, ptr %{name}s, i64 {k}\n  %{name}{k} = load ptr, ptr %{name}p{k}"
         for name, count in (("in", len(program.coordinates)), ("out", len(program.outputs)))
         for k in range(count)
     ]
     declarations = [f"declare double @{name}({', '.join(['double'] * count)})" for name, count in _LIBM.items()]
-    for intrinsic in ("sqrt", "fabs"):
-        declarations.append(f"declare {_VECTOR} @llvm.{intrinsic}.v{LANES}f64({_VECTOR})")
-        declarations.append(f"declare double @llvm.{intrinsic}.f64(double)")
+    declarations += [
+        f"declare {each.type} @llvm.{intrinsic}.{each.suffix}({each.type})"
+        for intrinsic in _INTRINSICS.values()
+        for each in (kind, _SCALAR)
+    ]
     return "\n".join(
         [
             *declarations,
@@ -147,7 +183,7 @@ def _module(scalar: Sequence[str], vector: Sequence[str], program: Program) -> s
             "loop:",
             "  %i = phi i64 [ 0, %entry ], [ %next, %loop ]",
             *vector,
-            f"  %next = add i64 %i, {LANES}",
+            f"  %next = add i64 %i, {kind.lanes}",
             "  %more = icmp slt i64 %next, %n",
             "  br i1 %more, label %loop, label %done",
             "done:",
@@ -176,9 +212,9 @@ class LlvmFunction:
     # One thread: the same from 8k to 128k points. Two threads: 1.8 times as fast from 32k on, less below.
     block_size = 32768
 
-    def __init__(self, program: Program) -> None:
-        self.program = program
-        self.source = llvm_source(program)
+    def __init__(self, program: Program, precision: Precision = FLOAT64) -> None:
+        self.program, self.precision = program, precision
+        self.source = llvm_source(program, precision)
         with _COMPILING:
             machine = _target_machine()
             module = llvm.parse_assembly(self.source)
@@ -190,29 +226,27 @@ class LlvmFunction:
         self._function = ctypes.CFUNCTYPE(None, pointer, pointer, pointer, ctypes.c_int64)(address)
 
     def run(
-        self,
-        coordinates: Sequence[NDArray[np.float64]],
-        letters: Sequence[float],
-        outputs: Sequence[NDArray[np.float64]],
+        self, coordinates: Sequence[NDArray[Any]], letters: Sequence[float], outputs: Sequence[NDArray[Any]]
     ) -> None:
-        """Fill the outputs (contiguous, one-dimensional) at the coordinates (likewise)."""
+        """Fill the outputs (contiguous, one-dimensional, of the precision) at the coordinates (likewise)."""
+        lanes = _VECTORS[self.precision.name].lanes
         count = len(outputs[0])
-        whole = count - count % LANES
+        whole = count - count % lanes
         values = np.asarray(letters, np.float64)
         if whole:
             self._call(coordinates, values, outputs, whole)
         if whole < count:
-            padded = [np.pad(array[whole:], (0, LANES - count + whole), mode="edge") for array in coordinates]
-            results = [np.empty(LANES) for _ in outputs]
-            self._call(padded, values, results, LANES)
+            padded = [np.pad(array[whole:], (0, lanes - count + whole), mode="edge") for array in coordinates]
+            results = [np.empty(lanes, self.precision.dtype) for _ in outputs]
+            self._call(padded, values, results, lanes)
             for output, result in zip(outputs, results, strict=True):
                 output[whole:] = result[: count - whole]
 
     def _call(
         self,
-        coordinates: Sequence[NDArray[np.float64]],
+        coordinates: Sequence[NDArray[Any]],
         letters: NDArray[np.float64],
-        outputs: Sequence[NDArray[np.float64]],
+        outputs: Sequence[NDArray[Any]],
         count: int,
     ) -> None:
         ins = (ctypes.c_void_p * len(coordinates))(*(array.ctypes.data for array in coordinates))

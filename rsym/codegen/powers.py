@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-import sys
-from fractions import Fraction
-
 from rsym.codegen.builder import Builder
 
-LARGEST = Fraction(sys.float_info.max)
-SMALLEST = Fraction(5e-324)
+
+def largest(b: Builder) -> int:
+    """The largest finite number of the format that a backend computes in."""
+    return b.make("const", data="largest")
+
+
+def smallest(b: Builder) -> int:
+    """The smallest positive number of that format."""
+    return b.make("const", data="smallest")
 
 
 def root(b: Builder, f: int, g: int) -> int:
@@ -18,7 +22,7 @@ def root(b: Builder, f: int, g: int) -> int:
 
 def where_fails(b: Builder, size: int, instead: int, value: int) -> int:
     """Take `instead` where the size is 0 or infinite: squares have left the range there. NaN stays."""
-    return b.select(size, b.const(LARGEST), instead, b.select(b.const(SMALLEST), size, instead, value))
+    return b.select(size, largest(b), instead, b.select(smallest(b), size, instead, value))
 
 
 def low(b: Builder, f: int, g: int) -> int:

@@ -7,7 +7,6 @@ parts exist once. Constants are exact fractions until a backend prints them.
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -15,11 +14,10 @@ from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
 from rsym.codegen.operations import OPERATIONS
+from rsym.codegen.precision import FLOAT64, Precision
 from rsym.errors import RsymError
 
 Data: TypeAlias = Fraction | str | int | tuple[int, int, int] | None
-
-CONSTANTS = {"pi": math.pi, "e": math.e}
 
 
 class Node(NamedTuple):
@@ -81,10 +79,10 @@ class Program:
         return tuple(flags)
 
 
-def constant_value(data: Data) -> float:
-    """The nearest float64 of a constant."""
+def constant_value(data: Data, precision: Precision = FLOAT64) -> float:
+    """The nearest float64 of a constant; `largest` and `smallest` are the ends of the precision."""
     if isinstance(data, str):
-        return CONSTANTS[data]
+        return precision.constants[data]
     assert isinstance(data, Fraction)
     try:
         return float(data)

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 from rsym.codegen.builder import Builder
 from rsym.codegen.powers import (
-    SMALLEST,
     expm1,
     high,
     log1p,
@@ -14,6 +13,7 @@ from rsym.codegen.powers import (
     power,
     radical,
     root,
+    smallest,
     where_fails,
     whole,
     whole_power,
@@ -77,7 +77,7 @@ def _r0m(sign: int) -> Expansion:
 
     def expansion(b: Builder, node: Node) -> int:
         f, g, m = node.arguments
-        plain, zero, tiny = _r0(sign)(b, Node("", (f, g))), b.const(0), b.const(SMALLEST)
+        plain, zero, tiny = _r0(sign)(b, Node("", (f, g))), b.const(0), smallest(b)
         product = b.mul(plain, power(b, root(b, f, g), _at_least_one(b, m)))
         kept = b.select(plain, zero, tiny, b.select(zero, plain, b.neg(tiny), plain))
         return b.select(b.abs(product), zero, product, b.select(b.abs(plain), zero, _or_nan(b, kept, m), plain))
