@@ -5,6 +5,11 @@ once to a straight-line program, differentiated and compiled there, sampled into
 level lines and meshes, and drawn.
 """
 
+import logging
+
 import lazy_loader
+
+# A library is silent until a program that uses it asks for its log.
+logging.getLogger("rsym").addHandler(logging.NullHandler())
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -4,7 +4,7 @@ from .analysis.normalisation import normalise
 from .codegen.fields import SIX
 from .codegen.kernel import Kernel, compile
 from .codegen.plain import lambdify
-from .errors import RsymError
+from .errors import RsymError, RsymWarning
 from .model.language.loading import load, loads
 from .model.letters import Letter
 from .model.motions import revolve
@@ -46,6 +46,7 @@ __all__ = [
     "RAlpha",
     "Rp",
     "RsymError",
+    "RsymWarning",
     "Shape",
     "compile",
     "conjunction",

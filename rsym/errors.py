@@ -1,4 +1,4 @@
-"""The one family of exceptions."""
+"""The one family of exceptions, and the one of warnings."""
 
 from __future__ import annotations
 
@@ -40,6 +40,17 @@ class RsymError(ValueError):
 
     def __reduce__(self) -> tuple[object, ...]:
         return _restore, (self.message, self.code, self.where, self.remedy)
+
+
+class RsymWarning(UserWarning):
+    """A result that is not all that was asked for: a clipped surface, say, or detail below the resolution.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", RsymWarning)  # they are known here
+    """
 
 
 def _restore(message: str, code: str, where: str, remedy: str) -> RsymError:

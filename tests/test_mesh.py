@@ -19,8 +19,8 @@ def test_a_tetrahedron():
 
 def test_a_missing_triangle_is_open_or_clipped():
     assert "open" in str(examine(CORNERS, FACES[1:]))
-    assert "clipped" in str(examine(CORNERS, FACES[1:], on_box=np.ones(4, bool)))
-    assert not examine(CORNERS, FACES[1:], on_box=np.array([True, True, False, True])).clipped
+    assert "clipped" in str(examine(CORNERS, FACES[1:], sides={"the floor": np.ones(4, bool)}))
+    assert not examine(CORNERS, FACES[1:], sides={"the floor": np.array([True, True, False, True])}).clipped
 
 
 def test_a_turned_triangle_is_seen():
@@ -41,6 +41,7 @@ def test_unresolved_and_zeros_are_told():
     text = str(examine(CORNERS, FACES, nudged_zeros=3, unresolved=2))
     assert "unresolved" in text
     assert "3 samples lay exactly" in text
+    assert examine(CORNERS, FACES, nudged_zeros=1).remarks[0].startswith("1 sample lay")
 
 
 def test_nothing_is_refused():

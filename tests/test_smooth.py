@@ -1,6 +1,8 @@
 """The mesher: closed, outward, exact on omega, the same bits however it is computed."""
 
+import logging
 import multiprocessing
+import threading
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -9,7 +11,7 @@ import sympy as sp
 from closeness import assert_close
 
 import rsym
-from rsym import RsymError, Shape, conjunction, disjunction, x, y, z
+from rsym import RsymError, RsymWarning, Shape, conjunction, disjunction, x, y, z
 from rsym.codegen.fields import surface_program
 from rsym.sampling import smooth
 from rsym.sampling.lattice import Lattice
@@ -49,6 +51,11 @@ def test_faces_are_neither_repeated_nor_degenerate():
     assert len(np.unique(np.sort(mesh.faces, axis=1), axis=0)) == len(mesh.faces)
 
 
+# The pillars and the roof of the car, and their crumbs.
+THIN = pytest.mark.filterwarnings("ignore:.*(thinner|smaller) than:rsym.errors.RsymWarning")
+
+
+@THIN
 @pytest.mark.parametrize("variant", ["a", "b"])
 def test_the_car_is_closed_and_its_vertices_are_on_omega(variant):
     shape = rsym.paper.car(variant)
@@ -72,6 +79,7 @@ def test_a_normalised_shape_is_meshed_through_its_omega(length):
         assert np.array_equal(other.faces, reference.faces)
 
 
+@THIN
 def test_the_gradient_of_the_normalised_car_is_one_away_from_its_edges():
     shape = rsym.paper.car()
     vertices = rsym.mesh(shape, 64).vertices
@@ -84,8 +92,10 @@ def test_the_gradient_of_the_normalised_car_is_one_away_from_its_edges():
 
 
 def test_a_body_that_leaves_the_bounds_is_said_to_be_clipped():
-    mesh = rsym.mesh(BALL, 20, bounds=((-1.25, 0.3), (-1.25, 1.25), (-1.25, 1.25)))
-    assert mesh.status.clipped
+    with pytest.warns(RsymWarning, match="the upper end of x; wider") as caught:
+        mesh = rsym.mesh(BALL, 20, bounds=((-1.25, 0.3), (-1.25, 1.25), (-1.25, 1.25)))
+    assert [warning.filename for warning in caught] == [__file__]
+    assert mesh.status.clipped_at == ("the upper end of x",)
     assert not mesh.status.closed
     assert "clipped" in str(mesh.status)
 
@@ -169,4 +179,41 @@ def test_bad_input(call, code):
 def test_progress_is_reported():
     seen = []
     rsym.mesh(BALL, 16, progress=lambda done, total: seen.append((done, total)))
-    assert seen == [(1, 1)]
+    total = 1 + smooth.VERTEX_BLOCKS + 3
+    assert seen == [(done, total) for done in range(1, total + 1)]
+
+
+@pytest.mark.parametrize("last", range(1, 13))
+def test_every_report_can_cancel_and_is_then_the_last(last):
+    seen = []
+    with pytest.raises(RsymError, match=f"after {last} of 12") as caught:
+        rsym.mesh(BALL, 16, progress=lambda done, total: seen.append(done) or done < last)
+    assert caught.value.code == "cancelled"
+    assert seen == list(range(1, last + 1))
+
+
+def test_a_cancel_leaves_no_slab_waiting_in_an_executor(monkeypatch):
+    monkeypatch.setattr(smooth, "SLAB_POINTS", 1000)
+    computed, cancelled = [], threading.Event()
+    evaluate = smooth._sample_slab
+
+    def second_slab_waits(*task):
+        computed.append(1)
+        assert len(computed) == 1 or cancelled.wait(60)
+        return evaluate(*task)
+
+    monkeypatch.setattr(smooth, "_sample_slab", second_slab_waits)
+    with ThreadPoolExecutor(1) as threads:
+        with pytest.raises(RsymError, match="cancelled"):
+            rsym.mesh(BALL, 60, executor=threads, progress=lambda done, total: False)
+        cancelled.set()
+    assert len(computed) <= 2
+
+
+def test_the_log_tells_samples_seconds_and_status(caplog):
+    with caplog.at_level("INFO", "rsym"):
+        mesh = rsym.mesh(BALL, 8)
+    (record,) = [record for record in caplog.records if record.name == "rsym.sampling.meshing"]
+    assert "(10, 10, 10) samples" in record.getMessage()
+    assert str(mesh.status) in record.getMessage()
+    assert any(isinstance(handler, logging.NullHandler) for handler in logging.getLogger("rsym").handlers)

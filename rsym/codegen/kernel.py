@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import threading
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -154,6 +156,8 @@ def compile_program(
     return Kernel(program, fields, shape.letters, name, precision.name, _checked_threads(threads), function)
 
 
+logger = logging.getLogger(__name__)
+
 _CACHE: dict[tuple[str, str, str], CompiledFunction] = {}
 _CACHE_LOCK = threading.Lock()
 _CACHE_SIZE = 256
@@ -165,8 +169,10 @@ def _compiled(program: Program, backend: str, precision: Precision, shape: Shape
     with _CACHE_LOCK:
         function = _CACHE.get(key)
     if function is None:
+        start = time.perf_counter()
         function = make_function(expand(program), backend, precision)
         check(program, function, precision, shape)
+        logger.debug("%s: %d nodes compiled in %.3f s", backend, len(program.nodes), time.perf_counter() - start)
         with _CACHE_LOCK:
             while len(_CACHE) >= _CACHE_SIZE:
                 _CACHE.pop(next(iter(_CACHE)))

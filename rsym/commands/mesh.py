@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import warnings
 
 from rsym.commands.options import (
     Commands,
@@ -14,6 +15,7 @@ from rsym.commands.options import (
     load_shape,
     progress_bar,
 )
+from rsym.errors import RsymWarning
 
 
 def add(commands: Commands) -> None:
@@ -37,7 +39,8 @@ def run(options: argparse.Namespace) -> None:
     from rsym.sampling.meshing import mesh
 
     shape = load_shape(options)
-    with progress_bar("slab", "sampling") as progress:
+    with progress_bar("step", "meshing") as progress, warnings.catch_warnings():
+        warnings.simplefilter("ignore", RsymWarning)  # the status, printed below, says the same
         result = mesh(shape, options.resolution, progress=progress)
     print(write(result, options.output))
     print(result.status)

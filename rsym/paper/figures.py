@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -10,8 +11,10 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from rsym.errors import RsymWarning
 from rsym.model.letters import Letter
 from rsym.model.motions import revolve
+from rsym.model.shape import Shape
 from rsym.output.fields import plot_fields
 from rsym.output.surfaces import plot_mesh
 from rsym.paper.models import car, skeleton_body
@@ -57,7 +60,14 @@ def _car_recipe(
 
 @lru_cache(maxsize=1)  # Fig. 9 shows one mesh from two sides
 def _car_mesh(stage: str, variant: str) -> Mesh:
-    return mesh(car(variant, stage), FINE if stage == "W" else RESOLUTION)
+    return _told(car(variant, stage), FINE if stage == "W" else RESOLUTION)
+
+
+def _told(shape: Shape, resolution: int | tuple[int, int, int]) -> Mesh:
+    """A mesh whose warnings need no repeating: its status stands under the figure."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RsymWarning)
+        return mesh(shape, resolution)
 
 
 def _draw_car(stage: str, variant: str, azimuth: float) -> Drawing:
@@ -69,7 +79,7 @@ def _draw_car(stage: str, variant: str, azimuth: float) -> Drawing:
 def _draw_triangulation() -> Drawing:
     """125 000 points, as the source: 50 along each axis."""
     shape = car()
-    body = mesh(shape, (50, 50, 50))
+    body = _told(shape, (50, 50, 50))
     figure = _figure_of(plot_mesh(body, azimuth=FRONT, edges=True))
     return Drawing(figure, letters_text(shape.letters), body.status.triangles, str(body.status))
 

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import logging
+import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from typing import Any, TypeAlias
 
-from rsym.errors import RsymError
+from rsym.errors import RsymError, RsymWarning
 from rsym.model.shape import Shape
 from rsym.sampling.lattice import Lattice, bounds_of, lattice_over
 from rsym.sampling.mesh import Mesh
+from rsym.sampling.progress import Progress
 from rsym.sampling.smooth import smooth_mesh
 
-Progress: TypeAlias = Callable[[int, int], Any]
 Mesher: TypeAlias = Callable[[Shape, Lattice, Mapping[Any, float] | None, Executor | None, Progress | None], Mesh]
+
+logger = logging.getLogger(__name__)
 
 # Another method is one more line here and one module beside `smooth`.
 METHODS: dict[str, Mesher] = {"smooth": smooth_mesh}
@@ -44,7 +49,8 @@ def mesh(
     executor : concurrent.futures.Executor, optional
         Where slabs of samples are computed; by default here, in threads.
     progress : callable, optional
-        ``progress(done, total)``; returning False cancels with an RsymError.
+        ``progress(done, total)`` after each slab of samples and each stage of the work on vertices;
+        returning False cancels with an RsymError, and nothing of the mesh is kept.
 
     Returns
     -------
@@ -55,6 +61,12 @@ def mesh(
     ------
     RsymError
         For a plane shape, no bounds, an undefined value, a surface that does not meet the bounds, or a cancel.
+
+    Warns
+    -----
+    RsymWarning
+        For a surface that the bounds clip, samples exactly on it, walls and gaps thinner than a cell, and
+        pieces of less than three cells. ``.status`` keeps the facts.
 
     Examples
     --------
@@ -72,4 +84,9 @@ def mesh(
     if method not in METHODS:
         raise RsymError(f"no method {method!r}", code="unknown-method", remedy=f"choose from {', '.join(METHODS)}")
     lattice = lattice_over(bounds_of(shape, bounds), resolution)
-    return METHODS[method](shape, lattice, letters, executor, progress)
+    start = time.perf_counter()
+    result = METHODS[method](shape, lattice, letters, executor, progress)
+    logger.info("mesh on %s samples in %.2f s: %s", lattice.counts, time.perf_counter() - start, result.status)
+    for remark in result.status.remarks:
+        warnings.warn(remark, RsymWarning, stacklevel=2)
+    return result

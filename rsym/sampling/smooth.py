@@ -6,7 +6,8 @@ an edge of the lattice, and its place there is found again on omega in float64.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import contextlib
+from collections.abc import Generator, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import lru_cache
 from typing import Any
@@ -19,13 +20,17 @@ from rsym.codegen.fields import surface_program
 from rsym.codegen.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.sampling.detail import thin_walls
 from rsym.sampling.lattice import Lattice
 from rsym.sampling.mesh import Mesh, examine
+from rsym.sampling.progress import Progress, Steps
 from rsym.sampling.roots import bracketed_roots
 
 Array = NDArray[np.float64]
 
 SLAB_POINTS = 2_000_000
+# Vertices are moved onto the surface in so many blocks, so that a cancel waits a fraction of a second.
+VERTEX_BLOCKS = 8
 # Scaled samples near the surface are about this large: far above the 1e-7 below which marching cubes takes
 # its ambiguity tests for undecided, and far enough below the end of float32 for a range of 1e32.
 NEAR_SURFACE = 1e3
@@ -39,37 +44,57 @@ def smooth_mesh(
     lattice: Lattice,
     letters: Mapping[Any, float] | None,
     executor: Executor | None,
-    progress: Any,
+    progress: Progress | None,
 ) -> Mesh:
     """Mesh omega = 0 on the lattice."""
-    samples = sample(shape, lattice, letters, executor, progress)
+    slabs = _slabs(lattice)
+    # Beside slabs and blocks: the connections, the normals, the counting.
+    steps = Steps(len(slabs) + VERTEX_BLOCKS + 3, progress)
+    samples = sample(shape, lattice, slabs, letters, executor, steps)
     scaled, zeros = _for_marching_cubes(samples)
     index, faces, _, _ = marching_cubes(scaled, 0.0, gradient_direction="ascent")
     del scaled
+    steps.advance()
     kernel = _surface_kernel(shape, "value")
-    vertices, unresolved = _on_surface(kernel, letters, lattice, samples, index.astype(np.float64))
+    vertices, unresolved = _on_surface(kernel, letters, lattice, samples, index.astype(np.float64), steps)
+    del samples
+    normals = _vertex_normals(shape, letters, vertices)
+    steps.advance()
     faces = faces.astype(np.int64)
-    limits = np.asarray(lattice.counts) - 1
-    on_box = ((index == 0) | (index == limits)).any(axis=1)
-    status = examine(vertices, faces, on_box=on_box, nudged_zeros=zeros, unresolved=unresolved)
-    return Mesh(vertices, faces, _corner_normals(shape, letters, vertices, faces), status)
+    status = examine(
+        vertices,
+        faces,
+        sides=_sides(shape, lattice, index),
+        spacing=lattice.spacing,
+        nudged_zeros=zeros,
+        unresolved=unresolved,
+        thin=thin_walls(index, vertices, normals, lattice),
+    )
+    steps.advance()
+    return Mesh(vertices, faces, _corner_normals(vertices, normals, faces), status)
+
+
+def _slabs(lattice: Lattice) -> list[slice]:
+    per_slab = max(1, SLAB_POINTS // (lattice.counts[1] * lattice.counts[2]))
+    return [slice(start, start + per_slab) for start in range(0, lattice.counts[0], per_slab)]
 
 
 def sample(
-    shape: Shape, lattice: Lattice, letters: Mapping[Any, float] | None, executor: Executor | None, progress: Any
+    shape: Shape,
+    lattice: Lattice,
+    slabs: Sequence[slice],
+    letters: Mapping[Any, float] | None,
+    executor: Executor | None,
+    steps: Steps,
 ) -> Array:
     """Omega on the lattice, slab by slab; NaN is refused."""
     axes = lattice.open_axes()
-    per_slab = max(1, SLAB_POINTS // (lattice.counts[1] * lattice.counts[2]))
-    starts = range(0, lattice.counts[0], per_slab)
-    slabs = [[axes[0][start : start + per_slab], axes[1], axes[2]] for start in starts]
     samples = np.empty(lattice.counts)
-    arguments = ([shape] * len(slabs), [letters] * len(slabs), slabs)
-    results = executor.map(_sample_slab, *arguments) if executor else map(_sample_slab, *arguments)
-    for number, (start, values) in enumerate(zip(starts, results, strict=True), start=1):
-        samples[start : start + per_slab] = values
-        if progress is not None and progress(number, len(slabs)) is False:
-            raise RsymError("meshing was cancelled", code="cancelled")
+    tasks = [(shape, letters, [axes[0][slab], axes[1], axes[2]]) for slab in slabs]
+    with contextlib.closing(_slab_values(tasks, executor)) as results:
+        for slab, values in zip(slabs, results, strict=True):
+            samples[slab] = values
+            steps.advance()
     undefined = np.isnan(samples)
     if undefined.any():
         place = lattice.points(np.argwhere(undefined)[:1])[0]
@@ -79,6 +104,21 @@ def sample(
             remedy="choose bounds inside the domain of the formula",
         )
     return samples
+
+
+def _slab_values(tasks: Sequence[tuple[Any, ...]], executor: Executor | None) -> Generator[Array, None, None]:
+    """The values of each slab in order; closed early, slabs that still wait are not computed."""
+    if executor is None:
+        for task in tasks:
+            yield _sample_slab(*task)
+        return
+    futures = [executor.submit(_sample_slab, *task) for task in tasks][::-1]
+    try:
+        while futures:
+            yield futures.pop().result()
+    finally:
+        for future in futures:
+            future.cancel()
 
 
 def _sample_slab(shape: Shape, letters: Mapping[Any, float] | None, axes: list[Array]) -> Array:
@@ -124,7 +164,12 @@ def _near_surface(samples: Array, inside: NDArray[np.bool_]) -> float:
 
 
 def _on_surface(
-    kernel: Kernel, letters: Mapping[Any, float] | None, lattice: Lattice, samples: Array, index: Array
+    kernel: Kernel,
+    letters: Mapping[Any, float] | None,
+    lattice: Lattice,
+    samples: Array,
+    index: Array,
+    steps: Steps,
 ) -> tuple[Array, int]:
     """Each vertex moved along its lattice edge to the root of omega; how many could not be."""
     lower, axis, known = _edges(samples, index)
@@ -135,18 +180,35 @@ def _on_surface(
     upper[np.arange(len(which)), along] += 1
     end = samples[tuple(upper.T)]
 
+    roots = np.empty(len(which))
+    for block in np.array_split(np.arange(len(which)), VERTEX_BLOCKS):
+        roots[block] = _edge_roots(kernel, letters, lattice, corner[block], along[block], start[block], end[block])
+        steps.advance()
+    roots = np.clip(roots, FROM_LATTICE_POINT, 1 - FROM_LATTICE_POINT)
+    place = index.copy()
+    place[which] = corner
+    place[which, along] += roots
+    return lattice.points(place), int(len(index) - len(which))
+
+
+def _edge_roots(
+    kernel: Kernel,
+    letters: Mapping[Any, float] | None,
+    lattice: Lattice,
+    corner: NDArray[np.int64],
+    along: NDArray[np.int64],
+    start: Array,
+    end: Array,
+) -> Array:
+    """Where omega is zero on edges of the lattice, from 0 to 1; `start` and `end` are its values there."""
+
     def omega(t: Array, active: NDArray[np.int64]) -> Array:
         place = corner[active].astype(np.float64)
         place[np.arange(len(active)), along[active]] += t
         points = lattice.points(place)
         return kernel(points[:, 0], points[:, 1], points[:, 2], letters=letters)["value"]
 
-    roots = bracketed_roots(omega, start, end)
-    roots = np.clip(roots, FROM_LATTICE_POINT, 1 - FROM_LATTICE_POINT)
-    place = index.copy()
-    place[which] = corner
-    place[which, along] += roots
-    return lattice.points(place), int(len(index) - len(which))
+    return bracketed_roots(omega, start, end)
 
 
 def _edges(samples: Array, index: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
@@ -190,15 +252,31 @@ def _crossing_edges(samples: Array, point: NDArray[np.int64]) -> list[tuple[int,
     return edges
 
 
-def _corner_normals(
-    shape: Shape, letters: Mapping[Any, float] | None, vertices: Array, faces: NDArray[np.int64]
-) -> Array:
-    """-grad/|grad| at each corner; where that does not exist, the normal of the face."""
+def _sides(shape: Shape, lattice: Lattice, index: NDArray[np.floating]) -> dict[str, NDArray[np.bool_]]:
+    """The vertices on each side of the lattice, by the name of the side."""
+    return {
+        f"the {word} end of {symbol.name}": index[:, k] == end
+        for k, symbol in enumerate(shape.coordinates)
+        for word, end in (("lower", 0), ("upper", lattice.counts[k] - 1))
+    }
+
+
+def _vertex_normals(shape: Shape, letters: Mapping[Any, float] | None, vertices: Array) -> Array:
+    """-grad/|grad| at each vertex; NaN where it does not exist."""
     gradient = _surface_kernel(shape, "gradient")(*vertices.T, letters=letters)["gradient"]
-    corners = vertices[faces]
-    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     with np.errstate(all="ignore"):
-        exact = -gradient / np.linalg.norm(gradient, axis=1, keepdims=True)
-        flat /= np.linalg.norm(flat, axis=1, keepdims=True)
-    normals = exact[faces]
-    return np.where(np.isfinite(normals).all(axis=2, keepdims=True), normals, np.nan_to_num(flat)[:, None, :])
+        normals: Array = -gradient / np.linalg.norm(gradient, axis=1, keepdims=True)
+    return np.where(np.isfinite(normals).all(axis=1, keepdims=True), normals, np.nan)
+
+
+def _corner_normals(vertices: Array, normals: Array, faces: NDArray[np.int64]) -> Array:
+    """The normal of the vertex at each corner; where there is none, that of the face."""
+    result = normals[faces]
+    missing = np.isnan(result[:, :, 0])
+    bare = np.flatnonzero(missing.any(axis=1))
+    a, b, c = vertices[faces[bare]].transpose(1, 0, 2)
+    flat = np.cross(b - a, c - a)
+    with np.errstate(all="ignore"):
+        flat = np.nan_to_num(flat / np.linalg.norm(flat, axis=1, keepdims=True))
+    result[bare] = np.where(missing[bare, :, None], flat[:, None, :], result[bare])
+    return result
