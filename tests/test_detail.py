@@ -57,8 +57,8 @@ def test_a_slanting_wall_or_gap_is_measured(thickness, sign):
 
 
 def test_cells_are_counted_across_the_wall_whatever_their_shape():
-    on_samples = SHIFTS[0] * 0.1
-    wall = shape(conjunction(0.03**2 - (x + on_samples) ** 2, 1 - y**2, 1 - z**2))
+    on_samples = SHIFTS[2] * 0.05
+    wall = shape(conjunction(0.015**2 - (z + on_samples) ** 2, 1 - x**2, 1 - y**2))
     with pytest.warns(RsymWarning, match="thinner"):
         detail = rsym.mesh(wall, (24, 60, 48)).status.thin
     assert_close(detail.cells, 0.6, rtol=1e-6)
