@@ -4,6 +4,7 @@ from .analysis.normalisation import normalise
 from .codegen.fields import SIX
 from .codegen.kernel import Kernel, compile
 from .codegen.plain import lambdify
+from .codegen.source import source
 from .errors import RsymError, RsymWarning
 from .model.language.loading import load, loads
 from .model.letters import Letter
@@ -77,6 +78,7 @@ __all__ = [
     "rfNOT",
     "rfOR",
     "save_letters",
+    "source",
     "trimming",
     "write",
     "x",
