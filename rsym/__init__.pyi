@@ -26,6 +26,7 @@ from .model.operations import (
 from .model.shape import Shape
 from .model.symbols import x, y, z
 from .model.systems import R0, R1, R0m, RAlpha, Rp
+from .output.explore import explore
 from .output.fields import plot_field, plot_fields
 from .output.files import write
 from .output.presets import load_letters, save_letters
@@ -55,6 +56,7 @@ __all__ = [
     "disjunction",
     "equivalence",
     "exclusive_or",
+    "explore",
     "gradient",
     "hessian",
     "implication",

@@ -113,6 +113,8 @@ def test_latex_of_a_shape():
     assert Shape(conjunction(x, y), (x, y))._repr_latex_() == (
         r"$\displaystyle \omega\left(x, y\right) = x \wedge_0 y$"
     )
+    text = Shape(x - a, (x, y), letters={a: 0.5}, bounds=((-1, 1), (0, 2.5)))._repr_latex_()
+    assert r"\\ & x \in [-1, 1],\quad y \in [0, 2.5] \\ & a = 0.5 \end{aligned}$" in text
 
 
 @pytest.mark.parametrize(("system", "depth"), [(rsym.R0, 500), (rsym.R1, 250)])

@@ -16,6 +16,8 @@ from rsym.model.symbols import as_expression, real_replacements
 from rsym.model.systems import R0
 from rsym.model.traversal import substitute, symbols_of
 
+_IN_A_LINE = 8  # letters, in a notebook
+
 Bounds: TypeAlias = tuple[tuple[float, float], ...]
 
 
@@ -152,7 +154,15 @@ class Shape:
         return self._combined(lambda f, g: R0.disjunction(R0.conjunction(f, -g), R0.conjunction(-f, g)), other)
 
     def _repr_latex_(self) -> str:
-        return f"$\\displaystyle {latex(self)}$"
+        names = map(sp.latex, self.coordinates)
+        box = [rf"{name} \in [{low:g}, {high:g}]" for name, (low, high) in zip(names, self.bounds or (), strict=False)]
+        letters = [f"{sp.latex(sp.Symbol(name))} = {float(item.default):g}" for name, item in self.letters.items()]
+        groups = [box, *(letters[start : start + _IN_A_LINE] for start in range(0, len(letters), _IN_A_LINE))]
+        lines = [latex(self), *(r",\quad ".join(group) for group in groups if group)]
+        text = r" \\ & ".join(lines)
+        return (
+            rf"$\displaystyle \begin{{aligned}} & {text} \end{{aligned}}$" if lines[1:] else rf"$\displaystyle {text}$"
+        )
 
 
 def latex(shape: Shape) -> str:

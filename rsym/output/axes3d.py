@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.backend_bases import RendererBase
-from matplotlib.figure import FigureBase
+from matplotlib.figure import Figure, FigureBase
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import Axes3D
@@ -37,14 +37,19 @@ class BodyAxes(Axes3D):  # type: ignore[misc]
 
 
 def new_axes(low: Floats, high: Floats, elevation: float, azimuth: float) -> Axes3D:
-    """Make a pyplot figure whose height suits the body, filled by one 3D axes.
+    """Make a pyplot figure whose height suits the body, filled by one 3D axes."""
+    from matplotlib import pyplot as plt
+
+    return page_axes(plt.figure(), low, high, elevation, azimuth)
+
+
+def page_axes(figure: Figure, low: Floats, high: Floats, elevation: float, azimuth: float) -> Axes3D:
+    """Fill an empty figure by one 3D axes and give it a height that suits the body.
 
     mplot3d draws into a square round the middle of the box. The square is made
     so large that box and labels just fill the figure.
     """
-    from matplotlib import pyplot as plt
-
-    figure = plt.figure(figsize=(WIDTH, WIDTH))
+    figure.set_size_inches(WIDTH, WIDTH)
     axes = add_axes(figure, (0.0, 0.0, 1.0, 1.0))
     frame(axes, low, high, elevation, azimuth)
     corners = (_silhouette(axes) - axes.bbox.size / 2) / figure.dpi

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from rsym.model.language.typesetting import typeset_name
 from rsym.model.letters import Letter
 from rsym.model.shape import Shape
 from rsym.output import axes3d
-from rsym.output.fields import Progress, colour_bar, draw_levels, dress, report, robust_levels
+from rsym.output.panels import Progress, colour_bar, draw_levels, dress, report, robust_levels
 from rsym.output.surfaces import plot_mesh
 from rsym.sampling.contours import trace
 from rsym.sampling.mesh import Mesh
@@ -142,7 +141,7 @@ def _plane(
     import matplotlib.pyplot
 
     sampler = plane_sampler(shape, "value", resolution=resolution, bounds=bounds, section=section)
-    samplers = [replace(sampler, letters=setting) for setting in chosen]
+    samplers = [sampler.at(setting) for setting in chosen]
     samples = [one.values() for one in samplers]
     levels = robust_levels(np.concatenate(samples))
     rows = -(-len(chosen) // columns)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -32,10 +32,23 @@ class PlaneSampler:
         """The names of the free coordinates."""
         return self.kernel.program.coordinates[self.free[0]], self.kernel.program.coordinates[self.free[1]]
 
+    def at(self, letters: Mapping[Any, float] | None, section: Mapping[Any, float] | None = None) -> PlaneSampler:
+        """The same with other letters, and in another section along the same coordinates; nothing is compiled."""
+        fixed = dict(self.fixed)
+        if section is not None:
+            fixed = _fixed_coordinates(list(self.kernel.program.coordinates), section)
+            if fixed.keys() != self.fixed.keys():
+                raise RsymError("the section must fix the same coordinates as before", code="section")
+        return replace(self, letters=letters, fixed=fixed)
+
     def values(self) -> NDArray[np.float64]:
         """The field on the lattice, (nx, ny); infinite and undefined values as NaN."""
-        values = self._call(*self.lattice.open_axes())["value"]
-        return np.where(np.isfinite(values), values, np.nan)
+        return self.samples()["value"]
+
+    def samples(self) -> dict[str, NDArray[np.float64]]:
+        """Every scalar field of the kernel on the lattice, as `values`."""
+        found = self._call(*self.lattice.open_axes())
+        return {name: np.where(np.isfinite(found[name]), found[name], np.nan) for name in found if name in SCALARS}
 
     def value_and_gradient(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """At points (n, 2): the value (n,) and the gradient (n, 2)."""
@@ -60,8 +73,7 @@ def plane_sampler(
     section: Mapping[Any, float] | None = None,
 ) -> PlaneSampler:
     """Prepare a field for sampling in the plane; `section={z: 1.0}` cuts a shape in space."""
-    if field not in SCALARS:
-        raise RsymError(f"no scalar field {field!r}", code="unknown-field", remedy=f"choose from {', '.join(SCALARS)}")
+    checked_scalar(field)
     names = [symbol.name for symbol in shape.coordinates]
     fixed = _fixed_coordinates(names, section)
     free = tuple(k for k in range(len(names)) if k not in fixed)
@@ -82,6 +94,13 @@ def plane_sampler(
     program = program_of(shape, ("value", "gradient"), of=field)
     kernel = compile_program(program, ("value", "gradient"), shape)
     return PlaneSampler(kernel, lattice_over(flat.bounds, resolution), (free[0], free[1]), fixed, letters)
+
+
+def checked_scalar(field: str) -> str:
+    """The name of a field with one value at a point."""
+    if field not in SCALARS:
+        raise RsymError(f"no scalar field {field!r}", code="unknown-field", remedy=f"choose from {', '.join(SCALARS)}")
+    return field
 
 
 def _fixed_coordinates(names: list[str], section: Mapping[Any, float] | None) -> dict[int, float]:

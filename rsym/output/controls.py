@@ -1,0 +1,113 @@
+"""The widgets of an exploration, one by one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import ipywidgets
+
+from rsym.codegen.fields import SIX
+from rsym.model.letters import Letter
+
+RESOLUTIONS = (40, 80, 160, 320, 640)
+STEPS = 200  # of a slider, about: a round step is taken
+
+
+def letter_slider(name: str, letter: Letter) -> Any:
+    """A slider over the range of a letter; it tells its change when it is let go.
+
+    Examples
+    --------
+    >>> slider = letter_slider("a", Letter(5, minimum=1, maximum=10, unit="mm", doc="reach"))
+    >>> slider.description, slider.tooltip, slider.min, slider.max, slider.step
+    ('a [mm]', 'reach', 1.0, 10.0, 0.02)
+    """
+    low, high = slider_range(letter)
+    return _slider(
+        float(letter.default), low, high, f"{name} [{letter.unit}]" if letter.unit else name, letter.doc or name
+    )
+
+
+def slider_range(letter: Letter) -> tuple[float, float]:
+    """The range of a letter; an open end lies at 0 or at twice the default.
+
+    Examples
+    --------
+    >>> slider_range(Letter(5)), slider_range(Letter(-2, maximum=1)), slider_range(Letter(0))
+    ((0.0, 10.0), (-4.0, 1.0), (-1.0, 1.0))
+    """
+    default = float(letter.default)
+    low = min(0.0, 2 * default) if letter.minimum is None else float(letter.minimum)
+    high = max(0.0, 2 * default) if letter.maximum is None else float(letter.maximum)
+    if low < high:
+        return low, high
+    # Nothing to scale by: the default is 0, or beyond the only end.
+    return (
+        default - 1 if letter.minimum is None else low,
+        default + 1 if letter.maximum is None else high,
+    )
+
+
+def view_buttons(view: str) -> Any:
+    """The choice between sheet and body."""
+    return ipywidgets.ToggleButtons(options=["sheet", "body"], value=view, style={"button_width": "5em"})
+
+
+def field_choice(fields: Sequence[str]) -> Any:
+    """The fields asked for, all six, or one of them."""
+    sets = dict.fromkeys([tuple(fields), SIX, *((field,) for field in SIX)])
+    words = [("six fields" if names == SIX else ", ".join(names).replace("_", " "), names) for names in sets]
+    return ipywidgets.Dropdown(options=words, value=tuple(fields), layout={"width": "16em"})
+
+
+def resolution_choice(resolution: int) -> Any:
+    """Cells along the longer side of a sheet."""
+    options = sorted({resolution, *RESOLUTIONS})
+    return ipywidgets.Dropdown(options=options, value=resolution, description="cells", layout={"width": "12em"})
+
+
+def section_choice(box: Mapping[str, tuple[float, float]]) -> tuple[Any, Any]:
+    """The coordinate that a section fixes, by default the last, and its value, by default in the middle."""
+    names = list(box)
+    low, high = box[names[-1]]
+    coordinate = ipywidgets.Dropdown(options=names, value=names[-1], description="section", layout={"width": "12em"})
+    return coordinate, _slider((low + high) / 2, low, high, "at", "where the section lies")
+
+
+def camera_sliders(elevation: float, azimuth: float) -> tuple[Any, Any]:
+    """Where the eye is, in degrees."""
+    return (
+        _slider(elevation, -90, 90, "elevation", "of the eye above the xy-plane, in degrees"),
+        _slider(azimuth, -180, 180, "azimuth", "of the eye from the x-axis towards the y-axis, in degrees"),
+    )
+
+
+def button(word: str, help_text: str) -> Any:
+    """A button as wide as its word."""
+    return ipywidgets.Button(description=word, tooltip=help_text, layout={"width": "7em"})
+
+
+def row(widgets: Sequence[Any]) -> Any:
+    """Widgets beside each other, in a line of their own."""
+    return ipywidgets.Box(list(widgets), layout={"width": "100%", "flex_flow": "row wrap"})
+
+
+def _slider(value: float, low: float, high: float, description: str, help_text: str) -> Any:
+    return ipywidgets.FloatSlider(
+        value=value,
+        min=low,
+        max=high,
+        step=_round_step((high - low) / STEPS),
+        description=description,
+        tooltip=help_text,
+        readout_format=".4g",
+        continuous_update=False,
+    )
+
+
+def _round_step(step: float) -> float:
+    """1, 2 or 5 times a power of ten, not above the step by more than its rounding."""
+    power = 10.0 ** math.floor(math.log10(step))
+    return float(f"{next(factor for factor in (5, 2, 1) if factor * power <= step * (1 + 1e-9)) * power:.3g}")
