@@ -9,11 +9,12 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
 from rsym.commands import fields, letters, mesh, reproduce, show, sweep
-from rsym.errors import RsymError
+from rsym.errors import RsymError, RsymWarning
 
 # Another command is one module beside these, and its name here and above.
 COMMANDS = (reproduce, show, letters, fields, sweep, mesh)
@@ -30,7 +31,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     os.environ.setdefault("MPLBACKEND", "Agg")
     try:
-        options.command(options)
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", RsymWarning)
+            warnings.showwarning = _show_warning
+            options.command(options)
         sys.stdout.flush()
     except RsymError as error:
         return _refused(str(error))
@@ -41,6 +45,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _refused("whoever read the output left before its end; files are written whole all the same")
     return 0
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+    """One line, without the place in the code where it was found."""
+    print(f"rsym: warning: {message}", file=sys.stderr)
 
 
 def _refused(message: str) -> int:

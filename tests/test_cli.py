@@ -128,6 +128,13 @@ def test_a_strip_of_small_multiples(tmp_path, model):
     assert (tmp_path / "cuts.svg").read_bytes() == first
 
 
+def test_a_warning_is_one_line(tmp_path, model, capsys):
+    sweep = ["sweep", model, "--letter", "r", "--values", "2.5", "--resolution", "24", "--shape", "ball"]
+    assert main([*sweep, "-o", str(tmp_path / "bodies.png")]) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("rsym: warning: r = 2.5: ")
+
+
 def test_the_resolution_of_each_axis(tmp_path, model):
     path = tmp_path / "body.stl"
     assert main(["mesh", model, "-o", str(path), "--resolution", "16,20,24"]) == 0

@@ -106,7 +106,7 @@ def test_nothing_is_compiled_for_another_letter(monkeypatch):
     def refuse(*arguments, **options):
         raise AssertionError("compiled again")
 
-    for place in ("rsym.codegen.kernel._make_function", "rsym.codegen.fields.lower"):
+    for place in ("rsym.codegen.kernel.make_function", "rsym.codegen.fields.lower"):
         monkeypatch.setattr(place, refuse)
     widget.letters["r"].value = 1.5
     widget.view.value = "sheet"
@@ -164,6 +164,8 @@ def test_a_bad_letter_is_said_and_the_picture_stays():
     widget.letters["r"].value = 1.5
     assert widget.message.value == ""
     assert widget.picture.value != before
+    widget.letters["r"].value = 1.7
+    assert "leaves the bounds" in widget.message.value
 
 
 def test_reset_and_presets(tmp_path):

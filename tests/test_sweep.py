@@ -94,3 +94,10 @@ def test_progress_counts_panels_and_cancels():
 def test_bad_input(arguments, word):
     with pytest.raises(RsymError, match=word):
         rsym.plot_sweep(BALL, resolution=16, **arguments)
+
+
+def test_a_warning_says_at_which_value():
+    with pytest.warns(rsym.RsymWarning, match=r"^r = 1\.7: .*bounds") as caught:
+        rsym.plot_sweep(BALL.replace(bounds=((-1.6, 1.6),) * 3), r, [1, 1.7], resolution=24)
+    assert len(caught) == 1
+    assert caught[0].filename == __file__

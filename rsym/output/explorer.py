@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from html import escape
@@ -12,7 +13,7 @@ import ipywidgets
 from matplotlib.figure import Figure
 
 from rsym.codegen.fields import SIX, checked_fields
-from rsym.errors import RsymError
+from rsym.errors import RsymError, RsymWarning
 from rsym.model.motions import revolve
 from rsym.model.shape import Shape
 from rsym.output import controls
@@ -116,7 +117,6 @@ class Explorer(ipywidgets.VBox):  # type: ignore[misc]
 
     def _redraw(self, _: Any = None) -> None:
         if not self._held:
-            self.message.value = ""
             self._attempt(self._draw)
 
     def _draw(self) -> None:
@@ -125,7 +125,10 @@ class Explorer(ipywidgets.VBox):  # type: ignore[misc]
             widget.layout.display = None if body else "none"
         for widget in (self.fields, *self.section):
             widget.layout.display = "none" if body else None
-        self.figure = self._draw_body() if body else self._draw_sheet()
+        with warnings.catch_warnings(record=True) as remarks:
+            warnings.simplefilter("always", RsymWarning)
+            self.figure = self._draw_body() if body else self._draw_sheet()
+        self.message.value = "<br>".join(escape(str(remark.message)) for remark in remarks)
         self.picture.value = png(self.figure)
 
     def _draw_sheet(self) -> Figure:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,7 @@ from matplotlib.figure import Figure, SubFigure
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
-from rsym.errors import RsymError
+from rsym.errors import RsymError, RsymWarning
 from rsym.model.language.typesetting import typeset_name
 from rsym.model.letters import Letter
 from rsym.model.shape import Shape
@@ -27,6 +29,15 @@ PLANE_RESOLUTION, SPACE_RESOLUTION = 300, 192
 PANEL = 3.2  # inches, the longer side of a panel in the plane
 BODY = 4.2  # inches, the width of a panel with a body
 TITLE = 0.3  # inches
+
+
+@dataclass(frozen=True)
+class _Panel:
+    """One value: all letters, and how the picture and an error speak of the one that changes."""
+
+    letters: Mapping[str, float]
+    title: str
+    label: str
 
 
 def plot_sweep(
@@ -81,22 +92,21 @@ def plot_sweep(
     $p_{1} = 20$ $p_{1} = 40$
     """
     name = str(letter)
-    chosen = [shape.letters.values_with({**(letters or {}), name: value}) for value in values]
-    if not chosen:
+    panels = [_panel(shape, name, {**(letters or {}), name: value}) for value in values]
+    if not panels:
         raise RsymError("a sweep needs at least one value", code="values", remedy="for example [20, 40, 80]")
-    titles = [letter_title(name, shape.letters[name], setting[name]) for setting in chosen]
-    count = _columns(columns, len(chosen))
+    count = _columns(columns, len(panels))
     if shape.dimension == 2 or section:
         cells = PLANE_RESOLUTION if resolution is None else resolution
-        return _plane(shape, chosen, titles, count, cells, bounds, section, progress)
+        return _plane(shape, panels, count, cells, bounds, section, progress)
     cells = SPACE_RESOLUTION if resolution is None else resolution
     bodies = []
-    for done, (setting, title) in enumerate(zip(chosen, titles, strict=True)):
-        report(progress, done, len(chosen))
-        with _named(title):
-            bodies.append(mesh(shape, cells, bounds=bounds, letters=setting))
-    report(progress, len(chosen), len(chosen))
-    return _space(bodies, titles, count, elevation, azimuth)
+    for done, panel in enumerate(panels):
+        report(progress, done, len(panels))
+        with _named(panel):
+            bodies.append(mesh(shape, cells, bounds=bounds, letters=panel.letters))
+    report(progress, len(panels), len(panels))
+    return _space(bodies, panels, count, elevation, azimuth)
 
 
 def letter_title(name: str, letter: Letter, value: float) -> str:
@@ -110,6 +120,11 @@ def letter_title(name: str, letter: Letter, value: float) -> str:
     return f"${typeset_name(name)} = {value:.6g}$ {letter.unit}".strip()
 
 
+def _panel(shape: Shape, name: str, letters: Mapping[Any, float]) -> _Panel:
+    values = shape.letters.values_with(letters)
+    return _Panel(values, letter_title(name, shape.letters[name], values[name]), f"{name} = {values[name]:.6g}")
+
+
 def _columns(columns: int | None, count: int) -> int:
     if columns is None:
         return 2 if count == 4 else min(count, 3)
@@ -119,19 +134,22 @@ def _columns(columns: int | None, count: int) -> int:
 
 
 @contextmanager
-def _named(title: str) -> Iterator[None]:
-    """Say at which value a shape could not be drawn."""
+def _named(panel: _Panel) -> Iterator[None]:
+    """Say at which value a shape could not be drawn, or only with a warning."""
     try:
-        yield
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", RsymWarning)
+            yield
     except RsymError as error:
-        where = title.replace("$", "") + (f", {error.where}" if error.where else "")
+        where = panel.label + (f", {error.where}" if error.where else "")
         raise RsymError(error.message, code=error.code, where=where, remedy=error.remedy) from error
+    for one in caught:
+        warnings.warn(f"{panel.label}: {one.message}", one.category, stacklevel=4)
 
 
 def _plane(
     shape: Shape,
-    chosen: Sequence[Mapping[str, float]],
-    titles: Sequence[str],
+    panels: Sequence[_Panel],
     columns: int,
     resolution: Any,
     bounds: Any,
@@ -141,10 +159,10 @@ def _plane(
     import matplotlib.pyplot
 
     sampler = plane_sampler(shape, "value", resolution=resolution, bounds=bounds, section=section)
-    samplers = [sampler.at(setting) for setting in chosen]
+    samplers = [sampler.at(panel.letters) for panel in panels]
     samples = [one.values() for one in samplers]
     levels = robust_levels(np.concatenate(samples))
-    rows = -(-len(chosen) // columns)
+    rows = -(-len(panels) // columns)
     sides = np.array(sampler.lattice.spacing) * sampler.lattice.counts
     width, height = PANEL * sides / sides.max()
     figure: Figure
@@ -157,25 +175,25 @@ def _plane(
         sharey=True,
         layout="compressed",
     )
-    for done, (ax, one, values, title) in enumerate(zip(axes.flat, samplers, samples, titles, strict=False)):
-        report(progress, done, len(chosen))
-        with _named(title):
+    for done, (ax, one, values, panel) in enumerate(zip(axes.flat, samplers, samples, panels, strict=False)):
+        report(progress, done, len(panels))
+        with _named(panel):
             artist = draw_levels(ax, one, values, levels, trace(one, values, 0.0))
-        dress(ax, one, title)
+        dress(ax, one, panel.title)
         ax.label_outer()
-    for ax in axes.flat[len(chosen) :]:
+    for ax in axes.flat[len(panels) :]:
         ax.set_axis_off()
     colour_bar(artist, *axes.flat, rows=rows)
-    report(progress, len(chosen), len(chosen))
+    report(progress, len(panels), len(panels))
     return figure
 
 
-def _space(bodies: Sequence[Mesh], titles: Sequence[str], columns: int, elevation: float, azimuth: float) -> Figure:
+def _space(bodies: Sequence[Mesh], panels: Sequence[_Panel], columns: int, elevation: float, azimuth: float) -> Figure:
     corners = np.concatenate([body.vertices[np.unique(body.faces)] for body in bodies])
     low, high = corners.min(axis=0), corners.max(axis=0)
     figure, cells = _cells(low, high, len(bodies), columns, elevation, azimuth)
-    for body, title, (heading, axes) in zip(bodies, titles, cells, strict=True):
-        heading.text(0.5, 0.4, title, ha="center", va="center", fontsize=12)
+    for body, panel, (heading, axes) in zip(bodies, panels, cells, strict=True):
+        heading.text(0.5, 0.4, panel.title, ha="center", va="center", fontsize=12)
         plot_mesh(body, ax=axes)
         axes3d.frame(axes, low, high, elevation, azimuth)
         axes3d.style(axes)
