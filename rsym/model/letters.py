@@ -119,9 +119,13 @@ class Letters(Mapping[str, Letter]):
 
     def _repr_html_(self) -> str:
         rows = [(name, _plain(item.default), item.range, item.unit, item.doc) for name, item in self.items()]
-        body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows)
-        heading = "".join(f"<th>{word}</th>" for word in ("letter", "value", "range", "unit", "meaning"))
-        return f"<table><thead><tr>{heading}</tr></thead><tbody>{body}</tbody></table>"
+        lines = [("th", ("letter", "value", "range", "unit", "meaning")), *(("td", row) for row in rows)]
+        return f"<table>{''.join(_html_row(tag, cells) for tag, cells in lines)}</table>"
+
+
+def _html_row(tag: str, cells: tuple[str, ...]) -> str:
+    left = '<{0} style="text-align: left">{1}</{0}>'
+    return f"<tr>{''.join(left.format(tag, escape(cell)) for cell in cells)}</tr>"
 
 
 def as_letters(letters: Mapping[Any, Any] | None) -> Letters:

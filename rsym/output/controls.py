@@ -89,9 +89,10 @@ def button(word: str, help_text: str) -> Any:
     return ipywidgets.Button(description=word, tooltip=help_text, layout={"width": "7em"})
 
 
-def row(widgets: Sequence[Any]) -> Any:
-    """Widgets beside each other, in a line of their own."""
-    return ipywidgets.Box(list(widgets), layout={"width": "100%", "flex_flow": "row wrap"})
+def row(widgets: Sequence[Any], *, first: bool) -> Any:
+    """Widgets beside each other, in a line of their own; above all other children if it is to be seen first."""
+    layout = {"width": "100%", "flex_flow": "row wrap", "order": "-1" if first else "0"}
+    return ipywidgets.Box(list(widgets), layout=layout)
 
 
 def _slider(value: float, low: float, high: float, description: str, help_text: str) -> Any:
@@ -104,6 +105,8 @@ def _slider(value: float, low: float, high: float, description: str, help_text: 
         tooltip=help_text,
         readout_format=".4g",
         continuous_update=False,
+        layout={"width": "20em"},
+        style={"description_width": "5.5em"},
     )
 
 

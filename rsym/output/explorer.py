@@ -22,10 +22,13 @@ from rsym.output.views import BodyView, SheetView, png
 from rsym.sampling.lattice import bounds_of
 
 RESOLUTION = 160
+MANY = 12  # letters
 
 
 class Explorer(ipywidgets.VBox):  # type: ignore[misc]
-    """Sliders of letters above one picture. Its first children are the sliders, in the order of the letters.
+    """Sliders of letters and one picture, above the sliders if they are many.
+
+    The first children are the sliders, in the order of the letters.
 
     Examples
     --------
@@ -71,7 +74,9 @@ class Explorer(ipywidgets.VBox):  # type: ignore[misc]
             (self.message,),
             (self.picture,),
         )
-        super().__init__([*self.letters.values(), *map(controls.row, rows)], layout={"flex_flow": "row wrap"})
+        # Beneath many sliders the picture would be out of sight.
+        lines = [controls.row(row, first=len(self.letters) > MANY) for row in rows]
+        super().__init__([*self.letters.values(), *lines], layout={"flex_flow": "row wrap"})
         self._follow()
         self._redraw()
 
