@@ -46,7 +46,7 @@ class SheetSampler:
     def at(self, letters: Mapping[Any, float] | None, section: Mapping[Any, float] | None = None) -> SheetSamples:
         """Sample at some letters, and in another section along the same coordinates."""
         omega = self.omega.at(letters, section)
-        return SheetSamples(omega, self.fields.at(letters, section).samples(), trace(omega, omega.values(), 0.0))
+        return SheetSamples(omega, self.fields.at(letters, section).samples(), trace(omega, 0.0))
 
 
 def sheet_sampler(

@@ -178,7 +178,7 @@ def _plane(
     for done, (ax, one, values, panel) in enumerate(zip(axes.flat, samplers, samples, panels, strict=False)):
         report(progress, done, len(panels))
         with _named(panel):
-            artist = draw_levels(ax, one, values, levels, trace(one, values, 0.0))
+            artist = draw_levels(ax, one, values, levels, trace(one, 0.0, values=values))
         dress(ax, one, panel.title)
         ax.label_outer()
     for ax in axes.flat[len(panels) :]:

@@ -119,11 +119,14 @@ def level_lines(
     """
     wanted = float(real_number(level, "the level"))
     sampler = plane_sampler(shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section)
-    return trace(sampler, sampler.values(), wanted, field)
+    return trace(sampler, wanted, field)
 
 
-def trace(sampler: PlaneSampler, values: NDArray[np.float64], level: float, field: str = "value") -> LevelLines:
-    """The curves where a sampled field, whose values on the lattice are known, takes a level."""
+def trace(
+    sampler: PlaneSampler, level: float, field: str = "value", *, values: NDArray[np.float64] | None = None
+) -> LevelLines:
+    """The level lines of a prepared field; `values` are its samples, if they are known."""
+    values = sampler.values() if values is None else values
     if np.isnan(values).all():
         raise RsymError(f"the field {field!r} is undefined in all of the bounds", code="undefined")
     found = find_contours(values, level)
