@@ -109,7 +109,8 @@ def compile(
         ``value, gradient, hessian, gradient_squared, laplacian, normalised, normalised_gradient_squared,
         normalised_laplacian, singular``.
     backend : {"llvm", "numpy"}, optional
-        ``llvm`` where it can be imported, else ``numpy``. Both give the same bits for arithmetic.
+        ``llvm`` where it can be imported, else ``numpy``. Both give the same bits for arithmetic. In sin, cos, exp,
+        log, pow and atan2 they may differ in the last place: those of ``llvm`` are right to 1 ulp, atan2 to 2.
     dtype : {"float64", "float32"}
         Precision of arithmetic, coordinates and results. In float32 the error of a value is a small multiple of
         2**-24 times the largest node of the program at that point: below 1 on the car, 3 as a rule and at most 32

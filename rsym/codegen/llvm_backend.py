@@ -9,7 +9,6 @@ loop. Every point runs through the vector code, the last few in a padded buffer.
 from __future__ import annotations
 
 import ctypes
-import struct
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,10 +21,11 @@ from numpy.typing import NDArray
 
 from rsym.codegen.precision import FLOAT64, Precision
 from rsym.codegen.program import Node, Program, constant_value
+from rsym.codegen.vector_code import number_text
+from rsym.codegen.vector_functions import ARITIES, definitions
 
 _COMPILING = threading.Lock()  # LLVM's global context is not safe against two compilations at once
 
-_LIBM = {"sin": 1, "cos": 1, "exp": 1, "log": 1, "pow": 2, "atan2": 2}
 _INTRINSICS = {"sqrt": "sqrt", "abs": "fabs"}
 _ARITHMETIC = {"add": "fadd", "mul": "fmul", "div": "fdiv"}
 
@@ -85,30 +85,24 @@ class _Emitter:
             better = self.emit(f"fcmp {'olt' if operation == 'min' else 'ogt'} {kind} {a[0]}, {a[1]}")
             is_nan = self.emit(f"fcmp uno {kind} {a[0]}, {a[0]}")
             return self.choose(f"or {self.kind.booleans} {better}, {is_nan}", a[0], a[1])
-        return self.libm(operation, a)
+        return self.function(operation, a)
 
     def choose(self, condition: str, yes: str, no: str) -> str:
         flag = self.emit(condition)
         return self.emit(f"select {self.kind.booleans} {flag}, {self.kind.type} {yes}, {self.kind.type} {no}")
 
     def convert(self, value: str, source: str, target: str) -> str:
-        """The same number as float or double."""
+        """The same numbers as float or double."""
         if source == target:
             return value
-        return self.emit(f"{'fptrunc' if target == 'float' else 'fpext'} {source} {value} to {target}")
+        return self.emit(f"{'fptrunc' if 'float' in target else 'fpext'} {source} {value} to {target}")
 
-    def libm(self, operation: str, a: Sequence[str]) -> str:
-        """One call for each lane, in float64."""
-        vector, element = self.kind.type, self.kind.element
-        if self.kind.lanes == 1:
-            return self.emit(f"call double @{operation}({', '.join(f'double {value}' for value in a)})")
-        result = "poison"
-        for lane in range(self.kind.lanes):
-            scalars = [self.emit(f"extractelement {vector} {value}, i32 {lane}") for value in a]
-            wide = ", ".join(f"double {self.convert(scalar, element, 'double')}" for scalar in scalars)
-            value = self.convert(self.emit(f"call double @{operation}({wide})"), "double", element)
-            result = self.emit(f"insertelement {vector} {result}, {element} {value}, i32 {lane}")
-        return result
+    def function(self, operation: str, a: Sequence[str]) -> str:
+        """A function of libm, on vectors one of `vector_functions`: in float64, rounded to the element."""
+        wide = _Kind("double", self.kind.lanes).type
+        arguments = ", ".join(f"{wide} {self.convert(value, self.kind.type, wide)}" for value in a)
+        name = operation if self.kind == _SCALAR else f"rsym_{operation}"
+        return self.convert(self.emit(f"call {wide} @{name}({arguments})"), wide, self.kind.type)
 
 
 def llvm_source(program: Program, precision: Precision = FLOAT64) -> str:
@@ -135,7 +129,7 @@ def llvm_source(program: Program, precision: Precision = FLOAT64) -> str:
 def _uniform(scalar: _Emitter, program: Program, node: Node, names: Sequence[str], precision: Precision) -> str:
     if node.operation in ("const", "undefined"):
         value = np.nan if node.operation == "undefined" else constant_value(node.data, precision)
-        return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
+        return number_text(value)
     if node.operation == "input":
         position = program.letters.index(str(node.data))
         pointer = scalar.emit(f"getelementptr double, ptr %letters, i64 {position}")
@@ -166,7 +160,7 @@ def _module(scalar: Sequence[str], vector: Sequence[str], program: Program, kind
         for name, count in (("in", len(program.coordinates)), ("out", len(program.outputs)))
         for k in range(count)
     ]
-    declarations = [f"declare double @{name}({', '.join(['double'] * count)})" for name, count in _LIBM.items()]
+    declarations = [f"declare double @{name}({', '.join(['double'] * count)})" for name, count in ARITIES.items()]
     declarations += [
         f"declare {each.type} @llvm.{intrinsic}.{each.suffix}({each.type})"
         for intrinsic in _INTRINSICS.values()
@@ -175,6 +169,7 @@ def _module(scalar: Sequence[str], vector: Sequence[str], program: Program, kind
     return "\n".join(
         [
             *declarations,
+            *definitions(sorted({node.operation for node in program.nodes} & ARITIES.keys()), kind.lanes),
             "define void @kernel(ptr noalias %ins, ptr noalias %outs, ptr noalias %letters, i64 %n) {",
             "entry:",
             *pointers,
