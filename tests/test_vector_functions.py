@@ -37,7 +37,9 @@ ANGLES = [
     (uniform(-20, 20),),
     (uniform(-BOUND, BOUND),),
     (spread(1e-300, BOUND),),
-    (np.pi / 2 * RANDOM.integers(1, 10**6, COUNT),),  # as near a zero as a float64 comes
+    (np.pi / 2 * RANDOM.integers(1, 10**6, COUNT),),
+    # Of all float64 below the bound the nearest to a multiple of pi/2: 6e-19 from 29 pi/2.
+    (np.array([45.553093477052, 91.106186954104, 1457.698991265664, 321307.9594422229, 642615.9188844458]),),
     (spread(BOUND / 2, 1e300),),  # libm takes over here
 ]
 ARGUMENTS = {
@@ -90,7 +92,7 @@ def test_in_float32_the_nearest_but_for_a_millionth(operation):
         assert errors_in_ulp(operation, arguments, FLOAT32).max() <= 0.5 + 1e-6
 
 
-SPECIAL = [0.0, 1.0, 2.0, 2.5, 3.0, 5e-324, 1e-310, 2.0**-1022, 1.7e308, 710.0, 745.2, 1e19, np.inf]
+SPECIAL = [0.0, 1.0, 2.0, 2.5, 3.0, 5e-324, 1e-310, 2.0**-1022, 1.7e308, 710.0, 745.2, 1e17 + 16, 1e19, np.inf]
 SPECIAL = np.array([*SPECIAL, *(-number for number in SPECIAL), np.nan])
 
 

@@ -106,12 +106,12 @@ def atan2(y: Value, x: Value) -> Value:
 
 
 def _sorted_sizes(y: Value, x: Value) -> tuple[Value, Value]:
-    """The smaller and the larger size, scaled by the same power of two away from the ends of the range."""
+    """The smaller and the larger size, scaled by the same power of two away from the end of the range."""
     a, b = abs(y), abs(x)
     small, large = (a > b).choose(b, a), (a > b).choose(a, b)
     infinite, zero = small.compare("oeq", float("inf")), large.compare("oeq", 0.0)
     small, large = infinite.choose(1.0, small), infinite.choose(1.0, zero.choose(1.0, large))
-    scale = (large > 2.0**1020).choose(2.0**-4, (large < 2.0**-900).choose(2.0**100, 1.0))
+    scale = (large > 2.0**1020).choose(2.0**-4, 1.0)
     return small * scale, large * scale
 
 
