@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from fractions import Fraction
 from importlib.resources import files
 from pathlib import Path
 
@@ -9,8 +11,15 @@ from rsym.errors import RsymError
 from rsym.model.language.loading import load
 from rsym.model.shape import Shape
 
-MODELS: tuple[str, ...] = ("car", "skeleton")
-READINGS = {"standard": "omega", "literal": "omega_literal"}
+MODELS: tuple[str, ...] = ("car", "skeleton", "valve", "streamlined")
+# The stages that a reading changes, and what they are called in the file.
+CAR_READINGS: Mapping[str, Mapping[str, str]] = {
+    "standard": {},
+    "printed-W": {"W": "W_printed"},
+    "text-zb": {},
+    "strip": {stage: f"{stage}_strip" for stage in ("test3", "test4", "test5", "W")},
+}
+SKELETON_READINGS: Mapping[str, str] = {"standard": "omega", "literal": "omega_literal"}
 
 
 def model_path(name: str) -> Path:
@@ -26,7 +35,7 @@ def model_path(name: str) -> Path:
     return Path(str(files("rsym.paper") / f"{name}.rf"))
 
 
-def car(variant: str = "a", stage: str = "W") -> Shape:
+def car(variant: str = "a", stage: str = "W", *, reading: str = "standard") -> Shape:
     """The car of the source paper at one stage of its construction.
 
     Parameters
@@ -35,6 +44,9 @@ def car(variant: str = "a", stage: str = "W") -> Shape:
         Values of Figs 5a to 10, or of Figs 5b to 7b.
     stage : {"test1", "test2", "test3", "test4", "test5", "W"}
         Arches; rounding; sides; wheels; windows; headlights. Any other definition of the model can be asked for too.
+    reading : {"standard", "printed-W", "text-zb", "strip"}
+        How the doubtful places are read: as repaired; W = test5 or not headlights, as printed; z_b = z_2/2, as in the
+        text; the strip of Figs 5 and 6 kept in the body. `rsym.paper.READINGS` says what follows from each.
 
     x is across the car, y along it with the front at +y, z up. The roof and the
     boot are restored: their equations are lost.
@@ -45,8 +57,14 @@ def car(variant: str = "a", stage: str = "W") -> Shape:
     >>> import rsym
     >>> rsym.paper.car().letters["ra"].default
     3
+    >>> rsym.paper.car(reading="text-zb").letters["zb"].default
+    Fraction(5, 2)
     """
-    return load(model_path("car"), shape=stage, variant=variant)
+    _check_reading(reading, CAR_READINGS)
+    shape = load(model_path("car"), shape=CAR_READINGS[reading].get(stage, stage), variant=variant)
+    if reading == "text-zb" and "zb" in shape.letters:
+        return shape.with_letters({"zb": Fraction(shape.letters["z2"].default) / 2})
+    return shape
 
 
 def skeleton_body(reading: str = "standard") -> Shape:
@@ -66,6 +84,38 @@ def skeleton_body(reading: str = "standard") -> Shape:
     >>> list(rsym.paper.skeleton_body().letters)
     ['a', 'a1', 'a2', 'p1', 'p2']
     """
-    if reading not in READINGS:
-        raise RsymError(f"no reading {reading!r}", code="unknown-reading", remedy=f"choose from {', '.join(READINGS)}")
-    return load(model_path("skeleton"), shape=READINGS[reading])
+    _check_reading(reading, SKELETON_READINGS)
+    return load(model_path("skeleton"), shape=SKELETON_READINGS[reading])
+
+
+def valve() -> Shape:
+    """An engine poppet valve, for Figs 1 and 2; the source's equation is lost, this one is ours.
+
+    A body of revolution about z with a slot in the face of its head, in millimetres.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> float(rsym.paper.valve().letters["rs"].default)
+    3.5
+    """
+    return load(model_path("valve"))
+
+
+def streamlined() -> Shape:
+    """A car of unusual shape blended on four skeletons, for Figs 13 and 14; the source prints none, this one is ours.
+
+    Axes as in `car`.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.paper.streamlined().dimension
+    3
+    """
+    return load(model_path("streamlined"))
+
+
+def _check_reading(reading: str, known: Mapping[str, object]) -> None:
+    if reading not in known:
+        raise RsymError(f"no reading {reading!r}", code="unknown-reading", remedy=f"choose from {', '.join(known)}")
