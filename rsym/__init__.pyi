@@ -30,11 +30,13 @@ from .output.explore import explore
 from .output.fields import plot_field, plot_fields
 from .output.files import write
 from .output.presets import load_letters, save_letters
+from .output.sections import plot_sections, write_sections
 from .output.surfaces import plot_mesh
 from .output.sweep import plot_sweep
 from .sampling.contours import LevelLines, level_lines
 from .sampling.mesh import Mesh
 from .sampling.meshing import mesh
+from .sampling.sections import Section, sections
 
 __all__ = [
     "R0",
@@ -49,6 +51,7 @@ __all__ = [
     "Rp",
     "RsymError",
     "RsymWarning",
+    "Section",
     "Shape",
     "compile",
     "conjunction",
@@ -74,15 +77,18 @@ __all__ = [
     "plot_field",
     "plot_fields",
     "plot_mesh",
+    "plot_sections",
     "plot_sweep",
     "revolve",
     "rfAND",
     "rfNOT",
     "rfOR",
     "save_letters",
+    "sections",
     "source",
     "trimming",
     "write",
+    "write_sections",
     "x",
     "y",
     "z",

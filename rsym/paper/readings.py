@@ -48,7 +48,7 @@ READINGS: tuple[Reading, ...] = (
         "f_o = √(((√(f₁⁴+f₂²) − f₂)/2)² + f₁²), the trimming of a line by a disc",
         "The source calls f_o normalised; only this form is, and it is the known trimming formula.",
         "In the printed form ∂f_o/∂y tends to 0 on the segment, where that of a normalised f_o is 1. Fig. 11's body "
-        "then crosses its skeleton smoothly, with |∇ω| = 0.317; in the form taken here it has a corner at x = −4.992121.",
+        "then crosses its skeleton smoothly, with |∇ω| = 0.317; in the form taken it has a corner at x = −4.992121.",
         "Figs 11 and 12",
         "skeleton_body(reading='literal')",
     ),

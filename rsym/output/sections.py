@@ -1,0 +1,222 @@
+"""Stacks of sections: a picture in axonometric view, and plain SVG layers in true scale."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from xml.sax.saxutils import escape, quoteattr
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.output.files import write_atomically
+from rsym.sampling.sections import Section
+
+Floats = NDArray[np.float64]
+
+COLOUR_MAP = "viridis"
+LIGHTEST = 0.92  # the bright end of a map is too pale for thin lines on white paper
+FILL = 0.22  # the share of a layer's colour in its fill; the rest is white
+UNITS = ("mm", "cm", "in")
+DIGITS = 9  # significant digits of coordinates in SVG; a metre to a nanometre
+
+
+def plot_sections(
+    sections: Sequence[Section],
+    *,
+    ax: Axes | None = None,
+    elevation: float = 28.0,
+    azimuth: float = -55.0,
+    colour_map: str = COLOUR_MAP,
+) -> list[PathPatch]:
+    """Draw sections as a stack in axonometric view, each coloured by its place.
+
+    Parallel projection, so that equal lengths stay equal from layer to layer;
+    nearer layers cover those behind them.
+
+    Parameters
+    ----------
+    sections : sequence of Section
+        What `sections` returned.
+    ax : matplotlib axes, optional
+        Where to draw, in the plane; without it a new figure with a colour bar is made.
+    elevation, azimuth : float
+        The direction of the eye in degrees, as for `plot_mesh`.
+
+    Returns
+    -------
+    list of PathPatch
+        One for each section that has lines, the farthest first.
+
+    Raises
+    ------
+    RsymError
+        If no section has a line.
+
+    Examples
+    --------
+    >>> import matplotlib.figure, rsym
+    >>> from rsym import x, y, z
+    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
+    >>> stack = rsym.sections(ball, [-0.5, 0, 0.5], resolution=32)
+    >>> len(rsym.plot_sections(stack, ax=matplotlib.figure.Figure().add_subplot()))
+    3
+    """
+    shown = _with_lines(sections)
+    alone = ax is None
+    if ax is None:
+        import matplotlib.pyplot
+
+        _, ax = matplotlib.pyplot.subplots(figsize=(8, 6), layout="constrained")
+    screen = _screen(elevation, azimuth)
+    colours = _colours(shown, colour_map)
+    toward = screen[2, shown[0].normal]
+    patches = [
+        _draw(ax, section, screen[:2], colours.to_rgba(np.array([section.value]))[0])
+        for section in sorted(shown, key=lambda section: section.value * toward)
+    ]
+    ax.set_aspect("equal")
+    ax.autoscale_view()
+    ax.set_axis_off()
+    if alone:
+        bar = ax.figure.colorbar(colours, ax=ax, shrink=0.6, pad=0.02)
+        bar.set_label(f"${shown[0].axis}$")
+        bar.ax.set_ylim(shown[0].value, shown[-1].value) if len(shown) > 1 else None
+    return patches
+
+
+def _with_lines(sections: Sequence[Section]) -> list[Section]:
+    """Return the sections that meet the body, in the order of their values."""
+    shown = sorted((section for section in sections if len(section.lines)), key=lambda section: section.value)
+    if not shown:
+        raise RsymError(
+            "none of the planes meets the body", code="no-surface", remedy="choose values inside the bounds"
+        )
+    return shown
+
+
+def _screen(elevation: float, azimuth: float) -> Floats:
+    """Return the rows right, up and towards the eye."""
+    e, a = np.radians([elevation, azimuth])
+    return np.array(
+        [
+            [-np.sin(a), np.cos(a), 0.0],
+            [-np.sin(e) * np.cos(a), -np.sin(e) * np.sin(a), np.cos(e)],
+            [np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)],
+        ]
+    )
+
+
+def _colours(shown: Sequence[Section], colour_map: str) -> ScalarMappable:
+    low, high = shown[0].value, shown[-1].value
+    margin = (high - low or 1.0) * (1 / LIGHTEST - 1)
+    return ScalarMappable(Normalize(low, high + margin), colormaps[colour_map])
+
+
+def _draw(ax: Axes, section: Section, screen: Floats, colour: Floats) -> PathPatch:
+    """Fill the closed lines (holes stay open: they run the other way round) and stroke all of them."""
+    lines = [section.in_space(line) @ screen.T for line in section.lines]
+    closed = [line for line in lines if (line[0] == line[-1]).all()]
+    outline = Outline.make_compound_path(*(Outline(line, closed=True) for line in closed)) if closed else None
+    pale = tuple(1 - FILL * (1 - colour[:3]))
+    patch = PathPatch(outline or Outline(np.empty((0, 2))), facecolor=pale, edgecolor=tuple(colour), linewidth=0.9)
+    ax.add_patch(patch)
+    opened = [line for line in lines if not (line[0] == line[-1]).all()]
+    ax.add_collection(LineCollection(opened, colors=[tuple(colour)], linewidths=0.9))
+    return patch
+
+
+def write_sections(
+    sections: Sequence[Section], path: str | os.PathLike[str], *, unit: str = "mm", scale: float = 1.0
+) -> Path:
+    """Write sections as layers of one SVG file in true scale, for a mill or a laser.
+
+    One group per section, named ``z=0.5``; the same length of the model has the
+    same length on every layer and along both axes. The file appears whole or not
+    at all, and the same sections give the same bytes.
+
+    Parameters
+    ----------
+    sections : sequence of Section
+        What `sections` returned, all along one axis.
+    path : str or path-like
+        Where to; the name ends in ``.svg``.
+    unit : {"mm", "cm", "in"}
+        The unit of the file.
+    scale : float
+        How many units one unit of the model becomes.
+
+    Raises
+    ------
+    RsymError
+        For another suffix or unit, a scale that is not positive, sections along several axes, or none with a line.
+
+    Examples
+    --------
+    >>> import tempfile, rsym
+    >>> from rsym import x, y, z
+    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
+    >>> stack = rsym.sections(ball, [0, 0.5], resolution=32)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     text = rsym.write_sections(stack, folder + "/ball.svg", scale=10).read_text()
+    >>> text.count("<g "), "1 unit of the model is 10 mm" in text
+    (3, True)
+    """
+    if Path(path).suffix.lower() != ".svg":
+        raise RsymError(
+            f"sections are written as .svg, got {str(path)!r}", code="suffix", remedy="end the name with .svg"
+        )
+    if unit not in UNITS or not scale > 0:
+        raise RsymError(
+            f"expected one of the units {', '.join(UNITS)} and a positive scale, got {unit!r} and {scale}",
+            code="unit",
+            remedy='for example unit="mm", scale=1.0',
+        )
+    return write_atomically(path, svg(_with_lines(sections), unit, scale).encode())
+
+
+def svg(shown: Sequence[Section], unit: str, scale: float) -> str:
+    """Sections as SVG text; the second coordinate points up, as in the model."""
+    if len({section.axis for section in shown}) != 1:
+        raise RsymError("layers of one file must have one axis", code="section", remedy="write a file for each axis")
+    points = np.concatenate([line for section in shown for line in section.lines])
+    low, high = points.min(axis=0) * scale, points.max(axis=0) * scale
+    width, height = (_number(length) for length in high - low)
+    layers = "\n".join(_layer(section, scale) for section in shown)
+    first, second = (escape(name) for name in shown[0].coordinates)
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"
+ width="{width}{unit}" height="{height}{unit}" viewBox="{_number(low[0])} {_number(-high[1])} {width} {height}">
+<desc>Sections {escape(shown[0].axis)} = constant; {first} to the right, {second} up; 1 unit of the model is \
+{_number(scale)} {unit}.</desc>
+<g transform="scale(1 -1)" fill="none" stroke="black" stroke-width="{_number(1e-3 * float(np.max(high - low)))}">
+{layers}
+</g>
+</svg>
+"""
+
+
+def _layer(section: Section, scale: float) -> str:
+    name = quoteattr(f"{section.axis}={section.value:.{DIGITS}g}")
+    paths = "\n".join(f'<path d="{_path(line * scale)}"/>' for line in section.lines)
+    return f'<g id={name} inkscape:groupmode="layer" inkscape:label={name}>\n{paths}\n</g>'
+
+
+def _path(line: Floats) -> str:
+    closed = bool((line[0] == line[-1]).all())
+    corners = line[:-1] if closed else line
+    return "M" + " L".join(f"{_number(u)} {_number(v)}" for u, v in corners) + (" Z" if closed else "")
+
+
+def _number(value: float) -> str:
+    """A number without negative zero, which two equal drawings could differ in."""
+    return f"{value:.{DIGITS}g}" if abs(value) > 1e-12 else "0"

@@ -1,0 +1,120 @@
+"""Sections of a body by parallel planes: the layers of a slicer, the paths of a mill."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.model.letters import real_number
+from rsym.model.shape import Shape
+from rsym.model.symbols import z
+from rsym.sampling.contours import LevelLines, trace
+from rsym.sampling.plane import plane_sampler
+
+
+@dataclass(frozen=True)
+class Section:
+    """The boundary of a body in the plane axis = value.
+
+    Attributes
+    ----------
+    axis : str
+        The coordinate that is constant.
+    value : float
+        Its value.
+    coordinates : tuple of two str
+        The coordinates of the plane, those of the columns of each line.
+    lines : LevelLines
+        The boundary; a closed line runs round material with the inside on one and the same hand.
+    normal : int
+        The place of `axis` among the coordinates of the shape.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
+    >>> (section,) = rsym.sections(ball, [0.6], resolution=32)
+    >>> section.axis, section.value, section.coordinates, len(section.lines)
+    ('z', 0.6, ('x', 'y'), 1)
+    """
+
+    axis: str
+    value: float
+    coordinates: tuple[str, str]
+    lines: LevelLines
+    normal: int
+
+    def in_space(self, line: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points (n, 2) of the plane as points (n, 3) of space."""
+        return np.insert(line, self.normal, self.value, axis=1)
+
+
+def sections(
+    shape: Shape,
+    values: Sequence[float],
+    *,
+    axis: Any = z,
+    resolution: int | Sequence[int] = 512,
+    bounds: Any = None,
+    letters: Mapping[Any, float] | None = None,
+) -> tuple[Section, ...]:
+    """The boundary of a body in the planes axis = value, every vertex moved onto omega = 0.
+
+    No triangulation comes between the equation and its sections. A plane that
+    does not meet the body gives a section without lines.
+
+    Parameters
+    ----------
+    shape : Shape
+        A shape in space.
+    values : sequence of float
+        Where to cut.
+    axis : symbol
+        The coordinate that is constant on each section.
+    resolution : int or two ints
+        Square cells along the longer side of the plane, or cells along each axis of it.
+    bounds, letters
+        Override those of the shape.
+
+    Returns
+    -------
+    tuple of Section
+        One for each value, in the order given.
+
+    Raises
+    ------
+    RsymError
+        For a shape in the plane, an unknown axis, no values, or a value that is not a finite number.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
+    >>> [len(section.lines) for section in rsym.sections(ball, [-1.5, 0, 0.6], resolution=32)]
+    [0, 1, 1]
+    """
+    names = [symbol.name for symbol in shape.coordinates]
+    if shape.dimension != 3 or str(axis) not in names:
+        raise RsymError(
+            f"sections need a shape in space and one of its coordinates, got {', '.join(names)} and {axis}",
+            code="section",
+            remedy="sections(shape, values, axis=z) with a shape in (x, y, z)",
+        )
+    heights = [float(real_number(value, f"a section {axis}")) for value in values]
+    if not heights:
+        raise RsymError("sections need at least one value, got none", code="section", remedy="for example [0.5, 1.0]")
+    first = plane_sampler(
+        shape, "value", resolution=resolution, bounds=bounds, letters=letters, section={axis: heights[0]}
+    )
+    normal = names.index(str(axis))
+    return tuple(
+        Section(names[normal], height, first.names, trace(replace(first, fixed={normal: height}), 0.0), normal)
+        for height in heights
+    )
