@@ -13,11 +13,11 @@ import warnings
 from collections.abc import Sequence
 from typing import Any
 
-from rsym.commands import fields, letters, mesh, reproduce, show, sweep
+from rsym.commands import fields, letters, mesh, reproduce, sections, show, sweep
 from rsym.errors import RsymError, RsymWarning
 
 # Another command is one module beside these, and its name here and above.
-COMMANDS = (reproduce, show, letters, fields, sweep, mesh)
+COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -128,6 +128,14 @@ def test_a_strip_of_small_multiples(tmp_path, model):
     assert (tmp_path / "cuts.svg").read_bytes() == first
 
 
+def test_sections_are_layers_or_a_stack(tmp_path, model):
+    cut = ["sections", model, "--shape", "ball", "--values", "0,0.6", "--resolution", "32"]
+    assert main([*cut, "-o", str(tmp_path / "layers.svg"), "--scale", "10"]) == 0
+    assert (tmp_path / "layers.svg").read_text().count("<path") == 2
+    assert main([*cut, "-o", str(tmp_path / "stack.png"), "--axis", "x"]) == 0
+    assert (tmp_path / "stack.png").read_bytes().startswith(b"\x89PNG")
+
+
 def test_a_warning_is_one_line(tmp_path, model, capsys):
     sweep = ["sweep", model, "--letter", "r", "--values", "2.5", "--resolution", "24", "--shape", "ball"]
     assert main([*sweep, "-o", str(tmp_path / "bodies.png")]) == 0

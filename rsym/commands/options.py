@@ -86,6 +86,20 @@ def cells(text: str) -> int | tuple[int, ...]:
     return numbers[0] if len(numbers) == 1 else numbers
 
 
+def values(text: str) -> list[float]:
+    """Numbers as they are typed.
+
+    Examples
+    --------
+    >>> values("20,40,80")
+    [20.0, 40.0, 80.0]
+    """
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"expected numbers such as 20,40,80; got {text!r}") from None
+
+
 def numbers(texts: Sequence[str], option: str) -> dict[str, float]:
     """Names and values as they are typed: ``["a=1", "b=2.5"]``.
 

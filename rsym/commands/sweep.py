@@ -15,6 +15,7 @@ from rsym.commands.options import (
     load_shape,
     numbers,
     progress_bar,
+    values,
 )
 
 
@@ -33,7 +34,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--values",
         required=True,
-        type=_values,
+        type=values,
         metavar="V,V,...",
         help="its values; if the first is negative, write --values=-1,2",
     )
@@ -65,10 +66,3 @@ def run(options: argparse.Namespace) -> None:
             progress=progress,
         )
     print(write_picture(figure, options.output))
-
-
-def _values(text: str) -> list[float]:
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"expected numbers such as 20,40,80; got {text!r}") from None
