@@ -8,6 +8,7 @@ from closeness import assert_close
 import rsym
 from rsym import x, y
 from rsym.paper import READINGS
+from rsym.paper.drawing import mesh_quietly
 
 
 def value(shape, *point):
@@ -15,7 +16,7 @@ def value(shape, *point):
 
 
 def volume(shape):
-    return rsym.mesh(shape, 100).status.volume
+    return mesh_quietly(shape, 100).status.volume
 
 
 def test_the_printed_f_o_is_flat_on_its_segment_and_the_repaired_one_is_normalised():
@@ -69,7 +70,7 @@ def test_z_b_agrees_at_the_letters_b_and_not_at_a():
 
 @pytest.mark.parametrize(("reading", "reach"), [("standard", 7.3), ("strip", 6.0)])
 def test_the_strip_decides_the_width_of_figure_7(reading, reach):
-    body = rsym.mesh(rsym.paper.car(stage="test3", reading=reading), 100)
+    body = mesh_quietly(rsym.paper.car(stage="test3", reading=reading), 100)
     assert_close(np.abs(body.vertices[:, 0]).max(), reach, atol=0.01)
 
 

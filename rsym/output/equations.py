@@ -13,7 +13,7 @@ from matplotlib.textpath import TextPath
 
 from rsym.errors import RsymError
 
-SIZE = 13.0  # CSS pixels
+SIZE = 14.5  # CSS pixels
 FONT = "stix"  # Times-like, beside a serif text
 MARGIN = 1.0
 STEPS = 20  # per CSS pixel: whole numbers keep pages small

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
 
-from rsym.errors import RsymWarning
-from rsym.model.letters import Letter
 from rsym.model.motions import revolve
-from rsym.model.shape import Shape
+from rsym.output.axes3d import add_axes
 from rsym.output.fields import plot_fields
 from rsym.output.surfaces import plot_mesh
-from rsym.paper.models import car, skeleton_body
+from rsym.paper import poppet, studies
+from rsym.paper.drawing import Drawing, Recipe, figure_of, letters_text, mesh_quietly
+from rsym.paper.models import car, skeleton_body, streamlined
 from rsym.sampling.mesh import Mesh
-from rsym.sampling.meshing import mesh
 
 # 10 million samples; the source had 3.4 and 15.6 million (27 and 125 sub-boxes of 125 000 points).
 RESOLUTION = 360
@@ -30,64 +24,35 @@ FRONT, REAR = 48.0, -52.0
 BODIES = ((8, 40), (8, 20), (6, 40), (10, 40), (10, 60), (12, 80))
 SHEET = (12.0, 4.4)
 BODY_BOX = ((-6.0, 8.0), (-2.4, 2.4), (-2.4, 2.4))
-
-
-@dataclass(frozen=True)
-class Drawing:
-    """A finished figure and what it was made of."""
-
-    figure: Figure
-    letters: str
-    triangles: int
-    remark: str
-
-
-@dataclass(frozen=True)
-class Recipe:
-    """One figure of the paper: its file name, its title, the seconds the paper gives, how to draw it."""
-
-    name: str
-    title: str
-    published: str
-    draw: Callable[[], Drawing]
+COARSE = (35, 73, 43)  # 37*75*45 points, 125 000 as in Fig. 10, more along the car than across it
+STREAMLINED_RESOLUTION = (210, 440, 270)
+NORMALISED = r"\omega_{n} = \frac{\omega}{\sqrt{\omega^{2} + \left(\nabla\omega\right)^{2}}}"
+REVOLVED = r"\omega_{n}\left(x,\, \sqrt{y^{2} + z^{2}}\right) = 0"
 
 
 def _car_recipe(
     name: str, title: str, published: str, stage: str, variant: str = "a", azimuth: float = FRONT
 ) -> Recipe:
-    return Recipe(name, title, published, lambda: _draw_car(stage, variant, azimuth))
+    return Recipe(name, title, published, lambda: _draw_car(stage, variant, azimuth), model=("car", stage))
 
 
 @lru_cache(maxsize=1)  # Fig. 9 shows one mesh from two sides
 def _car_mesh(stage: str, variant: str) -> Mesh:
-    return _told(car(variant, stage), FINE if stage == "W" else RESOLUTION)
-
-
-def _told(shape: Shape, resolution: int | tuple[int, int, int]) -> Mesh:
-    """A mesh whose warnings need no repeating: its status stands under the figure."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RsymWarning)
-        return mesh(shape, resolution)
+    return mesh_quietly(car(variant, stage), FINE if stage == "W" else RESOLUTION)
 
 
 def _draw_car(stage: str, variant: str, azimuth: float) -> Drawing:
     shape, body = car(variant, stage), _car_mesh(stage, variant)
-    figure = _figure_of(plot_mesh(body, azimuth=azimuth))
-    return Drawing(figure, letters_text(shape.letters), body.status.triangles, str(body.status))
+    figure = figure_of(plot_mesh(body, azimuth=azimuth))
+    return Drawing(figure, letters_text(shape.letters), body.status.triangles, f"roof and boot restored; {body.status}")
 
 
 def _draw_triangulation() -> Drawing:
     """125 000 points, as the source: 50 along each axis."""
     shape = car()
-    body = _told(shape, (50, 50, 50))
-    figure = _figure_of(plot_mesh(body, azimuth=FRONT, edges=True))
-    return Drawing(figure, letters_text(shape.letters), body.status.triangles, str(body.status))
-
-
-def _figure_of(artist: Artist) -> Figure:
-    figure = artist.get_figure()
-    assert isinstance(figure, Figure)
-    return figure
+    body = mesh_quietly(shape, (50, 50, 50))
+    figure = figure_of(plot_mesh(body, azimuth=FRONT, edges=True))
+    return Drawing(figure, letters_text(shape.letters), body.status.triangles, f"roof and boot restored; {body.status}")
 
 
 def _draw_sheet() -> Drawing:
@@ -102,30 +67,40 @@ def _draw_bodies() -> Drawing:
     figure = Figure(figsize=SHEET)
     triangles = 0
     for position, (a1, p1) in enumerate(BODIES):
-        result = mesh(solid, 200, bounds=BODY_BOX, letters={"a1": a1, "p1": p1})
+        result = mesh_quietly(solid, 200, bounds=BODY_BOX, letters={"a1": a1, "p1": p1})
         row, column = divmod(position, 3)
         # mplot3d draws into squares; slender bodies need only the middle of theirs, so the rows overlap.
         side = width / 3 / height
-        ax = figure.add_axes((column / 3, 0.75 - row / 2 - side / 2, 1 / 3, side), projection="3d")
-        ax.patch.set_visible(False)
-        ax.set_in_layout(False)
-        plot_mesh(result, ax=ax, elevation=16.0, azimuth=-68.0)
+        axes = add_axes(figure, (column / 3, 0.75 - row / 2 - side / 2, 1 / 3, side))
+        plot_mesh(result, ax=axes, elevation=16.0, azimuth=-68.0)
         figure.text((column + 0.5) / 3, 0.92 - row / 2, f"$a_1 = {a1}$, $p_1 = {p1}$", ha="center", fontsize=11)
         triangles += result.status.triangles
-    # A trimmed picture is then the whole figure, not the squares that hang out of it.
-    figure.add_artist(Rectangle((0, 0), 1, 1, transform=figure.transFigure, alpha=0))
     pairs = ", ".join(f"({a1}, {p1})" for a1, p1 in BODIES)
     printed = letters_text({name: letter for name, letter in body.letters.items() if name not in {"a1", "p1"}})
-    remark = "the source does not print the pairs (a1, p1)"
+    remark = "the pairs (a1, p1) are ours: the source does not print them"
     return Drawing(figure, f"{printed}, (a1, p1) = {pairs}", triangles, remark)
 
 
-def letters_text(letters: Mapping[str, Letter]) -> str:
-    """The letters as `name = value`, decimals short."""
-    return ", ".join(f"{name} = {float(letter.default):g}" for name, letter in letters.items())
+def _draw_streamlined() -> Drawing:
+    """From the front and from the rear."""
+    shape = streamlined()
+    body = mesh_quietly(shape, STREAMLINED_RESOLUTION)
+    figure = Figure(figsize=(7.0, 7.0))
+    for bottom, elevation, azimuth in ((0.26, 20.0, 42.0), (-0.19, 24.0, -130.0)):
+        plot_mesh(body, ax=add_axes(figure, (0.0, bottom, 1.0, 1.0)), elevation=elevation, azimuth=azimuth)
+    return Drawing(figure, letters_text(shape.letters), body.status.triangles, f"ours; {body.status}")
+
+
+def _draw_streamlined_triangulation() -> Drawing:
+    shape = streamlined()
+    body = mesh_quietly(shape, COARSE)
+    figure = figure_of(plot_mesh(body, elevation=20.0, azimuth=42.0, edges=True))
+    return Drawing(figure, letters_text(shape.letters), body.status.triangles, f"ours; {body.status}")
 
 
 RECIPES: tuple[Recipe, ...] = (
+    Recipe("fig01", "A valve", "", poppet.draw_valve),
+    Recipe("fig02", "The function of the valve", "", poppet.draw_listing, model=("valve", "omega")),
     _car_recipe("fig05a", "Roof, boot and bonnet with arches", "23.32", "test1"),
     _car_recipe("fig05b", "Roof, boot and bonnet with arches, other letters", "23.32", "test1", "b"),
     _car_recipe("fig06a", "Boot and bonnet rounded", "23.35", "test2"),
@@ -136,7 +111,26 @@ RECIPES: tuple[Recipe, ...] = (
     _car_recipe("fig08b", "The body with wheels and windows", "23.91", "test5"),
     _car_recipe("fig09a", "The car, rear view", "23.86 (27 sub-boxes), 93 (125)", "W", azimuth=REAR),
     _car_recipe("fig09b", "The car, front view", "23.86 (27 sub-boxes), 93 (125)", "W"),
-    Recipe("fig10", "Triangulation of the car from 125 000 points", "", _draw_triangulation),
-    Recipe("fig11", "Level lines of the six fields of the skeleton body", "", _draw_sheet),
-    Recipe("fig12", "Bodies of revolution", "", _draw_bodies),
+    Recipe("fig10", "Triangulation of the car from 125 000 points", "", _draw_triangulation, model=("car", "W")),
+    Recipe(
+        "fig11",
+        "Level lines of the six fields of the skeleton body",
+        "",
+        _draw_sheet,
+        model=("skeleton", "omega"),
+        equations=(NORMALISED,),
+    ),
+    Recipe("fig12", "Bodies of revolution", "", _draw_bodies, model=("skeleton", "omega"), equations=(REVOLVED,)),
+    Recipe("fig13", "A car of unusual shape", "", _draw_streamlined, model=("streamlined", "omega")),
+    Recipe("fig14", "Triangulation of the car of unusual shape", "", _draw_streamlined_triangulation),
+    Recipe("table1", "The cost of drawing the valve", "", studies.draw_cost),
+    Recipe("preference", "Why the normalised function is preferred", "", studies.draw_preference),
+    Recipe("sections", "Sections of the car at constant z", "", studies.draw_sections),
+    Recipe(
+        "revolution",
+        "Normalising before and after revolving",
+        "",
+        studies.draw_revolution,
+        equations=studies.REVOLUTION_EQUATIONS,
+    ),
 )
