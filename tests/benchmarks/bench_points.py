@@ -9,6 +9,12 @@ CAR = rsym.paper.car()
 POINTS = [np.random.default_rng(0).uniform(*side, 2**22) for side in CAR.bounds]
 
 
+def in_blocks(function, size=8192):
+    """Faster than all at once: temporary arrays stay in the cache, whatever the state of the memory."""
+    starts = range(0, len(POINTS[0]), size)
+    return np.concatenate([function(*(column[start : start + size] for column in POINTS)) for start in starts])
+
+
 def test_value_of_the_car(benchmark, contest, tmp_path):
     """Car, 4 194 304 points"""
     contest.points = len(POINTS[0])
@@ -27,6 +33,7 @@ def test_value_of_the_car(benchmark, contest, tmp_path):
         "float32, all threads": lambda: kernels["float32", None](*single)["value"],
         "backend numpy, one thread": lambda: by_numpy(*POINTS)["value"],
         "sympy.lambdify(cse=True)": lambda: plain(*POINTS),
+        "  in blocks of 8192 points": lambda: in_blocks(plain),
         **compiled_c(CAR, POINTS, tmp_path),
     }
     exact = kernels["float64", 1](*POINTS)["value"]
