@@ -19,6 +19,15 @@ def area(line):
     return float(u[:-1] @ v[1:] - v[:-1] @ u[1:]) / 2
 
 
+def test_a_section_is_reported_and_can_be_cancelled():
+    ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
+    seen = []
+    with pytest.raises(RsymError) as caught:
+        rsym.sections(ball, [0, 0.1, 0.2], resolution=16, progress=lambda *step: seen.append(step) or len(seen) < 2)
+    assert caught.value.code == "cancelled"
+    assert seen == [(1, 3), (2, 3)]
+
+
 def test_sections_of_a_ball_are_circles_of_the_right_radius():
     for section in rsym.sections(BALL, [-1.5, 0, 1], resolution=64):
         (circle,) = section.lines

@@ -14,6 +14,7 @@ from rsym.commands.options import (
     add_resolution,
     add_revolve,
     load_shape,
+    progress_bar,
     values,
 )
 
@@ -44,7 +45,9 @@ def run(options: argparse.Namespace) -> None:
     from rsym.sampling.sections import sections
 
     picture_suffix(options.output)
-    layers = sections(load_shape(options), options.values, axis=options.axis, resolution=options.resolution)
+    shape = load_shape(options)
+    with progress_bar("section", "cutting") as progress:
+        layers = sections(shape, options.values, axis=options.axis, resolution=options.resolution, progress=progress)
     if Path(options.output).suffix.lower() == ".svg":
         print(write_sections(layers, options.output, unit=options.unit, scale=options.scale))
     else:

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from rsym.codegen.fields import SIX
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
-from rsym.output.panels import COLOUR_MAP, TITLES, Progress, colour_bar, draw_levels, dress, report, robust_levels
+from rsym.output.panels import COLOUR_MAP, TITLES, colour_bar, draw_levels, dress, robust_levels
 from rsym.output.sheet import Sheet, sheet_sampler
 from rsym.sampling.contours import level_lines
 from rsym.sampling.plane import plane_sampler
+from rsym.sampling.progress import Progress, report
 
 
 def plot_field(

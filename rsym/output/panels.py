@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import Any, TypeAlias
+from collections.abc import Iterable
 
 import matplotlib.ticker
 import numpy as np
@@ -16,8 +15,6 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.sampling.plane import PlaneSampler
-
-Progress: TypeAlias = Callable[[int, int], Any]
 
 TITLES = {
     "value": r"$\omega$",
@@ -106,9 +103,3 @@ def dress(ax: Axes, sampler: PlaneSampler, title: str) -> None:
     )
     ax.set_title(title, fontsize=12)
     ax.tick_params(labelsize=8)
-
-
-def report(progress: Progress | None, done: int, total: int) -> None:
-    """Say how far a drawing is; an answer of False cancels it."""
-    if progress is not None and progress(done, total) is False:
-        raise RsymError("the drawing was cancelled", code="cancelled")

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from rsym.codegen.fields import checked_fields
 from rsym.codegen.kernel import compile
 from rsym.model.shape import Shape
-from rsym.output.panels import COLOUR_MAP, TITLES, Progress, colour_bar, draw_levels, dress, report, robust_levels
+from rsym.output.panels import COLOUR_MAP, TITLES, colour_bar, draw_levels, dress, robust_levels
 from rsym.sampling.contours import LevelLines, trace
 from rsym.sampling.plane import PlaneSampler, checked_scalar, plane_sampler
+from rsym.sampling.progress import Progress, report
 
 
 @dataclass(frozen=True)

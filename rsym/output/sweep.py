@@ -18,12 +18,13 @@ from rsym.model.language.typesetting import typeset_name
 from rsym.model.letters import Letter
 from rsym.model.shape import Shape
 from rsym.output import axes3d
-from rsym.output.panels import Progress, colour_bar, draw_levels, dress, report, robust_levels
+from rsym.output.panels import colour_bar, draw_levels, dress, robust_levels
 from rsym.output.surfaces import plot_mesh
 from rsym.sampling.contours import trace
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 from rsym.sampling.plane import plane_sampler
+from rsym.sampling.progress import Progress, report
 
 PLANE_RESOLUTION, SPACE_RESOLUTION = 300, 192
 PANEL = 3.2  # inches, the longer side of a panel in the plane

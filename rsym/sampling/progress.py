@@ -10,6 +10,12 @@ from rsym.errors import RsymError
 Progress: TypeAlias = Callable[[int, int], Any]
 
 
+def report(progress: Progress | None, done: int, total: int) -> None:
+    """Say how far a computation is; an answer of False cancels it."""
+    if progress is not None and progress(done, total) is False:
+        raise RsymError(f"cancelled after {done} of {total} steps", code="cancelled")
+
+
 class Steps:
     """Counts the steps of a computation and reports each to ``progress(done, total)``; False cancels.
 
@@ -28,5 +34,4 @@ class Steps:
     def advance(self) -> None:
         """Report one more step as done; raise if the answer is False."""
         self.done += 1
-        if self._progress is not None and self._progress(self.done, self.total) is False:
-            raise RsymError(f"cancelled after {self.done} of {self.total} steps", code="cancelled")
+        report(self._progress, self.done, self.total)

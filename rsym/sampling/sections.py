@@ -15,6 +15,7 @@ from rsym.model.shape import Shape
 from rsym.model.symbols import z
 from rsym.sampling.contours import LevelLines, trace
 from rsym.sampling.plane import plane_sampler
+from rsym.sampling.progress import Progress, Steps
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,7 @@ def sections(
     resolution: int | Sequence[int] = 512,
     bounds: Any = None,
     letters: Mapping[Any, float] | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Section, ...]:
     """The boundary of a body in the planes axis = value, every vertex moved onto omega = 0.
 
@@ -81,6 +83,8 @@ def sections(
         Square cells along the longer side of the plane, or cells along each axis of it.
     bounds, letters
         Override those of the shape.
+    progress : callable, optional
+        ``progress(done, total)`` after each section; returning False cancels with an RsymError.
 
     Returns
     -------
@@ -114,7 +118,9 @@ def sections(
         shape, "value", resolution=resolution, bounds=bounds, letters=letters, section={axis: heights[0]}
     )
     normal = names.index(str(axis))
-    return tuple(
-        Section(names[normal], height, first.names, trace(replace(first, fixed={normal: height}), 0.0), normal)
-        for height in heights
-    )
+    steps, found = Steps(len(heights), progress), []
+    for height in heights:
+        lines = trace(replace(first, fixed={normal: height}), 0.0)
+        found.append(Section(names[normal], height, first.names, lines, normal))
+        steps.advance()
+    return tuple(found)
