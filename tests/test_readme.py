@@ -7,9 +7,11 @@ import matplotlib.pyplot
 import numpy as np
 import pytest
 import trimesh
+from closeness import assert_close
 
 import rsym
 from rsym.cli import main
+from rsym.output.files import FORMATS
 
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text()
@@ -45,21 +47,56 @@ def test_the_lines_about_a_shape():
     assert np.abs(np.hypot(*space["circle"].T) - 2).max() < 1e-12
 
 
-def test_the_model_file_and_the_commands():
+def test_the_lines_about_other_ways_to_run_a_shape():
+    space = {}
+    exec("\n".join([*PYTHON[0].splitlines()[:2], PYTHON[1], PYTHON[2]]), space)
+    assert_close(space["slow"]["value"], space["fields"]["value"], rtol=1e-14)
+    assert space["fast"](1.0, 0.5)["value"].dtype == np.float32
+    assert "void rsym_kernel(" in space["text"]
+    corner = rsym.compile(rsym.Shape(space["smooth"], (rsym.x, rsym.y)), ("hessian",))(2.0, 2.0)
+    assert corner["hessian"].tolist() == [[0, 0], [0, 0]]
+
+
+def test_the_table_of_systems_names_them_all():
+    names = re.findall(r"^\| `(\w+)", TEXT, re.MULTILINE)
+    assert names == ["R0", "R1", "RAlpha", "R0m", "Rp"]
+    assert all(hasattr(rsym, name) for name in names)
+    operations = re.search(r"Beside them: (.*?)A parameter", TEXT, re.DOTALL).group(1)
+    assert all(callable(getattr(rsym, name)) for name in re.findall(r"`(\w+)`", operations))
+
+
+def test_the_model_file_and_the_commands(capsys):
     (model,) = [code for code in PLAIN if code.startswith("letter")]
     Path("ball.rf").write_text(model)
     (commands,) = [code for code in PLAIN if code.startswith("rsym mesh")]
     for command in commands.strip().splitlines():
-        assert main([*command.split()[1:], "--resolution", "48"]) == 0
+        prints = command.split()[1] in {"letters", "show"}
+        assert main([*command.split()[1:], *([] if prints else ["--resolution", "48"])]) == 0
     for name in ("ball.stl", "car.stl"):
         assert trimesh.load_mesh(name).is_watertight
-    assert Path("sheet.png").stat().st_size > 20_000
+    for name in ("sheet.png", "strip.png", "layers.svg", "valve.html"):
+        assert Path(name).stat().st_size > 10_000
+    printed = capsys.readouterr().out
+    assert "roof: half its length" in printed
+    assert r"\begin{align*}" in printed
     assert rsym.load("ball.rf").letters["r"].doc == "radius of the ball"
+
+
+def test_models_formats_and_systems_of_the_language_are_those_named():
+    named = re.search(r"^(.*) come with rsym", TEXT, re.MULTILINE).group(1)
+    assert re.findall(r"`(\w+)`", named) == list(rsym.paper.MODELS)
+    written = re.search(r"A mesh goes to (.*?) page", TEXT, re.DOTALL).group(1)
+    assert set(re.findall(r"`(\.\w+)`", written)) == set(FORMATS)
+    for system in ("R0", "R1", "Ralpha 0.5", "R0m 2", "Rp 4"):
+        assert system in TEXT
+        rsym.loads(f"system {system}; omega = rfAND(x, y)")
 
 
 def test_the_two_commands_are_there():
     assert PLAIN[1].strip() == "pip install . && rsym reproduce --out figures"
     assert PLAIN[2].strip() == 'pip install ".[test]" && pytest'
+    assert PLAIN[-1].strip() == "pytest tests/benchmarks"
+    assert list((ROOT / "tests/benchmarks").glob("bench_*.py"))
 
 
 def test_folders_and_picture_exist():
