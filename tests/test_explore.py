@@ -205,3 +205,10 @@ def test_a_missing_package_and_missing_bounds(monkeypatch):
     with pytest.raises(RsymError, match=r'pip install "rsym\[notebook\]"') as caught:
         rsym.explore(EGG)
     assert caught.value.code == "missing-package"
+
+
+@pytest.mark.parametrize("resolution", [(10, 20), 1, "fine"])
+def test_a_resolution_that_is_no_number_of_cells_is_refused(resolution):
+    with pytest.raises(rsym.RsymError) as caught:
+        rsym.explore(rsym.paper.skeleton_body(), resolution=resolution)
+    assert caught.value.code == "resolution"

@@ -3,7 +3,12 @@ import sympy as sp
 
 from rsym import RsymError
 from rsym.model.language.listing import definitions
-from rsym.model.language.typesetting import typeset_name
+from rsym.model.language.loading import loads
+from rsym.model.language.vocabulary import ARITIES
+from rsym.model.names import typeset_name
+from rsym.model.shape import Shape, latex
+from rsym.model.symbols import x, y
+from rsym.output.equations import equation
 
 
 @pytest.mark.parametrize(
@@ -29,6 +34,14 @@ from rsym.model.language.typesetting import typeset_name
         ("rfAND(rfAND(x, y), rfNOT(x))", r"\left(x \wedge_0 y\right) \wedge_0 \left(-x\right)"),
         ("2*rfAND(x, y)", r"2 \left(x \wedge_0 y\right)"),
         ("-rfAND(x, y)", r"-\left(x \wedge_0 y\right)"),
+        ("joining(x, y - 1)", r"x \cup_{2} \left(y - 1\right)"),
+        ("equivalence(x, y)", r"x \sim_{2} y"),
+        ("difference(x, y, a)", r"x \wedge_0 \left(-y\right) \wedge_0 \left(-a\right)"),
+        ("implication(x, y)", r"\left(-x\right) \vee_0 y"),
+        (
+            "exclusive_or(x, y)",
+            r"\left(x \wedge_0 \left(-y\right)\right) \vee_0 \left(\left(-x\right) \wedge_0 y\right)",
+        ),
     ],
 )
 def test_formulas_keep_their_order_and_their_brackets(formula, latex):
@@ -66,6 +79,22 @@ def test_definitions_are_those_that_the_shape_needs_with_names_as_symbols(tmp_pa
 
 def test_the_sign_is_that_of_the_system():
     assert definitions("system R1; f = rfAND(x, y)")[0].latex == r"f = x \wedge_1 y"
+    assert definitions("system Rp 4; f = rfOR(x, y)")[0].latex == r"f = x \vee_{p=4} y"
+    assert definitions("letter alpha = 0; system Ralpha alpha; f = rfOR(x, y)")[0].latex == r"f = x \vee_{\alpha} y"
+
+
+def test_every_function_of_the_language_is_latex_that_mathtext_knows():
+    for name, (fewest, _) in ARITIES.items():
+        (definition,) = definitions(f"f = {name}({', '.join('xyxyxy'[:fewest])})")
+        assert equation(definition.latex)
+
+
+def test_a_shape_prints_its_names_like_its_file():
+    shape = loads("letter ra = 2 in [1, 3]; f_o = ra - x; omega = f_o*xk2; letter xk2 = 1")
+    assert r"f_{o} &= r_{a} - x" in shape._repr_latex_()
+    assert r"r_{a} = 2" in shape._repr_latex_()
+    assert r"f_{o} x_{k2}" in shape._repr_latex_()
+    assert latex(Shape(sp.Symbol("a'") * x, (x, y), letters={"a'": 1})).endswith("x")
 
 
 def test_refusals_are_those_of_the_language(tmp_path):

@@ -11,7 +11,6 @@ from rsym.commands.options import Chosen, Commands, add_command, add_model, load
 
 if TYPE_CHECKING:
     from rsym.model.language.listing import Definition
-    from rsym.model.systems import RSystem
 
 WIDTH = 100  # characters in a line
 DOCUMENT = r"""\documentclass{article}
@@ -49,6 +48,8 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _text(chosen: Chosen, formulas: tuple[Definition, ...]) -> str:
+    from rsym.model.language.functions import written_system
+
     shape = chosen.shape
     names = [symbol.name for symbol in shape.coordinates]
     box = [f"{name} [{low:g}, {high:g}]" for name, (low, high) in zip(names, shape.bounds or (), strict=False)]
@@ -56,18 +57,11 @@ def _text(chosen: Chosen, formulas: tuple[Definition, ...]) -> str:
     parts = {
         "coordinates": " ".join(names),
         "bounds": "  ".join(box) or "none",
-        "system": _system(chosen.model.system),
+        "system": written_system(chosen.model.system),
         "letters": ", ".join(letters) or "none",
     }
     lines = [_wrapped(f"{name:<13}{text}", 13) for name, text in parts.items()]
     return "\n".join([*lines, "", *(_wrapped(f"{one.name} = {one.expression}", 4) for one in formulas)])
-
-
-def _system(system: RSystem) -> str:
-    """The word of the model language, or for a system with a parameter what Python writes."""
-    from rsym.model.language.functions import SYSTEMS
-
-    return next((word for word, one in SYSTEMS.items() if one == system), str(system))
 
 
 def _wrapped(text: str, indent: int) -> str:
@@ -75,7 +69,7 @@ def _wrapped(text: str, indent: int) -> str:
 
 
 def _latex(chosen: Chosen, formulas: tuple[Definition, ...]) -> str:
-    from rsym.model.language.typesetting import typeset_name
+    from rsym.model.names import typeset_name
 
     shape = chosen.shape
     names = [typeset_name(symbol.name) for symbol in shape.coordinates]

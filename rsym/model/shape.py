@@ -12,6 +12,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.folds import Fold
 from rsym.model.letters import Letter, Letters, as_letters
+from rsym.model.names import symbol_names
 from rsym.model.symbols import as_expression, real_replacements
 from rsym.model.systems import R0
 from rsym.model.traversal import substitute, symbols_of
@@ -154,9 +155,9 @@ class Shape:
         return self._combined(lambda f, g: R0.disjunction(R0.conjunction(f, -g), R0.conjunction(-f, g)), other)
 
     def _repr_latex_(self) -> str:
-        names = map(sp.latex, self.coordinates)
+        names = map(_printed, self.coordinates)
         box = [rf"{name} \in [{low:g}, {high:g}]" for name, (low, high) in zip(names, self.bounds or (), strict=False)]
-        letters = [f"{sp.latex(sp.Symbol(name))} = {float(item.default):g}" for name, item in self.letters.items()]
+        letters = [f"{_printed(sp.Symbol(name))} = {float(item.default):g}" for name, item in self.letters.items()]
         groups = [box, *(letters[start : start + _IN_A_LINE] for start in range(0, len(letters), _IN_A_LINE))]
         lines = [latex(self), *(r",\quad ".join(group) for group in groups if group)]
         text = r" \\ & ".join(lines)
@@ -175,18 +176,23 @@ def latex(shape: Shape) -> str:
     >>> print(latex(rsym.Shape(rsym.conjunction(x, y), (x, y))))
     \omega\left(x, y\right) = x \wedge_0 y
     """
-    arguments = ", ".join(sp.latex(symbol) for symbol in shape.coordinates)
+    arguments = ", ".join(map(_printed, shape.coordinates))
     name = rf"\omega\left({arguments}\right)"
     if not shape.definitions:
         return f"{name} = {_latex_line(shape.expression)}"
-    lines = [f"{sp.latex(sp.Symbol(title))} &= {_latex_line(value)}" for title, value in shape.definitions]
-    last = sp.latex(sp.Symbol(shape.definitions[-1][0]))
+    lines = [f"{_printed(sp.Symbol(title))} &= {_latex_line(value)}" for title, value in shape.definitions]
+    last = _printed(sp.Symbol(shape.definitions[-1][0]))
     lines[-1] = lines[-1].replace(f"{last} &=", f"{name} &=", 1)
     return r"\begin{aligned}" + r"\\ ".join(lines) + r"\end{aligned}"
 
 
+def _printed(expression: sp.Expr) -> str:
+    text: str = sp.latex(expression, symbol_names=symbol_names(symbols_of(expression)))
+    return text
+
+
 def _latex_line(expression: sp.Expr) -> str:
-    text: str = sp.latex(expression)
+    text = _printed(expression)
     outer = isinstance(expression, Fold)
     return text.removeprefix(r"\left(").removesuffix(r"\right)") if outer else text
 

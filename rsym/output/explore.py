@@ -44,12 +44,13 @@ def explore(
     ipywidgets.VBox
         ``.letters["a"].value = 0.7`` moves a slider and draws at once; ``.values``
         are the letters, ``.figure`` is what is drawn, ``.message`` says what
-        could not be. ``.view.value`` is ``"sheet"`` or ``"body"``.
+        could not be. ``.view.value`` is ``"sheet"`` or ``"body"``; ``.picture`` is
+        the widget that shows it, ``.camera`` the sliders of elevation and azimuth.
 
     Raises
     ------
     RsymError
-        If ipywidgets is not installed, or the shape has no bounds.
+        If ipywidgets is not installed, the shape has no bounds, or the resolution is no number of cells.
 
     Examples
     --------

@@ -19,7 +19,7 @@ from rsym.model.shape import Shape
 from rsym.output import controls
 from rsym.output.presets import load_letters, save_letters
 from rsym.output.views import BodyView, SheetView, png
-from rsym.sampling.lattice import bounds_of
+from rsym.sampling.lattice import bounds_of, checked_cells
 
 RESOLUTION = 160
 MANY = 12  # letters
@@ -59,7 +59,7 @@ class Explorer(ipywidgets.VBox):  # type: ignore[misc]
         )
         self.view = controls.view_buttons("sheet" if shape.dimension == 2 else "body")
         self.fields = controls.field_choice(checked_fields(fields))
-        self.resolution = controls.resolution_choice(resolution)
+        self.resolution = controls.resolution_choice(checked_cells(resolution))
         self.section: tuple[Any, ...] = () if shape.dimension == 2 else controls.section_choice(self._box)
         self.camera = controls.camera_sliders(22.0, -55.0)
         self.reset = controls.button("reset", "all letters back to their defaults")

@@ -14,8 +14,8 @@ from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError, RsymWarning
-from rsym.model.language.typesetting import typeset_name
 from rsym.model.letters import Letter
+from rsym.model.names import typeset_name
 from rsym.model.shape import Shape
 from rsym.output import axes3d
 from rsym.output.panels import colour_bar, draw_levels, dress, robust_levels

@@ -33,7 +33,7 @@ class LevelLinesStatus:
     def __str__(self) -> str:
         text = f"{self.closed} closed and {self.open} open lines with {self.vertices} vertices on the level."
         if self.kept:
-            text += f" {self.kept} vertices are unresolved: they keep the place that linear interpolation gave."
+            text += f" Vertices unresolved, kept where linear interpolation put them: {self.kept}."
         if self.undefined_samples:
             text += f" The field is undefined at {self.undefined_samples} samples."
         return text

@@ -60,14 +60,14 @@ def lattice_over(bounds: Bounds, resolution: int | Sequence[int]) -> Lattice:
     """
     sides = [high - low for low, high in bounds]
     if isinstance(resolution, Sequence):
-        cells = [_checked_cells(cell) for cell in resolution]
+        cells = [checked_cells(cell) for cell in resolution]
         if len(cells) != len(sides):
             raise RsymError(
                 f"resolution must be an integer or {len(sides)} integers, got {resolution}", code="resolution"
             )
         spacing = [side / cell for side, cell in zip(sides, cells, strict=True)]
     else:
-        step = max(sides) / _checked_cells(resolution)
+        step = max(sides) / checked_cells(resolution)
         cells = [max(1, math.ceil(side / step - 1e-9)) for side in sides]
         spacing = [step] * len(sides)
     counts = tuple(cell + 2 for cell in cells)
@@ -93,7 +93,8 @@ def bounds_of(shape: Shape, bounds: Any) -> Bounds:
     return chosen
 
 
-def _checked_cells(cells: Any) -> int:
+def checked_cells(cells: Any) -> int:
+    """A number of cells, if it is one."""
     if isinstance(cells, bool) or not isinstance(cells, int | np.integer) or cells < 2:
         raise RsymError(f"resolution must be an integer of at least 2, got {cells!r}", code="resolution")
     return int(cells)

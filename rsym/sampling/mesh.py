@@ -61,7 +61,7 @@ class MeshStatus:
         text = f"{self.triangles} triangles in {pieces}, {state}; Euler characteristic {self.euler_characteristic}."
         if self.unresolved:
             # No remark: float32 put them on a lattice point, so they are off by a ten-thousandth of a cell.
-            text += f" {self.unresolved} vertices are unresolved: they keep the place that linear interpolation gave."
+            text += f" Vertices unresolved, kept where linear interpolation put them: {self.unresolved}."
         return " ".join([text, *self.remarks])
 
     @property

@@ -17,11 +17,26 @@ from rsym.model.systems import R0, R1, R0m, RAlpha, Rp, RSystem
 
 SYSTEMS: dict[str, RSystem] = {"R0": R0, "R1": R1}
 # Systems with a parameter, and an example of it.
-FAMILIES: dict[str, tuple[Callable[[Any], RSystem], str]] = {
+FAMILIES: dict[str, tuple[type[RAlpha] | type[R0m] | type[Rp], str]] = {
     "Ralpha": (RAlpha, "0.5"),
     "R0m": (R0m, "2"),
     "Rp": (Rp, "4"),
 }
+
+
+def written_system(system: RSystem) -> str:
+    """The system as a model file names it.
+
+    Examples
+    --------
+    >>> written_system(R1), written_system(Rp(4))
+    ('R1', 'Rp 4')
+    """
+    for word, known in SYSTEMS.items():
+        if system == known:
+            return word
+    word = next(word for word, (family, _) in FAMILIES.items() if isinstance(system, family))
+    return f"{word} {system.conjunction(sp.S.One, sp.S.One).parameters[0]}"
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ from rsym.model.language.assembly import assemble
 from rsym.model.language.loading import read_text
 from rsym.model.language.model import collect
 from rsym.model.language.parser import parse
-from rsym.model.language.typesetting import typeset, typeset_name
+from rsym.model.language.typesetting import typeset
+from rsym.model.names import typeset_name
 
 
 @dataclass(frozen=True)

@@ -6,22 +6,18 @@ compared with a printed one must keep its order.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
 import sympy as sp
 
 from rsym.model.language.syntax import Call, Expression, Name, Number, Power, Product, Sum, postorder
+from rsym.model.names import typeset_name
 from rsym.model.systems import RSystem
 
 _LOGIC, _SUM, _PRODUCT, _POWER, _ATOM = range(5)  # how firmly the parts of a text hold together
 _HALF = Fraction(1, 2)
-_GREEK = frozenset(
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi psi"
-    " omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega".split()
-)
 _FUNCTIONS = {"log": r"\ln", "atan2": r"\mathrm{atan2}"}
 
 
@@ -32,34 +28,6 @@ class _Text(NamedTuple):
     def within(self, rank: int) -> str:
         """The text, in brackets if it holds together less firmly than its place asks for."""
         return self.latex if self.rank >= rank else rf"\left({self.latex}\right)"
-
-
-def typeset_name(name: str) -> str:
-    r"""A name as the source prints it: one letter or a Greek one, the rest as a subscript; words upright.
-
-    Examples
-    --------
-    >>> print(*map(typeset_name, ("a1", "xk2", "omega_bkka", "eps", "test1", "W")))
-    a_{1} x_{k2} \omega_{bkka} \varepsilon \mathrm{test}_{1} W
-    """
-    head, _, tail = name.partition("_")
-    word, digits = _split(head)
-    if word == "eps":
-        base, index = r"\varepsilon", ""
-    elif word in _GREEK:
-        base, index = rf"\{word}", ""
-    elif len(word) <= 2:
-        base, index = word[:1], word[1:]
-    else:
-        base, index = rf"\mathrm{{{word}}}", ""
-    below = ",".join(part for part in (index + digits, tail.strip("_").replace("_", ",")) if part)
-    return f"{base}_{{{below}}}" if below else base
-
-
-def _split(head: str) -> tuple[str, str]:
-    match = re.fullmatch(r"([A-Za-z]+)(\w*)", head)
-    assert match is not None
-    return match.group(1), match.group(2)
 
 
 def typeset(expression: Expression, system: RSystem) -> str:
@@ -88,7 +56,14 @@ def _logical_signs(system: RSystem) -> Mapping[str, str]:
         sp.latex(operation(left, right)).removeprefix(r"\left(l ").removesuffix(r" r\right)")
         for operation in (system.conjunction, system.disjunction)
     )
-    return {"rfAND": both, "conjunction": both, "rfOR": either, "disjunction": either}
+    return {
+        "rfAND": both,
+        "conjunction": both,
+        "rfOR": either,
+        "disjunction": either,
+        "equivalence": r"\sim_{2}",
+        "joining": r"\cup_{2}",
+    }
 
 
 def _combine(node: Expression, parts: list[_Text], signs: Mapping[str, str]) -> _Text:
@@ -157,11 +132,41 @@ def _power(node: Power, parts: list[_Text]) -> _Text:
 
 
 def _call(function: str, parts: list[_Text], signs: Mapping[str, str]) -> _Text:
+    if function in _COMPOSED:
+        return _COMPOSED[function](parts, signs["rfAND"], signs["rfOR"])
     if function in signs:
-        return _Text(f" {signs[function]} ".join(part.within(_POWER) for part in parts), _LOGIC)
+        return _infix(signs[function], parts)
     inner = ", ".join(part.latex for part in parts)
     if function == "abs":
         return _Text(rf"\left|{inner}\right|", _ATOM)
     if function == "trimming":
         return _Text(rf"\rho\left({parts[0].latex};\, {parts[1].latex}\right)", _ATOM)
     return _Text(rf"{_FUNCTIONS.get(function, chr(92) + function)}\left({inner}\right)", _ATOM)
+
+
+def _opposite(part: _Text) -> _Text:
+    return _Text(f"-{part.within(_PRODUCT)}", _SUM)
+
+
+def _infix(sign: str, parts: list[_Text]) -> _Text:
+    return _Text(f" {sign} ".join(part.within(_POWER) for part in parts), _LOGIC)
+
+
+def _difference(parts: list[_Text], both: str, either: str) -> _Text:
+    return _infix(both, [parts[0], *map(_opposite, parts[1:])])
+
+
+def _implication(parts: list[_Text], both: str, either: str) -> _Text:
+    return _infix(either, [_opposite(parts[0]), parts[1]])
+
+
+def _exclusive_or(parts: list[_Text], both: str, either: str) -> _Text:
+    f, g = parts
+    return _infix(either, [_infix(both, [f, _opposite(g)]), _infix(both, [_opposite(f), g])])
+
+
+_COMPOSED: dict[str, Callable[[list[_Text], str, str], _Text]] = {
+    "difference": _difference,
+    "implication": _implication,
+    "exclusive_or": _exclusive_or,
+}
