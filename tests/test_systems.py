@@ -235,6 +235,13 @@ def test_the_runtime_of_a_node_agrees_with_its_formula(node):
     )
 
 
+def test_the_runtime_of_equivalence_keeps_the_sign_of_tiny_numbers():
+    function = sp.lambdify((x, y), [equivalence(x, y), joining(x, y)])
+    signed, size = function(np.array([1e-200, -1e-200, 0.0]), np.array([-1e-200, -2e-200, 0.0]))
+    assert np.sign(signed).tolist() == [-1, 1, 0]
+    assert np.sign(size).tolist() == [1, 1, 0]
+
+
 @pytest.mark.parametrize("power", [3, 4, sp.Rational(5, 2)])
 def test_evalf_of_rp_does_not_cancel(power):
     small = sp.Rational(1, 10**9)

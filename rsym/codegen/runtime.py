@@ -85,12 +85,16 @@ def _power_pair(f: Any, g: Any, p: Any, sign: int) -> Any:
     return small + package.where(sign * large < 0, -large * excess, large * (2 + excess))
 
 
-def _joined(f: Any, g: Any, m: Any, sign: Any) -> Any:
-    """The smaller size over (1 + ratio**m)**(1/m), with the sign of `sign`."""
-    package = _package(f, g)
+def _joined(f: Any, g: Any, m: Any) -> Any:
+    """The smaller size over (1 + ratio**m)**(1/m)."""
     _, small, ratio = _by_size(f, g)
-    size = abs(small) / (1 + ratio**m) ** (1 / m)
-    return package.where(sign < 0, -size, size)
+    return abs(small) / (1 + ratio**m) ** (1 / m)
+
+
+def _alike(f: Any, g: Any, m: Any) -> Any:
+    """The same, negative where f and g differ in sign."""
+    size = _joined(f, g, m)
+    return _package(f, g).where((f < 0) != (g < 0), -size, size)
 
 
 def r0_conjunction(*operands: Any) -> Any:
@@ -145,12 +149,12 @@ def rp_disjunction(p: Any, *operands: Any) -> Any:
 
 def equivalence(m: Any, *operands: Any) -> Any:
     """The left fold of f*g/(|f|**m + |g|**m)**(1/m)."""
-    return reduce(lambda f, g: _joined(f, g, m, f * g), operands)
+    return reduce(lambda f, g: _alike(f, g, m), operands)
 
 
 def joining(m: Any, *operands: Any) -> Any:
     """The left fold of |f|*|g|/(|f|**m + |g|**m)**(1/m)."""
-    return reduce(lambda f, g: _joined(f, g, m, 1.0), operands)
+    return reduce(lambda f, g: _joined(f, g, m), operands)
 
 
 def absolute_power(u: Any, a: Any) -> Any:
