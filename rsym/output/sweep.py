@@ -211,7 +211,7 @@ def _cells(
 ) -> tuple[Figure, list[tuple[SubFigure, Axes3D]]]:
     """A figure with a heading and axes for each body, placed as `new_axes` places them on a page of their own."""
     alone = axes3d.new_axes(low, high, elevation, azimuth)
-    figure: Any = alone.get_figure(root=True)
+    figure: Any = alone.get_figure()
     place, (width, height) = alone.get_position(original=True), figure.get_size_inches()
     alone.remove()
     rows, body = -(-count // columns), BODY * height / width
