@@ -55,7 +55,8 @@ def test_bodies_share_the_box_and_the_camera():
     limits = np.array([body.axes.get_zlim() for body in bodies])
     assert_close(limits, np.tile([-1.53, 1.53], (4, 1)), atol=0.02)
     assert bodies[0].axes.azim == 30
-    texts = [text.get_text() for part in figure.subfigs for text in part.texts]
+    row_by_row = sorted(figure.subfigs, key=lambda part: (-part.bbox.y0, part.bbox.x0))
+    texts = [text.get_text() for part in row_by_row for text in part.texts]
     assert texts == ["$r = 0.5$ mm", "$r = 1$ mm", "$r = 1.5$ mm", "$r = 1.25$ mm"]
     places = [body.axes.figure.bbox.bounds for body in bodies]
     assert [place[0] for place in places] == [0, places[1][0], 0, places[1][0]]  # two columns
