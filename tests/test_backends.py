@@ -27,6 +27,7 @@ PARAMETERS = {
     "r_alpha_disjunction": ALPHAS,
     "r0m_conjunction": ORDERS,
     "r0m_disjunction": ORDERS,
+    "r0m_partial": ORDERS,
     "monomial": [-1, 0, 1, 2],
     "norm": POWERS,
     "rp_conjunction": POWERS,

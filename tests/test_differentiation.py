@@ -32,7 +32,7 @@ CASES = {
     "r0_disjunction": R0.disjunction(x * y, x - y, 3 - x**2),
     "r1": R1.conjunction(R1.disjunction(x * y, x - y), 3 - x**2),
     "r_alpha": RAlpha(sp.Rational(1, 3)).conjunction(RAlpha(-sp.Rational(1, 2)).disjunction(x * y, x - y), 3 - x**2),
-    "r0m monomial": R0m(2).conjunction(R0m(3).disjunction(x * y, x - y), 3 - x**2),
+    "r0m partial monomial": R0m(2).conjunction(R0m(3).disjunction(x * y, x - y), 3 - x**2),
     "rp even": Rp(4).conjunction(Rp(6).disjunction(x * y, x - y), 3 - x**2),
     "rp odd": Rp(3).conjunction(Rp(5).disjunction(x * y, x - y), 3 - x**2),
     "rp fraction": Rp(sp.Rational(5, 2)).conjunction(Rp(sp.Rational(7, 2)).disjunction(x * y, x - y), 3 - x**2),

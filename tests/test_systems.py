@@ -235,6 +235,19 @@ def test_the_runtime_of_a_node_agrees_with_its_formula(node):
     )
 
 
+@pytest.mark.parametrize("system", [R0, RAlpha(sp.Rational(1, 3)), R0m(1), R0m(3), Rp(4), Rp(3), Rp(sp.Rational(5, 2))])
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_partial_derivative_keeps_its_digits_where_one_operand_is_far_larger(system, kind):
+    s = KINDS[kind]
+    node = getattr(system, kind)(x, y)
+    for place in ((-s * 1e6, -s), (-s, -s * 1e-6), (-s * 1e-5, -s * 3e3)):
+        got = rsym.compile(Shape(node, (x, y)), ("gradient",))(*place)["gradient"]
+        exact = sp.lambdify((x, y), node.doit(), modules="mpmath")
+        with mpmath.workdps(80):
+            expected = [float(mpmath.diff(exact, tuple(map(mpmath.mpf, place)), order)) for order in ((1, 0), (0, 1))]
+        assert_close(got, expected, rtol=1e-12)
+
+
 def test_the_runtime_of_equivalence_keeps_the_sign_of_tiny_numbers():
     function = sp.lambdify((x, y), [equivalence(x, y), joining(x, y)])
     signed, size = function(np.array([1e-200, -1e-200, 0.0]), np.array([-1e-200, -2e-200, 0.0]))

@@ -30,14 +30,6 @@ def expand(program: Program) -> Program:
     return builder.program({name: done[number] for name, number in program.outputs})
 
 
-def _versine(b: Builder, node: Node) -> int:
-    """(g/r) (g/(r + f)) where f > 0, else 1 - f/r."""
-    f, g = node.arguments
-    size = root(b, f, g)
-    product = b.mul(b.make("div", g, size), b.make("div", g, b.add(size, f)))
-    return b.select(f, b.const(0), product, b.sub(b.const(1), b.make("div", f, size)))
-
-
 def _gap(b: Builder, node: Node) -> int:
     """s**2/(2 (q + t)) where t > 0, else (q - t)/2."""
     s, t = node.arguments
@@ -79,7 +71,6 @@ SIMPLE: dict[str, Callable[..., int]] = {
 EXPANSIONS: dict[str, Callable[[Builder, Node], int]] = {
     "powi": _powi,
     "sign": _sign,
-    "versine": _versine,
     "gap": _gap,
     "trimming": _trimming,
     "normalised": _normalised,

@@ -97,6 +97,13 @@ def r0m(sign: int) -> Callable[[Array, Array, Array], Array]:
     return meaning
 
 
+def r0m_partial(f: Array, g: Array, m: Array) -> Array:
+    """(1 - f/r)*r**m + m*f*(f + g - r)*r**(m - 2) with r = sqrt(f**2 + g**2); 0 at r = 0."""
+    root, m = np.sqrt(np.square(f) + np.square(g)), np.where(m >= 1, m, np.nan)
+    first = versine(f, g) * np.float_power(root, m)
+    return np.where(root == 0, root, first + m * (f / root) * r0(-1)(f, g) * np.float_power(root, m - 1))
+
+
 def monomial(f: Array, g: Array, m: Array, powers: tuple[int, int, int]) -> Array:
     """f**a * g**b * r**(m + c) with r = sqrt(f**2 + g**2); at r = 0 its limit 0, or NaN if there is none."""
     a, b, c = powers
@@ -183,6 +190,7 @@ OPERATIONS: dict[str, Operation] = {
     "r_alpha_disjunction": Operation(3, r_alpha(1)),
     "r0m_conjunction": Operation(3, r0m(-1)),
     "r0m_disjunction": Operation(3, r0m(1)),
+    "r0m_partial": Operation(3, r0m_partial),
     "monomial": Operation(3, monomial),  # data: (a, b, c)
     "norm": Operation(3, norm),
     "rp_conjunction": Operation(3, rp(-1)),

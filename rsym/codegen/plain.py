@@ -110,6 +110,14 @@ def _monomial(f: sp.Expr, g: sp.Expr, m: sp.Expr, a: int, b: int, c: int) -> sp.
     return sp.Piecewise((f**a * g**b * squares ** ((m + c) / 2), squares > 0), (limit, True))
 
 
+def _r0m_partial(f: sp.Expr, g: sp.Expr, m: sp.Expr) -> sp.Expr:
+    """The derivative of the conjunction of R_0^m with respect to f, 0 at f = g = 0."""
+    squares = f**2 + g**2
+    size = sp.sqrt(squares)
+    partial = (1 - f / size) * size**m + m * f * (f + g - size) * size ** (m - 2)
+    return sp.Piecewise((partial, squares > 0), (0, True))
+
+
 def _norm(f: sp.Expr, g: sp.Expr, p: sp.Expr) -> sp.Expr:
     return (absolute_power(f, p) + absolute_power(g, p)) ** (1 / p)
 
@@ -143,6 +151,7 @@ _FORMULAS: dict[str, Callable[..., sp.Expr]] = {
     "r_alpha_disjunction": lambda f, g, alpha: RAlphaDisjunction(alpha, f, g),
     "r0m_conjunction": lambda f, g, m: R0mConjunction(m, f, g),
     "r0m_disjunction": lambda f, g, m: R0mDisjunction(m, f, g),
+    "r0m_partial": _r0m_partial,
     "norm": _norm,
     "rp_conjunction": lambda f, g, p: RpConjunction(p, f, g),
     "rp_disjunction": lambda f, g, p: RpDisjunction(p, f, g),

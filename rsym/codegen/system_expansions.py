@@ -59,6 +59,14 @@ def _r_alpha(sign: int) -> Expansion:
     return expansion
 
 
+def _versine(b: Builder, node: Node) -> int:
+    """(g/r) (g/(r + f)) where f > 0, else 1 - f/r."""
+    f, g = node.arguments
+    size = root(b, f, g)
+    product = b.mul(b.make("div", g, size), b.make("div", g, b.add(size, f)))
+    return b.select(f, b.const(0), product, b.sub(b.const(1), b.make("div", f, size)))
+
+
 def _within(b: Builder, number: int, low: int, value: int) -> int:
     """The value where the number is above `low`, else NaN."""
     return b.select(number, b.const(low), value, b.undefined())
@@ -88,6 +96,16 @@ def _r0m(sign: int) -> Expansion:
 def _or_nan(b: Builder, value: int, m: int) -> int:
     """The value, or NaN where m is below 1."""
     return b.select(b.const(1), m, b.undefined(), value)
+
+
+def _r0m_partial(b: Builder, node: Node) -> int:
+    """(1 - f/r) r**m + m (f/r) (f + g - r) r**(m - 1): where f, g > 0 nothing cancels."""
+    f, g, m = node.arguments
+    m = _at_least_one(b, m)
+    size, pair = root(b, f, g), Node("", (f, g))
+    first = b.mul(_versine(b, pair), power(b, size, m))
+    second = b.mul(b.mul(m, b.div(f, size)), b.mul(_r0(-1)(b, pair), power(b, size, b.sub(m, b.const(1)))))
+    return b.select(size, b.const(0), b.add(first, second), size)
 
 
 def _monomial(b: Builder, node: Node) -> int:
@@ -201,6 +219,8 @@ SYSTEM_EXPANSIONS: dict[str, Expansion] = {
     "r_alpha_disjunction": _r_alpha(1),
     "r0m_conjunction": _r0m(-1),
     "r0m_disjunction": _r0m(1),
+    "versine": _versine,
+    "r0m_partial": _r0m_partial,
     "monomial": _monomial,
     "norm": _norm,
     "rp_conjunction": _rp(-1),

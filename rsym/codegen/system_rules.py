@@ -32,26 +32,28 @@ def _r_alpha(sign: int) -> Rule:
 
 
 def _r0m(sign: int) -> Rule:
-    """With r = sqrt(f**2 + g**2): r**m + s (m + 1) f r**(m-1) + m (f**2 + f g) r**(m-2), and f and g exchanged.
-
-    Every term is homogeneous of degree m, so the sum goes to 0 at the corner.
-    """
+    """(1 - f/r) r**m + m f (f + g - r) r**(m - 2) and f and g exchanged; for the disjunction at (-f, -g)."""
 
     def rule(b: Builder, number: int, node: Node, d: Sequence[int]) -> int:
         f, g, m = node.arguments
-
-        def partial(first: bool) -> int:
-            def term(own: int, other: int, rest: int) -> int:
-                exponents = (own, other, rest) if first else (other, own, rest)
-                return b.make("monomial", f, g, m, data=exponents)
-
-            linear = b.mul(b.mul(b.const(sign), b.add(m, b.const(1))), term(1, 0, -1))
-            quadratic = b.mul(m, b.add(term(2, 0, -2), term(1, 1, -2)))
-            return b.add(b.add(term(0, 0, 0), linear), quadratic)
-
-        return _sum_of_products(b, (partial(True), partial(False)), d)
+        u, v = (f, g) if sign < 0 else (b.neg(f), b.neg(g))
+        return _sum_of_products(b, (b.make("r0m_partial", u, v, m), b.make("r0m_partial", v, u, m)), d)
 
     return rule
+
+
+def _r0m_partial(b: Builder, number: int, node: Node, d: Sequence[int]) -> int:
+    """The derivative of r**m - (m + 1) f r**(m - 1) + m (f**2 + f g) r**(m - 2), term by term.
+
+    Every term is homogeneous of degree m - 1, so for m > 1 the sum goes to 0 at the corner.
+    """
+    f, g, m = node.arguments
+    factors = (b.const(1), b.neg(b.add(m, b.const(1))), m, m)
+    total = b.const(0)
+    for factor, exponents in zip(factors, ((0, 0, 0), (1, 0, -1), (2, 0, -2), (1, 1, -2)), strict=True):
+        term = b.make("monomial", f, g, m, data=exponents)
+        total = b.add(total, b.mul(factor, _monomial(b, term, b.nodes[term], d)))
+    return total
 
 
 def _monomial(b: Builder, number: int, node: Node, d: Sequence[int]) -> int:
@@ -129,6 +131,7 @@ SYSTEM_RULES: dict[str, Rule] = {
     "r_alpha_disjunction": _r_alpha(1),
     "r0m_conjunction": _r0m(-1),
     "r0m_disjunction": _r0m(1),
+    "r0m_partial": _r0m_partial,
     "monomial": _monomial,
     "norm": _norm,
     "rp_conjunction": _rp(-1),
