@@ -1,4 +1,5 @@
 import html
+import itertools
 import re
 
 import matplotlib.pyplot
@@ -92,23 +93,36 @@ def test_our_own_models_are_closed_and_inside_their_bounds(model, pieces):
 def test_the_bounds_hold_the_valve_with_every_letter_at_either_end():
     shape = rsym.paper.valve()
     for end in ("minimum", "maximum"):
-        extreme = {name: float(getattr(shape.letters[name], end)) for name in ("L", "R", "m", "hs", "rs", "rf")}
-        assert mesh_quietly(shape, 60, letters=extreme).status.closed
+        extreme = {name: getattr(letter, end) for name, letter in shape.letters.items()}
+        body = mesh_quietly(shape, 90, letters=extreme)
+        assert body.status.closed
+        assert np.hypot(*body.vertices.T[:2]).max() <= extreme["R"] + 1e-9, "the fillet stands out of the rim"
 
 
-def test_the_fillet_touches_stem_and_back():
+def ends_of_letters(shape):
+    """The defaults, then every pair of ends of the letters that decide the fillet."""
+    default = {name: letter.default for name, letter in shape.letters.items()}
+    names = ("rs", "R", "m", "hs", "q", "g", "rf")
+    ends = [(shape.letters[name].minimum, shape.letters[name].maximum) for name in names]
+    return [default, *({**default, **dict(zip(names, values, strict=True))} for values in itertools.product(*ends))]
+
+
+def test_the_fillet_touches_stem_and_back_whatever_the_letters():
     """The section of the valve has no corner where the arc begins and ends: exact places, and their directions."""
     shape = rsym.paper.valve()
-    value = {name: float(letter.default) for name, letter in shape.letters.items()}
-    k = np.sqrt(1 + value["g"] ** 2)
-    centre = value["rs"] + value["rf"]
-    height = value["m"] + value["hs"] + value["g"] * (value["R"] - value["q"] * value["hs"] - centre) + value["rf"] * k
-    for angle in np.linspace(np.pi + 0.05, 1.5 * np.pi - np.arctan(value["g"]) - 0.05, 5):
-        point = (centre + value["rf"] * np.cos(angle), 0.0, height + value["rf"] * np.sin(angle))
-        fields = rsym.compile(shape, ("value", "gradient"))(*point)
-        assert_close(fields["value"], 0, atol=1e-12)
-        normal = fields["gradient"] / np.linalg.norm(fields["gradient"])
-        assert_close(normal, [np.cos(angle), 0, np.sin(angle)], atol=1e-9)
+    kernel = rsym.compile(shape, ("value", "gradient"))
+    for exact in ends_of_letters(shape):
+        value = {name: float(number) for name, number in exact.items()}
+        k = np.sqrt(1 + value["g"] ** 2)
+        centre = value["rs"] + value["rf"]
+        base = value["m"] + value["hs"] + value["g"] * (value["R"] - value["q"] * value["hs"] - centre)
+        angle = np.linspace(np.pi + 0.05, 1.5 * np.pi - np.arctan(value["g"]) - 0.05, 9)
+        across, up = np.cos(angle), np.sin(angle)
+        arc = centre + value["rf"] * across, 0.0, base + value["rf"] * (k + up)
+        fields = kernel(*arc, letters=exact)
+        assert_close(fields["value"], np.zeros(9), atol=1e-12)
+        normals = fields["gradient"] / np.linalg.norm(fields["gradient"], axis=1, keepdims=True)
+        assert_close(normals, np.stack([across, 0 * up, up], axis=1), atol=1e-9)
 
 
 def test_one_figure_is_drawn_with_its_page(tmp_path):

@@ -24,6 +24,7 @@ FIELDS = ("value", "gradient_squared", "normalised", "normalised_gradient_square
 NAMES = (("ω", "value"), ("ωₙ", "normalised"))
 QUANTILES = (0.0, 0.25, 0.5, 0.75, 1.0)
 BAND = 0.2  # how far from the boundary, in units of the model; farther off omega_n bends towards 1
+WIDE = 0.5  # a second band, wide enough to show the bend
 # Nearer to the boundary the distance from a polyline or a mesh is not exact enough to divide by.
 NEAREST = 0.02
 POINTS = 60_000  # thrown into the bounds; those in the band are used
@@ -81,20 +82,26 @@ def _study(
     points = np.random.default_rng(SEED).uniform(low, high, (POINTS, shape.dimension))
     on_it, around = kernel(*boundary.T), kernel(*points.T)
     distances = distance(points)
-    near = (distances < BAND) & (distances > NEAREST)
-    fields = {field: around[field][near] for field in FIELDS}
-    band = Band(name, np.copysign(distances[near], fields["value"]), fields)
+    band, wide = (_band(name, around, distances, reach) for reach in (BAND, WIDE))
     spreads = []
     for symbol, field in NAMES:
         squared = "gradient_squared" if field == "value" else "normalised_gradient_squared"
         quantities = {
             f"|∇{symbol}| on the boundary": np.sqrt(on_it[squared]),
-            f"|∇{symbol}| in the band": np.sqrt(fields[squared]),
+            f"|∇{symbol}| in the band": np.sqrt(band.fields[squared]),
             f"{symbol} in the bounds": around[field],
             f"|{symbol}|/distance − 1 in the band": band.error(field),
+            f"the same up to {WIDE:g} from the boundary": wide.error(field),
         }
         spreads += [Spread(name, title, symbol, _quantiles(values)) for title, values in quantities.items()]
     return spreads, band
+
+
+def _band(name: str, around: dict[str, Floats], distances: Floats, reach: float) -> Band:
+    """The points that lie between NEAREST and `reach` from the boundary."""
+    near = (distances < reach) & (distances > NEAREST)
+    fields = {field: around[field][near] for field in FIELDS}
+    return Band(name, np.copysign(distances[near], fields["value"]), fields)
 
 
 def _quantiles(values: Floats) -> tuple[float, float, float, float, float]:

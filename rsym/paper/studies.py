@@ -56,9 +56,12 @@ def draw_preference() -> Drawing:
     """Omega against omega_n as a distance, with the spreads of gradient, value and error."""
     spreads, bands = preference.measure()
     rows = tuple(
-        (one.body, one.quantity, *(f"{value:.3g}".replace("-", "−") for value in one.quantiles)) for one in spreads
+        (one.body, one.function, one.quantity, *(f"{value:.3g}".replace("-", "−") for value in one.quantiles))
+        for one in spreads
     )
-    table = Table(("body", "quantity", "least", "first quartile", "median", "third quartile", "greatest"), rows)
+    table = Table(
+        ("body", "function", "quantity", "least", "first quartile", "median", "third quartile", "greatest"), rows
+    )
     counts = " and ".join(spaced(len(band.distance)) for band in bands)
     remark = (
         f"The band is what lies between {preference.NEAREST:g} and {preference.BAND:g} from the boundary: {counts} "
