@@ -30,7 +30,7 @@ NEAREST = 0.02
 POINTS = 60_000  # thrown into the bounds; those in the band are used
 SEED = 2013
 BINS = 20
-MOST_SHOWN = 1.6
+MOST_SHOWN = 0.6
 COLOURS = {"value": "#c2571a", "normalised": "#2a6fa8"}
 
 
