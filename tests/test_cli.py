@@ -1,6 +1,7 @@
 import os
 import subprocess
 import sys
+from argparse import ArgumentTypeError
 from pathlib import Path
 
 import matplotlib.pyplot
@@ -10,6 +11,7 @@ import trimesh
 
 import rsym
 from rsym.cli import COMMANDS, main
+from rsym.commands.options import values
 
 MODEL = """
 letter r = 1 in [0.5, 3] "radius"
@@ -126,6 +128,20 @@ def test_a_strip_of_small_multiples(tmp_path, model):
     first = (tmp_path / "cuts.svg").read_bytes()
     assert main([*sweep, "-o", str(tmp_path / "cuts.svg"), "--section", "z=0.5", "--columns", "1"]) == 0
     assert (tmp_path / "cuts.svg").read_bytes() == first
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [("0:1:0.1", [k / 10 for k in range(11)]), ("1:0:-0.5", [1, 0.5, 0]), ("2:2:1", [2]), ("0:1:0.4", [0, 0.4, 0.8])],
+)
+def test_a_run_of_values_counts_in_decimals(text, expected):
+    assert values(text) == expected
+
+
+@pytest.mark.parametrize("text", ["", "1:0:1", "0:1:0", "0:1", "0:1:2:3", "0:1e9:1e-3", "a:b:c", "0:inf:1", "nan:1:1"])
+def test_a_wrong_run_of_values_is_refused(text):
+    with pytest.raises(ArgumentTypeError, match="start:stop:step"):
+        values(text)
 
 
 def test_sections_are_layers_or_a_stack(tmp_path, model):

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 Run: TypeAlias = Callable[[argparse.Namespace], None]
+
+MOST_VALUES = 10_000  # of a run start:stop:step
 
 
 def add_command(commands: Commands, name: str, summary: str, example: str, run: Run) -> argparse.ArgumentParser:
@@ -87,17 +90,32 @@ def cells(text: str) -> int | tuple[int, ...]:
 
 
 def values(text: str) -> list[float]:
-    """Numbers as they are typed.
+    """Numbers as they are typed, one by one or as start:stop:step with both ends.
 
     Examples
     --------
     >>> values("20,40,80")
     [20.0, 40.0, 80.0]
+    >>> values("-0.5:1:0.5,3")
+    [-0.5, 0.0, 0.5, 1.0, 3.0]
     """
     try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"expected numbers such as 20,40,80; got {text!r}") from None
+        return [number for part in text.split(",") for number in _run(part)]
+    except (ValueError, ArithmeticError):
+        message = f"expected numbers such as 20,40,80 or start:stop:step such as 0:4:0.5; got {text!r}"
+        raise argparse.ArgumentTypeError(message) from None
+
+
+def _run(text: str) -> list[float]:
+    """One number, or start, start + step, ... up to stop; counted in decimals, so that 0:1:0.1 ends at 1."""
+    start, *rest = map(Decimal, text.split(":"))
+    if not rest:
+        return [float(start)]
+    stop, step = rest
+    count = int((stop - start) / step) + 1
+    if not 1 <= count <= MOST_VALUES:
+        raise ValueError
+    return [float(start + k * step) for k in range(count)]
 
 
 def numbers(texts: Sequence[str], option: str) -> dict[str, float]:

@@ -25,12 +25,14 @@ def add(commands: Commands) -> None:
         commands,
         "sections",
         "cut a shape in space by parallel planes: layers in true scale, or a picture of the stack",
-        "rsym sections car --axis z --values 1,2,3,4,5,6 -o layers.svg --unit mm --scale 10",
+        "rsym sections car --axis z --values=-2.5:7.5:0.5 -o layers.svg --unit mm --scale 10",
         run,
     )
     add_model(parser)
     add_output(parser, "the layers: .svg; the stack seen from above: .png or .pdf")
-    parser.add_argument("--values", required=True, type=values, metavar="V,V,...", help="where the planes lie")
+    parser.add_argument(
+        "--values", required=True, type=values, metavar="V,V,...", help="where the planes lie: 1,2,4 or 1:4:0.5"
+    )
     parser.add_argument("--axis", default="z", metavar="NAME", help="the coordinate that they fix (default: z)")
     parser.add_argument("--unit", default="mm", help="of the layers: mm, cm or in (default: mm)")
     parser.add_argument("--scale", type=float, default=1.0, help="units to one unit of the model (default: 1)")
