@@ -39,3 +39,12 @@ def test_a_notebook_is_small_and_belongs_to_no_machine(path):
     metadata = nbformat.reads(text, as_version=4).metadata
     assert set(metadata) == {"kernelspec", "language_info"}
     assert "widgets" not in metadata
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_text_is_text_and_begins_with_one_title(path):
+    text = [cell.source for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "markdown"]
+    assert re.match(r"# [A-Z]", text[0])
+    lines = "\n".join(text).splitlines()
+    assert sum(line.startswith("# ") for line in lines) == 1, "headings of sections have two signs"
+    assert sum(line.startswith("## ") for line in lines) > 3
