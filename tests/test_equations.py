@@ -5,7 +5,7 @@ import pytest
 
 from rsym import RsymError
 from rsym.model.language.listing import definitions
-from rsym.output.equations import equation
+from rsym.output.equations import _for_mathtext, equation
 from rsym.paper import MODELS, model_path
 
 
@@ -39,3 +39,10 @@ def test_an_r_operation_is_wider_than_its_letters_and_unknown_latex_is_refused()
     with pytest.raises(RsymError, match="cannot be drawn"):
         equation(r"\begin{aligned}x\end{aligned}")
     assert 'aria-label="x &lt; y"' in equation("x < y")
+
+
+@pytest.mark.parametrize("sign", [r"\wedge_0", r"\vee_{p=4}", r"\wedge_{0}^{2}", r"\sim_{2}", r"\cup_{m}"])
+def test_an_operation_has_room_and_keeps_its_indices_together(sign):
+    head, indices = sign.split("_", 1)
+    assert _for_mathtext(f"f {sign} g") == rf"f \;{{{head}}}_{indices}\; g"
+    assert equation(f"f {sign} g")

@@ -61,7 +61,7 @@ def equation(latex: str, size: float = SIZE) -> str:
 
 def _for_mathtext(latex: str) -> str:
     """Fractions in full size, and room on both sides of an R-operation: mathtext sets it before the subscript."""
-    spaced = re.sub(r"\\(wedge|vee)_(\w|\{[^{}]*\})", r"\\;{\\\1}_\2\\;", latex)
+    spaced = re.sub(r"\\(wedge|vee|sim|cup)((?:[_^](?:\w|\{[^{}]*\}))+)", r"\\;{\\\1}\2\\;", latex)
     return spaced.replace(r"\frac", r"\dfrac")
 
 
