@@ -40,13 +40,17 @@ def _package(*operands: Any) -> Any:
 
 def _pair(f: Any, g: Any, sign: int) -> Any:
     """F + g + sign*sqrt(f**2 + g**2) without cancellation; min or max where the root is 0."""
-    package = _package(f, g)
-    root, total = package.sqrt(f * f + g * g), f + g
+    return _with_root(f, g, _package(f, g).sqrt(f * f + g * g), 1, sign)
+
+
+def _with_root(f: Any, g: Any, root: Any, scale: Any, sign: int) -> Any:
+    """(f + g + sign*root)/scale without cancellation, root**2 = (f + g)**2 - 2*scale*f*g; min or max at root 0."""
+    package, total = _package(f, g), f + g
     low, high = package.where(f < g, f, g), package.where(f < g, g, f)
     near, far = (low, high) if sign < 0 else (high, low)
     cancels = sign * total < 0
     divisor = package.where(cancels, total - sign * root, 1.0)
-    value = package.where(cancels, 2 * near * (far / divisor), total + sign * root)
+    value = package.where(cancels, 2 * near * (far / divisor), (total + sign * root) / scale)
     return package.where(root == 0, near, value)
 
 
@@ -58,14 +62,8 @@ def _extremum(f: Any, g: Any, sign: int) -> Any:
 
 def _sheared_pair(f: Any, g: Any, alpha: Any, sign: int) -> Any:
     """(f + g + sign*r)/(1 + alpha) without cancellation, the radicand as a sum of squares."""
-    package = _package(f, g)
-    root, total = package.sqrt((f - alpha * g) ** 2 + (1 - alpha) * (1 + alpha) * g**2), f + g
-    low, high = package.where(f < g, f, g), package.where(f < g, g, f)
-    near, far = (low, high) if sign < 0 else (high, low)
-    cancels = sign * total < 0
-    divisor = package.where(cancels, total - sign * root, 1.0)
-    value = package.where(cancels, 2 * near * (far / divisor), (total + sign * root) / (1 + alpha))
-    return package.where(root == 0, near, value)
+    root = _package(f, g).sqrt((f - alpha * g) ** 2 + (1 - alpha) * (1 + alpha) * g**2)
+    return _with_root(f, g, root, 1 + alpha, sign)
 
 
 def _by_size(f: Any, g: Any) -> tuple[Any, Any, Any]:

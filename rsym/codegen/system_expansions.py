@@ -76,8 +76,9 @@ def _at_most(b: Builder, number: int, high: int) -> int:
     return b.select(number, b.const(high), b.undefined(), number)
 
 
-def _at_least_one(b: Builder, number: int) -> int:
-    return b.select(b.const(1), number, b.undefined(), number)
+def _at_least_one(b: Builder, order: int, value: int) -> int:
+    """The value where the order is 1 or more, else NaN."""
+    return b.select(b.const(1), order, b.undefined(), value)
 
 
 def _r0m(sign: int) -> Expansion:
@@ -86,22 +87,17 @@ def _r0m(sign: int) -> Expansion:
     def expansion(b: Builder, node: Node) -> int:
         f, g, m = node.arguments
         plain, zero, tiny = _r0(sign)(b, Node("", (f, g))), b.const(0), smallest(b)
-        product = b.mul(plain, power(b, root(b, f, g), _at_least_one(b, m)))
+        product = b.mul(plain, power(b, root(b, f, g), _at_least_one(b, m, m)))
         kept = b.select(plain, zero, tiny, b.select(zero, plain, b.neg(tiny), plain))
-        return b.select(b.abs(product), zero, product, b.select(b.abs(plain), zero, _or_nan(b, kept, m), plain))
+        return b.select(b.abs(product), zero, product, b.select(b.abs(plain), zero, _at_least_one(b, m, kept), plain))
 
     return expansion
-
-
-def _or_nan(b: Builder, value: int, m: int) -> int:
-    """The value, or NaN where m is below 1."""
-    return b.select(b.const(1), m, b.undefined(), value)
 
 
 def _r0m_partial(b: Builder, node: Node) -> int:
     """(1 - f/r) r**m + m (f/r) (f + g - r) r**(m - 1): where f, g > 0 nothing cancels."""
     f, g, m = node.arguments
-    m = _at_least_one(b, m)
+    m = _at_least_one(b, m, m)
     size, pair = root(b, f, g), Node("", (f, g))
     first = b.mul(_versine(b, pair), power(b, size, m))
     second = b.mul(b.mul(m, b.div(f, size)), b.mul(_r0(-1)(b, pair), power(b, size, b.sub(m, b.const(1)))))
@@ -186,7 +182,7 @@ def _rp_versine(b: Builder, node: Node) -> int:
 def _joining(b: Builder, node: Node) -> int:
     """m/(1 + (m/M)**k)**(1/k), m the smaller and M the larger size, k the order."""
     f, g, order = node.arguments
-    order = _at_least_one(b, order)
+    order = _at_least_one(b, order, order)
     small, large = _sizes(b, f, g)
     value = b.div(small, radical(b, b.add(b.const(1), power(b, b.div(small, large), order)), order))
     return where_fails(b, large, small, value)

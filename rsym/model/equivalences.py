@@ -28,13 +28,6 @@ class EquivalenceOperation(Fold):
         small, large = sorted((abs(f), abs(g)))
         return sp.S.Zero if small == 0 else small / (1 + (small / large) ** m) ** (1 / m)
 
-    def symbol(self, printer: Any) -> str:
-        """What stands between operands in LaTeX."""
-        raise NotImplementedError
-
-    def _latex(self, printer: Any, exp: str | None = None) -> str:
-        return self.infix_latex(self.symbol(printer), printer, exp)
-
     def _sympystr(self, printer: Any) -> str:
         name = type(self).__name__.lower()
         operands = ", ".join(printer._print(operand) for operand in self.operands)
@@ -59,7 +52,7 @@ class Equivalence(EquivalenceOperation):
         """The value, stable at zero."""
         return sp.sign(f) * sp.sign(g) * self._size(f, g, *parameters)
 
-    def symbol(self, printer: Any) -> str:
+    def infix(self, printer: Any) -> str:
         """A tilde with the order below."""
         return rf"\sim_{{{printer._print(self.parameters[0])}}}"
 
@@ -95,6 +88,6 @@ class Joining(EquivalenceOperation):
         """The value, stable at zero."""
         return self._size(f, g, *parameters)
 
-    def symbol(self, printer: Any) -> str:
+    def infix(self, printer: Any) -> str:
         """A cup with the order below."""
         return rf"\cup_{{{printer._print(self.parameters[0])}}}"

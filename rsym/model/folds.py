@@ -90,11 +90,14 @@ class Fold(RealNode):
         outer = self.partial(fold, last)
         return outer if len(self.operands) == 2 else outer * fold.fdiff(argindex)
 
-    def infix_latex(self, symbol: str, printer: Any, exponent: str | None) -> str:
-        """The operands with a symbol between them, in brackets."""
+    def infix(self, printer: Any) -> str:
+        """What stands between operands in LaTeX."""
+        raise NotImplementedError
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
         parts = [_bracketed(operand, printer) for operand in self.operands]
-        text = rf"\left({f' {symbol} '.join(parts)}\right)"
-        return text if exponent is None else f"{text}^{{{exponent}}}"
+        text = rf"\left({f' {self.infix(printer)} '.join(parts)}\right)"
+        return text if exp is None else f"{text}^{{{exp}}}"
 
 
 def _bracketed(operand: sp.Expr, printer: Any) -> str:

@@ -20,10 +20,9 @@ class ROperation(Fold):
 
     sign: ClassVar[int]  # -1 for conjunction, +1 for disjunction
 
-    @property
-    def symbol(self) -> str:
-        """What stands between operands in LaTeX."""
-        return r"\wedge" if self.sign < 0 else r"\vee"
+    def infix(self, printer: Any) -> str:
+        """A wedge or a vee with the indices of the system."""
+        return (r"\wedge" if self.sign < 0 else r"\vee") + self.system_latex(printer)
 
     def system_latex(self, printer: Any) -> str:
         """The indices of the symbol that name the system."""
@@ -32,9 +31,6 @@ class ROperation(Fold):
     def system_text(self, printer: Any) -> str:
         """What `system=` would be given."""
         raise NotImplementedError
-
-    def _latex(self, printer: Any, exp: str | None = None) -> str:
-        return self.infix_latex(self.symbol + self.system_latex(printer), printer, exp)
 
     def _sympystr(self, printer: Any) -> str:
         name = "conjunction" if self.sign < 0 else "disjunction"
@@ -169,28 +165,24 @@ class RAlphaDisjunction(RAlphaOperation):
     runtime_name = "r_alpha_disjunction"
 
 
-class R0mOperation(ROperation):
-    """System R_0^m: (f + g -+ sqrt(f**2 + g**2))*(f**2 + g**2)**(m/2)."""
+class R0mOperation(R0Operation):
+    """System R_0^m: (f + g -+ sqrt(f**2 + g**2))*(f**2 + g**2)**(m/2), the operation of R_0 times a power."""
 
     parameter_count = 1
 
     def pair_as_roots(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """Return (f + g + s*r)*r**m with r = sqrt(f**2 + g**2), s = -1 for conjunction."""
-        return (f + g + self.sign * sp.sqrt(f**2 + g**2)) * (f**2 + g**2) ** (self.parameters[0] / 2)
+        return super().pair_as_roots(f, g) * (f**2 + g**2) ** (self.parameters[0] / 2)
 
     def partial(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """Return (1 + s*f/r)*r**m + m*f*(f + g + s*r)*r**(m - 2)."""
         m, squares = self.parameters[0], f**2 + g**2
-        root = sp.sqrt(squares)
-        plain = f + g + self.sign * root
-        return (1 + self.sign * f / root) * squares ** (m / 2) + m * f * plain * squares ** ((m - 2) / 2)
+        change = m * f * super().pair_as_roots(f, g) * squares ** ((m - 2) / 2)
+        return super().partial(f, g) * squares ** (m / 2) + change
 
     def pair_numeric(self, f: sp.Float, g: sp.Float, *parameters: sp.Float) -> sp.Expr:
         """The operation of R_0, free of cancellation, times r**m."""
-        root, total = sp.sqrt(f**2 + g**2), f + g
-        cancels = total * self.sign < 0
-        plain = 2 * f * g / (total - self.sign * root) if cancels else total + self.sign * root
-        return plain * root ** parameters[0]
+        return super().pair_numeric(f, g) * sp.sqrt(f**2 + g**2) ** parameters[0]
 
     def system_latex(self, printer: Any) -> str:
         """Return _0^m."""

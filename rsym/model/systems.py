@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import sympy as sp
@@ -29,12 +29,18 @@ from rsym.model.rnodes import (
 from rsym.model.symbols import as_expression
 
 
+@dataclass(frozen=True)
 class RSystem(ABC):
     """A pair of R-operations; negation is always -f.
 
     The parameter of a system is a number or a letter. It is never
     differentiated through; a letter outside the range of its system gives NaN.
     """
+
+    @property
+    def parameters(self) -> tuple[sp.Expr, ...]:
+        """alpha, m or p, of a system that has one."""
+        return tuple(getattr(self, field.name) for field in fields(self))
 
     @abstractmethod
     def conjunction(self, *operands: sp.Expr) -> sp.Expr:

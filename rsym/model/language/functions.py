@@ -36,7 +36,7 @@ def written_system(system: RSystem) -> str:
         if system == known:
             return word
     word = next(word for word, (family, _) in FAMILIES.items() if isinstance(system, family))
-    return f"{word} {system.conjunction(sp.S.One, sp.S.One).parameters[0]}"
+    return " ".join([word, *map(str, system.parameters)])
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Operation:
 
 def operations(system: RSystem) -> dict[str, Operation]:
     """Every function by name, the logical ones in the given R-system."""
-    has_letter = bool(system.conjunction(sp.S.One, sp.S.One).free_symbols)
+    has_letter = any(parameter.free_symbols for parameter in system.parameters)
 
     def logical(build: Callable[..., sp.Expr]) -> Operation:
         return Operation(build, None) if has_letter else _node(build)
