@@ -101,3 +101,11 @@ def test_a_section_names_its_own_axes():
 def test_bad_input(call):
     with pytest.raises(RsymError):
         call()
+
+
+def test_one_field_by_its_name_alone_is_one_step():
+    disc = rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-2, 2), (-2, 2)))
+    seen = []
+    rsym.plot_fields(disc, "value", resolution=16, progress=lambda *step: seen.append(step))
+    assert {total for _, total in seen} == {1}
+    assert seen[-1] == (1, 1)

@@ -11,12 +11,12 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rsym.codegen.fields import SIX
+from rsym.codegen.fields import SIX, checked_fields
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.output.panels import COLOUR_MAP, TITLES, colour_bar, draw_levels, dress, robust_levels
 from rsym.output.sheet import Sheet, sheet_sampler
-from rsym.sampling.contours import level_lines
+from rsym.sampling.contours import level_lines, trace
 from rsym.sampling.plane import plane_sampler
 from rsym.sampling.progress import Progress, report
 
@@ -73,7 +73,10 @@ def plot_field(
         import matplotlib.pyplot
 
         _, ax = matplotlib.pyplot.subplots(layout="compressed")
-    boundary = level_lines(shape, resolution=resolution, bounds=bounds, letters=letters, section=section)
+    if field == "value":
+        boundary = trace(sampler, 0.0, values=values)
+    else:
+        boundary = level_lines(shape, resolution=resolution, bounds=bounds, letters=letters, section=section)
     artist = draw_levels(ax, sampler, values, chosen, boundary, colour_map)
     dress(ax, sampler, TITLES[field])
     if alone:
@@ -108,8 +111,9 @@ def plot_fields(
     """
     import matplotlib.pyplot
 
-    report(progress, 0, len(fields))
-    sampler = sheet_sampler(shape, fields, resolution=resolution, bounds=bounds, section=section)
+    names = checked_fields(fields)
+    report(progress, 0, len(names))
+    sampler = sheet_sampler(shape, names, resolution=resolution, bounds=bounds, section=section)
     samples = sampler.at(letters)
     figure: Figure = matplotlib.pyplot.figure(layout="compressed")
     Sheet(figure, samples, colour_map).draw(samples, progress)

@@ -13,8 +13,6 @@ from rsym.output.atomic import write_atomically
 from rsym.output.interactive import page
 from rsym.sampling.mesh import Mesh
 
-__all__ = ["FORMATS", "write", "write_atomically"]
-
 FORMATS: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(
     {
         ".stl": formats.stl,
@@ -38,7 +36,7 @@ def write(mesh: Mesh, path: str | os.PathLike[str]) -> Path:
     ``.off``  text, float64 in full
     ``.glb``  binary glTF 2.0, float32, y up (so x, z, -y), normals, copies along sharp edges
     ``.3mf``  float64 in full, for printing: one unit a millimetre, closed bodies alone
-    ``.html`` a page that opens offline, turns with the mouse and zooms (extra ``view``)
+    ``.html`` a page that opens offline, turns with the mouse and zooms
     ========= ==================================================================================
 
     The file appears whole or not at all: an older one stays as it is until

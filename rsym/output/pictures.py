@@ -12,7 +12,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from rsym.errors import RsymError
-from rsym.output.files import write_atomically
+from rsym.output.atomic import write_atomically
 
 # What matplotlib would write of the day and of itself, by suffix.
 METADATA: Mapping[str, Mapping[str, str | None]] = MappingProxyType(

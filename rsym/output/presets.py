@@ -12,7 +12,7 @@ from typing import Any
 from rsym.errors import RsymError
 from rsym.model.letters import as_letters
 from rsym.model.shape import Shape
-from rsym.output.files import write_atomically
+from rsym.output.atomic import write_atomically
 
 # A thousand letters with long names; a model file holds no more than 200 000 characters in all.
 LARGEST_FILE = 100_000

@@ -18,7 +18,7 @@ from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
-from rsym.output.files import write_atomically
+from rsym.output.atomic import write_atomically
 from rsym.sampling.sections import Section
 
 Floats = NDArray[np.float64]

@@ -47,7 +47,8 @@ class SheetSampler:
     def at(self, letters: Mapping[Any, float] | None, section: Mapping[Any, float] | None = None) -> SheetSamples:
         """Sample at some letters, and in another section along the same coordinates."""
         omega = self.omega.at(letters, section)
-        return SheetSamples(omega, self.fields.at(letters, section).samples(), trace(omega, 0.0))
+        fields = self.fields.at(letters, section).samples()
+        return SheetSamples(omega, fields, trace(omega, 0.0, values=fields.get("value")))
 
 
 def sheet_sampler(

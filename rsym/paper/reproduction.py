@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rsym.errors import RsymError
-from rsym.output.files import write_atomically
+from rsym.output.atomic import write_atomically
 from rsym.paper.drawing import Recipe, Reproduced
 from rsym.paper.figures import RECIPES
 from rsym.paper.page import page
