@@ -1,0 +1,1 @@
+"""Checks with an answer: proved where it can be, and called numerical where it is not."""

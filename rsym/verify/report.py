@@ -1,0 +1,87 @@
+"""What a check of smoothness answers: a verdict, the places that decide it, and what is proved."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+CERTIFIED, REFUTED, DEGENERATE, UNDECIDED = "CERTIFIED", "REFUTED", "DEGENERATE", "UNDECIDED"
+
+# From the weakest to the strongest: what a boundary can be at a point.
+CONTINUITIES: tuple[str, ...] = ("broken", "G0", "G1", "G2", "G3", "analytic")
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A place where the boundary is less than analytic: two arcs meet, or it is no curve at all.
+
+    point is within `radius` of the truth. kind: "corner", "cusp", "curvature jump", "smooth joint",
+    "unbounded curvature", "node", "isolated point", "end", "no sign change" or "unresolved".
+    tangent_jump is the turn of the tangent in degrees, curvatures the one-sided values along the boundary with
+    the inside on the left, curvature_jump the size of their difference, derivative_jump that of their derivatives
+    with respect to arc length; errors bound or, where `proved` is false, estimate what may be wrong with them.
+    What is not known is NaN.
+    """
+
+    point: tuple[float, ...]
+    radius: float
+    kind: str
+    continuity: str
+    branches: int = 2
+    tangent_jump: float = math.nan
+    tangent_jump_error: float = math.nan
+    curvatures: tuple[float, float] = (math.nan, math.nan)
+    curvature_jump: float = math.nan
+    curvature_jump_error: float = math.nan
+    derivative_jump: float = math.nan
+    derivative_jump_error: float = math.nan
+    proved: bool = False
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Cover:
+    """The boxes that a proof is made of, each (n, 2, 2) as ((xmin, xmax), (ymin, ymax)).
+
+    The boundary within `bounds` lies in `certified` (a regular curve of the class proved), in `joined` (two arcs
+    that meet in one point of `SmoothnessReport.joints`), and in `undecided`.
+    """
+
+    bounds: tuple[tuple[float, float], ...]
+    certified: NDArray[np.float64]
+    joined: NDArray[np.float64]
+    undecided: NDArray[np.float64]
+    examined: int
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothnessReport:
+    """The answer to: is the curvature of the boundary continuous (G2)?
+
+    verdict : "CERTIFIED", proved; "REFUTED", the contrary is proved at `defects`; "DEGENERATE", there is no curve to
+        speak of (no boundary, no sign change, a node, an isolated point); "UNDECIDED", neither proved.
+    continuity : what the boundary is everywhere: "broken", "G0", "G1", "G2", "G3" or "analytic"; proved if
+        the verdict is CERTIFIED or REFUTED.
+    defects : joints below G2, the worst first; joints: those that are G2 or better.
+    curvature_bound : no curvature on the certified boxes is larger in size; infinite where there is no bound.
+    statements : sentences, each with whether it is proved.
+    """
+
+    verdict: str
+    continuity: str
+    defects: tuple[Joint, ...]
+    joints: tuple[Joint, ...]
+    curvature_bound: float
+    cover: Cover
+    letters: Mapping[str, tuple[float, float]]
+    statements: tuple[tuple[str, bool], ...] = field(default=())
+    body: bool = False
+
+    @property
+    def undecided(self) -> NDArray[np.float64]:
+        """The boxes in which nothing is proved."""
+        return self.cover.undecided
