@@ -1,0 +1,67 @@
+"""Where a program is defined: on which boxes no part of it can be NaN."""
+
+from __future__ import annotations
+
+from rsym.codegen.builder import Builder
+from rsym.verify.local import Local
+
+# Operations whose plain meaning is NaN for some real arguments.
+PARTIAL = frozenset(
+    "undefined div pow sqrt log select min max r_alpha_conjunction r_alpha_disjunction r0m_conjunction "
+    "r0m_disjunction rp_conjunction rp_disjunction versine rp_versine r0m_partial monomial norm joining equivalence "
+    "absolute_power signed_power normalised trimming".split()
+)
+
+
+def is_defined(local: Local, number: int) -> bool:
+    """Whether the node is certainly defined on the whole box."""
+    nodes = local.model.builder.nodes
+    local.value(number)
+    partial = (part for part in local.model.order(number) if nodes[part].operation in PARTIAL)
+    return all(_is_defined_itself(local, part) for part in partial)
+
+
+def _is_defined_itself(local: Local, number: int) -> bool:
+    """Whether the node is defined wherever its arguments are."""
+    builder = local.model.builder
+    operation, arguments, _ = builder.nodes[number]
+    if operation in {"min", "max", "select"}:
+        return True
+    if operation == "sqrt":
+        value = local.value(arguments[0])
+        return builder.nonnegative[arguments[0]] or (value is not None and bool(value >= 0))
+    if operation == "trimming":
+        value = local.value(arguments[0])
+        return builder.nonnegative[arguments[0]] or (value is not None and bool(value >= 0))
+    if operation in {"log", "pow"}:
+        return local.sign(arguments[0]) > 0
+    if operation == "div":
+        return local.nonzero(arguments[1])
+    if operation == "normalised":
+        return local.nonzero(arguments[0]) or local.sign(arguments[1]) > 0
+    if operation in {"absolute_power", "signed_power"}:
+        return local.nonzero(arguments[0]) or local.sign(arguments[1]) > 0
+    if operation == "undefined":
+        return False
+    if operation in {"versine", "rp_versine", "monomial"} and not any(local.nonzero(a) for a in arguments[:2]):
+        return False
+    return is_legal(local, number)
+
+
+def switch_of(builder: Builder, number: int) -> int:
+    """The node whose sign decides which branch of abs, sign, min, max or select is taken."""
+    operation, arguments, _ = builder.nodes[number]
+    return arguments[0] if operation in {"abs", "sign"} else builder.sub(arguments[0], arguments[1])
+
+
+def is_legal(local: Local, number: int) -> bool:
+    """Whether the parameter of an R-operation, its last argument, is certainly in its range."""
+    operation, arguments, _ = local.model.builder.nodes[number]
+    if len(arguments) == 2:
+        return True
+    parameter = local.value(arguments[2])
+    if parameter is None:
+        return False
+    if operation.startswith("r_alpha"):
+        return bool(parameter > -1) and bool(parameter <= 1)
+    return bool(parameter > 1) if operation.startswith("rp") else bool(parameter >= 1)

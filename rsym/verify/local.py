@@ -1,0 +1,81 @@
+"""What is known about a program on one box: enclosures of its nodes, computed when they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import TypeAlias
+
+from flint import arb
+
+from rsym.codegen.balls import ball, enclose_nodes, exact
+from rsym.codegen.builder import Builder
+from rsym.codegen.differentiation import derivative
+from rsym.codegen.lowering import lower
+from rsym.codegen.program import live
+from rsym.model.shape import Shape
+
+Interval: TypeAlias = tuple[Fraction, Fraction]
+Range: TypeAlias = tuple[float, float]
+
+
+class Model:
+    """A shape as a growing program of two coordinates, with the letters that are fixed and those that range.
+
+    `axes` are what a box has sides along: the coordinates, then the letters that range.
+    """
+
+    def __init__(self, shape: Shape, letters: Mapping[str, Interval]) -> None:
+        names = tuple(symbol.name for symbol in shape.coordinates)
+        self.builder = Builder(names, tuple(letters))
+        self.root = lower(self.builder, shape.expression)
+        self.letters = dict(letters)
+        self.axes = (*names, *(name for name, (low, high) in letters.items() if low != high))
+        self._orders: dict[int, list[int]] = {}
+
+    def order(self, number: int) -> list[int]:
+        """The nodes that a node needs, in evaluation order."""
+        if number not in self._orders:
+            self._orders[number] = live(self.builder.nodes, [number])
+        return self._orders[number]
+
+    def gradient(self, number: int) -> tuple[int, int]:
+        """The nodes of the two first derivatives."""
+        x, y = self.builder.coordinates
+        return derivative(self.builder, number, x), derivative(self.builder, number, y)
+
+    def inputs(self, sides: Sequence[arb]) -> dict[str, arb]:
+        """The balls of all inputs, given those along the axes."""
+        fixed = {name: ball(exact(low), exact(high)) for name, (low, high) in self.letters.items()}
+        return fixed | dict(zip(self.axes, sides, strict=False))
+
+    def on(self, sides: Sequence[arb]) -> Local:
+        """What is known on a box with these sides; letters without a side have their whole range."""
+        return Local(self, sides)
+
+
+class Local:
+    """Enclosures on one box."""
+
+    def __init__(self, model: Model, sides: Sequence[arb]) -> None:
+        self.model = model
+        self.sides = list(sides)
+        self.inputs = model.inputs(sides)
+        self.values: dict[int, arb | None] = {}
+
+    def value(self, number: int) -> arb | None:
+        """A ball around all values of a node; None if it is nowhere defined."""
+        if number not in self.values:
+            enclose_nodes(self.model.builder.nodes, self.model.order(number), self.inputs, self.values)
+        return self.values[number]
+
+    def sign(self, number: int) -> int:
+        """1 or -1 where the node certainly has that sign wherever it is defined, else 0."""
+        value = self.value(number)
+        if value is None:
+            return 0
+        return 1 if value > 0 else -1 if value < 0 else 0
+
+    def nonzero(self, number: int) -> bool:
+        """Whether the node is certainly not zero."""
+        return self.sign(number) != 0

@@ -1,0 +1,150 @@
+"""The locus: on one box, the simplest function with the same zero set and the same signs as omega.
+
+The sign of an R-operation depends only on the signs of its arguments, so where one operand of a conjunction is
+positive the boundary is that of the other; positive factors drop, odd powers and normalisation too. What drops
+takes its kinks with it: (1 - x**2 - y**2)*(2 + |x|) has the boundary of 1 - x**2 - y**2. Only what is defined on
+the whole box may drop: (1 - x**2 - y**2)*(2 + sqrt(x)) has half that circle. Normalisation is the exception: where
+omega_n does not exist its omega decides.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from rsym.codegen.builder import Builder
+from rsym.verify.domains import is_defined, is_legal, switch_of
+from rsym.verify.local import Local
+
+CONJUNCTIONS = frozenset({"r0_conjunction", "r_alpha_conjunction", "r0m_conjunction", "rp_conjunction", "min"})
+DISJUNCTIONS = frozenset({"r0_disjunction", "r_alpha_disjunction", "r0m_disjunction", "rp_disjunction", "max"})
+
+
+@dataclass(frozen=True)
+class Locus:
+    """A zero set on a box.
+
+    kind: "none", no zeros; "leaf", that of one node, inside where it is positive; "double", that of one node,
+    which is zero without a change of sign; "conjunction" or "disjunction" of two leaves; "product" of two
+    factors that may both vanish; "several", anything else.
+    """
+
+    kind: str
+    nodes: tuple[int, ...] = ()
+
+
+NONE = Locus("none")
+
+
+def reduce(local: Local, number: int) -> Locus:
+    """The locus of a node on the box."""
+    builder = local.model.builder
+    sign = 1
+    while True:
+        value = local.value(number)
+        if value is None or not value.contains(0):
+            return NONE
+        operation, arguments, data = builder.nodes[number]
+        if operation == "neg":
+            number, sign = arguments[0], -sign
+        elif operation in {"normalised", "powi", "signed_power"} and _keeps_sign(local, number):
+            number = arguments[0]
+        elif operation == "div" and _drops(local, arguments[1]):
+            number, sign = arguments[0], sign * local.sign(arguments[1])
+        elif operation == "mul" and any(_drops(local, argument) for argument in arguments):
+            known = 0 if _drops(local, arguments[0]) else 1
+            number, sign = arguments[1 - known], sign * local.sign(arguments[known])
+        elif operation in {"abs", "min", "max", "select"} and (branch := chosen(local, number)) is not None:
+            number, sign = branch[0], sign * branch[1]
+        else:
+            break
+    return _reduced(local, number, sign)
+
+
+def _drops(local: Local, factor: int) -> bool:
+    """Whether a factor has one sign on the whole box."""
+    return local.nonzero(factor) and is_defined(local, factor)
+
+
+def _keeps_sign(local: Local, number: int) -> bool:
+    """Whether the node is zero exactly where its first argument is, with the same sign."""
+    operation, arguments, data = local.model.builder.nodes[number]
+    if operation == "powi":
+        return isinstance(data, int) and data % 2 == 1
+    return operation == "normalised" or local.sign(arguments[1]) > 0
+
+
+def chosen(local: Local, number: int) -> tuple[int, int] | None:
+    """The argument, and a sign, that an operation with branches equals on the box, if that is certain."""
+    builder = local.model.builder
+    operation, arguments, _ = builder.nodes[number]
+    switch = switch_of(builder, number)
+    sign = local.sign(switch)
+    if not sign or not is_defined(local, switch):
+        return None
+    if operation == "abs":
+        return arguments[0], sign
+    if operation == "select":
+        return arguments[2 if sign > 0 else 3], 1
+    first = (sign > 0) == (operation == "max")
+    return arguments[0 if first else 1], 1
+
+
+def _reduced(local: Local, number: int, sign: int) -> Locus:
+    builder = local.model.builder
+    operation, arguments, data = builder.nodes[number]
+    if operation in CONJUNCTIONS | DISJUNCTIONS and is_legal(local, number):
+        return _combined(local, arguments[0], arguments[1], sign, conjunction=operation in CONJUNCTIONS)
+    if operation == "mul" or operation == "equivalence":
+        return _product(local, number, sign)
+    if operation in {"abs", "absolute_power", "sqrt", "trimming", "gap"} or operation == "powi":
+        return Locus("double", (number if operation in {"trimming", "gap"} else arguments[0],))
+    return Locus("leaf", (number if sign > 0 else builder.neg(number),))
+
+
+def _combined(local: Local, f: int, g: int, sign: int, *, conjunction: bool) -> Locus:
+    """The locus of sign*(f and g), sign*(f or g): De Morgan turns -(f and g) into -f or -g."""
+    builder = local.model.builder
+    idle = 1 if conjunction else -1  # an operand of this sign leaves the other one alone
+    for one, other in ((f, g), (g, f)):
+        if local.sign(one) == idle and is_defined(local, one):
+            return reduce(local, other if sign > 0 else builder.neg(other))
+        if local.sign(one) == -idle:
+            return NONE
+    operands = []
+    for operand in (f, g):
+        inner = reduce(local, operand if sign > 0 else builder.neg(operand))
+        if inner.kind != "leaf":
+            return Locus("several")
+        operands.append(inner.nodes[0])
+    if operands[0] == operands[1]:
+        return Locus("leaf", (operands[0],))
+    return Locus("conjunction" if conjunction == (sign > 0) else "disjunction", tuple(operands))
+
+
+def _product(local: Local, number: int, sign: int) -> Locus:
+    """A product of two factors that may both vanish; u*|u| and the like have the locus of u."""
+    builder = local.model.builder
+    u, v = builder.nodes[number].arguments[:2]
+    (first, first_odd), (second, second_odd) = _stripped(builder, u), _stripped(builder, v)
+    if first == second:
+        odd = first_odd != second_odd
+        return reduce(local, first if sign > 0 else builder.neg(first)) if odd else Locus("double", (first,))
+    return Locus("product", (u, v) if sign > 0 else (builder.neg(u), v))
+
+
+def _stripped(builder: Builder, number: int) -> tuple[int, bool]:
+    """The node whose zero set this one has, and whether its sign is that node's (else it is never negative)."""
+    odd = True
+    while True:
+        operation, arguments, data = builder.nodes[number]
+        if operation == "abs" or (operation == "powi" and isinstance(data, int) and data % 2 == 0):
+            number, odd = arguments[0], False
+        elif operation == "mul" and arguments[0] == arguments[1]:
+            number, odd = arguments[0], False
+        elif operation == "powi":
+            number = arguments[0]
+        elif operation == "mul" and (builder.value(arguments[0]) or Fraction(0)) > 0:
+            number = arguments[1]
+        else:
+            return number, odd
