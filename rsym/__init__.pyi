@@ -1,4 +1,5 @@
 from . import paper
+from .analysis.curvature import curvature, gaussian_curvature, mean_curvature, principal_curvatures
 from .analysis.differential import gradient, hessian, laplacian
 from .analysis.normalisation import normalise
 from .codegen.fields import SIX
@@ -55,11 +56,13 @@ __all__ = [
     "Shape",
     "compile",
     "conjunction",
+    "curvature",
     "difference",
     "disjunction",
     "equivalence",
     "exclusive_or",
     "explore",
+    "gaussian_curvature",
     "gradient",
     "hessian",
     "implication",
@@ -70,6 +73,7 @@ __all__ = [
     "load",
     "load_letters",
     "loads",
+    "mean_curvature",
     "mesh",
     "negation",
     "normalise",
@@ -79,6 +83,7 @@ __all__ = [
     "plot_mesh",
     "plot_sections",
     "plot_sweep",
+    "principal_curvatures",
     "revolve",
     "rfAND",
     "rfNOT",
