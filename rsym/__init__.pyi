@@ -27,6 +27,7 @@ from .model.operations import (
 from .model.shape import Shape
 from .model.symbols import x, y, z
 from .model.systems import R0, R1, R0m, RAlpha, Rp
+from .output.combs import plot_curvature_comb
 from .output.explore import explore
 from .output.fields import plot_field, plot_fields
 from .output.files import write
@@ -78,6 +79,7 @@ __all__ = [
     "negation",
     "normalise",
     "paper",
+    "plot_curvature_comb",
     "plot_field",
     "plot_fields",
     "plot_mesh",
