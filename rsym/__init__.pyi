@@ -1,4 +1,5 @@
 from . import paper
+from .analysis.curvature import curvature, gaussian_curvature, mean_curvature, principal_curvatures
 from .analysis.differential import gradient, hessian, laplacian
 from .analysis.normalisation import normalise
 from .codegen.fields import SIX
@@ -26,6 +27,7 @@ from .model.operations import (
 from .model.shape import Shape
 from .model.symbols import x, y, z
 from .model.systems import R0, R1, R0m, RAlpha, Rp
+from .output.combs import plot_curvature_comb
 from .output.explore import explore
 from .output.fields import plot_field, plot_fields
 from .output.files import write
@@ -55,11 +57,13 @@ __all__ = [
     "Shape",
     "compile",
     "conjunction",
+    "curvature",
     "difference",
     "disjunction",
     "equivalence",
     "exclusive_or",
     "explore",
+    "gaussian_curvature",
     "gradient",
     "hessian",
     "implication",
@@ -70,15 +74,18 @@ __all__ = [
     "load",
     "load_letters",
     "loads",
+    "mean_curvature",
     "mesh",
     "negation",
     "normalise",
     "paper",
+    "plot_curvature_comb",
     "plot_field",
     "plot_fields",
     "plot_mesh",
     "plot_sections",
     "plot_sweep",
+    "principal_curvatures",
     "revolve",
     "rfAND",
     "rfNOT",

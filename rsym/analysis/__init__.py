@@ -1,1 +1,1 @@
-"""What calculus says of a shape, in closed form: gradient, Hessian, Laplacian, normalisation."""
+"""What calculus says of a shape, in closed form: gradient, Hessian, Laplacian, normalisation, curvature."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rsym.codegen import differentiation
 from rsym.codegen.builder import Builder
+from rsym.codegen.curvatures import Curvatures
 from rsym.codegen.differentiation import derivative, dot
 from rsym.codegen.lowering import lower
 from rsym.codegen.program import Program
@@ -25,8 +26,15 @@ SIX: tuple[str, ...] = (
     "laplacian",
     "normalised_laplacian",
 )
-SCALARS: tuple[str, ...] = SIX
-FIELDS: tuple[str, ...] = (*SCALARS, "gradient", "hessian", "singular")
+SCALARS: tuple[str, ...] = (*SIX, "curvature", "mean_curvature", "gaussian_curvature")
+FIELDS: tuple[str, ...] = (
+    *SCALARS,
+    "gradient",
+    "hessian",
+    "singular",
+    "principal_curvatures",
+    "principal_directions",
+)
 
 
 class Calculus:
@@ -68,38 +76,82 @@ class Calculus:
         """omega/sqrt(omega**2 + |grad omega|**2)."""
         return Calculus(self.builder, self.builder.normalised(self.value, self.gradient_squared))
 
+    @cached_property
+    def hessian(self) -> list[list[int]]:
+        """The rows of second derivatives."""
+        size = len(self.builder.coordinates)
+        return [[self.second(i, j) for j in range(size)] for i in range(size)]
+
+    @cached_property
+    def curvatures(self) -> Curvatures:
+        """Curvatures of the level sets."""
+        return Curvatures(self.builder, self.gradient, self.hessian)
+
+    @property
+    def curvature(self) -> int:
+        """The curvature of the level lines in the plane, positive where the inside is convex."""
+        return self.curvatures.plane
+
+    @property
+    def mean_curvature(self) -> int:
+        """The mean of the principal curvatures of the level surfaces."""
+        return self.curvatures.mean
+
+    @property
+    def gaussian_curvature(self) -> int:
+        """The product of the principal curvatures of the level surfaces."""
+        return self.curvatures.gaussian
+
     def scalar(self, field: str) -> int:
         """The node of a scalar field."""
         if field == "value":
             return self.value
         if field.startswith("normalised"):
             return self.normalised.scalar(field.removeprefix("normalised").removeprefix("_") or "value")
-        return self.gradient_squared if field == "gradient_squared" else self.laplacian
+        node: int = getattr(self, field)
+        return node
 
 
 def outputs_of(calculus: Calculus, field: str) -> dict[str, int]:
     """The scalar outputs that make up a field."""
-    size = len(calculus.builder.coordinates)
-    if field in {"gradient", "singular"}:
-        return {f"gradient_{i}": node for i, node in enumerate(calculus.gradient)}
-    if field == "hessian":
-        return {f"hessian_{i}_{j}": calculus.second(i, j) for i in range(size) for j in range(i, size)}
-    return {field: calculus.scalar(field)}
+    nodes: Any
+    if field in SCALARS:
+        nodes = calculus.scalar(field)
+    elif field == "principal_curvatures":
+        nodes = calculus.curvatures.principal
+    elif field == "principal_directions":
+        nodes = calculus.curvatures.directions
+    else:
+        nodes = calculus.hessian if field == "hessian" else calculus.gradient
+    names = _part_names(field, len(calculus.builder.coordinates))
+    return dict(zip(names.flat, np.asarray(nodes).flat, strict=True))
 
 
 def gather(parts: Mapping[str, NDArray[Any]], fields: Sequence[str], size: int) -> dict[str, NDArray[Any]]:
-    """The fields from their scalar parts: gradient (..., dim), hessian (..., dim, dim), singular boolean."""
+    """The fields from their scalar parts: gradient (..., dim), hessian (..., dim, dim), singular boolean and so on."""
     result: dict[str, NDArray[Any]] = {}
     for field in fields:
-        if field in {"gradient", "singular"}:
-            gradient = np.stack([parts[f"gradient_{i}"] for i in range(size)], axis=-1)
-            result[field] = gradient if field == "gradient" else ~np.isfinite(gradient).all(axis=-1)
-        elif field == "hessian":
-            rows = [[parts[f"hessian_{min(i, j)}_{max(i, j)}"] for j in range(size)] for i in range(size)]
-            result[field] = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-        else:
+        if field in SCALARS:
             result[field] = parts[field]
+            continue
+        names = _part_names(field, size)
+        stack = np.stack([parts[name] for name in names.flat], axis=-1)
+        whole = stack.reshape((*stack.shape[:-1], *names.shape))
+        result[field] = np.asarray(~np.isfinite(whole).all(axis=-1)) if field == "singular" else whole
     return result
+
+
+def _part_names(field: str, size: int) -> NDArray[np.str_]:
+    """The names of the scalar outputs that make up a field, in the shape of its last axes."""
+    if field in {"gradient", "singular"}:
+        return np.array([f"gradient_{i}" for i in range(size)])
+    if field == "hessian":
+        return np.array([[f"hessian_{min(i, j)}_{max(i, j)}" for j in range(size)] for i in range(size)])
+    if field == "principal_curvatures":
+        return np.array([f"{field}_{k}" for k in range(2)])
+    if field == "principal_directions":
+        return np.array([[f"{field}_{k}_{i}" for i in range(3)] for k in range(2)])
+    return np.array(field)
 
 
 def checked_fields(fields: Sequence[str]) -> tuple[str, ...]:

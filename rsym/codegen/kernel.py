@@ -107,7 +107,9 @@ def compile(
         What to evaluate.
     fields : sequence of str
         ``value, gradient, hessian, gradient_squared, laplacian, normalised, normalised_gradient_squared,
-        normalised_laplacian, singular``.
+        normalised_laplacian, singular``; ``curvature`` of level lines in the plane; in space ``mean_curvature,
+        gaussian_curvature, principal_curvatures`` (..., 2), the larger first, and ``principal_directions`` (..., 2, 3),
+        orthogonal unit tangent vectors. Curvatures are positive where the inside is convex.
     backend : {"llvm", "numpy"}, optional
         ``llvm`` where it can be imported, else ``numpy``. Both give the same bits for arithmetic. In sin, cos, exp,
         log, pow and atan2 they may differ in the last place: those of ``llvm`` are right to 1 ulp, atan2 to 2.
@@ -122,7 +124,8 @@ def compile(
     Raises
     ------
     RsymError
-        For an unknown field, backend or dtype, or a formula that a program cannot hold.
+        For an unknown field, backend or dtype, a formula that a program cannot hold, or a curvature that belongs to
+        another number of coordinates.
 
     Examples
     --------

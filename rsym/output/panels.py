@@ -23,6 +23,9 @@ TITLES = {
     "normalised_gradient_squared": r"$(\nabla\omega_n)^2$",
     "laplacian": r"$\Delta\omega$",
     "normalised_laplacian": r"$\Delta\omega_n$",
+    "curvature": r"curvature $\kappa$",
+    "mean_curvature": "mean curvature $H$",
+    "gaussian_curvature": "Gaussian curvature $K$",
 }
 COLOUR_MAP = "viridis"
 # Singular spots reach any height; the colours span what lies between these shares of all samples.

@@ -74,6 +74,9 @@ def plane_sampler(
 ) -> PlaneSampler:
     """Prepare a field for sampling in the plane; `section={z: 1.0}` cuts a shape in space."""
     checked_scalar(field)
+    if field == "curvature" and section:
+        shape, bounds = plane_section(shape, section, bounds)
+        section = None
     names = [symbol.name for symbol in shape.coordinates]
     fixed = _fixed_coordinates(names, section)
     free = tuple(k for k in range(len(names)) if k not in fixed)
@@ -94,6 +97,32 @@ def plane_sampler(
     program = program_of(shape, ("value", "gradient"), of=field)
     kernel = compile_program(program, ("value", "gradient"), shape)
     return PlaneSampler(kernel, lattice_over(flat.bounds, resolution), (free[0], free[1]), fixed, letters)
+
+
+def plane_section(shape: Shape, section: Mapping[Any, float] | None, bounds: Any = None) -> tuple[Shape, Any]:
+    """A section as a shape in the plane, with its fixed coordinate as a letter, and the bounds for it.
+
+    What belongs to the plane line alone, such as its curvature, is derived from this shape.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> flat, _ = plane_section(rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z)), {z: 0.6})
+    >>> flat.coordinates, flat.letters["z"].default
+    ((x, y), 0.6)
+    """
+    if not section:
+        return shape, bounds
+    names = [symbol.name for symbol in shape.coordinates]
+    fixed = _fixed_coordinates(names, section)
+    free = [k for k in range(len(names)) if k not in fixed]
+    own, given = (
+        tuple(box[k] for k in free) if box is not None and len(box) == len(names) else box
+        for box in (shape.bounds, bounds)
+    )
+    letters: dict[str, Any] = {**shape.letters, **{names[k]: value for k, value in fixed.items()}}
+    return Shape(shape.expression, [shape.coordinates[k] for k in free], letters=letters, bounds=own), given
 
 
 def checked_scalar(field: str) -> str:

@@ -1,0 +1,182 @@
+"""Curvature combs: teeth along a level line as long as its curvature is large."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Colormap, ListedColormap, Normalize
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.model.letters import real_number
+from rsym.model.shape import Shape
+from rsym.sampling.combs import Comb, combs
+
+Floats = NDArray[np.float64]
+Marks = NDArray[np.bool_]
+
+USUAL = 0.95  # the share of a line's length whose curvature the usual one is not below
+# Teeth of the usual and of the largest curvature, as shares of the picture's diagonal.
+USUAL_LENGTH, MOST_LENGTH = 0.10, 0.25
+# A needle's curvature may be a hundred times the usual: beyond so many times a tooth is cut, and the envelope is open.
+LONGEST = 4.0
+NOTHING = 1e-9  # of the largest curvature: below, the sign is that of rounding
+
+
+def plot_curvature_comb(
+    shape: Shape,
+    *,
+    ax: Axes | None = None,
+    level: float = 0.0,
+    scale: float | None = None,
+    teeth: int = 300,
+    resolution: int | Sequence[int] = 512,
+    bounds: Any = None,
+    letters: Mapping[Any, float] | None = None,
+    section: Mapping[Any, float] | None = None,
+) -> tuple[LineCollection, LineCollection, LineCollection]:
+    r"""Teeth normal to the lines omega = level, of length proportional to the curvature, outwards where convex.
+
+    A jump of the curvature is a step of the envelope, a corner of the line a gap in it. Teeth are coloured by the
+    curvature, from both sides of zero if it has both signs.
+
+    Parameters
+    ----------
+    shape : Shape
+        A shape in the plane, or one in space with ``section={z: 1.0}``.
+    ax : matplotlib axes, optional
+        Where to draw; without it a new figure with a colour bar is made.
+    scale : float, optional
+        The length of a tooth over the curvature. If it is left out, the usual tooth is a tenth of the picture or less
+        and the longest a quarter; one of more than four times the usual is cut, and the envelope is open there.
+    teeth : int
+        Teeth on all lines together, evenly spaced by arc length.
+    resolution, bounds, letters
+        As for `level_lines`.
+
+    Returns
+    -------
+    tuple of LineCollection
+        The teeth, fit for a colour bar; the envelopes; the lines.
+
+    Raises
+    ------
+    RsymError
+        As `level_lines`, for a scale that is not positive, and for a level that the shape does not reach.
+
+    Examples
+    --------
+    >>> import matplotlib.figure, rsym
+    >>> from rsym import x, y
+    >>> disc = rsym.Shape(4 - x**2 - y**2, (x, y), bounds=((-3, 3), (-3, 3)))
+    >>> ax = matplotlib.figure.Figure().add_subplot()
+    >>> drawn, _, _ = rsym.plot_curvature_comb(disc, ax=ax, scale=1, teeth=20, resolution=64)
+    >>> len(drawn.get_segments())
+    20
+    """
+    found = combs(shape, level, teeth=teeth, resolution=resolution, bounds=bounds, letters=letters, section=section)
+    factor, longest = _scale(found) if scale is None else (_checked_scale(scale), np.inf)
+    alone = ax is None
+    if ax is None:
+        import matplotlib.pyplot
+
+        _, ax = matplotlib.pyplot.subplots(figsize=_page(found, factor, longest), layout="compressed")
+    artists = _draw(ax, found, factor, longest)
+    names = [symbol.name for symbol in shape.coordinates if symbol.name not in map(str, section or {})]
+    ax.set(aspect="equal", xlabel=f"${names[0]}$", ylabel=f"${names[1]}$")
+    ax.autoscale_view()
+    if alone:
+        _colour_bar(ax, artists[0])
+    return artists
+
+
+def _draw(
+    ax: Axes, found: Sequence[Comb], scale: float, longest: float
+) -> tuple[LineCollection, LineCollection, LineCollection]:
+    ends = [_ends(comb, scale, longest) for comb in found]
+    marked = [_marked(comb) for comb in found]
+    segments = np.concatenate(
+        [np.stack([comb.points, end], axis=1)[mark] for comb, end, mark in zip(found, ends, marked, strict=True)]
+    )
+    values = np.concatenate([comb.curvature[mark] for comb, mark in zip(found, marked, strict=True)])
+    colours, norm = _colours(values, longest)
+    teeth = LineCollection(list(segments), array=values, cmap=colours, norm=norm, linewidths=0.8, zorder=2)
+    open_ends = [
+        _runs(np.where((np.abs(comb.curvature) <= longest)[:, None], end, np.nan), comb.breaks)
+        for comb, end in zip(found, ends, strict=True)
+    ]
+    envelopes = LineCollection([run for runs in open_ends for run in runs], colors="0.35", linewidths=0.7, zorder=3)
+    lines = LineCollection([comb.points for comb in found], colors="black", linewidths=1.8, zorder=4)
+    for collection in (teeth, envelopes, lines):
+        ax.add_collection(collection)
+    return teeth, envelopes, lines
+
+
+def _ends(comb: Comb, scale: float, longest: float) -> Floats:
+    return comb.points + scale * np.clip(comb.curvature, -longest, longest)[:, None] * comb.normals
+
+
+def _page(found: Sequence[Comb], scale: float, longest: float) -> tuple[float, float]:
+    """The size of a figure in inches that the comb fills."""
+    points = np.concatenate([part for comb in found for part in (comb.points, _ends(comb, scale, longest))])
+    width, height = np.nanmax(points, axis=0) - np.nanmin(points, axis=0)
+    return 8.0, float(np.clip(7.0 * height / max(width, 1e-3 * height), 2.2, 8.0)) + 0.6
+
+
+def _marked(comb: Comb) -> Marks:
+    """The teeth to draw: where the curvature is defined, and the first point of a closed line once."""
+    marked: Marks = np.isfinite(comb.curvature) & comb.teeth
+    if np.array_equal(comb.points[0], comb.points[-1]):
+        marked[-1] = False
+    return marked
+
+
+def _runs(points: Floats, breaks: Marks) -> list[Floats]:
+    """The pieces of a line between its breaks and undefined points."""
+    undefined = np.isnan(points[:, 0])
+    parts = np.split(np.arange(len(points)), np.flatnonzero(breaks | undefined[1:] | undefined[:-1]) + 1)
+    return [points[part] for part in parts if len(part) > 1]
+
+
+def _scale(found: Sequence[Comb]) -> tuple[float, float]:
+    """The length of a tooth over the curvature, and the curvature at which teeth are cut."""
+    points = np.concatenate([comb.points for comb in found])
+    diagonal = float(np.hypot(*np.ptp(points, axis=0)))
+    sizes = np.concatenate([np.abs(comb.curvature[_marked(comb)]) for comb in found])
+    if not sizes.size or sizes.max() * diagonal < NOTHING:
+        return 1.0, np.inf
+    usual, most = float(np.quantile(sizes, USUAL)), float(sizes.max())
+    longest = LONGEST * usual if usual * diagonal > NOTHING else most
+    factor = MOST_LENGTH / min(most, longest)
+    return diagonal * (min(factor, USUAL_LENGTH / usual) if usual > 0 else factor), longest
+
+
+def _colours(values: Floats, longest: float) -> tuple[Colormap, Normalize]:
+    """Pale where the curvature is small; two colours if it has both signs."""
+    sizes = np.abs(values)
+    most = float(min(sizes.max(initial=0.0), longest)) or 1.0
+    if values.min(initial=0.0) < -NOTHING * most < NOTHING * most < values.max(initial=0.0):
+        return colormaps["coolwarm"], Normalize(-most, most)
+    one_sign = ListedColormap(colormaps["viridis_r"](np.linspace(0.12, 1.0, 256)))
+    return (one_sign, Normalize(0.0, most)) if values.sum() >= 0 else (one_sign.reversed(), Normalize(-most, 0.0))
+
+
+def _colour_bar(ax: Axes, teeth: LineCollection) -> None:
+    """Pointed where teeth are cut."""
+    values, (low, high) = np.asarray(teeth.get_array()), teeth.get_clim()
+    under, over = values.min(initial=0.0) < low, values.max(initial=0.0) > high
+    ends = {(False, False): "neither", (False, True): "max", (True, False): "min", (True, True): "both"}
+    bar = ax.figure.colorbar(teeth, ax=ax, pad=0.02, shrink=0.7, extend=ends[under, over])
+    bar.set_label(r"curvature $\kappa$")
+
+
+def _checked_scale(scale: float) -> float:
+    value = float(real_number(scale, "scale"))
+    if not value > 0:
+        raise RsymError(f"scale must be positive, got {scale!r}", code="scale", remedy="leave it out")
+    return value
