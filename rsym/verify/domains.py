@@ -27,12 +27,8 @@ def _is_defined_itself(local: Local, number: int) -> bool:
     operation, arguments, _ = builder.nodes[number]
     if operation in {"min", "max", "select"}:
         return True
-    if operation == "sqrt":
-        value = local.value(arguments[0])
-        return builder.nonnegative[arguments[0]] or (value is not None and bool(value >= 0))
-    if operation == "trimming":
-        value = local.value(arguments[0])
-        return builder.nonnegative[arguments[0]] or (value is not None and bool(value >= 0))
+    if operation in {"sqrt", "trimming"}:  # not >= 0: what is defined on the box must be so around it
+        return builder.nonnegative[arguments[0]] or local.sign(arguments[0]) > 0
     if operation in {"log", "pow"}:
         return local.sign(arguments[0]) > 0
     if operation == "div":

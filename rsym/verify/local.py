@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
-from flint import arb
+from flint import arb, ctx
 
-from rsym.codegen.balls import ball, enclose_nodes, exact
+from rsym.codegen.balls import Step, ball, exact, run, step
 from rsym.codegen.builder import Builder
 from rsym.codegen.differentiation import derivative
+from rsym.codegen.fields import Calculus
 from rsym.codegen.lowering import lower
 from rsym.codegen.program import live
 from rsym.model.shape import Shape
@@ -32,12 +33,35 @@ class Model:
         self.letters = dict(letters)
         self.axes = (*names, *(name for name, (low, high) in letters.items() if low != high))
         self._orders: dict[int, list[int]] = {}
+        self._steps: dict[int, Step] = {}
+        self._constants: dict[int, dict[int, arb | None]] = {}
 
     def order(self, number: int) -> list[int]:
         """The nodes that a node needs, in evaluation order."""
         if number not in self._orders:
             self._orders[number] = live(self.builder.nodes, [number])
         return self._orders[number]
+
+    def enclose(self, number: int, inputs: Mapping[str, arb], known: dict[int, arb | None]) -> None:
+        """Add the balls of a node, and of all that it needs, to those known on the box."""
+        steps = []
+        constants = self._constants.setdefault(ctx.prec, {})
+        for part in self.order(number):
+            if part in known:
+                continue
+            operation, _, data = self.builder.nodes[part]
+            if operation == "input":
+                known[part] = inputs[str(data)]
+                continue
+            if part not in self._steps:
+                self._steps[part] = step(self.builder.nodes, part)
+            if operation == "const":
+                if part not in constants:
+                    run([self._steps[part]], constants)
+                known[part] = constants[part]
+            else:
+                steps.append(self._steps[part])
+        run(steps, known)
 
     def gradient(self, number: int) -> tuple[int, int]:
         """The nodes of the two first derivatives."""
@@ -48,6 +72,10 @@ class Model:
         """The balls of all inputs, given those along the axes."""
         fixed = {name: ball(exact(low), exact(high)) for name, (low, high) in self.letters.items()}
         return fixed | dict(zip(self.axes, sides, strict=False))
+
+    def curvature(self, number: int) -> int:
+        """The node of the curvature of the level lines of a node."""
+        return Calculus(self.builder, number).curvature
 
     def on(self, sides: Sequence[arb]) -> Local:
         """What is known on a box with these sides; letters without a side have their whole range."""
@@ -66,7 +94,7 @@ class Local:
     def value(self, number: int) -> arb | None:
         """A ball around all values of a node; None if it is nowhere defined."""
         if number not in self.values:
-            enclose_nodes(self.model.builder.nodes, self.model.order(number), self.inputs, self.values)
+            self.model.enclose(number, self.inputs, self.values)
         return self.values[number]
 
     def sign(self, number: int) -> int:

@@ -1,0 +1,184 @@
+"""What one box holds of a boundary: nothing, a regular arc, two arcs that meet, or something to look at closer."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from flint import arb, ctx
+
+from rsym.codegen.builder import Builder
+from rsym.verify.generators import Generators, generators
+from rsym.verify.joints import PRECISE, Arc, Meeting, is_transversal, joint, locate, meeting
+from rsym.verify.local import Local
+from rsym.verify.locus import Locus, reduce
+from rsym.verify.report import Joint
+from rsym.verify.resolution import contact
+
+# A joint on a side of a box lies inside the box grown by this share of its width.
+GROWN = 0.25
+
+
+@dataclass(frozen=True)
+class Finding:
+    """kind: "empty"; "regular", an arc of class C^(order - 1), analytic if the order is infinite; "joined", two
+    arcs that meet in `joint`; "double", zeros without a change of sign, proved; "open", nothing is proved.
+    """
+
+    kind: str
+    order: float = math.inf
+    curvature: float = math.inf
+    joint: Joint | None = None
+    locus: Locus = Locus("none")
+
+
+EMPTY, OPEN = Finding("empty"), Finding("open")
+
+
+def examine(local: Local, extent: float, number: int | None = None) -> Finding:
+    """What is proved of the zero set of a node (of the root) on a box; `extent` is the size of the whole."""
+    number = local.model.root if number is None else number
+    locus = reduce(local, number)
+    if locus.kind == "none":
+        return EMPTY
+    if locus.kind == "double":
+        return _double(local, locus)
+    found = generators(local, locus.nodes[0]) if locus.kind == "leaf" else None
+    if found is not None and not found.hard and len(found.switches) <= 1:
+        order = math.inf if found.analytic else contact(local, locus.nodes[0], next(iter(found.switches)))
+        if found.analytic:
+            return _regular(local, locus, order, extent)
+        finding = _joined(local, extent, number)
+        tried = finding.kind == "open" and order >= 3 and _is_small(local, extent)
+        return _regular(local, locus, order, extent) if tried else finding
+    if locus.kind in {"conjunction", "disjunction"}:
+        return _joined(local, extent, number)
+    if locus.kind == "product":
+        return _product(local, extent, locus)
+    return Finding("open", locus=locus)
+
+
+def _regular(local: Local, locus: Locus, order: float, extent: float) -> Finding:
+    """A regular arc where one component of the gradient excludes zero, by the implicit function theorem."""
+    model, (leaf,) = local.model, locus.nodes
+    slopes = [local.value(node) for node in model.gradient(leaf)]
+    if any(slope is None for slope in slopes):
+        return Finding("open", locus=locus)
+    if _centred_excludes_zero(local, leaf, slopes):
+        return EMPTY
+    if not any(slope > 0 or slope < 0 for slope in slopes):
+        return Finding("open", locus=locus)
+    bound = curvature_bound(local, leaf, extent)
+    return Finding("open", locus=locus) if bound is None else Finding("regular", order, bound, locus=locus)
+
+
+def _centred_excludes_zero(local: Local, leaf: int, slopes: list[arb]) -> bool:
+    """Whether the mean value form f(m) + grad f (B - m) excludes zero."""
+    middle = [side.mid() for side in local.sides[:2]]
+    value = local.model.on([*middle, *local.sides[2:]]).value(leaf)
+    if value is None:
+        return False
+    for slope, side, centre in zip(slopes, local.sides, middle, strict=False):
+        value += slope * (side - centre)
+    return value.is_finite() and not value.contains(0)
+
+
+def curvature_bound(local: Local, leaf: int, extent: float) -> float | None:
+    """A bound of the size of the curvature on the box, if it is tight: within half of it or of 4/extent."""
+    value = local.value(local.model.curvature(leaf))
+    if value is None or not value.is_finite():
+        return None
+    tight = float(arb(value.rad())) < 0.5 * max(4 / extent, abs(float(value.mid())))
+    return float(abs(value).upper()) if tight or _is_small(local, extent) else None
+
+
+def _is_small(local: Local, extent: float) -> bool:
+    return all(float(arb(side.rad())) < extent / 4096 for side in local.sides[:2])
+
+
+def _product(local: Local, extent: float, locus: Locus) -> Finding:
+    """A factor that is zero in one point only, a sum of squares, where the other factor is zero too, drops."""
+    model = local.model
+    for factor, other in (locus.nodes, locus.nodes[::-1]):
+        roots = square_roots(model.builder, factor)
+        if len(roots) < 2 or not all(generators(local, root).analytic for root in roots[:2]):
+            continue
+        zero = locate(_grown(local), Arc(roots[0], roots[1]))
+        if zero is None:
+            continue
+        if zero.box is None:
+            return examine(local, extent, other)
+        with ctx.workprec(PRECISE):
+            found = locate(model.on([*zero.box, *local.sides[2:]]), Arc(roots[0], roots[1]), precise=True)
+            value = (
+                None if found is None or found.box is None else model.on([*found.box, *local.sides[2:]]).value(other)
+            )
+        if value is not None and value.is_zero():
+            return examine(local, extent, other)
+    return Finding("open", locus=locus)
+
+
+def square_roots(builder: Builder, number: int) -> list[int]:
+    """The nodes whose squares are terms of a sum of which nothing is negative: all vanish where the sum does."""
+    roots, stack = [], [number]
+    while stack:
+        part = stack.pop()
+        operation, arguments, data = builder.nodes[part]
+        if not builder.nonnegative[part]:
+            return []
+        if operation == "add":
+            stack.extend(arguments)
+        elif operation == "mul" and arguments[0] == arguments[1]:
+            roots.append(arguments[0])
+        elif operation == "powi":
+            roots.append(arguments[0])
+    return roots
+
+
+def _grown(local: Local) -> Local:
+    sides = [side + arb(0, GROWN * 2) * arb(side.rad()) for side in local.sides[:2]]
+    return local.model.on([*sides, *local.sides[2:]])
+
+
+def _joined(local: Local, extent: float, number: int) -> Finding:
+    """Two arcs on the grown box: they meet in one point there, or do not meet at all."""
+    grown = _grown(local)
+    locus = reduce(grown, number)
+    if locus.kind == "none":
+        return EMPTY
+    found: Generators | None = generators(grown, locus.nodes[0]) if locus.kind == "leaf" else None
+    if found is not None and found.analytic:
+        return OPEN
+    arcs = meeting(grown, locus, found)
+    if arcs is None or not is_transversal(grown, arcs):
+        return Finding("open", locus=locus)
+    bounds = [curvature_bound(grown, arc.function, extent) for arc in arcs.arcs]
+    zero = locate(grown, arcs.arcs[0])
+    if zero is None or any(bound is None for bound in bounds):
+        return Finding("open", locus=locus)
+    bound = max(bound for bound in bounds if bound is not None)
+    if not zero.exists:
+        return Finding("regular", math.inf, bound, locus=locus) if _same_end(grown, arcs) else OPEN
+    found_joint = joint(grown, arcs, zero)
+    if found_joint is None:
+        return Finding("open", locus=locus)
+    return Finding("joined", arcs.contact, bound, found_joint, locus)
+
+
+def _same_end(local: Local, arcs: Meeting) -> bool:
+    """Whether neither arc ends in the box: they are continuous across the switch, or both have no end."""
+    if arcs.contact >= 1:
+        return True
+    zero = locate(local, arcs.arcs[1])
+    return zero is not None and not zero.exists
+
+
+def _double(local: Local, locus: Locus) -> Finding:
+    """A zero without a change of sign is proved where the inner node changes sign on the box."""
+    model, (inner,) = local.model, locus.nodes
+    signs = set()
+    for x in (local.sides[0].lower(), local.sides[0].upper()):
+        for y in (local.sides[1].lower(), local.sides[1].upper()):
+            signs.add(model.on([x, y, *local.sides[2:]]).sign(inner))
+    proved = {1, -1} <= signs and generators(local, inner).analytic
+    return Finding("double" if proved else "open", locus=locus)

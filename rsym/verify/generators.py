@@ -1,0 +1,158 @@
+"""Generators of non-smoothness: the places where a node of a program is not analytic in its arguments.
+
+A node is analytic wherever all generators that are alive exclude zero; one under a branch that is not taken is
+dead. Some generators are *switches*: on either side of the zero set of one node the operation is another analytic
+function, |u| is u or -u. The others (a joint zero of R_0, the edge of a root) are *hard*: nothing resolves them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from rsym.codegen.builder import Builder
+from rsym.verify.domains import is_defined, is_legal, switch_of
+from rsym.verify.local import Local
+from rsym.verify.locus import chosen
+
+BRANCHING = frozenset({"abs", "sign", "min", "max", "select"})
+_JOINT = frozenset("r0_conjunction r0_disjunction versine gap r0m_conjunction r0m_disjunction r0m_partial".split())
+_NORMS = frozenset("norm rp_conjunction rp_disjunction rp_versine joining equivalence".split())
+_ENTIRE = frozenset("const input add mul neg powi sin cos exp".split())
+
+
+@dataclass(frozen=True)
+class Generators:
+    """What may be zero on a box, of a node's live generators.
+
+    switches: the nodes that switch, each with the operations that it switches; hard: operations that are not
+    analytic somewhere on the box and that no switch resolves.
+    """
+
+    switches: dict[int, frozenset[int]]
+    hard: frozenset[int]
+
+    @property
+    def analytic(self) -> bool:
+        """Whether the node is analytic on the whole box."""
+        return not self.switches and not self.hard
+
+
+def generators(local: Local, number: int) -> Generators:
+    """The live generators of a node that the box does not exclude."""
+    nodes = local.model.builder.nodes
+    switches: dict[int, set[int]] = {}
+    hard: set[int] = set()
+    seen: set[int] = set()
+    stack = [number]
+    local.value(number)
+    while stack:
+        part = stack.pop()
+        if part in seen:
+            continue
+        seen.add(part)
+        operation, arguments, _ = nodes[part]
+        if operation in _ENTIRE:
+            stack.extend(arguments)
+            continue
+        if operation in BRANCHING - {"sign"} and (branch := chosen(local, part)) is not None:
+            stack.append(branch[0])
+            continue
+        stack.extend(arguments)
+        if is_analytic_at(local, part):
+            continue
+        switch = _switch(local, part)
+        if switch is None:
+            hard.add(part)
+        else:
+            switches.setdefault(switch, set()).add(part)
+    return Generators({key: frozenset(parts) for key, parts in switches.items()}, frozenset(hard))
+
+
+def is_analytic_at(local: Local, number: int) -> bool:
+    """Whether an operation is analytic at all arguments that it takes on the box."""
+    operation, arguments, _ = local.model.builder.nodes[number]
+    if operation in _ENTIRE:
+        return True
+    if operation in {"abs", "div", "min", "max", "select", "sign"}:
+        tested = arguments[1] if operation == "div" else switch_of(local.model.builder, number)
+        return local.nonzero(tested) and is_defined(local, tested)
+    if operation in {"sqrt", "log", "pow"}:
+        return local.sign(arguments[0]) > 0
+    if operation in {"absolute_power", "signed_power"}:
+        return local.nonzero(arguments[0])
+    if operation == "atan2":
+        return local.nonzero(arguments[0]) or local.sign(arguments[1]) > 0
+    return _is_analytic_pair(local, number)
+
+
+def _is_analytic_pair(local: Local, number: int) -> bool:
+    """R-operations and their kin, in their first two arguments."""
+    builder = local.model.builder
+    operation, arguments, _ = builder.nodes[number]
+    first, second = (local.nonzero(argument) for argument in arguments[:2])
+    if operation in _JOINT or operation == "monomial":
+        return (first or second) and is_legal(local, number)
+    if operation == "trimming":
+        return local.sign(number) > 0 and (first or second)
+    if operation == "normalised":
+        return first or local.sign(arguments[1]) > 0
+    if operation in {"r_alpha_conjunction", "r_alpha_disjunction"}:
+        alpha = local.value(arguments[2])
+        return (first or second) and alpha is not None and bool(alpha > -1) and bool(alpha < 1)
+    if operation in _NORMS:
+        order = builder.value(arguments[2])
+        even = order is not None and order > 0 and order.denominator == 1 and order % 2 == 0
+        if even and operation not in {"joining", "rp_versine"}:
+            return first or second
+        return first and second and is_legal(local, number)
+    return False
+
+
+def _switch(local: Local, number: int) -> int | None:
+    """The node whose zeros part the analytic sides of an operation, up to a constant factor."""
+    builder = local.model.builder
+    operation, arguments, _ = builder.nodes[number]
+    if operation in BRANCHING:
+        switch = switch_of(builder, number)
+        return bare(builder, switch) if is_defined(local, switch) else None
+    if operation == "trimming" and local.sign(arguments[1]) > 0:
+        node = builder.nodes[arguments[0]]
+        return bare(builder, node.arguments[0]) if is_square(builder, arguments[0]) else None
+    if operation in {"absolute_power", "signed_power"}:
+        exponent = builder.value(arguments[1])
+        whole = exponent is not None and exponent.denominator == 1 and exponent > 0
+        return bare(builder, arguments[0]) if whole else None
+    return None
+
+
+def is_square(builder: Builder, number: int) -> bool:
+    """Whether a node is the product of a node with itself."""
+    operation, arguments, _ = builder.nodes[number]
+    return operation == "mul" and arguments[0] == arguments[1]
+
+
+def bare(builder: Builder, number: int) -> int:
+    """The node without sign and constant factor: its zeros are the same."""
+    while True:
+        operation, arguments, _ = builder.nodes[number]
+        if operation == "neg":
+            number = arguments[0]
+        elif operation == "mul" and (builder.value(arguments[0]) or Fraction(0)) != 0:
+            number = arguments[1]
+        else:
+            return number
+
+
+def factor(builder: Builder, number: int) -> int:
+    """The sign of the constant factor that `bare` takes away."""
+    sign = 1
+    while True:
+        operation, arguments, _ = builder.nodes[number]
+        value = builder.value(arguments[0]) if operation == "mul" else None
+        if operation == "neg":
+            number, sign = arguments[0], -sign
+        elif value is not None and value != 0:
+            number, sign = arguments[1], sign if value > 0 else -sign
+        else:
+            return sign

@@ -1,0 +1,157 @@
+"""Resolution: the analytic function that a node is on one side of a switch, continued across it."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from rsym.codegen.builder import HALF, Builder
+from rsym.codegen.expansion import SIMPLE
+from rsym.verify.domains import switch_of
+from rsym.verify.generators import BRANCHING, bare, factor, is_square
+from rsym.verify.local import Local
+from rsym.verify.locus import chosen
+
+
+def resolve(local: Local, number: int, switch: int, side: int) -> int:
+    """The node with every branch decided: by the box where it decides, by the side (1 or -1) of the switch else.
+
+    Where the switch has the sign of `side`, the result is equal to the node; it may be analytic on the whole box.
+    """
+    done: dict[int, int] = {}
+    for part in local.model.order(number):
+        done[part] = _resolved(local, part, switch, side, done)
+    return done[number]
+
+
+def _resolved(local: Local, part: int, switch: int, side: int, done: dict[int, int]) -> int:
+    builder = local.model.builder
+    operation, arguments, data = builder.nodes[part]
+    inner = tuple(done[argument] for argument in arguments)
+    sign = _sign(local, part, switch, side)
+    if sign:
+        if operation == "abs":
+            return inner[0] if sign > 0 else builder.neg(inner[0])
+        if operation == "sign":
+            return builder.const(sign)
+        if operation == "select":
+            return inner[2 if sign > 0 else 3]
+        if operation in {"min", "max"}:
+            return inner[0 if (sign > 0) == (operation == "max") else 1]
+        if operation == "trimming":
+            return _trimming(builder, inner[0], inner[1], sign)
+        power = builder.powi(inner[0], int(builder.value(arguments[1]) or 0))
+        even = (builder.value(arguments[1]) or Fraction(0)) % 2 == 0
+        return power if even == (operation == "absolute_power") or sign > 0 else builder.neg(power)
+    if inner == arguments:
+        return part
+    if operation in SIMPLE:
+        return SIMPLE[operation](builder, *inner)
+    if operation == "powi":
+        assert isinstance(data, int)
+        return builder.powi(inner[0], data)
+    if operation == "div":
+        return builder.div(*inner)
+    return builder.make(operation, *inner, data=data)
+
+
+def _sign(local: Local, part: int, switch: int, side: int) -> int:
+    """The sign that decides an operation: the box's where it has one, else the side's if the switch is this one."""
+    builder = local.model.builder
+    operation, arguments, _ = builder.nodes[part]
+    if operation in BRANCHING:
+        deciding = switch_of(builder, part)
+        if operation != "sign" and chosen(local, part) is not None:
+            return local.sign(deciding)
+    elif operation in {"absolute_power", "signed_power"}:
+        exponent = builder.value(arguments[1])
+        if exponent is None or exponent.denominator != 1 or exponent <= 0:
+            return 0
+        deciding = arguments[0]
+    elif operation == "trimming" and is_square(builder, arguments[0]) and local.sign(arguments[1]) > 0:
+        deciding = builder.nodes[arguments[0]].arguments[0]
+    else:
+        return 0
+    return factor(builder, deciding) * side if bare(builder, deciding) == switch else 0
+
+
+def _trimming(b: Builder, s: int, t: int, sign: int) -> int:
+    """sqrt(f**2 + gap**2) = |f| sqrt(1 + s**3/(4 (q + t)**2)) for t > 0, with s = f**2 and q = sqrt(t**2 + s**2)."""
+    f = b.nodes[s].arguments[0]
+    root = b.sqrt(b.add(b.square(t), b.square(s)))
+    ratio = b.mul(b.const(HALF * HALF), b.div(b.powi(s, 3), b.square(b.add(root, t))))
+    stretched = b.mul(f, b.sqrt(b.add(b.const(1), ratio)))
+    return stretched if sign > 0 else b.neg(stretched)
+
+
+def contact(local: Local, number: int, switch: int) -> float:
+    """A lower bound of the order to which the two resolutions of a node agree on the zeros of the switch.
+
+    With order k their difference is u**k times an analytic function, u the switch: the node is of class C^(k - 1)
+    across it. The rules follow from a1 b1 - a2 b2 = a1 (b1 - b2) + (a1 - a2) b2; each node has the order of its
+    difference and the order of its own zero on u = 0. Infinite where both are one analytic function. Other
+    generators must be excluded by the box.
+    """
+    orders: dict[int, tuple[float, float]] = {}
+    for part in local.model.order(number):
+        orders[part] = _orders(local, part, switch, orders)
+    return orders[number][0]
+
+
+def _orders(local: Local, part: int, switch: int, orders: dict[int, tuple[float, float]]) -> tuple[float, float]:
+    """(order of the difference, order of the zero)."""
+    builder = local.model.builder
+    operation, arguments, data = builder.nodes[part]
+    if part == switch:
+        return math.inf, 1
+    if operation == "const":
+        return math.inf, math.inf if builder.value(part) == 0 else 0
+    inner = [orders[argument] for argument in arguments]
+    if operation in BRANCHING - {"sign"} and (branch := chosen(local, part)) is not None:
+        return orders[branch[0]]
+    if _sign(local, part, switch, 1):
+        return _switched(builder, part, inner, orders)
+    if not inner:
+        return math.inf, 0
+    difference = min(own for own, _ in inner)
+    zeros = [zero for _, zero in inner]
+    if operation == "mul":
+        return min(zeros[0] + inner[1][0], inner[0][0] + zeros[1]), zeros[0] + zeros[1]
+    if operation == "powi":
+        assert isinstance(data, int)
+        return inner[0][0] + (data - 1) * zeros[0], data * zeros[0]
+    if operation == "add":
+        return difference, min(zeros)
+    if operation == "neg":
+        return difference, zeros[0]
+    if operation == "div":
+        return min(inner[0][0], zeros[0] + inner[1][0]), zeros[0]
+    return difference, 0
+
+
+def _switched(
+    b: Builder, part: int, inner: list[tuple[float, float]], orders: dict[int, tuple[float, float]]
+) -> tuple[float, float]:
+    """An operation that the switch decides."""
+    operation, arguments, _ = b.nodes[part]
+    if operation in {"abs", "trimming"}:
+        return 1, 1
+    if operation in {"min", "max"}:
+        return min(1, *(own for own, _ in inner)), min(zero for _, zero in inner)
+    if operation in {"absolute_power", "signed_power"}:
+        exponent = float(b.value(arguments[1]) or 0)
+        return exponent, exponent
+    if operation == "select":
+        difference = b.sub(arguments[2], arguments[3])
+        own = min(orders[arguments[2]][0], orders[arguments[3]][0])
+        return min(own, _zero_order(b, difference, arguments, orders)), min(inner[2][1], inner[3][1])
+    return 0, 0
+
+
+def _zero_order(
+    b: Builder, difference: int, arguments: tuple[int, ...], orders: dict[int, tuple[float, float]]
+) -> float:
+    """The order of the zero of the difference of two branches: known where they are one node or both vanish."""
+    if b.value(difference) == 0:
+        return math.inf
+    return min(orders[arguments[2]][1], orders[arguments[3]][1])
