@@ -36,6 +36,7 @@ from .output.sections import plot_sections, write_sections
 from .output.surfaces import plot_mesh
 from .output.sweep import plot_sweep
 from .sampling.contours import LevelLines, level_lines
+from .sampling.curvatures import vertex_curvatures
 from .sampling.mesh import Mesh
 from .sampling.meshing import mesh
 from .sampling.sections import Section, sections
@@ -94,6 +95,7 @@ __all__ = [
     "sections",
     "source",
     "trimming",
+    "vertex_curvatures",
     "write",
     "write_sections",
     "x",

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.backend_bases import RendererBase
+from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure, FigureBase
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
@@ -26,6 +27,7 @@ TICK_OFFSET, LABEL_OFFSET, STEEP_OFFSET = 9.0, 28.0, 9.0  # points from an axis 
 TICK_SPACING, TICK_CLEARANCE = 42.0, 7.0  # points between ticks, and from the ends
 NUMBER_SIZE = (22.0, 11.0)  # points, of the label of a tick
 GREY = "#555555"
+BAR_ROOM = 0.95  # inches for a colour bar
 
 
 class BodyAxes(Axes3D):  # type: ignore[misc]
@@ -74,6 +76,19 @@ def add_axes(figure: FigureBase, place: Any) -> BodyAxes:
     axes.patch.set_in_layout(False)
     axes.patch.set_visible(False)
     return axes
+
+
+def colour_bar(axes: Axes3D, scale: ScalarMappable, label: str) -> None:
+    """Widen a figure that one 3D axes fills, and put a colour bar beside it."""
+    figure: Any = axes.figure
+    width, height = figure.get_size_inches()
+    place = axes.get_position(original=True)
+    wide = width + BAR_ROOM
+    figure.set_size_inches(wide, height)
+    axes.set_position((place.x0 * width / wide, place.y0, place.width * width / wide, place.height))
+    bar = figure.colorbar(scale, cax=figure.add_axes((width / wide, 0.2, 0.16 / wide, 0.6)), extend="both")
+    bar.set_label(label)
+    bar.ax.tick_params(labelsize=8, length=2)
 
 
 def require_axes3d(axes: object) -> Axes3D:

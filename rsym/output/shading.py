@@ -49,6 +49,11 @@ def linear(colour: str) -> Floats:
         raise RsymError(
             f"a colour is a name or #rrggbb, got {colour!r}", code="colour", remedy=f"write for example '{BODY}'"
         ) from error
+    return decode(encoded)
+
+
+def decode(encoded: Floats) -> Floats:
+    """Turn what a screen shows (sRGB) into linear light."""
     return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,12 +11,14 @@ from matplotlib.artist import Artist
 from matplotlib.backend_bases import RendererBase
 from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import Axes3D
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from rsym.model.shape import Shape
 from rsym.output import axes3d
 from rsym.output.corners import usable_normals
+from rsym.output.paints import Spots, coat_of
 from rsym.output.rasteriser import Triangles, rasterise, snap
-from rsym.output.shading import BODY, INSIDE, hollows, linear, mean_depth, reduce, shade, unit
+from rsym.output.shading import BODY, hollows, mean_depth, reduce, shade, unit
 from rsym.sampling.mesh import Mesh
 
 Floats = NDArray[np.float64]
@@ -35,7 +39,10 @@ def plot_mesh(
     elevation: float = 22.0,
     azimuth: float = -55.0,
     edges: bool = False,
-) -> Artist:
+    colour_by: str | ArrayLike | None = None,
+    shape: Shape | None = None,
+    letters: Mapping[Any, float] | None = None,
+) -> ShadedMesh:
     """Draw a mesh as a shaded body with hidden surfaces removed.
 
     Parameters
@@ -50,6 +57,13 @@ def plot_mesh(
         The direction of the eye in degrees: above the xy-plane, and from the x-axis towards the y-axis.
     edges : bool
         Whether to draw the edges of the triangles.
+    colour_by : str or array, optional
+        ``mean_curvature``, ``gaussian_curvature``, ``k1``, ``k2``: a map of the exact curvature at every pixel;
+        ``zebra``: the reflection of level stripes, kinked where the curvature jumps and broken at an edge;
+        or an array with one value for each vertex. A new figure has a colour bar, otherwise
+        ``figure.colorbar(artist.scale, ax=ax)`` makes one.
+    shape, letters
+        What the mesh was made of: needed for curvatures, and for a zebra that is exact between vertices.
 
     Returns
     -------
@@ -59,7 +73,7 @@ def plot_mesh(
     Raises
     ------
     RsymError
-        If `ax` is not three-dimensional.
+        If `ax` is not three-dimensional, for an unknown map, or an array that does not fit the mesh.
 
     Examples
     --------
@@ -74,7 +88,7 @@ def plot_mesh(
     >>> artist.axes is axes
     True
     """
-    artist = ShadedMesh(mesh, colour=colour, edges=edges)
+    artist = ShadedMesh(mesh, colour=colour, edges=edges, colour_by=colour_by, shape=shape, letters=letters)
     if ax is None:
         axes = axes3d.new_axes(artist.low, artist.high, elevation, azimuth)
     else:
@@ -83,6 +97,8 @@ def plot_mesh(
     axes3d.frame(axes, low, high, elevation, azimuth)
     axes3d.style(axes)
     axes.add_artist(artist)
+    if ax is None and artist.scale is not None:
+        axes3d.colour_bar(axes, artist.scale, artist.scale_label)
     return artist
 
 
@@ -97,13 +113,23 @@ def _with_others(axes: Axes3D, low: Floats, high: Floats) -> tuple[Floats, Float
 class ShadedMesh(Artist):
     """A mesh that is projected, rasterised and lit anew, at the renderer's own resolution, whenever it is drawn."""
 
-    def __init__(self, mesh: Mesh, *, colour: str, edges: bool) -> None:
+    def __init__(
+        self,
+        mesh: Mesh,
+        *,
+        colour: str = BODY,
+        edges: bool = False,
+        colour_by: str | ArrayLike | None = None,
+        shape: Shape | None = None,
+        letters: Mapping[Any, float] | None = None,
+    ) -> None:
         super().__init__()
         self.mesh = mesh
         self.edges = edges
-        self.colours = np.stack([linear(INSIDE), linear(colour)])
         self.low, self.high = mesh.vertices[mesh.faces].min(axis=(0, 1)), mesh.vertices[mesh.faces].max(axis=(0, 1))
         self.normals = usable_normals(mesh)
+        coat = coat_of(mesh, self.normals, colour, colour_by, shape, letters)
+        self.paint, self.scale, self.scale_label = coat.paint, coat.scale, coat.label
         self._state: object = None
         self._drawn = (np.zeros(2, np.int64), np.zeros((0, 0, 4), np.uint8))
         # Above panes, grid and axis lines, like the collections of mplot3d.
@@ -164,7 +190,9 @@ class ShadedMesh(Artist):
             faces = nearest[row, column]
             weights = triangles.weights(faces, row, column)
             depth[row, column] = (weights * triangles.depth[faces]).sum(axis=1)
-            light = self._light(names[faces], weights, triangles.facing[faces] * mirrored, turn)
+            shifted = partial(_shifted_weights, triangles, faces, row, column)
+            side = triangles.facing[faces] * mirrored
+            light = self._light(Spots(names[faces], weights, shifted, side, turn))
             if line:
                 light *= _edge_light(triangles.distances(faces, row, column), line)[:, None]
             samples[row, column, :3] = light
@@ -181,10 +209,14 @@ class ShadedMesh(Artist):
         names = np.flatnonzero(triangles.facing == mirrored)
         return triangles[names], names
 
-    def _light(self, faces: Ints, weights: Floats, side: Ints, turn: Floats) -> Floats:
-        """Return the linear light of points of faces, seen from outside (side 1) or from inside (-1)."""
-        normals = unit(np.einsum("ij,ijk->ik", weights, self.normals[faces]) @ turn.T)
-        return shade(normals * side[:, None], self.colours[(side > 0).astype(int)])
+    def _light(self, spots: Spots) -> Floats:
+        """Return the linear light of samples, seen from outside (side 1) or from inside (-1)."""
+        normals = unit(np.einsum("ij,ijk->ik", spots.weights, self.normals[spots.faces]) @ spots.turn.T)
+        return shade(normals * spots.side[:, None], self.paint(spots))
+
+
+def _shifted_weights(triangles: Triangles, faces: Ints, row: Ints, column: Ints, rows: int, columns: int) -> Floats:
+    return triangles.weights(faces, row + rows, column + columns)
 
 
 def _edge_light(distances: Floats, width: float) -> Floats:

@@ -1,0 +1,230 @@
+"""What a surface is painted with: one colour, a map of values, or the stripes of a zebra."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from numpy.typing import ArrayLike, NDArray
+
+from rsym.errors import RsymError
+from rsym.model.shape import Shape
+from rsym.output.shading import INSIDE, decode, linear, unit
+from rsym.sampling.curvatures import NearSurface
+from rsym.sampling.mesh import Mesh
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# Field of a kernel, which of its components, label.
+MAPS: dict[str, tuple[str, int | None, str]] = {
+    "mean_curvature": ("mean_curvature", None, "mean curvature $H$"),
+    "gaussian_curvature": ("gaussian_curvature", None, "Gaussian curvature $K$"),
+    "k1": ("principal_curvatures", 0, "larger principal curvature $k_1$"),
+    "k2": ("principal_curvatures", 1, "smaller principal curvature $k_2$"),
+}
+# Curvatures are unbounded near edges; the colours span what lies between these shares of the vertices.
+ROBUST_RANGE = (0.02, 0.98)
+# Less than this share of the values is rounding.
+NOTHING = 1e-9
+UNDEFINED = "#9a9a9a"
+STRIPES = 7  # pairs of bands between straight down and straight up
+DARK, LIGHT = "#1c1c1c", "#f7f7f7"
+
+
+@dataclass(frozen=True)
+class Spots:
+    """Samples of a picture of a mesh: faces (n,), weights of their corners (n, 3), side seen (n,), the camera's turn.
+
+    `shifted(rows, columns)` gives the weights so many samples further.
+    """
+
+    faces: Ints
+    weights: Floats
+    shifted: Callable[[int, int], Floats]
+    side: Ints
+    turn: Floats
+
+
+Paint: TypeAlias = Callable[[Spots], Floats]  # linear colours (n, 3)
+
+
+@dataclass(frozen=True)
+class Coat:
+    """A paint and, if it maps values, the scale of its colours and their name."""
+
+    paint: Paint
+    scale: ScalarMappable | None = None
+    label: str = ""
+
+
+def coat_of(
+    mesh: Mesh,
+    normals: Floats,
+    colour: str,
+    colour_by: str | ArrayLike | None,
+    shape: Shape | None,
+    letters: Mapping[Any, float] | None,
+) -> Coat:
+    """The paint of a mesh with the corner normals (m, 3, 3), as `plot_mesh` describes it."""
+    if colour_by is None:
+        return Coat(_one_colour(colour))
+    if not isinstance(colour_by, str):
+        return _value_coat(_values_at_corners(mesh, colour_by), _checked_values(mesh, colour_by), "")
+    if colour_by == "zebra":
+        return Coat(_zebra(mesh, normals, shape, letters))
+    if colour_by not in MAPS:
+        raise RsymError(
+            f"no map {colour_by!r}", code="colour-by", remedy=f"choose from {', '.join(MAPS)}, zebra, or give an array"
+        )
+    if shape is None:
+        raise RsymError(f"a map of {colour_by} needs the equation", code="colour-by", remedy="give shape=")
+    field, component, label = MAPS[colour_by]
+    surface, reach = NearSurface(shape, (field,), letters), _reach(mesh)
+
+    def values(points: Floats) -> Floats:
+        found = surface.at(points, reach)[field]
+        return found if component is None else found[:, component]
+
+    return _value_coat(lambda spots: values(_points(mesh, spots)), values(mesh.vertices), label)
+
+
+def _one_colour(colour: str) -> Paint:
+    colours = np.stack([linear(INSIDE), linear(colour)])
+    return lambda spots: colours[(spots.side > 0).astype(int)]
+
+
+def _value_coat(values: Callable[[Spots], Floats], sample: Floats, label: str) -> Coat:
+    """Colours between robust limits; about zero, if the values have both signs."""
+    low, high = robust_limits(sample)
+    both = low < 0 < high
+    scale = ScalarMappable(Normalize(low, high), colormaps["coolwarm" if both else "viridis"])
+    table = decode(scale.get_cmap()(np.linspace(0.0, 1.0, 256))[:, :3])
+    undefined = linear(UNDEFINED)
+
+    def paint(spots: Spots) -> Floats:
+        found = values(spots)
+        share = np.clip((found - low) / (high - low), 0.0, 1.0)
+        index = np.nan_to_num(share * 255).round().astype(np.int64)
+        return np.where(np.isnan(share)[:, None], undefined, table[index])
+
+    return Coat(paint, scale, label)
+
+
+def robust_limits(values: Floats) -> tuple[float, float]:
+    """Limits of a colour scale: quantiles of the finite values, symmetric if those have both signs.
+
+    Examples
+    --------
+    >>> low, high = robust_limits(np.append(np.linspace(-0.5, 2, 1001), 1e9))
+    >>> low == -high, round(high, 2)
+    (True, 1.95)
+    """
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        raise RsymError("the values are undefined at every vertex", code="undefined")
+    low, high = (float(limit) for limit in np.quantile(finite, ROBUST_RANGE))
+    most = max(abs(low), abs(high))
+    if low < -NOTHING * most < NOTHING * most < high:
+        return -most, most
+    if high - low <= NOTHING * most or most == 0:
+        margin = 0.5 * most or 1.0
+        return low - margin, high + margin
+    return low, high
+
+
+def _checked_values(mesh: Mesh, values: ArrayLike) -> Floats:
+    array = np.asarray(values, np.float64)
+    if array.shape != (len(mesh.vertices),):
+        raise RsymError(
+            f"expected one value for each of the {len(mesh.vertices)} vertices, got the shape {array.shape}",
+            code="colour-by",
+        )
+    return array
+
+
+def _values_at_corners(mesh: Mesh, values: ArrayLike) -> Callable[[Spots], Floats]:
+    """Values between vertices, NaN left out of the mean of the corners."""
+    at_vertices = _checked_values(mesh, values)
+
+    def between(spots: Spots) -> Floats:
+        corners = at_vertices[mesh.faces[spots.faces]]
+        weights = np.where(np.isfinite(corners), spots.weights, 0.0)
+        with np.errstate(all="ignore"):
+            mean: Floats = (weights * np.nan_to_num(corners)).sum(axis=1) / weights.sum(axis=1)
+        return mean
+
+    return between
+
+
+def _zebra(mesh: Mesh, normals: Floats, shape: Shape | None, letters: Mapping[Any, float] | None) -> Paint:
+    """The reflection of a room with level stripes: a jump of the curvature kinks them, an edge breaks them."""
+    surface = None if shape is None else NearSurface(shape, (), letters)
+    reach = _reach(mesh)
+    dark, light = linear(DARK), linear(LIGHT)
+
+    def exact(spots: Spots) -> Floats:
+        assert surface is not None
+        return -surface.at(_points(mesh, spots), reach)["gradient"]
+
+    def paint(spots: Spots) -> Floats:
+        corners = normals[spots.faces]
+        here, right, above = (
+            reflected_heights(np.einsum("ij,ijk->ik", weights, corners), spots.turn)
+            for weights in (spots.weights, spots.shifted(0, 1), spots.shifted(1, 0))
+        )
+        width = np.abs(right - here) + np.abs(above - here)
+        if surface is not None:
+            true = reflected_heights(exact(spots), spots.turn)
+            here = np.where(np.isfinite(true), true, here)
+        return dark + (light - dark) * stripes(STRIPES * here, STRIPES * width)[:, None]
+
+    return paint
+
+
+def reflected_heights(normals: Floats, turn: Floats) -> Floats:
+    """How high the line of sight points after its reflection, in right angles, for normals (n, 3) of the data.
+
+    The eye is far away, at the camera's third axis. 1 is straight up along z of the data, -1 straight down.
+
+    Examples
+    --------
+    >>> from_the_front = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    >>> reflected_heights(np.array([[0.0, -1.0, 0.0], [0.0, -1.0, 1.0]]), from_the_front).round(6)
+    array([0., 1.])
+    """
+    facing = unit(normals @ turn.T)
+    up = unit(turn[:, 2])
+    heights = 2 * facing[:, 2] * (facing @ up) - up[2]
+    angles: Floats = np.arcsin(np.clip(heights, -1.0, 1.0)) / (np.pi / 2)
+    return angles
+
+
+def stripes(phase: Floats, width: Floats) -> Floats:
+    """The share of light in a window of some width over stripes of period 1, light in the first half.
+
+    Examples
+    --------
+    >>> stripes(np.array([0.25, 0.75, 0.5, 3.3]), np.array([0.1, 0.1, 0.1, 2.0])).round(12)
+    array([1. , 0. , 0.5, 0.5])
+    """
+    width = np.maximum(width, 1e-9)
+    low, high = (np.floor(end) / 2 + np.minimum(end % 1.0, 0.5) for end in (phase - width / 2, phase + width / 2))
+    return np.asarray((high - low) / width)
+
+
+def _points(mesh: Mesh, spots: Spots) -> Floats:
+    points: Floats = np.einsum("ij,ijk->ik", spots.weights, mesh.vertices[mesh.faces[spots.faces]])
+    return points
+
+
+def _reach(mesh: Mesh) -> float:
+    """The longest side of a triangle: what is farther from the surface is not of it."""
+    corners = mesh.vertices[mesh.faces]
+    sides = corners - np.roll(corners, 1, axis=1)
+    return float(np.sqrt(np.einsum("ijk,ijk->ij", sides, sides).max()))
