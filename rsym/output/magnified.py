@@ -57,7 +57,7 @@ def branches_at(lines: Sequence[Floats], point: Sequence[float], size: float) ->
     >>> t = np.linspace(-1, 1, 401)
     >>> first, second = branches_at([np.stack([t, np.abs(t)], axis=1)], (0.0, 0.0), 1.0)
     >>> round(math.degrees(first.direction)), round(math.degrees(second.direction)), abs(round(first.bend, 6))
-    (45, 135, 0.0)
+    (135, 45, 0.0)
     """
     chords = np.concatenate([np.empty((0, 2)), *lines]) - np.asarray(point)
     distance = np.hypot(*chords.T)

@@ -34,7 +34,7 @@ Floats = NDArray[np.float64]
 WIDTH = 8.0  # inches
 TALLEST, FLATTEST = 0.62, 0.25  # height of the main panel as a share of its width
 WINDOW = 2.7  # inches, the widest
-MARGIN = 0.05
+MARGIN = 0.07
 TEETH = 240
 COMB = "0.62"
 # Boxes of suspects are far smaller than a pixel: one mark stands for all within this share of the width.
@@ -94,7 +94,7 @@ def plot_verdict(
     extent = float(np.diff(main.get_xlim())[0])
     for number, (window, joint) in enumerate(zip(rest, report.defects, strict=False), 1):
         draw_magnified(window, report, plane, joint, label=str(number), extent=extent)
-    if ax is None:
+    if ax is None and handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=8)
     return figure
 
