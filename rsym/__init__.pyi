@@ -35,6 +35,7 @@ from .output.presets import load_letters, save_letters
 from .output.sections import plot_sections, write_sections
 from .output.surfaces import plot_mesh
 from .output.sweep import plot_sweep
+from .output.verdicts import plot_verdict
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import vertex_curvatures
 from .sampling.mesh import Mesh
@@ -86,6 +87,7 @@ __all__ = [
     "plot_mesh",
     "plot_sections",
     "plot_sweep",
+    "plot_verdict",
     "principal_curvatures",
     "revolve",
     "rfAND",

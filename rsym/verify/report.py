@@ -9,6 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.verify.markup import report_html
+from rsym.verify.records import report_json
+from rsym.verify.wording import joint_text, report_text
+
 CERTIFIED, REFUTED, DEGENERATE, UNDECIDED = "CERTIFIED", "REFUTED", "DEGENERATE", "UNDECIDED"
 
 # From the weakest to the strongest: what a boundary can be at a point.
@@ -42,6 +46,9 @@ class Joint:
     proved: bool = False
     reason: str = ""
 
+    def __str__(self) -> str:
+        return joint_text(self)
+
 
 @dataclass(frozen=True, eq=False)
 class Cover:
@@ -60,7 +67,7 @@ class Cover:
 
 @dataclass(frozen=True, eq=False)
 class SmoothnessReport:
-    """The answer to: is the curvature of the boundary continuous (G2)?
+    """The answer to the question whether the curvature of the boundary is continuous (G2).
 
     verdict : "CERTIFIED", proved; "REFUTED", the contrary is proved at `defects`; "DEGENERATE", there is no curve to
         speak of (no boundary, no sign change, a node, an isolated point); "UNDECIDED", neither proved.
@@ -85,3 +92,13 @@ class SmoothnessReport:
     def undecided(self) -> NDArray[np.float64]:
         """The boxes in which nothing is proved."""
         return self.cover.undecided
+
+    def __str__(self) -> str:
+        return report_text(self)
+
+    def to_json(self, *, boxes: bool = False) -> str:
+        """The report for programs: JSON with stable keys, null where a number is unknown or has no bound."""
+        return report_json(self, boxes=boxes)
+
+    def _repr_html_(self) -> str:
+        return report_html(self)
