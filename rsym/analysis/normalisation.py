@@ -6,34 +6,52 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.analysis.differential import gradient
+from rsym.analysis.differential import derivative, gradient
+from rsym.analysis.tensors import indices, partials, unit_index, weight
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression
 
 
 def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
-    """omega_n = omega/sqrt(omega**2/L**2 + |grad omega|**2), normalised to order 1.
+    """The same boundary by a function omega_m that is the distance from it, up to terms of order m + 1.
 
-    On the boundary omega_n = 0 and its inner normal derivative is 1, wherever
-    grad omega exists and is not zero. Far away omega_n tends to the length L in
-    absolute value; L = 1 is the form of the source.
+    omega_1 = omega/sqrt(omega**2/L**2 + |grad omega|**2), and for m = 2, 3, ...
+
+        omega_m = omega_(m-1) - omega_(m-1)**m * D_m omega_(m-1) / m!
+
+    D_m f is the tensor of the m-th derivatives of f contracted m times with g = grad omega_(m-1), the sum over
+    i1..im of (d^m f/dx_i1..dx_im)*g_i1*...*g_im; the operator g . grad applied m times would differentiate g
+    as well, and is not meant. With the inner normal nu, on the boundary omega_m = 0, d omega_m/d nu = 1 and
+    d^k omega_m/d nu^k = 0 for k = 2..m, wherever omega is smooth enough and grad omega is not zero. From m = 2 on
+    the Laplacian there is minus the curvature of the boundary, in space minus twice its mean curvature.
+    Far away omega_1 tends to the length L in absolute value; L = 1 is the form of the source. From order 2 on
+    omega_m may vanish, and change its sign, at a distance from the boundary at which the correction is no longer small.
 
     Parameters
     ----------
     shape : Shape
         A shape whose gradient does not vanish on its boundary.
     order : int
-        1; higher orders need derivatives of the same order.
+        m >= 1. omega_m contains derivatives of omega up to order 1 + m (m - 1)/2 + ... : each step takes m more.
     length : number or expression
         L > 0, in the unit of the coordinates.
+
+    Returns
+    -------
+    Shape
+        The closed form, R-nodes kept, equal parts shared as objects but not by SymPy's printers: what is printed,
+        expanded or simplified grows beyond use. Distinct parts at orders 1, 2, 3: an ellipse 20, 94, 3 000;
+        the body of Fig. 11 59, 340, 36 000 (8 s); the car at order 2 17 000 (2 s), at order 3 out of reach. For numbers
+        the fields ``normalised_2`` and ``normalised_3`` of `compile` are the same function with L = 1, derived
+        in the program: 3 to 7 times smaller, and made in a hundredth of the time.
 
     Raises
     ------
     RsymError
-        For another order, or a length that is not positive.
+        For an order that is not a positive integer, or a length that is not positive.
 
-    Source: Rvachev (1982); Lisin, Maksimenko-Sheiko and Sheiko (2013).
+    Source: Rvachev (1982); Shapiro and Suplin (1), (8); Lisin, Maksimenko-Sheiko and Sheiko (2013).
 
     Examples
     --------
@@ -41,11 +59,31 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
     >>> from rsym import x, y
     >>> rsym.normalise(rsym.Shape(3 * x, (x, y))).expression
     3*x/sqrt(9*x**2 + 9)
+    >>> disc = rsym.Shape((1 - x**2 - y**2) / 2, (x, y))
+    >>> unit = rsym.compile(rsym.normalise(disc, order=2), ("gradient_squared", "laplacian"))(0.6, 0.8)
+    >>> round(float(unit["gradient_squared"]), 12), round(float(unit["laplacian"]), 12)
+    (1.0, -1.0)
     """
-    if order != 1:
-        raise RsymError(f"normalise supports order 1, got {order!r}", code="order", remedy="use order=1")
+    if isinstance(order, bool) or not isinstance(order, int) or order < 1:
+        raise RsymError(f"the order must be a positive integer, got {order!r}", code="order", remedy="use order=1")
     unit = as_expression(length)
     if unit.is_number and not unit.is_positive:
         raise RsymError(f"the length must be positive, got {length}", code="length")
     squared = sp.Add(*(component**2 for component in gradient(shape)))
-    return shape.replace(expression=shape.expression / sp.sqrt(shape.expression**2 / unit**2 + squared))
+    result = shape.expression / sp.sqrt(shape.expression**2 / unit**2 + squared)
+    for step in range(2, order + 1):
+        result = _next_order(result, step, shape.coordinates)
+    return shape.replace(expression=result)
+
+
+def _next_order(lower: sp.Expr, order: int, coordinates: tuple[sp.Symbol, ...]) -> sp.Expr:
+    """omega_m from omega_(m-1)."""
+    size = len(coordinates)
+    found = partials(lower, order, coordinates, derivative)
+    slopes = [found[unit_index(size, axis)] for axis in range(size)]
+    terms = []
+    for index in indices(size, order):
+        share = weight(index)
+        powers = (slope**count for slope, count in zip(slopes, index, strict=True))
+        terms.append(sp.Mul(sp.Rational(share.numerator, share.denominator), found[index], *powers))
+    return lower - lower**order * sp.Add(*terms)
