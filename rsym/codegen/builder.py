@@ -138,9 +138,11 @@ class Builder:
             folded = None if q is None else self._folded(p * q)
             if folded is not None:
                 return self.mul(folded, rest)
-        root = self._operand_of("sqrt", a)
+        root, size = self._operand_of("sqrt", a), self._operand_of("abs", a)
         if a == b and root is not None and self.nonnegative[root]:
             return root
+        if a == b and size is not None:
+            return self.square(size)
         return self.make("mul", *((a, b) if p is not None else sorted((a, b))))
 
     def square(self, a: int) -> int:
@@ -179,9 +181,11 @@ class Builder:
         if inner is not None:
             power = self.powi(inner, exponent)
             return self.neg(power) if exponent % 2 else power
-        root = self._operand_of("sqrt", a)
+        root, size = self._operand_of("sqrt", a), self._operand_of("abs", a)
         if root is not None and self.nonnegative[root] and exponent % 2 == 0:
             return self.powi(root, exponent // 2)
+        if size is not None and exponent % 2 == 0:
+            return self.powi(size, exponent)
         return self.make("powi", a, data=exponent)
 
     @staticmethod

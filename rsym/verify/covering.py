@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from flint import arb, ctx
 
 from rsym.codegen.balls import ball
+from rsym.codegen.differentiation import derivative
 from rsym.verify.examination import Finding, examine
 from rsym.verify.local import Model
 
@@ -59,7 +61,7 @@ def cover(
                     if max(high - low for low, high in box[:2]) <= smallest:
                         result.left.append((box, finding))
                     else:
-                        following.extend(halves(model, box, bounds))
+                        following.extend(halves(model, box))
                 elif finding.kind != "empty":
                     result.settled.append((box, finding))
             if progress is not None:
@@ -86,18 +88,28 @@ def _cut(box: Box, axis: int, at: float) -> tuple[Box, Box]:
     return (*box[:axis], (low, at), *box[axis + 1 :]), (*box[:axis], (at, high), *box[axis + 1 :])
 
 
-def halves(model: Model, box: Box, bounds: Box) -> list[Box]:
-    """The box cut in two across both coordinates; letters that range are cut like the widest coordinate."""
-    boxes = [box]
+def halves(model: Model, box: Box) -> list[Box]:
+    """The box cut in two across both coordinates, or across the letter to which the model is most sensitive on it."""
+    axis = _widest_letter(model, box)
+    if axis is not None:
+        return list(_cut(box, axis, _middle(box, axis)))
+    return [half for one in _cut(box, 0, _middle(box, 0)) for half in _cut(one, 1, _middle(box, 1))]
+
+
+def _middle(box: Box, axis: int) -> float:
+    low, high = box[axis]
+    return low + (high - low) / 2
+
+
+def _widest_letter(model: Model, box: Box) -> int | None:
+    """The letter whose range on the box changes omega more than the coordinates do."""
+    if len(box) == 2:
+        return None
+    local = model.on([side(*ends) for ends in box])
+    smears = []
     for axis, (low, high) in enumerate(box):
-        if axis >= 2 and not _letter_is_wide(box, bounds, axis):
-            continue
-        middle = low + (high - low) / 2
-        boxes = [half for one in boxes for half in _cut(one, axis, middle)]
-    return boxes
-
-
-def _letter_is_wide(box: Box, bounds: Box, axis: int) -> bool:
-    """Whether a letter's share of its range exceeds the coordinates' share of theirs."""
-    share = max((box[k][1] - box[k][0]) / (bounds[k][1] - bounds[k][0]) for k in range(2))
-    return (box[axis][1] - box[axis][0]) / (bounds[axis][1] - bounds[axis][0]) > 16 * share
+        slope = local.value(derivative(model.builder, model.root, model.axes[axis]))
+        size = math.inf if slope is None else float(abs(slope).upper())
+        smears.append(size * (high - low) if high > low else 0.0)
+    widest = max(range(2, len(box)), key=smears.__getitem__)
+    return widest if smears[widest] > max(smears[:2]) or math.isinf(smears[widest]) else None

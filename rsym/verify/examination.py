@@ -11,7 +11,7 @@ from rsym.codegen.builder import Builder
 from rsym.verify.generators import Generators, generators
 from rsym.verify.joints import PRECISE, Arc, Meeting, is_transversal, joint, locate, meeting
 from rsym.verify.local import Local
-from rsym.verify.locus import Locus, reduce
+from rsym.verify.locus import NONE, Locus, reduce
 from rsym.verify.report import Joint
 from rsym.verify.resolution import contact
 
@@ -21,15 +21,19 @@ GROWN = 0.25
 
 @dataclass(frozen=True)
 class Finding:
-    """kind: "empty"; "regular", an arc of class C^(order - 1), analytic if the order is infinite; "joined", two
-    arcs that meet in `joint`; "double", zeros without a change of sign, proved; "open", nothing is proved.
+    """What is proved on a box.
+
+    kind: "empty"; "regular", an arc of class C^(order - 1), analytic if the order is infinite; "joined", two arcs
+    that meet in `joint`; "double", zeros without a change of sign; "open", nothing is proved. No curvature is larger
+    in size than `curvature`, of which at most the share `slack` is due to the enclosure.
     """
 
     kind: str
     order: float = math.inf
     curvature: float = math.inf
+    slack: float = math.inf
     joint: Joint | None = None
-    locus: Locus = Locus("none")
+    locus: Locus = NONE
 
 
 EMPTY, OPEN = Finding("empty"), Finding("open")
@@ -61,15 +65,16 @@ def examine(local: Local, extent: float, number: int | None = None) -> Finding:
 def _regular(local: Local, locus: Locus, order: float, extent: float) -> Finding:
     """A regular arc where one component of the gradient excludes zero, by the implicit function theorem."""
     model, (leaf,) = local.model, locus.nodes
-    slopes = [local.value(node) for node in model.gradient(leaf)]
-    if any(slope is None for slope in slopes):
+    found = [local.value(node) for node in model.gradient(leaf)]
+    slopes = [slope for slope in found if slope is not None]
+    if len(slopes) < 2:
         return Finding("open", locus=locus)
     if _centred_excludes_zero(local, leaf, slopes):
         return EMPTY
     if not any(slope > 0 or slope < 0 for slope in slopes):
         return Finding("open", locus=locus)
     bound = curvature_bound(local, leaf, extent)
-    return Finding("open", locus=locus) if bound is None else Finding("regular", order, bound, locus=locus)
+    return Finding("open", locus=locus) if bound is None else Finding("regular", order, *bound, locus=locus)
 
 
 def _centred_excludes_zero(local: Local, leaf: int, slopes: list[arb]) -> bool:
@@ -83,13 +88,21 @@ def _centred_excludes_zero(local: Local, leaf: int, slopes: list[arb]) -> bool:
     return value.is_finite() and not value.contains(0)
 
 
-def curvature_bound(local: Local, leaf: int, extent: float) -> float | None:
-    """A bound of the size of the curvature on the box, if it is tight: within half of it or of 4/extent."""
-    value = local.value(local.model.curvature(leaf))
-    if value is None or not value.is_finite():
-        return None
-    tight = float(arb(value.rad())) < 0.5 * max(4 / extent, abs(float(value.mid())))
-    return float(abs(value).upper()) if tight or _is_small(local, extent) else None
+def curvature_bound(local: Local, leaf: int, extent: float) -> tuple[float, float] | None:
+    """(bound, slack) of the curvatures on the box, if tight: within half of them or of 4/extent.
+
+    Over a range of letters a bound need only be finite.
+    """
+    bounds = []
+    for value in local.model.curvatures(local, leaf):
+        if not value.is_finite():
+            return None
+        radius, middle = float(arb(value.rad())), abs(float(value.mid()))
+        loose = radius > 0.5 * max(4 / extent, middle)
+        if loose and not _is_small(local, extent) and len(local.sides) == 2:
+            return None
+        bounds.append((float(abs(value).upper()), radius / (radius + middle or 1)))
+    return max(bounds)
 
 
 def _is_small(local: Local, extent: float) -> bool:
@@ -123,7 +136,7 @@ def square_roots(builder: Builder, number: int) -> list[int]:
     roots, stack = [], [number]
     while stack:
         part = stack.pop()
-        operation, arguments, data = builder.nodes[part]
+        operation, arguments, _ = builder.nodes[part]
         if not builder.nonnegative[part]:
             return []
         if operation == "add":
@@ -154,15 +167,16 @@ def _joined(local: Local, extent: float, number: int) -> Finding:
         return Finding("open", locus=locus)
     bounds = [curvature_bound(grown, arc.function, extent) for arc in arcs.arcs]
     zero = locate(grown, arcs.arcs[0])
-    if zero is None or any(bound is None for bound in bounds):
+    on_axis = local.model.body and grown.sides[1].contains(0)  # where a cone has no bound
+    if zero is None or (None in bounds and not (on_axis and zero.exists)):
         return Finding("open", locus=locus)
-    bound = max(bound for bound in bounds if bound is not None)
+    bound = max((math.inf, 0.0) if bound is None else bound for bound in bounds)
     if not zero.exists:
-        return Finding("regular", math.inf, bound, locus=locus) if _same_end(grown, arcs) else OPEN
+        return Finding("regular", math.inf, *bound, locus=locus) if _same_end(grown, arcs) else OPEN
     found_joint = joint(grown, arcs, zero)
     if found_joint is None:
         return Finding("open", locus=locus)
-    return Finding("joined", arcs.contact, bound, found_joint, locus)
+    return Finding("joined", arcs.contact, *bound, found_joint, locus)
 
 
 def _same_end(local: Local, arcs: Meeting) -> bool:

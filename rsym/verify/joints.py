@@ -128,7 +128,8 @@ def joint(local: Local, meeting: Meeting, zero: Zero) -> Joint | None:
         return None
     with ctx.workprec(PRECISE):
         found = locate(model.on([*zero.box, *local.sides[2:]]), meeting.arcs[0], precise=True)
-        assert found is not None and found.box is not None
+        assert found is not None
+        assert found.box is not None
         at = model.on([*found.box, *local.sides[2:]])
         jets = {direction: jet(model, arc, at) for direction, arc in zip(directions, meeting.arcs, strict=True)}
         return _judged(found.box, jets[-1], jets[1], meeting.contact)
@@ -147,14 +148,14 @@ def _judged(point: Point, arriving: Jet, leaving: Jet, order: float) -> Joint | 
                 break
             return None
     level = 2 if steps[2] == "open" else 3
-    proved = all(step == "equal" for step in steps[: level if level == 2 else 3])
+    proved = all(step == "equal" for step in steps[:level])
     if not proved and all(step == "equal" for step in steps[:2]):
         level, proved = 2, True
     return _joint(point, "smooth joint", f"G{level}", arriving, leaving, turn, jump, derivative, proved, steps)
 
 
 def _step(difference: arb, structural: bool) -> str:
-    """ "equal" (proved), "jump" (proved), "zero" (to the working precision), or "open"."""
+    """Whether a difference is proved "equal" or a "jump", is "zero" to the working precision, or is "open"."""
     if structural or difference.is_zero():
         return "equal"
     if difference > 0:

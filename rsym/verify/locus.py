@@ -44,7 +44,7 @@ def reduce(local: Local, number: int) -> Locus:
         value = local.value(number)
         if value is None or not value.contains(0):
             return NONE
-        operation, arguments, data = builder.nodes[number]
+        operation, arguments, _ = builder.nodes[number]
         if operation == "neg":
             number, sign = arguments[0], -sign
         elif operation in {"normalised", "powi", "signed_power"} and _keeps_sign(local, number):
@@ -92,7 +92,7 @@ def chosen(local: Local, number: int) -> tuple[int, int] | None:
 
 def _reduced(local: Local, number: int, sign: int) -> Locus:
     builder = local.model.builder
-    operation, arguments, data = builder.nodes[number]
+    operation, arguments, _ = builder.nodes[number]
     if operation in CONJUNCTIONS | DISJUNCTIONS and is_legal(local, number):
         return _combined(local, arguments[0], arguments[1], sign, conjunction=operation in CONJUNCTIONS)
     if operation == "mul" or operation == "equivalence":

@@ -1,0 +1,217 @@
+"""Is the curvature of a boundary continuous? Proved, refuted, or honestly left open."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.model.letters import real_number
+from rsym.model.shape import Shape
+from rsym.sampling.lattice import bounds_of
+from rsym.verify.covering import Box, Covering, cover
+from rsym.verify.evidence import has_boundary, statements
+from rsym.verify.local import Interval, Model
+from rsym.verify.report import (
+    CERTIFIED,
+    CONTINUITIES,
+    DEGENERATE,
+    REFUTED,
+    UNDECIDED,
+    Cover,
+    Joint,
+    SmoothnessReport,
+)
+from rsym.verify.revolution import meridian
+from rsym.verify.sharpening import sharpened_bound
+from rsym.verify.suspects import DEGENERATIONS, classify_suspects
+
+BUDGET = 20_000  # boxes: the body of Fig. 11 takes 2 000, a lemniscate with its node 4 000
+SMALLEST = 2.0**-22  # of the extent: a suspect of this size is located, not divided
+SHARPENING = 1_500  # boxes spent on the bound of the curvature
+BELOW_AXIS = 0.02  # the share of the radius on the far side of the axis of a body
+
+
+def verify_smoothness(
+    shape: Shape,
+    *,
+    bounds: Any = None,
+    letters: Mapping[Any, Any] | None = None,
+    smallest: float = SMALLEST,
+    budget: int = BUDGET,
+    progress: Callable[[int, int], bool] | None = None,
+) -> SmoothnessReport:
+    """Prove or refute that the boundary omega = 0 is a curve, or a body of revolution, of continuous curvature (G2).
+
+    The bounds are subdivided. A box is discarded where omega has no zero; it is certified where every generator of
+    non-smoothness that is alive (the zero of a root, |.|, a tie, a denominator) and one component of grad omega
+    exclude zero, so that the boundary there is a regular analytic arc; where exactly two analytic arcs meet, the
+    point is enclosed by Krawczyk's operator and the jumps of tangent and curvature by evaluation in balls. What is
+    left is classified numerically and called so.
+
+    Parameters
+    ----------
+    shape : Shape
+        In the plane, or a body of revolution, which is judged by its meridian; points of its report are (axis, radius).
+    bounds : sequence of pairs, optional
+        The statement is about the boundary within these; by default the bounds of the shape.
+    letters : mapping, optional
+        Values by name; a pair (low, high) is a range, and the statement then holds for every value in it. A number
+        is taken at its exact value.
+    smallest : float
+        Boxes are divided down to this share of the extent.
+    budget : int
+        The greatest number of boxes to examine.
+    progress : callable, optional
+        ``progress(examined, budget)``, now and then.
+
+    Returns
+    -------
+    SmoothnessReport
+        ``.verdict`` is "CERTIFIED", "REFUTED", "DEGENERATE" or "UNDECIDED".
+
+    Raises
+    ------
+    RsymError
+        Without bounds, for an unknown letter, or for a shape in space that is not a body of revolution.
+
+    Source: the criterion of curvature continuity; interval methods after Moore and Krawczyk.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> box = ((-2, 2), (-2, 2))
+    >>> report = rsym.verify_smoothness(rsym.Shape(1 - x**2 - y**2, (x, y), bounds=box))
+    >>> report.verdict, report.continuity, 1 <= report.curvature_bound < 1.1
+    ('CERTIFIED', 'analytic', True)
+    >>> report = rsym.verify_smoothness(rsym.Shape(rsym.conjunction(x, y), (x, y), bounds=box))
+    >>> report.verdict, report.continuity, round(report.defects[0].tangent_jump, 9)
+    ('REFUTED', 'G0', 90.0)
+    """
+    body = isinstance(shape, Shape) and shape.dimension == 3
+    if not isinstance(shape, Shape):
+        raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape")
+    plane = _meridian_within(shape, bounds) if body else shape
+    box = bounds_of(plane, None if body else bounds)
+    values = exact_letters(shape, letters)
+    model = Model(plane, values, body=body)
+    ranges = tuple((float(values[name][0]), float(values[name][1])) for name in model.axes[2:])
+    region: Box = (_below_axis(box) if body else tuple((float(a), float(b)) for a, b in box)) + ranges
+    extent = max(high - low for low, high in region[:2])
+    found = cover(model, region, smallest=smallest * extent, budget=budget, progress=progress)
+    return _report(model, region, found, values, body=body)
+
+
+def exact_letters(shape: Shape, letters: Mapping[Any, Any] | None) -> dict[str, Interval]:
+    """The exact value or range of every letter.
+
+    Raises
+    ------
+    RsymError
+        For an unknown letter, a value that is not a real number or outside the range of its letter, an empty range.
+    """
+    given = {str(name): value for name, value in (letters or {}).items()}
+    ends = {name: value if isinstance(value, tuple | list) else (value, value) for name, value in given.items()}
+    for name, pair in ends.items():
+        if len(pair) != 2:
+            raise RsymError(f"the range of {name} must be a pair, got {pair}", code="range", remedy="(low, high)")
+        for end in pair:
+            shape.letters.values_with({name: end})
+    result = {}
+    for name, letter in shape.letters.items():
+        low, high = (_exact(end, name) for end in ends.get(name, (letter.default, letter.default)))
+        if low > high:
+            raise RsymError(f"the range of {name} is empty: {low} > {high}", code="range", remedy="(low, high)")
+        result[name] = (low, high)
+    return result
+
+
+def _exact(value: Any, name: str) -> Fraction:
+    return Fraction(real_number(value, f"the letter {name!r}"))
+
+
+def _meridian_within(shape: Shape, bounds: Any) -> Shape:
+    return meridian(shape if bounds is None else shape.replace(bounds=bounds))[0]
+
+
+def _below_axis(box: Any) -> Box:
+    """The upper half of the meridian and a little of its mirror image, so that the axis lies inside."""
+    (low, high), (_, radius) = box
+    return ((float(low), float(high)), (-BELOW_AXIS * float(radius), float(radius)))
+
+
+def _report(
+    model: Model, region: Box, found: Covering, values: Mapping[str, Interval], *, body: bool
+) -> SmoothnessReport:
+    joints = _distinct([f.joint for _, f in found.settled if f.joint is not None])
+    suspects = classify_suspects(model, region, found)
+    if body:
+        joints = [joint for joint in joints if joint.point[1] > -joint.radius]
+    everything = joints + suspects
+    exists = has_boundary(model, found, joints)
+    verdict = _verdict(found, everything, exists)
+    order = min((f.order for _, f in found.settled if f.kind == "regular"), default=math.inf)
+    levels = [CONTINUITIES.index(joint.continuity) for joint in everything]
+    levels.append(len(CONTINUITIES) - 1 if order == math.inf else min(int(order), 4))
+    bound = math.inf if found.left or not exists else sharpened_bound(model, found.settled, region, SHARPENING)
+    defects = [joint for joint in everything if CONTINUITIES.index(joint.continuity) < CONTINUITIES.index("G2")]
+    return SmoothnessReport(
+        verdict=verdict,
+        continuity=CONTINUITIES[min(levels)],
+        defects=tuple(sorted(defects, key=_badness)),
+        joints=tuple(joint for joint in everything if joint not in defects),
+        curvature_bound=bound,
+        cover=_cover(region, found),
+        letters={name: (float(low), float(high)) for name, (low, high) in values.items()},
+        statements=statements(verdict, found, everything, exists),
+        body=body,
+    )
+
+
+def _verdict(found: Covering, joints: Sequence[Joint], exists: bool) -> str:
+    """The strongest word that the evidence bears."""
+    below = [joint for joint in joints if CONTINUITIES.index(joint.continuity) < CONTINUITIES.index("G2")]
+    if any(joint.proved and joint.kind not in DEGENERATIONS for joint in below):
+        return REFUTED
+    if any(joint.kind in DEGENERATIONS for joint in joints) or any(f.kind == "double" for _, f in found.settled):
+        return DEGENERATE
+    if found.left or any(not joint.proved for joint in joints):
+        return UNDECIDED
+    if any(f.kind == "regular" and f.order < 3 for _, f in found.settled):
+        return UNDECIDED
+    return CERTIFIED if exists else DEGENERATE
+
+
+def _distinct(joints: Sequence[Joint]) -> list[Joint]:
+    """Neighbouring boxes find the same joint."""
+    result: list[Joint] = []
+    for joint in joints:
+        if not any(math.dist(joint.point, other.point) <= joint.radius + other.radius for other in result):
+            result.append(joint)
+    return result
+
+
+def _badness(joint: Joint) -> tuple[float, ...]:
+    size = [0.0 if math.isnan(value) else -value for value in (joint.tangent_jump, joint.curvature_jump)]
+    return (CONTINUITIES.index(joint.continuity), *size, *joint.point)
+
+
+def _cover(region: Box, found: Covering) -> Cover:
+    settled = [(box, finding.kind) for box, finding in found.settled]
+    return Cover(
+        bounds=region[:2],
+        certified=_boxes([box for box, kind in settled if kind == "regular"]),
+        joined=_boxes([box for box, kind in settled if kind == "joined"]),
+        undecided=_boxes([box for box, _ in found.left] + [box for box, kind in settled if kind == "double"]),
+        examined=found.examined,
+    )
+
+
+def _boxes(boxes: Sequence[Box]) -> NDArray[np.float64]:
+    return np.array([box[:2] for box in boxes], dtype=np.float64).reshape(-1, 2, 2)
