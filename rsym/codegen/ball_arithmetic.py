@@ -60,10 +60,10 @@ def ball(low: arb, high: arb) -> arb:
     (True, True)
     """
     hull = low.union(high)
-    if low >= ZERO:
+    if low >= ZERO and high >= ZERO:
         return hull if hull >= ZERO else hull.nonnegative_part()
-    if high <= ZERO and not hull <= ZERO:
-        return -((-hull).nonnegative_part())
+    if low <= ZERO and high <= ZERO:
+        return hull if hull <= ZERO else -((-hull).nonnegative_part())
     return hull
 
 
