@@ -2,6 +2,7 @@ from . import paper
 from .analysis.curvature import curvature, gaussian_curvature, mean_curvature, principal_curvatures
 from .analysis.differential import gradient, hessian, laplacian
 from .analysis.normalisation import normalise
+from .codegen.enclosures import enclose
 from .codegen.fields import SIX
 from .codegen.kernel import Kernel, compile
 from .codegen.plain import lambdify
@@ -62,6 +63,7 @@ __all__ = [
     "curvature",
     "difference",
     "disjunction",
+    "enclose",
     "equivalence",
     "exclusive_or",
     "explore",

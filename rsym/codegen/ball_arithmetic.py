@@ -60,21 +60,13 @@ def ball(low: arb, high: arb) -> arb:
     (True, True)
     """
     hull = low.union(high)
-    if low >= ZERO:
-        return hull if hull >= ZERO else hull.nonnegative_part()
-    if high <= ZERO and not hull <= ZERO:
+    if hull >= ZERO or hull <= ZERO:
+        return hull
+    if low >= ZERO and high >= ZERO:
+        return hull.nonnegative_part()
+    if low <= ZERO and high <= ZERO:
         return -((-hull).nonnegative_part())
     return hull
-
-
-def negated(a: arb) -> arb:
-    """Return -a."""
-    return -a
-
-
-def added(a: arb, b: arb) -> arb:
-    """Return a + b."""
-    return a + b
 
 
 def product(a: arb, b: arb) -> arb:

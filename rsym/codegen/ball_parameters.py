@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 from rsym.codegen.ball_arithmetic import ONE, TWO, UNIT, WHOLE, ZERO, arb, ball, hypotenuse, product, square
 from rsym.codegen.ball_functions import hull, power_of_size, whole_power
-from rsym.codegen.ball_systems import FROM_0_TO_2, finite, r0_conjunction, r0_disjunction, share, versine
+from rsym.codegen.ball_systems import FROM_0_TO_2, r0_conjunction, r0_disjunction, share, versine
 
 
 def _above(parameter: arb, low: arb) -> arb | None:
@@ -31,8 +31,6 @@ def r_alpha_conjunction(f: arb, g: arb, alpha: arb) -> arb | None:
     """
     if alpha <= -ONE or alpha > ONE:
         return None
-    if not finite(f, g, alpha):
-        return WHOLE
     low, high = alpha.lower(), alpha.upper().min(ONE)
     if low <= -ONE:
         if not (f > ZERO and g > ZERO):
@@ -100,7 +98,7 @@ def monomial(f: arb, g: arb, m: arb, powers: tuple[int, int, int]) -> arb | None
 
 def norm(f: arb, g: arb, p: arb) -> arb:
     """(|f|**p + |g|**p)**(1/p) for p > 0: increasing in |f| and |g|, decreasing in p."""
-    if not p > ZERO or not finite(f, g, p):
+    if not p > ZERO:
         return WHOLE
     return ball(_norm_at(f.abs_lower(), g.abs_lower(), p.upper()), _norm_at(f.abs_upper(), g.abs_upper(), p.lower()))
 
@@ -120,8 +118,6 @@ def rp_conjunction(f: arb, g: arb, p: arb) -> arb | None:
     """F + g - (|f|**p + |g|**p)**(1/p) for p > 1: increasing in f and g, and in p, as the norm decreases."""
     if p <= ONE:
         return None
-    if not finite(f, g, p):
-        return WHOLE
     return ball(_rp_at(f.lower(), g.lower(), p.lower().max(ONE)), _rp_at(f.upper(), g.upper(), p.upper()))
 
 
@@ -142,15 +138,14 @@ def rp_versine(f: arb, g: arb, p: arb) -> arb | None:
     """1 - sign(f)(|f|/n)**(p - 1), n the norm, p > 1: decreasing in f; in |g| increasing for f > 0, else decreasing."""
     if p <= ONE or (f.is_zero() and g.is_zero()):
         return None
-    if not finite(f, g, p):
-        return FROM_0_TO_2
     degree = p if p >= ONE else ball(ONE, p.upper())
     near, far = g.abs_lower(), g.abs_upper()
     low, high = f.lower(), f.upper()
-    return ball(
+    value = ball(
         _rp_versine_at(high, near if high > ZERO else far, degree),
         _rp_versine_at(low, near if low < ZERO else far, degree),
     )
+    return value if value.is_finite() else FROM_0_TO_2
 
 
 def _rp_versine_at(f: arb, g: arb, p: arb) -> arb:
@@ -170,9 +165,6 @@ def joining(f: arb, g: arb, m: arb) -> arb | None:
     order = _above(m, ONE)
     if order is None:
         return None
-    if not finite(f, g, m):
-        bound = f.abs_upper().min(g.abs_upper())
-        return ball(ZERO, bound)
     low = _joining_at(f.abs_lower(), g.abs_lower(), order.lower())
     return ball(low, _joining_at(f.abs_upper(), g.abs_upper(), order.upper()))
 
@@ -194,8 +186,6 @@ def equivalence(f: arb, g: arb, m: arb) -> arb | None:
         return value
     if (f >= ZERO or f <= ZERO) and (g >= ZERO or g <= ZERO):
         return value if (f >= ZERO) == (g >= ZERO) else -value
-    if not finite(f, g, m):
-        return ball(-value, value)
     order = m.upper()
     return hull([_equivalence_at(u, v, order) for u in (f.lower(), f.upper()) for v in (g.lower(), g.upper())])
 
@@ -209,13 +199,14 @@ def norm_share(f: arb, g: arb, p: arb) -> arb | None:
     """f/(|f|**p + |g|**p)**(1/p) for p > 0: increasing in f, towards 0 as |g| grows."""
     if f.is_zero() and g.is_zero():
         return None
-    if not finite(f, g, p) or not p > ZERO:
-        return UNIT if p > ZERO else WHOLE
+    if not p > ZERO:
+        return WHOLE
     near, far = g.abs_lower(), g.abs_upper()
     low, high = f.lower(), f.upper()
-    return ball(
+    value = ball(
         _norm_share_at(low, near if low < ZERO else far, p), _norm_share_at(high, near if high > ZERO else far, p)
     )
+    return value if value.is_finite() else UNIT
 
 
 def _norm_share_at(f: arb, g: arb, p: arb) -> arb:

@@ -2,6 +2,7 @@
 
 Every operation here is monotone in each argument, or in its size, so its range over a box is spanned by two
 corners. The values at corners are those of points, in forms that keep the sign where a sum would cancel.
+At infinite corners, those of the whole line, they are limits or NaN, which stands for the whole line too.
 """
 
 from __future__ import annotations
@@ -11,15 +12,8 @@ from rsym.codegen.ball_arithmetic import ONE, TWO, UNIT, WHOLE, ZERO, arb, ball,
 FROM_0_TO_2 = ball(ZERO, TWO)
 
 
-def finite(*operands: arb) -> bool:
-    """Whether all operands are bounded."""
-    return all(operand.is_finite() for operand in operands)
-
-
 def r0_conjunction(f: arb, g: arb) -> arb:
     """F + g - sqrt(f**2 + g**2): increasing in f and g, for |f| and |g| are at most the root."""
-    if not finite(f, g):
-        return WHOLE
     return ball(_r0_at(f.lower(), g.lower()), _r0_at(f.upper(), g.upper()))
 
 
@@ -38,11 +32,10 @@ def versine(f: arb, g: arb) -> arb | None:
     """1 - f/sqrt(f**2 + g**2): decreasing in f; increasing in |g| for f > 0, decreasing for f < 0."""
     if f.is_zero() and g.is_zero():
         return None
-    if not finite(f, g):
-        return FROM_0_TO_2
     near, far = g.abs_lower(), g.abs_upper()
     low, high = f.lower(), f.upper()
-    return ball(_versine_at(high, near if high > ZERO else far), _versine_at(low, near if low < ZERO else far))
+    value = ball(_versine_at(high, near if high > ZERO else far), _versine_at(low, near if low < ZERO else far))
+    return value if value.is_finite() else FROM_0_TO_2
 
 
 def _versine_at(f: arb, g: arb) -> arb:
@@ -66,8 +59,6 @@ def gap_share(s: arb, t: arb) -> arb | None:
 
 def gap(s: arb, t: arb) -> arb:
     """(sqrt(t**2 + s**2) - t)/2: increasing in |s|, decreasing in t."""
-    if not finite(s, t):
-        return WHOLE
     return ball(_gap_at(s.abs_lower(), t.upper()), _gap_at(s.abs_upper(), t.lower()))
 
 
@@ -78,7 +69,7 @@ def _gap_at(s: arb, t: arb) -> arb:
 
 def trimming(s: arb, t: arb) -> arb:
     """sqrt(s + gap(s, t)**2) for s >= 0, the square of a function: increasing in s, decreasing in t, as the gap is."""
-    if not finite(s, t) or s < ZERO:
+    if s < ZERO:
         return WHOLE
     return ball(_trimming_at(s.lower().max(ZERO), t.upper()), _trimming_at(s.upper(), t.lower()))
 
@@ -92,11 +83,10 @@ def normalised(f: arb, q: arb) -> arb | None:
     """f/sqrt(f**2 + q) for q >= 0, a sum of squares: increasing in f, towards 0 as q grows."""
     if f.is_zero() and q.is_zero():
         return None
-    if not finite(f, q):
-        return UNIT
     near, far = q.lower().max(ZERO), q.upper()
     low, high = f.lower(), f.upper()
-    return ball(_normalised_at(low, near if low < ZERO else far), _normalised_at(high, near if high > ZERO else far))
+    value = ball(_normalised_at(low, near if low < ZERO else far), _normalised_at(high, near if high > ZERO else far))
+    return value if value.is_finite() else UNIT
 
 
 def _normalised_at(f: arb, q: arb) -> arb:

@@ -8,6 +8,7 @@ operations are exact, so what is lost is only what operands have in common; the 
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple, TypeAlias
@@ -30,7 +31,7 @@ from rsym.codegen.ball_domains import doubts
 from rsym.codegen.ball_relations import related
 from rsym.codegen.program import Data, Node, live
 
-__all__ = ["IMAGES", "BallFunction", "arb", "ball", "enclose_nodes", "exact", "hypotenuse", "root", "square"]
+__all__ = ["IMAGES", "BallFunction", "arb", "ball", "ctx", "enclose_nodes", "exact", "hypotenuse", "root", "square"]
 
 Image: TypeAlias = Callable[..., arb | None]
 
@@ -48,10 +49,10 @@ IMAGES: dict[str, Image] = {
     "const": constant,
     "input": _given,
     "undefined": _nowhere,
-    "add": ball_arithmetic.added,
+    "add": operator.add,
     "mul": ball_arithmetic.product,
     "div": ball_arithmetic.quotient,
-    "neg": ball_arithmetic.negated,
+    "neg": operator.neg,
     "powi": ball_functions.whole_power,
     "pow": ball_functions.power,
     "sqrt": root,
