@@ -20,6 +20,7 @@ Rounded results move outwards by `error` times their size and by `tiny`:
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from fractions import Fraction
 from itertools import product as combinations
@@ -27,6 +28,7 @@ from typing import NamedTuple
 
 from rsym.codegen.builder import Builder
 from rsym.codegen.powers import power
+from rsym.codegen.program import Data, constant_value
 
 ROUNDING = Fraction(1, 2**50)
 ELEMENTARY = Fraction(1, 2**47)
@@ -43,6 +45,33 @@ class Interval(NamedTuple):
     def each(self, change: Callable[[int], int], nonnegative: bool = False) -> Interval:
         """The same change at both ends."""
         return Interval(change(self.lower), change(self.upper), nonnegative)
+
+
+def neighbours(number: Fraction) -> tuple[float, float]:
+    """The nearest float64 below and above, twice the number itself if it is one.
+
+    Examples
+    --------
+    >>> low, high = neighbours(Fraction(1, 3))
+    >>> Fraction(low) < Fraction(1, 3) < Fraction(high), neighbours(Fraction(1, 2))
+    (True, (0.5, 0.5))
+    """
+    nearest = constant_value(number)
+    exact = Fraction(nearest)
+    low = nearest if exact <= number else math.nextafter(nearest, -math.inf)
+    high = nearest if exact >= number else math.nextafter(nearest, math.inf)
+    return low, high
+
+
+def constant(b: Builder, data: Data) -> Interval:
+    """A number between its neighbours; pi and e lie above the nearest float64."""
+    if isinstance(data, str):
+        nearest = constant_value(data)
+        low, high = nearest, math.nextafter(nearest, math.inf) if data in {"pi", "e"} else nearest
+    else:
+        assert isinstance(data, Fraction)
+        low, high = neighbours(data)
+    return Interval(b.const(Fraction(low)), b.const(Fraction(high)), low >= 0)
 
 
 def margin(b: Builder, v: int, error: Fraction, tiny: int | None = None) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 
@@ -11,6 +10,7 @@ from rsym.codegen.interval_arithmetic import (
     ELEMENTARY,
     Interval,
     clipped,
+    constant,
     corners,
     greatest,
     hull,
@@ -31,37 +31,10 @@ from rsym.codegen.interval_arithmetic import (
 )
 from rsym.codegen.interval_roots import ROOT_IMAGES, Rule
 from rsym.codegen.interval_systems import SYSTEM_IMAGES
-from rsym.codegen.program import Data, Node, constant_value
+from rsym.codegen.program import Node
 
 # Below this a constant that float64 does not hold loses more than a share of 2**-53 when it is rounded.
 _SUBNORMAL = Fraction(1, 2**1000)
-
-
-def neighbours(number: Fraction) -> tuple[float, float]:
-    """The nearest float64 below and above, twice the number itself if it is one.
-
-    Examples
-    --------
-    >>> low, high = neighbours(Fraction(1, 3))
-    >>> Fraction(low) < Fraction(1, 3) < Fraction(high), neighbours(Fraction(1, 2))
-    (True, (0.5, 0.5))
-    """
-    nearest = constant_value(number)
-    exact = Fraction(nearest)
-    low = nearest if exact <= number else math.nextafter(nearest, -math.inf)
-    high = nearest if exact >= number else math.nextafter(nearest, math.inf)
-    return low, high
-
-
-def constant(b: Builder, data: Data) -> Interval:
-    """A number between its neighbours; pi and e lie above the nearest float64."""
-    if isinstance(data, str):
-        nearest = constant_value(data)
-        low, high = nearest, math.nextafter(nearest, math.inf) if data in {"pi", "e"} else nearest
-    else:
-        assert isinstance(data, Fraction)
-        low, high = neighbours(data)
-    return Interval(b.const(Fraction(low)), b.const(Fraction(high)), low >= 0)
 
 
 def scaled(b: Builder, factor: Fraction, u: Interval) -> Interval:

@@ -26,8 +26,8 @@ from rsym.codegen.backends import CompiledFunction, default_backend
 from rsym.codegen.builder import Builder
 from rsym.codegen.checking import CHECK_POINTS, check_at
 from rsym.codegen.definedness import Definedness, is_decisive
-from rsym.codegen.interval_arithmetic import Interval, nonnegative
-from rsym.codegen.interval_images import IMAGES, chosen, neighbours, scaled, sign
+from rsym.codegen.interval_arithmetic import Interval, neighbours, nonnegative
+from rsym.codegen.interval_images import IMAGES, chosen, scaled, sign
 from rsym.codegen.kernel import checked_threads, compiled, run_in_blocks
 from rsym.codegen.precision import FLOAT64
 from rsym.codegen.program import Node, Program
