@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,11 +22,21 @@ SEEN_ERRORS = 8
 
 
 def check(program: Program, function: CompiledFunction, precision: Precision, shape: Shape) -> None:
-    """Compare with the interpreter at 32 points: a miscompiled formula must never leave this module."""
+    """Compare with the interpreter at 32 points of the shape's bounds."""
     generator = np.random.default_rng(20130605)
     box = shape.bounds or ((-1.0, 1.0),) * shape.dimension
     points = [generator.uniform(low, high, CHECK_POINTS).astype(precision.dtype) for low, high in box]
-    letters = [float(shape.letters[name].default) for name in program.letters]
+    check_at(program, function, precision, points, [float(shape.letters[name].default) for name in program.letters])
+
+
+def check_at(
+    program: Program,
+    function: CompiledFunction,
+    precision: Precision,
+    points: Sequence[NDArray[Any]],
+    letters: Sequence[float],
+) -> None:
+    """Compare with the interpreter at 32 points: a miscompiled formula must never leave this module."""
     outputs = [np.empty(CHECK_POINTS, precision.dtype) for _ in program.outputs]
     function.run(points, letters, outputs)
     inputs = dict(zip((*program.coordinates, *program.letters), [*points, *letters], strict=True))

@@ -6,7 +6,7 @@ import logging
 import os
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -70,25 +70,34 @@ class Kernel:
             )
         arrays = _broadcast([_as_real(array) for array in coordinates])
         out = np.empty((len(self.program.outputs), *arrays[0].shape), self.dtype)
-        self._fill(arrays, [values[name] for name in self.program.letters], out)
+        run_in_blocks(self.function, arrays, [values[name] for name in self.program.letters], out, self.threads)
         parts = dict(zip((name for name, _ in self.program.outputs), out, strict=True))
         return gather(parts, self.fields, len(names))
 
-    def _fill(self, arrays: Sequence[NDArray[Any]], letters: list[float], out: NDArray[Any]) -> None:
-        def work(block: tuple[slice, ...]) -> None:
-            with np.errstate(over="ignore"):  # a coordinate outside the range of float32 is infinite
-                inputs = [np.ascontiguousarray(array[block], self.dtype).reshape(-1) for array in arrays]
-            self.function.run(inputs, letters, [component[block].reshape(-1) for component in out])
 
-        if not arrays[0].ndim:
-            arrays, out = [array.reshape(1) for array in arrays], out.reshape(-1, 1)
-        blocks = list(blocks_of(arrays[0].shape, self.function.block_size))
-        if self.threads > 1 and len(blocks) > 1:
-            with ThreadPoolExecutor(self.threads) as pool:
-                list(pool.map(work, blocks))
-        else:
-            for block in blocks:
-                work(block)
+def run_in_blocks(
+    function: CompiledFunction,
+    arrays: Sequence[NDArray[Any]],
+    letters: Sequence[float],
+    out: NDArray[Any],
+    threads: int,
+) -> None:
+    """Fill `out`, whose first axis is that of the outputs, at arrays of one shape; the bits depend on neither."""
+
+    def work(block: tuple[slice, ...]) -> None:
+        with np.errstate(over="ignore"):  # a coordinate outside the range of float32 is infinite
+            inputs = [np.ascontiguousarray(array[block], out.dtype).reshape(-1) for array in arrays]
+        function.run(inputs, letters, [component[block].reshape(-1) for component in out])
+
+    if not arrays[0].ndim:
+        arrays, out = [array.reshape(1) for array in arrays], out.reshape(-1, 1)
+    blocks = list(blocks_of(arrays[0].shape, function.block_size))
+    if threads > 1 and len(blocks) > 1:
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(work, blocks))
+    else:
+        for block in blocks:
+            work(block)
 
 
 def compile(
@@ -155,8 +164,8 @@ def compile_program(
 ) -> Kernel:
     """The kernel of a program whose outputs make up the fields."""
     name = backend or default_backend()
-    function = _compiled(program, name, precision, shape)
-    return Kernel(program, fields, shape.letters, name, precision.name, _checked_threads(threads), function)
+    function = compiled(program, name, precision, lambda made: check(program, made, precision, shape))
+    return Kernel(program, fields, shape.letters, name, precision.name, checked_threads(threads), function)
 
 
 logger = logging.getLogger(__name__)
@@ -166,15 +175,17 @@ _CACHE_LOCK = threading.Lock()
 _CACHE_SIZE = 256
 
 
-def _compiled(program: Program, backend: str, precision: Precision, shape: Shape) -> CompiledFunction:
-    """Compiled once in a process; checked against the interpreter before it is handed out."""
+def compiled(
+    program: Program, backend: str, precision: Precision, check: Callable[[CompiledFunction], None]
+) -> CompiledFunction:
+    """Compiled once in a process; checked before it is handed out."""
     key = (backend, precision.name, program.digest)
     with _CACHE_LOCK:
         function = _CACHE.get(key)
     if function is None:
         start = time.perf_counter()
         function = make_function(expand(program), backend, precision)
-        check(program, function, precision, shape)
+        check(function)
         logger.debug("%s: %d nodes compiled in %.3f s", backend, len(program.nodes), time.perf_counter() - start)
         with _CACHE_LOCK:
             while len(_CACHE) >= _CACHE_SIZE:
@@ -227,7 +238,8 @@ def _check_shape(shape: Any) -> None:
         )
 
 
-def _checked_threads(threads: int | None) -> int:
+def checked_threads(threads: int | None) -> int:
+    """The number of threads; by default as many as there are processors."""
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
