@@ -91,7 +91,7 @@ def plot_curvature_comb(
     ax.set(aspect="equal", xlabel=f"${names[0]}$", ylabel=f"${names[1]}$")
     ax.autoscale_view()
     if alone:
-        _colour_bar(ax, artists[0])
+        _colour_bar(ax, artists[0], found)
     return artists
 
 
@@ -104,7 +104,7 @@ def _draw(
         [np.stack([comb.points, end], axis=1)[mark] for comb, end, mark in zip(found, ends, marked, strict=True)]
     )
     values = np.concatenate([comb.curvature[mark] for comb, mark in zip(found, marked, strict=True)])
-    colours, norm = _colours(values, longest)
+    colours, norm = _colours(np.concatenate([comb.curvature for comb in found]), longest)
     teeth = LineCollection(list(segments), array=values, cmap=colours, norm=norm, linewidths=0.8, zorder=2)
     open_ends = [
         _runs(np.where((np.abs(comb.curvature) <= longest)[:, None], end, np.nan), comb.breaks)
@@ -148,9 +148,10 @@ def _scale(found: Sequence[Comb]) -> tuple[float, float]:
     points = np.concatenate([comb.points for comb in found])
     diagonal = float(np.hypot(*np.ptp(points, axis=0)))
     sizes = np.concatenate([np.abs(comb.curvature[_marked(comb)]) for comb in found])
-    if not sizes.size or sizes.max() * diagonal < NOTHING:
+    most = max(float(np.nan_to_num(np.abs(comb.curvature)).max()) for comb in found)
+    if not sizes.size or most * diagonal < NOTHING:
         return 1.0, np.inf
-    usual, most = float(np.quantile(sizes, USUAL)), float(sizes.max())
+    usual = float(np.quantile(sizes, USUAL))
     longest = LONGEST * usual if usual * diagonal > NOTHING else most
     factor = MOST_LENGTH / min(most, longest)
     return diagonal * (min(factor, USUAL_LENGTH / usual) if usual > 0 else factor), longest
@@ -158,18 +159,18 @@ def _scale(found: Sequence[Comb]) -> tuple[float, float]:
 
 def _colours(values: Floats, longest: float) -> tuple[Colormap, Normalize]:
     """Pale where the curvature is small; two colours if it has both signs."""
-    sizes = np.abs(values)
-    most = float(min(sizes.max(initial=0.0), longest)) or 1.0
+    values = values[np.isfinite(values)]
+    most = float(min(np.abs(values).max(initial=0.0), longest)) or 1.0
     if values.min(initial=0.0) < -NOTHING * most < NOTHING * most < values.max(initial=0.0):
         return colormaps["coolwarm"], Normalize(-most, most)
     one_sign = ListedColormap(colormaps["viridis_r"](np.linspace(0.12, 1.0, 256)))
     return (one_sign, Normalize(0.0, most)) if values.sum() >= 0 else (one_sign.reversed(), Normalize(-most, 0.0))
 
 
-def _colour_bar(ax: Axes, teeth: LineCollection) -> None:
-    """Pointed where teeth are cut."""
-    values, (low, high) = np.asarray(teeth.get_array()), teeth.get_clim()
-    under, over = values.min(initial=0.0) < low, values.max(initial=0.0) > high
+def _colour_bar(ax: Axes, teeth: LineCollection, found: Sequence[Comb]) -> None:
+    """Pointed at an end that the curvature exceeds somewhere."""
+    values, (low, high) = np.concatenate([comb.curvature for comb in found]), teeth.get_clim()
+    under, over = bool((values < low).any()), bool((values > high).any())
     ends = {(False, False): "neither", (False, True): "max", (True, False): "min", (True, True): "both"}
     bar = ax.figure.colorbar(teeth, ax=ax, pad=0.02, shrink=0.7, extend=ends[under, over])
     bar.set_label(r"curvature $\kappa$")

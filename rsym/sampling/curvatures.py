@@ -63,15 +63,17 @@ class NearSurface:
     fields: Sequence[str]
     letters: Mapping[Any, float] | None = None
 
-    @cached_property
-    def kernel(self) -> Kernel:
-        """The fields with value and gradient."""
+    def __post_init__(self) -> None:
         if self.shape.dimension != 3:
             raise RsymError(
                 "a surface needs a shape in space, got one in the plane",
                 code="dimension",
                 remedy="use revolve(shape) first",
             )
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """The fields with value and gradient."""
         names = tuple(dict.fromkeys(("value", "gradient", *self.fields)))
         return compile_program(surface_program(self.shape, names), names, self.shape)
 

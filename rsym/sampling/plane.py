@@ -79,15 +79,7 @@ def plane_sampler(
         section = None
     names = [symbol.name for symbol in shape.coordinates]
     fixed = _fixed_coordinates(names, section)
-    free = tuple(k for k in range(len(names)) if k not in fixed)
-    if len(free) != 2:
-        last = names[-1]
-        cut = f"give section={{{last}: value}}, on the command line --section {last}=VALUE"
-        raise RsymError(
-            f"a picture in the plane needs two free coordinates, the shape has {', '.join(names)}",
-            code="section",
-            remedy=cut if len(free) > 2 else "leave out section",
-        )
+    free = _free_coordinates(names, fixed)
     box = bounds
     if bounds is None or len(bounds) == len(names):
         whole = bounds_of(shape, bounds)
@@ -96,7 +88,7 @@ def plane_sampler(
     assert flat.bounds is not None
     program = program_of(shape, ("value", "gradient"), of=field)
     kernel = compile_program(program, ("value", "gradient"), shape)
-    return PlaneSampler(kernel, lattice_over(flat.bounds, resolution), (free[0], free[1]), fixed, letters)
+    return PlaneSampler(kernel, lattice_over(flat.bounds, resolution), free, fixed, letters)
 
 
 def plane_section(shape: Shape, section: Mapping[Any, float] | None, bounds: Any = None) -> tuple[Shape, Any]:
@@ -116,7 +108,7 @@ def plane_section(shape: Shape, section: Mapping[Any, float] | None, bounds: Any
         return shape, bounds
     names = [symbol.name for symbol in shape.coordinates]
     fixed = _fixed_coordinates(names, section)
-    free = [k for k in range(len(names)) if k not in fixed]
+    free = _free_coordinates(names, fixed)
     own, given = (
         tuple(box[k] for k in free) if box is not None and len(box) == len(names) else box
         for box in (shape.bounds, bounds)
@@ -130,6 +122,19 @@ def checked_scalar(field: str) -> str:
     if field not in SCALARS:
         raise RsymError(f"no scalar field {field!r}", code="unknown-field", remedy=f"choose from {', '.join(SCALARS)}")
     return field
+
+
+def _free_coordinates(names: list[str], fixed: Mapping[int, float]) -> tuple[int, int]:
+    free = [k for k in range(len(names)) if k not in fixed]
+    if len(free) != 2:
+        last = names[-1]
+        cut = f"give section={{{last}: value}}, on the command line --section {last}=VALUE"
+        raise RsymError(
+            f"a picture in the plane needs two free coordinates, the shape has {', '.join(names)}",
+            code="section",
+            remedy=cut if len(free) > 2 else "leave out section",
+        )
+    return free[0], free[1]
 
 
 def _fixed_coordinates(names: list[str], section: Mapping[Any, float] | None) -> dict[int, float]:
