@@ -42,6 +42,7 @@ from .sampling.curvatures import vertex_curvatures
 from .sampling.mesh import Mesh
 from .sampling.meshing import mesh
 from .sampling.sections import Section, sections
+from .verify.smoothness import verify_smoothness
 
 __all__ = [
     "R0",
@@ -99,6 +100,7 @@ __all__ = [
     "sections",
     "source",
     "trimming",
+    "verify_smoothness",
     "vertex_curvatures",
     "write",
     "write_sections",

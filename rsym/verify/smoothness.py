@@ -101,7 +101,7 @@ def verify_smoothness(
     box = bounds_of(plane, None if body else bounds)
     values = exact_letters(shape, letters)
     model = Model(plane, values, body=body)
-    ranges = tuple((float(values[name][0]), float(values[name][1])) for name in model.axes[2:])
+    ranges = tuple(_around(*values[name]) for name in model.axes[2:])
     region: Box = (_below_axis(box) if body else tuple((float(a), float(b)) for a, b in box)) + ranges
     extent = max(high - low for low, high in region[:2])
     found = cover(model, region, smallest=smallest * extent, budget=budget, progress=progress)
@@ -134,6 +134,11 @@ def exact_letters(shape: Shape, letters: Mapping[Any, Any] | None) -> dict[str, 
 
 def _exact(value: Any, name: str) -> Fraction:
     return Fraction(real_number(value, f"the letter {name!r}"))
+
+
+def _around(low: Fraction, high: Fraction) -> tuple[float, float]:
+    """The narrowest interval of floats known to hold the exact one."""
+    return math.nextafter(float(low), -math.inf), math.nextafter(float(high), math.inf)
 
 
 def _meridian_within(shape: Shape, bounds: Any) -> Shape:
