@@ -31,7 +31,7 @@ def test_it_is_the_normalised_field():
     )
 
 
-@pytest.mark.parametrize("order", [0, 2, "1"])
+@pytest.mark.parametrize("order", [0, "1"])
 def test_other_orders_are_refused(order):
     with pytest.raises(RsymError):
         rsym.normalise(Shape(x, (x, y)), order=order)

@@ -108,7 +108,7 @@ def test_the_same_bits_for_any_block_slab_executor_and_thread(monkeypatch):
         others = [rsym.mesh(shape, 40, executor=executor) for executor in (None, threads, processes)]
     from rsym.codegen import kernel
 
-    monkeypatch.setattr(kernel, "_checked_threads", lambda threads: 1)
+    monkeypatch.setattr(kernel, "checked_threads", lambda threads: 1)
     smooth._surface_kernel.cache_clear()
     others.append(rsym.mesh(shape, 40))
     for other in others:

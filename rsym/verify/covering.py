@@ -43,7 +43,7 @@ def cover(
 
     `discard` says of many boxes at once which certainly hold no zero; the others are examined one by one.
     """
-    extent = max(high - low for low, high in bounds[:2])
+    extent = extent_of(bounds)
     result = Covering()
     level = list(_first(bounds))
     with ctx.workprec(PRECISION):
@@ -68,6 +68,11 @@ def cover(
                 progress(result.examined, budget)
             level = following
     return result
+
+
+def extent_of(bounds: Box) -> float:
+    """The longer side of the region."""
+    return max(high - low for low, high in bounds[:2])
 
 
 def side(low: float, high: float) -> arb:

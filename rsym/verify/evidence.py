@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import product
 
@@ -39,8 +40,9 @@ def statements(verdict: str, found: Covering, joints: Sequence[Joint], exists: b
     if "regular" in kinds and exists:
         text = f"on {kinds.count('regular')} boxes the boundary is a regular analytic arc"
         orders = [finding.order for _, finding in found.settled if finding.kind == "regular"]
-        if min(orders) < float("inf"):
-            text = f"on {kinds.count('regular')} boxes the boundary is a regular arc of class C^{int(min(orders)) - 1}"
+        if min(orders) < math.inf:
+            level = math.ceil(min(orders)) - 1
+            text = f"on {kinds.count('regular')} boxes the boundary is a regular arc of class C^{level}"
         result.append((text, True))
     if "joined" in kinds:
         result.append(

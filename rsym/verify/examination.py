@@ -23,7 +23,7 @@ GROWN = 0.25
 class Finding:
     """What is proved on a box.
 
-    kind: "empty"; "regular", an arc of class C^(order - 1), analytic if the order is infinite; "joined", two arcs
+    kind: "empty"; "regular", an arc of class C^j, j < order, analytic if the order is infinite; "joined", two arcs
     that meet in `joint`; "double", zeros without a change of sign; "open", nothing is proved. No curvature is larger
     in size than `curvature`, of which at most the share `slack` is due to the enclosure.
     """
@@ -53,7 +53,7 @@ def examine(local: Local, extent: float, number: int | None = None) -> Finding:
         if found.analytic:
             return _regular(local, locus, order, extent)
         finding = _joined(local, extent, number)
-        tried = finding.kind == "open" and order >= 3 and _is_small(local, extent)
+        tried = finding.kind == "open" and order > 2 and _is_small(local, extent)
         return _regular(local, locus, order, extent) if tried else finding
     if locus.kind in {"conjunction", "disjunction"}:
         return _joined(local, extent, number)
@@ -74,6 +74,8 @@ def _regular(local: Local, locus: Locus, order: float, extent: float) -> Finding
     if not any(slope > 0 or slope < 0 for slope in slopes):
         return Finding("open", locus=locus)
     bound = curvature_bound(local, leaf, extent)
+    if bound is None and order < math.inf and _is_small(local, extent):
+        bound = (math.inf, 0.0)  # continuous, but derivatives of |u|**a with a fractional a have no enclosure at 0
     return Finding("open", locus=locus) if bound is None else Finding("regular", order, *bound, locus=locus)
 
 

@@ -121,9 +121,19 @@ def _switch(local: Local, number: int) -> int | None:
         return bare(builder, node.arguments[0]) if is_square(builder, arguments[0]) else None
     if operation in {"absolute_power", "signed_power"}:
         exponent = builder.value(arguments[1])
-        whole = exponent is not None and exponent.denominator == 1 and exponent > 0
-        return bare(builder, arguments[0]) if whole else None
+        return bare(builder, arguments[0]) if exponent is not None and exponent > 0 else None
+    if operation in {"sqrt", "pow"} and root_order(builder, number) is not None:
+        return bare(builder, builder.nodes[arguments[0]].arguments[0])
     return None
+
+
+def root_order(builder: Builder, number: int) -> Fraction | None:
+    """The exponent of a root or a positive power of an absolute value, sqrt(|u|) or |u|**a."""
+    operation, arguments, _ = builder.nodes[number]
+    exponent = Fraction(1, 2) if operation == "sqrt" else builder.value(arguments[1])
+    if builder.nodes[arguments[0]].operation != "abs" or exponent is None or exponent <= 0:
+        return None
+    return exponent
 
 
 def is_square(builder: Builder, number: int) -> bool:

@@ -8,7 +8,7 @@ from fractions import Fraction
 from rsym.codegen.builder import HALF, Builder
 from rsym.codegen.expansion import SIMPLE
 from rsym.verify.domains import switch_of
-from rsym.verify.generators import BRANCHING, bare, factor, is_square
+from rsym.verify.generators import BRANCHING, bare, factor, is_square, root_order
 from rsym.verify.local import Local
 from rsym.verify.locus import chosen
 
@@ -40,9 +40,7 @@ def _resolved(local: Local, part: int, switch: int, side: int, done: dict[int, i
             return inner[0 if (sign > 0) == (operation == "max") else 1]
         if operation == "trimming":
             return _trimming(builder, inner[0], inner[1], sign)
-        power = builder.powi(inner[0], int(builder.value(arguments[1]) or 0))
-        even = (builder.value(arguments[1]) or Fraction(0)) % 2 == 0
-        return power if even == (operation == "absolute_power") or sign > 0 else builder.neg(power)
+        return _power(builder, operation, inner[0], builder.value(arguments[1]) or Fraction(0), sign)
     if inner == arguments:
         return part
     if operation in SIMPLE:
@@ -55,6 +53,15 @@ def _resolved(local: Local, part: int, switch: int, side: int, done: dict[int, i
     return builder.make(operation, *inner, data=data)
 
 
+def _power(b: Builder, operation: str, base: int, exponent: Fraction, sign: int) -> int:
+    """A whole power is a polynomial on either side; a fractional one stays as it is, analytic on neither."""
+    if exponent.denominator != 1:
+        return b.make(operation, base, b.const(exponent))
+    power = b.powi(base, int(exponent))
+    even = exponent % 2 == 0
+    return power if even == (operation == "absolute_power") or sign > 0 else b.neg(power)
+
+
 def _sign(local: Local, part: int, switch: int, side: int) -> int:
     """The sign that decides an operation: the box's where it has one, else the side's if the switch is this one."""
     builder = local.model.builder
@@ -65,7 +72,7 @@ def _sign(local: Local, part: int, switch: int, side: int) -> int:
             return local.sign(deciding)
     elif operation in {"absolute_power", "signed_power"}:
         exponent = builder.value(arguments[1])
-        if exponent is None or exponent.denominator != 1 or exponent <= 0:
+        if exponent is None or exponent <= 0:
             return 0
         deciding = arguments[0]
     elif operation == "trimming" and is_square(builder, arguments[0]) and local.sign(arguments[1]) > 0:
@@ -87,10 +94,11 @@ def _trimming(b: Builder, s: int, t: int, sign: int) -> int:
 def contact(local: Local, number: int, switch: int) -> float:
     """A lower bound of the order to which the two resolutions of a node agree on the zeros of the switch.
 
-    With order k their difference is u**k times an analytic function, u the switch: the node is of class C^(k - 1)
-    across it. The rules follow from a1 b1 - a2 b2 = a1 (b1 - b2) + (a1 - a2) b2; each node has the order of its
-    difference and the order of its own zero on u = 0. Infinite where both are one analytic function. Other
-    generators must be excluded by the box.
+    With order k their difference is u**k times an analytic function, u the switch: the node is of class C^j across
+    it for all whole j < k; a power |u|**k has its exponent as order, whole or not. The rules
+    follow from a1 b1 - a2 b2 = a1 (b1 - b2) + (a1 - a2) b2; each node has the order of its difference and the order
+    of its own zero on u = 0. Infinite where both are one analytic function. Other generators must be excluded by the
+    box.
     """
     orders: dict[int, tuple[float, float]] = {}
     for part in local.model.order(number):
@@ -113,6 +121,9 @@ def _orders(local: Local, part: int, switch: int, orders: dict[int, tuple[float,
         return _switched(builder, part, inner, orders)
     if not inner:
         return math.inf, 0
+    if operation in {"sqrt", "pow"} and (exponent := root_order(builder, part)) is not None:
+        if bare(builder, builder.nodes[arguments[0]].arguments[0]) == switch:
+            return float(exponent), float(exponent)
     difference = min(own for own, _ in inner)
     zeros = [zero for _, zero in inner]
     if operation == "mul":

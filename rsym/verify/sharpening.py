@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from flint import ctx
 
-from rsym.verify.covering import PRECISION, Box, halves, side
+from rsym.verify.covering import PRECISION, Box, extent_of, halves, side
 from rsym.verify.examination import Finding, examine
 from rsym.verify.local import Model
 
@@ -16,7 +16,7 @@ TIGHT = 0.05  # the share of the largest bound that may be due to its enclosure
 
 def sharpened_bound(model: Model, settled: Sequence[tuple[Box, Finding]], bounds: Box, budget: int) -> float:
     """The largest curvature on the settled boxes, proved, from at most `budget` further boxes."""
-    extent = max(high - low for low, high in bounds[:2])
+    extent = extent_of(bounds)
     heap = [(-f.curvature, n, box, f.slack) for n, (box, f) in enumerate(settled) if f.kind in {"regular", "joined"}]
     heapq.heapify(heap)
     count = len(settled)

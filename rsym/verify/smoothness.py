@@ -14,7 +14,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.shape import Shape
 from rsym.sampling.lattice import bounds_of
-from rsym.verify.covering import Box, Covering, cover
+from rsym.verify.covering import Box, Covering, cover, extent_of
 from rsym.verify.evidence import has_boundary, statements
 from rsym.verify.local import Interval, Model
 from rsym.verify.report import (
@@ -103,8 +103,7 @@ def verify_smoothness(
     model = Model(plane, values, body=body)
     ranges = tuple(_around(*values[name]) for name in model.axes[2:])
     region: Box = (_below_axis(box) if body else tuple((float(a), float(b)) for a, b in box)) + ranges
-    extent = max(high - low for low, high in region[:2])
-    found = cover(model, region, smallest=smallest * extent, budget=budget, progress=progress)
+    found = cover(model, region, smallest=smallest * extent_of(region), budget=budget, progress=progress)
     return _report(model, region, found, values, body=body)
 
 
@@ -155,7 +154,7 @@ def _report(
     model: Model, region: Box, found: Covering, values: Mapping[str, Interval], *, body: bool
 ) -> SmoothnessReport:
     joints = _distinct([f.joint for _, f in found.settled if f.joint is not None])
-    suspects = classify_suspects(model, region, found)
+    suspects = classify_suspects(model, found, extent_of(region))
     if body:
         joints = [joint for joint in joints if joint.point[1] > -joint.radius]
     everything = joints + suspects
@@ -163,7 +162,9 @@ def _report(
     verdict = _verdict(found, everything, exists)
     order = min((f.order for _, f in found.settled if f.kind == "regular"), default=math.inf)
     levels = [CONTINUITIES.index(joint.continuity) for joint in everything]
-    levels.append(len(CONTINUITIES) - 1 if order == math.inf else min(int(order), 4))
+    levels.append(len(CONTINUITIES) - 1 if order == math.inf else min(math.ceil(order), 4))
+    if any(f.kind == "double" for _, f in found.settled) or not exists:
+        levels.append(0)
     bound = math.inf if found.left or not exists else sharpened_bound(model, found.settled, region, SHARPENING)
     defects = [joint for joint in everything if CONTINUITIES.index(joint.continuity) < CONTINUITIES.index("G2")]
     return SmoothnessReport(
@@ -188,7 +189,7 @@ def _verdict(found: Covering, joints: Sequence[Joint], exists: bool) -> str:
         return DEGENERATE
     if found.left or any(not joint.proved for joint in joints):
         return UNDECIDED
-    if any(f.kind == "regular" and f.order < 3 for _, f in found.settled):
+    if any(f.kind == "regular" and f.order <= 2 for _, f in found.settled):
         return UNDECIDED
     return CERTIFIED if exists else DEGENERATE
 

@@ -1,41 +1,138 @@
-"""Suspects: what subdivision could not settle, gathered into points and classified."""
+"""Suspects: what subdivision could not settle, gathered into points, located and classified."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+import mpmath as mp
+import sympy as sp
+from flint import arb, ctx
 
 from rsym.verify.covering import Box, Covering
+from rsym.verify.examination import Finding
 from rsym.verify.local import Model
+from rsym.verify.locating import SIMPLE, as_fraction, located
+from rsym.verify.newton_polygon import classify_polynomial
+from rsym.verify.probing import Sample, classify
 from rsym.verify.report import Joint
 
 CROWD = 400  # boxes: points that resist leave one to thirty
+MOST_PROBED = 8  # points classified by one-sided limits, which takes a second each
+DIGITS = 40  # of the limits; the field is evaluated to twice as many
 # Kinds for which there is no curve whose curvature could be continuous.
 DEGENERATIONS = frozenset({"node", "isolated point", "no sign change", "end"})
 
 
-def classify_suspects(model: Model, region: Box, found: Covering) -> list[Joint]:
+def classify_suspects(model: Model, found: Covering, extent: float) -> list[Joint]:
     """One joint for each cluster of boxes that are left; none if there are too many to be points."""
-    result: list[Joint] = []
     if len(found.left) > CROWD:
-        return result
-    for cluster in clusters([box for box, _ in found.left]):
-        centre = [math.fsum(box[k][0] + box[k][1] for box in cluster) / (2 * len(cluster)) for k in range(2)]
-        radius = max(math.dist(centre, corner) for box in cluster for corner in zip(*box[:2], strict=True))
-        result.append(Joint((centre[0], centre[1]), radius, "unresolved", "broken", reason="not classified"))
-    return result
+        return []
+    groups = clusters(found.left)
+    return [_classified(model, group, extent, probe=n < MOST_PROBED) for n, group in enumerate(groups)]
 
 
-def clusters(boxes: Sequence[Box]) -> list[list[Box]]:
+def clusters(boxes: Sequence[tuple[Box, Finding]]) -> list[list[tuple[Box, Finding]]]:
     """The boxes in groups of those that touch."""
-    groups: list[list[Box]] = []
+    groups: list[list[tuple[Box, Finding]]] = []
     for box in boxes:
-        touching = [group for group in groups if any(_touch(box, other) for other in group)]
-        for group in touching:
-            groups.remove(group)
+        touching = [group for group in groups if any(_touch(box[0], other[0]) for other in group)]
+        groups = [group for group in groups if not any(group is one for one in touching)]
         groups.append([box, *(other for group in touching for other in group)])
     return groups
 
 
 def _touch(a: Box, b: Box) -> bool:
     return all(a[k][0] <= b[k][1] and b[k][0] <= a[k][1] for k in range(2))
+
+
+def _classified(model: Model, group: Sequence[tuple[Box, Finding]], extent: float, *, probe: bool) -> Joint:
+    """What a cluster is: by its Newton polygon, which is a proof, else by one-sided limits, which are none."""
+    boxes = [box for box, _ in group]
+    centre = [math.fsum(box[k][0] + box[k][1] for box in boxes) / (2 * len(boxes)) for k in range(2)]
+    radius = max(math.dist(centre, corner) for box in boxes for corner in zip(*box[:2], strict=True))
+    unresolved = Joint((centre[0], centre[1]), radius, "unresolved", "broken", reason="nothing is proved here")
+    if len(boxes[0]) > 2:
+        return unresolved
+    point = None
+    for box, finding in group:
+        point = point or located(model, box, finding, centre, radius)
+    if point is None:
+        return unresolved
+    polynomial = _polygon(model, group[0][1], point)
+    if polynomial is not None:
+        return polynomial
+    return _probed(model, point, extent) if probe else replace(unresolved, point=(float(point[0]), float(point[1])))
+
+
+def _polygon(model: Model, finding: Finding, point: tuple[arb, arb]) -> Joint | None:
+    fractions = [as_fraction(value).limit_denominator(SIMPLE) for value in point]
+    if any(not value.contains(arb(f.numerator) / f.denominator) for value, f in zip(point, fractions, strict=True)):
+        return None
+    if finding.locus.kind != "leaf":
+        return None
+    polynomial = polynomial_of(model, finding.locus.nodes[0])
+    if polynomial is None:
+        return None
+    symbols = tuple(sp.Symbol(name, real=True) for name in model.builder.coordinates)
+    return classify_polynomial(polynomial, symbols, tuple(sp.Rational(f.numerator, f.denominator) for f in fractions))
+
+
+def polynomial_of(model: Model, number: int) -> sp.Expr | None:
+    """The node as a polynomial of the coordinates with rational coefficients, if it is one."""
+    parts: dict[int, sp.Expr] = {}
+    for part in model.order(number):
+        operation, arguments, data = model.builder.nodes[part]
+        inner = [parts[argument] for argument in arguments]
+        if operation == "const" and isinstance(data, Fraction):
+            parts[part] = sp.Rational(data.numerator, data.denominator)
+        elif operation == "input":
+            low = model.letters.get(str(data), (None,))[0]
+            fixed = None if low is None else sp.Rational(low.numerator, low.denominator)
+            parts[part] = sp.Symbol(str(data), real=True) if fixed is None else fixed
+        elif operation == "add":
+            parts[part] = inner[0] + inner[1]
+        elif operation == "mul":
+            parts[part] = inner[0] * inner[1]
+        elif operation == "neg":
+            parts[part] = -inner[0]
+        elif operation == "powi":
+            parts[part] = inner[0] ** int(str(data))
+        elif operation == "div" and inner[1].is_Rational and inner[1] != 0:
+            parts[part] = inner[0] / inner[1]
+        else:
+            return None
+    return parts[number]
+
+
+def _probed(model: Model, point: tuple[arb, arb], extent: float) -> Joint:
+    """By limits along the branches, from samples of omega itself."""
+    root = model.root
+    first = model.gradient(root)
+    (xx, xy), (_, yy) = (model.gradient(node) for node in first)
+    third = (*model.gradient(xx), model.gradient(xy)[1], model.gradient(yy)[1])
+
+    def numbers(x: mp.mpf, y: mp.mpf, nodes: Sequence[int]) -> list[mp.mpf]:
+        with ctx.workprec(round(DIGITS * 6.7)):
+            at = model.on([arb(x), arb(y)])
+            return [_mpf(at.value(node)) for node in nodes]
+
+    def field(x: mp.mpf, y: mp.mpf) -> Sample:
+        value, gx, gy, hxx, hxy, hyy, *rest = numbers(x, y, (root, *first, xx, xy, yy, *third))
+        return Sample(value, (gx, gy), (hxx, hxy, hyy), (rest[0], rest[1], rest[2], rest[3]))
+
+    with mp.workdps(2 * DIGITS):
+        centre = (_mpf(point[0]), _mpf(point[1]))
+        return classify(
+            field, centre, 0.0, digits=DIGITS, value=lambda x, y: numbers(x, y, (root,))[0], reach=extent / 400
+        )
+
+
+def _mpf(value: arb | None) -> mp.mpf:
+    """The middle of a ball, NaN where there is none or it says nothing."""
+    if value is None or not value.is_finite():
+        return mp.nan
+    mantissa, exponent = value.mid().man_exp()
+    return mp.ldexp(mp.mpf(int(mantissa)), int(exponent))

@@ -1,0 +1,104 @@
+"""Where exactly a suspect point is: Newton's method on the equations that make it one, then a simple fraction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import pairwise
+
+from flint import arb, ctx
+
+from rsym.codegen.balls import exact
+from rsym.verify.covering import Box, side
+from rsym.verify.examination import Finding
+from rsym.verify.generators import generators
+from rsym.verify.local import Model
+from rsym.verify.locus import CONJUNCTIONS, DISJUNCTIONS
+from rsym.verify.resolution import resolve
+
+PAIRS = CONJUNCTIONS | DISJUNCTIONS | {"trimming", "gap", "norm", "joining", "equivalence", "atan2", "normalised"}
+LOCATED = 320  # bits of the search
+STEPS = 300  # a multiple zero halves the error at each step
+CONVERGED = 2.0**-120
+SIMPLE = 10_000  # a fraction with a smaller denominator that agrees to CONVERGED is taken for the point
+
+ROUND = 64  # the largest denominator of a point that is guessed where no equations find it
+
+
+def located(model: Model, box: Box, finding: Finding, centre: Sequence[float], radius: float) -> tuple[arb, arb] | None:
+    """A point within the radius where omega and one pair of equations vanish to the working precision."""
+    with ctx.workprec(LOCATED):
+        for pair in _equations(model, box, finding):
+            point = _newton(model, pair, centre)
+            if point is None or _distance(point, centre) > 4 * radius:
+                continue
+            snapped = (_simple(point[0]), _simple(point[1]))
+            for candidate in (snapped, point):
+                if _vanishes(model, candidate):
+                    return candidate
+        whole = tuple(Fraction(value).limit_denominator(ROUND) for value in centre)
+        candidate = (exact(whole[0]), exact(whole[1]))
+        return candidate if _distance(candidate, centre) <= radius and _vanishes(model, candidate) else None
+
+
+def _vanishes(model: Model, point: tuple[arb, arb]) -> bool:
+    value = model.on(point).value(model.root)
+    return value is not None and float(abs(value).upper()) < 1e-20
+
+
+def _equations(model: Model, box: Box, finding: Finding) -> Iterator[tuple[int, int]]:
+    """Pairs of nodes whose common zero may be the point."""
+    nodes = model.builder.nodes
+    if finding.locus.kind in {"conjunction", "disjunction", "product"}:
+        yield finding.locus.nodes[0], finding.locus.nodes[1]
+    leaf = finding.locus.nodes[0] if finding.locus.kind == "leaf" else model.root
+    with ctx.workprec(80):
+        found = generators(model.on([side(*ends) for ends in box]), leaf)
+    switches = list(found.switches)
+    for number in sorted(found.hard):
+        arguments = nodes[number].arguments
+        yield arguments[0], arguments[1] if nodes[number].operation in PAIRS else leaf
+    yield from pairwise(switches)
+    for switch in switches:
+        for way in (1, -1):
+            with ctx.workprec(80):
+                resolved = resolve(model.on([side(*ends) for ends in box]), leaf, switch, way)
+            yield switch, resolved
+    yield model.gradient(leaf)
+
+
+def _newton(model: Model, pair: tuple[int, int], start: Sequence[float]) -> tuple[arb, arb] | None:
+    point = (arb(start[0]), arb(start[1]))
+    slopes = [model.gradient(number) for number in pair]
+    for _ in range(STEPS):
+        at = model.on(point)
+        found = [at.value(number) for number in (*pair, *slopes[0], *slopes[1])]
+        if any(value is None or not value.is_finite() for value in found):
+            return None
+        f, g, a, b, c, d = (value.mid() for value in found if value is not None)
+        if f == 0 and g == 0:
+            return point
+        determinant = (a * d - b * c).mid()
+        if determinant == 0:
+            return None
+        step = (((d * f - b * g) / determinant).mid(), ((a * g - c * f) / determinant).mid())
+        point = ((point[0] - step[0]).mid(), (point[1] - step[1]).mid())
+        if all(abs(change) < CONVERGED for change in step):
+            return point
+    return None
+
+
+def _distance(point: tuple[arb, arb], centre: Sequence[float]) -> float:
+    return max(abs(float(point[k]) - centre[k]) for k in range(2))
+
+
+def _simple(value: arb) -> arb:
+    """The simple fraction that a number agrees with, if there is one."""
+    fraction = as_fraction(value).limit_denominator(SIMPLE)
+    return exact(fraction) if abs(as_fraction(value) - fraction) < Fraction(CONVERGED) * 4 else value
+
+
+def as_fraction(value: arb) -> Fraction:
+    """The exact middle of a ball."""
+    mantissa, exponent = value.mid().man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
