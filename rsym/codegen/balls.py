@@ -130,6 +130,10 @@ def _selection(nodes: Sequence[Node], arguments: tuple[int, ...]) -> tuple[Image
     return image, arguments + tuple(argument for _, needed in tests for argument in needed)
 
 
+def _bounded(value: arb) -> arb:
+    return value if value.is_finite() else WHOLE
+
+
 def run(steps: Iterable[Step], balls: dict[int, arb | None]) -> None:
     """Evaluate the steps in order; NaN and all that is unbounded become the whole line."""
     for number, image, arguments in steps:
@@ -186,7 +190,7 @@ def enclose_nodes(
     for number in order:
         if number not in balls:
             if nodes[number].operation == "input":
-                balls[number] = inputs[str(nodes[number].data)]
+                balls[number] = _bounded(inputs[str(nodes[number].data)])
             else:
                 steps.append(step(nodes, number))
     run(steps, balls)
@@ -232,6 +236,6 @@ class BallFunction:
             run(self._constants, self._known[precision])
         balls = self._known[precision].copy()
         for number, name in self._inputs:
-            balls[number] = inputs[name]
+            balls[number] = _bounded(inputs[name])
         run(self._steps, balls)
         return balls
