@@ -452,6 +452,17 @@ def test_a_part_that_is_undefined_makes_its_users_undefined():
     assert enclosed(lambda b, u: b.div(u, b.abs(u)), u=arb(0)) is None
 
 
+@pytest.mark.parametrize("operation", ["pow", "absolute_power"])
+def test_a_power_may_be_one_where_its_operand_is_undefined(operation):
+    """NaN**0 = 1**NaN = 1 in the plain meaning of a power."""
+    nan = float("nan")
+    assert OPERATIONS[operation].meaning(nan, 0.0) == OPERATIONS[operation].meaning(1.0, nan) == 1
+    assert enclosed(lambda b, u, v: b.make(operation, b.sqrt(u), v), u=A, v=B).contains(arb(1))
+    assert enclosed(lambda b, u, v: b.make(operation, v, b.sqrt(u)), u=A, v=B).contains(arb(1))
+    assert enclosed(lambda b, u, v: b.make(operation, b.sqrt(u), v), u=A, v=arb(2)) is None
+    assert enclosed(lambda b, u, v: b.make(operation, v, b.sqrt(u)), u=A, v=arb(2)) is None
+
+
 def test_a_comparison_decides_only_where_it_is_defined():
     """Where an operand is NaN, and so no comparison true, the other branch counts."""
 
