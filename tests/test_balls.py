@@ -206,7 +206,8 @@ def points_of(rng, boxes, count):
     def within(low, high):
         if math.isinf(high):
             return max(low, float(rng.normal()) * 10.0 ** rng.integers(-5, 12))
-        return min(max(low + rng.choice([0.0, 1.0, 0.5, rng.random()]) * (high - low), low), high)
+        inner = low + rng.random() * (high - low)
+        return min(max(rng.choice([low, high, 0.0, inner]), low), high)
 
     return [{name: within(*ends) for name, ends in boxes.items()} for _ in range(count)]
 
@@ -415,9 +416,51 @@ def test_what_is_undefined_and_what_is_unknown(operation, operands, expected):
     assert image(operation, *operands) == expected
 
 
+@pytest.mark.parametrize(
+    ("operation", "operands", "values"),
+    [
+        ("div", (arb(0), B), [0]),
+        ("select", (None, A, arb(1), arb(2)), [2]),
+        ("pow", (A, arb(2.5, 1)), [-27, -8, 1, 4]),
+        ("pow", (B, arb(2)), [0, 1, 9]),
+        ("equivalence", (B, arb(2), arb(2, 1)), [-2 / (1 + 2**3) ** (1 / 3), 6 / (27 + 8) ** (1 / 3)]),
+        ("atan2", (B, B), [-3.14159, 0, 3.14159]),
+        ("atan2", (arb(0), A), [3.14159]),
+    ],
+)
+def test_values_that_are_easily_missed(operation, operands, values):
+    for value in values:
+        assert IMAGES[operation](*operands).overlaps(arb(value, 1e-4))
+
+
+def test_products_of_wide_balls_are_sharp():
+    got = IMAGES["mul"](arb(1, 0.125), arb(2, 0.25))
+    assert got.overlaps(arb(1.125 * 2.25, 1e-6))
+    assert got >= 0.875 * 1.75 - 1e-6
+
+
+def test_nan_is_the_whole_line(monkeypatch):
+    assert enclosed(lambda b, u: u, u=arb.nan()).contains(arb(5))
+    monkeypatch.setitem(IMAGES, "sin", lambda u: arb.nan())
+    assert enclosed(lambda b, u: b.make("sin", u), u=B).contains(arb(5))
+    assert not enclosed(lambda b, u: b.make("sin", u), u=B).is_nan()
+
+
 def test_a_part_that_is_undefined_makes_its_users_undefined():
     assert enclosed(lambda b, u: b.add(b.sqrt(u), b.const(1)), u=A) is None
     assert enclosed(lambda b, u: b.make("min", b.sqrt(u), u), u=A) is None
+    assert enclosed(lambda b, u: b.div(u, b.abs(u)), u=arb(0)) is None
+
+
+@pytest.mark.parametrize("operation", ["pow", "absolute_power"])
+def test_a_power_may_be_one_where_its_operand_is_undefined(operation):
+    """NaN**0 = 1**NaN = 1 in the plain meaning of a power."""
+    nan = float("nan")
+    assert OPERATIONS[operation].meaning(nan, 0.0) == OPERATIONS[operation].meaning(1.0, nan) == 1
+    assert enclosed(lambda b, u, v: b.make(operation, b.sqrt(u), v), u=A, v=B).contains(arb(1))
+    assert enclosed(lambda b, u, v: b.make(operation, v, b.sqrt(u)), u=A, v=B).contains(arb(1))
+    assert enclosed(lambda b, u, v: b.make(operation, b.sqrt(u), v), u=A, v=arb(2)) is None
+    assert enclosed(lambda b, u, v: b.make(operation, v, b.sqrt(u)), u=A, v=arb(2)) is None
 
 
 def test_a_comparison_decides_only_where_it_is_defined():

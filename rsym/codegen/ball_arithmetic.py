@@ -47,7 +47,7 @@ def constant(data: Data) -> arb:
     """The ball of a constant of a program: a fraction, pi or e."""
     if isinstance(data, Fraction):
         return exact(data)
-    return arb.pi() if data == "pi" else arb.const_e()
+    return {"pi": arb.pi, "e": arb.const_e}[str(data)]()
 
 
 def ball(low: arb, high: arb) -> arb:
@@ -62,6 +62,8 @@ def ball(low: arb, high: arb) -> arb:
     hull = low.union(high)
     if hull >= ZERO or hull <= ZERO:
         return hull
+    if not hull.is_finite():
+        return WHOLE
     if low >= ZERO and high >= ZERO:
         return hull.nonnegative_part()
     if low <= ZERO and high <= ZERO:

@@ -75,7 +75,7 @@ def r0m_partial(f: arb, g: arb, m: arb) -> arb | None:
 
 
 def _less_one(order: arb) -> arb:
-    """Order - 1 for an order of at least 1, never below 0."""
+    """The order less 1, where it is at least 1: never below 0."""
     less = order - ONE
     return less if less >= ZERO else ball(ZERO, less.upper())
 
@@ -115,7 +115,7 @@ def _stretch(ratio: arb, p: arb) -> arb:
 
 
 def rp_conjunction(f: arb, g: arb, p: arb) -> arb | None:
-    """F + g - (|f|**p + |g|**p)**(1/p) for p > 1: increasing in f and g, and in p, as the norm decreases."""
+    """The image of f + g - (|f|**p + |g|**p)**(1/p), p > 1: increasing in f and g, and in p, as the norm decreases."""
     if p <= ONE:
         return None
     return ball(_rp_at(f.lower(), g.lower(), p.lower().max(ONE)), _rp_at(f.upper(), g.upper(), p.upper()))
@@ -129,7 +129,7 @@ def _rp_at(f: arb, g: arb, p: arb) -> arb:
 
 
 def rp_disjunction(f: arb, g: arb, p: arb) -> arb | None:
-    """F + g + (|f|**p + |g|**p)**(1/p), the dual of the conjunction."""
+    """The image of f + g + (|f|**p + |g|**p)**(1/p), the dual of the conjunction."""
     value = rp_conjunction(-f, -g, p)
     return None if value is None else -value
 
@@ -176,7 +176,7 @@ def _joining_at(f: arb, g: arb, m: arb) -> arb:
 
 
 def equivalence(f: arb, g: arb, m: arb) -> arb | None:
-    """F g/(|f|**m + |g|**m)**(1/m): the joining with the sign of f g, monotone in f and in g.
+    """The image of f g/(|f|**m + |g|**m)**(1/m): the joining with the sign of f g, monotone in f and in g.
 
     Where neither operand changes sign it is the joining or its negative; else the extremes are at the corners,
     of either sign or 0, and largest at the largest m.

@@ -13,7 +13,7 @@ FROM_0_TO_2 = ball(ZERO, TWO)
 
 
 def r0_conjunction(f: arb, g: arb) -> arb:
-    """F + g - sqrt(f**2 + g**2): increasing in f and g, for |f| and |g| are at most the root."""
+    """The image of f + g - sqrt(f**2 + g**2): increasing in f and g, for |f| and |g| are at most the root."""
     return ball(_r0_at(f.lower(), g.lower()), _r0_at(f.upper(), g.upper()))
 
 
@@ -24,7 +24,7 @@ def _r0_at(f: arb, g: arb) -> arb:
 
 
 def r0_disjunction(f: arb, g: arb) -> arb:
-    """F + g + sqrt(f**2 + g**2), the dual of the conjunction."""
+    """The image of f + g + sqrt(f**2 + g**2), the dual of the conjunction."""
     return -r0_conjunction(-f, -g)
 
 
@@ -39,7 +39,7 @@ def versine(f: arb, g: arb) -> arb | None:
 
 
 def _versine_at(f: arb, g: arb) -> arb:
-    """At a point with g >= 0; at f = g = 0, the end of a half-line g = 0, its value along that half-line."""
+    """At a point with g >= 0; NaN at f = g = 0."""
     radius = (f * f + g * g).sqrt()
     if f > ZERO:
         return g * g / (radius * (radius + f))

@@ -15,7 +15,9 @@ from typing import NamedTuple, TypeAlias
 
 from rsym.codegen import ball_arithmetic, ball_functions, ball_parameters, ball_systems
 from rsym.codegen.ball_arithmetic import (
+    ONE,
     WHOLE,
+    ZERO,
     arb,
     ball,
     chosen,
@@ -130,12 +132,25 @@ def _selection(nodes: Sequence[Node], arguments: tuple[int, ...]) -> tuple[Image
     return image, arguments + tuple(argument for _, needed in tests for argument in needed)
 
 
+def _power_of_undefined(image: Image, a: arb | None, b: arb | None) -> arb | None:
+    """What an operation makes of an undefined operand: nothing, but a power u**0 or 1**u is 1 whatever u is."""
+    if image not in (ball_functions.power, ball_functions.power_of_size):
+        return None
+    if a is None:
+        return ONE if b is not None and b.contains(ZERO) else None
+    return ONE if a.contains(ONE) or a.contains(-ONE) else None
+
+
+def _bounded(value: arb) -> arb:
+    return value if value.is_finite() else WHOLE
+
+
 def run(steps: Iterable[Step], balls: dict[int, arb | None]) -> None:
     """Evaluate the steps in order; NaN and all that is unbounded become the whole line."""
     for number, image, arguments in steps:
         if len(arguments) == 2:
             a, b = balls[arguments[0]], balls[arguments[1]]
-            value = None if a is None or b is None else image(a, b)
+            value = _power_of_undefined(image, a, b) if a is None or b is None else image(a, b)
         elif len(arguments) == 1:
             a = balls[arguments[0]]
             value = None if a is None else image(a)
@@ -186,7 +201,7 @@ def enclose_nodes(
     for number in order:
         if number not in balls:
             if nodes[number].operation == "input":
-                balls[number] = inputs[str(nodes[number].data)]
+                balls[number] = _bounded(inputs[str(nodes[number].data)])
             else:
                 steps.append(step(nodes, number))
     run(steps, balls)
@@ -232,6 +247,6 @@ class BallFunction:
             run(self._constants, self._known[precision])
         balls = self._known[precision].copy()
         for number, name in self._inputs:
-            balls[number] = inputs[name]
+            balls[number] = _bounded(inputs[name])
         run(self._steps, balls)
         return balls
