@@ -135,7 +135,7 @@ def sizes(b: Builder, u: Interval) -> Interval:
 
 
 def total(b: Builder, u: Interval, v: Interval) -> Interval:
-    """U + v."""
+    """The sum u + v."""
     return outward(b, Interval(b.add(u.lower, v.lower), b.add(u.upper, v.upper)))
 
 
