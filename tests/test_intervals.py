@@ -318,7 +318,7 @@ def test_the_car_is_discarded_as_by_exact_images():
 def test_without_its_margin_an_operation_escapes(operation, monkeypatch):
     """Red proof: rounding to nearest alone does not enclose."""
     for module in (interval_arithmetic, interval_roots):
-        monkeypatch.setattr(module, "margin", lambda b, v, error, tiny=None: b.const(0))
+        monkeypatch.setattr(module, "margin", lambda b, v, error, tiny: b.const(0))
     program, _ = single(operation)
     wrong, _ = escapes(program, np.random.default_rng(4), 120, size=1e-3, backend="numpy")
     assert wrong

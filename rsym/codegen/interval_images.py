@@ -101,16 +101,15 @@ def _atan2(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
     plain = corners(b, lambda *ends: b.make("atan2", *ends), u, v, error=ELEMENTARY)
     if u.nonnegative:
         return plain
-    zero, turn = b.const(0), b.const(4)
+    zero, spread = b.const(0), b.sub(plain.upper, plain.lower)
+    # A little above pi; NaN where an end of u or v is, which must not look like the cut.
+    turn = b.select(b.abs(spread), b.const(-1), b.const(Fraction(22, 7)), b.undefined())
 
     def unless_cut(end: int, extreme: int) -> int:
-        left = b.select(v.lower, zero, end, extreme)
-        return b.select(u.lower, zero, end, b.select(zero, u.upper, end, left))
+        right = b.select(v.lower, zero, end, extreme)
+        return b.select(u.lower, zero, end, b.select(zero, u.upper, end, right))
 
-    # NaN in an end of u or v must not look like the cut.
-    spoilt = b.mul(b.const(Fraction(1, 2)), b.sub(plain.upper, plain.lower))
-    whole = b.select(b.abs(spoilt), b.const(-1), turn, spoilt)
-    return Interval(unless_cut(plain.lower, b.neg(whole)), unless_cut(plain.upper, whole))
+    return Interval(unless_cut(plain.lower, b.neg(turn)), unless_cut(plain.upper, turn))
 
 
 def chosen(b: Builder, operands: Sequence[Interval], decisive: bool) -> Interval:

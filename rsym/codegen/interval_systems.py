@@ -117,9 +117,9 @@ def _monomial(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
 
 
 def _norm(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
-    """Only for p >= 1/2: towards 0 the error grows like 1/p."""
+    """Only for p > 1/4: towards 0 the error grows like 1/p."""
     f, g, p = sizes(b, operands[0]), sizes(b, operands[1]), operands[2]
-    p = p.each(lambda end: b.select(b.const(Fraction(1, 2)), p.lower, b.undefined(), end))
+    p = p.each(lambda end: b.select(p.lower, b.const(Fraction(1, 4)), end, b.undefined()))
     ends = Interval(b.make("norm", f.lower, g.lower, p.upper), b.make("norm", f.upper, g.upper, p.lower))
     return nonnegative(b, outward(b, ends, POWERS))
 
