@@ -18,15 +18,15 @@ LEAVES = (
 )
 
 
-def trees(systems=(R0,), max_leaves=9):
-    """Strategies for expressions built from LEAVES by conjunction, disjunction and negation."""
+def trees(systems=(R0,), max_leaves=9, more=()):
+    """Strategies for expressions built from LEAVES and more by conjunction, disjunction and negation."""
 
     def grow(children):
         pair = st.tuples(st.sampled_from(systems), st.booleans(), st.lists(children, min_size=2, max_size=3))
         joined = pair.map(lambda p: p[0].conjunction(*p[2]) if p[1] else p[0].disjunction(*p[2]))
         return joined | children.map(lambda f: -f)
 
-    return st.recursive(st.sampled_from(LEAVES), grow, max_leaves=max_leaves)
+    return st.recursive(st.sampled_from((*LEAVES, *more)), grow, max_leaves=max_leaves)
 
 
 def formulas(count, depth=4):

@@ -1,70 +1,26 @@
-"""Operations whose operands have something in common: images that know it.
-
-An image takes its operands as independent, which is what makes u*u or u/|u| too wide. The few shapes that
-lowering and differentiation make again and again are recognised here by their nodes.
-"""
+"""Balls of products and quotients whose operands have something in common."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from fractions import Fraction
 
 from rsym.codegen.ball_arithmetic import arb, direction, square
 from rsym.codegen.ball_parameters import norm_share
 from rsym.codegen.ball_systems import gap_share, share
 from rsym.codegen.program import Node
+from rsym.codegen.relations import relation
 
-Related = tuple[Callable[..., arb | None], tuple[int, ...]]
-ONE = Node("const", (), Fraction(1))
+Image = Callable[..., arb | None]
+IMAGES: dict[str, Image] = {
+    "square": square,
+    "direction": direction,
+    "share": share,
+    "norm_share": norm_share,
+    "gap_share": gap_share,
+}
 
 
-def related(nodes: Sequence[Node], number: int) -> Related | None:
+def related(nodes: Sequence[Node], number: int) -> tuple[Image, tuple[int, ...]] | None:
     """The image of a product or quotient and the nodes it takes, if its operands are related."""
-    operation, arguments, _ = nodes[number]
-    if operation == "mul":
-        return _product(nodes, *arguments)
-    return _quotient(nodes, *arguments) if operation == "div" else None
-
-
-def _product(nodes: Sequence[Node], a: int, b: int) -> Related | None:
-    """a*a is a square; f*(1/sqrt(f**2 + g**2)) is a share of 1."""
-    if a == b:
-        return square, (a,)
-    for factor, other in ((a, b), (b, a)):
-        if nodes[other].operation == "div" and nodes[nodes[other].arguments[0]] == ONE:
-            leg = _other_leg(nodes, nodes[other].arguments[1], factor)
-            if leg is not None:
-                return share, (factor, leg)
-    return None
-
-
-def _quotient(nodes: Sequence[Node], a: int, b: int) -> Related | None:
-    """u/|u| and |u|/u are signs; f over the root or norm of f and g, and a gap over its root, are shares of 1."""
-    for size, value in ((a, b), (b, a)):
-        if nodes[size].operation == "abs" and _bare(nodes, nodes[size].arguments[0]) == _bare(nodes, value):
-            return direction, (value,)
-    leg = _other_leg(nodes, b, a)
-    if leg is not None:
-        return share, (a, leg)
-    if nodes[b].operation == "norm" and a in nodes[b].arguments[:2]:
-        f, g, p = nodes[b].arguments
-        return norm_share, (a, g if a == f else f, p)
-    if nodes[a].operation == "gap" and _other_leg(nodes, b, nodes[a].arguments[1]) == nodes[a].arguments[0]:
-        return gap_share, nodes[a].arguments
-    return None
-
-
-def _bare(nodes: Sequence[Node], number: int) -> int:
-    return nodes[number].arguments[0] if nodes[number].operation == "neg" else number
-
-
-def _other_leg(nodes: Sequence[Node], number: int, leg: int) -> int | None:
-    """The g of a node sqrt(f**2 + g**2), f given."""
-    total = nodes[nodes[number].arguments[0]] if nodes[number].operation == "sqrt" else None
-    if total is None or total.operation != "add":
-        return None
-    terms = [nodes[term] for term in total.arguments]
-    if any(term.operation != "mul" or term.arguments[0] != term.arguments[1] for term in terms):
-        return None
-    legs = [term.arguments[0] for term in terms]
-    return legs[1 - legs.index(leg)] if leg in legs else None
+    found = relation(nodes, number)
+    return None if found is None else (IMAGES[found[0]], found[1])

@@ -74,14 +74,15 @@ def constant(b: Builder, data: Data) -> Interval:
     return Interval(b.const(Fraction(low)), b.const(Fraction(high)), low >= 0)
 
 
-def margin(b: Builder, v: int, error: Fraction, tiny: int | None = None) -> int:
+def margin(b: Builder, v: int, error: Fraction, tiny: int) -> int:
     """error*|v| + tiny."""
-    return b.add(b.mul(b.const(error), b.abs(v)), b.const(TINY) if tiny is None else tiny)
+    return b.add(b.mul(b.const(error), b.abs(v)), tiny)
 
 
-def outward(b: Builder, u: Interval, error: Fraction = ROUNDING) -> Interval:
+def outward(b: Builder, u: Interval, error: Fraction = ROUNDING, tiny: Fraction = TINY) -> Interval:
     """Both ends moved outwards."""
-    return Interval(b.sub(u.lower, margin(b, u.lower, error)), b.add(u.upper, margin(b, u.upper, error)))
+    below, above = (margin(b, end, error, b.const(tiny)) for end in (u.lower, u.upper))
+    return Interval(b.sub(u.lower, below), b.add(u.upper, above))
 
 
 def least(b: Builder, *nodes: int) -> int:
@@ -135,8 +136,8 @@ def sizes(b: Builder, u: Interval) -> Interval:
 
 
 def total(b: Builder, u: Interval, v: Interval) -> Interval:
-    """U + v."""
-    return outward(b, Interval(b.add(u.lower, v.lower), b.add(u.upper, v.upper)))
+    """The sum u + v; below the normal numbers sums are exact."""
+    return outward(b, Interval(b.add(u.lower, v.lower), b.add(u.upper, v.upper)), tiny=Fraction(0))
 
 
 def product(b: Builder, u: Interval, v: Interval) -> Interval:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 
-from rsym.codegen.builder import Builder
+from rsym.codegen.builder import HALF, Builder
 from rsym.codegen.interval_arithmetic import (
     ELEMENTARY,
     Interval,
@@ -29,8 +29,8 @@ from rsym.codegen.interval_arithmetic import (
     whole_power,
     within_domain,
 )
-from rsym.codegen.interval_roots import ROOT_IMAGES, Rule
-from rsym.codegen.interval_systems import SYSTEM_IMAGES
+from rsym.codegen.interval_roots import ROOT_IMAGES, Rule, cosine, versine
+from rsym.codegen.interval_systems import SYSTEM_IMAGES, norm_share
 from rsym.codegen.program import Node
 
 # Below this a constant that float64 does not hold loses more than a share of 2**-53 when it is rounded.
@@ -43,11 +43,6 @@ def scaled(b: Builder, factor: Fraction, u: Interval) -> Interval:
         return product(b, constant(b, factor), u)
     turned = u if factor > 0 else Interval(u.upper, u.lower)
     return outward(b, turned.each(lambda end: b.mul(b.const(factor), end)))
-
-
-def _mul(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
-    first, second = node.arguments
-    return square(b, operands[0]) if first == second else product(b, *operands)
 
 
 def _powi(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
@@ -66,9 +61,8 @@ def _pow(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
     return size_power(b, only_nonnegative(b, base), exponent)
 
 
-def sign(b: Builder, u: Interval) -> Interval:
-    """The sign, also as u/|u|."""
-    return u.each(lambda end: b.make("sign", end))
+def _sign(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
+    return operands[0].each(lambda end: b.make("sign", end))
 
 
 def _exp(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
@@ -107,16 +101,15 @@ def _atan2(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
     plain = corners(b, lambda *ends: b.make("atan2", *ends), u, v, error=ELEMENTARY)
     if u.nonnegative:
         return plain
-    zero, turn = b.const(0), b.const(4)
+    zero, spread = b.const(0), b.sub(plain.upper, plain.lower)
+    # A little above pi; NaN where an end of u or v is, which must not look like the cut.
+    turn = b.select(b.abs(spread), b.const(-1), b.const(Fraction(22, 7)), b.undefined())
 
     def unless_cut(end: int, extreme: int) -> int:
-        left = b.select(v.lower, zero, end, extreme)
-        return b.select(u.lower, zero, end, b.select(zero, u.upper, end, left))
+        right = b.select(v.lower, zero, end, extreme)
+        return b.select(u.lower, zero, end, b.select(zero, u.upper, end, right))
 
-    # NaN in an end of u or v must not look like the cut.
-    spoilt = b.mul(b.const(Fraction(1, 2)), b.sub(plain.upper, plain.lower))
-    whole = b.select(b.abs(spoilt), b.const(-1), turn, spoilt)
-    return Interval(unless_cut(plain.lower, b.neg(whole)), unless_cut(plain.upper, whole))
+    return Interval(unless_cut(plain.lower, b.neg(turn)), unless_cut(plain.upper, turn))
 
 
 def chosen(b: Builder, operands: Sequence[Interval], decisive: bool) -> Interval:
@@ -137,6 +130,11 @@ def chosen(b: Builder, operands: Sequence[Interval], decisive: bool) -> Interval
     return Interval(end(yes.lower, no.lower, both.lower), end(yes.upper, no.upper, both.upper))
 
 
+def _gap_share(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
+    """Half the versine of (t, s)."""
+    return scaled(b, HALF, versine(b, node, operands[::-1]))
+
+
 def _extremum(function: Callable[..., int]) -> Rule:
     def rule(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
         u, v = operands
@@ -149,14 +147,14 @@ IMAGES: dict[str, Rule] = {
     "const": lambda b, node, operands: constant(b, node.data),
     "undefined": lambda b, node, operands: nothing(b),
     "add": lambda b, node, operands: total(b, *operands),
-    "mul": _mul,
+    "mul": lambda b, node, operands: product(b, *operands),
     "div": lambda b, node, operands: quotient(b, *operands),
     "neg": lambda b, node, operands: negative(b, *operands),
     "powi": _powi,
     "pow": _pow,
     "sqrt": lambda b, node, operands: root(b, *operands),
     "abs": lambda b, node, operands: sizes(b, *operands),
-    "sign": lambda b, node, operands: sign(b, *operands),
+    "sign": _sign,
     "min": _extremum(least),
     "max": _extremum(greatest),
     "sin": _wave("sin"),
@@ -166,4 +164,10 @@ IMAGES: dict[str, Rule] = {
     "atan2": _atan2,
     **ROOT_IMAGES,
     **SYSTEM_IMAGES,
+    # Products and quotients of related operands.
+    "square": lambda b, node, operands: square(b, *operands),
+    "direction": _sign,
+    "share": lambda b, node, operands: cosine(b, *operands),
+    "norm_share": norm_share,
+    "gap_share": _gap_share,
 }

@@ -64,7 +64,7 @@ def _above(b: Builder, value: int, radicand: int) -> int:
 
 
 def r0(sign: int) -> Rule:
-    """R_0."""
+    """The two operations of R_0."""
     name = "r0_conjunction" if sign < 0 else "r0_disjunction"
 
     def rule(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:

@@ -25,6 +25,7 @@ from rsym.codegen.builder import Builder
 from rsym.codegen.interval_arithmetic import (
     Interval,
     clipped,
+    constant,
     corners,
     greatest,
     least,
@@ -63,7 +64,7 @@ def _scaled_margin(b: Builder, f: int, g: int, divisor: int) -> int:
 
 
 def _with_parameter(system: str, sign: int) -> Rule:
-    """R_alpha and R_p."""
+    """The operations of R_alpha and R_p."""
     name = f"{system}_{'conjunction' if sign < 0 else 'disjunction'}"
     low, high = (-1, 1) if system == "r_alpha" else (1, None)
 
@@ -100,10 +101,11 @@ def _r0m_partial(b: Builder, node: Node, operands: Sequence[Interval]) -> Interv
 
 
 def _shifted(b: Builder, u: Interval, number: int) -> Interval:
-    """U + number, a constant again for a constant."""
-    end = b.const(number)
-    exact = u.lower == u.upper and b.value(u.lower) is not None
-    return u.each(lambda own: b.add(own, end)) if exact else total(b, u, Interval(end, end))
+    """The sum of u and a number, a constant again for a constant."""
+    value = b.value(u.lower)
+    if u.lower == u.upper and value is not None:
+        return constant(b, value + number)
+    return total(b, u, constant(b, Fraction(number)))
 
 
 def _monomial(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
@@ -115,9 +117,9 @@ def _monomial(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
 
 
 def _norm(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
-    """Only for p >= 1/2: towards 0 the error grows like 1/p."""
+    """Only for p > 1/4: towards 0 the error grows like 1/p."""
     f, g, p = sizes(b, operands[0]), sizes(b, operands[1]), operands[2]
-    p = p.each(lambda end: b.select(b.const(Fraction(1, 2)), p.lower, b.undefined(), end))
+    p = p.each(lambda end: b.select(p.lower, b.const(Fraction(1, 4)), end, b.undefined()))
     ends = Interval(b.make("norm", f.lower, g.lower, p.upper), b.make("norm", f.upper, g.upper, p.lower))
     return nonnegative(b, outward(b, ends, POWERS))
 
@@ -125,24 +127,36 @@ def _norm(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
 def _rp_versine(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
     """1 - sign(f) share**(p - 1), share = |f|/n; its error is that of the share, p - 1 times."""
     f, g, p = operands[0], sizes(b, operands[1]), _between(b, operands[2], 1)
-    zero, one = b.const(0), b.const(1)
-    error = b.mul(b.const(POWERS), b.add(one, p.upper))
-    longest, n = _signed_share(b, f.upper, (f.upper, zero), g, p)
+    one, error = b.const(1), b.mul(b.const(POWERS), b.add(b.const(1), p.upper))
+    less = p.each(lambda end: b.sub(end, one))
+    longest, n = _signed_share(b, f.upper, (f.upper, b.const(0)), g, p, less)
     lower = b.sub(b.sub(one, longest), b.add(error, guard(b, n)))
-    shortest, n = _signed_share(b, f.lower, (zero, f.lower), g, p)
+    shortest, n = _signed_share(b, f.lower, (b.const(0), f.lower), g, p, less)
     upper = b.add(b.sub(one, shortest), b.add(error, guard(b, n)))
     return clipped(b, Interval(lower, upper, True), 0, 2)
 
 
-def _signed_share(b: Builder, f: int, long: tuple[int, int], g: Interval, p: Interval) -> tuple[int, int]:
-    """sign(f) (|f|/n)**(p - 1) and n; the power at its longest where the first of `long` is larger, else shortest."""
+def norm_share(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
+    """f/n, within [-1, 1]."""
+    f, g, p = operands[0], sizes(b, operands[1]), _between(b, operands[2], 1)
+    error, exponent = b.const(POWERS), constant(b, Fraction(1))
+    shortest, n = _signed_share(b, f.lower, (b.const(0), f.lower), g, p, exponent)
+    lower = b.sub(shortest, b.add(error, guard(b, n)))
+    longest, n = _signed_share(b, f.upper, (f.upper, b.const(0)), g, p, exponent)
+    return clipped(b, Interval(lower, b.add(longest, b.add(error, guard(b, n)))), -1, 1)
+
+
+def _signed_share(
+    b: Builder, f: int, long: tuple[int, int], g: Interval, p: Interval, exponent: Interval
+) -> tuple[int, int]:
+    """sign(f) (|f|/n)**exponent and n: at its longest where the first of `long` is larger, else at its shortest."""
 
     def pick(yes: int, no: int) -> int:
         return b.select(*long, yes, no)
 
     n = b.make("norm", f, pick(g.lower, g.upper), pick(p.upper, p.lower))
-    exponent = pick(b.sub(p.lower, b.const(1)), b.sub(p.upper, b.const(1)))
-    share = where_in_range(b, power(b, b.make("div", b.abs(f), n), exponent), n)
+    raised = power(b, b.make("div", b.abs(f), n), pick(exponent.lower, exponent.upper))
+    share = where_in_range(b, raised, n)
     return b.select(f, b.const(0), share, b.neg(share)), n
 
 

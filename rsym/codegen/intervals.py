@@ -27,10 +27,11 @@ from rsym.codegen.builder import Builder
 from rsym.codegen.checking import CHECK_POINTS, check_at
 from rsym.codegen.definedness import Definedness, is_decisive
 from rsym.codegen.interval_arithmetic import Interval, neighbours, nonnegative
-from rsym.codegen.interval_images import IMAGES, chosen, scaled, sign
+from rsym.codegen.interval_images import IMAGES, chosen, scaled
 from rsym.codegen.kernel import checked_threads, compiled, run_in_blocks
 from rsym.codegen.precision import FLOAT64
 from rsym.codegen.program import Node, Program
+from rsym.codegen.relations import relation
 from rsym.errors import RsymError
 
 Bounds: TypeAlias = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
@@ -70,11 +71,11 @@ class _Images:
         self.definedness = Definedness(program.nodes, source.nonnegative)
         self.images: list[Interval] = []
         for number, node in enumerate(program.nodes):
-            image = self._image(node)
+            image = self._image(number, node)
             known = source.nonnegative[number] and not image.nonnegative
             self.images.append(nonnegative(self.builder, image) if known else image)
 
-    def _image(self, node: Node) -> Interval:
+    def _image(self, number: int, node: Node) -> Interval:
         b, operands = self.builder, [self.images[argument] for argument in node.arguments]
         if node.operation == "input":
             lower, upper = _ends([str(node.data)])
@@ -83,15 +84,10 @@ class _Images:
             factor = self.source.value(node.arguments[0])
             if factor is not None:
                 return scaled(b, factor, operands[1])
-        if node.operation == "div" and self._is_size_of(node.arguments[1], node.arguments[0]):
-            return sign(b, operands[0])
         if node.operation == "select":
             return self._select(node, operands)
-        return IMAGES[node.operation](b, node, operands)
-
-    def _is_size_of(self, number: int, inner: int) -> bool:
-        node = self.program.nodes[number]
-        return node.operation == "abs" and node.arguments[0] == inner
+        name, arguments = relation(self.program.nodes, number) or (node.operation, node.arguments)
+        return IMAGES[name](b, node, [self.images[argument] for argument in arguments])
 
     def _select(self, node: Node, operands: list[Interval]) -> Interval:
         """A branch that is never defined leaves the other."""
