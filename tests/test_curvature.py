@@ -242,6 +242,8 @@ def test_undefined_where_the_gradient_vanishes_and_on_edges():
     assert all(np.isnan(middle[name]).all() for name in SPACE)
     edge = rsym.compile(Shape(conjunction(x + z, y + z**2), (x, y, z)), SPACE)(-1.0, -1.0, 1.0)
     assert all(np.isnan(edge[name]).all() for name in SPACE)
+    kink = rsym.compile(Shape(z + x * sp.Abs(x) / 2, (x, y, z)), SPACE)(0.0, 0.0, 0.0)
+    assert np.isnan(kink["principal_directions"][1]).all()
     assert np.isnan(rsym.compile(Shape(x**2 + y**2, (x, y)), ("curvature",))(0.0, 0.0)["curvature"])
 
 

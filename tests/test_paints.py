@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 import rsym
 from rsym import RsymError, Shape, x, y, z
-from rsym.output.paints import DARK, LIGHT, STRIPES, Spots, coat_of, reflected_heights, stripes
+from rsym.output.paints import DARK, LIGHT, STRIPES, Spots, coat_of, reflected_heights, robust_limits, stripes
 from rsym.output.shading import decode, linear
 from rsym.sampling.curvatures import NearSurface
 from tests.closeness import assert_close
@@ -83,6 +83,20 @@ def test_maps_of_principal_curvatures_and_limits_about_zero(name, column):
         assert coat.scale.get_cmap().name == "coolwarm"
     else:
         assert low < 1 < high  # constant: k1 = 1
+
+
+@pytest.mark.parametrize(
+    ("values", "unit", "limits"),
+    [
+        ([-3e-17, 2e-17, 1e-16], 1.0, (-1, 1)),  # flat but for rounding
+        ([-4.0, 3e-16, 3e-16], 1.0, (-3.84, 0)),
+        ([0.5, 0.5, 0.5 + 1e-15], 1.0, (0.25, 0.75)),
+        ([1e-20, 2e-20, 3e-20], 0.0, (1.04e-20, 2.96e-20)),
+        ([-1.0, 0.0, np.nan, np.inf, 2.0], 0.0, (-1.92, 1.92)),
+    ],
+)
+def test_limits_of_colours(values, unit, limits):
+    assert_close(robust_limits(np.array(values), unit), limits, rtol=1e-9, atol=1e-30)
 
 
 def test_values_of_vertices_are_interpolated_and_nan_is_grey_only_where_no_corner_is_known(coarse):

@@ -21,16 +21,16 @@ from rsym.sampling.mesh import Mesh
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Field of a kernel, which of its components, label.
-MAPS: dict[str, tuple[str, int | None, str]] = {
-    "mean_curvature": ("mean_curvature", None, "mean curvature $H$"),
-    "gaussian_curvature": ("gaussian_curvature", None, "Gaussian curvature $K$"),
-    "k1": ("principal_curvatures", 0, "larger principal curvature $k_1$"),
-    "k2": ("principal_curvatures", 1, "smaller principal curvature $k_2$"),
+# Field of a kernel, which of its components, the power of a length whose inverse it is, label.
+MAPS: dict[str, tuple[str, int | None, int, str]] = {
+    "mean_curvature": ("mean_curvature", None, 1, "mean curvature $H$"),
+    "gaussian_curvature": ("gaussian_curvature", None, 2, "Gaussian curvature $K$"),
+    "k1": ("principal_curvatures", 0, 1, "larger principal curvature $k_1$"),
+    "k2": ("principal_curvatures", 1, 1, "smaller principal curvature $k_2$"),
 }
 # Curvatures are unbounded near edges; the colours span what lies between these shares of the vertices.
 ROBUST_RANGE = (0.02, 0.98)
-# Less than this share of the values is rounding.
+# Less than this share of the other values, or of the curvature of a ball as large as the body, is rounding.
 NOTHING = 1e-9
 UNDEFINED = "#9a9a9a"
 STRIPES = 7  # pairs of bands between straight down and straight up
@@ -84,14 +84,15 @@ def coat_of(
         )
     if shape is None:
         raise RsymError(f"a map of {colour_by} needs the equation", code="colour-by", remedy="give shape=")
-    field, component, label = MAPS[colour_by]
+    field, component, power, label = MAPS[colour_by]
+    size = float(np.ptp(mesh.vertices, axis=0).max())
     surface, reach = NearSurface(shape, (field,), letters), _reach(mesh)
 
     def values(points: Floats) -> Floats:
         found = surface.at(points, reach)[field]
         return found if component is None else found[:, component]
 
-    return _value_coat(lambda spots: values(_points(mesh, spots)), values(mesh.vertices), label)
+    return _value_coat(lambda spots: values(_points(mesh, spots)), values(mesh.vertices), label, (2 / size) ** power)
 
 
 def _one_colour(colour: str) -> Paint:
@@ -99,11 +100,10 @@ def _one_colour(colour: str) -> Paint:
     return lambda spots: colours[(spots.side > 0).astype(int)]
 
 
-def _value_coat(values: Callable[[Spots], Floats], sample: Floats, label: str) -> Coat:
+def _value_coat(values: Callable[[Spots], Floats], sample: Floats, label: str, unit: float = 0.0) -> Coat:
     """Colours between robust limits; about zero, if the values have both signs."""
-    low, high = robust_limits(sample)
-    both = low < 0 < high
-    scale = ScalarMappable(Normalize(low, high), colormaps["coolwarm" if both else "viridis"])
+    low, high = robust_limits(sample, unit)
+    scale = ScalarMappable(Normalize(low, high), colormaps["coolwarm" if low == -high else "viridis"])
     table = decode(scale.get_cmap()(np.linspace(0.0, 1.0, 256))[:, :3])
     undefined = linear(UNDEFINED)
 
@@ -116,8 +116,10 @@ def _value_coat(values: Callable[[Spots], Floats], sample: Floats, label: str) -
     return Coat(paint, scale, label)
 
 
-def robust_limits(values: Floats) -> tuple[float, float]:
+def robust_limits(values: Floats, unit: float = 0.0) -> tuple[float, float]:
     """Limits of a colour scale: quantiles of the finite values, symmetric if those have both signs.
+
+    What is tiny against the other values or against `unit` counts as 0.
 
     Examples
     --------
@@ -128,12 +130,13 @@ def robust_limits(values: Floats) -> tuple[float, float]:
     finite = values[np.isfinite(values)]
     if not finite.size:
         raise RsymError("the values are undefined at every vertex", code="undefined")
-    low, high = (float(limit) for limit in np.quantile(finite, ROBUST_RANGE))
-    most = max(abs(low), abs(high))
-    if low < -NOTHING * most < NOTHING * most < high:
-        return -most, most
-    if high - low <= NOTHING * most or most == 0:
-        margin = 0.5 * most or 1.0
+    low, high = np.quantile(finite, ROBUST_RANGE)
+    nothing = NOTHING * max(-low, high, unit)
+    low, high = (0.0 if abs(limit) <= nothing else float(limit) for limit in (low, high))
+    if low < 0 < high:
+        return min(low, -high), max(-low, high)
+    if high - low <= nothing:
+        margin = abs(high) / 2 or unit or 1.0
         return low - margin, high + margin
     return low, high
 
