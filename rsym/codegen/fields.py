@@ -14,6 +14,7 @@ from rsym.codegen.builder import Builder
 from rsym.codegen.curvatures import Curvatures
 from rsym.codegen.differentiation import derivative, dot
 from rsym.codegen.lowering import lower
+from rsym.codegen.normalisation import next_order
 from rsym.codegen.program import Program
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
@@ -26,7 +27,12 @@ SIX: tuple[str, ...] = (
     "laplacian",
     "normalised_laplacian",
 )
-SCALARS: tuple[str, ...] = (*SIX, "curvature", "mean_curvature", "gaussian_curvature")
+CURVATURES: tuple[str, ...] = ("curvature", "mean_curvature", "gaussian_curvature")
+# Order 4 of an ellipse would take half a million operations: far more than compiling is worth.
+NORMALISED: tuple[str, ...] = tuple(
+    f"normalised_{order}{suffix}" for order in (2, 3) for suffix in ("", "_gradient_squared", "_laplacian")
+)
+SCALARS: tuple[str, ...] = (*SIX, *CURVATURES, *NORMALISED)
 FIELDS: tuple[str, ...] = (
     *SCALARS,
     "gradient",
@@ -76,6 +82,13 @@ class Calculus:
         """omega/sqrt(omega**2 + |grad omega|**2)."""
         return Calculus(self.builder, self.builder.normalised(self.value, self.gradient_squared))
 
+    def normalised_to(self, order: int) -> Calculus:
+        """omega_m of `rsym.normalise` with L = 1."""
+        lower = self.normalised
+        for step in range(2, order + 1):
+            lower = Calculus(self.builder, next_order(self.builder, lower.value, step))
+        return lower
+
     @cached_property
     def hessian(self) -> list[list[int]]:
         """The rows of second derivatives."""
@@ -106,8 +119,10 @@ class Calculus:
         """The node of a scalar field."""
         if field == "value":
             return self.value
-        if field.startswith("normalised"):
-            return self.normalised.scalar(field.removeprefix("normalised").removeprefix("_") or "value")
+        for order in (2, 3, 1):
+            prefix = f"normalised_{order}" if order > 1 else "normalised"
+            if field.startswith(prefix):
+                return self.normalised_to(order).scalar(field.removeprefix(prefix).removeprefix("_") or "value")
         node: int = getattr(self, field)
         return node
 
