@@ -174,7 +174,7 @@ def _report(
         curvature_bound=bound,
         cover=_cover(region, found),
         letters={name: (float(low), float(high)) for name, (low, high) in values.items()},
-        statements=statements(verdict, found, everything, exists),
+        statements=statements(found, exists),
         body=body,
     )
 

@@ -82,11 +82,10 @@ def letters_text(letters: Mapping[str, tuple[float, float]]) -> str:
 def cover_text(report: SmoothnessReport) -> str:
     """How many boxes were examined, and what they say of the curvature."""
     examined = f"{plural(report.cover.examined, 'box was', 'boxes were')} examined"
-    if not math.isfinite(report.curvature_bound):
+    if not (math.isfinite(report.curvature_bound) and len(report.cover.certified)):
         return f"{examined}."
-    return (
-        f"{examined}; where they prove the boundary regular, no curvature exceeds {rounded_up(report.curvature_bound)}."
-    )
+    bound = rounded_up(report.curvature_bound)
+    return f"{examined}; where they prove the boundary regular, no curvature exceeds {bound}."
 
 
 def joint_text(joint: Joint) -> str:
