@@ -1,6 +1,7 @@
 """The command line: `rsym fields`, `rsym mesh` and the others of `rsym.commands`.
 
-Exit codes: 0 done, 1 input refused, 2 usage. Everything heavy is imported by
+Exit codes: 0 done, 1 input refused, 2 usage; `rsym verify` answers 0 certified, 1 refuted,
+3 undecided or degenerate. Everything heavy is imported by
 the command that needs it, so `rsym --help` answers at once.
 """
 
@@ -13,11 +14,11 @@ import warnings
 from collections.abc import Sequence
 from typing import Any
 
-from rsym.commands import fields, letters, mesh, reproduce, sections, show, sweep
+from rsym.commands import fields, letters, mesh, reproduce, sections, show, sweep, verify
 from rsym.errors import RsymError, RsymWarning
 
 # Another command is one module beside these, and its name here and above.
-COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh)
+COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh, verify)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -34,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with warnings.catch_warnings():
             warnings.simplefilter("always", RsymWarning)
             warnings.showwarning = _show_warning
-            options.command(options)
+            code: int | None = options.command(options)
         sys.stdout.flush()
     except RsymError as error:
         return _refused(str(error))
@@ -44,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # What is still to be flushed goes nowhere, or Python would complain at its end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _refused("whoever read the output left before its end; files are written whole all the same")
-    return 0
+    return code or 0
 
 
 def _show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:

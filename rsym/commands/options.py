@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from rsym.model.shape import Shape
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
-Run: TypeAlias = Callable[[argparse.Namespace], None]
+Run: TypeAlias = Callable[[argparse.Namespace], int | None]
 
 MOST_VALUES = 10_000  # of a run start:stop:step
 
@@ -36,13 +37,13 @@ def add_command(commands: Commands, name: str, summary: str, example: str, run: 
     return parser
 
 
-def add_model(parser: argparse.ArgumentParser) -> None:
+def add_model(parser: argparse.ArgumentParser, setting: str = "a value that comes first") -> None:
     """The options that say which shape of which model, with which letters."""
     parser.add_argument("model", metavar="MODEL", help="a model file (.rf), or a shipped one such as car or skeleton")
     parser.add_argument("--shape", metavar="NAME", help="another definition of the model than omega or the last")
     parser.add_argument("--variant", metavar="NAME", help="a variant of the model")
     parser.add_argument("--letters", metavar="FILE", help="values of letters, as rsym.save_letters writes them")
-    parser.add_argument("--set", action="append", default=[], metavar="LETTER=VALUE", help="a value that comes first")
+    parser.add_argument("--set", action="append", default=[], metavar="LETTER=VALUE", help=setting)
 
 
 def add_output(parser: argparse.ArgumentParser, what: str) -> None:
@@ -136,6 +137,32 @@ def numbers(texts: Sequence[str], option: str) -> dict[str, float]:
                 f"{option} needs NAME=NUMBER, got {text!r}", code="number", remedy=f"for example {option} z=1.5"
             ) from None
     return result
+
+
+def ranges(texts: Sequence[str], option: str) -> tuple[list[str], dict[str, tuple[float, float]]]:
+    """Settings with one value as they are, and those with a range: ``name=low:high``.
+
+    Examples
+    --------
+    >>> ranges(["a=1", "b=2:2.5"], "--set")
+    (['a=1'], {'b': (2.0, 2.5)})
+    """
+    single, found = [], {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        low, colon, high = value.partition(":")
+        if not colon:
+            single.append(text)
+            continue
+        start, stop = (numbers([f"{name}={end}"], option)[name.strip()] for end in (low, high))
+        if not -math.inf < start < stop < math.inf:
+            raise RsymError(
+                f"{option} needs NAME=LOW:HIGH with LOW below HIGH, got {text!r}",
+                code="number",
+                remedy=f"for example {option} a=1:2",
+            )
+        found[name.strip()] = (start, stop)
+    return single, found
 
 
 def model_file(name: str) -> Path:

@@ -11,11 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 
-from rsym.codegen.kernel import compile
-from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.contours import level_lines
 from rsym.verify.report import Cover, SmoothnessReport
+from rsym.verify.revolution import meridian
 
 Floats = NDArray[np.float64]
 
@@ -38,128 +37,89 @@ CERTIFICATES: Mapping[str, Certificate] = {
     "": Certificate("not examined", "0.55", 1.2, "dotted"),
 }
 DEFECT = "#d55e00"
-SYMMETRY_POINTS = 64
-CHUNK = 1 << 22  # comparisons of points with boxes at a time; 32 MB of booleans at most
+CHUNK = 1 << 19  # pairs of points and boxes at a time; their distances take 25 MB
+NEAR = 0.01  # of the extent
 
 
 @dataclass(frozen=True)
-class MeridianPlane:
-    """Where the boundary of a report lies: a shape, its letters, and the section if the shape is in space.
+class Subject:
+    """The plane shape that a report is about, at which letters, and in which bounds.
 
-    `free` are the positions of the two coordinates of the plane, `axis` that of the axis of revolution among them,
-    None for a plane shape; `bounds` hold both sides of the axis.
+    For a body of revolution it is the meridian, in (axis, radius), and the bounds hold its mirror image too.
     """
 
     shape: Shape
     letters: Mapping[str, float]
-    section: Mapping[str, float] | None
-    free: tuple[int, int]
-    axis: int | None
     bounds: tuple[tuple[float, float], ...]
-
-    @property
-    def names(self) -> tuple[str, str]:
-        """The names of the two coordinates."""
-        return self.shape.coordinates[self.free[0]].name, self.shape.coordinates[self.free[1]].name
+    body: bool
 
     def lines(self, bounds: Sequence[Sequence[float]], resolution: int) -> list[Floats]:
         """The boundary in a window, as polylines (n, 2)."""
-        found = level_lines(
-            self.shape, resolution=resolution, bounds=tuple(bounds), letters=self.letters, section=self.section
-        )
-        return list(found)
+        return list(level_lines(self.shape, resolution=resolution, bounds=tuple(bounds), letters=self.letters))
 
 
-def meridian_plane(shape: Shape, report: SmoothnessReport) -> MeridianPlane:
-    """The plane of a report; letters that were intervals are taken in their middle."""
+def subject(report: SmoothnessReport, shape: Shape) -> Subject:
+    """What a report is about; letters that were intervals are taken in their middle."""
     letters = {name: (low + high) / 2 for name, (low, high) in report.letters.items() if name in shape.letters}
-    bounds = tuple(report.cover.bounds[:2])
-    if shape.dimension == 2:
-        return MeridianPlane(shape, letters, None, (0, 1), None, bounds)
-    turned = axis_of_revolution(shape, letters)
-    across, fixed = (k for k in range(3) if k != turned)
-    free = (min(turned, across), max(turned, across))
-    axis = free.index(turned)
-    reach = max(map(abs, bounds[1 - axis]))
-    bounds = tuple(bounds[k] if k == axis else (-reach, reach) for k in (0, 1))
-    return MeridianPlane(shape, letters, {shape.coordinates[fixed].name: 0.0}, free, axis, bounds)
+    along, across = report.cover.bounds[:2]
+    if not report.body:
+        return Subject(shape, letters, (along, across), False)
+    reach = max(map(abs, across))
+    return Subject(meridian(shape)[0], letters, (along, (-reach, reach)), True)
 
 
-def axis_of_revolution(shape: Shape, letters: Mapping[str, float]) -> int:
-    """Which coordinate a body turns about: omega keeps its value when the other two turn.
+def certificates_of(points: Floats, cover: Cover, *, body: bool = False) -> NDArray[np.str_]:
+    """What is proved at points (n, 2) of the boundary: a name among `CERTIFICATES` for each, empty outside all boxes.
 
-    Examples
-    --------
-    >>> import rsym
-    >>> from rsym import x, y
-    >>> profile = rsym.Shape(4 - x**2 - (y - 3)**2, (x, y), bounds=((-3, 3), (-6, 6)))
-    >>> axis_of_revolution(rsym.revolve(profile, axis=x), {}), axis_of_revolution(rsym.revolve(profile, axis=y), {})
-    (0, 1)
-    """
-    kernel = compile(shape)
-    ends = np.array(shape.bounds or ((-1.0, 1.0),) * 3)
-    along = np.linspace(ends.min(), ends.max(), SYMMETRY_POINTS)
-    radius, angle = np.abs(along[::-1]) * 0.7 + 0.1, 7.0 * along
-    spread = np.empty(3)
-    for axis in range(3):
-        turned = [
-            kernel(*np.insert([radius * np.cos(a), radius * np.sin(a)], axis, along, axis=0), letters=letters)["value"]
-            for a in (angle, angle + 1.0)
-        ]
-        spread[axis] = np.abs(turned[0] - turned[1]).max() / (np.abs(turned[0]).max() or 1.0)
-    if not spread.min() < 1e-9:
-        raise RsymError("expected a body of revolution about a coordinate", code="revolution", remedy="rsym.revolve")
-    return int(spread.argmin())
-
-
-def certificates_of(points: Floats, cover: Cover, axis: int | None = None) -> NDArray[np.str_]:
-    """What is proved at points (n, 2): a name among `CERTIFICATES` for each, empty outside all boxes.
-
-    With the axis of a body of revolution, what holds on one side of it holds on the other.
+    The boundary lies in the boxes, its polyline only nearly so: a point that misses them belongs to the nearest.
+    What holds on one side of the axis of a body of revolution holds on the other.
 
     Examples
     --------
     >>> box, none = np.array([[[0.0, 1.0], [0.0, 1.0]]]), np.empty((0, 2, 2))
     >>> cover = Cover(((-2, 2), (0, 2)), box, none, none, 1)
-    >>> certificates_of(np.array([[0.5, 0.5], [0.5, -0.5]]), cover).tolist()
+    >>> certificates_of(np.array([[0.5, 1.01], [0.5, -0.5]]), cover).tolist()
     ['certified', '']
-    >>> certificates_of(np.array([[0.5, 0.5], [0.5, -0.5]]), cover, axis=0).tolist()
+    >>> certificates_of(np.array([[0.5, 1.01], [0.5, -0.5]]), cover, body=True).tolist()
     ['certified', 'certified']
     """
     names = np.full(len(points), "", "U9")
-    for name in ("certified", "joined", "undecided"):
-        boxes = getattr(cover, name)
-        names[_inside(points, both_sides(boxes, cover, axis))] = name
+    nearest = np.full(len(points), NEAR * float(np.diff(cover.bounds, axis=1).max()))
+    for name in ("undecided", "joined", "certified"):
+        distance = _distances(points, both_sides(getattr(cover, name), body=body))
+        names[distance < nearest] = name
+        nearest = np.minimum(nearest, distance)
     return names
 
 
-def both_sides(boxes: Floats, cover: Cover, axis: int | None) -> Floats:
-    """Boxes in the plane, and their mirror images where the cover has one side of an axis of revolution only."""
+def both_sides(boxes: Floats, *, body: bool) -> Floats:
+    """Boxes in the plane, for a body of revolution with their mirror images in the axis."""
     flat = boxes[:, :2]
-    if axis is None or cover.bounds[1 - axis][0] < 0 or not len(flat):
+    if not body:
         return flat
     mirrored = flat.copy()
-    mirrored[:, 1 - axis] = -flat[:, 1 - axis, ::-1]
+    mirrored[:, 1] = -flat[:, 1, ::-1]
     return np.concatenate([flat, mirrored])
 
 
-def _inside(points: Floats, boxes: Floats) -> NDArray[np.bool_]:
-    found = np.zeros(len(points), bool)
+def _distances(points: Floats, boxes: Floats) -> Floats:
+    """From each point to the nearest box, along the axis where it is farther."""
+    found = np.full(len(points), np.inf)
     step = max(1, CHUNK // max(1, len(points)))
     for start in range(0, len(boxes), step):
-        some = boxes[start : start + step, None]
-        low, high = some[..., 0], some[..., 1]
-        found |= ((points >= low) & (points <= high)).all(axis=2).any(axis=0)
+        low, high = np.moveaxis(boxes[start : start + step, None], 3, 0)
+        outside = np.maximum(low - points, points - high).max(axis=2)
+        found = np.minimum(found, np.maximum(outside, 0.0).min(axis=0))
     return found
 
 
 def draw_boundary(
-    ax: Axes, lines: Sequence[Floats], cover: Cover, *, axis: int | None = None, origin: Sequence[float] = (0.0, 0.0)
+    ax: Axes, lines: Sequence[Floats], report: SmoothnessReport, *, origin: Sequence[float] = (0.0, 0.0)
 ) -> list[LineCollection]:
     """Polylines (n, 2) as strokes, each run of one certificate a stroke; coordinates are drawn from `origin`."""
     strokes: dict[str, list[Floats]] = {name: [] for name in CERTIFICATES}
     for line in lines:
-        names = certificates_of((line[1:] + line[:-1]) / 2, cover, axis)
+        names = certificates_of((line[1:] + line[:-1]) / 2, report.cover, body=report.body)
         cuts = np.flatnonzero(names[1:] != names[:-1]) + 1
         for start, stop in zip([0, *cuts], [*cuts, len(names)], strict=True):
             strokes[str(names[start])].append(line[start : stop + 1] - np.asarray(origin))
@@ -175,11 +135,11 @@ def draw_boundary(
     return artists
 
 
-def draw_cover(ax: Axes, cover: Cover, *, axis: int | None = None) -> PolyCollection:
+def draw_cover(ax: Axes, report: SmoothnessReport) -> PolyCollection:
     """The boxes that meet the boundary, faint; a box in which nothing is proved is no fainter than the others."""
     corners, colours = [np.empty((0, 4, 2))], []
     for name in ("certified", "joined", "undecided"):
-        boxes = both_sides(getattr(cover, name), cover, axis)
+        boxes = both_sides(getattr(report.cover, name), body=report.body)
         (left, low), (right, high) = boxes[..., 0].T, boxes[..., 1].T
         corners.append(np.stack([left, low, right, low, right, high, left, high], axis=1).reshape(-1, 4, 2))
         colours += [CERTIFICATES[name].colour] * len(boxes)

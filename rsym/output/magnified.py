@@ -12,7 +12,7 @@ from matplotlib.patches import Arc
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from rsym.output.certificates import DEFECT, MeridianPlane, draw_boundary
+from rsym.output.certificates import DEFECT, Subject, draw_boundary
 from rsym.verify.report import Joint, SmoothnessReport
 from rsym.verify.wording import measured
 
@@ -92,13 +92,22 @@ def window_size(report: SmoothnessReport, joint: Joint, extent: float) -> float:
 
 
 def draw_magnified(
-    ax: Axes, report: SmoothnessReport, plane: MeridianPlane, joint: Joint, *, label: str, extent: float
+    ax: Axes, report: SmoothnessReport, about: Subject, joint: Joint, *, label: str, extent: float
 ) -> None:
-    """A window about one defect, coordinates counted from it; `extent` is the width of what it magnifies."""
+    """A window about one defect with its labels; `extent` is the width of the picture that it magnifies."""
     size = window_size(report, joint, extent)
+    draw_window(ax, report, about, joint, size)
+    ax.set_title(f"{label}   {joint.kind}, {extent / 2 / size:.2g} ×", fontsize=9)
+    u, v = (symbol.name for symbol in about.shape.coordinates)
+    ax.set_xlabel(f"${u} - {u}_{{{label}}}$\n{caption(joint)}", fontsize=8)
+    ax.set_ylabel(f"${v} - {v}_{{{label}}}$", fontsize=8)
+
+
+def draw_window(ax: Axes, report: SmoothnessReport, about: Subject, joint: Joint, size: float) -> None:
+    """The arcs that meet in a defect, their turn or their circles of curvature; coordinates are counted from it."""
     window = [(middle - size, middle + size) for middle in joint.point]
-    lines = plane.lines(window, RESOLUTION)
-    draw_boundary(ax, lines, report.cover, axis=plane.axis, origin=joint.point)
+    lines = about.lines(window, RESOLUTION)
+    draw_boundary(ax, lines, report, origin=joint.point)
     branches = branches_at(lines, joint.point, size)
     if joint.kind == "curvature jump":
         for branch in branches:
@@ -107,10 +116,6 @@ def draw_magnified(
         _draw_turn(ax, branches, joint, size)
     ax.plot(0, 0, marker="o", markersize=4, color=DEFECT, zorder=4)
     ax.set(xlim=(-size, size), ylim=(-size, size), aspect="equal")
-    ax.set_title(f"{label}   {joint.kind}, {extent / 2 / size:.2g} ×", fontsize=9)
-    u, v = plane.names
-    ax.set_xlabel(f"${u} - {u}_{{{label}}}$\n{caption(joint)}", fontsize=8)
-    ax.set_ylabel(f"${v} - {v}_{{{label}}}$", fontsize=8)
     for ticks in (ax.xaxis, ax.yaxis):
         ticks.set_major_locator(MaxNLocator(3, symmetric=True, prune="both"))
     ax.tick_params(labelsize=7)

@@ -17,12 +17,12 @@ from rsym.model.shape import Shape
 from rsym.output.certificates import (
     CERTIFICATES,
     DEFECT,
-    MeridianPlane,
+    Subject,
     both_sides,
     certificates_of,
     draw_boundary,
     draw_cover,
-    meridian_plane,
+    subject,
 )
 from rsym.output.combs import plot_curvature_comb
 from rsym.output.magnified import draw_magnified
@@ -83,17 +83,17 @@ def plot_verdict(
     >>> print(plot_verdict(report, disc, resolution=32).axes[0].get_title().partition(":")[0])
     UNDECIDED
     """
-    plane = meridian_plane(shape, report)
-    lines = plane.lines(plane.bounds, resolution)
+    about = subject(report, shape)
+    lines = about.lines(about.bounds, resolution)
     windows = 0 if ax is not None else min(max(0, magnified), len(report.defects))
     if ax is not None:
         figure, main, rest = _figure_of(ax), ax, list[Axes]()
     else:
         figure, main, rest = _page(lines, report, windows)
-    handles = _draw_main(main, report, plane, lines, windows, comb)
+    handles = _draw_main(main, report, about, lines, windows, comb)
     extent = float(np.diff(main.get_xlim())[0])
     for number, (window, joint) in enumerate(zip(rest, report.defects, strict=False), 1):
-        draw_magnified(window, report, plane, joint, label=str(number), extent=extent)
+        draw_magnified(window, report, about, joint, label=str(number), extent=extent)
     if ax is None and handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=8)
     return figure
@@ -115,42 +115,41 @@ def _page(lines: Sequence[Floats], report: SmoothnessReport, windows: int) -> tu
 
 
 def _draw_main(
-    ax: Axes, report: SmoothnessReport, plane: MeridianPlane, lines: Sequence[Floats], numbered: int, comb: bool
+    ax: Axes, report: SmoothnessReport, about: Subject, lines: Sequence[Floats], numbered: int, comb: bool
 ) -> list[Artist]:
     """The whole boundary; what a legend needs."""
-    draw_cover(ax, report.cover, axis=plane.axis)
-    handles = _legend(report, lines, plane)
+    draw_cover(ax, report)
+    handles = _legend(report, lines)
     shown = [*lines, np.reshape([joint.point for joint in report.defects], (-1, 2))]
     if comb and lines:
-        envelopes, largest = _draw_comb(ax, plane)
+        envelopes, largest = _draw_comb(ax, about)
         shown += envelopes
         handles.append(Line2D([], [], color=COMB, linewidth=1.0, label=f"curvature, here up to {largest:.3g}"))
-    if plane.axis is not None:
-        draw = ax.axhline if plane.axis == 0 else ax.axvline
-        draw(0.0, color="0.4", linewidth=0.8, dashes=(10, 3, 2, 3), zorder=2)
-    draw_boundary(ax, lines, report.cover, axis=plane.axis)
-    _mark_undecided(ax, report, plane)
+    if report.body:
+        ax.axhline(0.0, color="0.4", linewidth=0.8, dashes=(10, 3, 2, 3), zorder=2)
+    draw_boundary(ax, lines, report)
+    _mark_undecided(ax, report, about)
     _mark_defects(ax, report, lines, numbered)
-    _dress(ax, report, plane, np.concatenate(shown))
+    _dress(ax, report, about, np.concatenate(shown))
     return handles
 
 
-def _dress(ax: Axes, report: SmoothnessReport, plane: MeridianPlane, shown: Floats) -> None:
+def _dress(ax: Axes, report: SmoothnessReport, about: Subject, shown: Floats) -> None:
     if len(shown) < 2:
-        shown = np.array(plane.bounds).T
+        shown = np.array(about.bounds).T
     low, high = shown.min(axis=0), shown.max(axis=0)
     margin = MARGIN * (high - low).max()
-    u, v = plane.names
+    u, v = (symbol.name for symbol in about.shape.coordinates)
     ax.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     ax.set(aspect="equal", xlabel=f"${u}$", ylabel=f"${v}$")
     ax.set_title(_title(report), fontsize=10)
     ax.tick_params(labelsize=8)
 
 
-def _draw_comb(ax: Axes, plane: MeridianPlane) -> tuple[list[Floats], float]:
+def _draw_comb(ax: Axes, about: Subject) -> tuple[list[Floats], float]:
     """Grey, so that colours belong to the verdict; the envelopes and the largest curvature."""
     teeth, envelopes, line = plot_curvature_comb(
-        plane.shape, ax=ax, teeth=TEETH, bounds=plane.bounds, letters=plane.letters, section=plane.section
+        about.shape, ax=ax, teeth=TEETH, bounds=about.bounds, letters=about.letters
     )
     largest = float(np.abs(np.asarray(teeth.get_array())).max(initial=0.0))
     line.remove()
@@ -160,12 +159,12 @@ def _draw_comb(ax: Axes, plane: MeridianPlane) -> tuple[list[Floats], float]:
     return [np.asarray(run) for run in envelopes.get_segments()], largest
 
 
-def _mark_undecided(ax: Axes, report: SmoothnessReport, plane: MeridianPlane) -> None:
+def _mark_undecided(ax: Axes, report: SmoothnessReport, about: Subject) -> None:
     """A hollow square wherever nothing is proved: the boxes themselves may be too small to see."""
-    boxes = both_sides(report.undecided, report.cover, plane.axis)
+    boxes = both_sides(report.undecided, body=report.body)
     if len(boxes):
         middles = boxes.mean(axis=2)
-        crowd = CROWD * float(np.diff(plane.bounds, axis=1).max())
+        crowd = CROWD * float(np.diff(about.bounds, axis=1).max())
         _, first = np.unique(np.floor(middles / crowd), axis=0, return_index=True)
         colour = CERTIFICATES["undecided"].colour
         ax.plot(*middles[first].T, "s", markersize=9, markerfacecolor="none", color=colour, zorder=4)
@@ -174,7 +173,9 @@ def _mark_undecided(ax: Axes, report: SmoothnessReport, plane: MeridianPlane) ->
 def _mark_defects(ax: Axes, report: SmoothnessReport, lines: Sequence[Floats], numbered: int) -> None:
     """A disc on every defect; those that are magnified have a number, on the side where there is most room."""
     for joint in report.defects:
-        ax.plot(*joint.point, "o", markersize=6, color=DEFECT, markeredgecolor="white", zorder=5)
+        mirrored = [(joint.point[0], -joint.point[1])] if report.body and joint.point[1] > joint.radius else []
+        for u, v in [joint.point, *mirrored]:
+            ax.plot(u, v, "o", markersize=6, color=DEFECT, markeredgecolor="white", zorder=5)
     points = np.concatenate([np.empty((0, 2)), *lines])
     boundary = points[:, 0] + 1j * points[:, 1]
     reach = CROWD * max(np.ptp(points, axis=0)) if len(points) else 1.0
@@ -200,9 +201,9 @@ def _title(report: SmoothnessReport) -> str:
     return f"{report.verdict}: {answer}{', for every ' if ranges else ''}{' and '.join(ranges)}"
 
 
-def _legend(report: SmoothnessReport, lines: Sequence[Floats], plane: MeridianPlane) -> list[Artist]:
+def _legend(report: SmoothnessReport, lines: Sequence[Floats]) -> list[Artist]:
     """What is in the picture, and nothing that is not."""
-    names = [certificates_of((line[1:] + line[:-1]) / 2, report.cover, plane.axis) for line in lines]
+    names = [certificates_of((line[1:] + line[:-1]) / 2, report.cover, body=report.body) for line in lines]
     present = set(np.concatenate([np.empty(0, "U9"), *names])) | ({"undecided"} if len(report.undecided) else set())
     handles: list[Artist] = [
         Line2D([], [], color=look.colour, linewidth=look.width, linestyle=look.dashes, label=look.label)

@@ -10,9 +10,9 @@ from rsym.model.motions import revolve
 from rsym.output.axes3d import add_axes
 from rsym.output.fields import plot_fields
 from rsym.output.surfaces import plot_mesh
-from rsym.paper import poppet, studies
+from rsym.paper import claims, poppet, studies
 from rsym.paper.drawing import Drawing, Recipe, figure_of, letters_text, mesh_quietly
-from rsym.paper.models import car, skeleton_body, streamlined
+from rsym.paper.models import BODIES, car, skeleton_body, streamlined
 from rsym.sampling.mesh import Mesh
 
 # 10 million samples; the source had 3.4 and 15.6 million (27 and 125 sub-boxes of 125 000 points).
@@ -20,8 +20,6 @@ RESOLUTION = 360
 # The headlights of the whole car cut the bonnet at a grazing angle: more samples, most along z, keep their rims clean.
 FINE = (240, 480, 420)
 FRONT, REAR = 48.0, -52.0
-# Fig. 12: a = a2 = 5 and p2 = 0.1 are printed; the pairs (a1, p1) are ours.
-BODIES = ((8, 40), (8, 20), (6, 40), (10, 40), (10, 60), (12, 80))
 SHEET = (12.0, 4.4)
 BODY_BOX = ((-6.0, 8.0), (-2.4, 2.4), (-2.4, 2.4))
 COARSE = (35, 73, 43)  # 37*75*45 points, 125 000 as in Fig. 10, more along the car than across it
@@ -133,4 +131,5 @@ RECIPES: tuple[Recipe, ...] = (
         studies.draw_revolution,
         equations=studies.REVOLUTION_EQUATIONS,
     ),
+    Recipe("claims", "What the source claims, and what holds", "", claims.draw_claims, model=("skeleton", "omega")),
 )

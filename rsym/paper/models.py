@@ -21,6 +21,9 @@ CAR_READINGS: Mapping[str, Mapping[str, str]] = {
 }
 SKELETON_READINGS: Mapping[str, str] = {"standard": "omega", "literal": "omega_literal"}
 
+# Fig. 12: a = a2 = 5 and p2 = 0.1 are printed; the pairs (a1, p1) are ours.
+BODIES = ((8, 40), (8, 20), (6, 40), (10, 40), (10, 60), (12, 80))
+
 
 def model_path(name: str) -> Path:
     """The file of a shipped model.

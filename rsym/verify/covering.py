@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from flint import arb, ctx
@@ -12,13 +12,13 @@ from rsym.codegen.balls import ball
 from rsym.codegen.differentiation import derivative
 from rsym.verify.examination import Finding, examine
 from rsym.verify.local import Model
+from rsym.verify.pruning import Prune
 
 Box = tuple[tuple[float, float], ...]
 
 PRECISION = 80  # bits of the balls: 53 would do, a few more keep corners from being decided by rounding
 # The first cut is off centre, so that no side of a box lies on the planes of symmetry of a model.
 OFF_CENTRE = 0.4375 + 1 / 64
-Discard = Callable[[Sequence[Box]], Sequence[bool]]
 
 
 @dataclass
@@ -36,20 +36,20 @@ def cover(
     *,
     smallest: float,
     budget: int,
-    discard: Discard | None = None,
+    prune: Prune | None = None,
     progress: Callable[[int, int], bool] | None = None,
 ) -> Covering:
     """Subdivide the bounds, breadth first, until every box is settled, narrower than `smallest`, or too many.
 
-    `discard` says of many boxes at once which certainly hold no zero; the others are examined one by one.
+    `prune` says of many boxes at once which certainly hold no zero; the others are examined one by one.
     """
     extent = extent_of(bounds)
     result = Covering()
     level = list(_first(bounds))
     with ctx.workprec(PRECISION):
         while level:
-            if discard is not None:
-                level = [box for box, empty in zip(level, discard(level), strict=True) if not empty]
+            if prune is not None:
+                level = [box for box, empty in zip(level, prune(level), strict=True) if not empty]
             following: list[Box] = []
             for box in level:
                 if result.examined >= budget:

@@ -12,6 +12,7 @@ from rsym.codegen.balls import arb
 from rsym.verify.covering import PRECISION, Covering
 from rsym.verify.local import Model
 from rsym.verify.report import Joint
+from rsym.verify.wording import plural
 
 
 def has_boundary(model: Model, found: Covering, joints: Sequence[Joint]) -> bool:
@@ -29,28 +30,27 @@ def has_boundary(model: Model, found: Covering, joints: Sequence[Joint]) -> bool
     return False
 
 
-def statements(verdict: str, found: Covering, joints: Sequence[Joint], exists: bool) -> tuple[tuple[str, bool], ...]:
-    """Sentences, each with whether it is proved."""
+def statements(found: Covering, exists: bool) -> tuple[tuple[str, bool], ...]:
+    """Sentences about the whole boundary, each with whether it is proved; joints speak for themselves."""
     kinds = [finding.kind for _, finding in found.settled]
     result = []
     if not exists:
-        result.append(("no point of the boundary was found within the bounds", not found.settled and not found.left))
+        result.append(("there is no point of the boundary within the bounds", not found.settled and not found.left))
     if "double" in kinds:
         result.append(("omega is zero on a curve without changing its sign", True))
     if "regular" in kinds and exists:
-        text = f"on {kinds.count('regular')} boxes the boundary is a regular analytic arc"
         orders = [finding.order for _, finding in found.settled if finding.kind == "regular"]
-        if min(orders) < math.inf:
-            level = math.ceil(min(orders)) - 1
-            text = f"on {kinds.count('regular')} boxes the boundary is a regular arc of class C^{level}"
-        result.append((text, True))
+        level = min(orders)
+        smooth = "analytic arc" if level == math.inf else f"arc of class C^{math.ceil(level) - 1}"
+        result.append((f"on {boxes(kinds.count('regular'))} the boundary is a regular {smooth}", True))
     if "joined" in kinds:
-        result.append(
-            (f"on {kinds.count('joined')} boxes it consists of two analytic arcs that meet in one point", True)
-        )
+        text = f"on {boxes(kinds.count('joined'))} it consists of two analytic arcs that meet in one point"
+        result.append((text, True))
     if found.left:
-        result.append((f"on {len(found.left)} boxes nothing is proved of the boundary as a whole", False))
-    for joint in joints:
-        place = ", ".join(f"{value:.10g}" for value in joint.point)
-        result.append((f"at ({place}): {joint.kind}, {joint.continuity}; {joint.reason}", joint.proved))
+        result.append((f"on {boxes(len(found.left))} nothing is proved of the boundary as a whole", False))
     return tuple(result)
+
+
+def boxes(count: int) -> str:
+    """So many boxes."""
+    return plural(count, "box", "boxes")

@@ -17,6 +17,7 @@ from rsym.sampling.lattice import bounds_of
 from rsym.verify.covering import Box, Covering, cover, extent_of
 from rsym.verify.evidence import has_boundary, statements
 from rsym.verify.local import Interval, Model
+from rsym.verify.pruning import pruner
 from rsym.verify.report import (
     CERTIFIED,
     CONTINUITIES,
@@ -103,7 +104,8 @@ def verify_smoothness(
     model = Model(plane, values, body=body)
     ranges = tuple(_around(*values[name]) for name in model.axes[2:])
     region: Box = (_below_axis(box) if body else tuple((float(a), float(b)) for a, b in box)) + ranges
-    found = cover(model, region, smallest=smallest * extent_of(region), budget=budget, progress=progress)
+    prune = pruner(plane, model.axes, values)
+    found = cover(model, region, smallest=smallest * extent_of(region), budget=budget, prune=prune, progress=progress)
     return _report(model, region, found, values, body=body)
 
 
@@ -175,7 +177,7 @@ def _report(
         curvature_bound=bound,
         cover=_cover(region, found),
         letters={name: (float(low), float(high)) for name, (low, high) in values.items()},
-        statements=statements(verdict, found, everything, exists),
+        statements=statements(found, exists),
         body=body,
     )
 

@@ -33,7 +33,7 @@ def report_text(report: SmoothnessReport) -> str:
     >>> cover = Cover(((-2, 2), (-2, 2)), np.ones((7, 2, 2)), none, none, 40)
     >>> print(report_text(SmoothnessReport("CERTIFIED", "analytic", (), (), 1.5, cover, {"r": (1.0, 2.0)})))
     CERTIFIED: the boundary within [-2, 2] x [-2, 2], for every r in [1, 2], is analytic; this is proved. \
-Of 40 boxes examined, in 7 it is a regular curve, its curvature at most 1.5 in size.
+40 boxes were examined; where they prove the boundary regular, no curvature exceeds 1.5.
     """
     lines = [" ".join(_sentences(report))]
     lines += [f"  {number}. {joint_text(joint)}" for number, joint in enumerate(report.defects, 1)]
@@ -44,8 +44,10 @@ Of 40 boxes examined, in 7 it is a regular curve, its curvature at most 1.5 in s
 def _sentences(report: SmoothnessReport) -> Iterator[str]:
     yield f"{headline(report)}."
     yield cover_text(report)
-    for sentence, proved in report.statements:
-        yield f"{'Proved' if proved else 'Numerical, not proved'}: {sentence.rstrip('.')}."
+    for proved, word in ((True, "Proved"), (False, "Numerical, not proved")):
+        said = [sentence.rstrip(".") for sentence, status in report.statements if status == proved]
+        if said:
+            yield f"{word}: {'; '.join(said)}."
 
 
 def headline(report: SmoothnessReport) -> str:
@@ -78,15 +80,12 @@ def letters_text(letters: Mapping[str, tuple[float, float]]) -> str:
 
 
 def cover_text(report: SmoothnessReport) -> str:
-    """What the boxes prove, and where they do not."""
-    cover = report.cover
-    bound = f", its curvature at most {rounded_up(report.curvature_bound)} in size"
-    parts = [
-        f"in {len(cover.certified)} it is a regular curve{bound if math.isfinite(report.curvature_bound) else ''}",
-        f"in {len(cover.joined)} two arcs meet" if len(cover.joined) else "",
-        f"in {len(cover.undecided)} nothing is proved" if len(cover.undecided) else "",
-    ]
-    return f"Of {plural(cover.examined, 'box', 'boxes')} examined, {'; '.join(part for part in parts if part)}."
+    """How many boxes were examined, and what they say of the curvature."""
+    examined = f"{plural(report.cover.examined, 'box was', 'boxes were')} examined"
+    if not (math.isfinite(report.curvature_bound) and len(report.cover.certified)):
+        return f"{examined}."
+    bound = rounded_up(report.curvature_bound)
+    return f"{examined}; where they prove the boundary regular, no curvature exceeds {bound}."
 
 
 def joint_text(joint: Joint) -> str:
@@ -100,7 +99,7 @@ def joint_text(joint: Joint) -> str:
     """
     place = f"({', '.join(map(number, joint.point))})"
     near = f" within {rounded_up(joint.radius, 2)}" if joint.radius > significant(*joint.point) else ""
-    reason = f": {joint.reason.rstrip('.')}" if joint.reason else ""
+    reason = f"; {joint.reason.rstrip('.')}" if joint.reason else ""
     status = "proved" if joint.proved else "not proved"
     return f"{joint.kind} at {place}{near}: {effect(joint)}; {joint.continuity}, {status}{reason}"
 

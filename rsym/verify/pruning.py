@@ -1,0 +1,33 @@
+"""Pruning: which of many boxes certainly hold no zero, by interval arithmetic in float64 over all of them at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from rsym.codegen.builder import Builder
+from rsym.codegen.intervals import IntervalFunction
+from rsym.codegen.lowering import lower
+from rsym.model.shape import Shape
+from rsym.verify.local import Interval
+
+Prune = Callable[[Sequence[tuple[tuple[float, float], ...]]], Sequence[bool]]
+
+
+def pruner(shape: Shape, axes: Sequence[str], letters: Mapping[str, Interval]) -> Prune:
+    """A function of boxes, with sides along the axes, that is true for those on which omega is not zero anywhere.
+
+    Letters that range are axes; the program takes them as coordinates, so each box has its own part of the range.
+    """
+    fixed = {name: value for name, value in letters.items() if name not in axes}
+    builder = Builder(tuple(axes), tuple(fixed))
+    function = IntervalFunction(builder.program({"value": lower(builder, shape.expression)}), "numpy", 1)
+
+    def prune(boxes: Sequence[tuple[tuple[float, float], ...]]) -> Sequence[bool]:
+        ends = np.array(boxes, dtype=np.float64)
+        low, high = function(list(ends[..., 0].T), list(ends[..., 1].T), fixed)["value"]
+        empty: list[bool] = ((low > 0) | (high < 0)).tolist()
+        return empty
+
+    return prune
