@@ -43,6 +43,7 @@ from .sampling.mesh import Mesh
 from .sampling.meshing import mesh
 from .sampling.sections import Section, sections
 from .verify.smoothness import verify_smoothness
+from .verify.threshold import Threshold, smoothness_threshold
 
 __all__ = [
     "R0",
@@ -59,6 +60,7 @@ __all__ = [
     "RsymWarning",
     "Section",
     "Shape",
+    "Threshold",
     "compile",
     "conjunction",
     "curvature",
@@ -98,6 +100,7 @@ __all__ = [
     "rfOR",
     "save_letters",
     "sections",
+    "smoothness_threshold",
     "source",
     "trimming",
     "verify_smoothness",

@@ -37,6 +37,9 @@ class Model:
         self.axes = (*names, *(name for name, (low, high) in letters.items() if low != high))
         self._orders: dict[int, list[int]] = {}
         self._steps: dict[int, Step] = {}
+        self._gradients: dict[int, tuple[int, int]] = {}
+        self._curvatures: dict[int, int] = {}
+        self._fixed: dict[int, dict[str, arb]] = {}
         self._constants: dict[int, dict[int, arb | None]] = {}
 
     def order(self, number: int) -> list[int]:
@@ -68,17 +71,22 @@ class Model:
 
     def gradient(self, number: int) -> tuple[int, int]:
         """The nodes of the two first derivatives."""
-        x, y = self.builder.coordinates
-        return derivative(self.builder, number, x), derivative(self.builder, number, y)
+        if number not in self._gradients:
+            x, y = self.builder.coordinates
+            self._gradients[number] = derivative(self.builder, number, x), derivative(self.builder, number, y)
+        return self._gradients[number]
 
     def inputs(self, sides: Sequence[arb]) -> dict[str, arb]:
         """The balls of all inputs, given those along the axes."""
-        fixed = {name: ball(exact(low), exact(high)) for name, (low, high) in self.letters.items()}
-        return fixed | dict(zip(self.axes, sides, strict=False))
+        if ctx.prec not in self._fixed:
+            self._fixed[ctx.prec] = {name: ball(exact(low), exact(high)) for name, (low, high) in self.letters.items()}
+        return self._fixed[ctx.prec] | dict(zip(self.axes, sides, strict=False))
 
     def curvature(self, number: int) -> int:
         """The node of the curvature of the level lines of a node."""
-        return Calculus(self.builder, number).curvature
+        if number not in self._curvatures:
+            self._curvatures[number] = Calculus(self.builder, number).curvature
+        return self._curvatures[number]
 
     def on(self, sides: Sequence[arb]) -> Local:
         """What is known on a box with these sides; letters without a side have their whole range."""

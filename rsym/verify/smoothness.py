@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -95,9 +96,36 @@ def verify_smoothness(
     >>> report.verdict, report.continuity, round(report.defects[0].tangent_jump, 9)
     ('REFUTED', 'G0', 90.0)
     """
-    body = isinstance(shape, Shape) and shape.dimension == 3
+    study = _study(shape, bounds, letters, smallest, budget, progress)
+    return _report(study)
+
+
+def verdict_of(shape: Shape, *, bounds: Any, letters: Mapping[Any, Any] | None, budget: int) -> str:
+    """The verdict alone, without a sharp bound of the curvature."""
+    return _report(_study(shape, bounds, letters, SMALLEST, budget, None), sharpening=0).verdict
+
+
+@dataclass(frozen=True)
+class _Study:
+    """A model and what was found on its boxes."""
+
+    model: Model
+    region: Box
+    found: Covering
+    values: Mapping[str, Interval]
+
+
+def _study(
+    shape: Shape,
+    bounds: Any,
+    letters: Mapping[Any, Any] | None,
+    smallest: float,
+    budget: int,
+    progress: Callable[[int, int], bool] | None,
+) -> _Study:
     if not isinstance(shape, Shape):
         raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape")
+    body = shape.dimension == 3
     plane = _meridian_within(shape, bounds) if body else shape
     box = bounds_of(plane, None if body else bounds)
     values = exact_letters(shape, letters)
@@ -106,7 +134,7 @@ def verify_smoothness(
     region: Box = (_below_axis(box) if body else tuple((float(a), float(b)) for a, b in box)) + ranges
     prune = pruner(plane, model.axes, values)
     found = cover(model, region, smallest=smallest * extent_of(region), budget=budget, prune=prune, progress=progress)
-    return _report(model, region, found, values, body=body)
+    return _Study(model, region, found, values)
 
 
 def exact_letters(shape: Shape, letters: Mapping[Any, Any] | None) -> dict[str, Interval]:
@@ -152,12 +180,11 @@ def _below_axis(box: Any) -> Box:
     return ((float(low), float(high)), (-BELOW_AXIS * float(radius), float(radius)))
 
 
-def _report(
-    model: Model, region: Box, found: Covering, values: Mapping[str, Interval], *, body: bool
-) -> SmoothnessReport:
+def _report(study: _Study, *, sharpening: int = SHARPENING) -> SmoothnessReport:
+    model, region, found, values = study.model, study.region, study.found, study.values
     joints = _distinct([f.joint for _, f in found.settled if f.joint is not None])
     suspects = classify_suspects(model, found, extent_of(region))
-    if body:
+    if model.body:
         joints = [joint for joint in joints if joint.point[1] > -joint.radius]
     everything = joints + suspects
     exists = has_boundary(model, found, joints)
@@ -167,7 +194,7 @@ def _report(
     levels.append(len(CONTINUITIES) - 1 if order == math.inf else min(math.ceil(order), 4))
     if any(f.kind == "double" for _, f in found.settled) or not exists:
         levels.append(0)
-    bound = math.inf if found.left or not exists else sharpened_bound(model, found.settled, region, SHARPENING)
+    bound = math.inf if found.left or not exists else sharpened_bound(model, found.settled, region, sharpening)
     defects = [joint for joint in everything if CONTINUITIES.index(joint.continuity) < CONTINUITIES.index("G2")]
     return SmoothnessReport(
         verdict=verdict,
@@ -178,7 +205,7 @@ def _report(
         cover=_cover(region, found),
         letters={name: (float(low), float(high)) for name, (low, high) in values.items()},
         statements=statements(found, exists),
-        body=body,
+        body=model.body,
     )
 
 

@@ -1,0 +1,151 @@
+"""From verdict to design: the value of a letter that separates refuted from certified."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+from rsym.errors import RsymError
+from rsym.model.shape import Shape
+from rsym.verify.report import CERTIFIED, REFUTED
+from rsym.verify.smoothness import exact_letters, verdict_of
+
+SCAN = 12  # parts into which the range is cut in search of a change
+SCAN_BUDGET = 4_000  # boxes for each verdict: the body of Fig. 11 takes 1 000
+TRIED = (Fraction(1, 2), Fraction(3, 8), Fraction(5, 8))  # where a bracket is cut, until a verdict falls
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """The bracket: the verdict is REFUTED at `refuted` and CERTIFIED at `certified`, both proved.
+
+    Between them nothing is said; `trials` are the values tried, with their verdicts, in order.
+    """
+
+    letter: str
+    refuted: float
+    certified: float
+    trials: tuple[tuple[float, str], ...]
+
+    @property
+    def middle(self) -> float:
+        """Half way between the two."""
+        return (self.refuted + self.certified) / 2
+
+    def __str__(self) -> str:
+        low, high = sorted((self.refuted, self.certified))
+        side = "above" if self.certified > self.refuted else "below"
+        return (
+            f"{self.letter} = {self.middle:.6g} (between {low:.9g} and {high:.9g}): certified {side}, refuted on the "
+            f"other side; {len(self.trials)} values tried"
+        )
+
+
+def smoothness_threshold(
+    shape: Shape,
+    letter: Any,
+    *,
+    between: tuple[Any, Any] | None = None,
+    tolerance: float = 1e-5,
+    bounds: Any = None,
+    letters: Mapping[Any, Any] | None = None,
+    progress: Callable[[int, int], bool] | None = None,
+) -> Threshold:
+    """Bracket the value of a letter at which the boundary becomes, or ceases to be, curvature-continuous.
+
+    The range is scanned for neighbouring values of which one is refuted and the other certified, nearest to the
+    default, and the gap is halved by further verdicts until it is narrower than `tolerance` times the size of the
+    letter, or until no verdict falls inside it.
+
+    Parameters
+    ----------
+    letter : str or symbol
+        The name of the letter to vary; `letters` fixes others.
+    between : pair of numbers, optional
+        Where to search; by default the range of the letter, or half to twice its default.
+
+    Raises
+    ------
+    RsymError
+        For an unknown letter, or if no change from refuted to certified is found.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> found = rsym.smoothness_threshold(rsym.paper.skeleton_body(), "a2", between=(5.3, 5.35), tolerance=1e-3)
+    >>> found.refuted < 5 + 4 / 13 < found.certified
+    True
+    """
+    name = str(letter)
+    values = exact_letters(shape, letters)
+    if name not in values:
+        exact_letters(shape, {name: 0})  # raises, with a proposal
+    low, high = _ends(shape, name, between)
+    trials: list[tuple[float, str]] = []
+
+    def verdict(value: Fraction) -> str:
+        result = verdict_of(shape, bounds=bounds, letters={**(letters or {}), name: value}, budget=SCAN_BUDGET)
+        trials.append((float(value), result))
+        if progress is not None:
+            progress(len(trials), 2 * SCAN + 1)
+        return result
+
+    start = values[name][0] if low <= values[name][0] <= high else (low + high) / 2
+    bracket = _scan(sorted({low + (high - low) * k / SCAN for k in range(SCAN + 1)} | {start}), start, verdict)
+    if bracket is None:
+        tried = ", ".join(f"{value:g} {word}" for value, word in sorted(trials))
+        raise RsymError(
+            f"no change from REFUTED to CERTIFIED was found for {name} in [{float(low):g}, {float(high):g}]: {tried}",
+            code="no-threshold",
+            remedy="give between=(low, high) around the change",
+        )
+    refuted, certified = _narrowed(*bracket, verdict, Fraction(tolerance))
+    return Threshold(name, float(refuted), float(certified), tuple(trials))
+
+
+def _ends(shape: Shape, name: str, between: tuple[Any, Any] | None) -> tuple[Fraction, Fraction]:
+    item = shape.letters[name]
+    default = Fraction(item.default)
+    half, double = sorted((default / 2, default * 2))
+    low, high = between or (
+        half if item.minimum is None else item.minimum,
+        double if item.maximum is None else item.maximum,
+    )
+    ends = exact_letters(shape, {name: (low, high)})[name]
+    return ends
+
+
+def _scan(
+    values: list[Fraction], start: Fraction, verdict: Callable[[Fraction], str]
+) -> tuple[Fraction, Fraction] | None:
+    """(refuted, certified) for the neighbours nearest to the start that differ so."""
+    known: dict[Fraction, str] = {}
+    for value in sorted(values, key=lambda value: abs(value - start)):
+        known[value] = verdict(value)
+        for first, second in pairwise(sorted(known)):
+            if {known[first], known[second]} == {REFUTED, CERTIFIED}:
+                return (first, second) if known[first] == REFUTED else (second, first)
+    return None
+
+
+def _narrowed(
+    refuted: Fraction, certified: Fraction, verdict: Callable[[Fraction], str], tolerance: Fraction
+) -> tuple[Fraction, Fraction]:
+    while abs(certified - refuted) > tolerance * max(abs(certified), abs(refuted)):
+        for share in TRIED:
+            value = _short(refuted + (certified - refuted) * share, abs(certified - refuted))
+            word = verdict(value)
+            if word in {REFUTED, CERTIFIED}:
+                break
+        else:
+            break
+        refuted, certified = (value, certified) if word == REFUTED else (refuted, value)
+    return refuted, certified
+
+
+def _short(value: Fraction, width: Fraction) -> Fraction:
+    """A nearby fraction with few digits: the verdict is about exact numbers, long ones only cost time."""
+    return value.limit_denominator(max(1, int(64 / width)))
