@@ -19,6 +19,8 @@ CIRCLES = 14
 FEWEST_CIRCLES = 7
 # Circles stay this many times larger than what is not known of the centre.
 CLEARANCE = mpf(1000)
+# Expanded polynomials cancel to the power of the radius: a triple point needs 18 digits more at one millionth.
+GUARD = 25
 # A jump counts if it exceeds its estimated error this many times; no jump is claimed with an error above TOLERANCE.
 DOUBT = 10
 TOLERANCE = mpf("1e-6")
@@ -71,7 +73,7 @@ def classify(
     >>> joint.kind, joint.continuity, round(joint.curvature_jump, 12)
     ('curvature jump', 'G1', 2.0)
     """
-    with mp.workdps(digits + 10):
+    with mp.workdps(digits + GUARD):
         centre = (mpf(centre[0]), mpf(centre[1]))
         radii = [mpf(reach) / 2**k for k in range(CIRCLES) if mpf(reach) / 2**k > CLEARANCE * mpf(radius)]
         heights = value or (lambda x, y: field(x, y).value)
