@@ -34,8 +34,16 @@ class Curvatures:
 
     @cached_property
     def normal(self) -> list[int]:
-        """The unit vector of the gradient, which points inwards."""
-        return [self.builder.div(component, self.slope) for component in self.gradient]
+        """The unit vector of the gradient, which points inwards.
+
+        Each component is one operation of component and rest, whose image over a box is exact: bounds of curvatures
+        are half as wide as with quotients by |grad|.
+        """
+        b, result = self.builder, []
+        for k, component in enumerate(self.gradient):
+            rest = reduce(b.add, [b.square(other) for j, other in enumerate(self.gradient) if j != k])
+            result.append(component if b.value(component) == 0 else b.normalised(component, rest))
+        return result
 
     @cached_property
     def plane(self) -> int:
