@@ -13,11 +13,18 @@ PARTIAL = frozenset(
 )
 
 
-def is_defined(local: Local, number: int) -> bool:
-    """Whether the node is certainly defined on the whole box."""
+# Those that are NaN on thin sets only, where a denominator or a root is zero.
+_THIN = frozenset(
+    "div versine rp_versine monomial norm joining equivalence absolute_power signed_power normalised".split()
+)
+
+
+def is_defined(local: Local, number: int, *, but_for_thin_sets: bool = False) -> bool:
+    """Whether the node is certainly defined on the whole box, or on all of it but curves and points."""
     nodes = local.model.builder.nodes
     local.value(number)
-    partial = (part for part in local.model.order(number) if nodes[part].operation in PARTIAL)
+    ignored = _THIN if but_for_thin_sets else frozenset()
+    partial = (part for part in local.model.order(number) if nodes[part].operation in PARTIAL - ignored)
     return all(_is_defined_itself(local, part) for part in partial)
 
 
@@ -27,18 +34,16 @@ def _is_defined_itself(local: Local, number: int) -> bool:
     operation, arguments, _ = builder.nodes[number]
     if operation in {"min", "max", "select"}:
         return True
+    if operation == "undefined":
+        return False
     if operation in {"sqrt", "trimming"}:  # not >= 0: what is defined on the box must be so around it
         return builder.nonnegative[arguments[0]] or local.sign(arguments[0]) > 0
     if operation in {"log", "pow"}:
         return local.sign(arguments[0]) > 0
     if operation == "div":
         return local.nonzero(arguments[1])
-    if operation == "normalised":
+    if operation in {"normalised", "absolute_power", "signed_power"}:
         return local.nonzero(arguments[0]) or local.sign(arguments[1]) > 0
-    if operation in {"absolute_power", "signed_power"}:
-        return local.nonzero(arguments[0]) or local.sign(arguments[1]) > 0
-    if operation == "undefined":
-        return False
     if operation in {"versine", "rp_versine", "monomial"} and not any(local.nonzero(a) for a in arguments[:2]):
         return False
     return is_legal(local, number)

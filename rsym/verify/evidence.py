@@ -9,24 +9,26 @@ from itertools import product
 from flint import ctx
 
 from rsym.codegen.balls import arb
-from rsym.verify.covering import PRECISION, Covering
+from rsym.verify.covering import PRECISION, Covering, side
 from rsym.verify.local import Model
 from rsym.verify.report import Joint
 from rsym.verify.wording import plural
 
 
 def has_boundary(model: Model, found: Covering, joints: Sequence[Joint]) -> bool:
-    """Whether a zero of omega is proved: a joint, or a regular box on whose corners its leaf has both signs."""
+    """Whether a zero of omega is proved: a joint, or a settled box on which omega has both signs.
+
+    There omega has the sign of a continuous function, so it has a zero; of a double zero the inner function counts.
+    """
     if joints:
         return True
     with ctx.workprec(PRECISION):
         for box, finding in found.settled:
-            if finding.kind in {"regular", "double"}:
-                (leaf,) = finding.locus.nodes[:1]
-                ranges = [arb(low).union(arb(high)) for low, high in box[2:]]
-                signs = {model.on([arb(x), arb(y), *ranges]).sign(leaf) for x, y in product(*box[:2])}
-                if {1, -1} <= signs:
-                    return True
+            number = finding.locus.nodes[0] if finding.locus.kind in {"leaf", "double"} else model.root
+            ranges = [side(*ends) for ends in box[2:]]
+            points = product(*((low, low + (high - low) / 2, high) for low, high in box[:2]))
+            if {1, -1} <= {model.on([arb(x), arb(y), *ranges]).sign(number) for x, y in points}:
+                return True
     return False
 
 

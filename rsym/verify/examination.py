@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from flint import arb, ctx
 
 from rsym.codegen.builder import Builder
+from rsym.verify.domains import is_defined
 from rsym.verify.generators import Generators, generators
 from rsym.verify.joints import PRECISE, Arc, Meeting, is_transversal, joint, locate, meeting
 from rsym.verify.local import Local
@@ -119,7 +120,7 @@ def _product(local: Local, extent: float, locus: Locus) -> Finding:
         if len(roots) < 2 or not all(generators(local, root).analytic for root in roots[:2]):
             continue
         zero = locate(_grown(local), Arc(roots[0], roots[1]))
-        if zero is None:
+        if zero is None or not is_defined(local, factor):
             continue
         if zero.box is None:
             return examine(local, extent, other)
@@ -175,6 +176,8 @@ def _joined(local: Local, extent: float, number: int) -> Finding:
     bound = max((math.inf, 0.0) if bound is None else bound for bound in bounds)
     if not zero.exists:
         return Finding("regular", math.inf, *bound, locus=locus) if _same_end(grown, arcs) else OPEN
+    if zero.box is not None and not all(a.overlaps(b) for a, b in zip(zero.box, local.sides, strict=False)):
+        return Finding("regular", math.inf, *bound, locus=locus)  # they meet outside: a neighbour will find it
     found_joint = joint(grown, arcs, zero)
     if found_joint is None:
         return Finding("open", locus=locus)

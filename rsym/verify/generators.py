@@ -74,6 +74,8 @@ def is_analytic_at(local: Local, number: int) -> bool:
     operation, arguments, _ = local.model.builder.nodes[number]
     if operation in _ENTIRE:
         return True
+    if operation == "undefined":
+        return False
     if operation in {"abs", "div", "min", "max", "select", "sign"}:
         tested = arguments[1] if operation == "div" else switch_of(local.model.builder, number)
         return local.nonzero(tested) and is_defined(local, tested)

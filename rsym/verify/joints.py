@@ -131,6 +131,8 @@ def joint(local: Local, meeting: Meeting, zero: Zero) -> Joint | None:
         assert found is not None
         assert found.box is not None
         at = model.on([*found.box, *local.sides[2:]])
+        if meeting.contact < 1 and not _finite(at.value(meeting.arcs[1].function)).is_zero():
+            return None
         jets = {direction: jet(model, arc, at) for direction, arc in zip(directions, meeting.arcs, strict=True)}
         return _judged(found.box, jets[-1], jets[1], meeting.contact)
 
@@ -142,7 +144,8 @@ def _judged(point: Point, arriving: Jet, leaving: Jet, order: float) -> Joint | 
     steps = [_step(turn, order >= 2), _step(jump, order >= 3), _step(derivative, order >= 4)]
     for level, (name, kind) in enumerate((("G0", "corner"), ("G1", "curvature jump"), ("G2", "smooth joint"))):
         if steps[level] == "jump":
-            return _joint(point, kind, name, arriving, leaving, turn, jump, derivative, True, steps)
+            proved = level < 2 or steps[:2] == ["equal", "equal"]
+            return _joint(point, kind, name, arriving, leaving, turn, jump, derivative, proved, steps)
         if steps[level] == "open":
             if level == 2:
                 break

@@ -37,6 +37,7 @@ class Model:
         self.axes = (*names, *(name for name, (low, high) in letters.items() if low != high))
         self._orders: dict[int, list[int]] = {}
         self._steps: dict[int, Step] = {}
+        self.multiplicities: dict[tuple[int, int], int] = {}
         self._gradients: dict[int, tuple[int, int]] = {}
         self._curvatures: dict[int, int] = {}
         self._fixed: dict[int, dict[str, arb]] = {}

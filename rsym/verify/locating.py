@@ -56,8 +56,9 @@ def _equations(model: Model, box: Box, finding: Finding) -> Iterator[tuple[int, 
         found = generators(model.on([side(*ends) for ends in box]), leaf)
     switches = list(found.switches)
     for number in sorted(found.hard):
-        arguments = nodes[number].arguments
-        yield arguments[0], arguments[1] if nodes[number].operation in PAIRS else leaf
+        operation, arguments, _ = nodes[number]
+        if arguments:
+            yield arguments[0], arguments[1] if operation in PAIRS else leaf
     yield from pairwise(switches)
     for switch in switches:
         for way in (1, -1):

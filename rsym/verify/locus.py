@@ -3,8 +3,8 @@
 The sign of an R-operation depends only on the signs of its arguments, so where one operand of a conjunction is
 positive the boundary is that of the other; positive factors drop, odd powers and normalisation too. What drops
 takes its kinks with it: (1 - x**2 - y**2)*(2 + |x|) has the boundary of 1 - x**2 - y**2. Only what is defined on
-the whole box may drop: (1 - x**2 - y**2)*(2 + sqrt(x)) has half that circle. Normalisation is the exception: where
-omega_n does not exist its omega decides.
+the whole box may drop: (1 - x**2 - y**2)*(2 + sqrt(x)) has half that circle. Normalisation is the exception: on the
+curves and points where |grad omega| does not exist, omega decides.
 """
 
 from __future__ import annotations
@@ -71,7 +71,9 @@ def _keeps_sign(local: Local, number: int) -> bool:
     operation, arguments, data = local.model.builder.nodes[number]
     if operation == "powi":
         return isinstance(data, int) and data % 2 == 1
-    return operation == "normalised" or local.sign(arguments[1]) > 0
+    if operation == "normalised":
+        return is_defined(local, arguments[1], but_for_thin_sets=True)
+    return local.sign(arguments[1]) > 0
 
 
 def chosen(local: Local, number: int) -> tuple[int, int] | None:

@@ -11,6 +11,7 @@ from rsym.verify.domains import switch_of
 from rsym.verify.generators import BRANCHING, bare, factor, is_square, root_order
 from rsym.verify.local import Local
 from rsym.verify.locus import chosen
+from rsym.verify.polynomials import multiplicity
 
 
 def resolve(local: Local, number: int, switch: int, side: int) -> int:
@@ -39,7 +40,7 @@ def _resolved(local: Local, part: int, switch: int, side: int, done: dict[int, i
         if operation in {"min", "max"}:
             return inner[0 if (sign > 0) == (operation == "max") else 1]
         if operation == "trimming":
-            return _trimming(builder, inner[0], inner[1], sign)
+            return _trimming(builder, done[builder.nodes[arguments[0]].arguments[0]], inner[1], sign)
         return _power(builder, operation, inner[0], builder.value(arguments[1]) or Fraction(0), sign)
     if inner == arguments:
         return part
@@ -82,9 +83,9 @@ def _sign(local: Local, part: int, switch: int, side: int) -> int:
     return factor(builder, deciding) * side if bare(builder, deciding) == switch else 0
 
 
-def _trimming(b: Builder, s: int, t: int, sign: int) -> int:
+def _trimming(b: Builder, f: int, t: int, sign: int) -> int:
     """sqrt(f**2 + gap**2) = |f| sqrt(1 + s**3/(4 (q + t)**2)) for t > 0, with s = f**2 and q = sqrt(t**2 + s**2)."""
-    f = b.nodes[s].arguments[0]
+    s = b.square(f)
     root = b.sqrt(b.add(b.square(t), b.square(s)))
     ratio = b.mul(b.const(HALF * HALF), b.div(b.powi(s, 3), b.square(b.add(root, t))))
     stretched = b.mul(f, b.sqrt(b.add(b.const(1), ratio)))
@@ -98,12 +99,15 @@ def contact(local: Local, number: int, switch: int) -> float:
     it for all whole j < k; a power |u|**k has its exponent as order, whole or not. The rules
     follow from a1 b1 - a2 b2 = a1 (b1 - b2) + (a1 - a2) b2; each node has the order of its difference and the order
     of its own zero on u = 0. Infinite where both are one analytic function. Other generators must be excluded by the
-    box.
+    box. Where the resolutions are polynomials the order is also the multiplicity of u in their difference.
     """
     orders: dict[int, tuple[float, float]] = {}
     for part in local.model.order(number):
         orders[part] = _orders(local, part, switch, orders)
-    return orders[number][0]
+    if orders[number][0] > 3:
+        return orders[number][0]
+    sides = resolve(local, number, switch, 1), resolve(local, number, switch, -1)
+    return max(orders[number][0], multiplicity(local.model, local.model.builder.sub(*sides), switch))
 
 
 def _orders(local: Local, part: int, switch: int, orders: dict[int, tuple[float, float]]) -> tuple[float, float]:

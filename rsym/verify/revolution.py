@@ -8,6 +8,7 @@ there, evenness alone is not enough: 1 - |r| - x**2 is even and revolves into a 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import sympy as sp
@@ -39,11 +40,11 @@ def meridian(shape: Shape) -> tuple[Shape, int]:
         along = shape.coordinates[axis]
         first, second = (symbol for symbol in shape.coordinates if symbol != along)
         expression = in_radius(shape.expression, first, second)
-        if second not in symbols_of(expression):
+        if expression is not None:
             bounds = None
-            if shape.bounds is not None:
-                ends = [abs(end) for k in range(3) if k != axis for end in shape.bounds[k]]
-                bounds = (shape.bounds[axis], (-max(ends), max(ends)))
+            if shape.bounds is not None:  # up to the edges of the box, which are the farthest from the axis
+                across = [max(map(abs, shape.bounds[k])) for k in range(3) if k != axis]
+                bounds = (shape.bounds[axis], (-math.hypot(*across), math.hypot(*across)))
             return Shape(expression, (along, first), letters=shape.letters, bounds=bounds), axis
     raise RsymError(
         "a shape in space must be a body of revolution here, and this one is not seen to be",
@@ -52,12 +53,8 @@ def meridian(shape: Shape) -> tuple[Shape, int]:
     )
 
 
-def in_radius(expression: sp.Expr, first: sp.Symbol, second: sp.Symbol) -> sp.Expr:
-    """The expression with c*y**2 + c*z**2 replaced by c*r**2, r written as the first symbol.
-
-    What still contains the second symbol afterwards, or the first one otherwise, depends on more than the radius;
-    then the second symbol is left in.
-    """
+def in_radius(expression: sp.Expr, first: sp.Symbol, second: sp.Symbol) -> sp.Expr | None:
+    """The expression with c*y**2 + c*z**2 replaced by c*r**2, r written as the first symbol; None if more is left."""
     radius = sp.Dummy("r", real=True)
 
     def collected(part: sp.Basic) -> sp.Basic | None:
@@ -65,7 +62,7 @@ def in_radius(expression: sp.Expr, first: sp.Symbol, second: sp.Symbol) -> sp.Ex
 
     result = rebuild(expression, collected)
     if {first, second} & set(symbols_of(result)):
-        return expression
+        return None
     return rebuild(result, lambda part: first if part == radius else None)
 
 

@@ -224,9 +224,9 @@ def _verdict(found: Covering, joints: Sequence[Joint], exists: bool) -> str:
 
 
 def _distinct(joints: Sequence[Joint]) -> list[Joint]:
-    """Neighbouring boxes find the same joint."""
+    """Neighbouring boxes find the same joint; over a range of letters the worst one of those that overlap is kept."""
     result: list[Joint] = []
-    for joint in joints:
+    for joint in sorted(joints, key=_badness):
         if not any(math.dist(joint.point, other.point) <= joint.radius + other.radius for other in result):
             result.append(joint)
     return result

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from fractions import Fraction
 
 import mpmath as mp
 import sympy as sp
@@ -16,6 +15,7 @@ from rsym.verify.examination import Finding
 from rsym.verify.local import Model
 from rsym.verify.locating import SIMPLE, as_fraction, located
 from rsym.verify.newton_polygon import classify_polynomial
+from rsym.verify.polynomials import polynomial_of
 from rsym.verify.probing import Sample, classify
 from rsym.verify.report import Joint
 
@@ -78,33 +78,6 @@ def _polygon(model: Model, finding: Finding, point: tuple[arb, arb]) -> Joint | 
         return None
     symbols = tuple(sp.Symbol(name, real=True) for name in model.builder.coordinates)
     return classify_polynomial(polynomial, symbols, tuple(sp.Rational(f.numerator, f.denominator) for f in fractions))
-
-
-def polynomial_of(model: Model, number: int) -> sp.Expr | None:
-    """The node as a polynomial of the coordinates with rational coefficients, if it is one."""
-    parts: dict[int, sp.Expr] = {}
-    for part in model.order(number):
-        operation, arguments, data = model.builder.nodes[part]
-        inner = [parts[argument] for argument in arguments]
-        if operation == "const" and isinstance(data, Fraction):
-            parts[part] = sp.Rational(data.numerator, data.denominator)
-        elif operation == "input":
-            low = model.letters.get(str(data), (None,))[0]
-            fixed = None if low is None else sp.Rational(low.numerator, low.denominator)
-            parts[part] = sp.Symbol(str(data), real=True) if fixed is None else fixed
-        elif operation == "add":
-            parts[part] = inner[0] + inner[1]
-        elif operation == "mul":
-            parts[part] = inner[0] * inner[1]
-        elif operation == "neg":
-            parts[part] = -inner[0]
-        elif operation == "powi":
-            parts[part] = inner[0] ** int(str(data))
-        elif operation == "div" and inner[1].is_Rational and inner[1] != 0:
-            parts[part] = inner[0] / inner[1]
-        else:
-            return None
-    return parts[number]
 
 
 def _probed(model: Model, point: tuple[arb, arb], extent: float) -> Joint:
