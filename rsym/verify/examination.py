@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from flint import arb, ctx
 
 from rsym.codegen.builder import Builder
+from rsym.verify.bending import curvatures
 from rsym.verify.domains import is_defined
 from rsym.verify.generators import Generators, generators
 from rsym.verify.joints import PRECISE, Arc, Meeting, is_transversal, joint, locate, meeting
@@ -97,7 +98,7 @@ def curvature_bound(local: Local, leaf: int, extent: float) -> tuple[float, floa
     Over a range of letters a bound need only be finite.
     """
     bounds = []
-    for value in local.model.curvatures(local, leaf):
+    for value in curvatures(local, leaf):
         if not value.is_finite():
             return None
         radius, middle = float(arb(value.rad())), abs(float(value.mid()))

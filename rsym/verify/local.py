@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
 from flint import arb, ctx
 
-from rsym.codegen.balls import Step, ball, exact, hypotenuse, run, step
+from rsym.codegen.balls import Step, ball, exact, run, step
 from rsym.codegen.builder import Builder
 from rsym.codegen.differentiation import derivative
 from rsym.codegen.fields import Calculus
@@ -92,23 +91,6 @@ class Model:
     def on(self, sides: Sequence[arb]) -> Local:
         """What is known on a box with these sides; letters without a side have their whole range."""
         return Local(self, sides)
-
-    def curvatures(self, local: Local, number: int) -> list[arb]:
-        """Balls around the curvature of the level lines on a box; of a body, around both principal curvatures."""
-        value = local.value(self.curvature(number))
-        whole = arb(0, math.inf)
-        return [whole if value is None else value, *([self._across(local, number)] if self.body else [])]
-
-    def _across(self, local: Local, number: int) -> arb:
-        """The curvature of the circle of latitude, -F_r/(r |grad F|); at the axis F_r/r is some F_rr, as F is even."""
-        whole = arb(0, math.inf)
-        balls = [local.value(node) or whole for node in self.gradient(number)]
-        radius = local.sides[1]
-        if not radius.contains(0):
-            return -balls[1] / (radius * hypotenuse(*balls))
-        mirrored = [local.sides[0], radius.union(-radius), *local.sides[2:]]
-        second = self.on(mirrored).value(self.gradient(self.gradient(number)[1])[1])
-        return -(whole if second is None else second) / hypotenuse(*balls)
 
 
 class Local:
