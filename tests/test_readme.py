@@ -9,9 +9,11 @@ import pytest
 import trimesh
 from closeness import assert_close
 
-import rsym
+import rsym.verify.threshold
 from rsym.cli import main
+from rsym.commands.verify import CODES
 from rsym.output.files import FORMATS
+from rsym.verify.threshold import Threshold
 
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text()
@@ -63,6 +65,37 @@ def test_the_table_of_systems_names_them_all():
     assert all(hasattr(rsym, name) for name in names)
     operations = re.search(r"Beside them: (.*?)A parameter", TEXT, re.DOTALL).group(1)
     assert all(callable(getattr(rsym, name)) for name in re.findall(r"`(\w+)`", operations))
+
+
+def test_the_lines_about_smoothness():
+    space = {"rsym": rsym}
+    (code,) = [code for code in PYTHON if "verify_smoothness" in code]
+    shown = {}
+    for line in code.strip().splitlines():
+        statement, _, comment = line.partition("  # ")
+        if re.match(r"\w+ = ", statement) or "savefig" in statement:
+            exec(statement, space)
+        else:
+            shown[comment] = eval(statement, space)
+    answers, place, every, rule = shown.items()
+    assert repr(answers[1]) == answers[0]
+    for printed, found in zip(re.findall(r"-?\d+\.\d+", place[0]), place[1], strict=True):
+        assert str(found).startswith(printed)
+    assert every[0].startswith(repr(every[1]))
+    assert_close(rule[1], float(re.search(r"> ([\d.]+)", rule[0]).group(1)), atol=1e-3)
+    assert Path("verdict.png").stat().st_size > 20_000
+
+
+def test_the_commands_about_smoothness(capsys, monkeypatch):
+    # Found for the lines above; a dozen verdicts once more would take as long as all the rest.
+    bracket = Threshold("a2", 5.3076, 5.3078, ())
+    monkeypatch.setattr(rsym.verify.threshold, "smoothness_threshold", lambda *_, **__: bracket)
+    (commands,) = [code for code in PLAIN if code.startswith("rsym verify")]
+    assert [main(command.split()[1:]) for command in commands.strip().splitlines()] == [0, 0, 1, 0]
+    assert Path("verdict.png").stat().st_size > 20_000
+    assert "5.307" in capsys.readouterr().out.splitlines()[-1]
+    codes = dict(re.findall(r"^\| ([A-Z]+) \|.*\| (\d) \|$", TEXT, re.MULTILINE))
+    assert {name: int(code) for name, code in codes.items()} == CODES
 
 
 def test_the_model_file_and_the_commands(capsys):

@@ -43,6 +43,7 @@ def model(tmp_path):
         ([], "CERTIFIED", 0),
         (["--set", "a=1.5:2.5"], "CERTIFIED", 0),
         (["--shape", "half"], "REFUTED", 1),
+        (["--shape", "loops"], "DEGENERATE", 3),
         (["--shape", "nothing"], "DEGENERATE", 3),
         (["--revolve", "x"], "CERTIFIED", 0),
     ],
@@ -90,9 +91,25 @@ def test_the_same_picture_twice(model, tmp_path):
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 
+def test_a_threshold_is_a_bracket(model, tmp_path, capsys):
+    corner = tmp_path / "corner.rf"
+    corner.write_text("letter t = 1 in [0.2, 3]\nbounds x [-2, 2] y [-2, 2]\nomega = rfOR(1 - x^2 - y^2, y - t)")
+    arguments = ["verify", str(corner), "--threshold", "t", "--set", "t=0.5:1.5"]
+    assert main(arguments) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("t = 1 ")
+    assert "certified above" in text
+    assert main([*arguments, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["refuted"] <= 1 <= record["certified"] < record["refuted"] + 1e-2
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
+        ["verify", "skeleton", "--threshold", "q"],
+        ["verify", "skeleton", "--threshold", "a2", "-o", "report.png"],
+        ["verify", "skeleton", "--threshold", "a2", "--set", "a1=5:6"],
         ["verify", "skeleton", "-o", "report.doc"],
         ["verify", "skeleton", "-o", "nowhere/report.png"],
         ["verify", "skeleton", "--set", "a2=6:5", "-o", "report.png"],

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import json
+from collections.abc import Mapping
 
-from rsym.commands.options import Commands, add_command, add_model, add_revolve, load_shape, ranges
+from rsym.commands.options import Commands, add_command, add_model, add_revolve, load_shape, progress_bar, ranges
+from rsym.errors import RsymError
 
 # Exit codes of the design: proved, refuted, neither.
 CODES = {"CERTIFIED": 0, "REFUTED": 1, "DEGENERATE": 3, "UNDECIDED": 3}
@@ -23,20 +26,48 @@ def add(commands: Commands) -> None:
     add_revolve(parser)
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
     parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the verdict: .png, .svg or .pdf")
+    parser.add_argument(
+        "--threshold",
+        metavar="LETTER",
+        help="bracket instead the value of a letter where the verdict changes, between LOW and HIGH of its --set",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Verify, say what is proved, and answer with the exit code of the verdict."""
+    options.set, intervals = ranges(options.set, "--set")
+    if options.threshold is not None:
+        return _threshold(options, intervals)
     from rsym.output.pictures import picture_suffix, write_picture
     from rsym.output.verdicts import plot_verdict
     from rsym.verify.smoothness import verify_smoothness
 
     if options.output is not None:
         picture_suffix(options.output)
-    options.set, intervals = ranges(options.set, "--set")
     shape = load_shape(options)
-    report = verify_smoothness(shape, letters=intervals)
+    with progress_bar("box", "verifying") as progress:
+        report = verify_smoothness(shape, letters=intervals, progress=progress)
     if options.output is not None:
         write_picture(plot_verdict(report, shape), options.output)
     print(report.to_json() if options.json else report)
     return CODES[report.verdict]
+
+
+def _threshold(options: argparse.Namespace, intervals: Mapping[str, tuple[float, float]]) -> int:
+    """Bracket a letter; the exit code is 0, for both ends are proved."""
+    from dataclasses import asdict
+
+    from rsym.verify.threshold import smoothness_threshold
+
+    name = options.threshold
+    if options.output is not None or intervals.keys() - {name}:
+        raise RsymError(
+            "--threshold draws no picture, and no other letter can be a range",
+            code="options",
+            remedy=f"rsym verify MODEL --threshold {name} --set {name}=LOW:HIGH",
+        )
+    shape = load_shape(options)
+    with progress_bar("verdict", "bracketing") as progress:
+        found = smoothness_threshold(shape, name, between=intervals.get(name), progress=progress)
+    print(json.dumps(asdict(found), indent=2) if options.json else found)
+    return 0

@@ -121,10 +121,14 @@ def _ends(shape: Shape, name: str, between: tuple[Any, Any] | None) -> tuple[Fra
 def _scan(
     values: list[Fraction], start: Fraction, verdict: Callable[[Fraction], str]
 ) -> tuple[Fraction, Fraction] | None:
-    """(refuted, certified) for the neighbours nearest to the start that differ so."""
+    """(refuted, certified) for the decided neighbours nearest to the start that differ so.
+
+    At the threshold itself, which may well be a round number, the verdict is often neither.
+    """
     known: dict[Fraction, str] = {}
     for value in sorted(values, key=lambda value: abs(value - start)):
-        known[value] = verdict(value)
+        if (word := verdict(value)) in {REFUTED, CERTIFIED}:
+            known[value] = word
         for first, second in pairwise(sorted(known)):
             if {known[first], known[second]} == {REFUTED, CERTIFIED}:
                 return (first, second) if known[first] == REFUTED else (second, first)

@@ -149,9 +149,13 @@ def measured(value: float, error: float) -> str:
     --------
     >>> measured(144.8117269, 2.3e-4), measured(144.811726903428, 1e-23), measured(1.0, math.nan)
     ('144.8117 ± 0.0003', '144.811726903', '1')
+    >>> measured(-1e-25, 5e-25)
+    '0 ± 6e-25'
     """
     if not math.isfinite(error) or error <= significant(value):
         return number(value)
+    if abs(value) <= error:
+        return f"0 ± {rounded_up(abs(value) + error, 1)}"
     places = max(0, -math.floor(math.log10(error)))
     return f"{value:.{places}f} ± {rounded_up(error + 0.5 * 10.0**-places, 1)}"
 
