@@ -17,8 +17,9 @@ from rsym.verify.locus import NONE, Locus, reduce
 from rsym.verify.report import Joint
 from rsym.verify.resolution import contact
 
-# A joint on a side of a box lies inside the box grown by this share of its width.
+# A joint on a side of a box lies inside the box grown by this share of its width; where letters range, it moves.
 GROWN = 0.25
+GROWN_FOR_RANGES = 1.5
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,8 @@ def square_roots(builder: Builder, number: int) -> list[int]:
 
 
 def _grown(local: Local) -> Local:
-    sides = [side + arb(0, GROWN * 2) * arb(side.rad()) for side in local.sides[:2]]
+    share = GROWN if len(local.sides) == 2 else GROWN_FOR_RANGES
+    sides = [side + arb(0, share * 2) * arb(side.rad()) for side in local.sides[:2]]
     return local.model.on([*sides, *local.sides[2:]])
 
 
