@@ -280,6 +280,16 @@ def test_letters_are_numbers_or_intervals():
     assert bounds_of(expression, *point, letters=letters, ranges=[(2, 3)]) == INFINITE
 
 
+def test_ranges_of_letters_may_differ_from_box_to_box():
+    """Also those of a parameter of an R-operation: on f = g = 1 a conjunction is 2/(2 + sqrt(2 - 2 alpha))."""
+    shape = rsym.Shape(rsym.conjunction(x, y, system=RAlpha(a)), (x, y), letters={a: 1})
+    program = program_of(shape, ("value",)).varying(["a"])
+    ends = np.array([0.0, 0.5, 0.5]), np.array([0.5, 0.5, 1.0])
+    lower, upper = IntervalFunction(program, "numpy")([1.0, 1.0, ends[0]], [1.0, 1.0, ends[1]])["value"]
+    for bound, alpha in zip((lower, upper), ends, strict=True):
+        assert_close(bound, 2 / (2 + np.sqrt(2 - 2 * alpha)), atol=1e-13)
+
+
 def arithmetic_program():
     """Without sin, cos, exp, log, pow, atan2."""
     tree = rsym.disjunction(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
@@ -62,6 +62,19 @@ class Program:
             words += [] if node.data is None else [str(node.data)]
             lines.append(f"v{number} = {' '.join(words)}")
         return "\n".join(lines + [f"{name} = v{number}" for name, number in self.outputs])
+
+    def varying(self, names: Sequence[str]) -> Program:
+        """The same program with these letters varying from point to point, after the coordinates.
+
+        An R-operation takes its parameter from a letter; a range of letters may differ from box to box all the same.
+
+        Examples
+        --------
+        >>> Program((Node("input", (), "a"),), ("x",), ("a", "b"), (("value", 0),)).varying(["b"]).coordinates
+        ('x', 'b')
+        """
+        letters = tuple(name for name in self.letters if name not in names)
+        return replace(self, coordinates=(*self.coordinates, *names), letters=letters)
 
     @cached_property
     def digest(self) -> str:
