@@ -42,6 +42,8 @@ from .sampling.curvatures import vertex_curvatures
 from .sampling.mesh import Mesh
 from .sampling.meshing import mesh
 from .sampling.sections import Section, sections
+from .verify.normalisation import verify_normalisation
+from .verify.normalisation_report import NormalisationReport
 
 __all__ = [
     "R0",
@@ -51,6 +53,7 @@ __all__ = [
     "Letter",
     "LevelLines",
     "Mesh",
+    "NormalisationReport",
     "R0m",
     "RAlpha",
     "Rp",
@@ -99,6 +102,7 @@ __all__ = [
     "sections",
     "source",
     "trimming",
+    "verify_normalisation",
     "vertex_curvatures",
     "write",
     "write_sections",
