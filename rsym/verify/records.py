@@ -40,19 +40,19 @@ def report_json(report: SmoothnessReport, *, boxes: bool = False) -> str:
     """
     cover = report.cover
     kinds = {"certified": cover.certified, "joined": cover.joined, "undecided": cover.undecided}
-    listed = {name: _plain(found) for name, found in kinds.items() if boxes or name == "undecided"}
+    listed = {name: plain(found) for name, found in kinds.items() if boxes or name == "undecided"}
     record = {
         "format": FORMAT,
         "version": VERSION,
         "verdict": report.verdict,
         "continuity": report.continuity,
         "body_of_revolution": report.body,
-        "letters": {name: _plain(ends) for name, ends in report.letters.items()},
-        "curvature_bound": _plain(report.curvature_bound),
+        "letters": {name: plain(ends) for name, ends in report.letters.items()},
+        "curvature_bound": plain(report.curvature_bound),
         "defects": [_joint(joint) for joint in report.defects],
         "joints": [_joint(joint) for joint in report.joints],
         "statements": [{"text": sentence, "proved": proved} for sentence, proved in report.statements],
-        "bounds": _plain(cover.bounds),
+        "bounds": plain(cover.bounds),
         "boxes_examined": cover.examined,
         "boxes_counted": {name: len(found) for name, found in kinds.items()},
         "boxes": listed,
@@ -61,13 +61,13 @@ def report_json(report: SmoothnessReport, *, boxes: bool = False) -> str:
 
 
 def _joint(joint: Joint) -> dict[str, Any]:
-    return {part.name: _plain(getattr(joint, part.name)) for part in fields(joint)}
+    return {part.name: plain(getattr(joint, part.name)) for part in fields(joint)}
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Lists for arrays and tuples; null for what is not finite."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
