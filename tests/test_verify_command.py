@@ -97,7 +97,7 @@ def test_a_threshold_is_a_bracket(model, tmp_path, capsys):
     arguments = ["verify", str(corner), "--threshold", "t", "--set", "t=0.5:1.5"]
     assert main(arguments) == 0
     text = capsys.readouterr().out
-    assert text.startswith("t = 1 ")
+    assert abs(float(text.split()[2]) - 1) < 1e-4
     assert "certified above" in text
     assert main([*arguments, "--json"]) == 0
     record = json.loads(capsys.readouterr().out)

@@ -23,6 +23,11 @@ class Threshold:
     """The bracket: the verdict is REFUTED at `refuted` and CERTIFIED at `certified`, both proved.
 
     Between them nothing is said; `trials` are the values tried, with their verdicts, in order.
+
+    Examples
+    --------
+    >>> print(Threshold("a2", 5.3076, 5.3078, ((5.3, "REFUTED"), (5.35, "CERTIFIED"))))
+    a2 = 5.3077 (between 5.3076 and 5.3078): certified above, refuted on the other side; 2 values tried
     """
 
     letter: str
