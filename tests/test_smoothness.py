@@ -73,11 +73,10 @@ def test_a_range_of_letters_is_certified_for_every_value():
 
 
 def test_a_range_across_the_threshold_is_refuted():
-    report = rsym.verify_smoothness(PAPER, letters={"a2": (5.25, 5.3)}, budget=4000)
+    report = rsym.verify_smoothness(PAPER, letters={"a2": (5.25, 5.35)}, budget=3000)
     assert report.verdict == "REFUTED"
     assert report.defects[0].continuity == "G0"
-    low, high = ((-(2.7 - a) - math.sqrt((8 + a) ** 2 - 16)) / 2 for a in (0, 0)) if False else (-5.05, -4.94)
-    assert low < report.defects[0].point[0] < high
+    assert -5.05 < report.defects[0].point[0] < -4.94
 
 
 def test_the_threshold_of_the_paper_s_body():
@@ -130,7 +129,7 @@ def test_a_kink_of_omega_need_not_be_one_of_the_boundary():
     assert 1 <= report.curvature_bound < 1.1
 
 
-@pytest.mark.parametrize("factor", [x**2 + y**2, x**2 + y**4, sp.exp(x), 2 + sp.Max(x, y)])
+@pytest.mark.parametrize("factor", [x**2 + y**2, x**2 + y**4, sp.exp(x), 3 + sp.Max(x, y)])
 def test_a_smooth_omega_does_not_heal_a_corner(factor):
     report = verdict(factor * conjunction(x, y))
     assert (report.verdict, report.continuity) == ("REFUTED", "G0")
@@ -142,16 +141,11 @@ def test_a_smooth_omega_does_not_heal_a_corner(factor):
 def test_corners_of_every_system(system):
     """Two discs of radius 1 at distance 1 meet in (0, +-sqrt(3)/2) at 60 degrees."""
     left, right = 1 - (x + Q(1, 2)) ** 2 - y**2, 1 - (x - Q(1, 2)) ** 2 - y**2
-    for operation, turn in ((rsym.conjunction, 120), (rsym.disjunction, 60)):
+    for operation in (rsym.conjunction, rsym.disjunction):
         report = verdict(operation(left, right, system=system))
         assert report.verdict == "REFUTED"
         assert points(report) == [(0, round(-math.sqrt(3) / 2, 9)), (0, round(math.sqrt(3) / 2, 9))]
-        assert_close(
-            [defect.tangent_jump for defect in report.defects],
-            120 if operation is rsym.conjunction else 120,
-            atol=1e-10,
-        )
-        assert turn
+        assert_close([defect.tangent_jump for defect in report.defects], [60, 60], atol=1e-10)
 
 
 def test_level_of_a_conjunction_is_smooth():
@@ -176,9 +170,11 @@ def test_singular_points_of_polynomials_are_proved(expression, answer, kind, bra
     assert (defect.point, defect.kind, defect.branches, defect.proved) == ((0, 0), kind, branches, True)
 
 
-@pytest.mark.parametrize("expression", [-((x**2 + y**2 - 1) ** 2), abs(DISC), -1 - x**2, rsym.trimming(y, 1 - x**2)])
-def test_what_has_no_boundary_to_speak_of_is_degenerate(expression):
-    assert verdict(expression).verdict in {"DEGENERATE"} if expression != rsym.trimming(y, 1 - x**2) else True
+@pytest.mark.parametrize("expression", [-((x**2 + y**2 - 1) ** 2), abs(DISC), -(sp.Abs(DISC) ** 3)])
+def test_a_zero_without_a_change_of_sign_is_degenerate(expression):
+    report = verdict(expression)
+    assert (report.verdict, report.continuity) == ("DEGENERATE", "broken")
+    assert ("omega is zero on a curve without changing its sign", True) in report.statements
 
 
 def test_no_boundary_is_degenerate():
@@ -188,10 +184,11 @@ def test_no_boundary_is_degenerate():
 
 
 def test_numerical_findings_are_called_so():
-    """Two discs that touch: nothing is proved, so nothing is refuted."""
-    report = verdict(disjunction(1 - (x - 1) ** 2 - y**2, 1 - (x + 1) ** 2 - y**2))
+    """Two discs that touch: nothing is proved of the point, so nothing is refuted."""
+    report = verdict(disjunction(1 - (x - 1) ** 2 - y**2, 1 - (x + 1) ** 2 - y**2), ((-2.5, 2.5), (-1.5, 1.5)))
     assert report.verdict == "DEGENERATE"
-    assert not any(defect.proved for defect in report.defects if defect.kind == "node")
+    (node,) = report.defects
+    assert (node.point, node.kind, node.branches, node.proved) == ((0, 0), "node", 4, False)
 
 
 def test_an_exhausted_budget_leaves_boxes_undecided():
@@ -221,14 +218,16 @@ def test_a_capsule_has_two_circles_of_jumps():
     report = rsym.verify_smoothness(rsym.revolve(stadium))
     assert (report.verdict, report.continuity) == ("REFUTED", "G1")
     assert points(report) == [(-1, 0.5), (1, 0.5)]
-    assert_close([defect.curvature_jump for defect in report.defects], 2, atol=1e-12)
+    assert_close([defect.curvature_jump for defect in report.defects], [2, 2], atol=1e-12)
 
 
 def test_an_even_meridian_may_revolve_into_a_cone():
     report = body(1 - RADIUS - x**2)
     assert (report.verdict, report.continuity) == ("REFUTED", "G0")
     assert points(report) == [(-1, 0), (1, 0)]
-    assert_close([defect.tangent_jump for defect in report.defects], 180 - 2 * math.degrees(math.atan(2)), atol=1e-9)
+    assert_close(
+        [defect.tangent_jump for defect in report.defects], [180 - 2 * math.degrees(math.atan(2))] * 2, atol=1e-9
+    )
     assert report.curvature_bound == math.inf
 
 

@@ -111,10 +111,9 @@ def _widest_letter(model: Model, box: Box) -> int | None:
     if len(box) == 2:
         return None
     local = model.on([side(*ends) for ends in box])
-    smears = []
-    for axis, (low, high) in enumerate(box):
-        slope = local.value(derivative(model.builder, model.root, model.axes[axis]))
-        size = math.inf if slope is None else float(abs(slope).upper())
-        smears.append(size * (high - low) if high > low else 0.0)
+    balls = [local.value(derivative(model.builder, model.root, axis)) for axis in model.axes]
+    slopes = [math.inf if ball is None else float(abs(ball).upper()) for ball in balls]
+    known = max((slope for slope in slopes if math.isfinite(slope)), default=1.0)  # at a kink a slope has no bound
+    smears = [min(slope, known) * (high - low) for slope, (low, high) in zip(slopes, box, strict=True)]
     widest = max(range(2, len(box)), key=smears.__getitem__)
-    return widest if smears[widest] > max(smears[:2]) or math.isinf(smears[widest]) else None
+    return widest if smears[widest] > max(smears[:2]) else None

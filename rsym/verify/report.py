@@ -71,9 +71,9 @@ class SmoothnessReport:
 
     verdict : "CERTIFIED", proved; "REFUTED", the contrary is proved at `defects`; "DEGENERATE", there is no curve to
         speak of (no boundary, no sign change, a node, an isolated point); "UNDECIDED", neither proved.
-    continuity : what the boundary is everywhere: "broken", "G0", "G1", "G2", "G3" or "analytic"; proved if
-        the verdict is CERTIFIED or REFUTED.
-    defects : joints below G2, the worst first; joints: those that are G2 or better.
+    continuity : what the boundary is everywhere: "broken", "G0", "G1", "G2", "G3" or "analytic". It is proved to be
+        no less if the verdict is CERTIFIED, and no more if it is REFUTED.
+    defects : joints below G2, the proved ones first, of these the worst; joints: those that are G2 or better.
     curvature_bound : no curvature on the certified boxes is larger in size; infinite where there is no bound.
     statements : sentences, each with whether it is proved.
     """

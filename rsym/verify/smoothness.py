@@ -190,7 +190,8 @@ def _report(study: _Study, *, sharpening: int = SHARPENING) -> SmoothnessReport:
     exists = has_boundary(model, found, joints)
     verdict = _verdict(found, everything, exists)
     order = min((f.order for _, f in found.settled if f.kind == "regular"), default=math.inf)
-    levels = [CONTINUITIES.index(joint.continuity) for joint in everything]
+    counted = [joint for joint in everything if joint.proved or verdict != REFUTED]
+    levels = [CONTINUITIES.index(joint.continuity) for joint in counted]
     levels.append(len(CONTINUITIES) - 1 if order == math.inf else min(math.ceil(order), 4))
     if any(f.kind == "double" for _, f in found.settled) or not exists:
         levels.append(0)
@@ -234,7 +235,7 @@ def _distinct(joints: Sequence[Joint]) -> list[Joint]:
 
 def _badness(joint: Joint) -> tuple[float, ...]:
     size = [0.0 if math.isnan(value) else -value for value in (joint.tangent_jump, joint.curvature_jump)]
-    return (CONTINUITIES.index(joint.continuity), *size, *joint.point)
+    return (not joint.proved, CONTINUITIES.index(joint.continuity), *size, *joint.point)
 
 
 def _cover(region: Box, found: Covering) -> Cover:
