@@ -42,12 +42,16 @@ from .sampling.curvatures import vertex_curvatures
 from .sampling.mesh import Mesh
 from .sampling.meshing import mesh
 from .sampling.sections import Section, sections
+from .verify.continuity import ContinuityReport, continuity
+from .verify.curves import Curve
 from .verify.smoothness import verify_smoothness
 
 __all__ = [
     "R0",
     "R1",
     "SIX",
+    "ContinuityReport",
+    "Curve",
     "Kernel",
     "Letter",
     "LevelLines",
@@ -61,6 +65,7 @@ __all__ = [
     "Shape",
     "compile",
     "conjunction",
+    "continuity",
     "curvature",
     "difference",
     "disjunction",
