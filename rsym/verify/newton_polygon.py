@@ -19,8 +19,7 @@ def classify_polynomial(
     """The kind of point that w = 0 has at an exact rational point, w a polynomial with rational coefficients.
 
     w is moved to the origin and split into square-free factors; those of odd multiplicity change their sign across
-    their zeros, those of even multiplicity do not. The half-branches of both are found by Newton's polygon
-    (`half_branches`):
+    their zeros, those of even multiplicity do not. Newton's polygon (`half_branches`) finds the half-branches of both:
 
     - none: an isolated point; none with a change of sign: "no sign change"; three or more: a node;
     - two: by Puiseux's theorem they are the two halves t > 0 and t < 0 of one real branch (t^n, psi(t)), so they lie
