@@ -55,73 +55,83 @@ class NormalCover:
 
 def feasible_order(derivatives: NormalDerivatives) -> int:
     """The greatest order whose deviations are small enough to be bounded on boxes."""
-    return sum(cost <= LARGEST for cost in derivatives.costs)
+    orders = range(1, len(derivatives.deviations) + 1)
+    return next((order - 1 for order in orders if derivatives.cost(order) > LARGEST), len(orders))
 
 
 def cover_boundary(
-    derivatives: NormalDerivatives, bounds: Box, *, tolerance: float, smallest: float, budget: int
+    derivatives: NormalDerivatives, bounds: Box, *, tolerance: float, smallest: float, work: float
 ) -> NormalCover:
     """Subdivide until every box is free of the boundary, has bounds below the tolerance, or is too small.
 
-    `budget` limits the number of boxes that are examined.
+    `work` limits the number of boxes times nodes.
     """
     enclosure = Enclosure(derivatives, feasible_order(derivatives))
     region = np.array(bounds, np.float64)
     extent = float((region[:, 1] - region[:, 0]).max())
     boxes, analytic, examined = halves(region[None], OFF_CENTRE), np.zeros(2 ** len(region), bool), 0
     limits, covered, uncovered = np.zeros(enclosure.order), [region[None][:0]], [region[None][:0]]
-    while len(boxes) and examined + len(boxes) <= budget:
+    while len(boxes) and work > 0:
         examined += len(boxes)
+        work -= len(boxes) * enclosure.level_cost
         width = float((boxes[:, :, 1] - boxes[:, :, 0]).max())
-        whole = enclosure.on(boxes)
-        kept = ~excludes_zero(whole["level"])
+        kept = ~enclosure.is_free(boxes)
         boxes, analytic = boxes[kept], analytic[kept]
-        settled = np.zeros(len(boxes), bool)
-        if width * COARSEST <= extent and len(boxes):
+        if width * COARSEST <= extent:
             analytic = _analytic(derivatives, boxes, analytic)
-            found = enclosure.deviations(boxes, {name: (a[kept], b[kept]) for name, (a, b) in whole.items()})
-            settled = analytic & (found <= tolerance).all(axis=1)
-            limits = np.maximum(limits, found[settled].max(axis=0, initial=0.0))
-            covered.append(boxes[settled])
-        boxes, analytic = boxes[~settled], analytic[~settled]
+            work -= 2 * analytic.sum() * enclosure.cost
+            if work > 0:
+                found = np.full((len(boxes), enclosure.order), math.inf)
+                found[analytic] = enclosure.deviations(boxes[analytic])
+                settled = (found <= tolerance).all(axis=1)
+                limits = np.maximum(limits, found[settled].max(axis=0, initial=0.0))
+                covered.append(boxes[settled])
+                boxes, analytic = boxes[~settled], analytic[~settled]
         if width <= smallest:
             uncovered.append(boxes)
             boxes = boxes[:0]
-        boxes, analytic = halves(boxes, 0.5), np.repeat(analytic, 2 ** len(region))
-    return NormalCover(
-        list(map(float, limits)), np.concatenate(covered), np.concatenate([*uncovered, boxes]), examined, len(boxes) > 0
-    )
+        if work > 0:
+            boxes, analytic = halves(boxes, 0.5), np.repeat(analytic, 2 ** len(region))
+    left = np.concatenate([*uncovered, boxes])
+    return NormalCover(list(map(float, limits)), np.concatenate(covered), left, examined, len(boxes) > 0)
 
 
 class Enclosure:
     """Bounds over boxes of what the mean value forms need."""
 
     def __init__(self, derivatives: NormalDerivatives, order: int) -> None:
-        self.size, self.order = derivatives.size, order
+        builder = derivatives.model.builder
+        self.size, self.order, self.cost = derivatives.size, order, derivatives.cost(order)
+        level = builder.program({"level": level_node(builder, derivatives.model.root)})
+        self.level_cost = len(level)
         outputs = {"value": derivatives.model.root, "squared": derivatives.squared}
-        outputs["level"] = level_node(derivatives.model.builder, derivatives.model.root)
         outputs |= {f"gradient_{axis}": node for axis, node in enumerate(derivatives.gradient)}
         for k in range(order):
             outputs[f"deviation_{k}"] = derivatives.deviations[k]
-            outputs |= {f"slope_{k}_{axis}": node for axis, node in enumerate(derivatives.slopes[k])}
-        small = not order or derivatives.costs[order - 1] <= COMPILED
+            outputs |= {f"slope_{k}_{axis}": node for axis, node in enumerate(derivatives.slopes(k))}
         self._letters = derivatives.model.letters
+        self._level = IntervalFunction(level)
         self._function = IntervalFunction(
-            derivatives.model.builder.program(outputs), default_backend() if small else "numpy"
+            builder.program(outputs), default_backend() if self.cost <= COMPILED else "numpy"
         )
 
-    def on(self, boxes: Array) -> Bounds:
-        """Over boxes (n, dim, 2)."""
-        return self._function(list(boxes[:, :, 0].T), list(boxes[:, :, 1].T), self._letters)
+    def is_free(self, boxes: Array) -> NDArray[np.bool_]:
+        """On which boxes (n, dim, 2) omega is certainly nowhere zero."""
+        lower, upper = self._on(self._level, boxes)["level"]
+        found: NDArray[np.bool_] = (lower > 0) | (upper < 0)
+        return found
 
-    def deviations(self, boxes: Array, whole: Bounds) -> Array:
-        """Bounds of the deviations on the boundary in each box on which omega is analytic, (n, order)."""
+    def _on(self, function: IntervalFunction, boxes: Array) -> Bounds:
+        return function(list(boxes[:, :, 0].T), list(boxes[:, :, 1].T), self._letters)
+
+    def deviations(self, boxes: Array) -> Array:
+        """Bounds of the deviations on the boundary in boxes on which omega is analytic, (n, order)."""
         middle = boxes.mean(axis=2)
         reach = np.maximum(boxes[:, :, 1] - middle, middle - boxes[:, :, 0])
-        at = self.on(np.repeat(middle[:, :, None], 2, axis=2))
+        whole = self._on(self._function, boxes)
+        at = self._on(self._function, np.repeat(middle[:, :, None], 2, axis=2))
         with np.errstate(all="ignore"):
-            columns = [self._deviation(k, reach, whole, at) for k in range(self.order)]
-        found = np.stack(columns, axis=1) if columns else np.empty((len(boxes), 0))
+            found = np.stack([self._deviation(k, reach, whole, at) for k in range(self.order)], axis=1)
         return np.where(np.isnan(found) | (whole["squared"][0] <= 0)[:, None], math.inf, found)
 
     def _deviation(self, k: int, reach: Array, whole: Bounds, at: Bounds) -> Array:
@@ -154,12 +164,6 @@ def difference(first: tuple[Array, Array], multiple: Array, second: tuple[Array,
     low, high = first[0] - np.maximum(*ends), first[1] - np.minimum(*ends)
     sizes = np.maximum(np.abs(first[0]), np.abs(first[1])) + np.maximum(np.abs(ends[0]), np.abs(ends[1]))
     return np.maximum(np.abs(low), np.abs(high)), sizes
-
-
-def excludes_zero(bounds: tuple[Array, Array]) -> NDArray[np.bool_]:
-    """Which intervals do not hold zero."""
-    found: NDArray[np.bool_] = (bounds[0] > 0) | (bounds[1] < 0)
-    return found
 
 
 def level_node(builder: Builder, number: int) -> int:

@@ -25,6 +25,7 @@ from rsym.verify.local import Model
 
 # Points at once: the interpreter keeps every node, which for a program of 100 000 is 0.2 GB.
 BLOCK = 256
+MANY = 10_000  # nodes that nobody wants to differentiate once more
 
 
 class NormalDerivatives:
@@ -45,18 +46,18 @@ class NormalDerivatives:
             scale = builder.powi(self.squared, k // 2)
             self.deviations.append(builder.div(share, builder.mul(scale, root) if k % 2 else scale))
 
-    @cached_property
-    def slopes(self) -> list[list[int]]:
-        """The gradients of the deviations."""
+    def slopes(self, k: int) -> list[int]:
+        """The gradient of the deviation of order k + 1."""
         builder = self.model.builder
-        return [[derivative(builder, node, name) for name in builder.coordinates] for node in self.deviations]
+        return [derivative(builder, self.deviations[k], name) for name in builder.coordinates]
 
-    @cached_property
-    def costs(self) -> list[int]:
-        """How many nodes the deviations up to each order and their gradients need."""
-        rows = [[node, *slopes] for node, slopes in zip(self.deviations, self.slopes, strict=True)]
+    def cost(self, order: int) -> int:
+        """How many nodes the deviations up to an order and their gradients need; without gradients if they are many."""
         nodes = self.model.builder.nodes
-        return [len(live(nodes, [node for row in rows[: k + 1] for node in row])) for k in range(len(rows))]
+        plain = len(live(nodes, self.deviations[:order]))
+        if plain > MANY:
+            return plain
+        return len(live(nodes, [node for k in range(order) for node in (self.deviations[k], *self.slopes(k))]))
 
     @cached_property
     def program(self) -> Program:

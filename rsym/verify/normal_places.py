@@ -8,6 +8,7 @@ import numpy as np
 from flint import arb, ctx
 from numpy.typing import NDArray
 
+from rsym.verify.covering import Box
 from rsym.verify.generators import generators
 from rsym.verify.local import Local
 from rsym.verify.normal_derivatives import NormalDerivatives
@@ -39,7 +40,9 @@ def onto_boundary(
     return moved, (length <= ON_BOUNDARY * cell) & (np.linalg.norm(moved - points, axis=1) <= 2 * cell)
 
 
-def zoomed(derivatives: NormalDerivatives, start: NDArray[np.float64], k: int, cell: float) -> NDArray[np.float64]:
+def zoomed(
+    derivatives: NormalDerivatives, start: NDArray[np.float64], k: int, cell: float, bounds: Box
+) -> NDArray[np.float64]:
     """A point of the boundary near `start` at which the deviation of order k + 1 is larger, by ever finer samples."""
     best, radius = start, cell
     grid = np.linspace(-1, 1, 33 if len(start) == 2 else 9)
@@ -48,21 +51,30 @@ def zoomed(derivatives: NormalDerivatives, start: NDArray[np.float64], k: int, c
         normal = derivatives.at(best[None]).normals[0]
         tangents = np.linalg.svd(normal[None])[2][1:]
         moved, arrived = onto_boundary(derivatives, best + radius * offsets @ tangents, cell)
-        moved = np.vstack([best, moved[arrived]])
+        moved = np.vstack([best, moved[arrived & inside(moved, bounds)]])
         found = derivatives.at(moved)
         sizes = np.where(found.regular, np.abs(found.deviations[:, k]), -np.inf)
         best, radius = moved[int(np.argmax(sizes))], radius / ZOOM
     return best
 
 
-def enclosed(derivatives: NormalDerivatives, point: Sequence[float], k: int, extent: float) -> NormalDerivative:
+def inside(points: NDArray[np.float64], bounds: Box) -> NDArray[np.bool_]:
+    """Which points lie within the bounds and not on their edge."""
+    box = np.array(bounds)
+    edge = ON_BOUNDARY * (box[:, 1] - box[:, 0])
+    found: NDArray[np.bool_] = ((points > box[:, 0] + edge) & (points < box[:, 1] - edge)).all(axis=1)
+    return found
+
+
+def enclosed(derivatives: NormalDerivatives, point: Sequence[float], k: int, bounds: Box) -> NormalDerivative:
     """The deviation of order k + 1 at a point of the boundary near `point`, with high precision.
 
-    It is proved where omega is analytic on a small box and certainly changes its sign along a segment in it: by the
-    intermediate value theorem there is a point of the boundary on the segment, and the ball of the deviation over
-    the box holds the value there.
+    It is proved where omega is analytic on a small box within the bounds and certainly changes its sign along a
+    segment in it: by the intermediate value theorem there is a point of the boundary on the segment, and the ball
+    of the deviation over the box holds the value there.
     """
     model = derivatives.model
+    extent = max(high - low for low, high in bounds)
     with ctx.workprec(PRECISION):
         middle = _refined(derivatives, [arb(float(c)) for c in point])
         normal = _gradient(derivatives, model.on(middle))
@@ -72,7 +84,8 @@ def enclosed(derivatives: NormalDerivatives, point: Sequence[float], k: int, ext
         outer = [c - step for c, step in zip(middle, reach, strict=True)]
         box = model.on([a.union(b) for a, b in zip(inner, outer, strict=True)])
         crosses = model.on(inner).sign(model.root) > 0 > model.on(outer).sign(model.root)
-        proved = crosses and generators(box, model.root).analytic and box.sign(derivatives.squared) > 0
+        within = all(low <= edge <= high for edge, (low, high) in zip(box.sides, bounds, strict=True))
+        proved = within and crosses and generators(box, model.root).analytic and box.sign(derivatives.squared) > 0
         value = box.value(derivatives.deviations[k])
         if value is None or not value.is_finite():
             value, proved = arb(float(derivatives.at(np.array([point])).deviations[0, k])), False

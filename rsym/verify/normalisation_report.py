@@ -84,9 +84,9 @@ class NormalisationReport:
             "statements": [{"text": text, "proved": proved} for text, proved in self.statements],
             "boxes_examined": self.examined,
             "boxes_counted": {"covered": len(self.covered), "uncovered": len(self.uncovered)},
-            "uncovered": plain(self.uncovered),
         }
-        return json.dumps(record | ({"covered": plain(self.covered)} if boxes else {}), indent=2, allow_nan=False)
+        lists = {"covered": plain(self.covered), "uncovered": plain(self.uncovered)} if boxes else {}
+        return json.dumps(record | lists, indent=2, allow_nan=False)
 
     def _repr_html_(self) -> str:
         sign, colour = SIGNS[self.verdict]
