@@ -42,13 +42,10 @@ from .sampling.curvatures import vertex_curvatures
 from .sampling.mesh import Mesh
 from .sampling.meshing import mesh
 from .sampling.sections import Section, sections
-<<<<<<< HEAD
-from .verify.smoothness import verify_smoothness
-from .verify.threshold import Threshold, smoothness_threshold
-=======
 from .verify.normalisation import verify_normalisation
 from .verify.normalisation_report import NormalisationReport
->>>>>>> 6c84ed832fbd2c5f8cbe6a1a1b5b152fe484a8ae
+from .verify.smoothness import verify_smoothness
+from .verify.threshold import Threshold, smoothness_threshold
 
 __all__ = [
     "R0",
@@ -109,11 +106,8 @@ __all__ = [
     "smoothness_threshold",
     "source",
     "trimming",
-<<<<<<< HEAD
-    "verify_smoothness",
-=======
     "verify_normalisation",
->>>>>>> 6c84ed832fbd2c5f8cbe6a1a1b5b152fe484a8ae
+    "verify_smoothness",
     "vertex_curvatures",
     "write",
     "write_sections",

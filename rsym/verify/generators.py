@@ -72,15 +72,10 @@ def generators(local: Local, number: int) -> Generators:
 def is_analytic_at(local: Local, number: int) -> bool:
     """Whether an operation is analytic at all arguments that it takes on the box."""
     operation, arguments, _ = local.model.builder.nodes[number]
-<<<<<<< HEAD
     if operation in _ENTIRE:
         return True
     if operation == "undefined":
         return False
-=======
-    if operation in _ENTIRE or operation == "undefined":
-        return operation != "undefined"
->>>>>>> 6c84ed832fbd2c5f8cbe6a1a1b5b152fe484a8ae
     if operation in {"abs", "div", "min", "max", "select", "sign"}:
         tested = arguments[1] if operation == "div" else switch_of(local.model.builder, number)
         return local.nonzero(tested) and is_defined(local, tested)
