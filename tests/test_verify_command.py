@@ -104,9 +104,26 @@ def test_a_threshold_is_a_bracket(model, tmp_path, capsys):
     assert record["refuted"] <= 1 <= record["certified"] < record["refuted"] + 1e-2
 
 
+def test_normalisation_has_its_own_verdict(tmp_path, capsys):
+    disc = tmp_path / "disc.rf"
+    disc.write_text(
+        "coordinates x y\nbounds x [-2, 2] y [-2, 2]\nhalf = (1 - x^2 - y^2)/2\n"
+        "far = 1 - sqrt(x^2 + y^2)\nomega = 1 - x^2 - y^2"
+    )
+    assert main(["verify", str(disc), "--normalisation", "1"]) == 1
+    assert main(["verify", str(disc), "--normalisation", "1", "--shape", "half"]) == 0
+    assert main(["verify", str(disc), "--normalisation", "2", "--shape", "half"]) == 1
+    capsys.readouterr()
+    assert main(["verify", str(disc), "--normalisation", "2", "--shape", "far", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["order"] == 2
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
+        ["verify", "skeleton", "--normalisation", "0"],
+        ["verify", "skeleton", "--normalisation", "1", "--set", "a2=5:6"],
+        ["verify", "skeleton", "--normalisation", "1", "-o", "report.png"],
         ["verify", "skeleton", "--threshold", "q"],
         ["verify", "skeleton", "--threshold", "a2", "-o", "report.png"],
         ["verify", "skeleton", "--threshold", "a2", "--set", "a1=5:6"],
@@ -132,7 +149,15 @@ def test_refused_input_is_code_1_with_one_line_and_no_file(arguments, tmp_path, 
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("arguments", [[], ["skeleton", "--json", "x.json"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["skeleton", "--json", "x.json"],
+        ["skeleton", "--normalisation", "two"],
+        ["skeleton", "--normalisation", "1", "--threshold", "a2"],
+    ],
+)
 def test_wrong_usage_is_code_2(arguments):
     with pytest.raises(SystemExit) as caught:
         main(["verify", *arguments])

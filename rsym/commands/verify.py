@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from rsym.commands.options import Commands, add_command, add_model, add_revolve, load_shape, progress_bar, ranges
 from rsym.errors import RsymError
@@ -26,7 +26,14 @@ def add(commands: Commands) -> None:
     add_revolve(parser)
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
     parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the verdict: .png, .svg or .pdf")
-    parser.add_argument(
+    instead = parser.add_mutually_exclusive_group()
+    instead.add_argument(
+        "--normalisation",
+        type=int,
+        metavar="ORDER",
+        help="verify instead that omega is normalised to this order on the boundary",
+    )
+    instead.add_argument(
         "--threshold",
         metavar="LETTER",
         help="bracket instead the value of a letter where the verdict changes, between LOW and HIGH of its --set",
@@ -38,6 +45,8 @@ def run(options: argparse.Namespace) -> int:
     options.set, intervals = ranges(options.set, "--set")
     if options.threshold is not None:
         return _threshold(options, intervals)
+    if options.normalisation is not None:
+        return _normalisation(options, intervals)
     from rsym.output.pictures import picture_suffix, write_picture
     from rsym.output.verdicts import plot_verdict
     from rsym.verify.smoothness import verify_smoothness
@@ -60,14 +69,26 @@ def _threshold(options: argparse.Namespace, intervals: Mapping[str, tuple[float,
     from rsym.verify.threshold import smoothness_threshold
 
     name = options.threshold
-    if options.output is not None or intervals.keys() - {name}:
-        raise RsymError(
-            "--threshold draws no picture, and no other letter can be a range",
-            code="options",
-            remedy=f"rsym verify MODEL --threshold {name} --set {name}=LOW:HIGH",
-        )
+    _refuse(options, "--threshold", intervals.keys() - {name})
     shape = load_shape(options)
     with progress_bar("verdict", "bracketing") as progress:
         found = smoothness_threshold(shape, name, between=intervals.get(name), progress=progress)
     print(json.dumps(asdict(found), indent=2) if options.json else found)
     return 0
+
+
+def _normalisation(options: argparse.Namespace, intervals: Mapping[str, tuple[float, float]]) -> int:
+    """Verify the derivatives along the normal."""
+    from rsym.verify.normalisation import verify_normalisation
+
+    _refuse(options, "--normalisation", intervals.keys())
+    report = verify_normalisation(load_shape(options), options.normalisation)
+    print(report.to_json() if options.json else report)
+    return CODES[report.verdict]
+
+
+def _refuse(options: argparse.Namespace, question: str, ranged: Collection[str]) -> None:
+    """What only the verdict on smoothness can do."""
+    if options.output is not None or ranged:
+        what = "a range of " + ", ".join(sorted(ranged)) if ranged else "a picture"
+        raise RsymError(f"{question} does not go with {what}", code="options", remedy=f"leave out {what}")
