@@ -17,6 +17,8 @@ from rsym.codegen.system_rules import SYSTEM_RULES, Rule
 def derivative(builder: Builder, output: int, name: str) -> int:
     """The node of d(output)/d(name); parts already differentiated are not differentiated again."""
     known = builder.derivatives
+    if (output, name) in known:
+        return known[output, name]
     zero = builder.const(0)
     for number in live(builder.nodes, [output]):
         if (number, name) in known:

@@ -27,8 +27,7 @@ NOSES = (5.3, 5.35, 6.0)  # a2: as printed, little above what a smooth nose need
 SMOOTH = (5.32, 8.0)
 NOSE, TIP = 0.6, 0.15  # what the windows about the left end show, in units of the model
 RESOLUTION = 400
-# A hundredth is proved of a smooth boundary in 12 000 boxes; at a corner no budget helps.
-TOLERANCE, NORMAL_BUDGET = 1e-2, 20_000
+TOLERANCE = 1e-2  # proved of a smooth boundary in 12 000 boxes
 REMARK = (
     "The source says that its surfaces have a continuous curvature function. The verdicts are found anew in each run: "
     "CERTIFIED and REFUTED are proved by interval arithmetic for every point of the boundary within the bounds. No "
@@ -106,7 +105,7 @@ def normalisations() -> list[tuple[str, ...]]:
 def _normalised(claim: str, body: str, shape: Shape, order: int) -> tuple[str, ...]:
     from rsym.verify.normalisation import verify_normalisation
 
-    report = verify_normalisation(shape, order, tolerance=TOLERANCE, budget=NORMAL_BUDGET)
+    report = verify_normalisation(shape, order, tolerance=TOLERANCE)
     worst, bound = report.worst[-1], report.proved_bounds[-1]
     found = f"largest deviation found {measured(worst.deviation, worst.error)}"
     proved = f", at most {rounded_up(bound)} proved" if report.verdict == "CERTIFIED" else ""
