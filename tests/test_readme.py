@@ -77,11 +77,12 @@ def test_the_lines_about_smoothness():
             exec(statement, space)
         else:
             shown[comment] = eval(statement, space)
-    answers, place, every, rule = shown.items()
+    answers, place, every, rule, order = shown.items()
     assert repr(answers[1]) == answers[0]
     for printed, found in zip(re.findall(r"-?\d+\.\d+", place[0]), place[1], strict=True):
         assert str(found).startswith(printed)
     assert every[0].startswith(repr(every[1]))
+    assert order[0].startswith(repr(order[1]))
     assert_close(rule[1], float(re.search(r"> ([\d.]+)", rule[0]).group(1)), atol=1e-3)
     assert Path("verdict.png").stat().st_size > 20_000
 
@@ -91,9 +92,9 @@ def test_the_commands_about_smoothness(capsys, monkeypatch):
     bracket = Threshold("a2", 5.3076, 5.3078, ())
     monkeypatch.setattr(rsym.verify.threshold, "smoothness_threshold", lambda *_, **__: bracket)
     (commands,) = [code for code in PLAIN if code.startswith("rsym verify")]
-    assert [main(command.split()[1:]) for command in commands.strip().splitlines()] == [0, 0, 1, 0]
+    assert [main(command.split()[1:]) for command in commands.strip().splitlines()] == [0, 0, 1, 0, 1]
     assert Path("verdict.png").stat().st_size > 20_000
-    assert "5.307" in capsys.readouterr().out.splitlines()[-1]
+    assert "a2 = 5.3077" in capsys.readouterr().out
     codes = dict(re.findall(r"^\| ([A-Z]+) \|.*\| (\d) \|$", TEXT, re.MULTILINE))
     assert {name: int(code) for name, code in codes.items()} == CODES
 

@@ -37,7 +37,8 @@ def statements(found: Covering, exists: bool) -> tuple[tuple[str, bool], ...]:
     kinds = [finding.kind for _, finding in found.settled]
     result = []
     if not exists:
-        result.append(("there is no point of the boundary within the bounds", not found.settled and not found.left))
+        empty = not found.settled and not found.left
+        result.append((f"no point of the boundary {'lies' if empty else 'was found'} within the bounds", empty))
     if "double" in kinds:
         result.append(("omega is zero on a curve without changing its sign", True))
     if "regular" in kinds and exists:
