@@ -46,6 +46,7 @@ from .verify.continuity import ContinuityReport, continuity
 from .verify.curves import Curve
 from .verify.normalisation import verify_normalisation
 from .verify.normalisation_report import NormalisationReport
+from .verify.report import Joint, SmoothnessReport
 from .verify.smoothness import verify_smoothness
 from .verify.threshold import Threshold, smoothness_threshold
 
@@ -55,6 +56,7 @@ __all__ = [
     "SIX",
     "ContinuityReport",
     "Curve",
+    "Joint",
     "Kernel",
     "Letter",
     "LevelLines",
@@ -67,6 +69,7 @@ __all__ = [
     "RsymWarning",
     "Section",
     "Shape",
+    "SmoothnessReport",
     "Threshold",
     "compile",
     "conjunction",

@@ -177,16 +177,20 @@ def test_a_zero_without_a_change_of_sign_is_degenerate(expression):
     assert ("omega is zero on a curve without changing its sign", True) in report.statements
 
 
-def test_no_boundary_is_degenerate():
-    report = verdict(-1 - x**2)
+@pytest.mark.parametrize(
+    ("expression", "bounds"),
+    [(-1 - x**2, SQUARE), (conjunction(-x - Q(1, 1000), x + y / 10 - Q(1, 1000)), ((-1, 1), (-1, -0.01)))],
+)
+def test_no_boundary_is_degenerate(expression, bounds):
+    report = verdict(expression, bounds)
     assert report.verdict == "DEGENERATE"
-    assert report.statements == (("there is no point of the boundary within the bounds", True),)
+    assert report.statements[0] == ("no point of the boundary lies within the bounds", True)
 
 
 def test_numerical_findings_are_called_so():
-    """Two discs that touch: nothing is proved of the point, so nothing is refuted."""
+    """Two discs that touch: nothing is proved of the point, so the verdict stays open."""
     report = verdict(disjunction(1 - (x - 1) ** 2 - y**2, 1 - (x + 1) ** 2 - y**2), ((-2.5, 2.5), (-1.5, 1.5)))
-    assert report.verdict == "DEGENERATE"
+    assert report.verdict == "UNDECIDED"
     (node,) = report.defects
     assert (node.point, node.kind, node.branches, node.proved) == ((0, 0), "node", 4, False)
 

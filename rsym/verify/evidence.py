@@ -9,36 +9,51 @@ from itertools import product
 from flint import ctx
 
 from rsym.codegen.balls import arb
-from rsym.verify.covering import PRECISION, Covering, side
+from rsym.verify.covering import PRECISION, Box, Covering, halves, side
+from rsym.verify.examination import Finding, examine
 from rsym.verify.local import Model
 from rsym.verify.report import Joint
 from rsym.verify.wording import plural
 
+DIVIDED, MOST_DIVIDED = 8, 500  # times that boxes are divided in search of a point of the boundary, and how many
 
-def has_boundary(model: Model, found: Covering, joints: Sequence[Joint]) -> bool:
-    """Whether a zero of omega is proved: a joint, or a settled box on which omega has both signs.
 
-    There omega has the sign of a continuous function, so it has a zero; of a double zero the inner function counts.
+def has_boundary(model: Model, found: Covering, joints: Sequence[Joint], extent: float) -> bool | None:
+    """Whether there is a point of the boundary: True and False are proved, None is neither.
+
+    Where omega has both signs on a settled box it has a zero there, as it has the sign of a continuous function; of
+    a double zero the inner function counts. Settled boxes without a change of sign are divided a few times: either
+    one appears, or all are discarded.
     """
     if joints:
         return True
+    boxes = list(found.settled)
     with ctx.workprec(PRECISION):
-        for box, finding in found.settled:
-            number = finding.locus.nodes[0] if finding.locus.kind in {"leaf", "double"} else model.root
-            ranges = [side(*ends) for ends in box[2:]]
-            points = product(*((low, low + (high - low) / 2, high) for low, high in box[:2]))
-            if {1, -1} <= {model.on([arb(x), arb(y), *ranges]).sign(number) for x, y in points}:
-                return True
-    return False
+        for _ in range(DIVIDED):
+            if any(_changes_sign(model, box, finding) for box, finding in boxes) or len(boxes) > MOST_DIVIDED:
+                break
+            halved = [half for box, _ in boxes for half in halves(model, box)]
+            findings = [examine(model.on([side(*ends) for ends in half]), extent) for half in halved]
+            boxes = [pair for pair in zip(halved, findings, strict=True) if pair[1].kind != "empty"]
+        if any(_changes_sign(model, box, finding) for box, finding in boxes):
+            return True
+    return None if boxes or found.left else False
 
 
-def statements(found: Covering, exists: bool) -> tuple[tuple[str, bool], ...]:
+def _changes_sign(model: Model, box: Box, finding: Finding) -> bool:
+    number = finding.locus.nodes[0] if finding.locus.kind in {"leaf", "double"} else model.root
+    ranges = [side(*ends) for ends in box[2:]]
+    points = product(*((low, low + (high - low) / 2, high) for low, high in box[:2]))
+    return {1, -1} <= {model.on([arb(x), arb(y), *ranges]).sign(number) for x, y in points}
+
+
+def statements(found: Covering, exists: bool | None) -> tuple[tuple[str, bool], ...]:
     """Sentences about the whole boundary, each with whether it is proved; joints speak for themselves."""
     kinds = [finding.kind for _, finding in found.settled]
     result = []
     if not exists:
-        empty = not found.settled and not found.left
-        result.append((f"no point of the boundary {'lies' if empty else 'was found'} within the bounds", empty))
+        none = exists is False
+        result.append((f"no point of the boundary {'lies' if none else 'was found'} within the bounds", none))
     if "double" in kinds:
         result.append(("omega is zero on a curve without changing its sign", True))
     if "regular" in kinds and exists:

@@ -48,6 +48,15 @@ class NormalisationReport:
         where no bound could be proved however small the box: numerical places, one for a group.
     samples : how many points of the boundary were sampled.
     statements : sentences, each with whether it is proved.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> line = rsym.Shape(2 * x, (x, y), bounds=((-1, 1), (-1, 1)))
+    >>> report = rsym.verify_normalisation(line, resolution=16)
+    >>> report.verdict, report.worst[0].deviation
+    ('REFUTED', 1.0)
     """
 
     verdict: str

@@ -29,6 +29,15 @@ class Joint:
     the inside on the left, curvature_jump the size of their difference, derivative_jump that of their derivatives
     with respect to arc length; errors bound or, where `proved` is false, estimate what may be wrong with them.
     What is not known is NaN.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> box = ((-2, 2), (-2, 2))
+    >>> (joint,) = rsym.verify_smoothness(rsym.Shape(y - x * abs(x), (x, y), bounds=box)).defects
+    >>> joint.kind, joint.continuity, round(joint.curvature_jump, 9), joint.proved
+    ('curvature jump', 'G1', 4.0, True)
     """
 
     point: tuple[float, ...]
@@ -76,6 +85,14 @@ class SmoothnessReport:
     defects : joints below G2, the proved ones first, of these the worst; joints: those that are G2 or better.
     curvature_bound : no curvature on the certified boxes is larger in size; infinite where there is no bound.
     statements : sentences, each with whether it is proved.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> report = rsym.verify_smoothness(rsym.Shape(1 - abs(x) - y, (x, y), bounds=((-2, 2), (-2, 2))))
+    >>> report.verdict, report.defects[0].kind, report.defects[0].point
+    ('REFUTED', 'corner', (0.0, 1.0))
     """
 
     verdict: str

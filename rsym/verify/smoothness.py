@@ -187,7 +187,7 @@ def _report(study: _Study, *, sharpening: int = SHARPENING) -> SmoothnessReport:
     if model.body:
         joints = [joint for joint in joints if joint.point[1] > -joint.radius]
     everything = joints + suspects
-    exists = has_boundary(model, found, joints)
+    exists = has_boundary(model, found, joints, extent_of(region))
     verdict = _verdict(found, everything, exists)
     order = min((f.order for _, f in found.settled if f.kind == "regular"), default=math.inf)
     counted = [joint for joint in everything if joint.proved or verdict != REFUTED]
@@ -210,18 +210,19 @@ def _report(study: _Study, *, sharpening: int = SHARPENING) -> SmoothnessReport:
     )
 
 
-def _verdict(found: Covering, joints: Sequence[Joint], exists: bool) -> str:
+def _verdict(found: Covering, joints: Sequence[Joint], exists: bool | None) -> str:
     """The strongest word that the evidence bears."""
     below = [joint for joint in joints if CONTINUITIES.index(joint.continuity) < CONTINUITIES.index("G2")]
     if any(joint.proved and joint.kind not in DEGENERATIONS for joint in below):
         return REFUTED
-    if any(joint.kind in DEGENERATIONS for joint in joints) or any(f.kind == "double" for _, f in found.settled):
+    degenerate = any(joint.proved and joint.kind in DEGENERATIONS for joint in joints)
+    if degenerate or any(f.kind == "double" for _, f in found.settled) or exists is False:
         return DEGENERATE
     if found.left or any(not joint.proved for joint in joints):
         return UNDECIDED
     if any(f.kind == "regular" and f.order <= 2 for _, f in found.settled):
         return UNDECIDED
-    return CERTIFIED if exists else DEGENERATE
+    return CERTIFIED if exists else UNDECIDED
 
 
 def _distinct(joints: Sequence[Joint]) -> list[Joint]:
