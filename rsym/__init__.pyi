@@ -42,6 +42,8 @@ from .sampling.curvatures import vertex_curvatures
 from .sampling.mesh import Mesh
 from .sampling.meshing import mesh
 from .sampling.sections import Section, sections
+from .verify.continuity import ContinuityReport, continuity
+from .verify.curves import Curve
 from .verify.normalisation import verify_normalisation
 from .verify.normalisation_report import NormalisationReport
 from .verify.smoothness import verify_smoothness
@@ -51,6 +53,8 @@ __all__ = [
     "R0",
     "R1",
     "SIX",
+    "ContinuityReport",
+    "Curve",
     "Kernel",
     "Letter",
     "LevelLines",
@@ -66,6 +70,7 @@ __all__ = [
     "Threshold",
     "compile",
     "conjunction",
+    "continuity",
     "curvature",
     "difference",
     "disjunction",

@@ -1,0 +1,295 @@
+"""Geometric continuity of parametric curves where they are joined."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import sympy as sp
+
+from rsym.codegen.balls import arb, root, square
+from rsym.errors import RsymError
+from rsym.verify.constants import enclosed, measured, norm, precise
+from rsym.verify.curves import Curve, End, Vector, all_vanish, determinant, dot, end_of, minors
+from rsym.verify.report import CERTIFIED, CONTINUITIES, DEGENERATE, REFUTED, UNDECIDED, Joint
+
+GRADES = CONTINUITIES[:5]
+KINDS = ("end", "corner", "curvature jump", "smooth joint")
+# What is smaller than this, and not proved to be other than zero, is called numerically zero.
+NUMERICAL_ZERO = 1e-30
+DEGENERATE_ENDS = "a curve stands still at its end"
+
+
+@dataclass(frozen=True)
+class CurveJoint(Joint):
+    """The place where curve `index` passes into the next.
+
+    gap is the distance of their ends; curvatures are signed in the plane (positive to the left); in space
+    curvature_jump is the size of the difference of the curvature vectors, and torsions are given.
+    """
+
+    index: int = 0
+    gap: float = math.nan
+    gap_error: float = math.nan
+    torsions: tuple[float, float] = (math.nan, math.nan)
+
+
+@dataclass(frozen=True)
+class ContinuityReport:
+    """Whether curves are joined as smoothly as `claim` says; one joint for each place where two meet.
+
+    verdict : "CERTIFIED", every joint is proved to be that smooth; "REFUTED", one is proved not to be; "DEGENERATE", a
+        curve stands still at its end; "UNDECIDED", neither is proved.
+    continuity : that of the worst joint.
+
+    Examples
+    --------
+    >>> ContinuityReport("CERTIFIED", "G3", (), "G2").defects
+    ()
+    """
+
+    verdict: str
+    continuity: str
+    joints: tuple[CurveJoint, ...]
+    claim: str
+
+    @property
+    def defects(self) -> tuple[CurveJoint, ...]:
+        """The joints that are less smooth than the claim."""
+        return tuple(joint for joint in self.joints if GRADES.index(joint.continuity) < GRADES.index(self.claim))
+
+    def __str__(self) -> str:
+        answer = f"{self.verdict}: the joints are {self.continuity}, {self.claim} was claimed"
+        return "\n".join([answer, *(f"  {joint.index + 1}. {joint}" for joint in self.joints)])
+
+
+def continuity(curves: Sequence[Curve], *, closed: bool = False, claim: str = "G2") -> ContinuityReport:
+    """How smoothly curves pass into one another, independent of their parameters.
+
+    Two curves join G^k if, as functions of arc length s, their derivatives up to the k-th agree: the points (G0), the
+    unit tangents p_s (G1), the curvature vectors p_ss (G2; kappa in the plane) and p_sss (G3; in
+    the plane dkappa/ds, in space also the torsion). With p' not zero, p_ss = (p''|p'|^2 - p'(p'.p''))/|p'|^4 is
+    rational in the derivatives at the exact ends: it is compared exactly. A difference is proved by a ball that
+    excludes zero, equality by exact algebra; where neither succeeds and the difference is below 1e-30, the curves are
+    "numerically equal", which is not proved. Only joints are examined, not what lies between them.
+
+    Parameters
+    ----------
+    curves : sequence of Curve
+        In the order and direction in which they are run through.
+    closed : bool
+        Whether the last passes into the first.
+    claim : "G0", "G1", "G2" or "G3"
+        What the verdict is about.
+
+    Raises
+    ------
+    RsymError
+        If there is no joint, if dimensions differ, or if the claim is none of the four.
+
+    Sources: Barsky and DeRose, IEEE CG&A 9(6) (1989) 60-68; do Carmo, Differential Geometry of Curves and Surfaces.
+
+    Examples
+    --------
+    >>> t = sp.Symbol("t")
+    >>> line = Curve((t, sp.Integer(0)), t, -1, 0)
+    >>> arc = Curve((2 * sp.sin(t), 2 - 2 * sp.cos(t)), t, 0, 1)
+    >>> report = continuity([line, arc])
+    >>> report.verdict, report.continuity, report.joints[0].curvature_jump
+    ('REFUTED', 'G1', 0.5)
+    """
+    if claim not in GRADES[1:]:
+        raise RsymError(f"expected a claim of G0 to G3, got {claim!r}", code="claim", remedy='say claim="G2"')
+    if len({curve.dimension for curve in curves}) > 1:
+        raise RsymError("expected curves of one dimension", code="curve", remedy="give all of them z, or none")
+    pairs = [*pairwise(curves), *([(curves[-1], curves[0])] if closed and curves else [])]
+    if not pairs:
+        raise RsymError("expected a joint, got none", code="curve", remedy="give two curves, or closed=True")
+    joints, levels = zip(*(_joint(index, *pair) for index, pair in enumerate(pairs)), strict=True)
+    worst = min((joint.continuity for joint in joints), key=GRADES.index)
+    wanted = GRADES.index(claim)
+    if any(False in states[:wanted] for states in levels):
+        verdict = REFUTED
+    elif all(all(states[:wanted]) for states in levels):
+        verdict = CERTIFIED
+    else:
+        verdict = DEGENERATE if any(joint.reason == DEGENERATE_ENDS for joint in joints) else UNDECIDED
+    return ContinuityReport(verdict, worst, joints, claim)
+
+
+Levels = tuple[bool | None, ...]
+Measured = tuple[float, float]
+NOTHING: Measured = (math.nan, math.nan)
+
+
+def _joint(index: int, first: Curve, second: Curve) -> tuple[CurveJoint, Levels]:
+    """One joint, and for G0 to G3 whether the difference is proved to be zero or not."""
+    before, after = end_of(first, at_start=False), end_of(second, at_start=True)
+    differences = _differences(before, after)
+    states = [None if difference is None else all_vanish(difference) for difference in differences]
+    if states[1] and not _same_way(before, after):
+        states[1] = False if _opposed(before, after) else None
+    if before.unbounded or after.unbounded:
+        states[2] = False
+    if states[1] is not True:
+        states[3] = None  # the ratio of the speeds is that of parallel tangents
+    sizes = [_size(difference) for difference in differences]
+    small = [state or (state is None and size < NUMERICAL_ZERO) for state, (size, _) in zip(states, sizes, strict=True)]
+    grade = small.index(False) if False in small else 4
+    proved = all(states[:grade]) and (grade == 4 or states[grade] is False)
+    kind = KINDS[min(grade, 3)] if grade == 4 or states[grade] is False or grade == 3 else "unresolved"
+    if kind == "corner" and _opposed(before, after):
+        kind = "cusp"
+    if kind == "curvature jump" and (before.unbounded or after.unbounded):
+        kind = "unbounded curvature"
+    place = tuple(measured(enclosed(component)) for component in before.point)
+    joint = CurveJoint(
+        point=tuple(value for value, _ in place),
+        radius=max(error for _, error in place),
+        kind=kind,
+        continuity=GRADES[grade],
+        proved=proved,
+        reason=_reason(before, after, states, sizes, grade),
+        index=index,
+        gap=sizes[0][0],
+        gap_error=sizes[0][1],
+    )
+    return _with_sizes(joint, before, after, tuple(states)), tuple(states)
+
+
+def _differences(before: End, after: End) -> list[Vector | None]:
+    """Vectors that are zero where the ends agree in the point, the tangent, the curvature, and its derivative."""
+    found: list[Vector | None] = [_minus(after.point, before.point), None, None, None]
+    if before.tangent is None or after.tangent is None:
+        return found
+    found[1] = minors(before.tangent, after.tangent)
+    if before.curvature is not None and after.curvature is not None:
+        found[2] = _minus(after.curvature, before.curvature)
+    if before.rate is not None and after.rate is not None:
+        # p_sss = rate/|p'|; with equal tangents the ratio of the speeds is rational, and no root is left.
+        ratio = dot(before.tangent, after.tangent) / dot(before.tangent, before.tangent)
+        found[3] = _minus(after.rate, tuple(ratio * component for component in before.rate))
+    return found
+
+
+def _minus(a: Vector, b: Vector) -> Vector:
+    return tuple(u - v for u, v in zip(a, b, strict=True))
+
+
+def _same_way(before: End, after: End) -> bool:
+    ball = enclosed(dot(before.tangent or (), after.tangent or ()))
+    return ball is not None and bool(ball > 0)
+
+
+def _opposed(before: End, after: End) -> bool:
+    """Whether the curve runs straight back."""
+    if before.tangent is None or after.tangent is None or not all_vanish(minors(before.tangent, after.tangent)):
+        return False
+    ball = enclosed(dot(before.tangent, after.tangent))
+    return ball is not None and bool(ball < 0)
+
+
+def _size(difference: Vector | None) -> Measured:
+    return NOTHING if difference is None else measured(norm(difference))
+
+
+def _reason(before: End, after: End, states: Sequence[bool | None], sizes: Sequence[Measured], grade: int) -> str:
+    """What is not proved, and why."""
+    if before.standing or after.standing:
+        return DEGENERATE_ENDS
+    doubts = [end.doubt for end in (before, after) if end.doubt]
+    if doubts:
+        return doubts[0]
+    weak = [level for level in range(grade) if states[level] is None]
+    if weak:
+        return f"{GRADES[weak[0] + 1]} only numerically: the difference is below {sum(sizes[weak[0]]):.0e}"
+    return f"the gap is {sizes[0][0]:.6g}" if grade == 0 else ""
+
+
+def _with_sizes(joint: CurveJoint, before: End, after: End, states: Levels) -> CurveJoint:
+    """Add the numbers: turn, curvatures, torsions and jumps; what is proved to be zero is 0."""
+    flat = len(before.point) == 2
+    sizes = [(0.0, 0.0) if state else NOTHING for state in states]
+    with precise():
+        bends = [_bend(end, flat) for end in (before, after)]
+        slopes = [_slope(end, flat) for end in (before, after)]
+        jumps = [_turn(before, after), _distance(*bends), _distance(*slopes)]
+    for level, jump in enumerate(jumps, 1):
+        sizes[level] = sizes[level] if states[level] else measured(jump)
+    unbounded = before.unbounded or after.unbounded
+    return replace(
+        joint,
+        tangent_jump=sizes[1][0],
+        tangent_jump_error=sizes[1][1],
+        curvatures=(_curvature(before, flat), _curvature(after, flat)),
+        curvature_jump=math.inf if unbounded else sizes[2][0],
+        curvature_jump_error=sizes[2][1],
+        derivative_jump=sizes[3][0],
+        derivative_jump_error=sizes[3][1],
+        torsions=(_torsion(before), _torsion(after)),
+    )
+
+
+Balls = Sequence[Any] | None
+
+
+def _turn(before: End, after: End) -> Any | None:
+    """The angle between two tangents in degrees, from its sine and cosine."""
+    if before.tangent is None or after.tangent is None:
+        return None
+    sine, cosine = norm(minors(before.tangent, after.tangent)), enclosed(dot(before.tangent, after.tangent))
+    return None if sine is None or cosine is None else arb.atan2(sine, cosine) * 180 / arb.pi()
+
+
+def _bend(end: End, flat: bool) -> Balls:
+    """The signed curvature in the plane, the curvature vector in space."""
+    if end.tangent is None or end.curvature is None:
+        return None
+    if not flat:
+        return _balls(end.curvature)
+    area, speed = _balls(minors(end.tangent, end.curvature)), norm(end.tangent)
+    return None if area is None or speed is None else [area[0] / speed]
+
+
+def _slope(end: End, flat: bool) -> Balls:
+    """dkappa/ds in the plane, p_sss in space."""
+    if end.tangent is None or end.rate is None:
+        return None
+    if flat:
+        return _balls([minors(end.tangent, end.rate)[0] / dot(end.tangent, end.tangent)])
+    rate, speed = _balls(end.rate), norm(end.tangent)
+    return None if rate is None or speed is None else [component / speed for component in rate]
+
+
+def _balls(vector: Sequence[sp.Expr]) -> Balls:
+    found = [enclosed(component) for component in vector]
+    return None if None in found else found
+
+
+def _distance(a: Balls, b: Balls) -> Any | None:
+    if a is None or b is None:
+        return None
+    return root(sum((square(v - u) for u, v in zip(a, b, strict=True)), arb(0)))
+
+
+def _curvature(end: End, flat: bool) -> float:
+    if end.unbounded:
+        return math.inf
+    with precise():
+        bend = _bend(end, flat)
+    if bend is None:
+        return math.nan
+    return measured(bend[0] if flat else norm(end.curvature or ()))[0]
+
+
+def _torsion(end: End) -> float:
+    """det(p_s, p_ss, p_sss)/kappa^2; NaN where the curve is straight."""
+    if len(end.point) == 2 or end.tangent is None or end.curvature is None or end.rate is None:
+        return math.nan
+    if all_vanish(end.curvature) is not False:
+        return math.nan
+    volume = determinant(end.tangent, end.curvature, end.rate)
+    return measured(enclosed(volume / dot(end.tangent, end.tangent) / dot(end.curvature, end.curvature)))[0]

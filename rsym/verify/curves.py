@@ -1,0 +1,234 @@
+"""Parametric curves, and what they bring to their ends: tangent, curvature, and its rate of change."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.verify.constants import enclosed, exact, vanishes
+
+# Analytic wherever they are defined; where that is, is examined for powers, tan and log.
+FUNCTIONS = (sp.sin, sp.cos, sp.tan, sp.exp, sp.log, sp.sinh, sp.cosh, sp.tanh, sp.atan)
+ANALYTIC = (sp.Symbol, sp.Rational, sp.NumberSymbol, sp.Add, sp.Mul, sp.Pow, *FUNCTIONS)
+# A velocity that vanishes to a higher order than this is no longer examined.
+HIGHEST_ORDER = 3
+
+Vector = tuple[sp.Expr, ...]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A curve in the plane or in space, p(t) for t from `start` to `end`, in that direction.
+
+    Parameters
+    ----------
+    expressions : sequence of 2 or 3 expressions
+        The coordinates.
+    parameter : Symbol
+        The parameter t, the only symbol of the coordinates.
+    start, end : number or constant expression
+        Where t begins and ends; taken exactly, a float as its binary value. `end` may lie below `start`.
+
+    Raises
+    ------
+    RsymError
+        If there are not 2 or 3 coordinates, if another symbol occurs, or if the interval is empty.
+
+    Examples
+    --------
+    >>> t = sp.Symbol("t")
+    >>> Curve((sp.cos(t), sp.sin(t)), t, 0, sp.pi / 2).dimension
+    2
+    """
+
+    expressions: tuple[sp.Expr, ...]
+    parameter: sp.Symbol
+    start: sp.Expr
+    end: sp.Expr
+
+    def __post_init__(self) -> None:
+        for name in ("start", "end"):
+            object.__setattr__(self, name, exact(sp.sympify(getattr(self, name))))
+        object.__setattr__(self, "expressions", tuple(exact(sp.sympify(e)) for e in self.expressions))
+        if self.dimension not in (2, 3):
+            raise _refused(f"expected 2 or 3 coordinates, got {self.dimension}", "give (x, y) or (x, y, z)")
+        free = set().union(*(e.free_symbols for e in self.expressions)) - {self.parameter}
+        if free or self.start.free_symbols or self.end.free_symbols:
+            names = ", ".join(sorted(map(str, free | self.start.free_symbols | self.end.free_symbols)))
+            raise _refused(f"expected no symbol but {self.parameter}, got {names}", "put numbers for them")
+        if vanishes(self.end - self.start) is not False:
+            raise _refused(f"expected an interval, got {self.start} to {self.end}", "let the ends differ")
+        for part in (part for e in self.expressions for part in sp.preorder_traversal(e)):
+            if not isinstance(part, ANALYTIC):
+                raise _refused(f"expected analytic coordinates, got {part}", "split the curve where it is not smooth")
+
+    @property
+    def dimension(self) -> int:
+        """How many coordinates it has."""
+        return len(self.expressions)
+
+    @property
+    def sense(self) -> int:
+        """1 if the parameter grows along the curve, else -1."""
+        ball = enclosed(self.end - self.start)
+        return 1 if ball is not None and ball > 0 else -1
+
+
+def _refused(message: str, remedy: str) -> RsymError:
+    return RsymError(message, code="curve", remedy=remedy)
+
+
+@dataclass(frozen=True)
+class End:
+    """One end of a curve, exactly: the point, a vector along the tangent, the curvature vector, the rate of change.
+
+    Where p' is not zero, K = p_ss = (p''|p'|^2 - p'(p'.p''))/|p'|^4 and rate = dK/dt, so that p_sss = rate/|p'|.
+    Where p' = ... = p^(m-1) = 0, the tangent is that of p^(m), K = 2 m!^2/(2m)! n/|p^(m)|^2 with n the part
+    of p^(2m) across it; K is unbounded if the part across it of p^(m+1), ..., p^(2m-1) is not zero. What cannot be
+    decided is None, `doubt` says why; `standing`: no derivative up to the third but vanishes.
+    """
+
+    point: Vector
+    tangent: Vector | None = None
+    curvature: Vector | None = None
+    rate: Vector | None = None
+    unbounded: bool = False
+    doubt: str = ""
+    standing: bool = False
+
+
+def dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
+    """The scalar product.
+
+    Examples
+    --------
+    >>> dot((1, 2), (3, 4))
+    11
+    """
+    return sum((u * v for u, v in zip(a, b, strict=True)), sp.Integer(0))
+
+
+def minors(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> Vector:
+    """The components of the vector product: one in the plane, three in space up to order and sign.
+
+    Examples
+    --------
+    >>> minors((1, 2), (3, 4))
+    (-2,)
+    """
+    return tuple(a[i] * b[j] - a[j] * b[i] for i, j in combinations(range(len(a)), 2))
+
+
+def all_vanish(vector: Sequence[sp.Expr]) -> bool | None:
+    """Whether a vector is zero, proved either way; None if it is not known.
+
+    Examples
+    --------
+    >>> all_vanish((sp.Integer(0), sp.sqrt(4) - 2)), all_vanish((sp.Integer(0), sp.Integer(1)))
+    (True, False)
+    """
+    found = [vanishes(component) for component in vector]
+    return False if False in found else None if None in found else True
+
+
+def end_of(curve: Curve, at_start: bool) -> End:
+    """What a curve brings to its start or to its end, directed as it is run through.
+
+    Examples
+    --------
+    >>> t = sp.Symbol("t")
+    >>> end = end_of(Curve((2 * sp.cos(t), 2 * sp.sin(t)), t, 0, 1), at_start=True)
+    >>> end.tangent, end.curvature
+    ((0, 2), (-1/2, 0))
+    >>> end_of(Curve((t**2, t**3), t, 0, 1), at_start=True).unbounded
+    True
+    """
+    place = curve.start if at_start else curve.end
+    point = tuple(_at(expression, curve, place) for expression in curve.expressions)
+    if not all(_analytic(expression, curve, place) for expression in curve.expressions):
+        return End(point, doubt="the coordinates are not known to be analytic here; another parameter may be")
+    jets = [_derivative(curve, place, order) for order in range(1, 2 * HIGHEST_ORDER + 1)]
+    for order in range(1, HIGHEST_ORDER + 1):
+        still = all_vanish(jets[order - 1])
+        if still is None:
+            return End(point, doubt="whether the velocity is zero is not decided")
+        if not still:
+            return _moving(point, jets, order, at_start)
+    return End(point, doubt="the first three derivatives are zero", standing=True)
+
+
+def _at(expression: sp.Expr, curve: Curve, place: sp.Expr) -> sp.Expr:
+    return expression.subs(curve.parameter, place)
+
+
+def _derivative(curve: Curve, place: sp.Expr, order: int) -> Vector:
+    """With respect to a parameter that grows along the curve."""
+    return tuple(
+        curve.sense**order * _at(sp.diff(expression, curve.parameter, order), curve, place)
+        for expression in curve.expressions
+    )
+
+
+def _analytic(expression: sp.Expr, curve: Curve, place: sp.Expr) -> bool:
+    """Whether every root and logarithm has a positive argument here, and every denominator is not zero."""
+    for part in sp.preorder_traversal(expression):
+        if not part.has(curve.parameter):
+            continue
+        if isinstance(part, sp.tan):
+            condition, strict = sp.cos(part.args[0]), False
+        elif isinstance(part, sp.log):
+            condition, strict = part.args[0], True
+        elif isinstance(part, sp.Pow) and not (part.exp.is_Integer and part.exp > 0):
+            condition, strict = part.base, not part.exp.is_Integer
+        else:
+            continue
+        ball = enclosed(_at(condition, curve, place))
+        if ball is None or not (ball > 0 or (not strict and ball < 0)):
+            return False
+    return True
+
+
+def _moving(point: Vector, jets: list[Vector], order: int, at_start: bool) -> End:
+    """The first derivative that is not zero has this order."""
+    first, second = jets[order - 1], jets[2 * order - 1]
+    sign = 1 if at_start else (-1) ** (order - 1)
+    tangent = tuple(sign * component for component in first)
+    if order == 1:
+        return End(point, tangent, _across(second, first, dot(first, first)), _rate(jets))
+    across = [all_vanish(minors(first, jet)) for jet in jets[order : 2 * order - 1]]
+    if False in across:
+        return End(point, tangent, unbounded=True)
+    if None in across:
+        return End(point, tangent, doubt="whether the curvature is bounded is not decided")
+    factor = 2 * sp.factorial(order) ** 2 / sp.factorial(2 * order)
+    curvature = _across(second, first, dot(first, first))
+    return End(point, tangent, tuple(factor * component for component in curvature))
+
+
+def _across(vector: Vector, tangent: Vector, size: sp.Expr) -> Vector:
+    """The part of a vector across the tangent, divided by the square of the speed."""
+    share = dot(vector, tangent) / size
+    return tuple((a - share * t) / size for a, t in zip(vector, tangent, strict=True))
+
+
+def _rate(jets: list[Vector]) -> Vector:
+    """dK/dt of K = p''/q - p' (p'.p'')/q^2 with q = |p'|^2."""
+    v, a, j = jets[:3]
+    q, va = dot(v, v), dot(v, a)
+    beside = (dot(a, a) + dot(v, j)) / q**2 - 4 * va**2 / q**3
+    return tuple(jk / q - 3 * ak * va / q**2 - vk * beside for vk, ak, jk in zip(v, a, j, strict=True))
+
+
+def determinant(a: Vector, b: Vector, c: Vector) -> sp.Expr:
+    """The determinant of three vectors of space.
+
+    Examples
+    --------
+    >>> determinant((1, 0, 0), (0, 1, 0), (0, 0, 2))
+    2
+    """
+    return sp.Matrix([a, b, c]).det()
