@@ -177,14 +177,24 @@ def test_a_velocity_of_odd_order_at_the_end_points_forwards():
 
 
 def test_what_cannot_be_proved_is_called_numerical():
-    """The golden ratio in two guises that the budget of algebra may not see through, and a difference of 1e-40."""
-    near = Curve((t, R(1, 10**40) * t), t, 0, 1)
-    report = continuity([Curve((t, 0), t, -1, 0), near])
-    assert (report.verdict, report.continuity) == ("REFUTED", "G0")
-    hard = sum(sp.sqrt(k) for k in (2, 3, 5, 7)) ** 2
-    odd = sp.sin(hard) ** 2 + sp.cos(sp.expand(hard)) ** 2 - 1
-    joint = continuity([Curve((t, 0), t, -1, 0), Curve((t, odd * t), t, 0, 1)]).joints[0]
-    assert joint.proved or "numerically" in joint.reason
+    """Machin's formula is beyond the algebra; a difference of 1e-40 is not zero."""
+    line = Curve((t, 0), t, -1, 0)
+    near = continuity([line, Curve((t, t / 10**40), t, 0, 1)])
+    assert (near.verdict, near.continuity, near.joints[0].proved) == ("REFUTED", "G0", True)
+    machin = 4 * sp.atan(R(1, 5)) - sp.atan(R(1, 239)) - sp.pi / 4
+    report = continuity([line, Curve((t, machin * t), t, 0, 1)])
+    (joint,) = report.joints
+    assert (report.verdict, report.continuity, joint.proved, joint.tangent_jump) == ("UNDECIDED", "G3", False, 0)
+    assert joint.reason.startswith("G1 only numerically")
+    assert 0 < joint.tangent_jump_error < 1e-70
+    back = continuity([line, Curve((-t, machin * t), t, 0, 1)])
+    assert (back.verdict, back.continuity, back.joints[0].tangent_jump) == ("UNDECIDED", "G0", 180)
+
+
+def test_arcs_of_any_angle_and_speed_are_proved_to_be_one_circle():
+    first = Curve((sp.cos(t), sp.sin(t)), t, 0, 0.1)
+    second = Curve((sp.cos(t) ** 2 - sp.sin(t) ** 2, sp.sin(2 * t)), t, R(0.1) / 2, 1)
+    assert continuity([first, second], claim="G3").verdict == "CERTIFIED"
 
 
 def test_a_root_at_the_end_is_not_differentiated():
@@ -200,7 +210,9 @@ def test_a_root_at_the_end_is_not_differentiated():
         (sp.sqrt(10**10 + 1) - 10**5 - R(1, 2 * 10**5), False),
         (sp.cos(sp.pi / 5) - (1 + sp.sqrt(5)) / 4, True),
         (sp.exp(sp.pi * sp.sqrt(163)) - 262537412640768744, False),
-        (sp.cbrt(2) ** 3 - 2, True),
+        (sp.cos(R(3, 7)) - 4 * sp.cos(R(1, 7)) ** 3 + 3 * sp.cos(R(1, 7)), True),
+        (sp.cos(sp.pi / 7) - sp.cos(2 * sp.pi / 7) + sp.cos(3 * sp.pi / 7) - R(1, 2), True),
+        (4 * sp.atan(R(1, 5)) - sp.atan(R(1, 239)) - sp.pi / 4, None),
     ],
 )
 def test_zero_is_proved_and_disproved(number, answer):

@@ -17,6 +17,8 @@ from rsym.codegen.lowering import lower
 BITS = 256
 # The minimal polynomial of a sum of four roots takes 0.2 s; sp.simplify and sp.trigsimp may take minutes.
 MOST_ROOTS = 4
+# Sines of larger multiples of an angle are polynomials of some thousand operations.
+MOST_ANGLES = 12
 
 
 def exact(expression: sp.Expr) -> sp.Expr:
@@ -89,9 +91,9 @@ def vanishes(constant: sp.Expr) -> bool | None:
         return False
     if not ball.is_finite():
         return None
-    numerator = _reduced(constant)
-    if numerator == 0:
+    if _reduced(constant) == 0:
         return True
+    numerator = sp.expand(constant)
     roots = numerator.atoms(sp.Function) | {power for power in numerator.atoms(sp.Pow) if not power.exp.is_Integer}
     if not numerator.is_algebraic or len(roots) > MOST_ROOTS:
         return None
@@ -101,7 +103,7 @@ def vanishes(constant: sp.Expr) -> bool | None:
 
 def _reduced(constant: sp.Expr) -> sp.Expr:
     """The numerator of a finite constant, expanded; zero if the constant is zero by algebra and sin^2 + cos^2 = 1."""
-    quotient = constant.replace(sp.tan, lambda angle: sp.sin(angle) / sp.cos(angle))
+    quotient = _in_one_angle(constant.replace(sp.tan, lambda angle: sp.sin(angle) / sp.cos(angle)))
     numerator = sp.expand(sp.together(quotient).as_numer_denom()[0])
     return sp.expand(
         numerator.replace(
@@ -109,6 +111,17 @@ def _reduced(constant: sp.Expr) -> sp.Expr:
             lambda part: (1 - sp.cos(part.base.args[0]) ** 2) ** (part.exp // 2) * part.base ** (part.exp % 2),
         )
     )
+
+
+def _in_one_angle(constant: sp.Expr) -> sp.Expr:
+    """The sines and cosines of rational numbers by those of their common measure, an indeterminate here."""
+    turning = constant.atoms(sp.sin, sp.cos)
+    angles = {part.args[0] for part in turning if part.args[0].is_Rational}
+    if len(angles) < 2 or max(map(abs, angles)) > MOST_ANGLES * sp.gcd(list(angles)):
+        return constant
+    measure, angle = sp.gcd(list(angles)), sp.Dummy("angle", real=True)
+    multiples = {part: part.func(part.args[0] / measure * angle) for part in turning if part.args[0] in angles}
+    return sp.expand_trig(constant.xreplace(multiples))
 
 
 def norm(vector: Sequence[sp.Expr]) -> Any | None:

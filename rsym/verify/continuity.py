@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-import sympy as sp
-
-from rsym.codegen.balls import arb, root, square
+from rsym.codegen.balls import arb
 from rsym.errors import RsymError
 from rsym.verify.constants import enclosed, measured, norm, precise
-from rsym.verify.curves import Curve, End, Vector, all_vanish, determinant, dot, end_of, minors
+from rsym.verify.curves import Curve, End, Vector, all_vanish, dot, end_of, minors
+from rsym.verify.jumps import bend, curvature, distance, slope, torsion, turn
 from rsym.verify.report import CERTIFIED, CONTINUITIES, DEGENERATE, REFUTED, UNDECIDED, Joint
 
 GRADES = CONTINUITIES[:5]
 KINDS = ("end", "corner", "curvature jump", "smooth joint")
 # What is smaller than this, and not proved to be other than zero, is called numerically zero.
 NUMERICAL_ZERO = 1e-30
+# In degrees, less what a double rounds.
+HALF_A_TURN = 180 * (1 - 1e-15)
 DEGENERATE_ENDS = "a curve stands still at its end"
 
 
@@ -94,6 +95,7 @@ def continuity(curves: Sequence[Curve], *, closed: bool = False, claim: str = "G
 
     Examples
     --------
+    >>> import sympy as sp
     >>> t = sp.Symbol("t")
     >>> line = Curve((t, sp.Integer(0)), t, -1, 0)
     >>> arc = Curve((2 * sp.sin(t), 2 - 2 * sp.cos(t)), t, 0, 1)
@@ -122,42 +124,62 @@ def continuity(curves: Sequence[Curve], *, closed: bool = False, claim: str = "G
 
 Levels = tuple[bool | None, ...]
 Measured = tuple[float, float]
-NOTHING: Measured = (math.nan, math.nan)
 
 
 def _joint(index: int, first: Curve, second: Curve) -> tuple[CurveJoint, Levels]:
     """One joint, and for G0 to G3 whether the difference is proved to be zero or not."""
     before, after = end_of(first, at_start=False), end_of(second, at_start=True)
-    differences = _differences(before, after)
-    states = [None if difference is None else all_vanish(difference) for difference in differences]
-    if states[1] and not _same_way(before, after):
-        states[1] = False if _opposed(before, after) else None
-    if before.unbounded or after.unbounded:
-        states[2] = False
-    if states[1] is not True:
-        states[3] = None  # the ratio of the speeds is that of parallel tangents
-    sizes = [_size(difference) for difference in differences]
-    small = [state or (state is None and size < NUMERICAL_ZERO) for state, (size, _) in zip(states, sizes, strict=True)]
-    grade = small.index(False) if False in small else 4
-    proved = all(states[:grade]) and (grade == 4 or states[grade] is False)
-    kind = KINDS[min(grade, 3)] if grade == 4 or states[grade] is False or grade == 3 else "unresolved"
-    if kind == "corner" and _opposed(before, after):
-        kind = "cusp"
-    if kind == "curvature jump" and (before.unbounded or after.unbounded):
-        kind = "unbounded curvature"
+    states = _states(before, after)
+    sizes = _sizes(before, after, states)
+    # NaN is not small, so that what is not known ends the search for the grade.
+    equal = [state or (state is None and sum(size) < NUMERICAL_ZERO) for state, size in zip(states, sizes, strict=True)]
+    grade = equal.index(False) if False in equal else 4
     place = tuple(measured(enclosed(component)) for component in before.point)
+    unbounded = before.unbounded or after.unbounded
+    flat = first.dimension == 2
     joint = CurveJoint(
         point=tuple(value for value, _ in place),
         radius=max(error for _, error in place),
-        kind=kind,
+        kind=_kind(grade, states, sizes[1][0], unbounded),
         continuity=GRADES[grade],
-        proved=proved,
+        tangent_jump=sizes[1][0],
+        tangent_jump_error=sizes[1][1],
+        curvatures=(curvature(before, flat), curvature(after, flat)),
+        curvature_jump=math.inf if unbounded else sizes[2][0],
+        curvature_jump_error=sizes[2][1],
+        derivative_jump=sizes[3][0],
+        derivative_jump_error=sizes[3][1],
+        proved=all(states[:grade]) and (grade == 4 or states[grade] is False),
         reason=_reason(before, after, states, sizes, grade),
         index=index,
         gap=sizes[0][0],
         gap_error=sizes[0][1],
+        torsions=(torsion(before), torsion(after)),
     )
-    return _with_sizes(joint, before, after, tuple(states)), tuple(states)
+    return joint, states
+
+
+def _kind(grade: int, states: Levels, turn: float, unbounded: bool) -> str:
+    """What ends the agreement; beyond the curvature the joint is smooth, whatever ends it."""
+    if grade < 3 and states[grade] is None:
+        return "unresolved"
+    if grade == 1 and turn >= HALF_A_TURN:
+        return "cusp"
+    return "unbounded curvature" if grade == 2 and unbounded else KINDS[min(grade, 3)]
+
+
+def _states(before: End, after: End) -> Levels:
+    """For G0 to G3, whether the difference is proved to be zero (True) or not to be (False)."""
+    differences = _differences(before, after)
+    states = [None if difference is None else all_vanish(difference) for difference in differences]
+    if states[1] and before.tangent is not None and after.tangent is not None:
+        ball = enclosed(dot(before.tangent, after.tangent))
+        states[1] = True if ball is not None and ball > 0 else False if ball is not None and ball < 0 else None
+    if before.unbounded or after.unbounded:
+        states[2] = False
+    if states[1] is not True:
+        states[3] = None  # the ratio of the speeds is that of parallel tangents
+    return tuple(states)
 
 
 def _differences(before: End, after: End) -> list[Vector | None]:
@@ -179,23 +201,6 @@ def _minus(a: Vector, b: Vector) -> Vector:
     return tuple(u - v for u, v in zip(a, b, strict=True))
 
 
-def _same_way(before: End, after: End) -> bool:
-    ball = enclosed(dot(before.tangent or (), after.tangent or ()))
-    return ball is not None and bool(ball > 0)
-
-
-def _opposed(before: End, after: End) -> bool:
-    """Whether the curve runs straight back."""
-    if before.tangent is None or after.tangent is None or not all_vanish(minors(before.tangent, after.tangent)):
-        return False
-    ball = enclosed(dot(before.tangent, after.tangent))
-    return ball is not None and bool(ball < 0)
-
-
-def _size(difference: Vector | None) -> Measured:
-    return NOTHING if difference is None else measured(norm(difference))
-
-
 def _reason(before: End, after: End, states: Sequence[bool | None], sizes: Sequence[Measured], grade: int) -> str:
     """What is not proved, and why."""
     if before.standing or after.standing:
@@ -205,91 +210,22 @@ def _reason(before: End, after: End, states: Sequence[bool | None], sizes: Seque
         return doubts[0]
     weak = [level for level in range(grade) if states[level] is None]
     if weak:
-        return f"{GRADES[weak[0] + 1]} only numerically: the difference is below {sum(sizes[weak[0]]):.0e}"
+        return f"{GRADES[weak[0] + 1]} only numerically: the difference is below {sum(sizes[weak[0]]):.1e}"
     return f"the gap is {sizes[0][0]:.6g}" if grade == 0 else ""
 
 
-def _with_sizes(joint: CurveJoint, before: End, after: End, states: Levels) -> CurveJoint:
-    """Add the numbers: turn, curvatures, torsions and jumps; what is proved to be zero is 0."""
+def _sizes(before: End, after: End, states: Levels) -> list[Measured]:
+    """Gap, turn in degrees, jumps of curvature and of its derivative; what is proved to be zero is 0."""
     flat = len(before.point) == 2
-    sizes = [(0.0, 0.0) if state else NOTHING for state in states]
     with precise():
-        bends = [_bend(end, flat) for end in (before, after)]
-        slopes = [_slope(end, flat) for end in (before, after)]
-        jumps = [_turn(before, after), _distance(*bends), _distance(*slopes)]
-    for level, jump in enumerate(jumps, 1):
-        sizes[level] = sizes[level] if states[level] else measured(jump)
-    unbounded = before.unbounded or after.unbounded
-    return replace(
-        joint,
-        tangent_jump=sizes[1][0],
-        tangent_jump_error=sizes[1][1],
-        curvatures=(_curvature(before, flat), _curvature(after, flat)),
-        curvature_jump=math.inf if unbounded else sizes[2][0],
-        curvature_jump_error=sizes[2][1],
-        derivative_jump=sizes[3][0],
-        derivative_jump_error=sizes[3][1],
-        torsions=(_torsion(before), _torsion(after)),
-    )
+        bends = [bend(end, flat) for end in (before, after)]
+        slopes = [slope(end, flat) for end in (before, after)]
+        sizes = [norm(_minus(after.point, before.point)), turn(before, after), distance(*bends), distance(*slopes)]
+    return [(0.0, 0.0) if state else _jump(size) for state, size in zip(states, sizes, strict=True)]
 
 
-Balls = Sequence[Any] | None
-
-
-def _turn(before: End, after: End) -> Any | None:
-    """The angle between two tangents in degrees, from its sine and cosine."""
-    if before.tangent is None or after.tangent is None:
-        return None
-    sine, cosine = norm(minors(before.tangent, after.tangent)), enclosed(dot(before.tangent, after.tangent))
-    return None if sine is None or cosine is None else arb.atan2(sine, cosine) * 180 / arb.pi()
-
-
-def _bend(end: End, flat: bool) -> Balls:
-    """The signed curvature in the plane, the curvature vector in space."""
-    if end.tangent is None or end.curvature is None:
-        return None
-    if not flat:
-        return _balls(end.curvature)
-    area, speed = _balls(minors(end.tangent, end.curvature)), norm(end.tangent)
-    return None if area is None or speed is None else [area[0] / speed]
-
-
-def _slope(end: End, flat: bool) -> Balls:
-    """dkappa/ds in the plane, p_sss in space."""
-    if end.tangent is None or end.rate is None:
-        return None
-    if flat:
-        return _balls([minors(end.tangent, end.rate)[0] / dot(end.tangent, end.tangent)])
-    rate, speed = _balls(end.rate), norm(end.tangent)
-    return None if rate is None or speed is None else [component / speed for component in rate]
-
-
-def _balls(vector: Sequence[sp.Expr]) -> Balls:
-    found = [enclosed(component) for component in vector]
-    return None if None in found else found
-
-
-def _distance(a: Balls, b: Balls) -> Any | None:
-    if a is None or b is None:
-        return None
-    return root(sum((square(v - u) for u, v in zip(a, b, strict=True)), arb(0)))
-
-
-def _curvature(end: End, flat: bool) -> float:
-    if end.unbounded:
-        return math.inf
-    with precise():
-        bend = _bend(end, flat)
-    if bend is None:
-        return math.nan
-    return measured(bend[0] if flat else norm(end.curvature or ()))[0]
-
-
-def _torsion(end: End) -> float:
-    """det(p_s, p_ss, p_sss)/kappa^2; NaN where the curve is straight."""
-    if len(end.point) == 2 or end.tangent is None or end.curvature is None or end.rate is None:
-        return math.nan
-    if all_vanish(end.curvature) is not False:
-        return math.nan
-    volume = determinant(end.tangent, end.curvature, end.rate)
-    return measured(enclosed(volume / dot(end.tangent, end.tangent) / dot(end.curvature, end.curvature)))[0]
+def _jump(ball: Any | None) -> Measured:
+    """A size that may be zero is called zero within its bound."""
+    if ball is not None and ball.is_finite() and ball.contains(arb(0)):
+        return 0.0, sum(measured(ball))
+    return measured(ball)

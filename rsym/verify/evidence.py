@@ -42,7 +42,7 @@ def has_boundary(model: Model, found: Covering, joints: Sequence[Joint], extent:
 
 def _changes_sign(model: Model, box: Box, finding: Finding) -> bool:
     number = finding.locus.nodes[0] if finding.locus.kind in {"leaf", "double"} else model.root
-    ranges = [side(*ends) for ends in box[2:]]
+    ranges = [side(low, high).mid() for low, high in box[2:]]
     points = product(*((low, low + (high - low) / 2, high) for low, high in box[:2]))
     return {1, -1} <= {model.on([arb(x), arb(y), *ranges]).sign(number) for x, y in points}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,11 +19,12 @@ Prune = Callable[[Sequence[tuple[tuple[float, float], ...]]], Sequence[bool]]
 def pruner(shape: Shape, axes: Sequence[str], letters: Mapping[str, Interval]) -> Prune:
     """A function of boxes, with sides along the axes, that is true for those on which omega is not zero anywhere.
 
-    Letters that range are axes; the program takes them as coordinates, so each box has its own part of the range.
+    Letters that range are axes: each box has its own part of the range.
     """
     fixed = {name: value for name, value in letters.items() if name not in axes}
-    builder = Builder(tuple(axes), tuple(fixed))
-    function = IntervalFunction(builder.program({"value": lower(builder, shape.expression)}), "numpy", 1)
+    builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(letters))
+    program = builder.program({"value": lower(builder, shape.expression)})
+    function = IntervalFunction(replace(program, coordinates=tuple(axes), letters=tuple(fixed)), "numpy", 1)
 
     def prune(boxes: Sequence[tuple[tuple[float, float], ...]]) -> Sequence[bool]:
         ends = np.array(boxes, dtype=np.float64)

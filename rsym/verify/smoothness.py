@@ -63,8 +63,8 @@ def verify_smoothness(
     bounds : sequence of pairs, optional
         The statement is about the boundary within these; by default the bounds of the shape.
     letters : mapping, optional
-        Values by name; a pair (low, high) is a range, and the statement then holds for every value in it. A number
-        is taken at its exact value.
+        Values by name, each taken at its exact value. A pair (low, high) is a range: CERTIFIED then holds for every
+        value in it, REFUTED for at least one.
     smallest : float
         Boxes are divided down to this share of the extent.
     budget : int

@@ -67,13 +67,21 @@ def _classified(model: Model, group: Sequence[tuple[Box, Finding]], extent: floa
     found = chain.from_iterable(places(model, box, finding, centre, radius) for box, finding in group)
     point = None
     for place in islice(found, MOST_PLACES):
+        finding = next((finding for box, finding in group if _holds(box, place.point)), None)
+        if finding is None:
+            continue  # what vanishes there is not what is left over here
         point = place.point if point is None else point
-        proved = _polygon(model, group[0][1], place.point) or _directed(model, place)
+        proved = _polygon(model, finding, place.point) or _directed(model, place)
         if proved is not None:
             return proved
     if point is None:
         return unresolved
     return _probed(model, point, extent) if probe else replace(unresolved, point=(float(point[0]), float(point[1])))
+
+
+def _holds(box: Box, point: tuple[arb, arb]) -> bool:
+    """Whether the box certainly contains the point."""
+    return all(low <= value and value <= high for value, (low, high) in zip(point, box, strict=False))
 
 
 def _rational(point: tuple[arb, arb]) -> tuple[Fraction, Fraction] | None:
