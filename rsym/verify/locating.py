@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
@@ -10,7 +11,7 @@ from flint import arb, ctx
 
 from rsym.codegen.balls import exact
 from rsym.verify.covering import Box, side
-from rsym.verify.examination import Finding
+from rsym.verify.examination import Finding, square_roots
 from rsym.verify.generators import generators
 from rsym.verify.local import Model
 from rsym.verify.locus import CONJUNCTIONS, DISJUNCTIONS
@@ -25,20 +26,31 @@ SIMPLE = 10_000  # a fraction with a smaller denominator that agrees to CONVERGE
 ROUND = 64  # the largest denominator of a point that is guessed where no equations find it
 
 
-def located(model: Model, box: Box, finding: Finding, centre: Sequence[float], radius: float) -> tuple[arb, arb] | None:
-    """A point within the radius where omega and one pair of equations vanish to the working precision."""
-    with ctx.workprec(LOCATED):
-        for pair in _equations(model, box, finding):
+@dataclass(frozen=True)
+class Place:
+    """A point where omega vanishes to the working precision, and the pair of nodes whose common zero it is."""
+
+    point: tuple[arb, arb]
+    pair: tuple[int, int] | None = None
+
+
+def places(model: Model, box: Box, finding: Finding, centre: Sequence[float], radius: float) -> Iterator[Place]:
+    """Points within the radius where omega and one pair of equations vanish to the working precision."""
+    for pair in _equations(model, box, finding):
+        with ctx.workprec(LOCATED):
             point = _newton(model, pair, centre)
             if point is None or _distance(point, centre) > 4 * radius:
                 continue
             snapped = (_simple(point[0]), _simple(point[1]))
-            for candidate in (snapped, point):
-                if _vanishes(model, candidate):
-                    return candidate
+            found = next((candidate for candidate in (snapped, point) if _vanishes(model, candidate)), None)
+        if found is not None:
+            yield Place(found, pair)
+    with ctx.workprec(LOCATED):
         whole = tuple(Fraction(value).limit_denominator(ROUND) for value in centre)
         candidate = (exact(whole[0]), exact(whole[1]))
-        return candidate if _distance(candidate, centre) <= radius and _vanishes(model, candidate) else None
+        found = candidate if _distance(candidate, centre) <= radius and _vanishes(model, candidate) else None
+    if found is not None:
+        yield Place(found)
 
 
 def _vanishes(model: Model, point: tuple[arb, arb]) -> bool:
@@ -57,7 +69,10 @@ def _equations(model: Model, box: Box, finding: Finding) -> Iterator[tuple[int, 
     switches = list(found.switches)
     for number in sorted(found.hard):
         operation, arguments, _ = nodes[number]
-        if arguments:
+        roots = square_roots(model.builder, arguments[0]) if operation == "sqrt" else []
+        if len(roots) > 1:
+            yield roots[0], roots[1]
+        elif arguments:
             yield arguments[0], arguments[1] if operation in PAIRS else leaf
     yield from pairwise(switches)
     for switch in switches:

@@ -5,21 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from fractions import Fraction
+from itertools import chain, islice
 
 import mpmath as mp
 import sympy as sp
 from flint import arb, ctx
 
+from rsym.codegen.balls import exact
 from rsym.verify.covering import Box, Covering
+from rsym.verify.directions import classify_by_directions
 from rsym.verify.examination import Finding
+from rsym.verify.generators import generators
+from rsym.verify.joints import Arc, locate
 from rsym.verify.local import Model
-from rsym.verify.locating import SIMPLE, as_fraction, located
+from rsym.verify.locating import LOCATED, SIMPLE, Place, as_fraction, places
 from rsym.verify.newton_polygon import classify_polynomial
 from rsym.verify.polynomials import polynomial_of
 from rsym.verify.probing import Sample, classify
 from rsym.verify.report import Joint
 
 CROWD = 400  # boxes: points that resist leave one to thirty
+MOST_PLACES = 6  # guesses of what vanishes at a point, tried until one of them proves something
+PINNED = 2.0**-90  # half the width of the box in which a pair of nodes must have just one zero
 MOST_PROBED = 8  # points classified by one-sided limits, which takes a second each
 DIGITS = 40  # of the limits; the field is evaluated to twice as many
 # Kinds for which there is no curve whose curvature could be continuous.
@@ -49,29 +57,51 @@ def _touch(a: Box, b: Box) -> bool:
 
 
 def _classified(model: Model, group: Sequence[tuple[Box, Finding]], extent: float, *, probe: bool) -> Joint:
-    """What a cluster is: by its Newton polygon, which is a proof, else by one-sided limits, which are none."""
+    """What a cluster is: by its Newton polygon or by directions, which are proofs, else by one-sided limits."""
     boxes = [box for box, _ in group]
     centre = [math.fsum(box[k][0] + box[k][1] for box in boxes) / (2 * len(boxes)) for k in range(2)]
     radius = max(math.dist(centre, corner) for box in boxes for corner in zip(*box[:2], strict=True))
     unresolved = Joint((centre[0], centre[1]), radius, "unresolved", "broken", reason="nothing is proved here")
     if len(boxes[0]) > 2:
         return unresolved
+    found = chain.from_iterable(places(model, box, finding, centre, radius) for box, finding in group)
     point = None
-    for box, finding in group:
-        point = point or located(model, box, finding, centre, radius)
+    for place in islice(found, MOST_PLACES):
+        point = place.point if point is None else point
+        proved = _polygon(model, group[0][1], place.point) or _directed(model, place)
+        if proved is not None:
+            return proved
     if point is None:
         return unresolved
-    polynomial = _polygon(model, group[0][1], point)
-    if polynomial is not None:
-        return polynomial
     return _probed(model, point, extent) if probe else replace(unresolved, point=(float(point[0]), float(point[1])))
 
 
-def _polygon(model: Model, finding: Finding, point: tuple[arb, arb]) -> Joint | None:
-    fractions = [as_fraction(value).limit_denominator(SIMPLE) for value in point]
-    if any(not value.contains(arb(f.numerator) / f.denominator) for value, f in zip(point, fractions, strict=True)):
+def _rational(point: tuple[arb, arb]) -> tuple[Fraction, Fraction] | None:
+    """The simple fractions of a point that was snapped to them."""
+    x, y = (as_fraction(value).limit_denominator(SIMPLE) for value in point)
+    return (x, y) if point[0].contains(exact(x)) and point[1].contains(exact(y)) else None
+
+
+def _directed(model: Model, place: Place) -> Joint | None:
+    """By directions: at a rational point, or at the only common zero of a pair of analytic nodes in a small box."""
+    rational = _rational(place.point)
+    if rational is not None:
+        return classify_by_directions(model, rational, frozenset())
+    if place.pair is None:
         return None
-    if finding.locus.kind != "leaf":
+    with ctx.workprec(LOCATED):
+        local = model.on([value + arb(0, PINNED) for value in place.point])
+        if not all(generators(local, number).analytic for number in place.pair):
+            return None
+        zero = locate(local, Arc(*place.pair))
+    if zero is None or zero.box is None:
+        return None
+    return classify_by_directions(model, zero.box, frozenset(place.pair))
+
+
+def _polygon(model: Model, finding: Finding, point: tuple[arb, arb]) -> Joint | None:
+    fractions = _rational(point)
+    if fractions is None or finding.locus.kind != "leaf":
         return None
     polynomial = polynomial_of(model, finding.locus.nodes[0])
     if polynomial is None:

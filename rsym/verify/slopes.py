@@ -1,0 +1,199 @@
+"""One-sided derivatives of a program at a point, in all directions at once.
+
+The slope of u at p is H(d) = lim (u(p + r d) - u(p))/r for r -> 0+. Every operation here is continuous where it is
+used, and the limit is uniform in d (B-differentiability), which chains: with u = u(p) + r H + o(r),
+- an operation g that is C^1 at u(p) has the slope g'(u(p)) H;
+- one that is Lipschitz and positively homogeneous of degree 1 (|.|, min, max, R_0, the norms) has, where all its
+  arguments vanish, the slope g(H), for g(r H + o(r)) = r g(H) + o(r).
+Sources: Shapiro, On concepts of directional differentiability, J. Optim. Theory Appl. 66 (1990), 477-487; Scholtes,
+Introduction to Piecewise Differentiable Equations (2012), chapter 3.
+
+All decisions are taken on a box that is a neighbourhood of p, so that they hold around p and not only there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from flint import arb
+
+from rsym.codegen.ball_arithmetic import size
+from rsym.codegen.balls import IMAGES, Step, exact, root, square
+from rsym.codegen.differentiation import RULES
+from rsym.verify.domains import is_defined, is_legal
+from rsym.verify.generators import BRANCHING, is_analytic_at
+from rsym.verify.local import Local
+from rsym.verify.locus import chosen
+from rsym.verify.vanishing import Exact
+
+HOMOGENEOUS = frozenset(
+    "r0_conjunction r0_disjunction r_alpha_conjunction r_alpha_disjunction rp_conjunction rp_disjunction norm joining "
+    "equivalence gap".split()
+)
+POWERS = frozenset({"absolute_power", "signed_power"})
+_P_SYSTEMS = frozenset({"rp_conjunction", "rp_disjunction", "norm"})
+
+Slope = tuple[Callable[..., arb | None], tuple[int, ...]]
+
+
+def slope_steps(local: Local, known: Exact, number: int) -> list[Step] | None:
+    """The steps from the slopes of the coordinates to that of a node; None where a rule is missing."""
+    builder = local.model.builder
+    slopes: dict[int, Slope | None] = {}
+    for part in local.model.order(number):
+        operation, _, data = builder.nodes[part]
+        if operation == "input" and data in builder.coordinates:
+            continue
+        slope = _slope(local, known, part)
+        missing = slope is not None and any(slopes.get(argument, ()) is None for argument in slope[1])
+        slopes[part] = None if missing else slope
+    if slopes.get(number, ()) is None:
+        return None
+    needed, stack = set(), [number]
+    while stack:
+        part = stack.pop()
+        if part not in needed and (found := slopes.get(part)) is not None:
+            needed.add(part)
+            stack.extend(found[1])
+    return [Step(part, *found) for part, found in slopes.items() if part in needed and found is not None]
+
+
+def _slope(local: Local, known: Exact, part: int) -> Slope | None:
+    builder = local.model.builder
+    operation, arguments, _ = builder.nodes[part]
+    if builder.uniform[part]:
+        return (_nothing, ()) if is_defined(local, part) else None
+    if operation in BRANCHING - {"sign"} and (branch := chosen(local, part)) is not None:
+        return (_same if branch[1] > 0 else _opposite), (branch[0],)
+    fixed = arguments[1:] if operation in POWERS else arguments[2:]  # parameters, as which the rules take them
+    if not all(builder.uniform[parameter] for parameter in fixed):
+        return None
+    if is_analytic_at(local, part) or (operation in _P_SYSTEMS and _is_apart(local, part)):
+        return _linear(local, known, part)
+    if operation in HOMOGENEOUS and known.vanishes(*arguments[:2]) and is_legal(local, part):
+        parameters = [local.value(parameter) for parameter in arguments[2:]]
+        return partial(_with_parameters, IMAGES[operation], parameters), arguments[:2]
+    if operation in {"min", "max"}:
+        tie = known.vanishes(*arguments) or known.vanishes(builder.sub(*arguments))
+        return (IMAGES[operation], arguments) if tie else None
+    if operation == "abs":
+        return (size, arguments) if known.vanishes(*arguments) else None
+    if operation in {"r0m_conjunction", "r0m_disjunction"}:
+        flat = known.vanishes(*arguments[:2]) and is_legal(local, part)
+        return (_nothing, arguments[:2]) if flat else None
+    return _rarer(local, known, part)
+
+
+def _rarer(local: Local, known: Exact, part: int) -> Slope | None:
+    builder = local.model.builder
+    operation, arguments, _ = builder.nodes[part]
+    if operation == "trimming":
+        s, t = arguments
+        inner = builder.nodes[s]
+        if inner.operation != "mul" or inner.arguments[0] != inner.arguments[1] or not known.vanishes(s):
+            return None
+        f = inner.arguments[0]
+        if not known.vanishes(f):
+            return None
+        if local.sign(t) > 0:  # the gap is of the fourth order in f, but it must be continuous: t is an argument too
+            return _first_size, (f, t)
+        return (_end_of_trimming, (f, t)) if known.vanishes(t) else None
+    if operation == "sqrt":
+        found = squares(local, known, arguments[0])
+        if found is None:
+            return None
+        return partial(_root_of_squares, [factor for factor, _ in found]), tuple(node for _, node in found)
+    if operation in POWERS and known.vanishes(arguments[0]):
+        exponent = builder.value(arguments[1])
+        if exponent == 1:
+            return (size if operation == "absolute_power" else _same), arguments[:1]
+        return (_nothing, arguments[:1]) if exponent is not None and exponent > 1 else None
+    return None
+
+
+def _is_apart(local: Local, part: int) -> bool:
+    """Whether an operation with the norm of order p is C^1: p > 1 and its arguments are not both zero."""
+    f, g, p = local.model.builder.nodes[part].arguments
+    order = local.value(p)
+    return order is not None and bool(order > 1) and (local.nonzero(f) or local.nonzero(g))
+
+
+def _linear(local: Local, known: Exact, part: int) -> Slope | None:
+    """The chain rule; each partial derivative is the rule of differentiation for a unit vector of derivatives."""
+    builder = local.model.builder
+    node = builder.nodes[part]
+    factors, arguments = [], []
+    for place, argument in enumerate(node.arguments):
+        unit = [builder.const(int(other == place)) for other in range(len(node.arguments))]
+        derived = RULES[node.operation](builder, part, node, unit)
+        if builder.value(derived) == 0:
+            continue
+        rational = known.value(derived)
+        value = local.value(derived) if rational is None else exact(rational)
+        if value is None or not value.is_finite():
+            return None
+        factors.append(value)
+        arguments.append(argument)
+    return partial(_combination, factors), tuple(arguments)
+
+
+def squares(local: Local, known: Exact, number: int) -> list[tuple[arb, int]] | None:
+    """A node as a sum of c u**2, c > 0 near the point and each u zero at it: pairs of the value of c and u."""
+    builder = local.model.builder
+    operation, arguments, data = builder.nodes[number]
+    if operation == "add":
+        parts = [squares(local, known, argument) for argument in arguments]
+        return None if None in parts else [pair for part in parts if part is not None for pair in part]
+    if operation == "powi" and isinstance(data, int) and data % 2 == 0:
+        return [(arb(0), arguments[0])] if known.vanishes(arguments[0]) else None
+    if operation != "mul":
+        return None
+    if arguments[0] == arguments[1]:
+        return [(arb(1), arguments[0])] if known.vanishes(arguments[0]) else None
+    for factor, other in (arguments, arguments[::-1]):
+        value = local.value(factor)
+        if value is not None and local.sign(factor) > 0 and is_defined(local, factor):
+            found = squares(local, known, other)
+            # The factor must be continuous: it is listed with the weight 0, so that a slope of it must be known.
+            return None if found is None else [(value * c, u) for c, u in found] + [(arb(0), factor)]
+    return None
+
+
+def _nothing(*slopes: arb) -> arb:
+    return arb(0)
+
+
+def _same(slope: arb) -> arb:
+    return slope
+
+
+def _opposite(slope: arb) -> arb:
+    return -slope
+
+
+def _with_parameters(image: Callable[..., arb | None], parameters: Sequence[arb | None], *slopes: arb) -> arb | None:
+    return image(*slopes, *parameters)
+
+
+def _combination(factors: Sequence[arb], *slopes: arb) -> arb:
+    total = arb(0)
+    for factor, slope in zip(factors, slopes, strict=True):
+        total += factor * slope
+    return total
+
+
+def _first_size(slope: arb, other: arb) -> arb:
+    return size(slope)
+
+
+def _end_of_trimming(f: arb, t: arb) -> arb | None:
+    """sqrt(f'**2 + max(-t', 0)**2): the distance from the end of the curve that is kept."""
+    return root(square(f) + square((-t).max(arb(0))))
+
+
+def _root_of_squares(factors: Sequence[arb], *slopes: arb) -> arb | None:
+    total = arb(0)
+    for factor, slope in zip(factors, slopes, strict=True):
+        total += factor * square(slope)
+    return root(total)

@@ -1,0 +1,115 @@
+"""Which nodes of a program are known exactly at a point: rational numbers, and zeros that no ball could prove.
+
+A ball around a value that is 0 contains 0 and proves nothing. Zero is known where it was given (the point is the
+common zero of two nodes), where the value follows in rational arithmetic, or by the zeros of the operations.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+
+from rsym.verify.domains import is_legal
+from rsym.verify.generators import BRANCHING, bare
+from rsym.verify.local import Local
+from rsym.verify.locus import CONJUNCTIONS, DISJUNCTIONS, chosen
+
+_BITS = 4096  # rational numbers longer than this only cost time
+ZERO = Fraction(0)
+
+
+def _root(value: Fraction) -> Fraction | None:
+    if value < 0:
+        return None
+    root = Fraction(math.isqrt(value.numerator), math.isqrt(value.denominator))
+    return root if root * root == value else None
+
+
+_RATIONAL: dict[str, Callable[..., Fraction | None]] = {
+    "add": lambda a, b: a + b,
+    "mul": lambda a, b: a * b,
+    "div": lambda a, b: a / b if b else None,
+    "neg": lambda a: -a,
+    "sqrt": _root,
+    "abs": abs,
+    "sign": lambda a: Fraction((a > 0) - (a < 0)),
+    "min": min,
+    "max": max,
+}
+
+
+class Exact:
+    """The exact values known at one point, which lies in the box of `local`.
+
+    `coordinates` are rational or None; `zeros` are nodes that vanish at the point, which others must have proved.
+    """
+
+    def __init__(self, local: Local, coordinates: Mapping[str, Fraction | None], zeros: frozenset[int]) -> None:
+        self.local = local
+        builder = local.model.builder
+        self.zeros = zeros | {bare(builder, number) for number in zeros}
+        self.inputs = {**{name: low for name, (low, _) in local.model.letters.items()}, **coordinates}
+        self.values: dict[int, Fraction | None] = {}
+
+    def value(self, number: int) -> Fraction | None:
+        """The value of a node, None if it is not known exactly."""
+        for part in self.local.model.order(number):
+            if part not in self.values:
+                self.values[part] = self._value(part)
+        return self.values[number]
+
+    def vanishes(self, *numbers: int) -> bool:
+        """Whether all these nodes are known to be zero at the point."""
+        return all(self.value(number) == 0 for number in numbers)
+
+    def _value(self, part: int) -> Fraction | None:
+        operation, arguments, data = self.local.model.builder.nodes[part]
+        if part in self.zeros:
+            return ZERO
+        if operation == "const":
+            return data if isinstance(data, Fraction) else None
+        if operation == "input":
+            return self.inputs[str(data)]
+        inner = [self.values[argument] for argument in arguments]
+        if operation in BRANCHING - {"sign"} and (branch := chosen(self.local, part)) is not None:
+            taken = self.values[branch[0]]
+            return None if taken is None else taken * branch[1]
+        known = [value for value in inner if value is not None]
+        if len(known) == len(inner) and all(_length(value) < _BITS for value in known):
+            if operation == "powi" and isinstance(data, int):
+                return known[0] ** data if _length(known[0]) * data < _BITS else None
+            if operation in _RATIONAL:
+                return _RATIONAL[operation](*known)
+        if operation in {"exp", "cos"} and inner[0] == 0:
+            return Fraction(1)
+        return ZERO if self._is_zero(part, operation, arguments) else None
+
+    def sign(self, number: int) -> int | None:
+        """1, 0 or -1, None if unknown."""
+        value = self.values[number]
+        if value is not None:
+            return (value > 0) - (value < 0)
+        return self.local.sign(number) or None
+
+    def _is_zero(self, part: int, operation: str, arguments: tuple[int, ...]) -> bool:
+        signs = [self.sign(argument) for argument in arguments]
+        first = signs[0] if signs else None
+        if operation in CONJUNCTIONS | DISJUNCTIONS:
+            idle = 1 if operation in CONJUNCTIONS else -1
+            return 0 in signs[:2] and set(signs[:2]) <= {0, idle} and is_legal(self.local, part)
+        if operation in {"mul", "equivalence", "joining"}:
+            return 0 in signs[:2] and is_legal(self.local, part)
+        if operation == "norm":
+            return signs[:2] == [0, 0] and is_legal(self.local, part)
+        if operation in {"trimming", "gap"}:
+            return first == 0 and signs[1] in (0, 1)
+        if operation in {"absolute_power", "signed_power", "atan2", "normalised"}:
+            return first == 0 and signs[1] == 1
+        if operation == "div":
+            return first == 0 and signs[1] in (1, -1)
+        return (operation == "sin" and first == 0) or (operation == "log" and self.values[arguments[0]] == 1)
+
+
+def _length(value: Fraction) -> int:
+    return max(value.numerator.bit_length(), value.denominator.bit_length())
