@@ -117,9 +117,9 @@ def tree(rng, leaves, depth):
     operations = [
         (conjunction(first, second), lambda u, v: f(u, v) + g(u, v) - np.hypot(f(u, v), g(u, v))),
         (disjunction(first, second), lambda u, v: f(u, v) + g(u, v) + np.hypot(f(u, v), g(u, v))),
-        (sp.Min(first, second), lambda u, v: np.minimum(f(u, v), g(u, v))),
-        (sp.Max(first, second), lambda u, v: np.maximum(f(u, v), g(u, v))),
-        (sp.Abs(first) - second / 3, lambda u, v: np.abs(f(u, v)) - g(u, v) / 3),
+        (conjunction(first, second, system=rsym.R1), lambda u, v: np.minimum(f(u, v), g(u, v))),
+        (disjunction(first, second, system=rsym.R1), lambda u, v: np.maximum(f(u, v), g(u, v))),
+        (sp.Abs(first, evaluate=False) - second / 3, lambda u, v: np.abs(f(u, v)) - g(u, v) / 3),
         (first + second, lambda u, v: f(u, v) + g(u, v)),
     ]
     return (first, f) if first == second else rng.choice(operations)
