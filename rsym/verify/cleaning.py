@@ -1,0 +1,260 @@
+"""Algebraic clean-up before a proof: the same function, written so that less is lost in enclosures.
+
+- f + g - sqrt(f**2 + g**2), the conjunction of R_0 written out in roots, becomes the node again; so do the disjunction
+  and trimming. The sign of a node is read off its operands; of the roots it is not, for they cancel.
+- Squares leave roots: sqrt(x**2*y**2 + x**2) = |x| sqrt(y**2 + 1), if what stays is never negative (else the root
+  would be defined on fewer points: sqrt(x**2*(y - 1)) is 0 on x = 0); and moduli: |x**2*y| = x**2*|y|.
+
+Nothing else. Every rule is an identity of real functions, also of where they are defined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+
+import sympy as sp
+
+from rsym.model.nodes import Trimming, expand_nodes
+from rsym.model.rnodes import R0Conjunction, R0Disjunction
+from rsym.model.traversal import postorder, rebuild
+
+ROUNDS = 3  # a rule may make room for another one
+LARGEST = 4_000  # parts of an expression; a larger one is left as it is
+TERMS, DEGREE = 300, 24  # of a polynomial that is expanded or factored, at most
+
+
+def cleaned(expression: sp.Expr) -> sp.Expr:
+    """The expression with R_0 and trimming recognised in roots, and squares taken out of roots and moduli.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from rsym import x, y
+    >>> cleaned(x + y**2 - sp.sqrt(x**2 + y**4))
+    conjunction(x, y**2)
+    >>> cleaned(sp.sqrt(x**2 * y**2 + x**2))
+    sqrt(y**2 + 1)*Abs(x)
+    """
+    expression = rebuild(expression, lambda part: sp.Rational(part) if isinstance(part, sp.Float) else None)
+    for _ in range(ROUNDS):
+        if len(postorder(expression)) > LARGEST:
+            break
+        result = rebuild(rebuild(expression, _recognised), _freed)
+        if result == expression:
+            break
+        expression = result
+    return expression
+
+
+def _recognised(part: sp.Basic) -> sp.Basic | None:
+    if isinstance(part, sp.Add):
+        return _systems(part)
+    return _trimming(part) if _is_root(part) else None
+
+
+def _freed(part: sp.Basic) -> sp.Basic | None:
+    if isinstance(part, sp.Pow) and isinstance(part.exp, sp.Rational) and part.exp.q == 2:
+        return _root_without_squares(part)
+    return _modulus_without_squares(part) if isinstance(part, sp.Abs) else None
+
+
+def _is_root(part: sp.Basic) -> bool:
+    return isinstance(part, sp.Pow) and part.exp == sp.S.Half
+
+
+class Atoms:
+    """Expressions as polynomials with rational coefficients, in whatever is not itself made by + - * and powers."""
+
+    def __init__(self) -> None:
+        self.names: dict[sp.Expr, sp.Symbol] = {}
+
+    def polynomials(self, *masked: sp.Expr) -> list[sp.Poly] | None:
+        """The polynomials of masked expressions; None if one is too large."""
+        for part in masked:
+            bulk = _bulk(part)
+            if bulk is None or bulk[0] > TERMS or bulk[1] > DEGREE:
+                return None
+        symbols = list(self.names.values()) or [sp.Dummy()]
+        return [sp.Poly(part, *symbols, domain=sp.QQ) for part in masked]
+
+    def masked(self, part: sp.Expr) -> sp.Expr:
+        """The expression with a symbol for each atom."""
+        if isinstance(part, sp.Rational):
+            return part
+        if isinstance(part, sp.Add | sp.Mul):
+            return part.func(*(self.masked(argument) for argument in part.args))
+        if isinstance(part, sp.Pow) and isinstance(part.exp, sp.Integer) and part.exp > 0:
+            return self.masked(part.base) ** part.exp
+        return self.names.setdefault(part, sp.Dummy(real=True))
+
+    def unmasked(self, polynomial: sp.Poly) -> sp.Expr:
+        """Back again."""
+        return polynomial.as_expr().xreplace({name: atom for atom, name in self.names.items()})
+
+
+def _bulk(part: sp.Expr) -> tuple[int, int] | None:
+    """Bounds of the number of terms and of the degree after expansion; None where they are beyond all use."""
+    terms, degree = 1, 0
+    if isinstance(part, sp.Add | sp.Mul):
+        inner = [_bulk(argument) for argument in part.args]
+        terms, degree = (0, 0) if isinstance(part, sp.Add) else (1, 0)
+        for found in inner:
+            if found is None:
+                return None
+            if isinstance(part, sp.Add):
+                terms, degree = terms + found[0], max(degree, found[1])
+            else:
+                terms, degree = terms * found[0], degree + found[1]
+    elif isinstance(part, sp.Pow):
+        found = _bulk(part.base)
+        exponent = int(part.exp)
+        if found is None or exponent > DEGREE:
+            return None
+        terms, degree = found[0] ** exponent, found[1] * exponent
+    elif part.is_Symbol:
+        degree = 1
+    return None if terms > TERMS else (terms, degree)
+
+
+def _systems(total: sp.Add) -> sp.Expr | None:
+    """k*(f + g) -+ k*sqrt(f**2 + g**2) + rest as k times the operation of R_0 + rest, for rational k."""
+    for term in total.args:
+        scale, root = term.as_coeff_Mul()
+        if not isinstance(scale, sp.Rational) or not _is_root(root):
+            continue
+        others = sp.Add(*(other for other in total.args if other is not term))
+        for f, g in _legs(root.base):
+            for factor, kind in ((-scale, R0Conjunction), (scale, R0Disjunction)):
+                rest = _difference(others, factor * f + factor * g)
+                if rest is not None:
+                    rest = (_systems(rest) or rest) if isinstance(rest, sp.Add) else rest
+                    return factor * kind(f, g) + rest
+    return None
+
+
+def _legs(radicand: sp.Expr) -> Iterator[tuple[sp.Expr, sp.Expr]]:
+    """The pairs f, g with radicand = f**2 + g**2 as it is written, with all signs."""
+    if not isinstance(radicand, sp.Add) or len(radicand.args) != 2:
+        return
+    roots = [_square_root(term) for term in radicand.args]
+    if roots[0] is None or roots[1] is None:
+        return
+    yield from product(*([root, -root] for root in roots if root is not None))
+
+
+def _square_root(term: sp.Expr) -> sp.Expr | None:
+    """A u with u**2 equal to the term, if the term is a product of even powers."""
+    result = sp.S.One
+    for factor in sp.Mul.make_args(term):
+        if isinstance(factor, sp.Rational) and factor > 0 and sp.sqrt(factor).is_Rational:
+            result *= sp.sqrt(factor)
+        elif isinstance(factor, sp.Pow) and isinstance(factor.exp, sp.Integer) and factor.exp % 2 == 0:
+            result *= factor.base ** (factor.exp // 2)
+        else:
+            return None
+    return result
+
+
+def _difference(whole: sp.Expr, share: sp.Expr) -> sp.Expr | None:
+    """Whole - share, if the share was added as such: all its terms go, or nothing is left after expansion."""
+    for written in (share, expand_nodes(share)):
+        rest = whole - written
+        if _count(rest) == _count(whole) - _count(written):
+            return rest
+    return sp.S.Zero if _are_equal(expand_nodes(share), expand_nodes(whole)) else None
+
+
+def _count(total: sp.Expr) -> int:
+    return 0 if total == 0 else len(sp.Add.make_args(total))
+
+
+def _trimming(root: sp.Pow) -> sp.Expr | None:
+    """sqrt(f**2 + gap**2) with gap = (sqrt(t**2 + f**4) - t)/2."""
+    if not isinstance(root.base, sp.Add) or len(root.base.args) != 2:
+        return None
+    for square, other in (root.base.args, root.base.args[::-1]):
+        f, gap = _square_root(square), _square_root(other)
+        if f is None or not isinstance(gap, sp.Add):
+            continue
+        for sign in (1, -1):  # the square of the gap is that of its negative
+            for term in gap.args:
+                scale, inner = term.as_coeff_Mul()
+                if scale != sign * sp.S.Half or not _is_root(inner):
+                    continue
+                t = -2 * sign * sp.Add(*(rest for rest in gap.args if rest is not term))
+                if _are_equal(expand_nodes(t) ** 2 + expand_nodes(f) ** 4, expand_nodes(inner.base)):
+                    return Trimming(f, t)
+    return None
+
+
+def _root_without_squares(power: sp.Pow) -> sp.Expr | None:
+    """P**(n/2) with P = p**2 * rest as |p|**n * rest**(n/2), if the rest is never negative."""
+    taken = _factored(power.base)
+    if taken is None:
+        return None
+    outside, inside = sp.S.One, taken[0]
+    for factor, multiplicity in taken[1]:
+        outside *= _modulus(factor, multiplicity // 2)
+        inside *= factor if multiplicity % 2 else 1
+    if outside == 1 or not _is_never_negative(inside):
+        return None
+    return outside ** (2 * power.exp) * sp.Pow(inside, power.exp)
+
+
+def _modulus_without_squares(modulus: sp.Abs) -> sp.Expr | None:
+    """|P| with even powers of the factors of P outside."""
+    taken = _factored(modulus.args[0])
+    if taken is None or all(multiplicity == 1 for _, multiplicity in taken[1]):
+        return None
+    result = abs(taken[0])
+    for factor, multiplicity in taken[1]:
+        result *= _modulus(factor, multiplicity)
+    return result
+
+
+def _modulus(factor: sp.Expr, exponent: int) -> sp.Expr:
+    """|factor|**exponent."""
+    if exponent == 0:
+        return sp.S.One
+    even = factor ** (exponent - exponent % 2)
+    return even * sp.Abs(factor, evaluate=False) if exponent % 2 else even
+
+
+def _factored(expression: sp.Expr) -> tuple[sp.Rational, list[tuple[sp.Expr, int]]] | None:
+    """The square-free factorisation of a polynomial."""
+    atoms = Atoms()
+    masked = atoms.masked(expression)
+    found = atoms.polynomials(masked)
+    if found is None or found[0].is_ground or found[0].free_symbols != set(atoms.names.values()):
+        return None
+    constant, factors = found[0].sqf_list()
+    return constant, [(atoms.unmasked(factor), multiplicity) for factor, multiplicity in factors]
+
+
+def _is_never_negative(expression: sp.Expr) -> bool:
+    """Whether all terms are positive numbers times even powers, or a polynomial of one variable has no real root."""
+    atoms = Atoms()
+    found = atoms.polynomials(atoms.masked(expression))
+    if found is None:
+        return False
+    terms = found[0].terms()
+    if all(coefficient > 0 and all(power % 2 == 0 for power in powers) for powers, coefficient in terms):
+        return True
+    if len(found[0].free_symbols) != 1:
+        return False
+    single = sp.Poly(found[0].as_expr(), *found[0].free_symbols, domain=sp.QQ)
+    return bool(single.LC() > 0 and single.count_roots() == 0)
+
+
+def _are_equal(kept: sp.Expr, dropped: sp.Expr) -> bool:
+    """Whether two expressions are one polynomial, and nothing can be undefined in the second that is not in the first.
+
+    Terms may cancel, log(x) - log(x), but not the points where they are undefined.
+    """
+    atoms = Atoms()
+    first = atoms.masked(kept)
+    count = len(atoms.names)
+    second = atoms.masked(dropped)
+    found = atoms.polynomials(first, second) if len(atoms.names) == count else None
+    return found is not None and found[0] == found[1]
