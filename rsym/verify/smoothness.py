@@ -15,6 +15,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.shape import Shape
 from rsym.sampling.lattice import bounds_of
+from rsym.verify.cleaning import cleaned
 from rsym.verify.covering import Box, Covering, cover, extent_of
 from rsym.verify.evidence import has_boundary, statements
 from rsym.verify.local import Interval, Model
@@ -127,6 +128,7 @@ def _study(
         raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape")
     body = shape.dimension == 3
     plane = _meridian_within(shape, bounds) if body else shape
+    plane = plane.replace(expression=cleaned(plane.expression))
     box = bounds_of(plane, None if body else bounds)
     values = exact_letters(shape, letters)
     model = Model(plane, values, body=body)
