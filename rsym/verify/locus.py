@@ -15,6 +15,7 @@ from fractions import Fraction
 from rsym.codegen.builder import Builder
 from rsym.verify.domains import is_defined, is_legal, switch_of
 from rsym.verify.local import Local
+from rsym.verify.polynomials import same_zeros
 
 CONJUNCTIONS = frozenset({"r0_conjunction", "r_alpha_conjunction", "r0m_conjunction", "rp_conjunction", "min"})
 DISJUNCTIONS = frozenset({"r0_disjunction", "r_alpha_disjunction", "r0m_disjunction", "rp_disjunction", "max"})
@@ -129,9 +130,11 @@ def _product(local: Local, number: int, sign: int) -> Locus:
     builder = local.model.builder
     u, v = builder.nodes[number].arguments[:2]
     (first, first_odd), (second, second_odd) = _stripped(builder, u), _stripped(builder, v)
-    if first == second:
-        odd = first_odd != second_odd
-        return reduce(local, first if sign > 0 else builder.neg(first)) if odd else Locus("double", (first,))
+    if first == second or same_zeros(local.model, first, second):
+        if first_odd == second_odd:
+            return Locus("double", (first,))
+        changing = first if first_odd else second
+        return reduce(local, changing if sign > 0 else builder.neg(changing))
     return Locus("product", (u, v) if sign > 0 else (builder.neg(u), v))
 
 

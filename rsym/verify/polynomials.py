@@ -75,3 +75,9 @@ def _multiplicity(model: Model, number: int, divisor: int, most: int) -> int:
             return count
         count += 1
     return most
+
+
+def same_zeros(model: Model, a: int, b: int) -> bool:
+    """Whether two nodes are polynomials that are equal or opposite."""
+    p, q = polynomial_of(model, a), polynomial_of(model, b)
+    return p is not None and q is not None and 0 in (sp.expand(p - q), sp.expand(p + q))
