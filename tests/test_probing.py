@@ -84,13 +84,15 @@ def test_the_stadium_jumps_by_the_curvature_of_its_ends():
 @pytest.mark.parametrize(("exponent", "continuity", "jumps"), [(2, "G1", (2, 0)), (3, "G2", (0, 6)), (4, "G3", (0, 0))])
 @pytest.mark.parametrize("third", [False, True])
 def test_the_order_of_contact_of_two_arcs(exponent, continuity, jumps, third):
+    """On both arcs |grad w| changes too, which must not matter."""
+
     def w(x, y):
-        return y - positive(x) ** exponent
+        return (1 + x + 2 * y) * (y - x * x / 3 - positive(x) ** exponent)
 
     joint = classify(differences(w, third), ORIGIN, 0.0, digits=32, value=w)
     assert joint.continuity == continuity
     assert_close([joint.curvature_jump, joint.derivative_jump], jumps, atol=1e-12)
-    assert joint.tangent_jump < 1e-12
+    assert max(joint.tangent_jump, joint.derivative_jump_error) < 1e-9
 
 
 @pytest.mark.parametrize("n", [3, 5, 7])

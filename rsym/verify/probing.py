@@ -115,7 +115,7 @@ def _judged(joint: Joint, circles: list[Circle], ends: Ends) -> Joint:
         return replace(joint, reason="w does not vanish at the centre")
     if crossings == 0 and touches:
         return replace(joint, kind="no sign change", reason=f"w is zero on a line; both its sides are {side}")
-    if crossings % 2 or last.edges:
+    if last.edges:
         return replace(joint, kind="end", reason="the domain of w ends here, or w jumps over zero")
     branches = one_sided(circles, ends)
     if joint.branches != 2:
