@@ -131,7 +131,8 @@ def blunted(random: Random) -> Planted:
     omega = rsym.conjunction(f, g, f + g - _q(cut), system=random.choice([R0, R1]))
     ends = [tuple(p + cut * n for p, n in zip(place, way, strict=True)) for way in (normal, other)]
     places = tuple((_float(end), 45.0) for end in ends)
-    return Planted(Shape(omega, (x, y), bounds=_bounds(random, place)), "corner", places)
+    bounds = tuple((float(c) - 0.3, float(c) + 0.2) for c in place)
+    return Planted(Shape(omega, (x, y), bounds=bounds), "corner", places)
 
 
 def bend_jump(random: Random) -> Planted:
@@ -235,13 +236,8 @@ def _joined(random: Random, f: Field, g: Field) -> Field:
             return np.maximum(a, b) if sign > 0 else np.minimum(a, b)
         if kind == "alpha":
             return (a + b + sign * np.sqrt(a * a + b * b - 2 * alpha * a * b)) / (1 + alpha)
-        return (
-            a
-            + b
-            + sign
-            * (np.abs(a) ** 2 + np.abs(b) ** 2 if kind == "r0" else np.abs(a) ** p + np.abs(b) ** p)
-            ** (1 / (2 if kind == "r0" else p))
-        )
+        q = p if kind == "p" else 2
+        return a + b + sign * (np.abs(a) ** q + np.abs(b) ** q) ** (1 / q)
 
     def clearance(u, v):
         a, b = f.value(u, v), g.value(u, v)

@@ -177,10 +177,9 @@ def _joined(local: Local, extent: float, number: int) -> Finding:
     if zero is None or (None in bounds and not (on_axis and zero.exists)):
         return Finding("open", locus=locus)
     bound = max((math.inf, 0.0) if bound is None else bound for bound in bounds)
-    if not zero.exists:
+    inside = zero.box is None or all(a.overlaps(b) for a, b in zip(zero.box, local.sides, strict=False))
+    if not (zero.exists and inside):  # what meets outside a neighbour will find
         return Finding("regular", math.inf, *bound, locus=locus) if _same_end(grown, arcs) else OPEN
-    if zero.box is not None and not all(a.overlaps(b) for a, b in zip(zero.box, local.sides, strict=False)):
-        return Finding("regular", math.inf, *bound, locus=locus)  # they meet outside: a neighbour will find it
     found_joint = joint(grown, arcs, zero)
     if found_joint is None:
         return Finding("open", locus=locus)
