@@ -140,8 +140,7 @@ def _legs(radicand: sp.Expr) -> Iterator[tuple[sp.Expr, sp.Expr]]:
     roots = [_square_root(term) for term in radicand.args]
     if roots[0] is None or roots[1] is None:
         return
-    for one, other in product(*([root, -root] for root in roots if root is not None)):
-        yield one, other
+    yield from product(*([root, -root] for root in roots if root is not None))
 
 
 def _square_root(term: sp.Expr) -> sp.Expr | None:

@@ -115,7 +115,9 @@ def _operands(local: Local, known: Exact, part: int) -> tuple[int, ...]:
         return arguments[:2] if is_legal(local, part) else ()
     if operation == "mul":
         return arguments
-    if operation in {"neg", "normalised", "abs"} or (operation == "powi" and isinstance(data, int) and data > 0):
+    if operation == "normalised":
+        return arguments[:1] if is_defined(local, arguments[1], but_for_thin_sets=True) else ()
+    if operation in {"neg", "abs"} or (operation == "powi" and isinstance(data, int) and data > 0):
         return arguments[:1]
     if operation == "div":
         return arguments[:1] if _is_factor(local, arguments[1]) else ()

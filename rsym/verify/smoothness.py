@@ -15,6 +15,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.shape import Shape
 from rsym.sampling.lattice import bounds_of
+from rsym.verify.cleaning import cleaned
 from rsym.verify.covering import Box, Covering, cover, extent_of
 from rsym.verify.evidence import has_boundary, statements
 from rsym.verify.local import Interval, Model
@@ -129,6 +130,7 @@ def _study(
     plane = _meridian_within(shape, bounds) if body else shape
     box = bounds_of(plane, None if body else bounds)
     values = exact_letters(shape, letters)
+    plane = plane.replace(expression=cleaned(plane.expression))
     model = Model(plane, values, body=body)
     ranges = tuple(_around(*values[name]) for name in model.axes[2:])
     region: Box = (_below_axis(box) if body else tuple((float(a), float(b)) for a, b in box)) + ranges
