@@ -6,7 +6,8 @@ near p. So all zeros near p lie in cones about the directions in which H may van
 across such a cone, every small circle around p has a zero in it, by continuity. Hence, if omega(p) = 0:
 - no such direction: p is an isolated point of the boundary;
 - two, each with a change of sign, not opposite: the boundary leaves p in both and in no other direction, and a
-  curve with a tangent leaves in opposite ones: a corner;
+  curve with a tangent leaves in opposite ones: a corner. It is a curve (G0) if omega is strictly monotone across
+  each cone: if no limit of its gradient in the cone is at right angles to the way across, which is asked for too;
 - four or more with a change of sign: more directions than a curve has, a node.
 Anything else proves nothing here: opposite directions, a zero of H without a change of sign, H = 0 on an arc.
 
@@ -20,16 +21,17 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import TypeAlias
 
 from flint import arb, ctx
 
-from rsym.codegen.balls import Step, exact, hypotenuse, run
+from rsym.codegen.balls import exact, hypotenuse
 from rsym.verify.domains import is_defined, is_legal
 from rsym.verify.local import Local, Model
 from rsym.verify.locus import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.report import Joint
-from rsym.verify.slopes import slope_steps, squares
+from rsym.verify.slopes import Slopes, slopes_of, squares
 from rsym.verify.vanishing import Exact
 
 Number: TypeAlias = Fraction | arb
@@ -72,11 +74,13 @@ def classify_by_directions(model: Model, point: tuple[Number, Number], zeros: fr
         node = same_sign(local, known, model.root)
         if not known.vanishes(node):
             return None
-        steps = slope_steps(local, known, node)
-        if steps is None:
+        slopes = slopes_of(local, known, node)
+        cones = None if slopes is None else _cones(slopes)
+        if slopes is None or cones is None or any(cone.before == cone.after for cone in cones):
             return None
-        cones = _cones(model, steps, node)
-        return None if cones is None else _judged((balls[0], balls[1]), cones)
+        if len(cones) == 2 and not all(_is_crossed(slopes, cone) for cone in cones):
+            return None
+        return _judged((balls[0], balls[1]), cones)
 
 
 def _rational(part: Number) -> Fraction | None:
@@ -115,7 +119,9 @@ def _operands(local: Local, known: Exact, part: int) -> tuple[int, ...]:
         return arguments[:2] if is_legal(local, part) else ()
     if operation == "mul":
         return arguments
-    if operation in {"neg", "normalised", "abs"} or (operation == "powi" and isinstance(data, int) and data > 0):
+    if operation == "normalised":
+        return arguments[:1] if is_defined(local, arguments[1], but_for_thin_sets=True) else ()
+    if operation in {"neg", "abs"} or (operation == "powi" and isinstance(data, int) and data > 0):
         return arguments[:1]
     if operation == "div":
         return arguments[:1] if _is_factor(local, arguments[1]) else ()
@@ -174,17 +180,27 @@ def _direction(low: float, high: float) -> tuple[arb, arb]:
     """The directions of an arc: side k of the square [-1, 1]**2 belongs to 2 k <= along <= 2 k + 2."""
     side = int(low // 2)
     t = arb(low - 2 * side - 1).union(arb(high - 2 * side - 1))
-    return ((arb(1), t), (-t, arb(1)), (arb(-1), -t), (t, arb(-1)))[side]
+    return ((arb(1), t), (-t, arb(1)), (arb(-1), -t), (t, arb(-1)))[side % 4]
 
 
-def _cones(model: Model, steps: Sequence[Step], node: int) -> list[Cone] | None:
+def _is_crossed(slopes: Slopes, cone: Cone) -> bool:
+    """Whether omega is strictly monotone across the cone near p, so that it holds one branch, a Lipschitz curve."""
+    corner = 2.0 * math.ceil(cone.low / 2)
+    ends = [cone.low, *([corner] if cone.low < corner < cone.high else []), cone.high]
+    x, y = _direction(cone.low, cone.low)
+    for low, high in pairwise(ends):
+        found = slopes.gradient(_direction(low, high))
+        across = None if found is None else found[1] * x - found[0] * y
+        if across is None or not (across > 0 if cone.after > 0 else across < 0):
+            return False
+    return True
+
+
+def _cones(slopes: Slopes) -> list[Cone] | None:
     """The arcs around the circle on which the sign of H is not proved; None if they do not become narrow."""
-    x, y = (model.builder.input(name) for name in model.builder.coordinates)
 
     def sign(low: float, high: float) -> int:
-        known: dict[int, arb | None] = dict(zip((x, y), _direction(low, high), strict=True))
-        run(steps, known)
-        value = known[node]
+        value = slopes.at(_direction(low, high))[slopes.number]
         return 0 if value is None else 1 if value > 0 else -1 if value < 0 else 0
 
     pieces = [(k / 2, k / 2 + 0.5, sign(k / 2, k / 2 + 0.5)) for k in range(16)]
@@ -220,8 +236,6 @@ def _clusters(pieces: list[tuple[float, float, int]]) -> list[Cone] | None:
 
 
 def _judged(point: tuple[arb, arb], cones: Sequence[Cone]) -> Joint | None:
-    if any(cone.before == cone.after for cone in cones):
-        return None
     place = (float(point[0].mid()), float(point[1].mid()))
     radius = float(hypotenuse(arb(point[0].rad()), arb(point[1].rad())).upper())
     radius += 1e-15 * (abs(place[0]) + abs(place[1]))

@@ -13,18 +13,17 @@ All decisions are taken on a box that is a neighbourhood of p, so that they hold
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from dataclasses import dataclass
 
 from flint import arb
 
-from rsym.codegen.ball_arithmetic import size
-from rsym.codegen.balls import IMAGES, Step, exact, root, square
+from rsym.codegen.balls import Step, exact, run
 from rsym.codegen.differentiation import RULES
 from rsym.verify.domains import is_defined, is_legal
 from rsym.verify.generators import BRANCHING, is_analytic_at
 from rsym.verify.local import Local
 from rsym.verify.locus import chosen
+from rsym.verify.slope_rules import Choice, End, Homogeneous, Length, Linear, Rule, Size, Vector
 from rsym.verify.vanishing import Exact
 
 HOMOGENEOUS = frozenset(
@@ -34,58 +33,81 @@ HOMOGENEOUS = frozenset(
 POWERS = frozenset({"absolute_power", "signed_power"})
 _P_SYSTEMS = frozenset({"rp_conjunction", "rp_disjunction", "norm"})
 
-Slope = tuple[Callable[..., arb | None], tuple[int, ...]]
+
+@dataclass(frozen=True)
+class Slopes:
+    """The rules that lead from the slopes of the coordinates to that of a node."""
+
+    number: int
+    coordinates: tuple[int, int]
+    rules: tuple[tuple[int, Rule], ...]
+
+    def at(self, direction: Vector) -> dict[int, arb | None]:
+        """The slopes in some directions, by node."""
+        known: dict[int, arb | None] = dict(zip(self.coordinates, direction, strict=True))
+        run([Step(part, rule.slope, rule.arguments) for part, rule in self.rules], known)
+        return known
+
+    def gradient(self, direction: Vector) -> Vector | None:
+        """A box of all limits of the gradient of the node at p + r d for r -> 0, d in some directions."""
+        slopes = self.at(direction)
+        found: dict[int, Vector] = dict(zip(self.coordinates, ((arb(1), arb(0)), (arb(0), arb(1))), strict=True))
+        for part, rule in self.rules:
+            own = [slope for argument in rule.arguments if (slope := slopes[argument]) is not None]
+            gradients = [found[argument] for argument in rule.arguments if argument in found]
+            if len(own) == len(gradients) == len(rule.arguments):
+                value = rule.gradient(own, gradients)
+                if value is not None:
+                    found[part] = value
+        return found.get(self.number)
 
 
-def slope_steps(local: Local, known: Exact, number: int) -> list[Step] | None:
-    """The steps from the slopes of the coordinates to that of a node; None where a rule is missing."""
+def slopes_of(local: Local, known: Exact, number: int) -> Slopes | None:
+    """The slopes of a node; None where a rule is missing."""
     builder = local.model.builder
-    slopes: dict[int, Slope | None] = {}
+    x, y = (builder.input(name) for name in builder.coordinates)
+    rules: dict[int, Rule] = {}
     for part in local.model.order(number):
-        operation, _, data = builder.nodes[part]
-        if operation == "input" and data in builder.coordinates:
-            continue
-        slope = _slope(local, known, part)
-        missing = slope is not None and any(slopes.get(argument, ()) is None for argument in slope[1])
-        slopes[part] = None if missing else slope
-    if slopes.get(number, ()) is None:
+        rule = None if part in (x, y) else _rule(local, known, part)
+        if rule is not None and all(argument in rules or argument in (x, y) for argument in rule.arguments):
+            rules[part] = rule
+    if number not in rules and number not in (x, y):
         return None
     needed, stack = set(), [number]
     while stack:
         part = stack.pop()
-        if part not in needed and (found := slopes.get(part)) is not None:
+        if part not in needed and part in rules:
             needed.add(part)
-            stack.extend(found[1])
-    return [Step(part, *found) for part, found in slopes.items() if part in needed and found is not None]
+            stack.extend(rules[part].arguments)
+    return Slopes(number, (x, y), tuple((part, rule) for part, rule in rules.items() if part in needed))
 
 
-def _slope(local: Local, known: Exact, part: int) -> Slope | None:
+def _rule(local: Local, known: Exact, part: int) -> Rule | None:
     builder = local.model.builder
     operation, arguments, _ = builder.nodes[part]
     if builder.uniform[part]:
-        return (_nothing, ()) if is_defined(local, part) else None
+        return Linear((), ()) if is_defined(local, part) else None
     if operation in BRANCHING - {"sign"} and (branch := chosen(local, part)) is not None:
-        return (_same if branch[1] > 0 else _opposite), (branch[0],)
+        return Linear((branch[0],), (arb(branch[1]),))
     fixed = arguments[1:] if operation in POWERS else arguments[2:]  # parameters, as which the rules take them
     if not all(builder.uniform[parameter] for parameter in fixed):
         return None
     if is_analytic_at(local, part) or (operation in _P_SYSTEMS and _is_apart(local, part)):
         return _linear(local, known, part)
     if operation in HOMOGENEOUS and known.vanishes(*arguments[:2]) and is_legal(local, part):
-        parameters = [local.value(parameter) for parameter in arguments[2:]]
-        return partial(_with_parameters, IMAGES[operation], parameters), arguments[:2]
+        return Homogeneous(arguments[:2], local, part)
     if operation in {"min", "max"}:
         tie = known.vanishes(*arguments) or known.vanishes(builder.sub(*arguments))
-        return (IMAGES[operation], arguments) if tie else None
+        return Choice(arguments, operation) if tie else None
     if operation == "abs":
-        return (size, arguments) if known.vanishes(*arguments) else None
+        return Size(arguments) if known.vanishes(*arguments) else None
     if operation in {"r0m_conjunction", "r0m_disjunction"}:
         flat = known.vanishes(*arguments[:2]) and is_legal(local, part)
-        return (_nothing, arguments[:2]) if flat else None
+        return Linear(arguments[:2], (arb(0), arb(0))) if flat else None
     return _rarer(local, known, part)
 
 
-def _rarer(local: Local, known: Exact, part: int) -> Slope | None:
+def _rarer(local: Local, known: Exact, part: int) -> Rule | None:
     builder = local.model.builder
     operation, arguments, _ = builder.nodes[part]
     if operation == "trimming":
@@ -97,18 +119,18 @@ def _rarer(local: Local, known: Exact, part: int) -> Slope | None:
         if not known.vanishes(f):
             return None
         if local.sign(t) > 0:  # the gap is of the fourth order in f, but it must be continuous: t is an argument too
-            return _first_size, (f, t)
-        return (_end_of_trimming, (f, t)) if known.vanishes(t) else None
+            return Size((f, t))
+        return End((f, t)) if known.vanishes(t) else None
     if operation == "sqrt":
         found = squares(local, known, arguments[0])
         if found is None:
             return None
-        return partial(_root_of_squares, [factor for factor, _ in found]), tuple(node for _, node in found)
+        return Length(tuple(node for _, node in found), tuple(factor for factor, _ in found))
     if operation in POWERS and known.vanishes(arguments[0]):
         exponent = builder.value(arguments[1])
         if exponent == 1:
-            return (size if operation == "absolute_power" else _same), arguments[:1]
-        return (_nothing, arguments[:1]) if exponent is not None and exponent > 1 else None
+            return Size(arguments[:1]) if operation == "absolute_power" else Linear(arguments[:1], (arb(1),))
+        return Linear(arguments[:1], (arb(0),)) if exponent is not None and exponent > 1 else None
     return None
 
 
@@ -119,7 +141,7 @@ def _is_apart(local: Local, part: int) -> bool:
     return order is not None and bool(order > 1) and (local.nonzero(f) or local.nonzero(g))
 
 
-def _linear(local: Local, known: Exact, part: int) -> Slope | None:
+def _linear(local: Local, known: Exact, part: int) -> Rule | None:
     """The chain rule; each partial derivative is the rule of differentiation for a unit vector of derivatives."""
     builder = local.model.builder
     node = builder.nodes[part]
@@ -135,7 +157,7 @@ def _linear(local: Local, known: Exact, part: int) -> Slope | None:
             return None
         factors.append(value)
         arguments.append(argument)
-    return partial(_combination, factors), tuple(arguments)
+    return Linear(tuple(arguments), tuple(factors))
 
 
 def squares(local: Local, known: Exact, number: int) -> list[tuple[arb, int]] | None:
@@ -158,42 +180,3 @@ def squares(local: Local, known: Exact, number: int) -> list[tuple[arb, int]] | 
             # The factor must be continuous: it is listed with the weight 0, so that a slope of it must be known.
             return None if found is None else [(value * c, u) for c, u in found] + [(arb(0), factor)]
     return None
-
-
-def _nothing(*slopes: arb) -> arb:
-    return arb(0)
-
-
-def _same(slope: arb) -> arb:
-    return slope
-
-
-def _opposite(slope: arb) -> arb:
-    return -slope
-
-
-def _with_parameters(image: Callable[..., arb | None], parameters: Sequence[arb | None], *slopes: arb) -> arb | None:
-    return image(*slopes, *parameters)
-
-
-def _combination(factors: Sequence[arb], *slopes: arb) -> arb:
-    total = arb(0)
-    for factor, slope in zip(factors, slopes, strict=True):
-        total += factor * slope
-    return total
-
-
-def _first_size(slope: arb, other: arb) -> arb:
-    return size(slope)
-
-
-def _end_of_trimming(f: arb, t: arb) -> arb | None:
-    """sqrt(f'**2 + max(-t', 0)**2): the distance from the end of the curve that is kept."""
-    return root(square(f) + square((-t).max(arb(0))))
-
-
-def _root_of_squares(factors: Sequence[arb], *slopes: arb) -> arb | None:
-    total = arb(0)
-    for factor, slope in zip(factors, slopes, strict=True):
-        total += factor * square(slope)
-    return root(total)

@@ -131,6 +131,7 @@ def _study(
     plane = plane.replace(expression=cleaned(plane.expression))
     box = bounds_of(plane, None if body else bounds)
     values = exact_letters(shape, letters)
+    plane = plane.replace(expression=cleaned(plane.expression))
     model = Model(plane, values, body=body)
     ranges = tuple(_around(*values[name]) for name in model.axes[2:])
     region: Box = (_below_axis(box) if body else tuple((float(a), float(b)) for a, b in box)) + ranges
