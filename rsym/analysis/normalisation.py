@@ -33,7 +33,7 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
     shape : Shape
         A shape whose gradient does not vanish on its boundary.
     order : int
-        m >= 1. omega_m contains derivatives of omega up to order 1 + m (m - 1)/2 + ... : each step takes m more.
+        m >= 1. omega_1 takes first derivatives of omega, and the step to order m takes m more.
     length : number or expression
         L > 0, in the unit of the coordinates.
 
@@ -44,7 +44,7 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
         expanded or simplified grows beyond use. Distinct parts at orders 1, 2, 3: an ellipse 20, 94, 3 000;
         the body of Fig. 11 59, 340, 36 000 (8 s); the car at order 2 17 000 (2 s), at order 3 out of reach. For numbers
         the fields ``normalised_2`` and ``normalised_3`` of `compile` are the same function with L = 1, derived
-        in the program: 3 to 7 times smaller, and made in a hundredth of the time.
+        in the program: with their gradients 1.5 to 15 times smaller (the car at order 2 takes 62 000 operations).
 
     Raises
     ------
