@@ -1,7 +1,10 @@
 """Shapes made to deceive `verify_smoothness`: each broke a step of the proof once, or was meant to."""
 
+import math
+
 import pytest
 import sympy as sp
+from closeness import assert_close
 from sympy import Abs, Max, Min, Piecewise, sqrt
 
 import rsym
@@ -113,3 +116,12 @@ def test_the_curvature_across_a_meridian_is_bounded():
     torus = rsym.revolve(Shape(1 - x**2 - (Abs(y) - 1.25) ** 2, (x, y), bounds=((-2, 2), (-3, 3))))
     assert 4 <= rsym.verify_smoothness(torus).curvature_bound < 4.4
     assert rsym.verify_smoothness(rsym.revolve(Shape(1 - Abs(y) - x**2, (x, y), bounds=WIDE))).curvature_bound > 1e9
+
+
+@pytest.mark.parametrize("bounds", [((-1.3, 1.3), (-1.1, 1.2)), ((-2, 2), (-2, 2)), ((-1, 1), (-1.2, 1.2))])
+def test_a_joint_first_enclosed_in_a_wide_box_is_located_all_the_same(bounds):
+    omega = 3 * x / 2 - y - Max(0, 1 - 3 * x**2 / 2 - 2 * (y - sp.Rational(1, 2)) ** 2) - sp.Rational(1, 4)
+    report = rsym.verify_smoothness(Shape(omega, (x, y), bounds=bounds))
+    expected = [(9 + 10 * sign * math.sqrt(0.69)) / 24 for sign in (-1, 1)]  # 6 x**2 - 4.5 x + 1/8 = 0
+    assert_close(sorted(joint.point[0] for joint in report.defects), expected, atol=1e-14)
+    assert max(joint.radius for joint in report.defects) < 1e-14

@@ -14,6 +14,9 @@ from flint import arb
 
 Point = tuple[arb, arb]
 
+# Convergence is quadratic in the end, but a wide box may lose only a tenth of its width at first.
+REFINEMENTS, SLOWEST = 60, 0.95
+
 
 @dataclass(frozen=True)
 class Zero:
@@ -47,12 +50,12 @@ def refined(
     values: Callable[[Point], Sequence[arb]], jacobian: Callable[[Point], Sequence[Sequence[arb]]], box: Point
 ) -> Point:
     """The box of a unique zero, as narrow as the working precision and the letters allow."""
-    for _ in range(12):
+    for _ in range(REFINEMENTS):
         image = _image(values, jacobian, box)
         if image is None or not all(a.overlaps(b) for a, b in zip(image, box, strict=True)):
             break
         narrowed = (image[0].intersection(box[0]), image[1].intersection(box[1]))
-        if all(float(new.rad()) > 0.5 * float(old.rad()) for new, old in zip(narrowed, box, strict=True)):
+        if all(float(new.rad()) > SLOWEST * float(old.rad()) for new, old in zip(narrowed, box, strict=True)):
             break
         box = narrowed
     return box
