@@ -77,7 +77,7 @@ def test_the_body_of_the_paper_has_a_tip_and_is_normalised_to_first_order_only()
     assert report.proved_bounds[0] <= report.tolerance
     assert len(report.singular) == 1
     assert_close(report.singular[0], [-4.992121096289474, 0], atol=1e-6)
-    assert np.abs(report.uncovered - report.singular[0][:, None]).max() < 0.12
+    assert np.abs(report.uncovered - report.singular[0][:, None]).max() < 0.25
     report = verify_normalisation(body, 2)
     assert report.verdict == "REFUTED"
     assert 0.49 < report.worst[1].deviation < 0.53
