@@ -126,6 +126,10 @@ def joint(local: Local, meeting: Meeting, zero: Zero) -> Joint | None:
     model, directions = local.model, [_determinant(local, arc) for arc in meeting.arcs]
     if set(directions) != {1, -1} or zero.box is None:
         return None
+    if meeting.contact < 1:  # the arcs may end in different points: both must have one end, and it must be the same
+        other = locate(local, meeting.arcs[1])
+        if other is None or not other.exists:
+            return None
     with ctx.workprec(PRECISE):
         found = locate(model.on([*zero.box, *local.sides[2:]]), meeting.arcs[0], precise=True)
         assert found is not None
