@@ -97,3 +97,12 @@ def test_a_condition_without_truth_gives_nan():
     for condition in (sp.sqrt(x) < 1, sp.sqrt(x) <= 1, sp.sqrt(x) > 1, sp.sqrt(x) >= 1):
         assert np.isnan(value(sp.Piecewise((1, condition), (2, True)), -1.0, 0.0))
     assert np.isnan(value(sp.Piecewise((x, x > 2)), 1.0, 0.0))
+
+
+def test_the_derivative_of_a_maximum_on_its_tie_is_undefined():
+    """The gradient of max is a Piecewise with NaN on the tie; normalised, the shape is NaN there and right elsewhere."""
+    shape = rsym.normalise(Shape(1 - sp.Max(x, 0) ** 2 - y**2, (x, y)))
+    kernel = rsym.compile(shape, backend="numpy")
+    w = 1 - 0.3**2 - 0.4**2
+    assert_close(kernel(0.3, 0.4)["value"], w / np.sqrt(w**2 + 4 * (0.3**2 + 0.4**2)), atol=1e-15)
+    assert np.isnan(kernel(0.0, 0.4)["value"])

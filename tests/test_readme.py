@@ -6,6 +6,7 @@ from pathlib import Path
 import matplotlib.pyplot
 import numpy as np
 import pytest
+import sympy as sp
 import trimesh
 from closeness import assert_close
 
@@ -65,6 +66,19 @@ def test_the_table_of_systems_names_them_all():
     assert all(hasattr(rsym, name) for name in names)
     operations = re.search(r"Beside them: (.*?)A parameter", TEXT, re.DOTALL).group(1)
     assert all(callable(getattr(rsym, name)) for name in re.findall(r"`(\w+)`", operations))
+
+
+def test_the_lines_about_curvature():
+    (code,) = [code for code in PYTHON if "plot_curvature_comb" in code]
+    space = {"rsym": rsym, "nose": rsym.paper.skeleton_body(), "sp": sp, "x": rsym.x, "y": rsym.y, "z": rsym.z}
+    *lines, box, first, second, last = code.strip().splitlines()
+    exec("\n".join([*lines, first, second]), space)
+    pole = {rsym.x: 2, rsym.y: 0, rsym.z: 0}
+    assert [curvature.subs(pole) for curvature in (space["k1"], space["k2"])] == [1, 1]
+    low, high = eval(box, space)
+    assert low < 4 - 2 * 1.3**2 - 0.01 < high
+    answer, _, said = last.partition("  # ")
+    assert eval(answer, space) == said.split("'")[1]
 
 
 def test_the_lines_about_smoothness():

@@ -45,6 +45,8 @@ def lower(builder: Builder, expression: sp.Expr) -> int:
 def _lower_part(b: Builder, part: sp.Basic, arguments: Lowered, done: dict[int, int]) -> int:
     if isinstance(part, sp.Symbol):
         return _input(b, part)
+    if part is sp.nan:
+        return b.undefined()  # the derivative of min and max on a tie
     if part.is_Number or isinstance(part, sp.NumberSymbol):
         return _constant(b, part)
     if isinstance(part, sp.Piecewise):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -24,7 +23,7 @@ def pruner(shape: Shape, axes: Sequence[str], letters: Mapping[str, Interval]) -
     fixed = {name: value for name, value in letters.items() if name not in axes}
     builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(letters))
     program = builder.program({"value": lower(builder, shape.expression)})
-    function = IntervalFunction(replace(program, coordinates=tuple(axes), letters=tuple(fixed)), "numpy", 1)
+    function = IntervalFunction(program.varying(axes[2:]), "numpy", 1)
 
     def prune(boxes: Sequence[tuple[tuple[float, float], ...]]) -> Sequence[bool]:
         ends = np.array(boxes, dtype=np.float64)
