@@ -100,7 +100,7 @@ def test_a_condition_without_truth_gives_nan():
 
 
 def test_the_derivative_of_a_maximum_on_its_tie_is_undefined():
-    """The gradient of max is a Piecewise with NaN on the tie; normalised, the shape is NaN there and right elsewhere."""
+    """The gradient of max is a Piecewise with NaN on the tie; the normalised shape is NaN there alone."""
     shape = rsym.normalise(Shape(1 - sp.Max(x, 0) ** 2 - y**2, (x, y)))
     kernel = rsym.compile(shape, backend="numpy")
     w = 1 - 0.3**2 - 0.4**2

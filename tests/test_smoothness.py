@@ -277,3 +277,11 @@ def test_bad_input_is_refused():
 def test_the_report_is_the_same_every_time():
     first, second = (rsym.verify_smoothness(PAPER) for _ in range(2))
     assert first.to_json(boxes=True) == second.to_json(boxes=True)
+
+
+def test_progress_can_cancel():
+    seen = []
+    with pytest.raises(RsymError, match="cancelled"):
+        rsym.verify_smoothness(PAPER, progress=lambda done, total: seen.append((done, total)) or len(seen) < 3)
+    assert [total for _, total in seen] == [20_000] * 3
+    assert 0 < seen[0][0] < seen[1][0] < seen[2][0] < 1000

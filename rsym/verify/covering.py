@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from flint import arb, ctx
 
 from rsym.codegen.balls import ball
 from rsym.codegen.differentiation import derivative
-from rsym.verify.examination import Finding, examine
+from rsym.sampling.progress import Progress, report
+from rsym.verify.examination import OPEN, Finding, examine
 from rsym.verify.local import Model
 from rsym.verify.pruning import Prune
 
 Box = tuple[tuple[float, float], ...]
 
 PRECISION = 80  # bits of the balls: 53 would do, a few more keep corners from being decided by rounding
+REPORTED = 64  # boxes between two reports of progress
 # The first cut is off centre, so that no side of a box lies on the planes of symmetry of a model.
 OFF_CENTRE = 0.4375 + 1 / 64
 
@@ -37,14 +39,13 @@ def cover(
     smallest: float,
     budget: int,
     prune: Prune | None = None,
-    progress: Callable[[int, int], bool] | None = None,
+    progress: Progress | None = None,
 ) -> Covering:
     """Subdivide the bounds, breadth first, until every box is settled, narrower than `smallest`, or too many.
 
     `prune` says of many boxes at once which certainly hold no zero; the others are examined one by one.
     """
-    extent = extent_of(bounds)
-    result = Covering()
+    result, extent = Covering(), extent_of(bounds)
     level = list(_first(bounds))
     with ctx.workprec(PRECISION):
         while level:
@@ -53,21 +54,27 @@ def cover(
             following: list[Box] = []
             for box in level:
                 if result.examined >= budget:
-                    result.left.append((box, Finding("open")))
+                    result.left.append((box, OPEN))
                     continue
-                result.examined += 1
-                finding = examine(model.on([side(*ends) for ends in box]), extent)
-                if finding.kind == "open":
-                    if max(high - low for low, high in box[:2]) <= smallest:
-                        result.left.append((box, finding))
-                    else:
-                        following.extend(halves(model, box))
-                elif finding.kind != "empty":
-                    result.settled.append((box, finding))
-            if progress is not None:
-                progress(result.examined, budget)
+                following.extend(_settled(model, box, extent, smallest, result))
+                if result.examined % REPORTED == 0:
+                    report(progress, result.examined, budget)
             level = following
+    report(progress, budget, budget)
     return result
+
+
+def _settled(model: Model, box: Box, extent: float, smallest: float, result: Covering) -> list[Box]:
+    """Examine a box and note what is found on it; what is still open is returned in parts."""
+    result.examined += 1
+    finding = examine(model.on([side(*ends) for ends in box]), extent)
+    if finding.kind == "open":
+        if max(high - low for low, high in box[:2]) > smallest:
+            return halves(model, box)
+        result.left.append((box, finding))
+    elif finding.kind != "empty":
+        result.settled.append((box, finding))
+    return []
 
 
 def extent_of(bounds: Box) -> float:

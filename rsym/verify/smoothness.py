@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -15,6 +15,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.shape import Shape
 from rsym.sampling.lattice import bounds_of
+from rsym.sampling.progress import Progress
 from rsym.verify.cleaning import cleaned
 from rsym.verify.covering import Box, Covering, cover, extent_of
 from rsym.verify.evidence import has_boundary, statements
@@ -47,7 +48,7 @@ def verify_smoothness(
     letters: Mapping[Any, Any] | None = None,
     smallest: float = SMALLEST,
     budget: int = BUDGET,
-    progress: Callable[[int, int], bool] | None = None,
+    progress: Progress | None = None,
 ) -> SmoothnessReport:
     """Prove or refute that the boundary omega = 0 is a curve, or a body of revolution, of continuous curvature (G2).
 
@@ -71,7 +72,7 @@ def verify_smoothness(
     budget : int
         The greatest number of boxes to examine.
     progress : callable, optional
-        ``progress(examined, budget)``, now and then.
+        ``progress(examined, budget)``, now and then; an answer of False cancels.
 
     Returns
     -------
@@ -122,7 +123,7 @@ def _study(
     letters: Mapping[Any, Any] | None,
     smallest: float,
     budget: int,
-    progress: Callable[[int, int], bool] | None,
+    progress: Progress | None,
 ) -> _Study:
     if not isinstance(shape, Shape):
         raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape")
@@ -131,7 +132,6 @@ def _study(
     plane = plane.replace(expression=cleaned(plane.expression))
     box = bounds_of(plane, None if body else bounds)
     values = exact_letters(shape, letters)
-    plane = plane.replace(expression=cleaned(plane.expression))
     model = Model(plane, values, body=body)
     ranges = tuple(_around(*values[name]) for name in model.axes[2:])
     region: Box = (_below_axis(box) if body else tuple((float(a), float(b)) for a, b in box)) + ranges

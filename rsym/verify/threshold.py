@@ -10,6 +10,7 @@ from typing import Any
 
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.sampling.progress import Progress, report
 from rsym.verify.report import CERTIFIED, REFUTED
 from rsym.verify.smoothness import exact_letters, verdict_of
 
@@ -57,7 +58,7 @@ def smoothness_threshold(
     tolerance: float = 1e-5,
     bounds: Any = None,
     letters: Mapping[Any, Any] | None = None,
-    progress: Callable[[int, int], bool] | None = None,
+    progress: Progress | None = None,
 ) -> Threshold:
     """Bracket the value of a letter at which the boundary becomes, or ceases to be, curvature-continuous.
 
@@ -94,8 +95,7 @@ def smoothness_threshold(
     def verdict(value: Fraction) -> str:
         result = verdict_of(shape, bounds=bounds, letters={**(letters or {}), name: value}, budget=SCAN_BUDGET)
         trials.append((float(value), result))
-        if progress is not None:
-            progress(len(trials), 2 * SCAN + 1)
+        report(progress, len(trials), max(len(trials), 2 * SCAN + 1))
         return result
 
     start = values[name][0] if low <= values[name][0] <= high else (low + high) / 2
