@@ -530,11 +530,21 @@ def test_helpers():
     assert ball(arb(3), arb(-1)).contains(ball(arb(-1), arb(3)))
 
 
-def test_without_python_flint_there_is_a_remedy():
+@pytest.mark.parametrize(
+    "proof",
+    [
+        "rsym.enclose(shape, [[0, 1], [0, 1]])",
+        "rsym.verify_smoothness(shape)",
+        "rsym.verify_normalisation(shape)",
+        "rsym.continuity([])",
+    ],
+)
+def test_without_python_flint_there_is_a_remedy(proof):
     script = (
         "import sys; sys.modules['flint'] = None\n"
         "import rsym\n"
-        "try: rsym.enclose(rsym.Shape(rsym.x, (rsym.x, rsym.y)), [[0, 1], [0, 1]])\n"
+        "shape = rsym.Shape(rsym.x, (rsym.x, rsym.y))\n"
+        f"try: {proof}\n"
         "except rsym.RsymError as error: print(error.code, error.remedy)"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)

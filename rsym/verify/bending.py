@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 
-from flint import arb
-
-from rsym.codegen.balls import hypotenuse
+from rsym.codegen.balls import arb, hypotenuse
 from rsym.verify.generators import generators
 from rsym.verify.local import Local
 

@@ -6,9 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from flint import arb, ctx
-
-from rsym.codegen.balls import ball
+from rsym.codegen.balls import arb, ball, ctx
 from rsym.codegen.differentiation import derivative
 from rsym.sampling.progress import Progress, report
 from rsym.verify.examination import OPEN, Finding, examine

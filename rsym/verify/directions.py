@@ -24,9 +24,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import TypeAlias
 
-from flint import arb, ctx
-
-from rsym.codegen.balls import exact, hypotenuse
+from rsym.codegen.balls import arb, ctx, exact, hypotenuse
 from rsym.verify.domains import is_defined, is_legal
 from rsym.verify.local import Local, Model
 from rsym.verify.locus import CONJUNCTIONS, DISJUNCTIONS

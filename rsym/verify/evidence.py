@@ -6,9 +6,7 @@ import math
 from collections.abc import Sequence
 from itertools import product
 
-from flint import ctx
-
-from rsym.codegen.balls import arb
+from rsym.codegen.balls import arb, ctx
 from rsym.verify.covering import PRECISION, Box, Covering, halves, side
 from rsym.verify.examination import Finding, examine
 from rsym.verify.local import Model

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from flint import arb, ctx
-
+from rsym.codegen.balls import arb, ctx
 from rsym.codegen.builder import Builder
 from rsym.verify.bending import curvatures
 from rsym.verify.domains import is_defined

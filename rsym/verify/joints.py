@@ -12,9 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flint import arb, ctx
-
-from rsym.codegen.balls import hypotenuse
+from rsym.codegen.balls import arb, ctx, hypotenuse
 from rsym.verify.generators import Generators, generators
 from rsym.verify.krawczyk import Point, Zero, refined, unique_zero
 from rsym.verify.local import Local, Model

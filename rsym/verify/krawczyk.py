@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from flint import arb
+from rsym.codegen.balls import arb
 
 Point = tuple[arb, arb]
 

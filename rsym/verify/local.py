@@ -6,9 +6,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
-from flint import arb, ctx
-
-from rsym.codegen.balls import Step, ball, exact, run, step
+from rsym.codegen.balls import Step, arb, ball, ctx, exact, run, step
 from rsym.codegen.builder import Builder
 from rsym.codegen.differentiation import derivative
 from rsym.codegen.fields import Calculus

@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
-from flint import arb, ctx
-
-from rsym.codegen.balls import exact
+from rsym.codegen.balls import arb, ctx, exact
 from rsym.verify.covering import Box, side
 from rsym.verify.examination import Finding, square_roots
 from rsym.verify.generators import generators

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from flint import ctx
 from numpy.typing import NDArray
 
 from rsym.codegen.backends import default_backend
+from rsym.codegen.balls import ctx
 from rsym.codegen.builder import Builder
 from rsym.codegen.intervals import Bounds, IntervalFunction
 from rsym.verify.covering import OFF_CENTRE, PRECISION, Box, side

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from flint import arb, ctx
 from numpy.typing import NDArray
 
+from rsym.codegen.balls import arb, ctx
 from rsym.verify.covering import Box
 from rsym.verify.generators import generators
 from rsym.verify.local import Local

@@ -5,8 +5,7 @@ from __future__ import annotations
 import heapq
 from collections.abc import Sequence
 
-from flint import ctx
-
+from rsym.codegen.balls import ctx
 from rsym.verify.covering import PRECISION, Box, extent_of, halves, side
 from rsym.verify.examination import Finding, examine
 from rsym.verify.local import Model

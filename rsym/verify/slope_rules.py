@@ -10,10 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from flint import arb
-
 from rsym.codegen.ball_arithmetic import size
-from rsym.codegen.balls import IMAGES, root, square
+from rsym.codegen.balls import IMAGES, arb, root, square
 from rsym.codegen.differentiation import RULES
 from rsym.verify.local import Local
 

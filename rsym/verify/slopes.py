@@ -15,9 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flint import arb
-
-from rsym.codegen.balls import Step, exact, run
+from rsym.codegen.balls import Step, arb, exact, run
 from rsym.codegen.differentiation import RULES
 from rsym.verify.domains import is_defined, is_legal
 from rsym.verify.generators import BRANCHING, is_analytic_at

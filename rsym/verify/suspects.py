@@ -10,9 +10,8 @@ from itertools import chain, islice
 
 import mpmath as mp
 import sympy as sp
-from flint import arb, ctx
 
-from rsym.codegen.balls import exact
+from rsym.codegen.balls import arb, ctx, exact
 from rsym.verify.covering import Box, Covering
 from rsym.verify.directions import classify_by_directions
 from rsym.verify.examination import Finding
