@@ -196,7 +196,7 @@ def _report(study: _Study, *, sharpening: int = SHARPENING) -> SmoothnessReport:
     counted = [joint for joint in everything if joint.proved or verdict != REFUTED]
     levels = [CONTINUITIES.index(joint.continuity) for joint in counted]
     levels.append(len(CONTINUITIES) - 1 if order == math.inf else min(math.ceil(order), 4))
-    nothing_known = found.left and not suspects
+    nothing_known = found.left and not suspects and verdict != REFUTED
     if any(f.kind == "double" for _, f in found.settled) or not exists or nothing_known:
         levels.append(0)
     bound = math.inf if found.left or not exists else sharpened_bound(model, found.settled, region, sharpening)
