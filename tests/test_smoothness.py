@@ -70,6 +70,7 @@ def test_a_range_of_letters_is_certified_for_every_value():
     report = rsym.verify_smoothness(PAPER, letters={"a2": (Fraction(532, 100), 8)})
     assert (report.verdict, report.continuity) == ("CERTIFIED", "analytic")
     assert report.letters["a2"] == (5.32, 8.0)
+    assert "for every a2 in [5.32, 8]" in str(report)
 
 
 def test_a_range_across_the_threshold_is_refuted():
@@ -77,6 +78,7 @@ def test_a_range_across_the_threshold_is_refuted():
     assert report.verdict == "REFUTED"
     assert report.defects[0].continuity == "G0"
     assert -5.05 < report.defects[0].point[0] < -4.94
+    assert "for some a2 in [5.25, 5.35]" in str(report)
 
 
 def test_the_threshold_of_the_paper_s_body():

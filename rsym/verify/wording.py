@@ -53,7 +53,7 @@ def _sentences(report: SmoothnessReport) -> Iterator[str]:
 def headline(report: SmoothnessReport) -> str:
     """The verdict, of which body with which letters, and whether it is proved."""
     box = " x ".join(f"[{number(low)}, {number(high)}]" for low, high in report.cover.bounds)
-    letters = letters_text(report.letters)
+    letters = letters_text(report.letters, "some" if report.verdict in {"REFUTED", "DEGENERATE"} else "every")
     what = "the surface of revolution with the meridian" if report.body else "the boundary"
     about = f"{what} within {box}{f', {letters},' if letters else ''}"
     answers = {
@@ -65,8 +65,8 @@ def headline(report: SmoothnessReport) -> str:
     return f"{report.verdict}: {answers.get(report.verdict, undecided)}"
 
 
-def letters_text(letters: Mapping[str, tuple[float, float]]) -> str:
-    """Letters that are intervals first, for they make the statement stronger.
+def letters_text(letters: Mapping[str, tuple[float, float]], which: str = "every") -> str:
+    """Letters that are intervals first: what is certified holds for every value in them, what is refuted for some.
 
     Examples
     --------
@@ -75,8 +75,8 @@ def letters_text(letters: Mapping[str, tuple[float, float]]) -> str:
     """
     ranges = [f"{name} in [{number(low)}, {number(high)}]" for name, (low, high) in letters.items() if low < high]
     values = [f"{name} = {number(low)}" for name, (low, high) in letters.items() if not low < high]
-    every = f"for every {' and '.join(ranges)}" if ranges else ""
-    return " ".join(part for part in (every, f"with {', '.join(values)}" if values else "") if part)
+    of_ranges = f"for {which} {' and '.join(ranges)}" if ranges else ""
+    return " ".join(part for part in (of_ranges, f"with {', '.join(values)}" if values else "") if part)
 
 
 def cover_text(report: SmoothnessReport) -> str:
