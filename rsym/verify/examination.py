@@ -54,11 +54,11 @@ def examine(local: Local, extent: float, number: int | None = None) -> Finding:
         order = math.inf if found.analytic else contact(local, locus.nodes[0], next(iter(found.switches)))
         if found.analytic:
             return _regular(local, locus, order, extent)
-        finding = _joined(local, extent, number)
+        finding = _joined(local, number)
         tried = finding.kind == "open" and order > 2 and _is_small(local, extent)
         return _regular(local, locus, order, extent) if tried else finding
     if locus.kind in {"conjunction", "disjunction"}:
-        return _joined(local, extent, number)
+        return _joined(local, number)
     if locus.kind == "product":
         return _product(local, extent, locus)
     return Finding("open", locus=locus)
@@ -75,7 +75,7 @@ def _regular(local: Local, locus: Locus, order: float, extent: float) -> Finding
         return EMPTY
     if not any(slope > 0 or slope < 0 for slope in slopes):
         return Finding("open", locus=locus)
-    bound = curvature_bound(local, leaf, extent)
+    bound = curvature_bound(local, leaf)
     if bound is None and order < math.inf and _is_small(local, extent):
         bound = (math.inf, 0.0)  # continuous, but derivatives of |u|**a with a fractional a have no enclosure at 0
     return Finding("open", locus=locus) if bound is None else Finding("regular", order, *bound, locus=locus)
@@ -92,19 +92,13 @@ def _centred_excludes_zero(local: Local, leaf: int, slopes: list[arb]) -> bool:
     return value.is_finite() and not value.contains(0)
 
 
-def curvature_bound(local: Local, leaf: int, extent: float) -> tuple[float, float] | None:
-    """(bound, slack) of the curvatures on the box, if tight: within half of them or of 4/extent.
-
-    Over a range of letters a bound need only be finite.
-    """
+def curvature_bound(local: Local, leaf: int) -> tuple[float, float] | None:
+    """(bound, slack) of the size of the curvatures on the box; None where an enclosure has no end."""
     bounds = []
     for value in curvatures(local, leaf):
         if not value.is_finite():
             return None
         radius, middle = float(arb(value.rad())), abs(float(value.mid()))
-        loose = radius > 0.5 * max(4 / extent, middle)
-        if loose and not _is_small(local, extent) and len(local.sides) == 2:
-            return None
         bounds.append((float(abs(value).upper()), radius / (radius + middle or 1)))
     return max(bounds)
 
@@ -158,7 +152,7 @@ def _grown(local: Local) -> Local:
     return local.model.on([*sides, *local.sides[2:]])
 
 
-def _joined(local: Local, extent: float, number: int) -> Finding:
+def _joined(local: Local, number: int) -> Finding:
     """Two arcs on the grown box: they meet in one point there, or do not meet at all."""
     grown = _grown(local)
     locus = reduce(grown, number)
@@ -170,7 +164,7 @@ def _joined(local: Local, extent: float, number: int) -> Finding:
     arcs = meeting(grown, locus, found)
     if arcs is None or not is_transversal(grown, arcs):
         return Finding("open", locus=locus)
-    bounds = [curvature_bound(grown, arc.function, extent) for arc in arcs.arcs]
+    bounds = [curvature_bound(grown, arc.function) for arc in arcs.arcs]
     zero = locate(grown, arcs.arcs[0])
     on_axis = local.model.body and grown.sides[1].contains(0)  # where a cone has no bound
     if zero is None or (None in bounds and not (on_axis and zero.exists)):
