@@ -16,6 +16,7 @@ from rsym.verify.pruning import Prune
 Box = tuple[tuple[float, float], ...]
 
 PRECISION = 80  # bits of the balls: 53 would do, a few more keep corners from being decided by rounding
+COARSEST = 1 / 24  # of the extent: larger regular boxes are divided, so that the cover follows the boundary
 REPORTED = 64  # boxes between two reports of progress
 # The first cut is off centre, so that no side of a box lies on the planes of symmetry of a model.
 OFF_CENTRE = 0.4375 + 1 / 64
@@ -66,8 +67,11 @@ def _settled(model: Model, box: Box, extent: float, smallest: float, result: Cov
     """Examine a box and note what is found on it; what is still open is returned in parts."""
     result.examined += 1
     finding = examine(model.on([side(*ends) for ends in box]), extent)
+    width = max(high - low for low, high in box[:2])
+    if finding.kind == "regular" and width > extent * COARSEST and len(box) == 2:
+        return halves(model, box)
     if finding.kind == "open":
-        if max(high - low for low, high in box[:2]) > smallest:
+        if width > smallest:
             return halves(model, box)
         result.left.append((box, finding))
     elif finding.kind != "empty":

@@ -74,7 +74,7 @@ class Cover:
     examined: int
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SmoothnessReport:
     """The answer to the question whether the curvature of the boundary is continuous (G2).
 
@@ -112,6 +112,9 @@ class SmoothnessReport:
 
     def __str__(self) -> str:
         return report_text(self)
+
+    def __repr__(self) -> str:
+        return f"<SmoothnessReport {self.verdict}, {self.continuity}, {len(self.defects)} defects>"
 
     def to_json(self, *, boxes: bool = False) -> str:
         """The report for programs: JSON with stable keys, null where a number is unknown or has no bound."""
