@@ -37,7 +37,7 @@ from rsym.verify.suspects import DEGENERATIONS, classify_suspects
 
 BUDGET = 20_000  # boxes: the body of Fig. 11 takes 130, a lemniscate with its node 240, the car 200 to 900
 SMALLEST = 2.0**-22  # of the extent: a suspect of this size is located, not divided
-SHARPENING = 3_000  # boxes spent on the bound of the curvature: 5 % above the largest, or 20 % on a hard one
+SHARPENING = 3_000  # boxes spent on the bound of the curvature: 5 to 12 % above the largest, a third on a hard one
 BELOW_AXIS = 0.02  # the share of the radius on the far side of the axis of a body
 
 
