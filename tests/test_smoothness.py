@@ -139,6 +139,22 @@ def test_a_smooth_omega_does_not_heal_a_corner(factor):
     assert_close(report.defects[0].tangent_jump, 90, atol=1e-10)
 
 
+def test_a_factor_that_is_zero_at_the_corner_alone_drops_at_any_point():
+    """(f**2 + g**2)(f and g): at a fraction, and at irrational points, where f and g vanish by definition."""
+    for f, g in ((x - Q(1, 7), y + Q(3, 11)), (x**2 - 2, x + y - Q(1, 3))):
+        report = verdict((f**2 + g**2) * conjunction(f, g))
+        assert (report.verdict, report.continuity) == ("REFUTED", "G0")
+        assert all(defect.proved for defect in report.defects)
+
+
+def test_pieces_that_join_at_a_fraction_are_arcs_that_join():
+    """Neither piece is a polynomial, so that only the point itself tells: sin(0) = 0."""
+    report = verdict(sp.Piecewise((y - sp.sin(x - Q(1, 3)), x > Q(1, 3)), (y, True)))
+    assert (report.verdict, report.continuity) == ("REFUTED", "G0")
+    assert_close(report.defects[0].point, (1 / 3, 0), atol=1e-12)
+    assert_close(report.defects[0].tangent_jump, 45, atol=1e-10)
+
+
 @pytest.mark.parametrize("system", [rsym.R0, rsym.R1, rsym.RAlpha(Q(1, 2)), rsym.R0m(2), rsym.Rp(4)])
 def test_corners_of_every_system(system):
     """Two discs of radius 1 at distance 1 meet in (0, +-sqrt(3)/2) at 60 degrees."""

@@ -15,6 +15,7 @@ from rsym.verify.local import Local
 from rsym.verify.locus import NONE, Locus, reduce
 from rsym.verify.report import Joint
 from rsym.verify.resolution import contact
+from rsym.verify.vanishing import vanishes_with
 
 # A joint on a side of a box lies inside the box grown by this share of its width; where letters range, it moves.
 GROWN = 0.25
@@ -121,11 +122,11 @@ def _product(local: Local, extent: float, locus: Locus) -> Finding:
             return examine(local, extent, other)
         with ctx.workprec(PRECISE):
             found = locate(model.on([*zero.box, *local.sides[2:]]), Arc(roots[0], roots[1]), precise=True)
-            value = (
-                None if found is None or found.box is None else model.on([*found.box, *local.sides[2:]]).value(other)
-            )
-        if value is not None and value.is_zero():
-            return examine(local, extent, other)
+            if found is None or found.box is None:
+                continue
+            at = model.on([*found.box, *local.sides[2:]])
+            if vanishes_with(at, (roots[0], roots[1]), other):
+                return examine(local, extent, other)
     return Finding("open", locus=locus)
 
 

@@ -19,6 +19,7 @@ from rsym.verify.local import Local, Model
 from rsym.verify.locus import Locus
 from rsym.verify.report import Joint
 from rsym.verify.resolution import contact, resolve
+from rsym.verify.vanishing import vanishes_with
 
 PRECISE = 256  # bits at which a joint is located: 60 digits remain after the third derivative
 _EQUAL = 1e-25  # a jump enclosed in a ball around 0 narrower than this (relative) is called numerically zero
@@ -133,7 +134,8 @@ def joint(local: Local, meeting: Meeting, zero: Zero) -> Joint | None:
         assert found is not None
         assert found.box is not None
         at = model.on([*found.box, *local.sides[2:]])
-        if meeting.contact < 1 and not _finite(at.value(meeting.arcs[1].function)).is_zero():
+        first, second = meeting.arcs
+        if meeting.contact < 1 and not vanishes_with(at, (first.function, first.side), second.function):
             return None
         jets = {direction: jet(model, arc, at) for direction, arc in zip(directions, meeting.arcs, strict=True)}
         return _judged(found.box, jets[-1], jets[1], meeting.contact)

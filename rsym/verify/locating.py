@@ -14,13 +14,12 @@ from rsym.verify.generators import generators
 from rsym.verify.local import Model
 from rsym.verify.locus import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.resolution import resolve
+from rsym.verify.vanishing import SIMPLE, as_fraction
 
 PAIRS = CONJUNCTIONS | DISJUNCTIONS | {"trimming", "gap", "norm", "joining", "equivalence", "atan2", "normalised"}
 LOCATED = 320  # bits of the search
 STEPS = 300  # a multiple zero halves the error at each step
 CONVERGED = 2.0**-120
-SIMPLE = 10_000  # a fraction with a smaller denominator that agrees to CONVERGED is taken for the point
-
 ROUND = 64  # the largest denominator of a point that is guessed where no equations find it
 
 
@@ -110,9 +109,3 @@ def _simple(value: arb) -> arb:
     """The simple fraction that a number agrees with, if there is one."""
     fraction = as_fraction(value).limit_denominator(SIMPLE)
     return exact(fraction) if abs(as_fraction(value) - fraction) < Fraction(CONVERGED) * 4 else value
-
-
-def as_fraction(value: arb) -> Fraction:
-    """The exact middle of a ball."""
-    mantissa, exponent = value.mid().man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)

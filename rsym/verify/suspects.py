@@ -18,11 +18,12 @@ from rsym.verify.examination import Finding
 from rsym.verify.generators import generators
 from rsym.verify.joints import Arc, locate
 from rsym.verify.local import Model
-from rsym.verify.locating import LOCATED, SIMPLE, Place, as_fraction, places
+from rsym.verify.locating import LOCATED, Place, places
 from rsym.verify.newton_polygon import classify_polynomial
 from rsym.verify.polynomials import polynomial_of
 from rsym.verify.probing import Sample, classify
 from rsym.verify.report import Joint
+from rsym.verify.vanishing import SIMPLE, as_fraction
 
 CROWD = 400  # boxes: points that resist leave one to thirty
 MOST_PLACES = 6  # guesses of what vanishes at a point, tried until one of them proves something

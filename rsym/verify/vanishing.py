@@ -10,11 +10,13 @@ import math
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 
+from rsym.codegen.balls import arb, exact
 from rsym.verify.domains import is_legal
 from rsym.verify.generators import BRANCHING, bare
 from rsym.verify.local import Local
 from rsym.verify.locus import CONJUNCTIONS, DISJUNCTIONS, chosen
 
+SIMPLE = 10_000  # a fraction with a smaller denominator that agrees with a point is tried in its place
 _BITS = 4096  # rational numbers longer than this only cost time
 ZERO = Fraction(0)
 
@@ -113,3 +115,25 @@ class Exact:
 
 def _length(value: Fraction) -> int:
     return max(value.numerator.bit_length(), value.denominator.bit_length())
+
+
+def vanishes_with(local: Local, given: tuple[int, int], wanted: int) -> bool:
+    """Whether a node is exactly zero at the point where two nodes have their only common zero in the box.
+
+    The point is tried as a simple fraction, at which the given nodes must vanish too; then it is that point.
+    """
+    names = local.model.builder.coordinates
+    if len(local.sides) > len(names):
+        return False  # letters that range have no exact value
+    fractions = [as_fraction(side).limit_denominator(SIMPLE) for side in local.sides]
+    if all(side.contains(exact(fraction)) for side, fraction in zip(local.sides, fractions, strict=True)):
+        rational = Exact(local, dict(zip(names, fractions, strict=True)), frozenset())
+        if rational.vanishes(*given, wanted):
+            return True
+    return Exact(local, dict.fromkeys(names), frozenset(given)).vanishes(wanted)
+
+
+def as_fraction(value: arb) -> Fraction:
+    """The exact middle of a ball."""
+    mantissa, exponent = value.mid().man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
