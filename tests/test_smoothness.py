@@ -155,6 +155,26 @@ def test_pieces_that_join_at_a_fraction_are_arcs_that_join():
     assert_close(report.defects[0].tangent_jump, 45, atol=1e-10)
 
 
+def test_an_operand_that_ends_takes_the_boundary_with_it():
+    """2 + sqrt(x) is positive where it is defined, and for x < 0 nothing is: the boundary is half a circle."""
+    assert verdict(conjunction(DISC, 2 + sp.sqrt(x))).verdict == "UNDECIDED"
+    assert verdict(conjunction(DISC, 2 + sp.sqrt(x + 2))).verdict == "CERTIFIED"
+
+
+def test_a_third_line_through_a_corner_changes_nothing_where_it_lies_outside():
+    report = verdict(conjunction(1 - abs(x) - y, 1 - y + x / 10))
+    assert report.verdict == "REFUTED"
+    (corner,) = [defect for defect in report.defects if defect.proved]
+    assert_close(corner.point, (0, 1), atol=1e-9)
+    assert_close(corner.tangent_jump, 90, atol=1e-9)
+    assert corner.tangent_jump_error < 1e-9
+
+
+def test_a_smooth_function_with_a_zero_gradient_is_not_a_smooth_curve():
+    """|x|**(5/2) is twice differentiable, but y = +-|x|**(5/4) are two curves through the origin."""
+    assert verdict(y**2 - abs(x) ** Q(5, 2)).verdict == "UNDECIDED"
+
+
 @pytest.mark.parametrize("system", [rsym.R0, rsym.R1, rsym.RAlpha(Q(1, 2)), rsym.R0m(2), rsym.Rp(4)])
 def test_corners_of_every_system(system):
     """Two discs of radius 1 at distance 1 meet in (0, +-sqrt(3)/2) at 60 degrees."""

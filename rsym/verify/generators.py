@@ -94,7 +94,7 @@ def _is_analytic_pair(local: Local, number: int) -> bool:
     if operation in _JOINT or operation == "monomial":
         return (first or second) and is_legal(local, number)
     if operation == "trimming":
-        return local.sign(number) > 0 and (first or second)
+        return local.sign(number) > 0  # then neither root is zero
     if operation == "normalised":
         return first or local.sign(arguments[1]) > 0
     if operation in {"r_alpha_conjunction", "r_alpha_disjunction"}:

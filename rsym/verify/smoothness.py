@@ -224,8 +224,6 @@ def _verdict(found: Covering, joints: Sequence[Joint], exists: bool | None) -> s
         return DEGENERATE
     if found.left or any(not joint.proved for joint in joints):
         return UNDECIDED
-    if any(f.kind == "regular" and f.order <= 2 for _, f in found.settled):
-        return UNDECIDED
     return CERTIFIED if exists else UNDECIDED
 
 
