@@ -11,12 +11,12 @@ from closeness import assert_close
 
 import rsym
 from rsym import RsymError, Shape, x, y, z
+from rsym.codegen.enclosures import ranges_of
 from rsym.verify.local import Model
 from rsym.verify.normal_cover import Enclosure
 from rsym.verify.normal_derivatives import NormalDerivatives
 from rsym.verify.normal_places import onto_boundary
 from rsym.verify.normalisation import verify_normalisation
-from rsym.verify.smoothness import exact_letters
 
 BOX = ((-4, 4), (-2, 2))
 ELLIPSE = Shape(1 - x**2 / 9 - y**2, (x, y), bounds=BOX)
@@ -122,7 +122,7 @@ def test_a_bound_is_not_below_the_truth():
 )
 def test_bounds_on_boxes_hold_at_points_of_the_boundary(omega):
     shape = Shape(omega, (x, y), bounds=BOX)
-    derivatives = NormalDerivatives(Model(shape, exact_letters(shape, None)), 2)
+    derivatives = NormalDerivatives(Model(shape, ranges_of(shape.letters, None)), 2)
     generator = np.random.default_rng(8)
     (line, *_) = rsym.level_lines(shape, resolution=40)
     middles = line[generator.integers(0, len(line), 100)] + generator.uniform(-0.01, 0.01, (100, 2))

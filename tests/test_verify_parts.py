@@ -9,11 +9,11 @@ import sympy as sp
 from flint import arb, ctx
 
 from rsym import Shape, conjunction, disjunction, normalise, trimming, x, y, z
-from rsym.verify.covering import cover, side
+from rsym.verify.covering import cover
 from rsym.verify.domains import is_defined
 from rsym.verify.generators import generators
 from rsym.verify.krawczyk import refined, unique_zero
-from rsym.verify.local import Model
+from rsym.verify.local import Model, side
 from rsym.verify.locus import reduce
 from rsym.verify.pruning import pruner
 from rsym.verify.resolution import contact, resolve
@@ -25,7 +25,7 @@ Q = sp.Rational
 
 def on(expression, box):
     model = Model(Shape(expression, (x, y)), {})
-    return model.on([side(*ends) for ends in box])
+    return model.over(box)
 
 
 def locus(expression, box=((0.5, 0.75), (0.5, 0.75))):
@@ -188,7 +188,7 @@ def test_pruning_and_examination_agree():
     grid = np.linspace(-2, 2, 18)
     boxes = [((u, u + 4 / 17), (v, v + 4 / 17), (0.75, 1.0)) for u in grid[:-1].tolist() for v in grid[:-1].tolist()]
     kept = [not empty for empty in prune(boxes)]
-    truth = [not model.on([side(*ends) for ends in box]).nonzero(model.root) for box in boxes]
+    truth = [not model.over(box).nonzero(model.root) for box in boxes]
     assert all(mine >= theirs for mine, theirs in zip(kept, truth, strict=True))
     assert sum(kept) < 1.1 * sum(truth) < len(boxes)
 

@@ -108,10 +108,10 @@ def _pair(name: str, value: Any) -> tuple[Any, Any]:
     if not isinstance(value, tuple | list):
         return (real_number(value, what),) * 2
     if len(value) != 2:
-        raise RsymError(f"{what} must be a number or a pair (low, high), got {value!r}", code="number")
+        raise RsymError(f"the range of {name} must be a pair, got {value!r}", code="number", remedy="(low, high)")
     low, high = (real_number(end, what) for end in value)
     if low > high:
-        raise RsymError(f"{what} has its ends reversed: {value!r}", code="number", remedy="give (low, high)")
+        raise RsymError(f"the range of {name} is empty: {low} > {high}", code="number", remedy="(low, high)")
     return low, high
 
 

@@ -6,14 +6,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from rsym.codegen.balls import arb, ball, ctx
+from rsym.codegen.balls import ctx
 from rsym.codegen.differentiation import derivative
 from rsym.sampling.progress import Progress, report
 from rsym.verify.examination import OPEN, Finding, examine
-from rsym.verify.local import Model
+from rsym.verify.local import Box, Model
 from rsym.verify.pruning import Prune
-
-Box = tuple[tuple[float, float], ...]
 
 PRECISION = 80  # bits of the balls: 53 would do, a few more keep corners from being decided by rounding
 COARSEST = 1 / 24  # of the extent: larger regular boxes are divided, so that the cover follows the boundary
@@ -66,7 +64,7 @@ def cover(
 def _settled(model: Model, box: Box, extent: float, smallest: float, result: Covering) -> list[Box]:
     """Examine a box and note what is found on it; what is still open is returned in parts."""
     result.examined += 1
-    finding = examine(model.on([side(*ends) for ends in box]), extent)
+    finding = examine(model.over(box), extent)
     width = max(high - low for low, high in box[:2])
     if finding.kind == "regular" and width > extent * COARSEST and len(box) == 2:
         return halves(model, box)
@@ -82,11 +80,6 @@ def _settled(model: Model, box: Box, extent: float, smallest: float, result: Cov
 def extent_of(bounds: Box) -> float:
     """The longer side of the region."""
     return max(high - low for low, high in bounds[:2])
-
-
-def side(low: float, high: float) -> arb:
-    """The ball around an interval of floats."""
-    return ball(arb(low), arb(high))
 
 
 def _first(bounds: Box) -> Iterator[Box]:
@@ -119,7 +112,7 @@ def _widest_letter(model: Model, box: Box) -> int | None:
     """The letter whose range on the box changes omega more than the coordinates do."""
     if len(box) == 2:
         return None
-    local = model.on([side(*ends) for ends in box])
+    local = model.over(box)
     balls = [local.value(derivative(model.builder, model.root, axis)) for axis in model.axes]
     slopes = [math.inf if ball is None else float(abs(ball).upper()) for ball in balls]
     known = max((slope for slope in slopes if math.isfinite(slope)), default=1.0)  # at a kink a slope has no bound

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from itertools import product
 
 from rsym.codegen.balls import arb, ctx
-from rsym.verify.covering import PRECISION, Box, Covering, halves, side
+from rsym.verify.covering import PRECISION, Covering, halves
 from rsym.verify.examination import Finding, examine
-from rsym.verify.local import Model
+from rsym.verify.local import Box, Model, side
 from rsym.verify.report import Joint
 from rsym.verify.wording import plural
 
@@ -31,7 +31,7 @@ def has_boundary(model: Model, found: Covering, joints: Sequence[Joint], extent:
             if any(_changes_sign(model, box, finding) for box, finding in boxes) or len(boxes) > MOST_DIVIDED:
                 break
             halved = [half for box, _ in boxes for half in halves(model, box)]
-            findings = [examine(model.on([side(*ends) for ends in half]), extent) for half in halved]
+            findings = [examine(model.over(half), extent) for half in halved]
             boxes = [pair for pair in zip(halved, findings, strict=True) if pair[1].kind != "empty"]
         if any(_changes_sign(model, box, finding) for box, finding in boxes):
             return True

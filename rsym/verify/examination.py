@@ -50,19 +50,28 @@ def examine(local: Local, extent: float, number: int | None = None) -> Finding:
         return EMPTY
     if locus.kind == "double":
         return _double(local, locus)
-    found = generators(local, locus.nodes[0]) if locus.kind == "leaf" else None
-    if found is not None and not found.hard and len(found.switches) <= 1:
-        order = math.inf if found.analytic else contact(local, locus.nodes[0], next(iter(found.switches)))
-        if found.analytic:
-            return _regular(local, locus, order, extent)
-        finding = _joined(local, number)
-        tried = finding.kind == "open" and order > 2 and _is_small(local, extent)
-        return _regular(local, locus, order, extent) if tried else finding
+    if locus.kind == "leaf":
+        return _leaf(local, extent, number, locus)
     if locus.kind in {"conjunction", "disjunction"}:
         return _joined(local, number)
     if locus.kind == "product":
         return _product(local, extent, locus)
     return Finding("open", locus=locus)
+
+
+def _leaf(local: Local, extent: float, number: int, locus: Locus) -> Finding:
+    """One leaf: analytic, or with one switch, across which it may be two arcs or smooth enough."""
+    (leaf,) = locus.nodes
+    found = generators(local, leaf)
+    if found.analytic:
+        return _regular(local, locus, math.inf, extent)
+    if found.hard or len(found.switches) > 1:
+        return Finding("open", locus=locus)
+    finding = _joined(local, number)
+    if finding.kind == "open" and _is_small(local, extent):
+        order = contact(local, leaf, found.switches[0])
+        return _regular(local, locus, order, extent) if order > 2 else finding
+    return finding
 
 
 def _regular(local: Local, locus: Locus, order: float, extent: float) -> Finding:

@@ -25,11 +25,11 @@ _ENTIRE = frozenset("const input add mul neg powi sin cos exp".split())
 class Generators:
     """What may be zero on a box, of a node's live generators.
 
-    switches: the nodes that switch, each with the operations that it switches; hard: operations that are not
-    analytic somewhere on the box and that no switch resolves.
+    switches: the nodes that switch; hard: operations that are not analytic somewhere on the box and that no switch
+    resolves.
     """
 
-    switches: dict[int, frozenset[int]]
+    switches: tuple[int, ...]
     hard: frozenset[int]
 
     @property
@@ -41,7 +41,7 @@ class Generators:
 def generators(local: Local, number: int) -> Generators:
     """The live generators of a node that the box does not exclude."""
     nodes = local.model.builder.nodes
-    switches: dict[int, set[int]] = {}
+    switches: dict[int, None] = {}  # in the order of the walk
     hard: set[int] = set()
     seen: set[int] = set()
     stack = [number]
@@ -65,8 +65,8 @@ def generators(local: Local, number: int) -> Generators:
         if switch is None:
             hard.add(part)
         else:
-            switches.setdefault(switch, set()).add(part)
-    return Generators({key: frozenset(parts) for key, parts in switches.items()}, frozenset(hard))
+            switches[switch] = None
+    return Generators(tuple(switches), frozenset(hard))
 
 
 def is_analytic_at(local: Local, number: int) -> bool:

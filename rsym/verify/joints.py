@@ -50,7 +50,7 @@ def meeting(local: Local, locus: Locus, found: Generators | None) -> Meeting | N
         return Meeting((Arc(f, sides[0]), Arc(g, sides[1])), 1)
     if locus.kind != "leaf" or found is None or found.hard or len(found.switches) != 1:
         return None
-    ((switch, _),) = found.switches.items()
+    (switch,) = found.switches
     (leaf,) = locus.nodes
     plus, minus = resolve(local, leaf, switch, 1), resolve(local, leaf, switch, -1)
     return Meeting((Arc(plus, switch), Arc(minus, builder.neg(switch))), contact(local, leaf, switch))

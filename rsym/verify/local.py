@@ -15,7 +15,12 @@ from rsym.codegen.program import live
 from rsym.model.shape import Shape
 
 Interval: TypeAlias = tuple[Fraction, Fraction]
-Range: TypeAlias = tuple[float, float]
+Box: TypeAlias = tuple[tuple[float, float], ...]
+
+
+def side(low: float, high: float) -> arb:
+    """The ball around an interval of floats."""
+    return ball(arb(low), arb(high))
 
 
 class Model:
@@ -89,6 +94,10 @@ class Model:
     def on(self, sides: Sequence[arb]) -> Local:
         """What is known on a box with these sides; letters without a side have their whole range."""
         return Local(self, sides)
+
+    def over(self, box: Box) -> Local:
+        """What is known on a box of floats."""
+        return self.on([side(*ends) for ends in box])
 
 
 class Local:

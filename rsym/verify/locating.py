@@ -8,10 +8,10 @@ from fractions import Fraction
 from itertools import pairwise
 
 from rsym.codegen.balls import arb, ctx, exact
-from rsym.verify.covering import Box, side
+from rsym.verify.covering import PRECISION
 from rsym.verify.examination import Finding, square_roots
 from rsym.verify.generators import generators
-from rsym.verify.local import Model
+from rsym.verify.local import Box, Model
 from rsym.verify.locus import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.resolution import resolve
 from rsym.verify.vanishing import SIMPLE, as_fraction
@@ -61,9 +61,9 @@ def _equations(model: Model, box: Box, finding: Finding) -> Iterator[tuple[int, 
     if finding.locus.kind in {"conjunction", "disjunction", "product"}:
         yield finding.locus.nodes[0], finding.locus.nodes[1]
     leaf = finding.locus.nodes[0] if finding.locus.kind == "leaf" else model.root
-    with ctx.workprec(80):
-        found = generators(model.on([side(*ends) for ends in box]), leaf)
-    switches = list(found.switches)
+    with ctx.workprec(PRECISION):
+        local = model.over(box)
+        found = generators(local, leaf)
     for number in sorted(found.hard):
         operation, arguments, _ = nodes[number]
         roots = square_roots(model.builder, arguments[0]) if operation == "sqrt" else []
@@ -71,11 +71,11 @@ def _equations(model: Model, box: Box, finding: Finding) -> Iterator[tuple[int, 
             yield roots[0], roots[1]
         elif arguments:
             yield arguments[0], arguments[1] if operation in PAIRS else leaf
-    yield from pairwise(switches)
-    for switch in switches:
+    yield from pairwise(found.switches)
+    for switch in found.switches:
         for way in (1, -1):
-            with ctx.workprec(80):
-                resolved = resolve(model.on([side(*ends) for ends in box]), leaf, switch, way)
+            with ctx.workprec(PRECISION):
+                resolved = resolve(local, leaf, switch, way)
             yield switch, resolved
     yield model.gradient(leaf)
 

@@ -24,8 +24,9 @@ from rsym.codegen.backends import default_backend
 from rsym.codegen.balls import ctx
 from rsym.codegen.builder import Builder
 from rsym.codegen.intervals import Bounds, IntervalFunction
-from rsym.verify.covering import OFF_CENTRE, PRECISION, Box, side
+from rsym.verify.covering import OFF_CENTRE, PRECISION
 from rsym.verify.generators import bare, generators
+from rsym.verify.local import Box, side
 from rsym.verify.normal_derivatives import NormalDerivatives
 
 Array: TypeAlias = NDArray[np.float64]

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.codegen.balls import arb, ctx
-from rsym.verify.covering import Box
 from rsym.verify.generators import generators
-from rsym.verify.local import Local
+from rsym.verify.local import Box, Local
 from rsym.verify.normal_derivatives import NormalDerivatives
 from rsym.verify.normalisation_report import NormalDerivative
 

@@ -9,19 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.contours import level_lines
 from rsym.sampling.lattice import bounds_of, lattice_over
 from rsym.sampling.smooth import smooth_mesh
-from rsym.verify.covering import Box
-from rsym.verify.local import Model
+from rsym.verify.local import Box, Model
 from rsym.verify.normal_cover import NormalCover, cover_boundary, feasible_order
 from rsym.verify.normal_derivatives import NormalDerivatives
 from rsym.verify.normal_places import breaks, enclosed, inside, onto_boundary, thinned, zoomed
 from rsym.verify.normalisation_report import NormalDerivative, NormalisationReport
 from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-from rsym.verify.smoothness import exact_letters
 
 SMALLEST = 2.0**-14  # of the extent: a box of this size without a bound is left uncovered
 WORK = 5e8  # the body of Fig. 11 takes a twentieth of it
@@ -138,7 +137,7 @@ def _check(shape: Any, order: Any, tolerance: Any) -> None:
 
 
 def _model(shape: Shape, letters: Mapping[Any, Any] | None) -> Model:
-    values = exact_letters(shape, letters)
+    values = ranges_of(shape.letters, letters)
     ranges = [name for name, (low, high) in values.items() if low != high]
     if ranges:
         raise RsymError(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rsym.verify.markup import SIGNS
 from rsym.verify.records import plain
-from rsym.verify.wording import letters_text, measured, number, plural, rounded_up
+from rsym.verify.wording import letters_text, measured, number, plural, rounded_up, within
 
 FORMAT = "rsym-normalisation-report"
 VERSION = 1
@@ -125,9 +125,7 @@ def _sentences(report: NormalisationReport) -> Iterator[str]:
 
 
 def _headline(report: NormalisationReport) -> str:
-    box = " x ".join(f"[{number(low)}, {number(high)}]" for low, high in report.bounds)
-    letters = letters_text(report.letters)
-    what = f"omega within {box}{f', {letters},' if letters else ''}"
+    what = within("omega", report.bounds, letters_text(report.letters))
     limit = f"to order {report.order} within {number(report.tolerance)}"
     answers = {
         "CERTIFIED": f"{what} is normalised {limit} all along its boundary; this is proved",

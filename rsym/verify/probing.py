@@ -12,6 +12,7 @@ from mpmath import mpf
 
 from rsym.verify.branches import Branch, Ends, one_sided
 from rsym.verify.circles import Circle, zeros_on_circle
+from rsym.verify.extrapolation import Limit
 from rsym.verify.report import Joint
 
 # Twelve halvings from one hundredth leave 15 digits of a series in square roots and all digits of a power series.
@@ -155,19 +156,22 @@ def _joined(joint: Joint, arriving: Branch, leaving: Branch) -> Joint:
 
 def _with_curvatures(joint: Joint, arriving: Branch, leaving: Branch) -> Joint:
     """Add the jumps of curvature and of its derivative, as far as both limits are finite."""
-    before, after = arriving.curvature, leaving.curvature
+    jump, error = _jump(arriving.curvature, leaving.curvature)
+    derivative, derivative_error = _jump(arriving.slope, leaving.slope)
+    return replace(
+        joint,
+        curvature_jump=jump,
+        curvature_jump_error=error,
+        derivative_jump=derivative,
+        derivative_jump_error=derivative_error,
+    )
+
+
+def _jump(before: Limit, after: Limit) -> tuple[float, float]:
+    """The size of the difference of two limits and its error; infinite where one is, NaN where nothing is known."""
     if before.finite and after.finite:
-        jump, error = float(abs(after.value - before.value)), float(before.error + after.error)
-        joint = replace(joint, curvature_jump=jump, curvature_jump_error=error)
-    elif mp.isinf(before.value) or mp.isinf(after.value):
-        joint = replace(joint, curvature_jump=math.inf)
-    before, after = arriving.slope, leaving.slope
-    if before.finite and after.finite:
-        jump, error = float(abs(after.value - before.value)), float(before.error + after.error)
-        joint = replace(joint, derivative_jump=jump, derivative_jump_error=error)
-    elif mp.isinf(before.value) or mp.isinf(after.value):
-        joint = replace(joint, derivative_jump=math.inf)
-    return joint
+        return float(abs(after.value - before.value)), float(before.error + after.error)
+    return math.inf if mp.isinf(before.value) or mp.isinf(after.value) else math.nan, math.nan
 
 
 def _smoothly_joined(joint: Joint) -> Joint:

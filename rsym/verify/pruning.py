@@ -10,9 +10,9 @@ from rsym.codegen.builder import Builder
 from rsym.codegen.intervals import IntervalFunction
 from rsym.codegen.lowering import lower
 from rsym.model.shape import Shape
-from rsym.verify.local import Interval
+from rsym.verify.local import Box, Interval
 
-Prune = Callable[[Sequence[tuple[tuple[float, float], ...]]], Sequence[bool]]
+Prune = Callable[[Sequence[Box]], Sequence[bool]]
 
 
 def pruner(shape: Shape, axes: Sequence[str], letters: Mapping[str, Interval]) -> Prune:
@@ -25,7 +25,7 @@ def pruner(shape: Shape, axes: Sequence[str], letters: Mapping[str, Interval]) -
     program = builder.program({"value": lower(builder, shape.expression)})
     function = IntervalFunction(program.varying(axes[2:]), "numpy", 1)
 
-    def prune(boxes: Sequence[tuple[tuple[float, float], ...]]) -> Sequence[bool]:
+    def prune(boxes: Sequence[Box]) -> Sequence[bool]:
         ends = np.array(boxes, dtype=np.float64)
         low, high = function(list(ends[..., 0].T), list(ends[..., 1].T), fixed)["value"]
         empty: list[bool] = ((low > 0) | (high < 0)).tolist()

@@ -6,9 +6,9 @@ import heapq
 from collections.abc import Sequence
 
 from rsym.codegen.balls import ctx
-from rsym.verify.covering import PRECISION, Box, extent_of, halves, side
+from rsym.verify.covering import PRECISION, extent_of, halves
 from rsym.verify.examination import Finding, examine
-from rsym.verify.local import Model
+from rsym.verify.local import Box, Model
 
 TIGHT = 0.05  # the share of the largest bound that may be due to its enclosure
 
@@ -23,7 +23,7 @@ def sharpened_bound(model: Model, settled: Sequence[tuple[Box, Finding]], bounds
         while heap and heap[0][3] > TIGHT and budget > 0:
             bound, _, box, _ = heapq.heappop(heap)
             for half in halves(model, box):
-                finding = examine(model.on([side(*ends) for ends in half]), extent)
+                finding = examine(model.over(half), extent)
                 budget, count = budget - 1, count + 1
                 if finding.kind == "open":
                     heapq.heappush(heap, (bound, count, half, 0.0))

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
-from rsym.model.letters import real_number
 from rsym.model.shape import Shape
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
 from rsym.verify.cleaning import cleaned
-from rsym.verify.covering import Box, Covering, cover, extent_of
+from rsym.verify.covering import Covering, cover, extent_of
 from rsym.verify.evidence import has_boundary, statements
-from rsym.verify.local import Interval, Model
+from rsym.verify.local import Box, Interval, Model
 from rsym.verify.pruning import pruner
 from rsym.verify.report import (
     CERTIFIED,
@@ -131,41 +131,13 @@ def _study(
     plane = _meridian_within(shape, bounds) if body else shape
     plane = plane.replace(expression=cleaned(plane.expression))
     box = bounds_of(plane, None if body else bounds)
-    values = exact_letters(shape, letters)
+    values = ranges_of(shape.letters, letters)
     model = Model(plane, values, body=body)
     ranges = tuple(_around(*values[name]) for name in model.axes[2:])
     region: Box = (_below_axis(box) if body else tuple((float(a), float(b)) for a, b in box)) + ranges
     prune = pruner(plane, model.axes, values)
     found = cover(model, region, smallest=smallest * extent_of(region), budget=budget, prune=prune, progress=progress)
     return _Study(model, region, found, values)
-
-
-def exact_letters(shape: Shape, letters: Mapping[Any, Any] | None) -> dict[str, Interval]:
-    """The exact value or range of every letter.
-
-    Raises
-    ------
-    RsymError
-        For an unknown letter, a value that is not a real number or outside the range of its letter, an empty range.
-    """
-    given = {str(name): value for name, value in (letters or {}).items()}
-    ends = {name: value if isinstance(value, tuple | list) else (value, value) for name, value in given.items()}
-    for name, pair in ends.items():
-        if len(pair) != 2:
-            raise RsymError(f"the range of {name} must be a pair, got {pair}", code="range", remedy="(low, high)")
-        for end in pair:
-            shape.letters.values_with({name: end})
-    result = {}
-    for name, letter in shape.letters.items():
-        low, high = (_exact(end, name) for end in ends.get(name, (letter.default, letter.default)))
-        if low > high:
-            raise RsymError(f"the range of {name} is empty: {low} > {high}", code="range", remedy="(low, high)")
-        result[name] = (low, high)
-    return result
-
-
-def _exact(value: Any, name: str) -> Fraction:
-    return Fraction(real_number(value, f"the letter {name!r}"))
 
 
 def _around(low: Fraction, high: Fraction) -> tuple[float, float]:
@@ -200,7 +172,7 @@ def _report(study: _Study, *, sharpening: int = SHARPENING) -> SmoothnessReport:
     if any(f.kind == "double" for _, f in found.settled) or not exists or nothing_known:
         levels.append(0)
     bound = math.inf if found.left or not exists else sharpened_bound(model, found.settled, region, sharpening)
-    defects = [joint for joint in everything if CONTINUITIES.index(joint.continuity) < CONTINUITIES.index("G2")]
+    defects = [joint for joint in everything if _is_defect(joint)]
     return SmoothnessReport(
         verdict=verdict,
         continuity=CONTINUITIES[min(levels)],
@@ -216,8 +188,7 @@ def _report(study: _Study, *, sharpening: int = SHARPENING) -> SmoothnessReport:
 
 def _verdict(found: Covering, joints: Sequence[Joint], exists: bool | None) -> str:
     """The strongest word that the evidence bears."""
-    below = [joint for joint in joints if CONTINUITIES.index(joint.continuity) < CONTINUITIES.index("G2")]
-    if any(joint.proved and joint.kind not in DEGENERATIONS for joint in below):
+    if any(joint.proved and _is_defect(joint) and joint.kind not in DEGENERATIONS for joint in joints):
         return REFUTED
     degenerate = any(joint.proved and joint.kind in DEGENERATIONS for joint in joints)
     if degenerate or any(f.kind == "double" for _, f in found.settled) or exists is False:
@@ -225,6 +196,10 @@ def _verdict(found: Covering, joints: Sequence[Joint], exists: bool | None) -> s
     if found.left or any(not joint.proved for joint in joints):
         return UNDECIDED
     return CERTIFIED if exists else UNDECIDED
+
+
+def _is_defect(joint: Joint) -> bool:
+    return CONTINUITIES.index(joint.continuity) < CONTINUITIES.index("G2")
 
 
 def _distinct(joints: Sequence[Joint]) -> list[Joint]:

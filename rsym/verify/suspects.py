@@ -12,12 +12,12 @@ import mpmath as mp
 import sympy as sp
 
 from rsym.codegen.balls import arb, ctx, exact
-from rsym.verify.covering import Box, Covering
+from rsym.verify.covering import Covering
 from rsym.verify.directions import classify_by_directions
 from rsym.verify.examination import Finding
 from rsym.verify.generators import generators
 from rsym.verify.joints import Arc, locate
-from rsym.verify.local import Model
+from rsym.verify.local import Box, Model
 from rsym.verify.locating import LOCATED, Place, places
 from rsym.verify.newton_polygon import classify_polynomial
 from rsym.verify.polynomials import polynomial_of

@@ -8,11 +8,12 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
+from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.progress import Progress, report
 from rsym.verify.report import CERTIFIED, REFUTED
-from rsym.verify.smoothness import exact_letters, verdict_of
+from rsym.verify.smoothness import verdict_of
 
 SCAN = 12  # parts into which the range is cut in search of a change
 SCAN_BUDGET = 4_000  # boxes for each verdict: the body of Fig. 11 takes 130
@@ -86,9 +87,9 @@ def smoothness_threshold(
     True
     """
     name = str(letter)
-    values = exact_letters(shape, letters)
+    values = ranges_of(shape.letters, letters)
     if name not in values:
-        exact_letters(shape, {name: 0})  # raises, with a proposal
+        ranges_of(shape.letters, {name: 0})  # raises, with a proposal
     low, high = _ends(shape, name, between)
     trials: list[tuple[float, str]] = []
 
@@ -119,7 +120,7 @@ def _ends(shape: Shape, name: str, between: tuple[Any, Any] | None) -> tuple[Fra
         half if item.minimum is None else item.minimum,
         double if item.maximum is None else item.maximum,
     )
-    ends = exact_letters(shape, {name: (low, high)})[name]
+    ends = ranges_of(shape.letters, {name: (low, high)})[name]
     return ends
 
 

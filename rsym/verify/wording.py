@@ -52,10 +52,9 @@ def _sentences(report: SmoothnessReport) -> Iterator[str]:
 
 def headline(report: SmoothnessReport) -> str:
     """The verdict, of which body with which letters, and whether it is proved."""
-    box = " x ".join(f"[{number(low)}, {number(high)}]" for low, high in report.cover.bounds)
     letters = letters_text(report.letters, "some" if report.verdict in {"REFUTED", "DEGENERATE"} else "every")
     what = "the surface of revolution with the meridian" if report.body else "the boundary"
-    about = f"{what} within {box}{f', {letters},' if letters else ''}"
+    about = within(what, report.cover.bounds, letters)
     answers = {
         "CERTIFIED": f"{about} is {report.continuity}; this is proved",
         "REFUTED": f"{about} is not G2 but {report.continuity}; this is proved",
@@ -63,6 +62,18 @@ def headline(report: SmoothnessReport) -> str:
     }
     undecided = f"whether {about} is G2 is neither proved nor refuted"
     return f"{report.verdict}: {answers.get(report.verdict, undecided)}"
+
+
+def within(what: str, bounds: Sequence[tuple[float, float]], letters: str) -> str:
+    """What is spoken of: where, and with which letters.
+
+    Examples
+    --------
+    >>> within("omega", ((-1, 1), (0, 2)), "with a = 5")
+    'omega within [-1, 1] x [0, 2], with a = 5,'
+    """
+    box = " x ".join(f"[{number(low)}, {number(high)}]" for low, high in bounds)
+    return f"{what} within {box}{f', {letters},' if letters else ''}"
 
 
 def letters_text(letters: Mapping[str, tuple[float, float]], which: str = "every") -> str:
