@@ -25,9 +25,9 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from rsym.codegen.balls import arb, ctx, exact, hypotenuse
+from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.domains import is_defined, is_legal
 from rsym.verify.local import Local, Model
-from rsym.verify.locus import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.report import Joint
 from rsym.verify.slopes import Slopes, slopes_of, squares
 from rsym.verify.vanishing import Exact

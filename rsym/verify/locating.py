@@ -8,11 +8,11 @@ from fractions import Fraction
 from itertools import pairwise
 
 from rsym.codegen.balls import arb, ctx, exact
+from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.covering import PRECISION
 from rsym.verify.examination import Finding, square_roots
 from rsym.verify.generators import generators
 from rsym.verify.local import Box, Model
-from rsym.verify.locus import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.resolution import resolve
 from rsym.verify.vanishing import SIMPLE, as_fraction
 

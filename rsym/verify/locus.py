@@ -13,12 +13,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from rsym.codegen.builder import Builder
+from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.domains import is_defined, is_legal, switch_of
 from rsym.verify.local import Local
 from rsym.verify.polynomials import same_zeros
-
-CONJUNCTIONS = frozenset({"r0_conjunction", "r_alpha_conjunction", "r0m_conjunction", "rp_conjunction", "min"})
-DISJUNCTIONS = frozenset({"r0_disjunction", "r_alpha_disjunction", "r0m_disjunction", "rp_disjunction", "max"})
 
 
 @dataclass(frozen=True)

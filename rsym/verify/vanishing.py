@@ -11,10 +11,11 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 from rsym.codegen.balls import arb, exact
+from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.domains import is_legal
 from rsym.verify.generators import BRANCHING, bare
 from rsym.verify.local import Local
-from rsym.verify.locus import CONJUNCTIONS, DISJUNCTIONS, chosen
+from rsym.verify.locus import chosen
 
 SIMPLE = 10_000  # a fraction with a smaller denominator that agrees with a point is tried in its place
 _BITS = 4096  # rational numbers longer than this only cost time
