@@ -1,121 +1,34 @@
 """Backend `llvm`: explicit vectors through llvmlite, eight lanes of float64 or sixteen of float32.
 
-No fast-math flag is ever set, contraction included: a lane computes the same
-bits whatever stands beside it. What is the same for all points is computed once
-per call, in float64 scalars, before the loop, and rounded where it enters the
-loop. Every point runs through the vector code, the last few in a padded buffer.
+What is the same for all points is computed once per call, in float64 scalars,
+before the loop, and rounded where it enters the loop. Every point runs through
+the vector code, the last few in a padded buffer.
 """
 
 from __future__ import annotations
 
 import ctypes
-import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
-import llvmlite.binding as llvm
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.codegen.llvm_code import SCALAR, VECTORS, Emitter, Kind, declarations, machine_code, uniform_value
 from rsym.codegen.precision import FLOAT64, Precision
-from rsym.codegen.program import Node, Program, constant_value
-from rsym.codegen.vector_code import number_text
-from rsym.codegen.vector_functions import ARITIES, definitions
-
-_COMPILING = threading.Lock()  # LLVM's global context is not safe against two compilations at once
-
-_INTRINSICS = {"sqrt": "sqrt", "abs": "fabs"}
-_ARITHMETIC = {"add": "fadd", "mul": "fmul", "div": "fdiv"}
-
-
-@dataclass(frozen=True)
-class _Kind:
-    """A scalar or a vector type of LLVM."""
-
-    element: str
-    lanes: int
-
-    @property
-    def type(self) -> str:
-        return f"<{self.lanes} x {self.element}>" if self.lanes > 1 else self.element
-
-    @property
-    def booleans(self) -> str:
-        return f"<{self.lanes} x i1>" if self.lanes > 1 else "i1"
-
-    @property
-    def suffix(self) -> str:
-        bits = "f64" if self.element == "double" else "f32"
-        return f"v{self.lanes}{bits}" if self.lanes > 1 else bits
-
-
-_SCALAR = _Kind("double", 1)
-# 512 bits, whatever the machine: LLVM splits what its registers do not hold. On the car half as
-# many lanes take a third longer, twice as many a fiftieth less.
-_VECTORS = {"float64": _Kind("double", 8), "float32": _Kind("float", 16)}
-
-
-class _Emitter:
-    """The text of one basic block, scalar or vector."""
-
-    def __init__(self, kind: _Kind, prefix: str) -> None:
-        self.kind, self.prefix = kind, prefix
-        self.lines: list[str] = []
-
-    def name(self) -> str:
-        return f"%{self.prefix}{len(self.lines)}"
-
-    def emit(self, text: str) -> str:
-        name = self.name()
-        self.lines.append(f"  {name} = {text}")
-        return name
-
-    def operation(self, node: Node, a: Sequence[str]) -> str:
-        operation, kind = node.operation, self.kind.type
-        if operation in _ARITHMETIC:
-            return self.emit(f"{_ARITHMETIC[operation]} {kind} {a[0]}, {a[1]}")
-        if operation == "neg":
-            return self.emit(f"fneg {kind} {a[0]}")
-        if operation in _INTRINSICS:
-            return self.emit(f"call {kind} @llvm.{_INTRINSICS[operation]}.{self.kind.suffix}({kind} {a[0]})")
-        if operation == "select":
-            return self.choose(f"fcmp ogt {kind} {a[0]}, {a[1]}", a[2], a[3])
-        if operation in ("min", "max"):
-            better = self.emit(f"fcmp {'olt' if operation == 'min' else 'ogt'} {kind} {a[0]}, {a[1]}")
-            is_nan = self.emit(f"fcmp uno {kind} {a[0]}, {a[0]}")
-            return self.choose(f"or {self.kind.booleans} {better}, {is_nan}", a[0], a[1])
-        return self.function(operation, a)
-
-    def choose(self, condition: str, yes: str, no: str) -> str:
-        flag = self.emit(condition)
-        return self.emit(f"select {self.kind.booleans} {flag}, {self.kind.type} {yes}, {self.kind.type} {no}")
-
-    def convert(self, value: str, source: str, target: str) -> str:
-        """The same numbers as float or double."""
-        if source == target:
-            return value
-        return self.emit(f"{'fptrunc' if 'float' in target else 'fpext'} {source} {value} to {target}")
-
-    def function(self, operation: str, a: Sequence[str]) -> str:
-        """A function of libm, on vectors one of `vector_functions`: in float64, rounded to the element."""
-        wide = _Kind("double", self.kind.lanes).type
-        arguments = ", ".join(f"{wide} {self.convert(value, self.kind.type, wide)}" for value in a)
-        name = operation if self.kind == _SCALAR else f"rsym_{operation}"
-        return self.convert(self.emit(f"call {wide} @{name}({arguments})"), wide, self.kind.type)
+from rsym.codegen.program import Program
 
 
 def llvm_source(program: Program, precision: Precision = FLOAT64) -> str:
     """LLVM text of `void kernel(coordinates, outputs, letters, n)`, n a multiple of the lanes."""
-    scalar, vector = _Emitter(_SCALAR, "s"), _Emitter(_VECTORS[precision.name], "v")
+    scalar, vector = Emitter(SCALAR, "s"), Emitter(VECTORS[precision.name], "v")
     names: list[str] = []
     splats: dict[int, str] = {}
     varying_users = {a for n, node in enumerate(program.nodes) if not program.uniform[n] for a in node.arguments}
     outputs = {number for _, number in program.outputs}
     for number, node in enumerate(program.nodes):
         if program.uniform[number]:
-            names.append(_uniform(scalar, program, node, names, precision))
+            names.append(uniform_value(scalar, program, node, names, precision))
             if number in varying_users or number in outputs:
                 splats[number] = _splat(scalar, names[number], vector.kind)
         elif node.operation == "input":
@@ -127,50 +40,32 @@ def llvm_source(program: Program, precision: Precision = FLOAT64) -> str:
     return _module(scalar.lines, vector.lines, program, vector.kind)
 
 
-def _uniform(scalar: _Emitter, program: Program, node: Node, names: Sequence[str], precision: Precision) -> str:
-    if node.operation in ("const", "undefined"):
-        value = np.nan if node.operation == "undefined" else constant_value(node.data, precision)
-        return number_text(value)
-    if node.operation == "input":
-        position = program.letters.index(str(node.data))
-        pointer = scalar.emit(f"getelementptr double, ptr %letters, i64 {position}")
-        return scalar.emit(f"load double, ptr {pointer}")
-    return scalar.operation(node, [names[a] for a in node.arguments])
-
-
-def _splat(scalar: _Emitter, value: str, kind: _Kind) -> str:
+def _splat(scalar: Emitter, value: str, kind: Kind) -> str:
     vector, element = kind.type, kind.element
     value = scalar.convert(value, "double", element)
     first = scalar.emit(f"insertelement {vector} poison, {element} {value}, i32 0")
     return scalar.emit(f"shufflevector {vector} {first}, {vector} poison, <{kind.lanes} x i32> zeroinitializer")
 
 
-def _load_coordinate(vector: _Emitter, position: int) -> str:
+def _load_coordinate(vector: Emitter, position: int) -> str:
     place = vector.emit(f"getelementptr {vector.kind.element}, ptr %in{position}, i64 %i")
     return vector.emit(f"load {vector.kind.type}, ptr {place}, align 4")
 
 
-def _store_output(vector: _Emitter, position: int, value: str) -> None:
+def _store_output(vector: Emitter, position: int, value: str) -> None:
     place = vector.emit(f"getelementptr {vector.kind.element}, ptr %out{position}, i64 %i")
     vector.lines.append(f"  store {vector.kind.type} {value}, ptr {place}, align 4")
 
 
-def _module(scalar: Sequence[str], vector: Sequence[str], program: Program, kind: _Kind) -> str:
+def _module(scalar: Sequence[str], vector: Sequence[str], program: Program, kind: Kind) -> str:
     pointers = [
         f"  %{name}p{k} = getelementptr ptr, ptr %{name}s, i64 {k}\n  %{name}{k} = load ptr, ptr %{name}p{k}"
         for name, count in (("in", len(program.coordinates)), ("out", len(program.outputs)))
         for k in range(count)
     ]
-    declarations = [f"declare double @{name}({', '.join(['double'] * count)})" for name, count in ARITIES.items()]
-    declarations += [
-        f"declare {each.type} @llvm.{intrinsic}.{each.suffix}({each.type})"
-        for intrinsic in _INTRINSICS.values()
-        for each in (kind, _SCALAR)
-    ]
     return "\n".join(
         [
-            *declarations,
-            *definitions(sorted({node.operation for node in program.nodes} & ARITIES.keys()), kind.lanes),
+            *declarations(kind, program.nodes),
             "define void @kernel(ptr noalias %ins, ptr noalias %outs, ptr noalias %letters, i64 %n) {",
             "entry:",
             *pointers,
@@ -189,19 +84,6 @@ def _module(scalar: Sequence[str], vector: Sequence[str], program: Program, kind
     )
 
 
-@cache
-def _target() -> llvm.Target:
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    return llvm.Target.from_default_triple()
-
-
-def _target_machine() -> llvm.TargetMachine:
-    """A fresh one: the engine that is made with it owns it."""
-    features = llvm.get_host_cpu_features().flatten()
-    return _target().create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=2)
-
-
 class LlvmFunction:
     """A compiled program: arrays in, arrays out, the interpreter lock released meanwhile."""
 
@@ -211,13 +93,8 @@ class LlvmFunction:
     def __init__(self, program: Program, precision: Precision = FLOAT64) -> None:
         self.program, self.precision = program, precision
         self.source = llvm_source(program, precision)
-        with _COMPILING:
-            machine = _target_machine()
-            module = llvm.parse_assembly(self.source)
-            module.verify()
-            self._engine = llvm.create_mcjit_compiler(module, machine)
-            self._engine.finalize_object()
-            address = self._engine.get_function_address("kernel")
+        self._engine = machine_code(self.source)
+        address = self._engine.get_function_address("kernel")
         pointer = ctypes.c_void_p
         self._function = ctypes.CFUNCTYPE(None, pointer, pointer, pointer, ctypes.c_int64)(address)
 
@@ -225,7 +102,7 @@ class LlvmFunction:
         self, coordinates: Sequence[NDArray[Any]], letters: Sequence[float], outputs: Sequence[NDArray[Any]]
     ) -> None:
         """Fill the outputs (contiguous, one-dimensional, of the precision) at the coordinates (likewise)."""
-        lanes = _VECTORS[self.precision.name].lanes
+        lanes = VECTORS[self.precision.name].lanes
         count = len(outputs[0])
         whole = count - count % lanes
         values = np.asarray(letters, np.float64)

@@ -1,0 +1,31 @@
+"""The routines of the mesher as LLVM text: what it asks of a sign form, over boxes, blocks, edges and points.
+
+An array of points is three rows of a stated length. Every routine works on eight
+lanes at a time, and no lane depends on another.
+"""
+
+from __future__ import annotations
+
+from rsym.codegen.form_code import form, named, value
+from rsym.codegen.lattice_code import boxes, crossings, signs
+from rsym.codegen.leaf_code import enclose, leaf, slide
+from rsym.codegen.llvm_code import VECTORS, declarations
+from rsym.codegen.routines import LANES
+from rsym.codegen.surface_formulas import SurfaceFormulas
+
+ROUTINES = (form, named, value, boxes, signs, crossings, leaf, slide, enclose)
+
+
+def surface_code(formulas: SurfaceFormulas) -> str:
+    """The module with all routines."""
+    nodes = [*formulas.points.program.nodes, *formulas.bounds.program.nodes]
+    return "\n".join(
+        [
+            *declarations(VECTORS["float64"], nodes),
+            "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)",
+            f"declare i{LANES} @llvm.cttz.i{LANES}(i{LANES}, i1)",
+            formulas.points.constants_text("point_constants"),
+            formulas.bounds.constants_text("box_constants"),
+            *(routine(formulas).text for routine in ROUTINES),
+        ]
+    )

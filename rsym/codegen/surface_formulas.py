@@ -1,0 +1,59 @@
+"""The formulas that the mesher's routines share: leaves with their gradients, at points and over boxes."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+from rsym.codegen.differentiation import gradient
+from rsym.codegen.expansion import expand
+from rsym.codegen.intervals import interval_program
+from rsym.codegen.program import Program
+from rsym.codegen.routines import Formulas, Routine
+from rsym.codegen.sign_form import Gate, SignForm
+
+AXES = ("x", "y", "z")
+ENDS = ("lower", "upper")
+WORD = 64  # bits
+
+
+class SurfaceFormulas:
+    """A sign form as its routines need it."""
+
+    def __init__(self, form: SignForm) -> None:
+        self.gates: tuple[Gate, ...] = form.gates
+        self.count = len(form.leaves)
+        self.program = leaf_program(form)
+        self.coordinates = self.program.coordinates
+
+    @cached_property
+    def points(self) -> Formulas:
+        """Leaves at points."""
+        return Formulas(expand(self.program))
+
+    @cached_property
+    def bounds(self) -> Formulas:
+        """Leaves over boxes."""
+        return Formulas(expand(interval_program(self.program)), self.points.constants)
+
+    @property
+    def words(self) -> int:
+        """How many words hold a bit for each operand of each gate."""
+        return max(1, -(-2 * len(self.gates) // WORD))
+
+    def at(self, r: Routine, points: str, stride: str, i: str) -> dict[int, str]:
+        """The coordinates of points from `i` on, as inputs."""
+        places = [r.load(r.row(points, stride, k), i) for k in range(3)]
+        return self.points.inputs(dict(zip(self.coordinates, places, strict=True)))
+
+
+def leaf_outputs(k: int) -> list[str]:
+    """The names of value and derivatives of a leaf."""
+    return [f"leaf{k}", *(f"leaf{k}_{axis}" for axis in AXES)]
+
+
+def leaf_program(form: SignForm) -> Program:
+    """Value and gradient of every leaf."""
+    outputs: dict[str, int] = {}
+    for k, leaf in enumerate(form.leaves):
+        outputs.update(zip(leaf_outputs(k), (leaf, *gradient(form.builder, leaf)), strict=True))
+    return form.builder.program(outputs)

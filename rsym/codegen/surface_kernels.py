@@ -1,0 +1,222 @@
+"""The mesher's kernels: the routines of a sign form, compiled, on NumPy arrays.
+
+Letters and bounds are constants that `set` takes without compiling anything.
+Arrays of points are (3, m) float64, contiguous, with m at least the count rounded
+up to a multiple of eight lanes; what lies behind the count is scratch.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.checking import CHECK_POINTS, check_at
+from rsym.codegen.interpreter import interpret
+from rsym.codegen.llvm_code import machine_code
+from rsym.codegen.operations import OPERATIONS
+from rsym.codegen.precision import FLOAT64
+from rsym.codegen.routines import LANES
+from rsym.codegen.sign_form import SignForm, cap_letters
+from rsym.codegen.surface_code import surface_code
+from rsym.codegen.surface_formulas import SurfaceFormulas
+from rsym.errors import RsymError
+from rsym.model.shape import Bounds
+
+Floats: TypeAlias = NDArray[np.float64]
+
+_POINTER, _INTEGER, _REAL = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
+_SIGNATURES: dict[str, Sequence[Any]] = {
+    "point_constants": (_POINTER, _POINTER),
+    "box_constants": (_POINTER, _POINTER),
+    "boxes": (_INTEGER, _POINTER, _INTEGER, _REAL, *[_POINTER] * 4),
+    "signs": (_INTEGER, _INTEGER, _POINTER, _INTEGER, *[_POINTER] * 3, _INTEGER, *[_POINTER] * 2, _INTEGER, _POINTER),
+    "crossings": (_INTEGER, _INTEGER, *[_POINTER] * 3, _INTEGER, *[_POINTER] * 4, _INTEGER, _POINTER),
+    "value": (_INTEGER, _POINTER, _INTEGER, *[_POINTER] * 3),
+    "leaf": (_INTEGER, *[_POINTER] * 2, _INTEGER, *[_POINTER] * 3, _INTEGER),
+    "slide": (_INTEGER, *[_POINTER] * 2, _INTEGER, _POINTER, _INTEGER),
+    "enclose": (_INTEGER, *[_POINTER] * 3, _INTEGER, *[_POINTER] * 2, _INTEGER),
+}
+
+
+def padded(count: int) -> int:
+    """The length of an array that holds so many points: whole vectors, one to spare.
+
+    Examples
+    --------
+    >>> padded(9)
+    24
+    """
+    return -(-count // LANES) * LANES + LANES
+
+
+class SurfaceKernels:
+    """Compiled once for a sign form; `set` chooses letters and bounds.
+
+    ``words``: 64-bit words that tell, for each block, which operands of gates do not matter there.
+    """
+
+    def __init__(self, form: SignForm) -> None:
+        formulas = SurfaceFormulas(form)
+        self.form, self.words, self.program = form, formulas.words, formulas.program
+        self.source = surface_code(formulas)
+        self._engine = machine_code(self.source)
+        self._functions = {
+            name: ctypes.CFUNCTYPE(None, *kinds)(self._engine.get_function_address(name))
+            for name, kinds in _SIGNATURES.items()
+        }
+        self._constants = np.zeros(max(1, formulas.points.constants + formulas.bounds.constants))
+        self._check()
+
+    def copy(self) -> SurfaceKernels:
+        """The same code with letters of its own."""
+        twin = object.__new__(SurfaceKernels)
+        twin.__dict__.update(self.__dict__, _constants=self._constants.copy())
+        return twin
+
+    def set(self, letters: Mapping[str, float], bounds: Bounds | None = None) -> None:
+        """Take the letters of the shape, and the bounds where the form has caps."""
+        values = dict(letters)
+        for name, ends in zip(self.program.coordinates, bounds or [(-np.inf, np.inf)] * 3, strict=True):
+            values.update(zip(cap_letters(name), ends, strict=True))
+        array = np.array([values.get(name, 1.0) for name in self.program.letters])
+        twice = np.repeat(array, 2)
+        self._check_parameters(values)
+        self._functions["point_constants"](array.ctypes.data, self._constants.ctypes.data)
+        self._functions["box_constants"](twice.ctypes.data, self._constants.ctypes.data)
+
+    def _check_parameters(self, letters: Mapping[str, float]) -> None:
+        """An R-operation with an illegal parameter has no value, so its sign says nothing."""
+        form = self.form
+        program = form.builder.program({f"{k}": node for k, (_, node) in enumerate(form.parameters)})
+        values = interpret(program, letters) if form.parameters else {}
+        for k, (operation, _) in enumerate(form.parameters):
+            if np.isnan(OPERATIONS[operation].meaning(1.0, 2.0, values[f"{k}"])):
+                raise RsymError(
+                    f"a parameter of {operation} is {float(values[f'{k}'])}, out of its range",
+                    code="parameter",
+                    remedy="-1 < alpha <= 1, m >= 1, p > 1",
+                )
+
+    def keep(self, corner: Floats, count: int, size: float, lattice: Floats) -> tuple[NDArray[np.bool_], NDArray[Any]]:
+        """Which boxes of `size` cells may hold a zero; and (words, m) which operands of gates do not matter there."""
+        stride = corner.shape[1]
+        keep = np.empty(stride // LANES, np.uint8)
+        skip = np.empty((self.words, stride), np.uint64)
+        self._call("boxes", count, corner, stride, size, lattice, self._constants, keep, skip)
+        return np.unpackbits(keep, count=count, bitorder="little").view(np.bool_), skip
+
+    def signs(
+        self,
+        first: int,
+        last: int,
+        corner: Floats,
+        words: NDArray[np.uint64],
+        lattice: Floats,
+        offsets: Floats,
+        bits: NDArray[np.uint8],
+        undefined: NDArray[np.uint8],
+    ) -> None:
+        """The signs of the points `offsets` of blocks from first to below last; 0 counts as positive."""
+        stride, points = corner.shape[1], offsets.shape[1]
+        arrays = (lattice, offsets, points, self._constants, bits, bits.shape[1], undefined)
+        self._call("signs", first, last, corner, stride, words, *arrays)
+
+    def crossings(
+        self,
+        first: int,
+        last: int,
+        starts: NDArray[np.int64],
+        words: NDArray[np.uint64],
+        edges: NDArray[np.float32],
+        axis: Floats,
+        lattice: Floats,
+        points: Floats,
+        leaf: NDArray[np.int16],
+    ) -> None:
+        """Where the edges of blocks from first to below last cross the surface, and on which leaf."""
+        arrays = (axis, lattice, self._constants, points, points.shape[1], leaf)
+        self._call("crossings", first, last, starts, words, edges, edges.shape[1], *arrays)
+
+    def value(self, count: int, points: Floats, value: Floats, leaf: NDArray[np.int16], first: int = 0) -> None:
+        """The form, and the active leaf."""
+        p, f, n = _from(points, first), _from(value, first), _from(leaf, first)
+        self._call("value", count, p, points.shape[1], self._constants, f, n)
+
+    def leaf(
+        self, count: int, leaf: NDArray[np.int16], points: Floats, value: Floats, gradient: Floats, first: int = 0
+    ) -> None:
+        """Value and gradient of the leaf of each point; none where its number is negative."""
+        n, p, f, g = (_from(array, first) for array in (leaf, points, value, gradient))
+        self._call("leaf", count, n, p, points.shape[1], self._constants, f, g, gradient.shape[1])
+
+    def slide(self, count: int, leaf: NDArray[np.int16], points: Floats, steps: int, first: int = 0) -> None:
+        """Newton steps of each point onto its leaf, along the gradient."""
+        n, p = _from(leaf, first), _from(points, first)
+        self._call("slide", count, n, p, points.shape[1], self._constants, steps)
+
+    def enclose(
+        self, count: int, leaf: NDArray[np.int16], lower: Floats, upper: Floats, bounds: Floats, first: int = 0
+    ) -> None:
+        """Bounds (8, m) of value and gradient of the leaf of each box: value lower, upper, then each derivative's."""
+        n, low, high, out = (_from(array, first) for array in (leaf, lower, upper, bounds))
+        self._call("enclose", count, n, low, high, lower.shape[1], self._constants, out, bounds.shape[1])
+
+    def _call(self, name: str, *arguments: Any) -> None:
+        self._functions[name](*(a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments))
+
+    def _check(self) -> None:
+        """All leaves against the interpreter: a miscompiled formula must never leave this module."""
+        generator = np.random.default_rng(20130605)
+        points = [generator.uniform(-1, 1, CHECK_POINTS) for _ in range(3)]
+        letters = [1.0 + k / 8 for k in range(len(self.program.letters))]
+        check_at(self.program, _AllLeaves(self), FLOAT64, points, letters)
+
+
+class _AllLeaves:
+    """Values and gradients of all leaves, as a backend computes outputs."""
+
+    block_size = CHECK_POINTS
+    source = ""
+
+    def __init__(self, kernels: SurfaceKernels) -> None:
+        self.kernels = kernels
+
+    def run(self, coordinates: Sequence[Floats], letters: Sequence[float], outputs: Sequence[Floats]) -> None:
+        kernels, count = self.kernels, len(coordinates[0])
+        array = np.array(letters)
+        kernels._functions["point_constants"](array.ctypes.data, kernels._constants.ctypes.data)
+        points = np.zeros((3, padded(count)))
+        points[:, :count] = coordinates
+        value, gradient = np.zeros(points.shape[1]), np.zeros(points.shape)
+        for number in range(len(kernels.form.leaves)):
+            kernels.leaf(count, np.full(points.shape[1], number, np.int16), points, value, gradient)
+            for row, output in zip((value, *gradient), outputs[4 * number : 4 * number + 4], strict=True):
+                output[:] = row[:count]
+
+
+def _from(array: NDArray[Any], first: int) -> int:
+    """The address of a column."""
+    return array.ctypes.data + first * array.itemsize
+
+
+_kernels: dict[str, SurfaceKernels] = {}
+_making = threading.Lock()
+# A megabyte each; a session has a few models open.
+_MOST_KERNELS = 32
+
+
+def surface_kernels(form: SignForm) -> SurfaceKernels:
+    """Compiled once in a process; each caller has letters of its own."""
+    key = f"{form.leaves}{form.gates}{form.builder.program({'value': form.value}).digest}"
+    with _making:
+        kernels = _kernels.get(key)
+        if kernels is None:
+            while len(_kernels) >= _MOST_KERNELS:
+                _kernels.pop(next(iter(_kernels)))
+            kernels = _kernels[key] = SurfaceKernels(form)
+    return kernels.copy()
