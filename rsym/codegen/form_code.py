@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 
 from rsym.codegen.program import live
@@ -11,6 +11,9 @@ from rsym.codegen.routines import DOUBLES, LANES, SHORTS, Routine
 from rsym.codegen.surface_formulas import AXES, WORD, SurfaceFormulas
 from rsym.codegen.vector_code import Value
 
+# Operations. Mostly one leaf or two matter in a block: what only others need is lost, and what waits takes registers.
+# With everything shared, signs of the car took three times as long.
+MUCH = 50
 NAMED = f"{{ {DOUBLES}, {SHORTS} }}"
 
 
@@ -65,22 +68,21 @@ class ReducedForm:
     def emit(self) -> tuple[str, str]:
         """The value and the number of the active leaf."""
         formulas = self.formulas
+        self._share_parts()
         uses = Counter(operand for _, *operands in formulas.gates for operand in operands)
-        self._share_parts(leaf for leaf in range(formulas.count) if uses[leaf] > 1)
         for gate in range(formulas.count, formulas.count + len(formulas.gates)):
             if uses[gate] > 1:
                 self.values[gate] = self._walk(gate)
         return self._walk(formulas.count + len(formulas.gates) - 1)
 
-    def _share_parts(self, shared_leaves: Iterable[int]) -> None:
-        """Compute what more than one leaf needs, and the leaves that more than one gate needs."""
+    def _share_parts(self) -> None:
+        """Compute what more than one leaf needs, where that is much."""
         points = self.formulas.points
         nodes = [points.numbers[f"leaf{k}"] for k in range(self.formulas.count)]
         uses = Counter(part for node in nodes for part in live(points.program.nodes, [node]))
-        leaves = list(shared_leaves)
-        uniform = points.program.uniform
-        points.emit(self.r, [part for part, count in uses.items() if count > 1 and not uniform[part]], self.known)
-        points.emit(self.r, [nodes[leaf] for leaf in leaves], self.known)
+        shared = [part for part, count in uses.items() if count > 1 and not points.program.uniform[part]]
+        large = [part for part in shared if len(live(points.program.nodes, [part])) > MUCH]
+        points.emit(self.r, large, self.known)
 
     def _walk(self, root: int) -> tuple[str, str]:
         results: list[tuple[str, str]] = []

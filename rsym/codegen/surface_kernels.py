@@ -102,13 +102,23 @@ class SurfaceKernels:
                     remedy="-1 < alpha <= 1, m >= 1, p > 1",
                 )
 
-    def keep(self, corner: Floats, count: int, size: float, lattice: Floats) -> tuple[NDArray[np.bool_], NDArray[Any]]:
-        """Which boxes of `size` cells may hold a zero; and (words, m) which operands of gates do not matter there."""
-        stride = corner.shape[1]
-        keep = np.empty(stride // LANES, np.uint8)
-        skip = np.empty((self.words, stride), np.uint64)
-        self._call("boxes", count, corner, stride, size, lattice, self._constants, keep, skip)
-        return np.unpackbits(keep, count=count, bitorder="little").view(np.bool_), skip
+    def boxes(
+        self,
+        first: int,
+        last: int,
+        corner: Floats,
+        size: float,
+        lattice: Floats,
+        keep: NDArray[np.uint8],
+        skip: NDArray[np.uint64],
+    ) -> None:
+        """Which boxes of `size` cells may hold a zero (a bit each), which operands of gates do not matter (words, m).
+
+        `first` is a multiple of eight, and what lies behind `last` up to the next one is scratch.
+        """
+        corners, words = _from(corner, first), _from(skip, first)
+        arrays = (lattice, self._constants, _from(keep, first // LANES), words)
+        self._call("boxes", last - first, corners, corner.shape[1], size, *arrays)
 
     def signs(
         self,

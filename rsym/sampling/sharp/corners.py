@@ -1,0 +1,175 @@
+"""Vertices on edges and corners: Newton's method on two or three leaves at once, without thresholds.
+
+Which leaves meet in a patch is known from its crossings. A solution counts if it lies on the surface and within two
+cells of its own: a feature may pass beside the cell whose crossings show it.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+from itertools import combinations
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.surface_kernels import SurfaceKernels, padded
+from rsym.sampling.sharp.crossings import Crossings, evaluate
+from rsym.sampling.sharp.loops import in_threads, loop
+from rsym.sampling.sharp.patches import Topology
+
+Floats: TypeAlias = NDArray[np.float64]
+Ints: TypeAlias = NDArray[np.int64]
+Shorts: TypeAlias = NDArray[np.int16]
+
+# A fixed number, so that no point depends on the others. Planes take one step, the edges of the car at most five.
+STEPS = 8
+REACH = 2.0  # cells
+# Of the distance between a vertex and the surface, in cells.
+ON_SURFACE = 1e-9
+MOST_LEAVES = 6  # of a patch that are told apart
+GRAIN = 1024
+
+
+def settle(
+    kernels: SurfaceKernels,
+    smooth: NDArray[np.bool_],
+    which: Ints,
+    start: Floats,
+    surface: Topology,
+    crossings: Crossings,
+    lattice: Floats,
+    pool: Executor | None,
+) -> Floats:
+    """The places (3, n) of the vertices `which`, from where they start.
+
+    First all leaves of a patch at once, of more than three each three; then pairs; then whichever leaf is active.
+    Of several solutions the nearest counts.
+    """
+    leaves, kinds = np.full((MOST_LEAVES, len(which)), -1, np.int16), np.zeros(len(which), np.int8)
+    distinct_leaves(which, surface.ring_start, surface.ring, crossings.leaf, leaves, kinds)
+    kinds[~smooth[leaves].all(axis=0, where=leaves >= 0)] = 0
+    result, open_ = start.copy(), np.ones(len(which), np.bool_)
+    for size in (3, 2):
+        owner, chosen = _subsets(leaves, kinds, size, open_)
+        if len(owner):
+            solutions = _solve(kernels, chosen, start[:, owner], lattice, pool)
+            best = _best(kernels, owner, solutions, start, lattice, pool)
+            result[:, owner[best]] = solutions[:, best]
+            open_[owner[best]] = False
+    rest = np.flatnonzero(open_)
+    result[:, rest] = _on_active_leaf(kernels, start[:, rest], pool)
+    return result
+
+
+@loop
+def distinct_leaves(which: Any, ring_start: Any, ring: Any, leaf: Shorts, leaves: Shorts, kinds: Any) -> None:
+    """The different leaves among the crossings of some patches (rows of a column), and how many."""
+    for w in range(len(which)):
+        for at in range(ring_start[which[w]], ring_start[which[w] + 1]):
+            one, known = leaf[ring[at]], False
+            for k in range(kinds[w]):
+                known |= leaves[k, w] == one
+            if not known and kinds[w] < MOST_LEAVES:
+                leaves[kinds[w], w] = one
+                kinds[w] += 1
+
+
+def _subsets(leaves: Shorts, kinds: NDArray[np.int8], size: int, open_: NDArray[np.bool_]) -> tuple[Ints, Shorts]:
+    """The subsets of `size` leaves of each open vertex: whose they are, and the leaves (3, m), -1 for none."""
+    owners, chosen = [], []
+    for kind in range(size, MOST_LEAVES + 1):
+        some = np.flatnonzero(open_ & (kinds == kind))
+        for subset in combinations(range(kind), size):
+            owners.append(some)
+            rows = np.full((3, len(some)), -1, np.int16)
+            rows[:size] = leaves[np.ix_(subset, some)]
+            chosen.append(rows)
+    return np.concatenate(owners), np.concatenate(chosen, axis=1)
+
+
+def _solve(kernels: SurfaceKernels, leaves: Shorts, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
+    """Newton's method on up to three leaves for each point, least norm."""
+    count = start.shape[1]
+    points, ids = np.zeros((3, padded(count))), np.full((3, padded(count)), -1, np.int16)
+    points[:, :count], ids[:, :count] = start, leaves
+    values, gradients = np.zeros((3, points.shape[1])), np.zeros((3, *points.shape))
+    for _ in range(STEPS):
+        for row in range(3):
+            evaluate(kernels, ids[row], points, values[row], gradients[row], count, pool)
+        in_threads(lambda a, b: newton_step(a, b, ids, values, gradients, lattice, points), count, GRAIN, pool)
+    return points[:, :count]
+
+
+@loop
+def newton_step(
+    first: int, last: int, ids: Shorts, values: Floats, gradients: Floats, lattice: Floats, points: Floats
+) -> None:
+    """The step of least norm to where the tangent planes of the leaves of each point meet; a cell at most."""
+    matrix = np.empty((3, 4))
+    for w in range(first, last):
+        size = 0
+        while size < 3 and ids[size, w] >= 0:
+            size += 1
+        for i in range(size):
+            for j in range(size):
+                matrix[i, j] = 0.0
+                for a in range(3):
+                    matrix[i, j] += gradients[i, a, w] * gradients[j, a, w]
+            matrix[i, i] *= 1 + 1e-14
+            matrix[i, 3] = -values[i, w]
+        for i in range(size):
+            for j in range(i + 1, size):
+                factor = matrix[j, i] / matrix[i, i]
+                for q in range(i, size):
+                    matrix[j, q] -= factor * matrix[i, q]
+                matrix[j, 3] -= factor * matrix[i, 3]
+        for i in range(size - 1, -1, -1):
+            for j in range(i + 1, size):
+                matrix[i, 3] -= matrix[i, j] * matrix[j, 3]
+            matrix[i, 3] /= matrix[i, i]
+        for a in range(3):
+            step = 0.0
+            for i in range(size):
+                step += matrix[i, 3] * gradients[i, a, w]
+            points[a, w] += min(max(step, -lattice[3 + a]), lattice[3 + a])
+
+
+def _best(
+    kernels: SurfaceKernels, owner: Ints, points: Floats, start: Floats, lattice: Floats, pool: Executor | None
+) -> Ints:
+    """Which solution each owner takes, if any: on the surface, within reach, and the nearest of those."""
+    away = ((points - start[:, owner]) / lattice[3:, None]) ** 2
+    good = (away <= REACH**2).all(axis=0) & (off_surface(kernels, points, lattice, pool) < ON_SURFACE)
+    order = np.lexsort((away.sum(axis=0), owner))
+    order = order[good[order]]
+    return order[np.flatnonzero(np.diff(owner[order], prepend=-1))]
+
+
+def off_surface(kernels: SurfaceKernels, points: Floats, lattice: Floats, pool: Executor | None) -> Floats:
+    """How far points are from the surface, to first order, in cells; NaN where that cannot be said."""
+    count = points.shape[1]
+    places = np.zeros((3, padded(count)))
+    places[:, :count] = points
+    value, gradient = np.empty(places.shape[1]), np.empty(places.shape)
+    leaf = np.full(places.shape[1], -1, np.int16)
+    in_threads(lambda a, b: kernels.value(b - a, places, value, leaf, first=a), count, GRAIN, pool)
+    evaluate(kernels, leaf, places, value, gradient, count, pool)
+    with np.errstate(all="ignore"):
+        return np.abs(value[:count]) / np.linalg.norm(gradient[:, :count] * lattice[3:, None], axis=0)
+
+
+def _on_active_leaf(kernels: SurfaceKernels, start: Floats, pool: Executor | None) -> Floats:
+    """Newton's method on the leaf that is active where a point is."""
+    count = start.shape[1]
+    points, value = np.zeros((3, padded(count))), np.empty(padded(count))
+    points[:, :count] = start
+    leaf = np.full(points.shape[1], -1, np.int16)
+
+    def piece(first: int, last: int) -> None:
+        for _ in range(STEPS):
+            kernels.value(last - first, points, value, leaf, first=first)
+            kernels.slide(last - first, leaf, points, 1, first=first)
+
+    in_threads(piece, count, GRAIN, pool)
+    return points[:, :count]

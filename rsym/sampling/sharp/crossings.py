@@ -1,0 +1,104 @@
+"""Signs at the points of blocks, and the points where lattice edges cross the surface."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import cache
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.surface_kernels import SurfaceKernels, padded
+from rsym.errors import RsymError
+from rsym.sampling.sharp.loops import in_threads
+from rsym.sampling.sharp.octree import BLOCK, Blocks
+from rsym.sampling.sharp.patches import GRAIN, Topology
+from rsym.sampling.sharp.signs import list_edges
+
+Floats: TypeAlias = NDArray[np.float64]
+BYTES = 96  # for the bits of 9x9x9 points, whole words
+LEAF_GRAIN = 4096
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """Where lattice edges cross the surface: points (3, m), gradients (3, m) of the active leaf, its number (m,).
+
+    The arrays are padded; the first `count` columns count.
+    """
+
+    points: Floats
+    gradients: Floats
+    leaf: NDArray[np.int16]
+    count: int
+
+
+def sample_signs(kernels: SurfaceKernels, blocks: Blocks, lattice: Floats, pool: Executor | None) -> NDArray[np.uint8]:
+    """A bit for each point of each block, 1 where the form is not negative.
+
+    Raises
+    ------
+    RsymError
+        Where the form is undefined at a point.
+    """
+    count = blocks.corner.shape[1]
+    corner = np.ascontiguousarray(blocks.corner, np.float64)
+    bits, undefined = np.zeros((count, BYTES), np.uint8), np.zeros(count, np.uint8)
+    arrays = (corner, blocks.words, lattice, _offsets(), bits, undefined)
+    in_threads(lambda first, last: kernels.signs(first, last, *arrays), count, GRAIN, pool)
+    if undefined.any():
+        place = lattice[:3] + lattice[3:] * (corner[:, undefined.argmax()] + BLOCK / 2)
+        raise RsymError(
+            f"the shape has no value near {tuple(float(f'{c:.4g}') for c in place)}, where its boundary may be",
+            code="undefined",
+            remedy="give bounds inside the domain of the formula",
+        )
+    return bits
+
+
+@cache
+def _offsets() -> Floats:
+    """The points of a block, in the order of their bits, padded."""
+    side = BLOCK + 1
+    offsets = np.zeros((3, padded(side**3)))
+    offsets[:, : side**3] = np.indices((side, side, side)).reshape(3, -1)
+    return offsets
+
+
+def find_crossings(
+    kernels: SurfaceKernels, blocks: Blocks, surface: Topology, lattice: Floats, pool: Executor | None
+) -> Crossings:
+    """Every crossing of the surface, and what it lies on."""
+    count, n = surface.crossings, blocks.corner.shape[1]
+    edges = np.empty((3, padded(count)), np.float32)
+    points, gradients = np.zeros(edges.shape), np.zeros(edges.shape)
+    value, leaf = np.empty(edges.shape[1]), np.full(edges.shape[1], -1, np.int16)
+    for axis in range(3):
+        fields, before = surface.edges[axis], surface.edges_before[axis]
+        starts = np.ascontiguousarray(before[:, 0], np.int64)
+        direction = np.eye(3)[axis]
+
+        def piece(first: int, last: int, fields=fields, before=before, starts=starts, direction=direction) -> None:  # type: ignore[no-untyped-def]
+            list_edges(surface.corner, fields, before, first, last, *edges)
+            kernels.crossings(first, last, starts, blocks.words, edges, direction, lattice, points, leaf)
+
+        in_threads(piece, n, GRAIN, pool)
+    evaluate(kernels, leaf, points, value, gradients, count, pool)
+    return Crossings(points, gradients, leaf, count)
+
+
+def evaluate(
+    kernels: SurfaceKernels,
+    leaf: NDArray[np.int16],
+    points: Floats,
+    value: Floats,
+    gradients: Floats,
+    count: int,
+    pool: Executor | None,
+) -> None:
+    """Value and gradient of the leaf of each point."""
+    in_threads(
+        lambda a, b: kernels.leaf(b - a, leaf, points, value, gradients, first=a), count, LEAF_GRAIN, pool
+    )
