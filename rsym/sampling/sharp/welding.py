@@ -34,7 +34,7 @@ def crossing_places(surface: Topology) -> Numbers:
 def vertex_names(surface: Topology, extent: tuple[int, int, int]) -> NDArray[np.int64]:
     """(Block, cell, patch) of each vertex as one integer, on a lattice of extent blocks."""
     patch = np.arange(surface.vertices) - np.repeat(surface.start[:-1], np.diff(surface.start))
-    return _names(surface, extent, vertex_places(surface)) * PATCHES + patch
+    return np.asarray(_names(surface, extent, vertex_places(surface)) * PATCHES + patch)
 
 
 def crossing_names(surface: Topology, extent: tuple[int, int, int]) -> NDArray[np.int64]:
@@ -46,4 +46,4 @@ def crossing_names(surface: Topology, extent: tuple[int, int, int]) -> NDArray[n
 def _names(surface: Topology, extent: tuple[int, int, int], place: Numbers) -> NDArray[np.int64]:
     i, j, k = surface.corner >> 3
     block = (i * extent[1] + j) * extent[2] + k
-    return block[place >> 9] * CELLS + (place & CELLS - 1)
+    return np.asarray(block[place >> 9] * CELLS + (place & CELLS - 1), np.int64)

@@ -1,0 +1,130 @@
+"""Compiled loops in the user's cache folder: private, checked when read, and keyed by what the code is.
+
+numba's own cache writes beside the source file, trusts what it reads and looks only at the date of one file.
+Here the name of an entry is a digest of the byte code of the loop and of everything it calls, of the types of its
+arguments, of the processor and of the versions of Python and numba; so nothing old is ever run, and nothing is
+compiled again because a file has moved. An entry that cannot be read or written, or is damaged, is compiled again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import os
+import pickle
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from types import CodeType
+from typing import Any
+
+import numba
+import numpy as np
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+
+logger = logging.getLogger(__name__)
+DIGEST = hashlib.sha256().digest_size
+
+
+def cache_folder() -> Path:
+    """Where this user's caches are kept, by the custom of the system."""
+    if sys.platform == "win32":
+        place = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
+    elif sys.platform == "darwin":
+        place = Path.home() / "Library" / "Caches"
+    else:
+        place = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(place) / "rsym" / "loops"
+
+
+class LoopCache:
+    """What numba asks for compiled code of one function (the protocol of numba.core.caching._Cache)."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function = function
+
+    @property
+    def cache_path(self) -> str:
+        """The folder of the entries."""
+        return str(cache_folder())
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """Give the compiled loop for these types, or None."""
+        target.refresh()
+        payload = _read(self._entry(signature, target.codegen()))
+        if payload is None:
+            _announce()
+            return None
+        return CompileResult._rebuild(target, *pickle.loads(payload))
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Keep a compiled loop; a folder that cannot be written is no error."""
+        if not compiled.library.has_dynamic_globals:
+            _write(self._entry(signature, compiled.codegen), dumps(compiled._reduce()))
+
+    def _entry(self, signature: Any, codegen: Any) -> str:
+        machine = (numba.__version__, sys.version, *codegen.magic_tuple())
+        digest = hashlib.sha256(repr((machine, str(signature), *_content(self._function, set()))).encode())
+        return f"{self._function.__name__}-{digest.hexdigest()[:32]}"
+
+
+def _content(function: Any, seen: set[int]) -> Iterator[object]:
+    """Everything that decides what a function compiles to: its byte code, constants, globals, and theirs."""
+    plain = getattr(function, "py_func", None) or getattr(function, "_defn", None) or function
+    if id(plain) in seen:
+        return
+    seen.add(id(plain))
+    codes = [plain.__code__]
+    for code in codes:
+        codes += [constant for constant in code.co_consts if isinstance(constant, CodeType)]
+        yield code.co_code, code.co_names, code.co_varnames
+        yield [constant for constant in code.co_consts if not isinstance(constant, CodeType)]
+        for name in code.co_names:
+            value = plain.__globals__.get(name)
+            if isinstance(value, np.ndarray):
+                yield name, value.dtype.str, value.shape, value.tobytes()
+            elif hasattr(value, "py_func") or hasattr(value, "_defn"):
+                yield from _content(value, seen)
+            elif isinstance(value, (bool, int, float, tuple, np.generic)):
+                yield name, repr(value)
+
+
+def _read(name: str) -> bytes | None:
+    """Read an entry that is whole and lies in a folder that nobody else can write."""
+    try:
+        folder = cache_folder()
+        stored = (folder / name).read_bytes() if _is_private(folder) else b""
+    except (OSError, RuntimeError):  # Path.home() raises RuntimeError where there is no home
+        return None
+    payload = stored[DIGEST:]
+    return payload if payload and stored[:DIGEST] == hashlib.sha256(payload).digest() else None
+
+
+def _write(name: str, payload: bytes) -> None:
+    """Keep an entry, whole or not at all: another process may be reading or writing the same one."""
+    try:
+        folder = cache_folder()
+        folder.mkdir(parents=True, exist_ok=True)
+        if not _is_private(folder):
+            folder.chmod(0o700)
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=name, delete=False) as file:
+            file.write(hashlib.sha256(payload).digest() + payload)
+        os.replace(file.name, folder / name)
+    except (OSError, RuntimeError) as reason:
+        logger.info("the mesher's loops are not kept: %s", reason)
+
+
+def _is_private(folder: Path) -> bool:
+    """Entries are code: only a folder of this user's alone may hold them."""
+    if not hasattr(os, "getuid"):
+        return True
+    state = folder.stat()
+    return state.st_uid == os.getuid() and not state.st_mode & 0o077
+
+
+@cache
+def _announce() -> None:
+    logger.warning("compiling the mesher's loops, once on this machine: about ten seconds")

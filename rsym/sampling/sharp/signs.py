@@ -1,0 +1,147 @@
+"""Sign bits of blocks as bit fields: which cells hold surface, which lattice edges cross it, and their numbers.
+
+A block is 8x8x8 cells; its signs are the bits i*81 + j*9 + k of a row of bytes, at least 93 of them. A field is one
+64-bit word for each layer i of a block, bit j*8 + k. One more block, empty, follows the last: its rank is the number
+of all, and a block that is not kept is looked up as this one.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.sampling.sharp.loops import bit, loop, lowest, popcount, step
+
+Bytes: TypeAlias = NDArray[np.uint8]
+Words: TypeAlias = NDArray[np.uint64]
+Numbers: TypeAlias = NDArray[np.int32]
+
+ONE = np.uint64(1)
+BYTE = np.uint64(255)
+ROW = np.uint64(511)
+ABSENT = -1
+
+
+@loop
+def scan(bits: Bytes, first: int, last: int, cells: Words, edges: Words) -> None:
+    """Fields of the cells that hold surface (blocks, 8) and of the lattice edges that cross it (3, blocks, 8)."""
+    row = np.empty(81, np.uint64)
+    for b in range(first, last):
+        for r in range(81):
+            q = 9 * r >> 3
+            word = bits[b, q] | np.uint32(bits[b, q + 1]) << 8 | np.uint32(bits[b, q + 2]) << 16
+            row[r] = np.uint64(word) >> np.uint64(9 * r & 7) & ROW
+        for i in range(8):
+            c = x = y = z = np.uint64(0)
+            for j in range(8):
+                # The four lines of lattice points along k that bound a line of cells.
+                p, q, r, s = row[i * 9 + j], row[i * 9 + j + 1], row[i * 9 + 9 + j], row[i * 9 + j + 10]
+                some, every = p | q | r | s, p & q & r & s
+                shift = np.uint64(8 * j)
+                c |= ((some | some >> ONE) & ~(every & every >> ONE) & BYTE) << shift
+                x |= ((p ^ r) & BYTE) << shift
+                y |= ((p ^ q) & BYTE) << shift
+                z |= ((p ^ p >> ONE) & BYTE) << shift
+            cells[b, i] = c
+            edges[0, b, i] = x
+            edges[1, b, i] = y
+            edges[2, b, i] = z
+
+
+def ranks(fields: Words) -> tuple[Numbers, int]:
+    """How many bits are set before each word, in the order of the array, and in all.
+
+    Examples
+    --------
+    >>> before, total = ranks(np.array([5, 0, 7], np.uint64))
+    >>> before.tolist(), total
+    ([0, 2, 2], 5)
+    """
+    count = np.bitwise_count(fields).ravel()
+    before = np.zeros(count.size, np.int32)
+    np.cumsum(count[:-1], out=before[1:])
+    return before.reshape(fields.shape), int(before[-1]) + int(count[-1])
+
+
+@step
+def rank(block: int, i: int, j: int, k: int, fields: Words, before: Numbers) -> Any:
+    """Give the number of cell (or lattice edge) (i, j, k) of a block, -1 where its bit is not set."""
+    here = ONE << np.uint64(j * 8 + k)
+    if fields[block, i] & here == 0:
+        return ABSENT
+    return before[block, i] + np.int64(popcount(fields[block, i] & (here - ONE)))
+
+
+@step
+def block_at(i: int, j: int, k: int, blocks: Numbers, origin: NDArray[np.int64]) -> Any:
+    """Give the number of the block that holds a cell of the lattice, at most one block away from some kept block."""
+    return blocks[(i >> 3) - origin[0], (j >> 3) - origin[1], (k >> 3) - origin[2]]
+
+
+@step
+def find(i: int, j: int, k: int, blocks: Numbers, origin: NDArray[np.int64], fields: Words, before: Numbers) -> Any:
+    """Give the number of a cell (or lattice edge) of the lattice, -1 where it has none."""
+    return rank(block_at(i, j, k, blocks, origin), i & 7, j & 7, k & 7, fields, before)
+
+
+def lookup(corner: NDArray[np.int64]) -> tuple[Numbers, NDArray[np.int64]]:
+    """Numbers of the blocks over the box that they fill, with a margin of one block, and the first block of that box.
+
+    Examples
+    --------
+    >>> blocks, origin = lookup(np.array([[0, 8], [8, 8], [8, 8]]))
+    >>> blocks.shape, origin.tolist(), blocks[1:3, 1, 1].tolist()
+    ((4, 3, 3), [-1, 0, 0], [0, 1])
+    """
+    place, number = corner >> 3, corner.shape[1]
+    origin = place.min(axis=1, initial=2**31) - 1 if number else np.zeros(3, np.int64)
+    place = place - origin[:, None]
+    blocks = np.full(place.max(axis=1, initial=0) + 2, number, np.int32)
+    blocks[tuple(place)] = np.arange(number)
+    return blocks, origin
+
+
+@loop
+def list_cells(bits: Bytes, cells: Words, before: Numbers, first: int, last: int, case: Any, place: Numbers) -> None:
+    """Cases (pairing 0) of the cells that hold surface, and their places, 512*block + 64*i + 8*j + k."""
+    for b in range(first, last):
+        for i in range(8):
+            w, n = cells[b, i], before[b, i]
+            while w:
+                q = lowest(w)
+                w &= w - ONE
+                mask = 0
+                for c in range(8):
+                    mask |= bit(bits, b, i + (c >> 2), (q >> 3) + (c >> 1 & 1), (q & 7) + (c & 1)) << c
+                case[n] = mask * 64
+                place[n] = b * 512 + i * 64 + q
+                n += 1
+
+
+@loop
+def list_edges(
+    corner: NDArray[np.int64], edges: Words, before: Numbers, first: int, last: int, x: Any, y: Any, z: Any
+) -> None:
+    """Lower ends, as integers of the lattice, of the edges of one axis that cross the surface."""
+    for b in range(first, last):
+        for i in range(8):
+            w, n = edges[b, i], before[b, i]
+            while w:
+                q = lowest(w)
+                w &= w - ONE
+                x[n], y[n], z[n] = corner[0, b] + i, corner[1, b] + (q >> 3), corner[2, b] + (q & 7)
+                n += 1
+
+
+@loop
+def list_places(fields: Words, before: Numbers, place: Numbers) -> None:
+    """Places, 512*block + 64*i + 8*j + k, of the bits that are set."""
+    for b in range(fields.shape[0]):
+        for i in range(8):
+            w, n = fields[b, i], before[b, i]
+            while w:
+                place[n] = b * 512 + i * 64 + lowest(w)
+                w &= w - ONE
+                n += 1

@@ -1,0 +1,120 @@
+"""Surface patches of a cell, for every mask of its eight corners and every pairing of its ambiguous faces.
+
+Corner c of a cell is 4*di + 2*dj + dk, and bit c of its mask says that the corner is inside. Edge 4*a + 2*u + v lies
+along axis a, at offsets u and v along the axes a + 1 and a + 2 (modulo 3). Face 2*a + s has normal axis a on side s.
+A face is ambiguous where its corners alternate; bit f of the pairing says that the inside corners of face f are joined.
+The *case* of a cell is 64*mask + pairing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+CASES = 256 * 64
+NO_PATCH = 255
+
+
+def _offset(axis: int, along: int, u: int, v: int) -> int:
+    """Corner at these offsets along an axis and the two after it."""
+    weights = (4, 2, 1)
+    return along * weights[axis] + u * weights[(axis + 1) % 3] + v * weights[(axis + 2) % 3]
+
+
+EDGE_ENDS = np.array([[_offset(e >> 2, s, e >> 1 & 1, e & 1) for s in (0, 1)] for e in range(12)])
+# Corners of a face counter-clockwise as seen from outside the cell, so that what follows an edge lies on one loop.
+FACE_CORNERS = np.array(
+    [
+        [_offset(f >> 1, f & 1, *((u, v) if f & 1 == 0 else (v, u))) for u, v in ((0, 0), (0, 1), (1, 1), (1, 0))]
+        for f in range(6)
+    ]
+)
+
+
+@cache
+def face_edges() -> NDArray[np.int64]:
+    """Edges of each face: number q joins its corners q and q + 1."""
+    number = {frozenset(ends): edge for edge, ends in enumerate(EDGE_ENDS.tolist())}
+    return np.array([[number[frozenset((c[q], c[(q + 1) % 4]))] for q in range(4)] for c in FACE_CORNERS.tolist()])
+
+
+@dataclass(frozen=True)
+class PatchTable:
+    """Patches of all cases.
+
+    ``patch``: (cases, 12), number of the patch an edge belongs to, 255 where the edge is not crossed or the case
+    cannot be. ``order``: (cases, 12), the edges patch by patch, those not crossed last. ``patches`` and ``edges``:
+    how many of either a case has. ``ambiguous``: (256,), the ambiguous faces of a mask as bits.
+    """
+
+    patch: NDArray[np.uint8]
+    order: NDArray[np.uint8]
+    patches: NDArray[np.uint8]
+    edges: NDArray[np.uint8]
+    ambiguous: NDArray[np.uint8]
+
+
+@cache
+def patch_table() -> PatchTable:
+    """Follow the loops around the patches of every case.
+
+    The segments on the six faces send every edge on which the boundary of a patch leaves the inside of a face to the
+    edge on which it comes back: a permutation of the crossed edges, whose cycles are the patches.
+
+    Examples
+    --------
+    >>> table = patch_table()
+    >>> table.patch[0b00000001 * 64].tolist(), int(table.patches[0b10000001 * 64])
+    ([0, 255, 255, 255, 0, 255, 255, 255, 0, 255, 255, 255], 2)
+    """
+    inside = np.arange(256)[:, None, None] >> FACE_CORNERS & 1
+    alternate = (inside != np.roll(inside, 1, axis=2)).all(axis=2)
+    ambiguous = (alternate << np.arange(6)).sum(axis=1)
+    cases = np.flatnonzero((np.arange(64) & ~ambiguous[:, None] == 0).ravel())
+    follow = _follow(cases, inside)
+    crossed = follow >= 0
+    follow = np.where(crossed, follow, np.arange(12))
+    first = np.tile(np.arange(12), (len(cases), 1))
+    for _ in range(4):  # each turn doubles the stretch of the loop that an edge has seen: 16 in the end, of at most 12
+        first = np.minimum(first, np.take_along_axis(first, follow, axis=1))
+        follow = np.take_along_axis(follow, follow, axis=1)
+    begins = crossed & (first == np.arange(12))
+    number = np.take_along_axis(begins.cumsum(axis=1) - 1, first, axis=1)
+    patch = np.full((CASES, 12), NO_PATCH, np.uint8)
+    patch[cases] = np.where(crossed, number, NO_PATCH)
+    patches, edges = np.zeros(CASES, np.uint8), np.zeros(CASES, np.uint8)
+    patches[cases], edges[cases] = begins.sum(axis=1), crossed.sum(axis=1)
+    order = np.zeros((CASES, 12), np.uint8)
+    order[cases] = np.argsort(patch[cases], axis=1, kind="stable")
+    return PatchTable(patch, order, patches, edges, ambiguous.astype(np.uint8))
+
+
+def _follow(cases: NDArray[np.int64], inside: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Edge after each edge on the loop around its patch, -1 where it is not crossed."""
+    edges, rule, follow = face_edges(), _rule(), np.full((len(cases), 12), -1)
+    pattern = (inside << np.arange(4)).sum(axis=2)
+    for face in range(6):
+        after = rule[pattern[cases >> 6, face], cases >> face & 1]
+        row, side = np.nonzero(after >= 0)
+        follow[row, edges[face, side]] = edges[face, after[row, side]]
+    return follow
+
+
+def _rule() -> NDArray[np.int64]:
+    """[corners inside, joined, side] of one face: the side on which the segment that begins on this side ends.
+
+    A side along which the inside ends is followed by the one before it along which the inside begins, or, where the
+    inside corners are joined, by the one after it.
+    """
+    rule = np.full((16, 2, 4), -1)
+    for corners in range(16):
+        change = [(corners >> (q + 1) % 4 & 1) - (corners >> q & 1) for q in range(4)]
+        for joined, step in enumerate((3, 1)):
+            for q in range(4):
+                if change[q] == -1:
+                    after = ((q + step * turns) % 4 for turns in range(1, 4))
+                    rule[corners, joined, q] = next(side for side in after if change[side] == 1)
+    return rule
