@@ -31,40 +31,40 @@ def pair(faces: Any, count: int) -> tuple[Any, int, int, int]:
 
     Half-edges are put into a bucket for the lower of their ends; inside a bucket the other end tells them apart.
     """
-    halves = 3 * len(faces)
-    flat = faces.ravel()
     start = np.zeros(count + 2, np.int32)
-    for h in range(halves):
-        start[min(flat[h], flat[following(h)]) + 2] += 1
+    for f in range(len(faces)):
+        for k in range(3):
+            start[min(faces[f, k], faces[f, k - 2]) + 2] += 1
     for v in range(count):
         start[v + 2] += start[v + 1]
-    bucket = np.empty(halves, np.int32)
-    for h in range(halves):
-        low = min(flat[h], flat[following(h)])
-        bucket[start[low + 1]] = h
-        start[low + 1] += 1
-    mates = np.full(halves, -1, np.int32)
-    many, last = np.zeros((2, count), np.int32), np.zeros((2, count), np.int32)
+    # The half-edge and its other end, which is ~end if the half-edge runs down to v.
+    bucket, ends = np.empty(faces.size, np.int32), np.empty(faces.size, np.int32)
+    for f in range(len(faces)):
+        for k in range(3):
+            a, b = faces[f, k], faces[f, k - 2]
+            place = start[min(a, b) + 1]
+            start[min(a, b) + 1] += 1
+            bucket[place], ends[place] = 3 * f + k, b if a <= b else ~a
+    mates = np.full(faces.size, -1, np.int32)
+    many, last = np.zeros((count, 2), np.int32), np.zeros((count, 2), np.int32)
     edges, boundary, repeated = 0, 0, 0
     for v in range(count):
         for i in range(start[v], start[v + 1]):
-            h = bucket[i]
-            down = 0 if flat[h] == v else 1
-            end = flat[following(h)] if down == 0 else flat[h]
-            many[down, end] += 1
-            last[down, end] = h
+            down = ends[i] < 0
+            end = ~ends[i] if down else ends[i]
+            many[end, int(down)] += 1
+            last[end, int(down)] = bucket[i]
         for i in range(start[v], start[v + 1]):
-            h = bucket[i]
-            end = flat[following(h)] if flat[h] == v else flat[h]
-            up, down = many[0, end], many[1, end]
-            many[0, end], many[1, end] = 0, 0
-            if up + down == 0:
+            end = ~ends[i] if ends[i] < 0 else ends[i]
+            up, down = many[end, 0], many[end, 1]
+            if up == 0 and down == 0:
                 continue
+            many[end, 0], many[end, 1] = 0, 0
             edges += 1
             boundary += (up == 0) + (down == 0)
             repeated += (up > 1) + (down > 1)
             if up == 1 and down == 1:
-                mates[last[0, end]], mates[last[1, end]] = last[1, end], last[0, end]
+                mates[last[end, 0]], mates[last[end, 1]] = last[end, 1], last[end, 0]
     return mates, edges, boundary, repeated
 
 
@@ -76,7 +76,9 @@ def pieces(faces: Any, count: int) -> Any:
     for f in range(len(faces)):
         used[faces[f, 0]] = used[faces[f, 1]] = used[faces[f, 2]] = True
         for k in range(1, 3):
-            a, b = faces[f, 0], faces[f, k]
+            a, b = root[faces[f, 0]], root[faces[f, k]]
+            if a == b:
+                continue
             while root[a] != a:
                 root[a] = root[root[a]]
                 a = root[a]
@@ -116,6 +118,16 @@ def pinched(faces: Any, mates: Any, count: int) -> int:
                 break
         found += turned < faces_at[v]
     return found
+
+
+@loop
+def back_to_back(mates: Any) -> bool:
+    """Whether two triangles are mates along all three edges."""
+    for f in range(len(mates) // 3):
+        first, second, third = mates[3 * f], mates[3 * f + 1], mates[3 * f + 2]
+        if first >= 0 and second >= 0 and first // 3 == second // 3 == third // 3:
+            return True
+    return False
 
 
 @loop

@@ -23,7 +23,7 @@ FLAT = 1e-12
 # Without outward directions a triangle is folded if its normal is turned by more than 127 degrees from those of two
 # neighbours: beyond the tip of a needle of three sides (120) and the corner of a tetrahedron (109).
 TURNED = -0.6
-# An open edge this close to a side, against the size of the mesh, lies on it: rounding of the lattice is below 1e-14.
+# An open edge this close to a side, against the length of the loop, lies on it: rounding of the lattice is below 1e-14.
 ON_SIDE = 1e-9
 # Sums are taken over runs of this length first, so that 1e6 triangles lose no more digits than 1e4.
 RUN = 128
@@ -141,7 +141,7 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
     pinched = half_edges.pinched(faces, mates, len(vertices))
     chain, begins = half_edges.loops(faces, mates)
     manifold = repeated == 0 and pinched == 0
-    sums, angle, corner, degenerate, normals = triangles(vertices, faces, vertices.mean(axis=0))
+    sums, angle, corner, degenerate, normals = triangles(vertices, faces)
     if outward is None:
         folded = turned_from_neighbours(normals, mates)
     else:
@@ -168,17 +168,21 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
 
 
 @loop
-def triangles(vertices: Any, faces: Any, middle: Any) -> tuple[Any, float, int, int, Any]:
-    """Sums of a . (b x c) and of |n|, the smallest angle and its vertex, flat triangles, and the normals n.
+def triangles(vertices: Any, faces: Any) -> tuple[Any, float, int, int, Any]:
+    """Sums of (a - middle) . n and of |n|, the smallest angle and its vertex, flat triangles, and the normals n.
 
     The normal n = (b - a) x (c - a) is twice as long as the triangle is large. The smallest angle lies opposite
     the shortest side, and its tangent is |n| over the scalar product of the other two sides.
     """
-    m = len(faces)
-    normals = np.empty((m, 3))
+    middle = np.zeros(3)
+    for v in range(len(vertices)):
+        for k in range(3):
+            middle[k] += vertices[v, k]
+    middle /= len(vertices)
+    normals = np.empty((len(faces), 3))
     sums, run = np.zeros(2), np.zeros(2)
     least, where, flat = np.inf, 0, 0
-    for f in range(m):
+    for f in range(len(faces)):
         a, b, c = faces[f]
         ux, uy, uz = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1], vertices[b, 2] - vertices[a, 2]
         vx, vy, vz = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1], vertices[c, 2] - vertices[a, 2]
@@ -236,9 +240,10 @@ def _genera(label: Ints, faces: Ints, mates: Ints, heads: Ints) -> tuple[int, ..
 
 
 def _loops(vertices: Array, chains: Sequence[Ints], sides: Sequence[Side]) -> tuple[Loop, ...]:
-    found, near = [], ON_SIDE * float(np.ptp(vertices, axis=0).max())
+    found = []
     for chain in chains:
         places = vertices[chain]
+        near = ON_SIDE * float(np.ptp(places, axis=0).max())
         on = np.array([np.abs(places[:, side.axis] - side.value) <= near for side in sides], bool)
         edges = on & np.roll(on, -1, axis=-1)
         names = [side.name for side, held in zip(sides, edges, strict=True) if held.any()]
@@ -248,9 +253,7 @@ def _loops(vertices: Array, chains: Sequence[Ints], sides: Sequence[Side]) -> tu
 
 def _duplicates(faces: Ints, mates: Ints, repeated: int) -> int:
     """Equal triangles share edges: they repeat one, or are mates along all three. Only then is it worth a sort."""
-    across = np.where(mates >= 0, mates // 3, -1).reshape(-1, 3)
-    back_to_back = (across[:, 0] >= 0) & (across[:, 0] == across[:, 1]) & (across[:, 1] == across[:, 2])
-    if not repeated and not back_to_back.any():
+    if not repeated and not half_edges.back_to_back(mates):
         return 0
     return len(faces) - len(np.unique(np.sort(faces, axis=1), axis=0))
 

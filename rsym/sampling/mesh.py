@@ -59,16 +59,14 @@ class Mesh:
     def normals(self) -> Array:
         """The outward unit normal of each corner of each face, (m, 3, 3); that of the triangle where there is none."""
         if self.shading is None:
-            given = np.zeros((len(self.faces), 3, 3))
-        elif callable(self.shading):
-            given = self._outward(self.shading, self.vertices[self.faces])
-        else:
-            given = self.shading
-        lengths = np.linalg.norm(given, axis=2, keepdims=True)
-        with np.errstate(all="ignore"):
-            normals: Array = given / lengths
-        bare, at = np.nonzero(~np.isfinite(normals).all(axis=2))
-        normals[bare, at] = self._flat(bare)
+            return np.repeat(self._flat(self.faces)[:, None], 3, axis=1)
+        given = self.shading
+        if callable(given):
+            given = self._outward(given, self.vertices[self.faces])
+        normals = _unit(given)
+        missing = ~np.isfinite(normals).all(axis=2)
+        bare = np.flatnonzero(missing.any(axis=1))
+        normals[bare] = np.where(missing[bare][:, :, None], self._flat(self.faces[bare])[:, None], normals[bare])
         return normals
 
     @cached_property
@@ -78,7 +76,7 @@ class Mesh:
         if callable(self.shading):
             outward = self._outward(self.shading, self.vertices[self.faces].mean(axis=1, keepdims=True))[:, 0]
         elif self.shading is not None:
-            outward = self.shading.sum(axis=1)
+            outward = self.shading[:, 0] + self.shading[:, 1] + self.shading[:, 2]
         measures = measure(self.vertices, self.faces, outward, self.findings.sides)
         return MeshStatus(**vars(measures), **vars(self.findings))
 
@@ -87,14 +85,18 @@ class Mesh:
         leaf = np.zeros(len(self.faces), np.int16) if self.leaf is None else self.leaf
         return rule(np.repeat(leaf, points.shape[1]), points.reshape(-1, 3)).reshape(points.shape)
 
-    def _flat(self, which: Ints) -> Array:
+    def _flat(self, faces: Ints) -> Array:
         """The normals of triangles; zero where they have none."""
-        a, b, c = self.vertices[self.faces[which]].transpose(1, 0, 2)
-        normals = np.cross(b - a, c - a)
-        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-        flat: Array = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
-        return flat
+        a, b, c = (self.vertices[faces[:, k]] for k in range(3))
+        return np.nan_to_num(_unit(np.cross(b - a, c - a)))
 
     def __reduce__(self) -> tuple[type[Mesh], tuple[Any, ...]]:
         """Pickle the normals themselves: the function they come from holds compiled code."""
         return Mesh, (self.vertices, self.faces, self.normals, self.findings, self.leaf, self.leaves)
+
+
+def _unit(vectors: Array) -> Array:
+    """Vectors (..., 3) of length 1; NaN for those without direction."""
+    with np.errstate(all="ignore"):
+        unit: Array = vectors / np.sqrt(np.einsum("...i,...i->...", vectors, vectors))[..., None]
+    return unit
