@@ -64,7 +64,7 @@ class Mesh:
         if callable(given):
             given = self._outward(given, self.vertices[self.faces])
         normals = _unit(given)
-        missing = ~np.isfinite(normals).all(axis=2)
+        missing: NDArray[np.bool_] = np.any(np.isnan(normals), axis=2)
         bare = np.flatnonzero(missing.any(axis=1))
         normals[bare] = np.where(missing[bare][:, :, None], self._flat(self.faces[bare])[:, None], normals[bare])
         return normals
