@@ -148,6 +148,8 @@ def test_sections_are_layers_or_a_stack(tmp_path, model):
     cut = ["sections", model, "--shape", "ball", "--values", "0,0.6", "--resolution", "32"]
     assert main([*cut, "-o", str(tmp_path / "layers.svg"), "--scale", "10"]) == 0
     assert (tmp_path / "layers.svg").read_text().count("<path") == 2
+    assert main([*cut, "-o", str(tmp_path / "layers.dxf"), "--unit", "in"]) == 0
+    assert (tmp_path / "layers.dxf").read_text().count("POLYLINE") == 2
     assert main([*cut, "-o", str(tmp_path / "stack.png"), "--axis", "x"]) == 0
     assert (tmp_path / "stack.png").read_bytes().startswith(b"\x89PNG")
 

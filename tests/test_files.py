@@ -8,14 +8,14 @@ import trimesh
 from rsym.errors import RsymError
 from rsym.output.atomic import write_atomically
 from rsym.output.files import write
-from rsym.sampling.mesh import Mesh, examine
+from rsym.sampling.mesh import Mesh
 
 
 def ball(radius=1.0, middle=(0.0, 0.0, 0.0)):
     sphere = trimesh.creation.icosphere(subdivisions=3)
     normals, faces = np.array(sphere.vertices), np.array(sphere.faces, np.int64)
     vertices = normals * radius + middle
-    return Mesh(vertices, faces, normals[faces], examine(vertices, faces))
+    return Mesh(vertices, faces, normals[faces])
 
 
 def test_a_ball_comes_back_closed_outward_and_with_its_volume(tmp_path):
@@ -59,7 +59,7 @@ def test_a_small_body_away_from_the_origin_and_a_flat_one_are_written(tmp_path):
     write(ball(1.0, (1e3, 0, 0)), tmp_path / "away.stl")
     corners = np.array([[0, 0, 7.0], [1, 0, 7], [0, 1, 7]])
     faces = np.array([[0, 1, 2]])
-    write(Mesh(corners, faces, np.zeros((1, 3, 3)), examine(corners, faces)), tmp_path / "flat.stl")
+    write(Mesh(corners, faces, np.zeros((1, 3, 3))), tmp_path / "flat.stl")
     assert {path.name for path in tmp_path.iterdir()} == {"away.stl", "flat.stl"}
 
 

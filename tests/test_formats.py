@@ -12,7 +12,7 @@ from closeness import assert_close
 from rsym.errors import RsymError
 from rsym.output.corners import split_sharp
 from rsym.output.files import FORMATS, write
-from rsym.sampling.mesh import Mesh, examine
+from rsym.sampling.mesh import Mesh
 
 FLOAT64 = (".ply", ".obj", ".off", ".3mf")
 
@@ -22,14 +22,14 @@ def ball(scale=1.0, middle=(0.0, 0.0, 0.0)):
     normals, faces = np.array(sphere.vertices), np.array(sphere.faces, np.int64)
     # Thirds need all 17 digits; unlike half-axes show a swapped coordinate.
     vertices = normals * np.array([1, 2, 4]) / 3 * scale + middle
-    return Mesh(vertices, faces, normals[faces], examine(vertices, faces))
+    return Mesh(vertices, faces, normals[faces])
 
 
 def cube():
     solid = trimesh.creation.box()
     vertices, faces = np.array(solid.vertices), np.array(solid.faces, np.int64)
     normals = np.repeat(np.array(solid.face_normals)[:, None], 3, axis=1)
-    return Mesh(vertices, faces, normals, examine(vertices, faces))
+    return Mesh(vertices, faces, normals)
 
 
 @pytest.mark.parametrize("suffix", FLOAT64)
@@ -108,7 +108,7 @@ def test_3mf_declares_millimetres_and_refuses_what_cannot_be_printed(tmp_path):
         (whole.vertices, whole.faces[:, ::-1], "volume of -"),
     ):
         with pytest.raises(RsymError, match=said) as caught:
-            write(Mesh(vertices, faces, np.zeros((len(faces), 3, 3)), examine(vertices, faces)), tmp_path / "no.3mf")
+            write(Mesh(vertices, faces, np.zeros((len(faces), 3, 3))), tmp_path / "no.3mf")
         assert caught.value.code == "format-body"
 
 
@@ -133,7 +133,7 @@ def test_normals_of_a_blunt_edge_are_averaged_and_unused_vertices_left_out():
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, -1, 0], [9, 9, 9.0]])
     faces = np.array([[0, 1, 2], [0, 3, 1]])
     tilt = np.array([[0, np.sin(a), np.cos(a)] for a in np.radians([10, -10])])
-    mesh = Mesh(vertices, faces, np.repeat(tilt[:, None], 3, axis=1), examine(vertices, faces))
+    mesh = Mesh(vertices, faces, np.repeat(tilt[:, None], 3, axis=1))
     split = split_sharp(mesh)
     assert split.source.tolist() == [0, 1, 2, 3]
     assert_close(split.normals[:2], np.array([[0, 0, 1.0]] * 2), atol=1e-12)

@@ -1,8 +1,10 @@
 import xml.etree.ElementTree as ET
 
+import ezdxf
 import matplotlib.figure
 import numpy as np
 import pytest
+import sympy as sp
 from closeness import assert_close
 
 import rsym
@@ -41,6 +43,53 @@ def test_an_axis_keeps_its_place_in_space(axis, free):
     points = section.in_space(section.lines[0])
     assert_close(np.linalg.norm(points, axis=1), np.full(len(points), 2.0), atol=1e-9)
     assert_close(points[:, "xyz".index(str(axis))], np.full(len(points), 0.5), atol=1e-15)
+
+
+@pytest.mark.parametrize("system", [rsym.R0, rsym.RAlpha(0.5), rsym.Rp(4)])
+def test_corners_of_a_polygon_are_exact(system):
+    """Half-planes at random; their corners by linear algebra, the area by the corners."""
+    generator = np.random.default_rng(5)
+    angles = np.sort(generator.uniform(0, 2 * np.pi, 7) + np.arange(7) * 0.05)
+    normals = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    far = generator.uniform(0.8, 1.2, 7)
+    planes = [sp.Float(d) - sp.Float(u) * x - sp.Float(v) * y for (u, v), d in zip(normals, far, strict=True)]
+    body = Shape(rsym.conjunction(*planes, 1 - z**2, system=system), (x, y, z), bounds=((-4, 4), (-4, 4), (-2, 2)))
+    crossings = [np.linalg.solve(normals[[i, j]], far[[i, j]]) for i in range(7) for j in range(i)]
+    corners = np.array([p for p in crossings if (normals @ p <= far + 1e-12).all()])
+    corners = corners[np.argsort(np.arctan2(*corners.T))]
+    (section,) = rsym.sections(body, [0.3], resolution=40)
+    (line,) = section.lines
+    gaps = np.linalg.norm(line[:, None] - corners, axis=2)
+    assert_close(gaps.min(axis=0), np.zeros(len(corners)), atol=1e-13)
+    assert_close(abs(area(line)), abs(area(np.vstack([corners, corners[:1]]))), rtol=1e-13)
+    assert (section.lines.status.kept, section.lines.status.unresolved_corners) == (0, 0)
+
+
+def test_a_chamfer_of_less_than_a_cell_has_both_its_corners():
+    body = Shape(rsym.conjunction(x, y, 1 - x, 1 - y, x + y - 0.01), (x, y, z), bounds=((-1, 2), (-1, 2), (0, 1)))
+    (section,) = rsym.sections(body, [0.5], resolution=30)
+    assert_close(abs(area(section.lines[0])), 1 - 0.01**2 / 2, rtol=1e-14)
+    for corner in ((0.01, 0), (0, 0.01)):
+        assert np.abs(section.lines[0] - corner).sum(axis=1).min() < 1e-15
+
+
+def test_every_vertex_of_the_car_lies_on_it():
+    car = rsym.paper.car()
+    kernel = rsym.compile(car, ("value", "gradient"))
+    for section in rsym.sections(car, [0.5, 2.0, 4.0, 6.0], resolution=200):
+        status = section.lines.status
+        assert (status.kept, status.unresolved_corners, status.open) == (0, 0, 0)
+        found = kernel(*section.in_space(np.concatenate(section.lines.lines)).T)
+        assert_close(found["value"], np.zeros(len(found["value"])), atol=1e-12)
+
+
+def test_leaves_that_meet_smoothly_or_jump_are_no_corners():
+    tangent = Shape(rsym.disjunction(y, y - x**2), (x, y, z), bounds=((-1, 1),) * 3)
+    (section,) = rsym.sections(tangent, [0.0], resolution=21)
+    assert section.lines.status.unresolved_corners == 0
+    step = Shape(sp.Piecewise((1, x > 0.1), (-1, True)) + 0 * y, (x, y, z), bounds=((-1, 1),) * 3)
+    (section,) = rsym.sections(step, [0.0], resolution=20)
+    assert section.lines.status.kept == section.lines.status.vertices > 0
 
 
 def test_holes_run_the_other_way_round():
@@ -96,9 +145,32 @@ def test_svg_is_true_to_scale_with_one_group_for_each_layer(tmp_path):
     assert path.read_bytes() == rsym.write_sections(stack, tmp_path / "again.svg", unit="cm", scale=0.5).read_bytes()
 
 
+def test_dxf_is_read_back_layer_by_layer(tmp_path):
+    stack = rsym.sections(TUBE, [-0.5, 0.25], axis=y, resolution=48)
+    path = rsym.write_sections(stack, tmp_path / "tube.dxf", unit="in", scale=2.5)
+    drawing = ezdxf.readfile(path)
+    assert drawing.dxfversion == "AC1009"
+    assert not drawing.audit().errors
+    assert drawing.header["$INSUNITS"] == 1
+    assert {"Y_-0P5", "Y_0P25"} <= {layer.dxf.name for layer in drawing.layers}
+    read = {name: drawing.query(f'POLYLINE[layer=="{name}"]') for name in ("Y_-0P5", "Y_0P25")}
+    for section, found in zip(stack, read.values(), strict=True):
+        assert len(found) == len(section.lines) == 2
+        for polyline, line in zip(found, section.lines, strict=True):
+            places = np.array([tuple(vertex.dxf.location) for vertex in polyline.vertices])
+            assert polyline.is_closed
+            assert np.array_equal(places[:, :2], 2.5 * line[:-1])
+            assert_close(places[:, 2], np.full(len(places), 2.5 * section.value), rtol=1e-15)
+    assert_close(drawing.header["$EXTMAX"][:2], (2.5 * np.sqrt(4 - 0.25**2), 2.5 * np.sqrt(3)), atol=2e-2)
+    assert path.read_bytes() == rsym.write_sections(stack, tmp_path / "again.dxf", unit="in", scale=2.5).read_bytes()
+
+
 def test_lines_that_leave_the_bounds_stay_open(tmp_path):
     stack = rsym.sections(BALL, [0.0], bounds=((-3, 1), (-2.5, 2.5), (-2, 2)), resolution=32)
     assert " Z" not in rsym.write_sections(stack, tmp_path / "cut.svg").read_text()
+    (line,) = ezdxf.readfile(rsym.write_sections(stack, tmp_path / "cut.dxf")).query("POLYLINE")
+    assert not line.is_closed
+    assert len(line) == len(stack[0].lines[0])
     (patch,) = rsym.plot_sections(stack, ax=matplotlib.figure.Figure().add_subplot())
     assert len(patch.get_path().vertices) == 0
 

@@ -15,7 +15,7 @@ from mpl_toolkits.mplot3d import proj3d
 from rsym.errors import RsymError
 from rsym.output.shading import encode, hollows, linear, reduce
 from rsym.output.surfaces import plot_mesh
-from rsym.sampling.mesh import Mesh, examine
+from rsym.sampling.mesh import Mesh
 
 
 def as_mesh(vertices, faces, normals=None):
@@ -24,7 +24,7 @@ def as_mesh(vertices, faces, normals=None):
         a, b, c = vertices[faces].transpose(1, 0, 2)
         flat = np.cross(b - a, c - a)
         normals = np.repeat((flat / np.linalg.norm(flat, axis=1, keepdims=True))[:, None], 3, axis=1)
-    return Mesh(vertices, faces, normals, examine(vertices, faces))
+    return Mesh(vertices, faces, normals)
 
 
 def ball(subdivisions=4):
@@ -102,7 +102,7 @@ def test_light_comes_from_above_and_the_left_wherever_one_stands():
 def test_an_open_surface_shows_its_inside_in_a_warmer_colour():
     whole = ball()
     half = whole.vertices[whole.faces].mean(axis=1)[:, 0] < 0.3
-    bowl = Mesh(whole.vertices, whole.faces[half], whole.normals[half], examine(whole.vertices, whole.faces[half]))
+    bowl = Mesh(whole.vertices, whole.faces[half], whole.normals[half])
     for azimuth, seen in ((0.0, True), (180.0, False)):
         image = drawn(bowl, azimuth=azimuth, elevation=0.0)
         body = image[..., 3] > 0.9
@@ -219,7 +219,7 @@ def test_normals_that_are_undefined_leave_no_black_or_missing_spots():
     normals = mesh.normals.copy()
     normals[::7] = np.nan
     normals[3::11, 1] = 0
-    whole, broken = drawn(mesh), drawn(Mesh(mesh.vertices, mesh.faces, normals, mesh.status))
+    whole, broken = drawn(mesh), drawn(Mesh(mesh.vertices, mesh.faces, normals))
     np.testing.assert_array_equal(whole[..., 3], broken[..., 3])
     assert np.abs(whole - broken).max() < 0.2
 

@@ -29,7 +29,7 @@ def add(commands: Commands) -> None:
         run,
     )
     add_model(parser)
-    add_output(parser, "the layers: .svg; the stack seen from above: .png or .pdf")
+    add_output(parser, "the layers: .svg or .dxf; the stack seen from above: .png or .pdf")
     parser.add_argument(
         "--values", required=True, type=values, metavar="V,V,...", help="where the planes lie: 1,2,4 or 1:4:0.5"
     )
@@ -43,14 +43,16 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> None:
     """Cut, and write the layers or the picture."""
     from rsym.output.pictures import picture_suffix, write_picture
-    from rsym.output.sections import plot_sections, write_sections
+    from rsym.output.sections import LAYERS, plot_sections, write_sections
     from rsym.sampling.sections import sections
 
-    picture_suffix(options.output)
+    layered = Path(options.output).suffix.lower() in LAYERS
+    if not layered:
+        picture_suffix(options.output)
     shape = load_shape(options)
     with progress_bar("section", "cutting") as progress:
         layers = sections(shape, options.values, axis=options.axis, resolution=options.resolution, progress=progress)
-    if Path(options.output).suffix.lower() == ".svg":
+    if layered:
         print(write_sections(layers, options.output, unit=options.unit, scale=options.scale))
     else:
         figure: Any = plot_sections(layers)[0].get_figure()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from rsym.output.shading import unit
 from rsym.sampling.mesh import Mesh
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+Ints = NDArray[np.integer[Any]]
 
 # Blender and most viewers call an edge sharp from 30 degrees on.
 SHARP = np.cos(np.radians(30.0))
@@ -35,14 +36,13 @@ def split_sharp(mesh: Mesh) -> ShadedVertices:
 
     Examples
     --------
-    >>> from rsym.sampling.mesh import examine
     >>> corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
     >>> faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    >>> len(split_sharp(Mesh(corners, faces, np.zeros((4, 3, 3)), examine(corners, faces))).vertices)
+    >>> len(split_sharp(Mesh(corners, faces)).vertices)
     12
     """
     corner = mesh.faces.ravel()
-    normals = usable_normals(mesh).reshape(-1, 3)
+    normals = mesh.normals.reshape(-1, 3)
     copy = np.zeros(len(corner), np.int64)
     left = np.arange(len(corner))
     while left.size:
@@ -57,13 +57,3 @@ def split_sharp(mesh: Mesh) -> ShadedVertices:
     sums: Floats = np.stack([np.bincount(faces, normals[:, k]) for k in range(3)], axis=1).astype(np.float64)
     source = corner[first]
     return ShadedVertices(mesh.vertices[source], unit(sums), faces.reshape(-1, 3).astype(np.int64), source)
-
-
-def usable_normals(mesh: Mesh) -> Floats:
-    """The normals of corners (m, 3, 3); where one is zero or not finite, as on a skeleton, that of the triangle."""
-    bad = np.asarray(~np.isfinite(mesh.normals).all(axis=2) | ~mesh.normals.any(axis=2))
-    if not bad.any():
-        return mesh.normals
-    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
-    flat = unit(np.cross(b - a, c - a))
-    return np.where(bad[:, :, None], flat[:, None, :], mesh.normals)

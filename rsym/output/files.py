@@ -64,10 +64,9 @@ def write(mesh: Mesh, path: str | os.PathLike[str]) -> Path:
     --------
     >>> import tempfile
     >>> import numpy as np
-    >>> from rsym.sampling.mesh import examine
     >>> corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
     >>> faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    >>> mesh = Mesh(corners, faces, np.zeros((4, 3, 3)), examine(corners, faces))
+    >>> mesh = Mesh(corners, faces)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     print(write(mesh, Path(folder, "corner.off")).read_text())
     OFF

@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -141,7 +142,7 @@ def _y_up(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([vectors[:, 0], vectors[:, 2], -vectors[:, 1]], axis=1)
 
 
-def _lines(pattern: str, rows: NDArray[np.float64] | NDArray[np.int64]) -> Iterable[str]:
+def _lines(pattern: str, rows: NDArray[Any]) -> Iterable[str]:
     """Write each row by the pattern; `repr` of a float64 gives back the same float64."""
     return (pattern.format(*row) for row in rows.tolist())
 

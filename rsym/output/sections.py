@@ -1,4 +1,4 @@
-"""Stacks of sections: a picture in axonometric view, and plain SVG layers in true scale."""
+"""Stacks of sections: a picture in axonometric view, and layers in true scale as SVG or DXF."""
 
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.output.atomic import write_atomically
+from rsym.output.dxf import UNITS, dxf
 from rsym.sampling.sections import Section
 
 Floats = NDArray[np.float64]
 
+LAYERS = (".svg", ".dxf")
 COLOUR_MAP = "viridis"
 LIGHTEST = 0.92  # the bright end of a map is too pale for thin lines on white paper
 FILL = 0.22  # the share of a layer's colour in its fill; the rest is white
-UNITS = ("mm", "cm", "in")
 DIGITS = 9  # significant digits of coordinates in SVG; a metre to a nanometre
 
 
@@ -138,18 +139,19 @@ def _draw(ax: Axes, section: Section, screen: Floats, colour: Floats) -> PathPat
 def write_sections(
     sections: Sequence[Section], path: str | os.PathLike[str], *, unit: str = "mm", scale: float = 1.0
 ) -> Path:
-    """Write sections as layers of one SVG file in true scale, for a mill or a laser.
+    """Write sections as layers of one SVG or DXF file in true scale, for a mill or a laser.
 
-    One group per section, named ``z=0.5``; the same length of the model has the
-    same length on every layer and along both axes. The file appears whole or not
-    at all, and the same sections give the same bytes.
+    In SVG a group for each section, named ``z=0.5``; in DXF (release 12, ASCII) a layer ``Z_0P5``
+    of polylines at the height of the section, closed where the lines are, to the last digit.
+    The same length of the model has the same length on every layer and along both axes.
+    The file appears whole or not at all, and the same sections give the same bytes.
 
     Parameters
     ----------
     sections : sequence of Section
         What `sections` returned, all along one axis.
     path : str or path-like
-        Where to; the name ends in ``.svg``.
+        Where to; the name ends in ``.svg`` or ``.dxf``.
     unit : {"mm", "cm", "in"}
         The unit of the file.
     scale : float
@@ -171,9 +173,12 @@ def write_sections(
     >>> text.count("<g "), "1 unit of the model is 10 mm" in text
     (3, True)
     """
-    if Path(path).suffix.lower() != ".svg":
+    suffix = Path(path).suffix.lower()
+    if suffix not in LAYERS:
         raise RsymError(
-            f"sections are written as .svg, got {str(path)!r}", code="suffix", remedy="end the name with .svg"
+            f"sections are written as {' or '.join(LAYERS)}, got {str(path)!r}",
+            code="suffix",
+            remedy=f"end the name with {' or '.join(LAYERS)}",
         )
     if unit not in UNITS or not scale > 0:
         raise RsymError(
@@ -181,13 +186,14 @@ def write_sections(
             code="unit",
             remedy='for example unit="mm", scale=1.0',
         )
-    return write_atomically(path, svg(_with_lines(sections), unit, scale).encode())
+    shown = _with_lines(sections)
+    if len({section.axis for section in shown}) != 1:
+        raise RsymError("layers of one file must have one axis", code="section", remedy="write a file for each axis")
+    return write_atomically(path, dxf(shown, unit, scale) if suffix == ".dxf" else svg(shown, unit, scale).encode())
 
 
 def svg(shown: Sequence[Section], unit: str, scale: float) -> str:
     """Sections as SVG text; the second coordinate points up, as in the model."""
-    if len({section.axis for section in shown}) != 1:
-        raise RsymError("layers of one file must have one axis", code="section", remedy="write a file for each axis")
     points = np.concatenate([line for section in shown for line in section.lines])
     low, high = points.min(axis=0) * scale, points.max(axis=0) * scale
     width, height = (_number(length) for length in high - low)

@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.model.shape import Shape
 from rsym.output import axes3d
-from rsym.output.corners import usable_normals
 from rsym.output.paints import Spots, coat_of
 from rsym.output.rasteriser import Triangles, rasterise, snap
 from rsym.output.shading import BODY, hollows, mean_depth, reduce, shade, unit
@@ -78,13 +77,13 @@ def plot_mesh(
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> from rsym.sampling.mesh import Mesh, examine
+    >>> from rsym.sampling.mesh import Mesh
     >>> corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
     >>> faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
     >>> sides = np.cross(corners[faces[:, 1]] - corners[faces[:, 0]], corners[faces[:, 2]] - corners[faces[:, 0]])
     >>> normals = np.repeat(sides[:, None], 3, axis=1)
     >>> axes = Figure().add_subplot(projection="3d")
-    >>> artist = plot_mesh(Mesh(corners, faces, normals, examine(corners, faces)), ax=axes)
+    >>> artist = plot_mesh(Mesh(corners, faces, normals), ax=axes)
     >>> artist.axes is axes
     True
     """
@@ -127,7 +126,7 @@ class ShadedMesh(Artist):
         self.mesh = mesh
         self.edges = edges
         self.low, self.high = mesh.vertices[mesh.faces].min(axis=(0, 1)), mesh.vertices[mesh.faces].max(axis=(0, 1))
-        self.normals = usable_normals(mesh)
+        self.normals = mesh.normals
         coat = coat_of(mesh, self.normals, colour, colour_by, shape, letters)
         self.paint, self.scale, self.scale_label = coat.paint, coat.scale, coat.label
         self._state: object = None

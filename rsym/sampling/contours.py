@@ -22,18 +22,24 @@ ON_LEVEL = 1e-9
 
 @dataclass(frozen=True)
 class LevelLinesStatus:
-    """How many vertices reached the level, how many kept their place, how many samples were undefined."""
+    """How many vertices reached the level, how many kept their place, how many samples were undefined.
+
+    `unresolved_corners` counts corners of a section that are cut off by part of a cell.
+    """
 
     vertices: int
     kept: int
     undefined_samples: int
     closed: int
     open: int
+    unresolved_corners: int = 0
 
     def __str__(self) -> str:
         text = f"{self.closed} closed and {self.open} open lines with {self.vertices} vertices on the level."
         if self.kept:
             text += f" Vertices unresolved, kept where linear interpolation put them: {self.kept}."
+        if self.unresolved_corners:
+            text += f" Corners unresolved, cut off by part of a cell: {self.unresolved_corners}."
         if self.undefined_samples:
             text += f" The field is undefined at {self.undefined_samples} samples."
         return text

@@ -37,10 +37,9 @@ def distance_to_mesh(points: Floats, mesh: Mesh) -> Floats:
 
     Examples
     --------
-    >>> from rsym.sampling.mesh import examine
     >>> corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
     >>> faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    >>> body = Mesh(corners, faces, np.zeros((4, 3, 3)), examine(corners, faces))
+    >>> body = Mesh(corners, faces)
     >>> distance_to_mesh(np.array([[0.2, 0.2, -0.5], [-3, 0, -4.0]]), body)
     array([0.5, 5. ])
     """

@@ -86,7 +86,9 @@ def mesh(
     lattice = lattice_over(bounds_of(shape, bounds), resolution)
     start = time.perf_counter()
     result = METHODS[method](shape, lattice, letters, executor, progress)
-    logger.info("mesh on %s samples in %.2f s: %s", lattice.counts, time.perf_counter() - start, result.status)
-    for remark in result.status.remarks:
+    elapsed = time.perf_counter() - start
+    if logger.isEnabledFor(logging.INFO):
+        logger.info("mesh on %s samples in %.2f s: %s", lattice.counts, elapsed, result.status)
+    for remark in result.findings.remarks:
         warnings.warn(remark, RsymWarning, stacklevel=2)
     return result

@@ -13,7 +13,8 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.shape import Shape
 from rsym.model.symbols import z
-from rsym.sampling.contours import LevelLines, trace
+from rsym.sampling.contours import LevelLines
+from rsym.sampling.outlines import leaves_of, outline
 from rsym.sampling.plane import plane_sampler
 from rsym.sampling.progress import Progress, Steps
 
@@ -66,10 +67,11 @@ def sections(
     letters: Mapping[Any, float] | None = None,
     progress: Progress | None = None,
 ) -> tuple[Section, ...]:
-    """The boundary of a body in the planes axis = value, every vertex moved onto omega = 0.
+    """The boundary of a body in the planes axis = value, every vertex and every corner exact.
 
-    No triangulation comes between the equation and its sections. A plane that
-    does not meet the body gives a section without lines.
+    No triangulation comes between the equation and its sections: vertices lie on
+    omega = 0 to rounding, and where two leaves of the sign form meet, their common
+    point is a vertex. A plane that does not meet the body gives a section without lines.
 
     Parameters
     ----------
@@ -118,9 +120,11 @@ def sections(
         shape, "value", resolution=resolution, bounds=bounds, letters=letters, section={axis: heights[0]}
     )
     normal = names.index(str(axis))
+    leaves = leaves_of(shape, first.free, first.fixed, letters)
     steps, found = Steps(len(heights), progress), []
     for height in heights:
-        lines = trace(replace(first, fixed={normal: height}), 0.0)
+        fixed = {normal: height}
+        lines = outline(replace(first, fixed=fixed), replace(leaves, fixed=fixed))
         found.append(Section(names[normal], height, first.names, lines, normal))
         steps.advance()
     return tuple(found)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Generator, Mapping, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -20,11 +21,14 @@ from rsym.codegen.fields import surface_program
 from rsym.codegen.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
-from rsym.sampling.detail import thin_walls
+from rsym.sampling.detail import small_pieces, thin_walls
+from rsym.sampling.half_edges import pieces
 from rsym.sampling.lattice import Lattice
-from rsym.sampling.mesh import Mesh, examine
+from rsym.sampling.manifolds import sides_of
+from rsym.sampling.mesh import Mesh
 from rsym.sampling.progress import Progress, Steps
 from rsym.sampling.roots import bracketed_roots
+from rsym.sampling.status import Findings
 
 Array = NDArray[np.float64]
 
@@ -56,22 +60,30 @@ def smooth_mesh(
     del scaled
     steps.advance()
     kernel = _surface_kernel(shape, "value")
-    vertices, unresolved = _on_surface(kernel, letters, lattice, samples, index.astype(np.float64), steps)
+    vertices, kept = _on_surface(kernel, letters, lattice, samples, index.astype(np.float64), steps)
     del samples
     normals = _vertex_normals(shape, letters, vertices)
     steps.advance()
-    faces = faces.astype(np.int64)
-    status = examine(
-        vertices,
-        faces,
-        sides=_sides(shape, lattice, index),
-        spacing=lattice.spacing,
-        nudged_zeros=zeros,
-        unresolved=unresolved,
-        thin=thin_walls(index, vertices, normals, lattice),
-    )
+    found = _findings(shape, lattice, index, vertices, normals, faces)
     steps.advance()
-    return Mesh(vertices, faces, _corner_normals(vertices, normals, faces), status)
+    return Mesh(vertices, faces.astype(np.int64), normals[faces], replace(found, nudged_zeros=zeros, kept=kept))
+
+
+def _findings(
+    shape: Shape, lattice: Lattice, index: Array, vertices: Array, normals: Array, faces: NDArray[np.int32]
+) -> Findings:
+    """What bounds and resolution cut or lose."""
+    ends = lattice.points(np.array([[0, 0, 0], np.array(lattice.counts) - 1])).T
+    sides = sides_of([symbol.name for symbol in shape.coordinates], ends.tolist())
+    last = np.array(lattice.counts) - 1
+    on_side = [bool((index[:, side.axis] == (k % 2) * last[side.axis]).any()) for k, side in enumerate(sides)]
+    piece = pieces(faces, len(vertices))
+    return Findings(
+        clipped_at=tuple(side.name for side, held in zip(sides, on_side, strict=True) if held),
+        sides=sides,
+        thin=thin_walls(index, vertices, normals, lattice),
+        small=small_pieces(vertices, piece, lattice.spacing) if piece.max() else None,
+    )
 
 
 def _slabs(lattice: Lattice) -> list[slice]:
@@ -252,31 +264,9 @@ def _crossing_edges(samples: Array, point: NDArray[np.int64]) -> list[tuple[int,
     return edges
 
 
-def _sides(shape: Shape, lattice: Lattice, index: NDArray[np.floating]) -> dict[str, NDArray[np.bool_]]:
-    """The vertices on each side of the lattice, by the name of the side."""
-    return {
-        f"the {word} end of {symbol.name}": index[:, k] == end
-        for k, symbol in enumerate(shape.coordinates)
-        for word, end in (("lower", 0), ("upper", lattice.counts[k] - 1))
-    }
-
-
 def _vertex_normals(shape: Shape, letters: Mapping[Any, float] | None, vertices: Array) -> Array:
     """-grad/|grad| at each vertex; NaN where it does not exist."""
     gradient = _surface_kernel(shape, "gradient")(*vertices.T, letters=letters)["gradient"]
     with np.errstate(all="ignore"):
         normals: Array = -gradient / np.linalg.norm(gradient, axis=1, keepdims=True)
     return np.where(np.isfinite(normals).all(axis=1, keepdims=True), normals, np.nan)
-
-
-def _corner_normals(vertices: Array, normals: Array, faces: NDArray[np.int64]) -> Array:
-    """The normal of the vertex at each corner; where there is none, that of the face."""
-    result = normals[faces]
-    missing = np.isnan(result[:, :, 0])
-    bare = np.flatnonzero(missing.any(axis=1))
-    a, b, c = vertices[faces[bare]].transpose(1, 0, 2)
-    flat = np.cross(b - a, c - a)
-    with np.errstate(all="ignore"):
-        flat = np.nan_to_num(flat / np.linalg.norm(flat, axis=1, keepdims=True))
-    result[bare] = np.where(missing[bare, :, None], flat[:, None, :], result[bare])
-    return result

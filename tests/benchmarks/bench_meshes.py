@@ -9,7 +9,7 @@ from skimage.measure import marching_cubes
 import rsym
 from rsym import conjunction, x, y, z
 from rsym.sampling.lattice import lattice_over
-from rsym.sampling.mesh import signed_volume
+from rsym.sampling.manifolds import measure
 
 CUBE = ((-1.3, 1.3),) * 3
 CELLS = 160
@@ -33,7 +33,7 @@ def race(benchmark, contest, shape, volume):
         axes = lattice.open_axes()
         spacing = tuple(float(np.diff(axis.ravel()[:2])[0]) for axis in axes)
         vertices, faces, _, _ = marching_cubes(plain(*axes), 0.0, spacing=spacing, gradient_direction="ascent")
-        return signed_volume(vertices.astype(np.float64), faces.astype(np.int64))
+        return measure(vertices, faces).volume
 
     contest.points = int(np.prod(lattice.counts))
     contenders = {"rsym.mesh, vertices on the surface": ours, "lambdify and marching_cubes": dense}

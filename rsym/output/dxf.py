@@ -1,0 +1,89 @@
+"""Sections as DXF: release 12 in ASCII, which every program that cuts or mills reads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from rsym.sampling.sections import Section
+
+# The values of $INSUNITS.
+UNITS: Mapping[str, int] = MappingProxyType({"mm": 4, "cm": 5, "in": 1})
+
+Tags = Iterable[tuple[int, Any]]
+
+
+def dxf(shown: Sequence[Section], unit: str, scale: float) -> bytes:
+    """Encode sections: a layer for each, a polyline for each line, at the height of the section.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
+    >>> data = dxf(rsym.sections(ball, [0.5], resolution=16), "mm", 10.0)
+    >>> data.count(b"POLYLINE"), data.count(b"VERTEX"), data.splitlines()[-1]
+    (1, 28, b'EOF')
+    """
+    layers = list(dict.fromkeys(layer_name(section) for section in shown))
+    tags = [*_header(shown, unit, scale), *_tables(layers), (0, "SECTION"), (2, "ENTITIES")]
+    for section in shown:
+        for line in section.lines:
+            tags.extend(_polyline(layer_name(section), line * scale, section.value * scale))
+    tags += [(0, "ENDSEC"), (0, "EOF")]
+    return "".join(f"{code:3d}\n{_written(value)}\n" for code, value in tags).encode("ascii")
+
+
+def layer_name(section: Section) -> str:
+    """The axis and the value in the letters, digits and signs that release 12 allows: Z_-2P5 is z = -2.5.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
+    >>> [layer_name(section) for section in rsym.sections(ball, [-0.5, 1e-7], resolution=16)]
+    ['Z_-0P5', 'Z_1E-07']
+    """
+    return f"{section.axis}_{section.value:.9g}".replace(".", "P").replace("+", "").upper()
+
+
+def _header(shown: Sequence[Section], unit: str, scale: float) -> Tags:
+    points = scale * np.concatenate(
+        [section.in_space(line)[:, _order(section)] for section in shown for line in section.lines]
+    )
+    yield from [(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1009"), (9, "$INSUNITS"), (70, UNITS[unit])]
+    for name, corner in (("$EXTMIN", points.min(axis=0)), ("$EXTMAX", points.max(axis=0))):
+        yield from [(9, name), (10, corner[0]), (20, corner[1]), (30, corner[2])]
+    yield 0, "ENDSEC"
+
+
+def _order(section: Section) -> list[int]:
+    """The coordinates of the plane, then the one across it."""
+    return [*(k for k in range(3) if k != section.normal), section.normal]
+
+
+def _tables(layers: Sequence[str]) -> Tags:
+    yield from [(0, "SECTION"), (2, "TABLES"), (0, "TABLE"), (2, "LTYPE"), (70, 1), (0, "LTYPE"), (2, "CONTINUOUS")]
+    yield from [(70, 0), (3, "Solid line"), (72, 65), (73, 0), (40, 0.0), (0, "ENDTAB")]
+    yield from [(0, "TABLE"), (2, "LAYER"), (70, len(layers))]
+    for name in layers:
+        yield from [(0, "LAYER"), (2, name), (70, 0), (62, 7), (6, "CONTINUOUS")]
+    yield from [(0, "ENDTAB"), (0, "ENDSEC")]
+
+
+def _polyline(layer: str, line: Any, height: float) -> Tags:
+    """A closed line does not repeat its first vertex."""
+    closed = bool((line[0] == line[-1]).all())
+    yield from [(0, "POLYLINE"), (8, layer), (66, 1), (10, 0.0), (20, 0.0), (30, height), (70, int(closed))]
+    for u, v in line[:-1] if closed else line:
+        yield from [(0, "VERTEX"), (8, layer), (10, u), (20, v), (30, height)]
+    yield from [(0, "SEQEND"), (8, layer)]
+
+
+def _written(value: Any) -> str:
+    """A float64 to the last digit; never a negative zero, in which two equal drawings could differ."""
+    return repr(float(value) + 0.0) if isinstance(value, float) else str(value)

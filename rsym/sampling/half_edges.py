@@ -1,0 +1,159 @@
+"""How triangles hang together: half-edge 3*f + k runs from corner k of face f to the next corner.
+
+All loops take faces as (m, 3) int32 and are linear in the number of triangles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numpy as np
+from numba import njit
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def loop(function: Function) -> Function:
+    """Compile a loop over arrays, once on each machine."""
+    return njit(nogil=True, cache=True, error_model="numpy")(function)  # type: ignore[return-value]
+
+
+@loop
+def following(h: int) -> int:
+    """The next half-edge of the same face."""
+    return h - 2 if h % 3 == 2 else h + 1
+
+
+@loop
+def pair(faces: Any, count: int) -> tuple[Any, int, int, int]:
+    """The mate of each half-edge, -1 where it has not exactly one; edges, boundary edges and repeated ones.
+
+    Half-edges are put into a bucket for the lower of their ends; inside a bucket the other end tells them apart.
+    """
+    start = np.zeros(count + 2, np.int32)
+    for f in range(len(faces)):
+        for k in range(3):
+            start[min(faces[f, k], faces[f, k - 2]) + 2] += 1
+    for v in range(count):
+        start[v + 2] += start[v + 1]
+    # The half-edge and its other end, which is ~end if the half-edge runs down to v.
+    bucket, ends = np.empty(faces.size, np.int32), np.empty(faces.size, np.int32)
+    for f in range(len(faces)):
+        for k in range(3):
+            a, b = faces[f, k], faces[f, k - 2]
+            place = start[min(a, b) + 1]
+            start[min(a, b) + 1] += 1
+            bucket[place], ends[place] = 3 * f + k, b if a <= b else ~a
+    mates = np.full(faces.size, -1, np.int32)
+    many, last = np.zeros((count, 2), np.int32), np.zeros((count, 2), np.int32)
+    edges, boundary, repeated = 0, 0, 0
+    for v in range(count):
+        for i in range(start[v], start[v + 1]):
+            down = ends[i] < 0
+            end = ~ends[i] if down else ends[i]
+            many[end, int(down)] += 1
+            last[end, int(down)] = bucket[i]
+        for i in range(start[v], start[v + 1]):
+            end = ~ends[i] if ends[i] < 0 else ends[i]
+            up, down = many[end, 0], many[end, 1]
+            if up == 0 and down == 0:
+                continue
+            many[end, 0], many[end, 1] = 0, 0
+            edges += 1
+            boundary += (up == 0) + (down == 0)
+            repeated += (up > 1) + (down > 1)
+            if up == 1 and down == 1:
+                mates[last[end, 0]], mates[last[end, 1]] = last[end, 1], last[end, 0]
+    return mates, edges, boundary, repeated
+
+
+@loop
+def pieces(faces: Any, count: int) -> Any:
+    """The number of the piece of each vertex, in the order of their first vertices; -1 for vertices of no face."""
+    root = np.arange(count).astype(np.int32)
+    used = np.zeros(count, np.bool_)
+    for f in range(len(faces)):
+        used[faces[f, 0]] = used[faces[f, 1]] = used[faces[f, 2]] = True
+        for k in range(1, 3):
+            a, b = root[faces[f, 0]], root[faces[f, k]]
+            if a == b:
+                continue
+            while root[a] != a:
+                root[a] = root[root[a]]
+                a = root[a]
+            while root[b] != b:
+                root[b] = root[root[b]]
+                b = root[b]
+            # The lower vertex leads, so a root comes before all that it leads.
+            root[max(a, b)] = min(a, b)
+    label, found = np.full(count, -1, np.int32), 0
+    for v in range(count):
+        if used[v] and root[v] == v:
+            label[v] = found
+            found += 1
+        elif used[v]:
+            label[v] = label[root[v]]
+    return label
+
+
+@loop
+def pinched(faces: Any, mates: Any, count: int) -> int:
+    """The number of vertices whose faces are not one fan: where bodies touch in a point."""
+    flat = faces.ravel()
+    faces_at, first = np.zeros(count, np.int32), np.full(count, -1, np.int32)
+    for h in range(len(flat)):
+        faces_at[flat[h]] += 1
+        if first[flat[h]] < 0 or mates[h] < 0:
+            first[flat[h]] = h
+    found = 0
+    for v in range(count):
+        if first[v] < 0:
+            continue
+        h, turned = first[v], 0
+        while True:
+            turned += 1
+            h = mates[following(following(h))]
+            if h < 0 or h == first[v]:
+                break
+        found += turned < faces_at[v]
+    return found
+
+
+@loop
+def back_to_back(mates: Any) -> bool:
+    """Whether two triangles are mates along all three edges."""
+    for f in range(len(mates) // 3):
+        first, second, third = mates[3 * f], mates[3 * f + 1], mates[3 * f + 2]
+        if first >= 0 and second >= 0 and first // 3 == second // 3 == third // 3:
+            return True
+    return False
+
+
+@loop
+def loops(faces: Any, mates: Any) -> tuple[Any, Any]:
+    """The half-edges without a mate, chained head to tail, and where in that list each closed chain begins.
+
+    At the head of each one the faces are turned through until the next without a mate; that map is one to one.
+    """
+    free = 0
+    for h in range(len(mates)):
+        free += mates[h] < 0
+    chain, begins = np.empty(free, np.int32), np.empty(free + 1, np.int32)
+    done = np.zeros(len(mates), np.bool_)
+    n, chains = 0, 0
+    for first in range(len(mates)):
+        if mates[first] >= 0 or done[first]:
+            continue
+        begins[chains] = n
+        chains += 1
+        h = first
+        while not done[h]:
+            done[h] = True
+            chain[n] = h
+            n += 1
+            h = following(h)
+            while mates[h] >= 0:
+                h = following(mates[h])
+    begins[chains] = n
+    return chain, begins[: chains + 1]

@@ -1,0 +1,264 @@
+"""Measures of a triangle mesh: how its triangles hang together, and what they look like."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.sampling import half_edges
+from rsym.sampling.half_edges import loop
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.integer[Any]]
+Point = tuple[float, float, float]
+
+# A triangle this flat, height to longest side, has no direction: float64 knows the corners of a unit body to 1e-16.
+FLAT = 1e-12
+# Without outward directions a triangle is folded if its normal is turned by more than 127 degrees from those of two
+# neighbours: beyond the tip of a needle of three sides (120) and the corner of a tetrahedron (109).
+TURNED = -0.6
+# An open edge this close to a side, against the length of the loop, lies on it: rounding of the lattice is below 1e-14.
+ON_SIDE = 1e-9
+# Sums are taken over runs of this length first, so that 1e6 triangles lose no more digits than 1e4.
+RUN = 128
+
+
+@dataclass(frozen=True)
+class Side:
+    """A side of the bounds: its name, as "the upper end of x", the axis across it and the coordinate there."""
+
+    name: str
+    axis: int
+    value: float
+
+
+def sides_of(names: Sequence[str], bounds: Sequence[Sequence[float]]) -> tuple[Side, ...]:
+    """The sides of bounds ((low, high), ...), in the order of the coordinates.
+
+    Examples
+    --------
+    >>> [side.name for side in sides_of("xyz", ((0, 1),) * 3)][:2]
+    ['the lower end of x', 'the upper end of x']
+    """
+    return tuple(
+        Side(f"the {word} end of {name}", axis, float(value))
+        for axis, (name, ends) in enumerate(zip(names, bounds, strict=True))
+        for word, value in zip(("lower", "upper"), ends, strict=True)
+    )
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A closed chain of open edges: its vertices in order, the body to the left seen from outside, and the sides.
+
+    `sides` names the sides of the bounds that hold its edges; none if an edge lies on no side.
+    """
+
+    vertices: tuple[int, ...]
+    sides: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measures:
+    """What the triangles alone tell.
+
+    Attributes
+    ----------
+    triangles, components, euler_characteristic : int
+    genera : tuple of int
+        The genus of each piece, largest number of triangles first; empty unless the mesh is a manifold.
+    volume, area : float
+        The signed volume, positive if the triangles face outwards, and the area.
+    boundary_edges, repeated_edges : int
+        Directed edges whose reverse is missing, and those that occur more than once; zero for a closed manifold.
+    pinched : int
+        Vertices whose triangles are not one fan.
+    duplicates : int
+        Triangles that have the same three vertices as an earlier one.
+    degenerate : int
+        Triangles without area.
+    folded, folded_share : int, float
+        Triangles that face inwards, and their share of the area.
+    worst_angle : float
+        The smallest angle of a triangle in degrees.
+    worst_angle_at : tuple of three floats
+        Where it is.
+    loops : tuple of Loop
+        The open edges, chained.
+    """
+
+    triangles: int
+    components: int
+    euler_characteristic: int
+    genera: tuple[int, ...]
+    volume: float
+    area: float
+    boundary_edges: int
+    repeated_edges: int
+    pinched: int
+    duplicates: int
+    degenerate: int
+    folded: int
+    folded_share: float
+    worst_angle: float
+    worst_angle_at: Point
+    loops: tuple[Loop, ...]
+
+
+def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: Sequence[Side] = ()) -> Measures:
+    """Count, add up and look for the worst.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array
+    faces : (m, 3) array of int
+    outward : (m, 3) array, optional
+        A direction of any length for each triangle that it ought to face; NaN or zero where it is unknown.
+        Without it triangles are compared with their neighbours.
+    sides : sequence of Side
+        Where open edges are looked for.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    >>> faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> found = measure(corners, faces)
+    >>> found.euler_characteristic, found.genera, round(found.volume, 6), round(found.worst_angle, 6)
+    (2, (0,), 0.166667, 45.0)
+    """
+    if not len(faces):
+        raise RsymError("a mesh needs at least one triangle, got none", code="empty-mesh")
+    vertices, faces = np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.int32)
+    mates, edges, boundary, repeated = half_edges.pair(faces, len(vertices))
+    label = half_edges.pieces(faces, len(vertices))
+    pinched = half_edges.pinched(faces, mates, len(vertices))
+    chain, begins = half_edges.loops(faces, mates)
+    manifold = repeated == 0 and pinched == 0
+    sums, angle, corner, degenerate, normals = triangles(vertices, faces)
+    if outward is None:
+        folded = turned_from_neighbours(normals, mates)
+    else:
+        folded = np.einsum("ij,ij->i", normals, outward) < 0
+    double_area = np.sqrt(np.einsum("ij,ij->i", normals[folded], normals[folded])).sum()
+    return Measures(
+        triangles=len(faces),
+        components=int(label.max()) + 1,
+        euler_characteristic=int(np.count_nonzero(label >= 0)) - edges + len(faces),
+        genera=_genera(label, faces, mates, chain[begins[:-1]]) if manifold else (),
+        volume=float(sums[0]) / 6,
+        area=float(sums[1]) / 2,
+        boundary_edges=boundary,
+        repeated_edges=repeated,
+        pinched=pinched,
+        duplicates=_duplicates(faces, mates, repeated),
+        degenerate=degenerate,
+        folded=int(np.count_nonzero(folded)),
+        folded_share=float(double_area / sums[1]) if sums[1] else 0.0,
+        worst_angle=math.degrees(angle),
+        worst_angle_at=point(vertices[corner]),
+        loops=_loops(vertices, np.split(faces.ravel()[chain], begins[1:-1]) if len(chain) else [], sides),
+    )
+
+
+@loop
+def triangles(vertices: Any, faces: Any) -> tuple[Any, float, int, int, Any]:
+    """Sums of (a - middle) . n and of |n|, the smallest angle and its vertex, flat triangles, and the normals n.
+
+    The normal n = (b - a) x (c - a) is twice as long as the triangle is large. The smallest angle lies opposite
+    the shortest side, and its tangent is |n| over the scalar product of the other two sides.
+    """
+    middle = np.zeros(3)
+    for v in range(len(vertices)):
+        for k in range(3):
+            middle[k] += vertices[v, k]
+    middle /= len(vertices)
+    normals = np.empty((len(faces), 3))
+    sums, run = np.zeros(2), np.zeros(2)
+    least, where, flat = np.inf, 0, 0
+    for f in range(len(faces)):
+        a, b, c = faces[f]
+        ux, uy, uz = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1], vertices[b, 2] - vertices[a, 2]
+        vx, vy, vz = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1], vertices[c, 2] - vertices[a, 2]
+        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        normals[f, 0], normals[f, 1], normals[f, 2] = nx, ny, nz
+        length = math.sqrt(nx * nx + ny * ny + nz * nz)
+        run[0] += (
+            (vertices[a, 0] - middle[0]) * nx + (vertices[a, 1] - middle[1]) * ny + (vertices[a, 2] - middle[2]) * nz
+        )
+        run[1] += length
+        uu, vv, uv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz, ux * vx + uy * vy + uz * vz
+        opposite = uu + vv - 2 * uv
+        if opposite <= uu and opposite <= vv:
+            corner, across = a, uv
+        elif uu <= vv:
+            corner, across = c, vv - uv
+        else:
+            corner, across = b, uu - uv
+        flat += length <= FLAT * max(uu, vv, opposite)
+        tangent = length / across if across > 0 else 0.0
+        if tangent < least:
+            least, where = tangent, corner
+        if f % RUN == RUN - 1:
+            sums += run
+            run[:] = 0
+    return sums + run, math.atan(least), where, flat, normals
+
+
+@loop
+def turned_from_neighbours(normals: Any, mates: Any) -> Any:
+    """The triangles whose normal is turned by far from those of two neighbours."""
+    turned = np.zeros(len(normals), np.bool_)
+    for f in range(len(normals)):
+        n, against = normals[f], 0
+        for k in range(3):
+            if mates[3 * f + k] >= 0:
+                o = normals[mates[3 * f + k] // 3]
+                product = n[0] * o[0] + n[1] * o[1] + n[2] * o[2]
+                lengths = (n[0] ** 2 + n[1] ** 2 + n[2] ** 2) * (o[0] ** 2 + o[1] ** 2 + o[2] ** 2)
+                against += product < TURNED * math.sqrt(lengths)
+        turned[f] = against >= 2
+    return turned
+
+
+def _genera(label: Ints, faces: Ints, mates: Ints, heads: Ints) -> tuple[int, ...]:
+    """V - E + F = 2 - 2 genus - loops for each piece, with 2 E = 3 F + the half-edges without a mate."""
+    of_face, corners = label[faces[:, 0]], faces.ravel()
+    count = int(label.max()) + 1
+    v, f, loops, free = (
+        np.bincount(which, minlength=count)
+        for which in (label[label >= 0], of_face, label[corners[heads]], of_face[np.flatnonzero(mates < 0) // 3])
+    )
+    genus = (2 - loops - v + (3 * f + free) // 2 - f) // 2
+    return tuple(genus[np.argsort(-f, kind="stable")].tolist())
+
+
+def _loops(vertices: Array, chains: Sequence[Ints], sides: Sequence[Side]) -> tuple[Loop, ...]:
+    found = []
+    for chain in chains:
+        places = vertices[chain]
+        near = ON_SIDE * float(np.ptp(places, axis=0).max())
+        on = np.array([np.abs(places[:, side.axis] - side.value) <= near for side in sides], bool)
+        edges = on & np.roll(on, -1, axis=-1)
+        names = [side.name for side, held in zip(sides, edges, strict=True) if held.any()]
+        found.append(Loop(tuple(chain.tolist()), tuple(names) if edges.any(axis=0).all() else ()))
+    return tuple(found)
+
+
+def _duplicates(faces: Ints, mates: Ints, repeated: int) -> int:
+    """Equal triangles share edges: they repeat one, or are mates along all three. Only then is it worth a sort."""
+    if not repeated and not half_edges.back_to_back(mates):
+        return 0
+    return len(faces) - len(np.unique(np.sort(faces, axis=1), axis=0))
+
+
+def point(place: Sequence[float] | Array) -> Point:
+    """A place to four digits, as one tells it."""
+    x, y, z = (float(f"{value:.4g}") for value in place)
+    return x, y, z
