@@ -33,13 +33,18 @@ def lower(builder: Builder, expression: sp.Expr) -> int:
     RsymError
         For anything that is not a real elementary function of the inputs, by name.
     """
+    return lower_all(builder, [expression])[0]
+
+
+def lower_all(builder: Builder, expressions: Sequence[sp.Expr]) -> list[int]:
+    """The nodes that compute the expressions; what they share is walked once."""
     done: dict[int, int] = {}
-    for part in postorder(expression):
+    for part in postorder(*expressions):
         if isinstance(part, Relational | BooleanFunction | BooleanAtom | ExprCondPair):
             continue  # conditions are read by the Piecewise that owns them
         arguments = [done[id(argument)] for argument in part.args if id(argument) in done]
         done[id(part)] = _lower_part(builder, part, arguments, done)
-    return done[id(expression)]
+    return [done[id(expression)] for expression in expressions]
 
 
 def _lower_part(b: Builder, part: sp.Basic, arguments: Lowered, done: dict[int, int]) -> int:

@@ -61,4 +61,5 @@ def revolve(shape: Shape, axis: Any = x) -> Shape:
         (*shape.coordinates, third),
         letters=shape.letters,
         bounds=bounds,
+        parts=tuple((name, substitute(part, {turning: radius})) for name, part in shape.parts),
     )

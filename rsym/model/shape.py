@@ -38,7 +38,9 @@ class Shape:
         ``((xmin, xmax), (ymin, ymax)[, (zmin, zmax)])``, the box that holds what is of interest.
 
     The operators ``& | - ~ ^`` are conjunction, disjunction, difference,
-    negation and exclusive or in system R_0.
+    negation and exclusive or in system R_0. `parts` are the pieces that have a
+    name, (name, expression); they outlive every operation, and meshes and
+    pictures speak of them.
 
     Raises
     ------
@@ -60,6 +62,7 @@ class Shape:
     letters: Letters
     bounds: Bounds | None
     definitions: tuple[tuple[str, sp.Expr], ...] = field(compare=False)
+    parts: tuple[tuple[str, sp.Expr], ...] = field(compare=False)
 
     def __init__(
         self,
@@ -69,6 +72,7 @@ class Shape:
         letters: Mapping[Any, Letter | float] | None = None,
         bounds: Any = None,
         definitions: tuple[tuple[str, sp.Expr], ...] = (),
+        parts: tuple[tuple[str, sp.Expr], ...] = (),
     ) -> None:
         expression = as_expression(expression)
         coordinates = tuple(coordinates)
@@ -85,6 +89,7 @@ class Shape:
         store(self, "letters", as_letters(letters))
         store(self, "bounds", None if bounds is None else _checked_bounds(bounds, len(coordinates)))
         store(self, "definitions", definitions)
+        store(self, "parts", tuple((name, substitute(part, real) if real else part) for name, part in parts))
         self._check_symbols()
 
     def _check_symbols(self) -> None:
@@ -133,6 +138,32 @@ class Shape:
             letters=self.letters if letters is None else letters,
             bounds=self.bounds if bounds is None else bounds,
             definitions=self.definitions if expression is None else (),
+            parts=self.parts,
+        )
+
+    def named(self, name: str) -> Shape:
+        """The same shape as a part of this name: meshes and pictures call its surface so, whatever it is combined with.
+
+        Where parts lie in one another the smallest gives the name; several parts may share one.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> from rsym import x, y, z
+        >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z)).named("ball")
+        >>> [name for name, _ in (ball & rsym.Shape(x, (x, y, z)).named("cut")).parts]
+        ['ball', 'cut']
+        """
+        if not isinstance(name, str) or not name.strip():
+            raise RsymError(f"a part needs a name, got {name!r}", code="part-name", remedy='for example named("wheel")')
+        others = tuple(part for part in self.parts if part[1] != self.expression)
+        return Shape(
+            self.expression,
+            self.coordinates,
+            letters=self.letters,
+            bounds=self.bounds,
+            definitions=self.definitions,
+            parts=(*others, (name, self.expression)),
         )
 
     def _combined(self, function: Callable[..., sp.Expr], *others: Shape) -> Shape:
@@ -198,7 +229,7 @@ def _latex_line(expression: sp.Expr) -> str:
 
 
 def combine(function: Callable[..., sp.Expr], *operands: Any) -> Any:
-    """Apply a function of expressions to shapes: same coordinates, letters merged, bounds the smallest box around all.
+    """Apply a function of expressions to shapes: same coordinates, letters and parts merged, bounds the box around all.
 
     Plain expressions among shapes take part as they are; without any shape the result is an expression.
     """
@@ -215,7 +246,14 @@ def combine(function: Callable[..., sp.Expr], *operands: Any) -> Any:
                 remedy="revolve or extrude the plane shape first",
             )
         letters = letters.merge(shape.letters)
-    return Shape(function(*expressions), shapes[0].coordinates, letters=letters, bounds=_hull(shapes))
+    return Shape(
+        function(*expressions),
+        shapes[0].coordinates,
+        letters=letters,
+        bounds=_hull(shapes),
+        # Two parts of one name stay two: their surfaces share the name.
+        parts=tuple(dict.fromkeys(part for shape in shapes for part in shape.parts)),
+    )
 
 
 def _checked_bounds(bounds: Any, dimension: int) -> Bounds:

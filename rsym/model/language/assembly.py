@@ -24,14 +24,16 @@ from rsym.model.traversal import symbols_of
 def assemble(model: Model, shape: str | None, variant: str | None) -> Shape:
     """The chosen shape of a model with the chosen letters."""
     chosen, letters = _chosen(model, shape), _letters(model, variant)
-    expression = _inlined(model)[chosen].outer
+    known, needed = _inlined(model), _needed(model, chosen)
+    expression = known[chosen].outer
     used = {symbol.name for symbol in symbols_of(expression)}
     return Shape(
         expression,
         tuple(map(real_symbol, model.coordinates)),
         letters={name: letter for name, letter in letters.items() if name in used},
         bounds=model.bounds,
-        definitions=_definitions(model, chosen),
+        definitions=_definitions(model, needed),
+        parts=_parts(needed, known),
     )
 
 
@@ -71,16 +73,26 @@ def _inlined(model: Model) -> dict[str, Part]:
     return known
 
 
-def _definitions(model: Model, chosen: str) -> tuple[tuple[str, sp.Expr], ...]:
-    """The chosen formula and those that it needs, in the order of the file, each in terms of the others' names."""
+def _needed(model: Model, chosen: str) -> list[Assignment]:
+    """The chosen formula and those that it needs, in the order of the file."""
     needed, assigned = {chosen}, {assignment.name for assignment in model.assignments}
     for assignment in reversed(model.assignments):
         if assignment.name in needed:
             needed.update(name.name for name in names_in(assignment.value) if name.name in assigned)
+    return [assignment for assignment in model.assignments if assignment.name in needed]
+
+
+def _definitions(model: Model, needed: list[Assignment]) -> tuple[tuple[str, sp.Expr], ...]:
+    """The formulas, each in terms of the others' names."""
     builder = Builder(operations(model.system))
-    known = {**_given(model), **{name: symbol_part(name) for name in assigned}}
-    wanted = [assignment for assignment in model.assignments if assignment.name in needed]
-    return tuple((assignment.name, builder.build(assignment.value, known).outer) for assignment in wanted)
+    known = {**_given(model), **{assignment.name: symbol_part(assignment.name) for assignment in model.assignments}}
+    return tuple((assignment.name, builder.build(assignment.value, known).outer) for assignment in needed)
+
+
+def _parts(needed: list[Assignment], known: Mapping[str, Part]) -> tuple[tuple[str, sp.Expr], ...]:
+    """The formulas whose text says what they are; where none has one, every formula by its name."""
+    told = [assignment for assignment in needed if assignment.doc]
+    return tuple((one.doc or one.name, known[one.name].outer) for one in told or needed)
 
 
 def _given(model: Model) -> dict[str, Part]:

@@ -46,7 +46,8 @@ def loads(text: str, *, shape: str | None = None, variant: str | None = None) ->
 
     Statements are ``letter a = 5 in [1, 10] "what it is"``, ``variant b: a = 9``,
     ``coordinates x y z``, ``bounds x [-8, 8] y [-4, 4]``, ``system R0`` and
-    ``name = formula``, each on its line or ended by a semicolon. Formulas are
+    ``name = formula "what it is"``, each on its line or ended by a semicolon, the
+    texts not needed. Formulas are
     written as in MATLAB with rfAND, rfOR, rfNOT, trimming, sqrt, abs, min, max,
     sin, cos, tan, exp, log, atan2 and pi; decimals are exact; ``%`` and ``#``
     begin comments.
@@ -63,7 +64,8 @@ def loads(text: str, *, shape: str | None = None, variant: str | None = None) ->
     Returns
     -------
     Shape
-        With the letters that the formula uses, and with its named parts as `definitions`.
+        With the letters that the formula uses, with the formulas that it needs as
+        `definitions`, and as `parts` those whose text says what they are, or else all.
 
     Raises
     ------

@@ -73,15 +73,14 @@ class _StatementParser:
     def _assignment(self, word: Token) -> Statement:
         keywords = ", ".join(KEYWORDS[:-1])
         self._cursor.expect("=", f"write {word.text} = expression, or begin with one of {keywords}")
-        return Assignment(word.place, word.text, self._expressions.expression())
+        return Assignment(word.place, word.text, self._expressions.expression(), self._doc())
 
     def _letter(self, word: Token) -> Statement:
         name = self._name("a letter's name", "for example: letter a = 5 in [1, 10]")
         self._cursor.expect("=", "every letter needs a value, for example: letter a = 5")
         value = self._expressions.expression()
         interval = self._interval() if self._cursor.accept("in") else None
-        doc = self._cursor.read().text[1:-1] if self._cursor.token.kind == "text" else ""
-        return LetterStatement(name.place, name.name, value, interval, doc)
+        return LetterStatement(name.place, name.name, value, interval, self._doc())
 
     def _variant(self, word: Token) -> Statement:
         example = "for example: variant b: a1 = 9, b1 = 4"
@@ -126,6 +125,9 @@ class _StatementParser:
             raise self._cursor.decimal_comma(start) or self._cursor.unexpected("']'", "a range has two ends")
         self._cursor.close(opening, "]")
         return Interval(opening.place, low, high)
+
+    def _doc(self) -> str:
+        return self._cursor.read().text[1:-1] if self._cursor.token.kind == "text" else ""
 
     def _name(self, what: str, remedy: str) -> Name:
         token = self._cursor.expect_kind("name", what, remedy)

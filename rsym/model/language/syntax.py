@@ -140,11 +140,12 @@ class SystemStatement:
 
 @dataclass(frozen=True, slots=True)
 class Assignment:
-    """``name = expression``."""
+    """``name = expression "what it is"``."""
 
     place: Place
     name: str
     value: Expression
+    doc: str = ""
 
 
 Statement: TypeAlias = (

@@ -1,0 +1,150 @@
+"""Features: the curves on a mesh along which its leaves meet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+Ints: TypeAlias = NDArray[np.integer[Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Feature:
+    """A curve along which two leaves meet, from one junction of such curves to the next, or closed.
+
+    Attributes
+    ----------
+    points : (n, 3) float64
+        Vertices of the mesh; a closed curve repeats its first point.
+    leaves : two numbers of leaves, ascending
+        The first lies to the left of the curve, seen from outside.
+    names : two names
+        Those of the leaves.
+    angle : float
+        The largest angle between the normals on both sides, in degrees: small where one leaf goes smoothly over
+        into the other.
+    """
+
+    points: Array
+    leaves: tuple[int, int]
+    names: tuple[str, str]
+    angle: float
+
+    @property
+    def closed(self) -> bool:
+        """Whether the curve ends where it begins."""
+        return bool((self.points[0] == self.points[-1]).all())
+
+    def __repr__(self) -> str:
+        kind = "closed" if self.closed else "open"
+        return f"Feature({self.names[0]!r} | {self.names[1]!r}, {len(self.points)} points, {kind}, {self.angle:.3g}°)"
+
+
+def features_of(
+    vertices: Array, faces: Ints, leaf: Ints, leaves: Sequence[str], normals: Callable[[Ints], Array]
+) -> tuple[Feature, ...]:
+    """The features of a mesh, in the order of their first vertices.
+
+    Parameters
+    ----------
+    vertices, faces, leaf, leaves
+        As in a mesh.
+    normals : callable
+        Numbers of faces (k,) to the unit normals of their corners (k, 3, 3).
+
+    Examples
+    --------
+    >>> roof = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 1], [1, 1, 1], [0, 2, 0], [1, 2, 0.0]])
+    >>> slopes = np.array([[0, 1, 2], [1, 3, 2], [2, 3, 4], [3, 5, 4]])
+    >>> normals = np.array([[0, -1, 1], [0, 1, 1]])[:, None].repeat(3, axis=1) / 2**0.5
+    >>> features_of(roof, slopes, np.array([0, 0, 1, 1]), ("south", "north"), lambda faces: normals[faces // 2])
+    (Feature('south' | 'north', 2 points, open, 90°),)
+    """
+    seams = _seams(faces, leaf, len(vertices))
+    if not len(seams.start):
+        return ()
+    angles = _angles(seams, normals)
+    found = []
+    for chain in _chains(seams):
+        line = np.append(seams.start[chain], seams.end[chain[-1]])
+        first, second = (int(leaf[side[chain[0]] // 3]) for side in (seams.left, seams.right))
+        names = leaves[first], leaves[second]
+        found.append(Feature(vertices[line], (first, second), names, float(angles[chain].max())))
+    return tuple(found)
+
+
+class _Seams(NamedTuple):
+    """Edges between faces of two leaves, from `start` to `end`: vertices, and half-edges 3*face + corner beside them.
+
+    The left one runs along the edge, in the face of the lower leaf; the right one runs back.
+    """
+
+    start: Ints
+    end: Ints
+    left: Ints
+    right: Ints
+    pair: Ints
+
+
+def _seams(faces: Ints, leaf: Ints, count: int) -> _Seams:
+    # Any one leaf of each vertex: faces that disagree with it find all vertices of two leaves, and few edges are left.
+    one = np.zeros(count, leaf.dtype)
+    one[faces] = leaf[:, None]
+    mixed = np.zeros(count, np.bool_)
+    mixed[faces[one[faces] != leaf[:, None]]] = True
+    both = mixed[faces]
+    half = np.flatnonzero(both & both[:, [1, 2, 0]])
+    tail = faces.ravel()[half].astype(np.int64)
+    head = faces.ravel()[half - half % 3 + (half + 1) % 3].astype(np.int64)
+    key = np.minimum(tail, head) * count + np.maximum(tail, head)
+    order = np.argsort(key, kind="stable")
+    _, first, sides = np.unique(key[order], return_index=True, return_counts=True)
+    first = first[sides == 2]
+    a, b = order[first], order[first + 1]
+    on_a, on_b = leaf[half[a] // 3], leaf[half[b] // 3]
+    seam = (on_a != on_b) & (tail[a] == head[b])
+    left, right = np.where(on_a < on_b, a, b)[seam], np.where(on_a < on_b, b, a)[seam]
+    pair = np.minimum(on_a, on_b)[seam].astype(np.int64) << 16 | np.maximum(on_a, on_b)[seam]
+    return _Seams(tail[left], head[left], half[left], half[right], pair)
+
+
+def _chains(seams: _Seams) -> list[list[int]]:
+    """The edges of each feature, head to tail: on while one comes in, one goes out and both join the same leaves."""
+    vertices, ends = np.unique(np.concatenate([seams.start, seams.end]), return_inverse=True)
+    start, end = np.split(ends, 2)
+    edges = np.arange(len(start))
+    comes, goes = np.zeros((2, len(vertices)), np.int64)
+    comes[end], goes[start] = edges, edges
+    passed = (np.bincount(start, minlength=len(vertices)) == 1) & (np.bincount(end, minlength=len(vertices)) == 1)
+    passed &= seams.pair[comes] == seams.pair[goes]
+    after = np.where(passed[end], goes[end], -1).tolist()
+    # Closed curves without a junction come last: they may begin anywhere.
+    begins = np.argsort(passed[start], kind="stable").tolist()
+    done, chains = [False] * len(edges), []
+    for edge in begins:
+        chain = []
+        while edge >= 0 and not done[edge]:
+            done[edge] = True
+            chain.append(edge)
+            edge = after[edge]
+        if chain:
+            chains.append(chain)
+    return chains
+
+
+def _angles(seams: _Seams, normals: Callable[[Ints], Array]) -> Array:
+    """The larger of the angles between the normals at both ends of each edge, in degrees."""
+    left, right = normals(seams.left // 3), normals(seams.right // 3)
+    edges = np.arange(len(seams.start))
+    angles = []
+    for turn in (0, 1):  # the right half-edge runs back, so its end is our start
+        u, v = left[edges, (seams.left + turn) % 3], right[edges, (seams.right + 1 - turn) % 3]
+        across = np.linalg.norm(np.cross(u, v), axis=1)
+        angles.append(np.degrees(np.arctan2(across, np.einsum("ij,ij->i", u, v))))
+    largest: Array = np.maximum(*angles)
+    return largest
