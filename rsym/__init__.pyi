@@ -40,6 +40,7 @@ from .output.verdicts import plot_verdict
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import vertex_curvatures
 from .sampling.mesh import Mesh
+from .sampling.mesher import Mesher
 from .sampling.meshing import mesh
 from .sampling.sections import Section, sections
 from .verify.continuity import ContinuityReport, continuity
@@ -61,6 +62,7 @@ __all__ = [
     "Letter",
     "LevelLines",
     "Mesh",
+    "Mesher",
     "NormalisationReport",
     "R0m",
     "RAlpha",

@@ -5,18 +5,11 @@ All loops take faces as (m, 3) int32 and are linear in the number of triangles.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
-from numba import njit
 
-Function = TypeVar("Function", bound=Callable[..., Any])
-
-
-def loop(function: Function) -> Function:
-    """Compile a loop over arrays, once on each machine."""
-    return njit(nogil=True, cache=True, error_model="numpy")(function)  # type: ignore[return-value]
+from rsym.sampling.sharp.loops import loop
 
 
 @loop

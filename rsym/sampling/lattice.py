@@ -93,6 +93,14 @@ def bounds_of(shape: Shape, bounds: Any) -> Bounds:
     return chosen
 
 
+def check_in_space(shape: Shape) -> None:
+    """Raise unless a shape has three coordinates."""
+    if shape.dimension != 3:
+        raise RsymError(
+            "mesh needs a shape in space, got one in the plane", code="dimension", remedy="use revolve(shape) first"
+        )
+
+
 def checked_cells(cells: Any) -> int:
     """A number of cells, if it is one."""
     if isinstance(cells, bool) or not isinstance(cells, int | np.integer) or cells < 2:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.sampling import half_edges
-from rsym.sampling.half_edges import loop
+from rsym.sampling.sharp.loops import loop
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.integer[Any]]

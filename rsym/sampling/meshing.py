@@ -5,32 +5,29 @@ from __future__ import annotations
 import logging
 import time
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
-from typing import Any, TypeAlias
+from importlib.util import find_spec
+from typing import Any
 
 from rsym.errors import RsymError, RsymWarning
 from rsym.model.shape import Shape
-from rsym.sampling.lattice import Lattice, bounds_of, lattice_over
+from rsym.sampling.lattice import bounds_of, check_in_space, lattice_over
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.progress import Progress
 from rsym.sampling.smooth import smooth_mesh
 
-Mesher: TypeAlias = Callable[[Shape, Lattice, Mapping[Any, float] | None, Executor | None, Progress | None], Mesh]
-
 logger = logging.getLogger(__name__)
-
-# Another method is one more line here and one module beside `smooth`.
-METHODS: dict[str, Mesher] = {"smooth": smooth_mesh}
 
 
 def mesh(
     shape: Shape,
     resolution: int | Sequence[int] = 128,
     *,
-    method: str = "smooth",
+    method: str = "sharp",
     bounds: Any = None,
     letters: Mapping[Any, float] | None = None,
+    cap: bool = True,
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Mesh:
@@ -42,15 +39,20 @@ def mesh(
         A shape in space; revolve a plane one first.
     resolution : int or three ints
         Cubical cells along the longest side, or cells along each axis.
-    method : {"smooth"}
-        Marching cubes on samples, every crossing recomputed in float64 on omega.
+    method : {"sharp", "smooth"}
+        "sharp": adaptive, closed, exact edges and corners where two or three leaves of the sign form meet.
+        "smooth": marching cubes on samples of omega, every crossing recomputed in float64; the reference. Without
+        the package numba "smooth" takes the place of "sharp".
     bounds, letters
-        Override those of the shape. The surface is cut where it leaves the bounds, and ``.status`` says so.
+        Override those of the shape.
+    cap : bool
+        Whether a surface that leaves the bounds is closed there by flat caps; "smooth" leaves it open. ``.status``
+        says where it leaves them.
     executor : concurrent.futures.Executor, optional
-        Where slabs of samples are computed; by default here, in threads.
+        Where pieces of the lattice are computed; by default here, in threads. The bits do not depend on it.
     progress : callable, optional
-        ``progress(done, total)`` after each slab of samples and each stage of the work on vertices;
-        returning False cancels with an RsymError, and nothing of the mesh is kept.
+        ``progress(done, total)`` after each step of the work; returning False cancels with an RsymError, and nothing
+        of the mesh is kept.
 
     Returns
     -------
@@ -77,18 +79,24 @@ def mesh(
     >>> result.status.closed, round(result.status.volume, 2)
     (True, 4.18)
     """
-    if shape.dimension != 3:
-        raise RsymError(
-            "mesh needs a shape in space, got one in the plane", code="dimension", remedy="use revolve(shape) first"
-        )
-    if method not in METHODS:
-        raise RsymError(f"no method {method!r}", code="unknown-method", remedy=f"choose from {', '.join(METHODS)}")
-    lattice = lattice_over(bounds_of(shape, bounds), resolution)
     start = time.perf_counter()
-    result = METHODS[method](shape, lattice, letters, executor, progress)
+    if method == "sharp" and find_spec("numba") is None:
+        warnings.warn("without the package numba edges are not sharp: pip install numba", RsymWarning, stacklevel=2)
+        method = "smooth"
+    if method == "sharp":
+        from rsym.sampling.mesher import Mesher
+
+        result = Mesher(shape)(
+            resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress
+        )
+    elif method == "smooth":
+        check_in_space(shape)
+        result = smooth_mesh(shape, lattice_over(bounds_of(shape, bounds), resolution), letters, executor, progress)
+    else:
+        raise RsymError(f"no method {method!r}", code="unknown-method", remedy="choose from sharp, smooth")
     elapsed = time.perf_counter() - start
     if logger.isEnabledFor(logging.INFO):
-        logger.info("mesh on %s samples in %.2f s: %s", lattice.counts, elapsed, result.status)
+        logger.info("mesh in %.2f s: %s", elapsed, result.status)
     for remark in result.findings.remarks:
         warnings.warn(remark, RsymWarning, stacklevel=2)
     return result

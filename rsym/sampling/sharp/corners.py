@@ -83,7 +83,7 @@ def _subsets(leaves: Shorts, kinds: NDArray[np.int8], size: int, open_: NDArray[
         for subset in combinations(range(kind), size):
             owners.append(some)
             rows = np.full((3, len(some)), -1, np.int16)
-            rows[:size] = leaves[np.ix_(subset, some)]
+            rows[:size] = leaves[np.array(subset)[:, None], some]
             chosen.append(rows)
     return np.concatenate(owners), np.concatenate(chosen, axis=1)
 
@@ -156,7 +156,8 @@ def off_surface(kernels: SurfaceKernels, points: Floats, lattice: Floats, pool: 
     in_threads(lambda a, b: kernels.value(b - a, places, value, leaf, first=a), count, GRAIN, pool)
     evaluate(kernels, leaf, places, value, gradient, count, pool)
     with np.errstate(all="ignore"):
-        return np.abs(value[:count]) / np.linalg.norm(gradient[:, :count] * lattice[3:, None], axis=0)
+        cells: Floats = np.abs(value[:count]) / np.linalg.norm(gradient[:, :count] * lattice[3:, None], axis=0)
+    return cells
 
 
 def _on_active_leaf(kernels: SurfaceKernels, start: Floats, pool: Executor | None) -> Floats:

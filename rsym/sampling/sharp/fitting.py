@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.sampling.sharp.crossings import Crossings
-from rsym.sampling.sharp.loops import loop
+from rsym.sampling.sharp.loops import loop, step
 from rsym.sampling.sharp.patches import Topology
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -74,12 +74,16 @@ def minimise(
             out[a, w] = min(max(out[a, w], low[a, w]), high[a, w])
 
 
-@loop
+@step
 def diagonalise(matrix: Floats, vectors: Floats) -> None:
     """Eigenvalues of a symmetric 3x3 matrix on its diagonal, vectors in the columns: cyclic Jacobi rotations."""
-    vectors[:] = np.eye(3)
+    for i in range(3):
+        for j in range(3):
+            vectors[i, j] = i == j
     for _ in range(6):
-        if abs(matrix[0, 1]) + abs(matrix[0, 2]) + abs(matrix[1, 2]) < 1e-15 * np.trace(matrix):
+        if abs(matrix[0, 1]) + abs(matrix[0, 2]) + abs(matrix[1, 2]) < 1e-15 * (
+            matrix[0, 0] + matrix[1, 1] + matrix[2, 2]
+        ):
             break
         for p, q in ((0, 1), (0, 2), (1, 2)):
             if matrix[p, q] == 0:
