@@ -23,6 +23,7 @@ from typing import Any
 import numba
 import numpy as np
 from numba.core.compiler import CompileResult
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 logger = logging.getLogger(__name__)
@@ -53,7 +54,8 @@ class LoopCache:
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Give the compiled loop for these types, or None."""
-        target.refresh()
+        # Enough for code that is compiled already; `target.refresh()`, for compiling, would load SciPy too: 0.25 s.
+        rtsys.initialize(target)
         payload = _read(self._entry(signature, target.codegen()))
         if payload is None:
             _announce()

@@ -25,6 +25,8 @@ def _offset(axis: int, along: int, u: int, v: int) -> int:
 
 
 EDGE_ENDS = np.array([[_offset(e >> 2, s, e >> 1 & 1, e & 1) for s in (0, 1)] for e in range(12)])
+# Offsets of the lower end of an edge, i << 8 | j << 4 | k: room for a carry beside each.
+EDGE_SHIFT = (EDGE_ENDS[:, 0] >> 2) << 8 | (EDGE_ENDS[:, 0] >> 1 & 1) << 4 | EDGE_ENDS[:, 0] & 1
 # Corners of a face counter-clockwise as seen from outside the cell, so that what follows an edge lies on one loop.
 FACE_CORNERS = np.array(
     [
