@@ -27,6 +27,7 @@ from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 logger = logging.getLogger(__name__)
+NOTICE = "compiling the mesher's loops, once on this machine: about ten seconds"
 DIGEST = hashlib.sha256().digest_size
 
 
@@ -129,4 +130,4 @@ def _is_private(folder: Path) -> bool:
 
 @cache
 def _announce() -> None:
-    logger.warning("compiling the mesher's loops, once on this machine: about ten seconds")
+    logger.warning(NOTICE)
