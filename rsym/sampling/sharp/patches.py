@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
@@ -38,14 +37,14 @@ class Topology:
     (3, n + 1, 8) the fields of cells and crossings, ``cells_before`` and ``edges_before`` the ranks of their words;
     ``blocks``, ``origin`` the lookup of a block.
 
-    Cells that hold surface, in the order of (block, cell): ``case`` (m,) their row of the patch table, ``place`` (m,)
+    Cells that hold surface, in the order of (block, cell): ``case`` (m,) 2*mask, + 1 where a face is joined, ``place`` (m,)
     512*block + 64*i + 8*j + k, ``start`` (m + 1,) the number of their first vertex.
 
     Vertices, one for each patch of a cell: ``ring[ring_start[v]:ring_start[v + 1]]`` are the crossings of its patch.
 
     Crossings, axis by axis, in the order of (block, lattice edge): ``quads`` (crossings, 4) the vertices around each,
     counter-clockwise as seen from outside, -1 where a block beside the crossing is not here. ``flips`` counts the
-    faces that were paired again.
+    faces whose corners were joined.
     """
 
     corner: NDArray[np.int64]
@@ -80,15 +79,8 @@ class Topology:
         return [*self.edges_before[:, 0, 0].tolist(), self.crossings]
 
 
-def topology(
-    corner: NDArray[np.int64],
-    bits: Bytes,
-    pool: Executor | None = None,
-    empty: Callable[..., NDArray[Any]] = np.empty,
-) -> Topology:
+def topology(corner: NDArray[np.int64], bits: Bytes, pool: Executor | None = None) -> Topology:
     """Find the surface of the sign bits of blocks in lexicographic order; manifold by construction.
-
-    ``empty(shape, dtype)`` makes the arrays; a caller that meshes again and again can hand out the same memory.
 
     Two patches of neighbouring cells are joined by each segment that they share on the face between the cells. Where
     they share both segments of an ambiguous face, four triangles would meet on one edge; `separate` re-pairs such
@@ -107,18 +99,18 @@ def topology(
     """
     corner, bits = np.ascontiguousarray(corner, np.int64), np.ascontiguousarray(bits)
     n, table, (blocks, origin) = corner.shape[1], patch_table(), lookup(corner)
-    cells, edges = empty((n + 1, 8), np.uint64), empty((3, n + 1, 8), np.uint64)
+    cells, edges = np.empty((n + 1, 8), np.uint64), np.empty((3, n + 1, 8), np.uint64)
     cells[n], edges[:, n] = 0, 0
     in_threads(lambda first, last: scan(bits, first, last, cells, edges), n, GRAIN, pool)
     (cells_before, active), (edges_before, crossings) = ranks(cells), ranks(edges)
-    case, place = empty(active, np.uint16), empty(active, np.int32)
+    case, place = np.empty(active, np.uint16), np.empty(active, np.int32)
     in_threads(lambda first, last: list_cells(bits, cells, cells_before, first, last, case, place), n, GRAIN, pool)
     flips = separate(corner, case, place, blocks, origin, cells, cells_before)
-    start, links = empty(active + 1, np.int32), empty(active + 1, np.int32)
+    start, links = np.empty(active + 1, np.int32), np.empty(active + 1, np.int32)
     vertices, links_in_all = tally(case, table.patches, table.edges, start, links)
-    ring_start, ring = empty(vertices + 1, np.int32), empty(links_in_all, np.int32)
+    ring_start, ring = np.empty(vertices + 1, np.int32), np.empty(links_in_all, np.int32)
     ring_start[-1] = links_in_all
-    quads = empty((crossings, 4), np.int32)
+    quads = np.empty((crossings, 4), np.int32)
     quads.fill(ABSENT)
 
     before, found = (cells_before, edges, edges_before), (case, place, start, links)
@@ -190,4 +182,4 @@ def link(
                 ring[at] = crossing
                 lower_end = (shift[edge] >> 6 | shift[edge] >> 3 | shift[edge]) & 7
                 turn = (2, 1, 3, 0)[edge & 3]
-                quads[crossing, turn if row >> 6 + lower_end & 1 else 3 - turn] = vertex
+                quads[crossing, turn if row >> 1 + lower_end & 1 else 3 - turn] = vertex

@@ -113,7 +113,7 @@ def lookup(corner: NDArray[np.int64]) -> tuple[Numbers, NDArray[np.int64]]:
 
 @loop
 def list_cells(bits: Bytes, cells: Words, before: Numbers, first: int, last: int, case: Any, place: Numbers) -> None:
-    """Cases (pairing 0) of the cells that hold surface, and their places, 512*block + 64*i + 8*j + k."""
+    """Cases of the cells that hold surface, all faces apart, and their places, 512*block + 64*i + 8*j + k."""
     for b in range(first, last):
         for i in range(8):
             w, n = cells[b, i], before[b, i]
@@ -123,7 +123,7 @@ def list_cells(bits: Bytes, cells: Words, before: Numbers, first: int, last: int
                 j, k = q >> 3, np.uint64(q & 7)
                 low = line(bits, b, i, j) >> k & PAIR | (line(bits, b, i, j + 1) >> k & PAIR) << TWO
                 high = line(bits, b, i + 1, j) >> k & PAIR | (line(bits, b, i + 1, j + 1) >> k & PAIR) << TWO
-                case[n] = (low | high << FOUR) * 64
+                case[n] = (low | high << FOUR) * TWO
                 place[n] = b * 512 + i * 64 + q
                 n += 1
 
