@@ -138,6 +138,11 @@ def test_without_separation_random_volumes_are_not_manifold(monkeypatch):
     assert not is_manifold(triangles(topology(*blocks_of(random_volume(5, 8, 8, (2, 2, 2)))))[1])
 
 
+def test_no_blocks_no_surface():
+    surface = topology(np.empty((3, 0), np.int64), np.empty((0, 96), np.uint8))
+    assert (surface.vertices, surface.crossings, surface.axes) == (0, 0, [0, 0, 0, 0])
+
+
 def test_threads_change_nothing():
     corner, bits = blocks_of(random_volume(6))
     with ThreadPoolExecutor(3) as pool:

@@ -37,8 +37,8 @@ class Topology:
     (3, n + 1, 8) the fields of cells and crossings, ``cells_before`` and ``edges_before`` the ranks of their words;
     ``blocks``, ``origin`` the lookup of a block.
 
-    Cells that hold surface, in the order of (block, cell): ``case`` (m,) 2*mask, + 1 where a face is joined, ``place`` (m,)
-    512*block + 64*i + 8*j + k, ``start`` (m + 1,) the number of their first vertex.
+    Cells that hold surface, in the order of (block, cell): ``case`` (m,) their row of the patch table, 2*mask or one
+    more, ``place`` (m,) 512*block + 64*i + 8*j + k, ``start`` (m + 1,) the number of their first vertex.
 
     Vertices, one for each patch of a cell: ``ring[ring_start[v]:ring_start[v + 1]]`` are the crossings of its patch.
 
@@ -113,10 +113,13 @@ def topology(corner: NDArray[np.int64], bits: Bytes, pool: Executor | None = Non
     quads = np.empty((crossings, 4), np.int32)
     quads.fill(ABSENT)
 
-    before, found = (cells_before, edges, edges_before), (case, place, start, links)
+    fields, lists = (cells_before, edges, edges_before), (place, start, links)
     tables, out = (table.patch, table.order, EDGE_SHIFT), (ring_start, ring, quads)
-    where = (corner, blocks, origin)
-    in_threads(lambda first, last: link(first, last, *where, *before, *found, *tables, *out), n, GRAIN, pool)
+
+    def piece(first: int, last: int) -> None:
+        link(first, last, corner, blocks, origin, *fields, case, *lists, *tables, *out)
+
+    in_threads(piece, n, GRAIN, pool)
     surface = (case, place, start, ring_start, ring, quads, flips)
     return Topology(corner, bits, cells, cells_before, edges, edges_before, blocks, origin, *surface)
 
