@@ -48,11 +48,11 @@ def loaded_after(code):
 
 
 def test_importing_rsym_loads_nothing_heavy():
-    assert not loaded_after("import rsym") & {"sympy", "numpy", "matplotlib", "skimage", "scipy", "llvmlite"}
+    assert not loaded_after("import rsym") & {"sympy", "numpy", "matplotlib", "skimage", "scipy", "llvmlite", "numba"}
 
 
 def test_using_symbols_does_not_load_pictures():
-    assert not loaded_after("from rsym import x, Shape, compile") & {"matplotlib", "skimage", "trimesh"}
+    assert not loaded_after("from rsym import x, Shape, compile") & {"matplotlib", "skimage", "trimesh", "numba"}
 
 
 def test_help_loads_no_sympy():

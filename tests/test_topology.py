@@ -15,6 +15,7 @@ from rsym.sampling.sharp import patches
 from rsym.sampling.sharp.faces import connect
 from rsym.sampling.sharp.patches import topology
 from rsym.sampling.sharp.signs import list_edges
+from rsym.sampling.sharp.tables import face_edges, patch_table
 from rsym.sampling.sharp.welding import crossing_names, crossing_places, vertex_names, vertex_places
 
 
@@ -39,7 +40,7 @@ def apart(bodies, counts):
     return np.pad(volume, [(0, 8 + 1 - m % 8) for m in volume.shape])
 
 
-def random_volume(seed, bodies=300, points=10, counts=(7, 7, 7)):
+def random_volume(seed, bodies=300, points=8, counts=(7, 7, 7)):
     generator = np.random.default_rng(seed)
     density = generator.uniform(0, 1, (bodies, 1, 1, 1))
     return apart(generator.uniform(size=(bodies, points, points, points)) < density, counts)
@@ -134,7 +135,12 @@ def test_random_volumes():
 def test_without_separation_random_volumes_are_not_manifold(monkeypatch):
     """Red proof."""
     monkeypatch.setattr(patches, "separate", lambda *_: 0)
-    assert not is_manifold(triangles(topology(*blocks_of(random_volume(5, 8, 10, (2, 2, 2)))))[1])
+    assert not is_manifold(triangles(topology(*blocks_of(random_volume(5, 8, 8, (2, 2, 2)))))[1])
+
+
+def test_no_blocks_no_surface():
+    surface = topology(np.empty((3, 0), np.int64), np.empty((0, 96), np.uint8))
+    assert (surface.vertices, surface.crossings, surface.axes) == (0, 0, [0, 0, 0, 0])
 
 
 def test_threads_change_nothing():
@@ -143,6 +149,42 @@ def test_threads_change_nothing():
         one, many = topology(corner, bits), topology(corner, bits, pool)
     for field in dataclasses.fields(one):
         np.testing.assert_array_equal(getattr(one, field.name), getattr(many, field.name))
+
+
+def test_patches_meet_at_most_one_face_of_a_cell_twice():
+    """What lets `separate` look at two cells alone."""
+    around = patch_table().patch[::2][:, face_edges()].astype(int)
+    double = (around.max(axis=2) == around.min(axis=2)) & (around.max(axis=2) < 4)
+    assert double.sum() == 36
+    assert double.sum(axis=1).max() == 1
+    np.testing.assert_array_equal(np.argwhere(double)[:, 1], patch_table().twice[double.any(axis=1)])
+
+
+def test_the_order_of_blocks_changes_no_pairing():
+    corner, bits = blocks_of(random_volume(8))
+    order = np.random.default_rng(8).permutation(len(bits))
+    one, other = topology(corner, bits), topology(corner[:, order], bits[order])
+    extent = tuple(corner.max(axis=1) // 8 + 1)
+    names, others = vertex_names(one, extent), vertex_names(other, extent)
+    cases, other_cases = (np.repeat(surface.case, np.diff(surface.start)) for surface in (one, other))
+    np.testing.assert_array_equal(names, np.sort(others))
+    np.testing.assert_array_equal(cases, other_cases[np.argsort(others)])
+
+
+@pytest.mark.parametrize("turn", range(4))
+@pytest.mark.parametrize("outward", [1.0, -1.0])
+def test_the_diagonal_that_does_not_fold(turn, outward):
+    """A quad with a corner that points inwards has one diagonal inside."""
+    points = np.array([[0.0, 3.0, 0.5, 0.0], [0.0, 0.0, 0.5, 3.0], [0.0, 0.0, 0.0, 0.0]])
+    quad = np.roll([0, 1, 2, 3] if outward > 0 else [3, 2, 1, 0], turn).astype(np.int32)
+    faces, sharp = np.empty((2, 3), np.int32), np.empty(1, np.uint8)
+    feature = np.array([0, 0, turn & 1, 0], np.uint8)
+    connect(0, 1, quad[None], points, np.array([[0.0], [0.0], [-outward]]), feature, faces, sharp)
+    corners = points.T[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert (normals[:, 2] * outward > 0).all()
+    assert abs(normals[:, 2]).sum() == 3.0
+    assert sharp[0] == turn & 1
 
 
 def test_pieces_with_a_halo_of_one_block_weld_to_the_whole():

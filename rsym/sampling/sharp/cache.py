@@ -3,7 +3,8 @@
 numba's own cache writes beside the source file, trusts what it reads and looks only at the date of one file.
 Here the name of an entry is a digest of the byte code of the loop and of everything it calls, of the types of its
 arguments, of the processor and of the versions of Python and numba; so nothing old is ever run, and nothing is
-compiled again because a file has moved. An entry that cannot be read or written, or is damaged, is compiled again.
+compiled again because a file has moved. An entry that cannot be read or written, or is damaged, is compiled again;
+the folder may be deleted at any time.
 """
 
 from __future__ import annotations
@@ -23,9 +24,11 @@ from typing import Any
 import numba
 import numpy as np
 from numba.core.compiler import CompileResult
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 logger = logging.getLogger(__name__)
+NOTICE = "compiling the mesher's loops, once on this machine: about ten seconds"
 DIGEST = hashlib.sha256().digest_size
 
 
@@ -53,7 +56,8 @@ class LoopCache:
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Give the compiled loop for these types, or None."""
-        target.refresh()
+        # Enough for code that is compiled already; `target.refresh()`, for compiling, would load SciPy too: 0.25 s.
+        rtsys.initialize(target)
         payload = _read(self._entry(signature, target.codegen()))
         if payload is None:
             _announce()
@@ -93,10 +97,10 @@ def _content(function: Any, seen: set[int]) -> Iterator[object]:
 
 
 def _read(name: str) -> bytes | None:
-    """Read an entry that is whole and lies in a folder that nobody else can write."""
+    """Read an entry that is whole and that nobody else can have written."""
     try:
-        folder = cache_folder()
-        stored = (folder / name).read_bytes() if _is_private(folder) else b""
+        entry = cache_folder() / name
+        stored = entry.read_bytes() if _is_ours(entry.parent) and _is_ours(entry) else b""
     except (OSError, RuntimeError):  # Path.home() raises RuntimeError where there is no home
         return None
     payload = stored[DIGEST:]
@@ -108,23 +112,21 @@ def _write(name: str, payload: bytes) -> None:
     try:
         folder = cache_folder()
         folder.mkdir(parents=True, exist_ok=True)
-        if not _is_private(folder):
-            folder.chmod(0o700)
-        with tempfile.NamedTemporaryFile(dir=folder, prefix=name, delete=False) as file:
-            file.write(hashlib.sha256(payload).digest() + payload)
-        os.replace(file.name, folder / name)
+        folder.chmod(0o700)
+        with tempfile.TemporaryDirectory(dir=folder) as aside:
+            whole = Path(aside) / name
+            whole.write_bytes(hashlib.sha256(payload).digest() + payload)
+            os.replace(whole, folder / name)
     except (OSError, RuntimeError) as reason:
         logger.info("the mesher's loops are not kept: %s", reason)
 
 
-def _is_private(folder: Path) -> bool:
-    """Entries are code: only a folder of this user's alone may hold them."""
-    if not hasattr(os, "getuid"):
-        return True
-    state = folder.stat()
-    return state.st_uid == os.getuid() and not state.st_mode & 0o077
+def _is_ours(path: Path) -> bool:
+    """Entries are code: nobody else may own or write them, or the folder that holds them."""
+    state = path.stat()
+    return not hasattr(os, "getuid") or (state.st_uid == os.getuid() and not state.st_mode & 0o022)
 
 
 @cache
 def _announce() -> None:
-    logger.warning("compiling the mesher's loops, once on this machine: about ten seconds")
+    logger.warning(NOTICE)

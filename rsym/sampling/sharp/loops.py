@@ -44,13 +44,6 @@ def lowest(typing: Any, word: Any) -> Any:
     return types.int64(types.uint64), generate
 
 
-@step
-def bit(bits: Any, block: int, i: int, j: int, k: int) -> Any:
-    """Sign of lattice point (i, j, k), 0 to 8 each, of a block: 1 inside, 0 outside."""
-    at = i * 81 + j * 9 + k
-    return bits[block, at >> 3] >> (at & 7) & 1
-
-
 def in_threads(call: Callable[[int, int], R], count: int, grain: int, pool: Executor | None) -> list[R]:
     """Cover range(count) by ``call(first, last)`` over pieces of at least `grain`, run by the pool; answers in order.
 

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.sharp.loops import bit, loop, lowest, popcount, step
+from rsym.sampling.sharp.loops import loop, lowest, popcount, step
 
 Bytes: TypeAlias = NDArray[np.uint8]
 Words: TypeAlias = NDArray[np.uint64]
@@ -20,8 +20,18 @@ Numbers: TypeAlias = NDArray[np.int32]
 
 ONE = np.uint64(1)
 BYTE = np.uint64(255)
-ROW = np.uint64(511)
+PAIR, TWO, FOUR = np.uint64(3), np.uint64(2), np.uint64(4)
+LINE = np.uint64(511)
 ABSENT = -1
+
+
+@step
+def line(bits: Bytes, block: int, i: int, j: int) -> Any:
+    """Signs of the nine lattice points of a block along k, as the low bits of a word."""
+    at = (i * 9 + j) * 9
+    q = at >> 3
+    word = bits[block, q] | np.uint32(bits[block, q + 1]) << 8 | np.uint32(bits[block, q + 2]) << 16
+    return np.uint64(word) >> np.uint64(at & 7) & LINE
 
 
 @loop
@@ -30,9 +40,7 @@ def scan(bits: Bytes, first: int, last: int, cells: Words, edges: Words) -> None
     row = np.empty(81, np.uint64)
     for b in range(first, last):
         for r in range(81):
-            q = 9 * r >> 3
-            word = bits[b, q] | np.uint32(bits[b, q + 1]) << 8 | np.uint32(bits[b, q + 2]) << 16
-            row[r] = np.uint64(word) >> np.uint64(9 * r & 7) & ROW
+            row[r] = line(bits, b, 0, r)
         for i in range(8):
             c = x = y = z = np.uint64(0)
             for j in range(8):
@@ -105,17 +113,17 @@ def lookup(corner: NDArray[np.int64]) -> tuple[Numbers, NDArray[np.int64]]:
 
 @loop
 def list_cells(bits: Bytes, cells: Words, before: Numbers, first: int, last: int, case: Any, place: Numbers) -> None:
-    """Cases (pairing 0) of the cells that hold surface, and their places, 512*block + 64*i + 8*j + k."""
+    """Cases of the cells that hold surface, all faces apart, and their places, 512*block + 64*i + 8*j + k."""
     for b in range(first, last):
         for i in range(8):
             w, n = cells[b, i], before[b, i]
             while w:
                 q = lowest(w)
                 w &= w - ONE
-                mask = 0
-                for c in range(8):
-                    mask |= bit(bits, b, i + (c >> 2), (q >> 3) + (c >> 1 & 1), (q & 7) + (c & 1)) << c
-                case[n] = mask * 64
+                j, k = q >> 3, np.uint64(q & 7)
+                low = line(bits, b, i, j) >> k & PAIR | (line(bits, b, i, j + 1) >> k & PAIR) << TWO
+                high = line(bits, b, i + 1, j) >> k & PAIR | (line(bits, b, i + 1, j + 1) >> k & PAIR) << TWO
+                case[n] = (low | high << FOUR) * TWO
                 place[n] = b * 512 + i * 64 + q
                 n += 1
 

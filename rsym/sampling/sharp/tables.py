@@ -1,9 +1,10 @@
-"""Surface patches of a cell, for every mask of its eight corners and every pairing of its ambiguous faces.
+"""Surface patches of a cell, for every mask of its eight corners.
 
 Corner c of a cell is 4*di + 2*dj + dk, and bit c of its mask says that the corner is inside. Edge 4*a + 2*u + v lies
 along axis a, at offsets u and v along the axes a + 1 and a + 2 (modulo 3). Face 2*a + s has normal axis a on side s.
-A face is ambiguous where its corners alternate; bit f of the pairing says that the inside corners of face f are joined.
-The *case* of a cell is 64*mask + pairing.
+A face is ambiguous where its corners alternate: two segments of the surface cross it, and either its inside corners
+are apart or they are joined. All are apart, but for the one face through which a patch may meet a neighbour twice
+(see `separate`). The *case* of a cell is 2*mask, and one more where that face is joined.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-CASES = 256 * 64
 NO_PATCH = 255
+NO_FACE = 6
 
 
 def _offset(axis: int, along: int, u: int, v: int) -> int:
@@ -25,6 +26,8 @@ def _offset(axis: int, along: int, u: int, v: int) -> int:
 
 
 EDGE_ENDS = np.array([[_offset(e >> 2, s, e >> 1 & 1, e & 1) for s in (0, 1)] for e in range(12)])
+# Offsets of the lower end of an edge, i << 8 | j << 4 | k: room for a carry beside each.
+EDGE_SHIFT = (EDGE_ENDS[:, 0] >> 2) << 8 | (EDGE_ENDS[:, 0] >> 1 & 1) << 4 | EDGE_ENDS[:, 0] & 1
 # Corners of a face counter-clockwise as seen from outside the cell, so that what follows an edge lies on one loop.
 FACE_CORNERS = np.array(
     [
@@ -45,59 +48,66 @@ def face_edges() -> NDArray[np.int64]:
 class PatchTable:
     """Patches of all cases.
 
-    ``patch``: (cases, 12), number of the patch an edge belongs to, 255 where the edge is not crossed or the case
-    cannot be. ``order``: (cases, 12), the edges patch by patch, those not crossed last. ``patches`` and ``edges``:
-    how many of either a case has. ``ambiguous``: (256,), the ambiguous faces of a mask as bits.
+    ``patch``: (512, 12), number of the patch an edge belongs to, 255 where the edge is not crossed or there is no such
+    case. ``order``: (512, 12), the edges patch by patch, those not crossed last. ``patches``, ``edges``: (512,), how
+    many of either a case has. ``twice``: (256,), the face of a mask that one patch meets twice while the inside
+    corners of all faces are apart, `NO_FACE` where there is none; there is never more than one.
     """
 
     patch: NDArray[np.uint8]
     order: NDArray[np.uint8]
     patches: NDArray[np.uint8]
     edges: NDArray[np.uint8]
-    ambiguous: NDArray[np.uint8]
+    twice: NDArray[np.uint8]
 
 
 @cache
 def patch_table() -> PatchTable:
     """Follow the loops around the patches of every case.
 
-    The segments on the six faces send every edge on which the boundary of a patch leaves the inside of a face to the
-    edge on which it comes back: a permutation of the crossed edges, whose cycles are the patches.
-
     Examples
     --------
     >>> table = patch_table()
-    >>> table.patch[0b00000001 * 64].tolist(), int(table.patches[0b10000001 * 64])
+    >>> table.patch[2 * 0b00000001].tolist(), int(table.patches[2 * 0b10000001])
     ([0, 255, 255, 255, 0, 255, 255, 255, 0, 255, 255, 255], 2)
     """
-    inside = np.arange(256)[:, None, None] >> FACE_CORNERS & 1
-    alternate = (inside != np.roll(inside, 1, axis=2)).all(axis=2)
-    ambiguous = (alternate << np.arange(6)).sum(axis=1)
-    cases = np.flatnonzero((np.arange(64) & ~ambiguous[:, None] == 0).ravel())
-    follow = _follow(cases, inside)
+    apart = _patches(np.arange(256), np.full(256, NO_FACE))
+    around = apart[:, face_edges()]
+    double = (around != NO_PATCH).all(axis=2) & (around == around[:, :, :1]).all(axis=2)
+    twice = np.where(double.any(axis=1), double.argmax(axis=1), NO_FACE)
+    some = np.flatnonzero(twice < NO_FACE)
+    patch = np.full((512, 12), NO_PATCH, np.uint8)
+    patch[::2], patch[2 * some + 1] = apart, _patches(some, twice[some])
+    crossed = patch != NO_PATCH
+    patches, edges = np.where(crossed, patch + 1, 0).max(axis=1), crossed.sum(axis=1)
+    order = np.argsort(patch, axis=1, kind="stable")
+    return PatchTable(patch, *(array.astype(np.uint8) for array in (order, patches, edges, twice)))
+
+
+def _patches(masks: NDArray[np.int64], joined: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Patch of each edge of cells of these masks; the inside corners of face `joined` are joined.
+
+    The segments on the six faces send every edge on which the boundary of a patch leaves the inside of a face to the
+    edge on which it comes back: a permutation of the crossed edges, whose cycles are the patches.
+    """
+    follow = _follow(masks, joined)
     crossed = follow >= 0
     follow = np.where(crossed, follow, np.arange(12))
-    first = np.tile(np.arange(12), (len(cases), 1))
+    first = np.tile(np.arange(12), (len(masks), 1))
     for _ in range(4):  # each turn doubles the stretch of the loop that an edge has seen: 16 in the end, of at most 12
         first = np.minimum(first, np.take_along_axis(first, follow, axis=1))
         follow = np.take_along_axis(follow, follow, axis=1)
     begins = crossed & (first == np.arange(12))
     number = np.take_along_axis(begins.cumsum(axis=1) - 1, first, axis=1)
-    patch = np.full((CASES, 12), NO_PATCH, np.uint8)
-    patch[cases] = np.where(crossed, number, NO_PATCH)
-    patches, edges = np.zeros(CASES, np.uint8), np.zeros(CASES, np.uint8)
-    patches[cases], edges[cases] = begins.sum(axis=1), crossed.sum(axis=1)
-    order = np.zeros((CASES, 12), np.uint8)
-    order[cases] = np.argsort(patch[cases], axis=1, kind="stable")
-    return PatchTable(patch, order, patches, edges, ambiguous.astype(np.uint8))
+    return np.where(crossed, number, NO_PATCH)
 
 
-def _follow(cases: NDArray[np.int64], inside: NDArray[np.int64]) -> NDArray[np.int64]:
+def _follow(masks: NDArray[np.int64], joined: NDArray[np.int64]) -> NDArray[np.int64]:
     """Edge after each edge on the loop around its patch, -1 where it is not crossed."""
-    edges, rule, follow = face_edges(), _rule(), np.full((len(cases), 12), -1)
-    pattern = (inside << np.arange(4)).sum(axis=2)
+    edges, rule, follow = face_edges(), _rule(), np.full((len(masks), 12), -1)
     for face in range(6):
-        after = rule[pattern[cases >> 6, face], cases >> face & 1]
+        pattern = ((masks[:, None] >> FACE_CORNERS[face] & 1) << np.arange(4)).sum(axis=1)
+        after = rule[pattern, (joined == face).astype(int)]
         row, side = np.nonzero(after >= 0)
         follow[row, edges[face, side]] = edges[face, after[row, side]]
     return follow
