@@ -99,6 +99,4 @@ def evaluate(
     pool: Executor | None,
 ) -> None:
     """Value and gradient of the leaf of each point."""
-    in_threads(
-        lambda a, b: kernels.leaf(b - a, leaf, points, value, gradients, first=a), count, LEAF_GRAIN, pool
-    )
+    in_threads(lambda a, b: kernels.leaf(b - a, leaf, points, value, gradients, first=a), count, LEAF_GRAIN, pool)
