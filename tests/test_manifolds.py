@@ -123,11 +123,19 @@ def test_a_sharp_needle_is_not_folded():
     assert measure(corners, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])).folded == 0
 
 
+@pytest.mark.parametrize("turn", range(3))
+def test_the_sharpest_corner_is_named(turn):
+    found = measure(np.array([[0, 0, 0], [1, 0, 0], [0, 0.25, 0]]), np.roll([[0, 1, 2]], turn))
+    assert found.worst_angle_at == (1.0, 0.0, 0.0)
+    assert_close(found.worst_angle, np.degrees(np.arctan(0.25)), rtol=1e-14)
+
+
 def test_flat_and_double_triangles_are_counted():
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.3, 0, 0], [0, 0, 1]])
     faces = np.array([[0, 1, 2], [0, 3, 1], [0, 2, 1], [1, 2, 0], [0, 0, 4]])
-    found = measure(0.1 * vertices + 0.7, faces)
-    assert (found.degenerate, found.duplicates, found.worst_angle) == (2, 2, 0.0)
+    found = measure(0.1 * turned(vertices) + 0.7, faces)
+    assert (found.degenerate, found.duplicates) == (2, 2)
+    assert found.worst_angle < 1e-12
     back_to_back = measure(vertices, faces[[0, 2]])
     assert (back_to_back.boundary_edges, back_to_back.duplicates) == (0, 1)
 
