@@ -138,3 +138,24 @@ def test_normals_of_a_blunt_edge_are_averaged_and_unused_vertices_left_out():
     assert split.source.tolist() == [0, 1, 2, 3]
     assert_close(split.normals[:2], np.array([[0, 0, 1.0]] * 2), atol=1e-12)
     assert_close(split.normals[2:], tilt, atol=1e-12)
+
+
+def test_leaves_that_meet_at_a_blunt_edge_keep_their_normals(tmp_path):
+    """A roof of 10 degrees whose faces know their leaves: sharp in every format that has normals."""
+    rise = np.tan(np.radians(5))
+    vertices = np.array([[0, -1, 0], [1, -1, 0], [0, 0, rise], [1, 0, rise], [0, 1, 0], [1, 1, 0]])
+    faces = np.array([[0, 1, 2], [1, 3, 2], [2, 3, 4], [3, 5, 4]], np.int32)
+    slopes = np.array([[0, -rise, 1], [0, rise, 1]])
+    leaf = np.array([0, 0, 1, 1], np.int16)
+    roof = Mesh(vertices, faces, lambda leaf, points: 3 * slopes[leaf], leaf=leaf, leaves=("south", "north"))
+    expected = (slopes / np.linalg.norm(slopes, axis=1)[:, None])[leaf]
+    assert_close(roof.normals, np.repeat(expected[:, None], 3, axis=1), atol=1e-15)
+    split = split_sharp(roof)
+    assert len(split.vertices) == 8
+    assert_close(split.normals[split.faces], roof.normals, atol=1e-15)
+    back = trimesh.load_mesh(write(roof, tmp_path / "roof.glb"), process=False)
+    turned = back.vertex_normals[back.faces]
+    assert_close(np.stack([turned[..., 0], -turned[..., 2], turned[..., 1]], axis=-1), roof.normals, atol=1e-6)
+    text = write(roof, tmp_path / "roof.obj").read_text()
+    assert (text.count("\nv "), text.count("vn ")) == (5, 8)
+    assert len(split_sharp(Mesh(vertices, faces, roof.normals)).vertices) == 6

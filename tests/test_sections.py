@@ -73,6 +73,29 @@ def test_a_chamfer_of_less_than_a_cell_has_both_its_corners():
         assert np.abs(section.lines[0] - corner).sum(axis=1).min() < 1e-15
 
 
+def test_the_tip_of_a_wedge_is_found_cells_ahead():
+    body = Shape(rsym.conjunction(y, x / 10 - y, 1 - x), (x, y, z), bounds=((-1, 2), (-1, 1), (0, 1)))
+    (section,) = rsym.sections(body, [0.5], resolution=30)
+    assert_close(abs(area(section.lines[0])), 0.05, rtol=1e-13)
+    assert np.abs(section.lines[0]).sum(axis=1).min() < 1e-14
+
+
+@pytest.mark.parametrize("height", [0.0, 1.0])
+def test_a_plane_along_a_face_cuts_the_body_and_not_the_face(height):
+    body = Shape(rsym.conjunction(1 - x**2, 1 - y**2, z * (1 - z)), (x, y, z), bounds=((-2, 2), (-2, 2), (0, 1)))
+    (section,) = rsym.sections(body, [height], resolution=25)
+    assert_close(abs(area(section.lines[0])), 4.0, rtol=1e-14)
+    assert (section.lines.status.kept, section.lines.status.unresolved_corners) == (0, 0)
+
+
+def test_a_gap_thinner_than_a_cell_is_told():
+    square = x**2 + y**2
+    discs = rsym.disjunction(1 - square, rsym.conjunction(square - sp.Rational(21, 20) ** 2, 2 - square))
+    (section,) = rsym.sections(Shape(discs, (x, y, z), bounds=((-2, 2), (-2, 2), (0, 1))), [0.5], resolution=24)
+    assert section.lines.status.unresolved_corners > 0
+    assert "unresolved" in str(section.lines.status)
+
+
 def test_every_vertex_of_the_car_lies_on_it():
     car = rsym.paper.car()
     kernel = rsym.compile(car, ("value", "gradient"))

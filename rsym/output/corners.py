@@ -14,8 +14,10 @@ from rsym.sampling.mesh import Mesh
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer[Any]]
 
-# Blender and most viewers call an edge sharp from 30 degrees on.
+# Blender and most viewers call an edge sharp from 30 degrees on; normals of triangles stand for a smooth surface below.
 SHARP = np.cos(np.radians(30.0))
+# Normals of leaves are exact: they differ where two leaves meet, and only there.
+KINK = np.cos(np.radians(1.0))
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,8 @@ def split_sharp(mesh: Mesh) -> ShadedVertices:
     """Copy each vertex once for every direction its corners face, so that smooth shading keeps sharp edges crisp.
 
     Corners of one vertex share a copy where their normals lie within 30 degrees
-    of the first; the copy takes their mean. Vertices of no face are left out.
+    of the first, within one degree if the faces know their leaves; the copy takes
+    their mean. Vertices of no face are left out.
 
     Examples
     --------
@@ -42,13 +45,14 @@ def split_sharp(mesh: Mesh) -> ShadedVertices:
     12
     """
     corner = mesh.faces.ravel()
+    limit = SHARP if mesh.leaf is None else KINK
     normals = mesh.normals.reshape(-1, 3)
     copy = np.zeros(len(corner), np.int64)
     left = np.arange(len(corner))
     while left.size:
         names, first = np.unique(corner[left], return_index=True)
         seeds = normals[left[first]][np.searchsorted(names, corner[left])]
-        apart = np.einsum("ij,ij->i", seeds, normals[left]) < SHARP
+        apart = np.einsum("ij,ij->i", seeds, normals[left]) < limit
         # The seeds themselves stay whatever rounding says, so each round has fewer corners left.
         apart[first] = False
         left = left[apart]

@@ -24,7 +24,8 @@ ON_LEVEL = 1e-9
 class LevelLinesStatus:
     """How many vertices reached the level, how many kept their place, how many samples were undefined.
 
-    `unresolved_corners` counts corners of a section that are cut off by part of a cell.
+    `unresolved_corners` counts neighbours on different leaves without a corner between them: the
+    lattice is too coarse there, and a line may jump over a gap thinner than a cell.
     """
 
     vertices: int
@@ -39,7 +40,7 @@ class LevelLinesStatus:
         if self.kept:
             text += f" Vertices unresolved, kept where linear interpolation put them: {self.kept}."
         if self.unresolved_corners:
-            text += f" Corners unresolved, cut off by part of a cell: {self.unresolved_corners}."
+            text += f" Corners unresolved, where a cell holds too much: {self.unresolved_corners}."
         if self.undefined_samples:
             text += f" The field is undefined at {self.undefined_samples} samples."
         return text

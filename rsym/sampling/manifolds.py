@@ -11,22 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
-from rsym.sampling import half_edges
-from rsym.sampling.sharp.loops import loop
+from rsym.sampling import triangles
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.integer[Any]]
 Point = tuple[float, float, float]
 
-# A triangle this flat, height to longest side, has no direction: float64 knows the corners of a unit body to 1e-16.
-FLAT = 1e-12
-# Without outward directions a triangle is folded if its normal is turned by more than 127 degrees from those of two
-# neighbours: beyond the tip of a needle of three sides (120) and the corner of a tetrahedron (109).
-TURNED = -0.6
 # An open edge this close to a side, against the length of the loop, lies on it: rounding of the lattice is below 1e-14.
 ON_SIDE = 1e-9
-# Sums are taken over runs of this length first, so that 1e6 triangles lose no more digits than 1e4.
-RUN = 128
 
 
 @dataclass(frozen=True)
@@ -136,14 +128,14 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
     if not len(faces):
         raise RsymError("a mesh needs at least one triangle, got none", code="empty-mesh")
     vertices, faces = np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.int32)
-    mates, edges, boundary, repeated = half_edges.pair(faces, len(vertices))
-    label = half_edges.pieces(faces, len(vertices))
-    pinched = half_edges.pinched(faces, mates, len(vertices))
-    chain, begins = half_edges.loops(faces, mates)
+    mates, edges, boundary, repeated = triangles.pair(faces, len(vertices))
+    label = triangles.pieces(faces, len(vertices))
+    pinched = triangles.pinched(faces, mates, len(vertices))
+    chain, begins = triangles.loops(faces, mates)
     manifold = repeated == 0 and pinched == 0
-    sums, angle, corner, degenerate, normals = triangles(vertices, faces)
+    sums, angle, corner, degenerate, normals = triangles.shapes(vertices, faces)
     if outward is None:
-        folded = turned_from_neighbours(normals, mates)
+        folded = triangles.turned_from_neighbours(normals, mates)
     else:
         folded = np.einsum("ij,ij->i", normals, outward) < 0
     double_area = np.sqrt(np.einsum("ij,ij->i", normals[folded], normals[folded])).sum()
@@ -165,66 +157,6 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
         worst_angle_at=point(vertices[corner]),
         loops=_loops(vertices, np.split(faces.ravel()[chain], begins[1:-1]) if len(chain) else [], sides),
     )
-
-
-@loop
-def triangles(vertices: Any, faces: Any) -> tuple[Any, float, int, int, Any]:
-    """Sums of (a - middle) . n and of |n|, the smallest angle and its vertex, flat triangles, and the normals n.
-
-    The normal n = (b - a) x (c - a) is twice as long as the triangle is large. The smallest angle lies opposite
-    the shortest side, and its tangent is |n| over the scalar product of the other two sides.
-    """
-    middle = np.zeros(3)
-    for v in range(len(vertices)):
-        for k in range(3):
-            middle[k] += vertices[v, k]
-    middle /= len(vertices)
-    normals = np.empty((len(faces), 3))
-    sums, run = np.zeros(2), np.zeros(2)
-    least, where, flat = np.inf, 0, 0
-    for f in range(len(faces)):
-        a, b, c = faces[f]
-        ux, uy, uz = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1], vertices[b, 2] - vertices[a, 2]
-        vx, vy, vz = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1], vertices[c, 2] - vertices[a, 2]
-        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-        normals[f, 0], normals[f, 1], normals[f, 2] = nx, ny, nz
-        length = math.sqrt(nx * nx + ny * ny + nz * nz)
-        run[0] += (
-            (vertices[a, 0] - middle[0]) * nx + (vertices[a, 1] - middle[1]) * ny + (vertices[a, 2] - middle[2]) * nz
-        )
-        run[1] += length
-        uu, vv, uv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz, ux * vx + uy * vy + uz * vz
-        opposite = uu + vv - 2 * uv
-        if opposite <= uu and opposite <= vv:
-            corner, across = a, uv
-        elif uu <= vv:
-            corner, across = c, vv - uv
-        else:
-            corner, across = b, uu - uv
-        flat += length <= FLAT * max(uu, vv, opposite)
-        tangent = length / across if across > 0 else 0.0
-        if tangent < least:
-            least, where = tangent, corner
-        if f % RUN == RUN - 1:
-            sums += run
-            run[:] = 0
-    return sums + run, math.atan(least), where, flat, normals
-
-
-@loop
-def turned_from_neighbours(normals: Any, mates: Any) -> Any:
-    """The triangles whose normal is turned by far from those of two neighbours."""
-    turned = np.zeros(len(normals), np.bool_)
-    for f in range(len(normals)):
-        n, against = normals[f], 0
-        for k in range(3):
-            if mates[3 * f + k] >= 0:
-                o = normals[mates[3 * f + k] // 3]
-                product = n[0] * o[0] + n[1] * o[1] + n[2] * o[2]
-                lengths = (n[0] ** 2 + n[1] ** 2 + n[2] ** 2) * (o[0] ** 2 + o[1] ** 2 + o[2] ** 2)
-                against += product < TURNED * math.sqrt(lengths)
-        turned[f] = against >= 2
-    return turned
 
 
 def _genera(label: Ints, faces: Ints, mates: Ints, heads: Ints) -> tuple[int, ...]:
@@ -253,7 +185,7 @@ def _loops(vertices: Array, chains: Sequence[Ints], sides: Sequence[Side]) -> tu
 
 def _duplicates(faces: Ints, mates: Ints, repeated: int) -> int:
     """Equal triangles share edges: they repeat one, or are mates along all three. Only then is it worth a sort."""
-    if not repeated and not half_edges.back_to_back(mates):
+    if not repeated and not triangles.back_to_back(mates):
         return 0
     return len(faces) - len(np.unique(np.sort(faces, axis=1), axis=0))
 

@@ -58,15 +58,20 @@ class Mesh:
     @cached_property
     def normals(self) -> Array:
         """The outward unit normal of each corner of each face, (m, 3, 3); that of the triangle where there is none."""
+        return self.normals_of(np.arange(len(self.faces)))
+
+    def normals_of(self, which: Ints) -> Array:
+        """The normals (k, 3, 3) of a few faces (k,), for which those of all others need not be computed."""
         if self.shading is None:
-            return np.repeat(self._flat(self.faces)[:, None], 3, axis=1)
-        given = self.shading
-        if callable(given):
-            given = self._outward(given, self.vertices[self.faces])
+            return np.repeat(self._flat(which)[:, None], 3, axis=1)
+        if callable(self.shading):
+            given = self._outward(self.shading, which, self.vertices[self.faces[which]])
+        else:
+            given = self.shading[which]
         normals = _unit(given)
         missing: NDArray[np.bool_] = np.any(np.isnan(normals), axis=2)
-        bare = np.flatnonzero(missing.any(axis=1))
-        normals[bare] = np.where(missing[bare][:, :, None], self._flat(self.faces[bare])[:, None], normals[bare])
+        bare = np.flatnonzero(np.any(missing, axis=1))
+        normals[bare] = np.where(missing[bare][:, :, None], self._flat(which[bare])[:, None], normals[bare])
         return normals
 
     @cached_property
@@ -74,20 +79,21 @@ class Mesh:
         """What is known of the mesh."""
         outward = None
         if callable(self.shading):
-            outward = self._outward(self.shading, self.vertices[self.faces].mean(axis=1, keepdims=True))[:, 0]
+            a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
+            outward = self._outward(self.shading, np.arange(len(self.faces)), ((a + b + c) / 3)[:, None])[:, 0]
         elif self.shading is not None:
             outward = self.shading[:, 0] + self.shading[:, 1] + self.shading[:, 2]
         measures = measure(self.vertices, self.faces, outward, self.findings.sides)
         return MeshStatus(**vars(measures), **vars(self.findings))
 
-    def _outward(self, rule: Outward, points: Array) -> Array:
-        """The rule at points (m, k, 3), k for each face."""
-        leaf = np.zeros(len(self.faces), np.int16) if self.leaf is None else self.leaf
+    def _outward(self, rule: Outward, which: Ints, points: Array) -> Array:
+        """The rule at points (m, k, 3), k for each of the faces."""
+        leaf = np.zeros(len(which), np.int16) if self.leaf is None else self.leaf[which]
         return rule(np.repeat(leaf, points.shape[1]), points.reshape(-1, 3)).reshape(points.shape)
 
-    def _flat(self, faces: Ints) -> Array:
+    def _flat(self, which: Ints) -> Array:
         """The normals of triangles; zero where they have none."""
-        a, b, c = (self.vertices[faces[:, k]] for k in range(3))
+        a, b, c = (self.vertices[self.faces[which, k]] for k in range(3))
         return np.nan_to_num(_unit(np.cross(b - a, c - a)))
 
     def __reduce__(self) -> tuple[type[Mesh], tuple[Any, ...]]:

@@ -14,7 +14,8 @@ from rsym.model.letters import real_number
 from rsym.model.shape import Shape
 from rsym.model.symbols import z
 from rsym.sampling.contours import LevelLines
-from rsym.sampling.outlines import leaves_of, outline
+from rsym.sampling.leaves import leaves_of
+from rsym.sampling.outlines import outline
 from rsym.sampling.plane import plane_sampler
 from rsym.sampling.progress import Progress, Steps
 
@@ -121,10 +122,12 @@ def sections(
     )
     normal = names.index(str(axis))
     leaves = leaves_of(shape, first.free, first.fixed, letters)
+    # A leaf that is zero at all of these is zero all over the plane.
+    places = first.lattice.points(np.stack(np.meshgrid([1.2, 3.1, 4.7], [1.3, 2.9, 5.2]), axis=-1).reshape(-1, 2))
     steps, found = Steps(len(heights), progress), []
     for height in heights:
         fixed = {normal: height}
-        lines = outline(replace(first, fixed=fixed), replace(leaves, fixed=fixed))
+        lines = outline(replace(first, fixed=fixed), leaves.at(fixed, places))
         found.append(Section(names[normal], height, first.names, lines, normal))
         steps.advance()
     return tuple(found)

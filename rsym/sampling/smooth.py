@@ -22,13 +22,13 @@ from rsym.codegen.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.detail import small_pieces, thin_walls
-from rsym.sampling.half_edges import pieces
 from rsym.sampling.lattice import Lattice
 from rsym.sampling.manifolds import sides_of
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.progress import Progress, Steps
 from rsym.sampling.roots import bracketed_roots
 from rsym.sampling.status import Findings
+from rsym.sampling.triangles import pieces
 
 Array = NDArray[np.float64]
 

@@ -81,6 +81,8 @@ def _content(function: Any, seen: set[int]) -> Iterator[object]:
     if id(plain) in seen:
         return
     seen.add(id(plain))
+    # Compiled code remembers the module that it came from.
+    yield plain.__module__
     codes = [plain.__code__]
     for code in codes:
         codes += [constant for constant in code.co_consts if isinstance(constant, CodeType)]
