@@ -13,7 +13,7 @@ and, for R-operations, in `interval_systems`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -23,15 +23,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rsym.codegen.backends import CompiledFunction, default_backend
+from rsym.codegen.box_images import BoxImages, ends_of
 from rsym.codegen.builder import Builder
 from rsym.codegen.checking import CHECK_POINTS, check_at
-from rsym.codegen.definedness import Definedness, is_decisive
-from rsym.codegen.interval_arithmetic import Interval, neighbours, nonnegative
-from rsym.codegen.interval_images import IMAGES, chosen, scaled
+from rsym.codegen.interval_arithmetic import Interval, neighbours
 from rsym.codegen.kernel import checked_threads, compiled, run_in_blocks
+from rsym.codegen.mean_values import sharpen
 from rsym.codegen.precision import FLOAT64
-from rsym.codegen.program import Node, Program
-from rsym.codegen.relations import relation
+from rsym.codegen.program import Program
 from rsym.errors import RsymError
 
 Bounds: TypeAlias = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
@@ -41,10 +40,11 @@ Range: TypeAlias = Fraction | float | tuple[Fraction | float, Fraction | float]
 LARGE = 50_000
 
 
-def interval_program(program: Program) -> Program:
+def interval_program(program: Program, sharpened: Collection[int] = ()) -> Program:
     """The bounds of a program's outputs over boxes.
 
-    Inputs ``x`` become ``x_lower``, ``x_upper``, letters and outputs likewise.
+    Inputs ``x`` become ``x_lower``, ``x_upper``, letters and outputs likewise. The images of the nodes `sharpened` are
+    intersected with their mean-value form, where one of their coordinates repeats.
 
     Examples
     --------
@@ -57,63 +57,25 @@ def interval_program(program: Program) -> Program:
     >>> [name for name, _ in bounds.outputs]
     ['value_lower', 'value_upper']
     """
-    images = _Images(program)
-    return images.bounds()
+    source = Builder(program.coordinates, program.letters)
+    for node in program.nodes:
+        source.make(node.operation, *node.arguments, data=node.data)
+    target = Builder(ends_of(program.coordinates), ends_of(program.letters))
+    images = BoxImages(source, target)
+    sharpen(images, sharpened)
+    images.make(number for _, number in program.outputs)
+    return target.program(_known_ends(target, {name: images[number] for name, number in program.outputs}))
 
 
-class _Images:
-    """The image of every node of a program."""
-
-    def __init__(self, program: Program) -> None:
-        self.program = program
-        self.builder = Builder(_ends(program.coordinates), _ends(program.letters))
-        source = Builder(program.coordinates, program.letters)
-        for node in program.nodes:
-            source.make(node.operation, *node.arguments, data=node.data)
-        self.source = source
-        self.definedness = Definedness(program.nodes, source.nonnegative)
-        self.images: list[Interval] = []
-        for number, node in enumerate(program.nodes):
-            image = self._image(number, node)
-            known = source.nonnegative[number] and not image.nonnegative
-            self.images.append(nonnegative(self.builder, image) if known else image)
-
-    def _image(self, number: int, node: Node) -> Interval:
-        b, operands = self.builder, [self.images[argument] for argument in node.arguments]
-        if node.operation == "input":
-            lower, upper = _ends([str(node.data)])
-            return Interval(b.input(lower), b.input(upper))
-        if node.operation == "mul":
-            factor = self.source.value(node.arguments[0])
-            if factor is not None:
-                return scaled(b, factor, operands[1])
-        if node.operation == "select":
-            return self._select(node, operands)
-        name, arguments = relation(self.program.nodes, number) or (node.operation, node.arguments)
-        return IMAGES[name](b, node, [self.images[argument] for argument in arguments])
-
-    def _select(self, node: Node, operands: list[Interval]) -> Interval:
-        """A branch that is never defined leaves the other."""
-        never = [self.program.nodes[argument].operation == "undefined" for argument in node.arguments]
-        if never[2] or never[3]:
-            return operands[3] if never[2] else operands[2]
-        return chosen(self.builder, operands, is_decisive(self.definedness, node))
-
-    def bounds(self) -> Program:
-        """The outputs, an end that says nothing infinite."""
-        b = self.builder
-        down = b.make("log", b.const(0))
-        outputs: dict[str, int] = {}
-        for name, number in self.program.outputs:
-            image = self.images[number]
-            lower, upper = _ends([name])
-            outputs[lower] = b.select(image.lower, down, image.lower, down)
-            outputs[upper] = b.select(b.neg(down), image.upper, image.upper, b.neg(down))
-        return b.program(outputs)
-
-
-def _ends(names: Sequence[str]) -> tuple[str, ...]:
-    return tuple(f"{name}_{end}" for name in names for end in ("lower", "upper"))
+def _known_ends(b: Builder, images: Mapping[str, Interval]) -> dict[str, int]:
+    """The ends of the outputs, one that says nothing infinite."""
+    down = b.make("log", b.const(0))
+    outputs: dict[str, int] = {}
+    for name, image in images.items():
+        lower, upper = ends_of([name])
+        outputs[lower] = b.select(image.lower, down, image.lower, down)
+        outputs[upper] = b.select(b.neg(down), image.upper, image.upper, b.neg(down))
+    return outputs
 
 
 @dataclass(frozen=True)
@@ -129,6 +91,8 @@ class IntervalFunction:
         arithmetic.
     threads : int, optional
         As in `compile`; the bits do not depend on it.
+    sharpened : tuple of int, optional
+        Nodes whose bounds are intersected with their mean-value form.
 
     Examples
     --------
@@ -143,11 +107,12 @@ class IntervalFunction:
     program: Program
     backend: str | None = None
     threads: int | None = None
+    sharpened: tuple[int, ...] = ()
 
     @cached_property
     def bounds(self) -> Program:
         """The program of the bounds."""
-        return interval_program(self.program)
+        return interval_program(self.program, self.sharpened)
 
     @cached_property
     def function(self) -> CompiledFunction:
