@@ -186,8 +186,7 @@ def _outward(name: str, value: Any) -> tuple[float, float]:
 
 
 def _exact(value: Any, end: int) -> float:
-    finite = not isinstance(value, float) or np.isfinite(value)
-    return neighbours(Fraction(value))[end] if finite else float(value)
+    return value if isinstance(value, float) else neighbours(Fraction(value))[end]
 
 
 def _check(bounds: Program, function: CompiledFunction) -> None:
