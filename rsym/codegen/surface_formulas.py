@@ -32,8 +32,9 @@ class SurfaceFormulas:
 
     @cached_property
     def bounds(self) -> Formulas:
-        """Leaves over boxes."""
-        return Formulas(expand(interval_program(self.program)), self.points.constants)
+        """Leaves over boxes, by mean values where a coordinate repeats."""
+        leaves = [number for _, number in self.program.outputs[:: 1 + len(AXES)]]
+        return Formulas(expand(interval_program(self.program, leaves)), self.points.constants)
 
     @property
     def words(self) -> int:
