@@ -39,6 +39,7 @@ from .output.sweep import plot_sweep
 from .output.verdicts import plot_verdict
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import vertex_curvatures
+from .sampling.extent import extent
 from .sampling.mesh import Mesh
 from .sampling.mesher import Mesher
 from .sampling.meshing import mesh
@@ -83,6 +84,7 @@ __all__ = [
     "equivalence",
     "exclusive_or",
     "explore",
+    "extent",
     "gaussian_curvature",
     "gradient",
     "hessian",

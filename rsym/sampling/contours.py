@@ -103,7 +103,7 @@ def level_lines(
     resolution : int or two ints
         Square cells along the longer side, or cells along each axis.
     bounds, letters
-        Override those of the shape.
+        Override those of the shape. Without any bounds those of `extent` are taken, and an eighth around them.
 
     Returns
     -------
@@ -113,7 +113,7 @@ def level_lines(
     Raises
     ------
     RsymError
-        For a shape in space without a section, no bounds, an unknown field.
+        For a shape in space without a section, a zero set without end and no bounds, an unknown field.
 
     Examples
     --------

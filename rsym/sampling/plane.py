@@ -13,8 +13,11 @@ from rsym.codegen.fields import SCALARS, program_of
 from rsym.codegen.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
-from rsym.model.shape import Shape
-from rsym.sampling.lattice import Lattice, bounds_of, lattice_over
+from rsym.model.shape import Bounds, Shape
+from rsym.sampling.extent import extent
+from rsym.sampling.lattice import Lattice, lattice_over
+
+SURROUNDINGS = 1 / 8  # of a side, shown around a zero set whose bounds were found
 
 
 @dataclass(frozen=True)
@@ -82,13 +85,22 @@ def plane_sampler(
     free = _free_coordinates(names, fixed)
     box = bounds
     if bounds is None or len(bounds) == len(names):
-        whole = bounds_of(shape, bounds)
+        whole = _bounds_of_view(shape, bounds, letters)
         box = tuple(whole[k] for k in free)
     flat = Shape(0, [shape.coordinates[k] for k in free], bounds=box)
     assert flat.bounds is not None
     program = program_of(shape, ("value", "gradient"), of=field)
     kernel = compile_program(program, ("value", "gradient"), shape)
     return PlaneSampler(kernel, lattice_over(flat.bounds, resolution), free, fixed, letters)
+
+
+def _bounds_of_view(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Bounds:
+    """The bounds given, else the shape's own, else its extent and some surroundings."""
+    chosen = shape.replace(bounds=bounds).bounds
+    if chosen is not None:
+        return chosen
+    wider = ((low, high, SURROUNDINGS * (high - low)) for low, high in extent(shape, letters))
+    return tuple((low - margin, high + margin) for low, high, margin in wider)
 
 
 def plane_section(shape: Shape, section: Mapping[Any, float] | None, bounds: Any = None) -> tuple[Shape, Any]:

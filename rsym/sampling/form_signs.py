@@ -1,0 +1,100 @@
+"""Proved signs of a sign form over boxes, and over cones of directions that go to infinity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.builder import Builder
+from rsym.codegen.far_forms import far_leaves
+from rsym.codegen.intervals import IntervalFunction
+from rsym.codegen.program import Program
+from rsym.codegen.sign_form import SignForm
+from rsym.sampling.boxes import Boxes
+
+Signs: TypeAlias = NDArray[np.int8]
+
+
+@dataclass(frozen=True)
+class FormBounds:
+    """The compiled bounds of the leaves of a form, over boxes and far away; letters are given later."""
+
+    form: SignForm
+
+    @cached_property
+    def near(self) -> IntervalFunction:
+        """Over boxes, by images and mean values."""
+        program = _program(self.form.builder, self.form.leaves)
+        return IntervalFunction(program, threads=1, sharpened=tuple(sorted({number for _, number in program.outputs})))
+
+    @cached_property
+    def far(self) -> IntervalFunction:
+        """Over boxes, directions and nearness; in NumPy, for it is larger and called for few boxes."""
+        return IntervalFunction(_program(*far_leaves(self.form)), "numpy", threads=1)
+
+
+@dataclass(frozen=True)
+class FormSigns:
+    """Signs of a form at letters: 1 or -1 where it has that sign all over a box, 0 where that is not known.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> from rsym.codegen.sign_form import surface_form
+    >>> signs = FormSigns(FormBounds(surface_form(rsym.Shape(1 - x**2 - y**2, (x, y)))), {})
+    >>> signs.over(Boxes(np.array([[-0.5, 0, 2.0], [0, 0, 0]]), np.array([[0.5, 1, 3.0], [0.5, 1, 1]]))).tolist()
+    [1, 0, -1]
+    >>> signs.beyond(Boxes(np.array([[1.0], [-1.0]]), np.array([[1.0], [1.0]])), 2.0).tolist()
+    [-1]
+    """
+
+    bounds: FormBounds
+    letters: Mapping[str, float]
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Their names."""
+        return self.bounds.form.builder.coordinates
+
+    def over(self, boxes: Boxes) -> Signs:
+        """The signs over boxes."""
+        return self._joined(self._of_leaves(self.bounds.near, [boxes]))
+
+    def beyond(self, directions: Boxes, size: float) -> Signs:
+        """The signs at all s*u with u in the directions, on faces of the cube max|u_i| = 1, and s >= size.
+
+        A leaf that the box of all those points leaves open is looked at in its far form.
+        """
+        lower, upper = directions.lower, directions.upper
+        near = Boxes(np.where(lower >= 0, lower * size, -np.inf), np.where(upper <= 0, upper * size, np.inf))
+        leaves = self._of_leaves(self.bounds.near, [near])
+        open_boxes = np.flatnonzero(self._joined(leaves) == 0)
+        if len(open_boxes):
+            nearness = Boxes(np.zeros((1, len(open_boxes))), np.full((1, len(open_boxes)), 1 / size))
+            far = self._of_leaves(self.bounds.far, [near[open_boxes], directions[open_boxes], nearness])
+            leaves[:, open_boxes] = np.where(leaves[:, open_boxes] == 0, far, leaves[:, open_boxes])
+        return self._joined(leaves)
+
+    def _of_leaves(self, function: IntervalFunction, parts: Sequence[Boxes]) -> Signs:
+        lower, upper = [row for part in parts for row in part.lower], [row for part in parts for row in part.upper]
+        # The bounds are letters of the builder too, though no leaf uses them.
+        values = dict.fromkeys(function.program.letters, 0.0) | dict(self.letters)
+        bounds = function(lower, upper, values).values()
+        return np.array([(low > 0).astype(np.int8) - (high < 0) for low, high in bounds], np.int8)
+
+    def _joined(self, leaves: Signs) -> Signs:
+        """Of -1, 0 and 1: a min is negative where one operand is, and positive where both are."""
+        signs: list[Signs] = list(leaves)
+        for operation, first, second in self.bounds.form.gates:
+            signs.append((np.minimum if operation == "min" else np.maximum)(signs[first], signs[second]))
+        return signs[-1]
+
+
+def _program(builder: Builder, numbers: Sequence[int]) -> Program:
+    return builder.program({str(k): number for k, number in enumerate(numbers)})
