@@ -101,9 +101,8 @@ def _sign_beyond(signs: FormSigns, size: float, expected: int = 0) -> tuple[int,
         found = signs.beyond(cones, size)
         seen |= set(found.tolist())
         cones = cones[found == 0]
-        if not len(cones):
-            (sign,) = seen - {0}
-            return sign, cones
+        if not len(cones) and len(seen - {0}) == 1:
+            return max(seen, key=abs), cones
         if len(cones) > MOST or (expected and (signs.over(points(cones.centres * size)) == -expected).any()):
             break
         cones, _ = halves(cones)
