@@ -63,6 +63,6 @@ def test_a_thin_shell_is_a_wall_of_its_thickness(resolution, thickness, single):
     inner = x**2 + y**2 + z**2 - (1 - t) ** 2
     expression = (t / 2) ** 2 - (sp.sqrt(x**2 + y**2 + z**2) - 1) ** 2 if single else rsym.conjunction(BALL, inner)
     table, lattice, found = certified(solid(expression), resolution)
-    (wall,) = suspects(table.kernels, lattice, found)
+    (wall,) = suspects(table.leaves, lattice, found)
     assert wall.kind == "wall"
     assert_close(wall.thickness * lattice[3], thickness, rtol=1e-3)

@@ -34,15 +34,15 @@ where the gradient is zero, and the cell around that point is not simple.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.sampling.sharp.boxes import NO_BOUNDS, Array, Boxes, Ints
 from rsym.sampling.sharp.gates import OPEN, UNRESOLVED, judge, judge_groups, reach
+from rsym.sampling.sharp.leaves import Leaves
 
 # The least cosine between d and a gradient. The bisector of a wedge of 23 degrees has 0.2 with both sides; a sharper
 # edge is a needle to any cell, and walls of two leaves count as facing each other from there on.
@@ -53,18 +53,12 @@ DEPTH = 3
 BLOCKS, CELLS = 2048, 2048
 
 
-class Enclosures(Protocol):
-    """What the certificates need of compiled leaves."""
+@dataclass(frozen=True)
+class Form:
+    """A sign form: the leaves, how many they are, and the table of gates."""
 
-    def enclose(self, ids: NDArray[np.int16], lower: Array, upper: Array) -> tuple[Array, Array]:
-        """Bounds (2, n) of leaf ids[k] over box k, and (3, 2, n) of its gradient; infinite where it may not exist."""
-
-
-class Form(NamedTuple):
-    """What a certificate needs of a sign form: the leaves compiled, how many they are, the table of gates."""
-
-    kernels: Enclosures
-    leaves: int
+    leaves: Leaves
+    count: int
     gates: Ints
 
 
@@ -104,7 +98,7 @@ def certify(
     skip: NDArray[np.uint64] | None = None,
     *,
     depth: int = DEPTH,
-    run: Callable[[Any, Iterable[Any]], Iterable[Any]] = map,
+    pool: Executor | None = None,
 ) -> Unresolved:
     """The cells of kept blocks that are neither free of the surface nor simple.
 
@@ -119,8 +113,8 @@ def certify(
         What is known already: bit 2*gate + operand is set where that operand cannot be the active one.
     depth : int
         How often a cell is halved.
-    run : callable
-        Like `map`, over parts of the work; an executor's ``map`` will do. The result does not depend on it.
+    pool : Executor, optional
+        Threads that share the work; the result does not depend on them.
     """
     words = max(1, -(-2 * len(form.gates) // 64))
     known = np.zeros((corner.shape[1], words), np.uint64) if skip is None else skip
@@ -131,12 +125,13 @@ def certify(
         blocks = slice(first, first + BLOCKS)
         return _part(form, fine, _blocks(form, corner[:, blocks], known[blocks], depth), depth)
 
+    run = map if pool is None else pool.map
     return _joined([_nothing((0,) * 5), *run(part, range(0, corner.shape[1], BLOCKS))])
 
 
 def _blocks(form: Form, corner: Ints, skip: NDArray[np.uint64], depth: int) -> Boxes:
     count = corner.shape[1]
-    reached = np.zeros((count, form.leaves), np.bool_)
+    reached = np.zeros((count, form.count), np.bool_)
     reach(form.gates, skip, reached)
     start = np.concatenate([[0], np.cumsum(reached.sum(axis=1))])
     leaf = np.nonzero(reached)[1].astype(np.int16)
@@ -162,9 +157,9 @@ def _part(form: Form, fine: Array, boxes: Boxes, depth: int) -> Unresolved:
 
 def _left(form: Form, fine: Array, boxes: Boxes, cosine: float) -> Boxes:
     """The boxes that are neither discarded nor simple, the leaves that matter in them, and their gradients."""
-    value, gradient = form.kernels.enclose(boxes.leaf, *boxes.ends(fine))
+    value, gradient = form.leaves.enclose(boxes.leaf, *boxes.ends(fine))
     verdict, kept = np.empty(len(boxes), np.uint8), np.zeros(len(boxes.leaf), np.bool_)
-    judge(form.gates, form.leaves, boxes.start, boxes.leaf, boxes.skip, value, gradient, cosine, verdict, kept)
+    judge(form.gates, form.count, boxes.start, boxes.leaf, boxes.skip, value, gradient, cosine, verdict, kept)
     return boxes.having(value, gradient).chosen(verdict == OPEN, kept)
 
 

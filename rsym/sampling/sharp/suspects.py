@@ -10,7 +10,7 @@ suspect; without such a pair a cluster is a tip, or stays unresolved.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,13 +18,23 @@ from scipy import sparse
 
 from rsym.sampling.sharp.boxes import Array, Ints
 from rsym.sampling.sharp.certificates import STEEPEST, Unresolved
-from rsym.sampling.sharp.thickness import FIRST, Leaves, Rays, across, closest, common, level
+from rsym.sampling.sharp.leaves import Leaves
+from rsym.sampling.sharp.thickness import FIRST, Rays, across, closest, common, level
 
 # Two directions that no third serves with the cosine c have a cosine below 2*c**2 - 1.
 OPPOSED = 2 * STEEPEST**2 - 1
 # Cells of a cluster that are measured, evenly spread: the thinnest place of a pair is then sought by Newton's method.
 MEASURED = 24
-KINDS = ("wall", "gap", "sheet", "touch", "knife", "apex", "unresolved")
+_THIN = "{self.thickness:.2g} cells {wide} {near}; {self.finer:.2g} times the resolution puts 2 cells across it"
+SENTENCES = {
+    "wall": "a wall{of}, " + _THIN.replace("{wide}", "thick"),
+    "gap": "a gap{of}, " + _THIN.replace("{wide}", "wide"),
+    "sheet": "the equation is zero without a change of sign{of}, in {cells} {near}; a mesh cannot show that",
+    "touch": "bodies touch{of} {near}; at no resolution is the surface a manifold there",
+    "knife": "an edge{of} tapers to nothing, in {cells} {near}; no resolution resolves all of it",
+    "apex": "the gradient{of} vanishes on the surface {near}, as at a tip; no resolution resolves that",
+    "unresolved": "what the surface does{of} in {cells} {near} is not known",
+}
 
 
 @dataclass(frozen=True)
@@ -44,6 +54,14 @@ class Suspect:
         How many cells without a certificate belong to it.
     leaves : tuple of int
         The leaves that meet there.
+    names : tuple of str
+        What they are called.
+
+    Examples
+    --------
+    >>> print(Suspect("gap", (0.0, 1.0, 2.0), 0.5, 12, (0, 3), ("arch", "wheel")).remark)
+    Unresolved: a gap between arch and wheel, 0.5 cells wide near (0, 1, 2); 4 times the resolution puts 2 cells \
+across it.
     """
 
     kind: str
@@ -51,10 +69,30 @@ class Suspect:
     thickness: float
     cells: int
     leaves: tuple[int, ...]
+    names: tuple[str, ...] = ()
+
+    @property
+    def remark(self) -> str:
+        """A sentence that says what is there, and where."""
+        size = max(abs(value) for value in self.place)
+        near = ", ".join(f"{value if abs(value) > 1e-9 * size else 0:.4g}" for value in self.place)
+        cells = f"{self.cells} {'cell' if self.cells == 1 else 'cells'}"
+        return f"Unresolved: {SENTENCES[self.kind].format(self=self, of=self._of, near=f'near ({near})', cells=cells)}."
+
+    @property
+    def _of(self) -> str:
+        if not self.names:
+            return ""
+        return f" {'of' if len(self.names) == 1 else 'between'} {' and '.join(self.names)}"
+
+    @property
+    def finer(self) -> float:
+        """How many times the resolution puts two cells across it."""
+        return 2 / self.thickness
 
 
-def suspects(leaves: Leaves, lattice: Array, unresolved: Unresolved) -> tuple[Suspect, ...]:
-    """What the unresolved cells mean, the largest cluster first."""
+def suspects(leaves: Leaves, lattice: Array, unresolved: Unresolved, names: Sequence[str] = ()) -> tuple[Suspect, ...]:
+    """What the unresolved cells mean, kind after kind, the thinnest first; `names` are those of the leaves."""
     if not len(unresolved):
         return ()
     cluster = clusters(unresolved.cells)
@@ -65,7 +103,8 @@ def suspects(leaves: Leaves, lattice: Array, unresolved: Unresolved) -> tuple[Su
         here = cluster[owner[rays.source]] == number
         part = _Cluster(leaves, lattice, unresolved, np.flatnonzero(cluster == number))
         found += part.facing(rays, np.flatnonzero(here)) or [part.alone()]
-    return tuple(sorted(found, key=lambda suspect: -suspect.cells))
+    found = [replace(one, names=tuple(names[leaf] for leaf in one.leaves)) for one in found] if names else found
+    return tuple(sorted(found, key=lambda one: (list(SENTENCES).index(one.kind), one.thickness, -one.cells)))
 
 
 def clusters(cells: Ints) -> Ints:
@@ -169,40 +208,3 @@ class _Cluster:
 def _point(place: Array) -> tuple[float, float, float]:
     x, y, z = (float(value) for value in place)
     return x, y, z
-
-
-def remarks(found: Sequence[Suspect]) -> tuple[str, ...]:
-    """A sentence for each kind.
-
-    Examples
-    --------
-    >>> remarks([Suspect("gap", (0.0, 1.0, 2.0), 0.5, 12, (0, 3))])
-    ('Unresolved: at 1 place a gap is thinner than a cell, at worst 0.5 cells near (0, 1, 2); 4 times the resolution \
-puts 2 cells across it.',)
-    """
-    sentences = []
-    for kind in KINDS:
-        some = [suspect for suspect in found if suspect.kind == kind]
-        if some:
-            worst = min(some, key=lambda suspect: suspect.thickness)
-            sentences.append(f"Unresolved: {_sentence(kind, some, worst)}.")
-    return tuple(sentences)
-
-
-def _sentence(kind: str, some: Sequence[Suspect], worst: Suspect) -> str:
-    where = f"at {len(some)} {'place' if len(some) == 1 else 'places'}"
-    size = max(abs(value) for value in worst.place)
-    near = f"near ({', '.join(f'{value if abs(value) > 1e-9 * size else 0:.4g}' for value in worst.place)})"
-    cells = sum(suspect.cells for suspect in some)
-    if kind in {"wall", "gap"}:
-        thick = (
-            f"{worst.thickness:.2g} cells {near}; {2 / worst.thickness:.2g} times the resolution puts 2 cells across it"
-        )
-        return f"{where} a {kind} is thinner than a cell, at worst {thick}"
-    return {
-        "sheet": f"{where}, {cells} cells in all, omega is 0 without a change of sign, {near}; no mesh shows that",
-        "touch": f"{where} bodies touch, {near}; there the surface is no manifold at any resolution",
-        "knife": f"{where} an edge tapers to nothing, {near}; no resolution resolves all of it",
-        "apex": f"{where} the gradient vanishes on the surface, as at a tip, {near}; no resolution resolves it",
-        "unresolved": f"{where}, {cells} cells in all, it is not known what the surface does, {near}",
-    }[kind]

@@ -6,14 +6,12 @@ Lengths count in cells: along a unit vector n a cell is |n*spacing| long.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rsym.sampling.sharp.boxes import Array, Flags, Ints
-
-Numbers = NDArray[np.int16]
+from rsym.sampling.sharp.boxes import Flags, Ints
+from rsym.sampling.sharp.leaves import Array, Leaves, Numbers
 
 # Newton's method halves the distance to a double zero, so 40 turns take a cell to 1e-12; a simple zero takes six.
 TURNS = 40
@@ -26,16 +24,6 @@ STEPS = 20
 # Singular values below these shares of the largest are zero: curvature is one over a radius in cells, and planes have
 # none; the unit normals of two leaves are known to the last digits.
 CURVED, STRAIGHT = 1e-6, 1e-9
-
-
-class Leaves(Protocol):
-    """What measuring needs of compiled leaves."""
-
-    def evaluate(self, ids: Numbers, points: Array) -> tuple[Array, Array]:
-        """Values (n,) of leaf ids[k] at point k of (3, n), and gradients (3, n)."""
-
-    def active(self, points: Array) -> tuple[Array, Numbers]:
-        """Values (n,) of the form at points (3, n), and the number of the leaf that gives each."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +60,7 @@ def project(leaves: Leaves, ids: Numbers, points: Array, spacing: Array) -> tupl
     normal, moved = np.zeros_like(points), np.full(len(ids), np.inf)
     active = np.arange(len(ids))
     for _ in range(TURNS):
-        value, gradient = leaves.evaluate(ids[active], np.ascontiguousarray(points[:, active]))
+        value, gradient = leaves.evaluate(ids[active], points[:, active])
         size = np.linalg.norm(gradient, axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
             normal[:, active] = gradient / size
@@ -163,7 +151,7 @@ def closest(leaves: Leaves, pair: Numbers, points: Array, spacing: Array) -> tup
 def _facing(leaves: Leaves, pair: Numbers, points: Array, spacing: Array) -> tuple[Array, Array]:
     """The equations of `closest` at points (3, n, m), in cells, and the cells between the leaves."""
     _, count, many = points.shape
-    flat = np.ascontiguousarray(points.reshape(3, -1))
+    flat = points.reshape(3, -1)
     (f, u), (g, v) = (_signed_distance(leaves, np.repeat(ids, many), flat, spacing) for ids in pair)
     equations = np.concatenate([[f - g], u + v])
     return equations.reshape(4, count, many), (f + g).reshape(count, many)
