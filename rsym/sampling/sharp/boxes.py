@@ -1,0 +1,108 @@
+"""Boxes and the leaves that matter in them, as arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.sampling.sharp.loops import loop
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+_CORNERS = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")).reshape(3, 1, 8)
+NO_BOUNDS = np.empty((2, 0)), np.empty((3, 2, 0))
+
+
+@dataclass(frozen=True)
+class Boxes:
+    """Boxes, and for each the leaves that may matter in it.
+
+    Attributes
+    ----------
+    corner, size : (3, n), (n,)
+        In units of the lattice they belong to.
+    owner : (n,)
+        The number of what they are part of, ascending.
+    start, leaf : (n + 1,), (m,)
+        Leaves ``leaf[start[k]:start[k + 1]]`` may matter in box k.
+    skip : (n, words)
+        Bit 2*gate + operand is set where that operand of the gate cannot be the active one.
+    value, gradient : (2, m), (3, 2, m)
+        Bounds of these leaves and of their gradients, once they are known.
+    """
+
+    corner: Ints
+    size: Ints
+    owner: Ints
+    start: Ints
+    leaf: NDArray[np.int16]
+    skip: NDArray[np.uint64]
+    value: Array
+    gradient: Array
+
+    def __len__(self) -> int:
+        return len(self.size)
+
+    def ends(self, lattice: Array) -> tuple[Array, Array]:
+        """Lower and upper ends of the box of each leaf, in the coordinates of a lattice (origin, spacing).
+
+        Neighbours share their faces to the last bit.
+        """
+        count = np.diff(self.start)
+        corner = np.repeat(self.corner, count, axis=1)
+        size = np.repeat(self.size, count)
+        origin, spacing = lattice[:3, None], lattice[3:, None]
+        return origin + spacing * corner, origin + spacing * (corner + size)
+
+    def chosen(self, which: Flags, kept: Flags | None = None) -> Boxes:
+        """Some of the boxes, with those of their leaves that are kept."""
+        some = np.repeat(which, np.diff(self.start))
+        if kept is not None:
+            some &= kept
+        before = np.concatenate([[0], np.cumsum(some)])[self.start]
+        return Boxes(
+            self.corner[:, which],
+            self.size[which],
+            self.owner[which],
+            _starts(np.diff(before)[which]),
+            self.leaf[some],
+            self.skip[which],
+            self.value[:, some],
+            self.gradient[:, :, some],
+        )
+
+    def halved(self) -> Boxes:
+        """The eight halves of each box, without bounds."""
+        size = self.size // 2
+        corner = (self.corner[:, :, None] + size[None, :, None] * _CORNERS).reshape(3, -1)
+        start = _starts(np.repeat(np.diff(self.start), 8))
+        leaf = np.empty(start[-1], np.int16)
+        _spread(self.start, self.leaf, start, leaf)
+        owner, skip = np.repeat(self.owner, 8), np.repeat(self.skip, 8, axis=0)
+        return Boxes(corner, np.repeat(size, 8), owner, start, leaf, skip, *NO_BOUNDS)
+
+    def renumbered(self) -> Boxes:
+        """The same boxes, each its own owner."""
+        return replace(self, owner=np.arange(len(self)))
+
+    def having(self, value: Array, gradient: Array) -> Boxes:
+        """The same boxes with these bounds."""
+        return replace(self, value=value, gradient=gradient)
+
+
+def _starts(count: NDArray[Any]) -> Ints:
+    return np.concatenate([[0], np.cumsum(count)])
+
+
+@loop
+def _spread(parents: Any, given: Any, start: Any, leaf: Any) -> None:
+    """Eight times the leaves of each parent."""
+    for box in range(len(start) - 1):
+        first = parents[box >> 3] - start[box]
+        for k in range(start[box], start[box + 1]):
+            leaf[k] = given[first + k]

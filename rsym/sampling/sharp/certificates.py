@@ -1,0 +1,215 @@
+"""Which cells are simple: nothing thinner than a cell is lost silently.
+
+The form is a min and max of leaves. Over a box the signs of some leaves are
+known; a gate with a decided operand passes on the other one or is decided
+itself. What remains *matters*: the leaves of open sign that are reached from the
+form through open gates. In the box the form has the sign of a min and max of
+just these.
+
+A box is **discarded** if the sign of the form is known there, and **simple** if
+one direction d has d.g > 0 for every gradient g that a leaf that matters takes
+in it. Each of these leaves then rises strictly along d (a Lipschitz leaf too:
+its generalised gradients lie in the enclosure), min and max keep that, and so
+does the form: along every line parallel to d its sign changes at most once, from
+outside to inside. The zero set in the box is one graph over the plane across d.
+No wall, gap, bubble, sheet or second piece lies inside. We ask for
+d.g > STEEPEST*|g|: that bounds the slope of the graph, so it is no needle.
+
+Blocks of 8 cells a side are split in halves until they are discarded or simple,
+or cells. A cell that is neither is split further, into sub-boxes; it is simple
+after all if one d serves all its sub-boxes that are not discarded: a line along
+d passes through sub-boxes one after the other, in each the sign keeps or turns
+from outside to inside, and neighbours agree on what they share. (Directions of
+their own would prove nothing: each half of a wall rises in its own way.) A cell
+that holds two pieces of the zero set that no d serves is not split to the end.
+
+A leaf that may be undefined in a box has the enclosure (-inf, inf), for its
+gradient too, so such a box is never discarded because of it and never simple.
+
+What this does not say: a body may leave a simple cell through a face and be
+caught by no lattice point. It then goes on growing along d on the other side,
+until it closes somewhere: a smooth piece that no lattice point meets has a point
+where the gradient is zero, and the cell around that point is not simple.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.sampling.sharp.boxes import NO_BOUNDS, Array, Boxes, Ints
+from rsym.sampling.sharp.gates import OPEN, UNRESOLVED, judge, judge_groups, reach
+from rsym.sampling.sharp.leaves import Leaves
+
+# The least cosine between d and a gradient. The bisector of a wedge of 23 degrees has 0.2 with both sides; a sharper
+# edge is a needle to any cell, and walls of two leaves count as facing each other from there on.
+STEEPEST = 0.2
+# Of a thousand cells of the car at 256**3 that are not simple at once, depths 1 to 4 leave 824, 671, 518 and 511.
+DEPTH = 3
+# Blocks and cells that are treated at once: their enclosures stay within some 20 MB.
+BLOCKS, CELLS = 2048, 2048
+
+
+@dataclass(frozen=True)
+class Form:
+    """A sign form: the leaves, how many they are, and the table of gates."""
+
+    leaves: Leaves
+    count: int
+    gates: Ints
+
+
+@dataclass(frozen=True)
+class Unresolved:
+    """Cells without a certificate, and the conflicts in them.
+
+    Attributes
+    ----------
+    cells : (3, n)
+        In lexicographic order.
+    owner : (m,)
+        The cell of each member of a conflict, ascending.
+    leaf : (m,)
+        A leaf that matters in a box ...
+    lower, upper : (3, m)
+        ... and the box: no direction serves the gradients that the members in one cell take.
+    tested : tuple of int
+        Boxes tested: blocks, their halves down to cells, and parts of cells.
+    """
+
+    cells: Ints
+    owner: Ints
+    leaf: NDArray[np.int16]
+    lower: Array
+    upper: Array
+    tested: tuple[int, ...]
+
+    def __len__(self) -> int:
+        return int(self.cells.shape[1])
+
+
+def certify(
+    form: Form,
+    lattice: Array,
+    corner: Ints,
+    skip: NDArray[np.uint64] | None = None,
+    *,
+    depth: int = DEPTH,
+    pool: Executor | None = None,
+) -> Unresolved:
+    """The cells of kept blocks that are neither free of the surface nor simple.
+
+    Parameters
+    ----------
+    form : Form
+    lattice : (6,)
+        Origin and spacing.
+    corner : (3, n)
+        First cells of the blocks of 8*8*8 cells.
+    skip : (n, words), optional
+        What is known already: bit 2*gate + operand is set where that operand cannot be the active one.
+    depth : int
+        How often a cell is halved.
+    pool : Executor, optional
+        Threads that share the work; the result does not depend on them.
+    """
+    words = max(1, -(-2 * len(form.gates) // 64))
+    known = np.zeros((corner.shape[1], words), np.uint64) if skip is None else skip
+    # Least boxes are the unit, so that a corner is a whole number and a coordinate the lattice's own.
+    fine = np.concatenate([lattice[:3], lattice[3:] / 2**depth])
+
+    def part(first: int) -> Unresolved:
+        blocks = slice(first, first + BLOCKS)
+        return _part(form, fine, _blocks(form, corner[:, blocks], known[blocks], depth), depth)
+
+    run = map if pool is None else pool.map
+    return _joined([_nothing((0,) * 5), *run(part, range(0, corner.shape[1], BLOCKS))])
+
+
+def _blocks(form: Form, corner: Ints, skip: NDArray[np.uint64], depth: int) -> Boxes:
+    count = corner.shape[1]
+    reached = np.zeros((count, form.count), np.bool_)
+    reach(form.gates, skip, reached)
+    start = np.concatenate([[0], np.cumsum(reached.sum(axis=1))])
+    leaf = np.nonzero(reached)[1].astype(np.int16)
+    size = np.full(count, 8 << depth)
+    return Boxes(corner << depth, size, np.arange(count), start, leaf, skip.copy(), *NO_BOUNDS)
+
+
+def _part(form: Form, fine: Array, boxes: Boxes, depth: int) -> Unresolved:
+    """From blocks to cells, and into those that are not simple."""
+    tested = []
+    for level in range(4):
+        if level:
+            boxes = boxes.halved()
+        tested.append(len(boxes))
+        boxes = _left(form, fine, boxes, STEEPEST)
+    parts = [_nothing((*tested, 0))]
+    for first in range(0, len(boxes), CELLS):
+        some = np.zeros(len(boxes), np.bool_)
+        some[first : first + CELLS] = True
+        parts.append(_conflicts(form, fine, boxes.chosen(some), depth))
+    return _joined(parts)
+
+
+def _left(form: Form, fine: Array, boxes: Boxes, cosine: float) -> Boxes:
+    """The boxes that are neither discarded nor simple, the leaves that matter in them, and their gradients."""
+    value, gradient = form.leaves.enclose(boxes.leaf, *boxes.ends(fine))
+    verdict, kept = np.empty(len(boxes), np.uint8), np.zeros(len(boxes.leaf), np.bool_)
+    judge(form.gates, form.count, boxes.start, boxes.leaf, boxes.skip, value, gradient, cosine, verdict, kept)
+    return boxes.having(value, gradient).chosen(verdict == OPEN, kept)
+
+
+def _conflicts(form: Form, fine: Array, boxes: Boxes, depth: int) -> Unresolved:
+    """Cells that are split until one direction serves all that is left of each, or surely none, or depth ends."""
+    cells, tested = boxes.corner >> depth, 0
+    boxes = boxes.renumbered()
+    found: list[Boxes] = []
+    for level in range(depth + 1):
+        if level:
+            halves = boxes.halved()
+            tested += len(halves)
+            boxes = _left(form, fine, halves, np.inf)
+        member, verdict = np.zeros(len(boxes.leaf), np.bool_), np.empty(cells.shape[1], np.uint8)
+        ends = np.searchsorted(boxes.owner, np.arange(len(verdict) + 1))
+        last = level == depth
+        judge_groups(ends, boxes.start, boxes.value, boxes.gradient, STEEPEST, last, member, verdict)
+        state = verdict[boxes.owner]
+        found.append(boxes.chosen(state == UNRESOLVED, member))
+        boxes = boxes.chosen(state == OPEN)
+    return _unresolved(fine, cells, found, tested)
+
+
+def _unresolved(fine: Array, cells: Ints, found: list[Boxes], tested: int) -> Unresolved:
+    owner = np.concatenate([np.repeat(boxes.owner, np.diff(boxes.start)) for boxes in found])
+    leaf = np.concatenate([boxes.leaf for boxes in found])
+    lower, upper = (np.concatenate(end, axis=1) for end in zip(*(boxes.ends(fine) for boxes in found), strict=True))
+    order = np.argsort(owner, kind="stable")
+    numbers, owner = np.unique(owner[order], return_inverse=True)
+    return Unresolved(cells[:, numbers], owner, leaf[order], lower[:, order], upper[:, order], (0, 0, 0, 0, tested))
+
+
+def _nothing(tested: tuple[int, ...]) -> Unresolved:
+    none = np.empty(0, np.int64)
+    return Unresolved(
+        np.empty((3, 0), np.int64), none, none.astype(np.int16), np.empty((3, 0)), np.empty((3, 0)), tested
+    )
+
+
+def _joined(parts: list[Unresolved]) -> Unresolved:
+    """The parts as one, cells in lexicographic order."""
+    cells = np.concatenate([part.cells for part in parts], axis=1)
+    order = np.lexsort(cells[::-1])
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    first = np.cumsum([0, *(len(part) for part in parts[:-1])])
+    owner = rank[np.concatenate([part.owner + shift for part, shift in zip(parts, first, strict=True)])]
+    place = np.argsort(owner, kind="stable")
+    leaf = np.concatenate([part.leaf for part in parts])[place]
+    lower = np.concatenate([part.lower for part in parts], axis=1)[:, place]
+    upper = np.concatenate([part.upper for part in parts], axis=1)[:, place]
+    tested = tuple(int(sum(level)) for level in zip(*(part.tested for part in parts), strict=True))
+    return Unresolved(cells[:, order], owner[place], leaf, lower, upper, tested)

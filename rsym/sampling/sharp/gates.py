@@ -1,0 +1,168 @@
+"""What matters in a box: signs of leaves forwards through the gates of a sign form, needs backwards."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.sign_form import SignForm
+from rsym.sampling.sharp.cones import TURNS, central_conflict, conflict
+from rsym.sampling.sharp.loops import loop, step
+
+DISCARDED, SIMPLE, OPEN, UNRESOLVED = 0, 1, 2, 3
+
+
+def gate_table(form: SignForm) -> NDArray[np.int64]:
+    """The gates as rows (1 for max and 0 for min, first operand, second operand).
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> from rsym.codegen.sign_form import surface_form
+    >>> gate_table(surface_form(rsym.Shape(rsym.disjunction(x, y), (x, y, z)))).tolist()
+    [[1, 0, 1]]
+    """
+    rows = [(int(operation == "max"), first, second) for operation, first, second in form.gates]
+    return np.array(rows, np.int64).reshape(-1, 3)
+
+
+@loop
+def reach(gates: Any, skip: Any, reached: Any) -> None:
+    """Mark the leaves, (boxes, leaves), that the form reaches through operands that are not skipped."""
+    leaves = reached.shape[1]
+    need = np.empty(leaves + len(gates), np.bool_)
+    for box in range(len(reached)):
+        need[:] = False
+        need[-1] = True
+        for gate in range(len(gates) - 1, -1, -1):
+            if need[leaves + gate]:
+                for operand in range(2):
+                    if not _skipped(skip, box, 2 * gate + operand):
+                        need[gates[gate, 1 + operand]] = True
+        reached[box] = need[:leaves]
+
+
+@loop
+def judge(
+    gates: Any,
+    leaves: int,
+    start: Any,
+    leaf: Any,
+    skip: Any,
+    value: Any,
+    gradient: Any,
+    cosine: float,
+    verdict: Any,
+    kept: Any,
+) -> None:
+    """The verdict of each box and which of its leaves matter; skipped operands are noted.
+
+    `value` (2, m) and `gradient` (3, 2, m) enclose the leaves; a cosine of 1 or more asks for no direction.
+    """
+    state, need = np.zeros(leaves + len(gates), np.int8), np.zeros(leaves + len(gates), np.bool_)
+    most = _most(start)
+    chosen, units, members = np.empty(most, np.int64), np.empty((3, 8 * most)), np.empty(TURNS, np.int64)
+    for box in range(len(verdict)):
+        count = 0
+        first, last = start[box], start[box + 1]
+        if last - first == 1:  # the form is this leaf
+            kept[first] = _sign(value, first) == 0
+        else:
+            for pair in range(first, last):
+                state[leaf[pair]] = _sign(value, pair)
+            if _is_open(gates, leaves, skip, box, state, need):
+                for pair in range(first, last):
+                    kept[pair] = need[leaf[pair]]
+        for pair in range(first, last):
+            if kept[pair]:
+                chosen[count] = pair
+                count += 1
+        if count == 0:
+            verdict[box] = DISCARDED
+        else:
+            simple = cosine < 1 and conflict(gradient, chosen, count, cosine, units, members) == 0
+            verdict[box] = SIMPLE if simple else OPEN
+
+
+@step
+def _is_open(gates: Any, leaves: int, skip: Any, box: int, state: Any, need: Any) -> bool:
+    """Whether the sign of the form stays open; if so, marks what it needs and notes which operands are skipped."""
+    for gate in range(len(gates)):
+        neutral = -1 if gates[gate, 0] else 1
+        a = neutral if _skipped(skip, box, 2 * gate) else state[gates[gate, 1]]
+        b = neutral if _skipped(skip, box, 2 * gate + 1) else state[gates[gate, 2]]
+        state[leaves + gate] = max(a, b) if gates[gate, 0] else min(a, b)
+    if state[-1] != 0:
+        return False
+    need[:] = False
+    need[-1] = True
+    for gate in range(len(gates) - 1, -1, -1):
+        if need[leaves + gate]:
+            for operand in range(2):
+                bit = 2 * gate + operand
+                if state[gates[gate, 1 + operand]] != 0:
+                    skip[box, bit >> 6] |= np.uint64(1) << np.uint64(bit & 63)
+                elif not _skipped(skip, box, bit):
+                    need[gates[gate, 1 + operand]] = True
+    return True
+
+
+@loop
+def judge_groups(
+    ends: Any, start: Any, value: Any, gradient: Any, cosine: float, last: bool, member: Any, verdict: Any
+) -> None:
+    """Groups of boxes, ``ends[k]`` to ``ends[k + 1]``: simple, open, or unresolved and then with a conflict marked.
+
+    A group is unresolved before the last level where the middles of *sure* pairs conflict: there the leaf is the
+    only one that matters, and with 0 in the middle half of its values it surely vanishes in the box.
+    """
+    most = 1
+    for group in range(len(verdict)):
+        most = max(most, start[ends[group + 1]] - start[ends[group]])
+    chosen, units, members = np.empty(most, np.int64), np.empty((3, 8 * most)), np.empty(TURNS, np.int64)
+    for group in range(len(verdict)):
+        first, count = start[ends[group]], start[ends[group + 1]] - start[ends[group]]
+        for k in range(count):
+            chosen[k] = first + k
+        found = conflict(gradient, chosen, count, cosine, units, members) if count else 0
+        verdict[group] = OPEN if found else SIMPLE
+        if found and not last:
+            count = 0
+            for box in range(ends[group], ends[group + 1]):
+                if start[box + 1] - start[box] == 1 and _surely_vanishes(value, start[box]):
+                    chosen[count] = start[box]
+                    count += 1
+            found = central_conflict(gradient, chosen, count, cosine, units, members) if count else 0
+        if found:
+            verdict[group] = UNRESOLVED
+            for k in range(found):
+                member[chosen[members[k]]] = True
+
+
+@step
+def _surely_vanishes(value: Any, pair: int) -> Any:
+    return 2 * abs(value[0, pair] + value[1, pair]) < value[1, pair] - value[0, pair]
+
+
+@step
+def _most(start: Any) -> int:
+    most = 1
+    for box in range(len(start) - 1):
+        most = max(most, start[box + 1] - start[box])
+    return most
+
+
+@step
+def _sign(value: Any, pair: int) -> int:
+    """1 or -1 where the sign is known, else 0."""
+    if value[0, pair] > 0:
+        return 1
+    return -1 if value[1, pair] < 0 else 0
+
+
+@step
+def _skipped(skip: Any, box: int, bit: int) -> Any:
+    return (skip[box, bit >> 6] >> np.uint64(bit & 63)) & np.uint64(1) != 0

@@ -1,0 +1,67 @@
+"""Leaves by number: bounds over boxes, values and gradients at points, and which of them is active."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.surface_kernels import SurfaceKernels, padded
+
+Array = NDArray[np.float64]
+Numbers = NDArray[np.int16]
+
+
+class Leaves(Protocol):
+    """What certificates, and the measures of what is thin, need of a sign form; arrays are of any layout."""
+
+    def enclose(self, leaf: Numbers, lower: Array, upper: Array) -> tuple[Array, Array]:
+        """Bounds (2, n) of leaf[k] over box k of (3, n), and (3, 2, n) of its gradient; infinite where it may fail."""
+
+    def evaluate(self, leaf: Numbers, points: Array) -> tuple[Array, Array]:
+        """Values (n,) of leaf[k] at point k of (3, n), and gradients (3, n)."""
+
+    def active(self, points: Array) -> tuple[Array, Numbers]:
+        """Values (n,) of the form at points (3, n), and the number of the leaf that gives each."""
+
+
+class CompiledLeaves:
+    """The leaves of compiled kernels."""
+
+    def __init__(self, kernels: SurfaceKernels) -> None:
+        self._kernels = kernels
+
+    def enclose(self, leaf: Numbers, lower: Array, upper: Array) -> tuple[Array, Array]:
+        """Bounds of leaves and gradients over boxes."""
+        count = len(leaf)
+        bounds = np.empty((8, padded(count)))
+        self._kernels.enclose(count, _numbers(leaf), _points(lower), _points(upper), bounds)
+        return bounds[:2, :count].copy(), bounds[2:, :count].reshape(3, 2, count)
+
+    def evaluate(self, leaf: Numbers, points: Array) -> tuple[Array, Array]:
+        """Values and gradients of leaves at points."""
+        count = len(leaf)
+        value, gradient = np.empty(padded(count)), np.empty((3, padded(count)))
+        self._kernels.leaf(count, _numbers(leaf), _points(points), value, gradient)
+        return value[:count], gradient[:, :count]
+
+    def active(self, points: Array) -> tuple[Array, Numbers]:
+        """The form at points, and its active leaf."""
+        count = points.shape[1]
+        value, leaf = np.empty(padded(count)), np.empty(padded(count), np.int16)
+        self._kernels.value(count, _points(points), value, leaf)
+        return value[:count], leaf[:count]
+
+
+def _points(points: Array) -> Array:
+    array = np.zeros((3, padded(points.shape[1])))
+    array[:, : points.shape[1]] = points
+    return array
+
+
+def _numbers(leaf: Numbers) -> Numbers:
+    """Numbers of leaves, and behind them -1, which asks for nothing."""
+    array = np.full(padded(len(leaf)), -1, np.int16)
+    array[: len(leaf)] = leaf
+    return array
