@@ -142,7 +142,7 @@ def _of_clipping(found: Findings) -> Iterable[str]:
     if found.clipped_at:
         sides = ", ".join(found.clipped_at)
         if found.capped:
-            yield f"The body is clipped at {sides}; flat caps close it there."
+            yield f"The body leaves the bounds and is clipped at {sides}; flat caps close it there."
         else:
             yield f"The surface leaves the bounds at {sides}; wider bounds close it."
 
