@@ -84,7 +84,7 @@ def test_vertices_off_the_surface_and_caps_are_told():
     assert found.clipped
     assert found.closed
     assert found.remarks == (
-        "The surface leaves the bounds at the floor; flat caps close it there.",
+        "The body leaves the bounds and is clipped at the floor; flat caps close it there.",
         "2 vertices are off the surface, at worst by 0.25 cells near (0.0, 1.0, 2.0).",
     )
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from skimage.measure import find_contours
 
 from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus
-from rsym.sampling.leaves import Array, Ints, Leaves
 from rsym.sampling.plane import PlaneSampler
+from rsym.sampling.plane_leaves import Array, Ints, PlaneLeaves
 from rsym.sampling.roots import bracketed_roots
 
 Flags = NDArray[np.bool_]
@@ -26,7 +26,7 @@ REACH = 16.0
 SMOOTH_JOINT = 1e-2
 
 
-def outline(sampler: PlaneSampler, leaves: Leaves) -> LevelLines:
+def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     """The lines omega = 0 of a prepared plane."""
     values = sampler.values()
     # Signs alone: then every vertex lies in the middle of its edge, and its edge is known.
@@ -53,7 +53,7 @@ def outline(sampler: PlaneSampler, leaves: Leaves) -> LevelLines:
     return LevelLines(lines, 0.0, "value", status)
 
 
-def _on_edges(sampler: PlaneSampler, leaves: Leaves, index: Array) -> Array:
+def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Array) -> Array:
     """The zero of the form on the edge of each vertex; `index` holds the middles of the edges."""
     low = np.floor(index)
     along = index - low > 0
@@ -86,7 +86,7 @@ class Corners(NamedTuple):
     missed: int
 
 
-def _corners(leaves: Leaves, joints: Joints, cell: float) -> Corners:
+def _corners(leaves: PlaneLeaves, joints: Joints, cell: float) -> Corners:
     """The common zero of both leaves of a joint, or those of both with a third leaf.
 
     A corner holds if each leaf is the boundary all the way to it.
@@ -105,7 +105,7 @@ def _corners(leaves: Leaves, joints: Joints, cell: float) -> Corners:
     return Corners(joint[order], points[order], int(np.count_nonzero(_turn(leaves, missed) > SMOOTH_JOINT)))
 
 
-def _one_corner(leaves: Leaves, joints: Joints, cell: float) -> tuple[Array, Flags]:
+def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Array, Flags]:
     corner = leaves.common((joints.before + joints.after) / 2, joints.one, joints.other)
     return corner, (
         _near(joints, corner, cell)
@@ -114,7 +114,7 @@ def _one_corner(leaves: Leaves, joints: Joints, cell: float) -> tuple[Array, Fla
     )
 
 
-def _two_corners(leaves: Leaves, joints: Joints, third: Ints, cell: float) -> tuple[Array, Flags]:
+def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) -> tuple[Array, Flags]:
     middle = (joints.before + joints.after) / 2
     first, second = leaves.common(middle, joints.one, third), leaves.common(middle, third, joints.other)
     return np.stack([first, second], axis=1), (
@@ -131,7 +131,7 @@ def _near(joints: Joints, points: Array, cell: float) -> Flags:
     return near
 
 
-def _bounds(leaves: Leaves, start: Array, end: Array, leaf: Ints, cell: float) -> Flags:
+def _bounds(leaves: PlaneLeaves, start: Array, end: Array, leaf: Ints, cell: float) -> Flags:
     """Whether the leaf is the boundary from start to end: at the end and at two places between."""
     holds = np.ones(len(start), np.bool_)
     for share in (1 / 3, 2 / 3, 1.0):
@@ -140,7 +140,7 @@ def _bounds(leaves: Leaves, start: Array, end: Array, leaf: Ints, cell: float) -
     return holds
 
 
-def _turn(leaves: Leaves, joints: Joints) -> Array:
+def _turn(leaves: PlaneLeaves, joints: Joints) -> Array:
     """The sine of the angle by which the boundary turns at a joint."""
     at = np.arange(len(joints.one))
     (p, q), (u, v) = leaves(joints.before)[1][joints.one, at].T, leaves(joints.after)[1][joints.other, at].T

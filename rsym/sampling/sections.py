@@ -14,9 +14,9 @@ from rsym.model.letters import real_number
 from rsym.model.shape import Shape
 from rsym.model.symbols import z
 from rsym.sampling.contours import LevelLines
-from rsym.sampling.leaves import leaves_of
 from rsym.sampling.outlines import outline
 from rsym.sampling.plane import plane_sampler
+from rsym.sampling.plane_leaves import leaves_of
 from rsym.sampling.progress import Progress, Steps
 
 

@@ -140,8 +140,11 @@ class MeshStatus(Measures, Findings):
 
 def _of_clipping(found: Findings) -> Iterable[str]:
     if found.clipped_at:
-        closed = "; flat caps close it there" if found.capped else "; wider bounds close it"
-        yield f"The surface leaves the bounds at {', '.join(found.clipped_at)}{closed}."
+        sides = ", ".join(found.clipped_at)
+        if found.capped:
+            yield f"The body leaves the bounds and is clipped at {sides}; flat caps close it there."
+        else:
+            yield f"The surface leaves the bounds at {sides}; wider bounds close it."
 
 
 def _of_suspects(suspects: tuple[Suspect, ...]) -> Iterable[str]:

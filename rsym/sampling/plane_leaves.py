@@ -23,7 +23,7 @@ NEWTON_STEPS = 12
 
 
 @dataclass(frozen=True)
-class Leaves:
+class PlaneLeaves:
     """The leaves of a sign form in space, as functions of two free coordinates.
 
     `flat` are leaves that are zero all over the plane: the plane runs along a face of theirs.
@@ -59,7 +59,7 @@ class Leaves:
         parts[list(self.flat), 0] = np.inf
         return parts[:, 0], parts[:, 1:].transpose(0, 2, 1)
 
-    def at(self, fixed: Mapping[int, float], points: Array) -> Leaves:
+    def at(self, fixed: Mapping[int, float], points: Array) -> PlaneLeaves:
         """The same in another plane; `points` are some of it."""
         plane = replace(self, fixed=fixed, flat=())
         return replace(plane, flat=tuple(np.flatnonzero((plane(points)[0] == 0).all(axis=1)).tolist()))
@@ -109,7 +109,7 @@ class Leaves:
 
 def leaves_of(
     shape: Shape, free: tuple[int, int], fixed: Mapping[int, float], letters: Mapping[Any, float] | None = None
-) -> Leaves:
+) -> PlaneLeaves:
     """Compile value and gradient in the plane of each leaf of a shape."""
     builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(shape.letters))
     form = sign_form(builder, lower(builder, shape.expression))
@@ -118,4 +118,4 @@ def leaves_of(
         outputs[f"leaf_{k}"] = leaf
         outputs.update({f"leaf_{k}_{i}": derivative(builder, leaf, builder.coordinates[i]) for i in free})
     kernel = compile_program(builder.program(outputs), (), shape)
-    return Leaves(kernel, form.gates, free, fixed, letters)
+    return PlaneLeaves(kernel, form.gates, free, fixed, letters)
