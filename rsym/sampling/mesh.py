@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.sampling.manifolds import measure
+from rsym.sampling.sharp.features import Feature, features_of
 from rsym.sampling.status import Findings, MeshStatus
 
 Array: TypeAlias = NDArray[np.float64]
@@ -23,7 +24,8 @@ Outward: TypeAlias = Callable[[Ints, Array], Array]
 class Mesh:
     """Triangles with outward orientation.
 
-    `normals` and `status` are computed at the first use and kept; a mesh that is pickled carries its normals along.
+    `normals`, `features` and `status` are computed at the first use and kept; a mesh that is pickled carries its
+    normals along.
 
     Attributes
     ----------
@@ -58,31 +60,41 @@ class Mesh:
     @cached_property
     def normals(self) -> Array:
         """The outward unit normal of each corner of each face, (m, 3, 3); that of the triangle where there is none."""
-        if self.shading is None:
-            return np.repeat(self._flat(self.faces)[:, None], 3, axis=1)
-        given = self.shading
-        if callable(given):
-            given = self._outward(given, self.vertices[self.faces])
-        normals = _unit(given)
-        missing: NDArray[np.bool_] = np.any(np.isnan(normals), axis=2)
-        bare = np.flatnonzero(missing.any(axis=1))
-        normals[bare] = np.where(missing[bare][:, :, None], self._flat(self.faces[bare])[:, None], normals[bare])
-        return normals
+        return self._normals_of(slice(None))
+
+    @cached_property
+    def features(self) -> tuple[Feature, ...]:
+        """The curves along which the leaves meet, the edges of the body among them; none where leaves are not known."""
+        if self.leaf is None:
+            return ()
+        return features_of(self.vertices, self.faces, self.leaf, self.leaves, self._normals_of)
 
     @cached_property
     def status(self) -> MeshStatus:
         """What is known of the mesh."""
         outward = None
         if callable(self.shading):
-            outward = self._outward(self.shading, self.vertices[self.faces].mean(axis=1, keepdims=True))[:, 0]
+            middles = self.vertices[self.faces].mean(axis=1, keepdims=True)
+            outward = self._outward(self.shading, slice(None), middles)[:, 0]
         elif self.shading is not None:
             outward = self.shading[:, 0] + self.shading[:, 1] + self.shading[:, 2]
         measures = measure(self.vertices, self.faces, outward, self.findings.sides)
         return MeshStatus(**vars(measures), **vars(self.findings))
 
-    def _outward(self, rule: Outward, points: Array) -> Array:
-        """The rule at points (m, k, 3), k for each face."""
-        leaf = np.zeros(len(self.faces), np.int16) if self.leaf is None else self.leaf
+    def _normals_of(self, some: Ints | slice) -> Array:
+        """The normals of some faces."""
+        faces, given = self.faces[some], self.shading
+        if given is None:
+            return np.repeat(self._flat(faces)[:, None], 3, axis=1)
+        normals = _unit(self._outward(given, some, self.vertices[faces]) if callable(given) else given[some])
+        missing: NDArray[np.bool_] = np.any(np.isnan(normals), axis=2)
+        bare = np.flatnonzero(missing.any(axis=1))
+        normals[bare] = np.where(missing[bare][:, :, None], self._flat(faces[bare])[:, None], normals[bare])
+        return normals
+
+    def _outward(self, rule: Outward, some: Ints | slice, points: Array) -> Array:
+        """The rule at points (m, k, 3), k for each of some faces."""
+        leaf = np.zeros(len(points), np.int16) if self.leaf is None else self.leaf[some]
         return rule(np.repeat(leaf, points.shape[1]), points.reshape(-1, 3)).reshape(points.shape)
 
     def _flat(self, faces: Ints) -> Array:
