@@ -12,7 +12,10 @@ from closeness import assert_close
 from rsym.errors import RsymError
 from rsym.output.corners import split_sharp
 from rsym.output.files import FORMATS, write
+from rsym.output.parts import part_colours
+from rsym.output.shading import linear
 from rsym.sampling.mesh import Mesh
+from tests.test_features import tube
 
 FLOAT64 = (".ply", ".obj", ".off", ".3mf")
 
@@ -159,3 +162,37 @@ def test_leaves_that_meet_at_a_blunt_edge_keep_their_normals(tmp_path):
     text = write(roof, tmp_path / "roof.obj").read_text()
     assert (text.count("\nv "), text.count("vn ")) == (5, 8)
     assert len(split_sharp(Mesh(vertices, faces, roof.normals)).vertices) == 6
+
+
+def test_glb_of_parts_holds_an_object_of_each_name_and_colour(tmp_path):
+    vertices, faces, leaf = tube(12)
+    mesh = Mesh(vertices, faces, leaf=leaf, leaves=("bottom", "mantle", "top"))
+    scene = trimesh.load_scene(write(mesh, tmp_path / "tube.glb", colour_by="part"))
+    assert list(scene.geometry) == list(mesh.leaves)
+    for number, (name, part) in enumerate(scene.geometry.items()):
+        there = vertices[np.unique(faces[leaf == number])][:, [0, 2, 1]] * [1, 1, -1]
+        assert {tuple(row) for row in part.vertices.round(5)} == {tuple(row) for row in there.round(5)}
+        assert len(part.faces) == (leaf == number).sum()
+        assert_close(part.visual.material.baseColorFactor[:3] / 255, linear(part_colours(mesh)[name]), atol=0.002)
+    whole = scene.to_mesh()
+    whole.merge_vertices(merge_norm=True, merge_tex=True)
+    assert_close(whole.volume, mesh.status.volume, rtol=1e-6)
+
+
+def test_leaves_stay_crisp_at_any_angle(tmp_path):
+    """A roof of 8 degrees: smooth where the leaves are not known, an edge where they are."""
+    rise = np.tan(np.radians(4))
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, rise], [1, 1, rise], [0, 2, 0], [1, 2, 0]])
+    faces = np.array([[0, 1, 3], [0, 3, 2], [2, 3, 5], [2, 5, 4]])
+    assert len(split_sharp(Mesh(vertices, faces)).vertices) == 6
+    known = split_sharp(Mesh(vertices, faces, leaf=np.array([0, 0, 1, 1]), leaves=("south", "north")))
+    assert len(known.vertices) == 8
+    assert_close(known.normals[known.faces[0]], np.tile(known.normals[known.faces[0, 0]], (3, 1)), atol=1e-12)
+
+
+@pytest.mark.parametrize(("name", "colour"), [("a.stl", "part"), ("a.glb", "leaf"), ("a.html", "zebra")])
+def test_colours_that_a_file_cannot_hold_are_refused(tmp_path, name, colour):
+    with pytest.raises(RsymError) as caught:
+        write(cube(), tmp_path / name, colour_by=colour)
+    assert caught.value.code == "colour-by"
+    assert not list(tmp_path.iterdir())
