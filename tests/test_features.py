@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from closeness import assert_close
 
 from rsym.sampling.sharp.features import features_of
+from tests.closeness import assert_close
 
 SIDES = ("left", "right", "front", "back", "bottom", "top")
 

@@ -132,6 +132,19 @@ def project(axes: Axes3D, points: Floats) -> Floats:
     return screen
 
 
+def turning(axes: Axes3D, points: Floats, normals: Floats) -> Floats:
+    """Return for points (n, 3) of a surface how far it turns to the eye: > 0 if it winds counter-clockwise there."""
+    limits = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()])
+    nearby = 1e-4 * float(np.ptp(limits, axis=1).max())
+    least = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    along = unit(np.cross(normals, least))
+    across = np.cross(normals, along)
+    here, right, up = (project(axes, points + nearby * way)[:, :2] for way in (0 * along, along, across))
+    (a, b), (c, d) = (right - here).T, (up - here).T
+    area: Floats = a * d - b * c
+    return area
+
+
 def camera(axes: Axes3D) -> tuple[Floats, int]:
     """Return the matrix that turns normals of the data to the camera's right, up and towards, and a handedness.
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.model.shape import Shape
 from rsym.output import axes3d
+from rsym.output.ink import draw_lines
 from rsym.output.paints import Spots, coat_of
 from rsym.output.rasteriser import Triangles, rasterise, snap
 from rsym.output.shading import BODY, hollows, mean_depth, reduce, shade, unit
@@ -25,7 +26,8 @@ Ints = NDArray[np.int64]
 
 SAMPLES = 2  # per pixel and direction
 BATCH = 1 << 18  # pixels shaded at once
-EDGE_WIDTH = 0.3  # points
+EDGE_WIDTH, FEATURE_WIDTH = 0.3, 0.7  # points
+SMOOTH = 10.0  # degrees: where leaves meet at a smaller angle nobody sees an edge
 HOLLOW_RADIUS = 0.025  # of the picture's longer side
 EDGE_LIGHT = 0.25  # what is left of the light on an edge
 
@@ -38,6 +40,7 @@ def plot_mesh(
     elevation: float = 22.0,
     azimuth: float = -55.0,
     edges: bool = False,
+    features: bool | float = True,
     colour_by: str | ArrayLike | None = None,
     shape: Shape | None = None,
     letters: Mapping[Any, float] | None = None,
@@ -56,6 +59,9 @@ def plot_mesh(
         The direction of the eye in degrees: above the xy-plane, and from the x-axis towards the y-axis.
     edges : bool
         Whether to draw the edges of the triangles.
+    features : bool or float
+        Whether to draw `mesh.features`, the curves along which leaves meet; a number is the least angle in degrees
+        of those that are drawn, by default 10.
     colour_by : str or array, optional
         ``mean_curvature``, ``gaussian_curvature``, ``k1``, ``k2``: a map of the exact curvature at every pixel;
         ``zebra``: the reflection of level stripes, kinked where the curvature jumps and broken at an edge;
@@ -87,7 +93,9 @@ def plot_mesh(
     >>> artist.axes is axes
     True
     """
-    artist = ShadedMesh(mesh, colour=colour, edges=edges, colour_by=colour_by, shape=shape, letters=letters)
+    artist = ShadedMesh(
+        mesh, colour=colour, edges=edges, features=features, colour_by=colour_by, shape=shape, letters=letters
+    )
     if ax is None:
         axes = axes3d.new_axes(artist.low, artist.high, elevation, azimuth)
     else:
@@ -118,6 +126,7 @@ class ShadedMesh(Artist):
         *,
         colour: str = BODY,
         edges: bool = False,
+        features: bool | float = True,
         colour_by: str | ArrayLike | None = None,
         shape: Shape | None = None,
         letters: Mapping[Any, float] | None = None,
@@ -125,6 +134,7 @@ class ShadedMesh(Artist):
         super().__init__()
         self.mesh = mesh
         self.edges = edges
+        self.lines, self.beside = _lines(mesh, SMOOTH if features is True else 180.1 if features is False else features)
         self.low, self.high = mesh.vertices[mesh.faces].min(axis=(0, 1)), mesh.vertices[mesh.faces].max(axis=(0, 1))
         self.normals = mesh.normals
         coat = coat_of(mesh, self.normals, colour, colour_by, shape, letters)
@@ -147,11 +157,11 @@ class ShadedMesh(Artist):
         if axes is None or not self.get_visible():
             return
         scale = renderer.get_image_magnification()
-        line = EDGE_WIDTH * float(np.asarray(renderer.points_to_pixels(1.0))) * scale if self.edges else 0.0
+        point = float(np.asarray(renderer.points_to_pixels(1.0))) * scale
         # A picture saved with bbox_inches="tight" is drawn twice, the second time only moved.
-        state = (axes.get_proj().tobytes(), tuple(np.round(axes.bbox.size, 6)), scale, line)
+        state = (axes.get_proj().tobytes(), tuple(np.round(axes.bbox.size, 6)), scale, point)
         if state != self._state:
-            self._state, self._drawn = state, self._picture(axes, scale, line)
+            self._state, self._drawn = state, self._picture(axes, scale, point)
         corner, image = self._drawn
         if image.size:
             left, bottom = axes.bbox.min + corner / scale
@@ -161,24 +171,34 @@ class ShadedMesh(Artist):
             context.restore()
         self.stale = False
 
-    def _picture(self, axes: Axes3D, scale: float, line: float) -> tuple[Ints, NDArray[np.uint8]]:
-        """Return the lower left corner, in image pixels from that of the axes, and the image, lowest row first."""
-        screen = axes3d.project(axes, self.mesh.vertices)
-        screen[:, :2] = (screen[:, :2] - axes.bbox.min) * scale
-        corners = screen[self.mesh.faces]
-        low = np.maximum(np.floor(corners[..., :2].min(axis=(0, 1))), 0).astype(np.int64)
-        high = np.minimum(np.ceil(corners[..., :2].max(axis=(0, 1))), np.ceil(axes.bbox.size * scale)).astype(np.int64)
+    def _picture(self, axes: Axes3D, scale: float, point: float) -> tuple[Ints, NDArray[np.uint8]]:
+        """Return the lower left corner, in image pixels from that of the axes, and the image, lowest row first.
+
+        A point of the page is so many pixels.
+        """
+        corners = _on_screen(axes, self.mesh.vertices, scale)[self.mesh.faces]
+        # Half of a line along an outline lies beside the body.
+        room = np.ceil(FEATURE_WIDTH * point / 2) if len(self.lines) else 0.0
+        least, most = corners[..., :2].min(axis=(0, 1)) - room, corners[..., :2].max(axis=(0, 1)) + room
+        low = np.maximum(np.floor(least), 0).astype(np.int64)
+        high = np.minimum(np.ceil(most), np.ceil(axes.bbox.size * scale)).astype(np.int64)
         width, height = np.maximum(high - low, 0) * SAMPLES
-        corners[..., :2] = (corners[..., :2] - low) * SAMPLES
         if not width or not height:
             return low, np.zeros((0, 0, 4), np.uint8)
-        samples = self._samples(corners, (int(height), int(width)), axes3d.camera(axes), line * SAMPLES)
+        corners[..., :2] = (corners[..., :2] - low) * SAMPLES
+        edge = EDGE_WIDTH * point * SAMPLES if self.edges else 0.0
+        samples, depth = self._samples(corners, (int(height), int(width)), axes3d.camera(axes), edge)
+        if len(self.lines):
+            lines = self.lines[self._may_be_seen(axes)]
+            lines = _on_screen(axes, lines.reshape(-1, 3), scale).reshape(lines.shape)
+            lines[..., :2] = (lines[..., :2] - low) * SAMPLES
+            draw_lines(samples, depth, lines, FEATURE_WIDTH * point * SAMPLES)
         return low, reduce(samples, SAMPLES)
 
     def _samples(
         self, corners: Floats, size: tuple[int, int], camera: tuple[Floats, int], line: float
-    ) -> NDArray[np.float32]:
-        """Return linear light and coverage of samples, (h, w, 4)."""
+    ) -> tuple[NDArray[np.float32], Floats]:
+        """Return linear light and coverage of samples, (h, w, 4), and their depths."""
         turn, mirrored = camera
         triangles, names = self._facing_triangles(corners, mirrored)
         nearest = rasterise(triangles, size)
@@ -198,7 +218,16 @@ class ShadedMesh(Artist):
             samples[row, column, 3] = 1.0
         factors = hollows(mean_depth(depth, SAMPLES), max(int(HOLLOW_RADIUS * max(size) / SAMPLES), 1))
         samples[..., :3] *= factors.repeat(SAMPLES, axis=0).repeat(SAMPLES, axis=1)[..., None]
-        return samples.clip(0.0, 1.0)
+        return samples.clip(0.0, 1.0), depth
+
+    def _may_be_seen(self, axes: Axes3D) -> NDArray[np.bool_]:
+        """Whether a surface beside a line faces the eye; where insides show, any line may be seen."""
+        if not self.mesh.status.closed:
+            return np.ones(len(self.lines), np.bool_)
+        _, mirrored = axes3d.camera(axes)
+        points = np.broadcast_to(self.lines[:, :, None], self.beside.shape).reshape(-1, 3)
+        towards = mirrored * axes3d.turning(axes, points, self.beside.reshape(-1, 3))
+        return np.asarray(towards.reshape(len(self.lines), -1).max(axis=1) > 0)
 
     def _facing_triangles(self, corners: Floats, mirrored: int) -> tuple[Triangles, Ints]:
         """Return the triangles to draw and their names in the mesh: those that face the eye if no inside can show."""
@@ -212,6 +241,21 @@ class ShadedMesh(Artist):
         """Return the linear light of samples, seen from outside (side 1) or from inside (-1)."""
         normals = unit(np.einsum("ij,ijk->ik", spots.weights, self.normals[spots.faces]) @ spots.turn.T)
         return shade(normals * spots.side[:, None], self.paint(spots))
+
+
+def _lines(mesh: Mesh, least: float) -> tuple[Floats, Floats]:
+    """Return the pieces of features of this angle at least, (n, 2, 3), and the normals at their ends, (n, 2, 2, 3)."""
+    kept = [one for one in mesh.features if one.angle >= least] if least <= 180 else []
+    pieces = [np.stack([one.points[:-1], one.points[1:]], axis=1) for one in kept]
+    beside = [np.stack([one.normals[:-1], one.normals[1:]], axis=1) for one in kept]
+    return np.concatenate([np.zeros((0, 2, 3)), *pieces]), np.concatenate([np.zeros((0, 2, 2, 3)), *beside])
+
+
+def _on_screen(axes: Axes3D, points: Floats, scale: float) -> Floats:
+    """Project points to pixels of an image, from the lower left corner of the axes, and depth."""
+    screen = axes3d.project(axes, points)
+    screen[:, :2] = (screen[:, :2] - axes.bbox.min) * scale
+    return screen
 
 
 def _shifted_weights(triangles: Triangles, faces: Ints, row: Ints, column: Ints, rows: int, columns: int) -> Floats:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.sampling.manifolds import measure
+from rsym.sampling.sharp.features import Feature, features_of
 from rsym.sampling.status import Findings, MeshStatus
 
 Array: TypeAlias = NDArray[np.float64]
@@ -23,7 +24,8 @@ Outward: TypeAlias = Callable[[Ints, Array], Array]
 class Mesh:
     """Triangles with outward orientation.
 
-    `normals` and `status` are computed at the first use and kept; a mesh that is pickled carries its normals along.
+    `normals`, `features` and `status` are computed at the first use and kept; a mesh that is pickled carries its
+    normals along.
 
     Attributes
     ----------
@@ -73,6 +75,13 @@ class Mesh:
         bare = np.flatnonzero(np.any(missing, axis=1))
         normals[bare] = np.where(missing[bare][:, :, None], self._flat(which[bare])[:, None], normals[bare])
         return normals
+
+    @cached_property
+    def features(self) -> tuple[Feature, ...]:
+        """The curves along which the leaves meet, the edges of the body among them; none where leaves are not known."""
+        if self.leaf is None:
+            return ()
+        return features_of(self.vertices, self.faces, self.leaf, self.leaves, self.normals_of)
 
     @cached_property
     def status(self) -> MeshStatus:

@@ -25,15 +25,21 @@ class Feature:
         The first lies to the left of the curve, seen from outside.
     names : two names
         Those of the leaves.
-    angle : float
-        The largest angle between the normals on both sides, in degrees: small where one leaf goes smoothly over
-        into the other.
+    normals : (n, 2, 3) float64
+        The outward unit normals of both leaves at the points.
     """
 
     points: Array
     leaves: tuple[int, int]
     names: tuple[str, str]
-    angle: float
+    normals: Array
+
+    @property
+    def angle(self) -> float:
+        """The largest angle between both normals, in degrees: small where one leaf goes on smoothly as the other."""
+        u, v = self.normals[:, 0], self.normals[:, 1]
+        across = np.linalg.norm(np.cross(u, v), axis=1)
+        return float(np.degrees(np.arctan2(across, np.einsum("ij,ij->i", u, v))).max())
 
     @property
     def closed(self) -> bool:
@@ -68,13 +74,14 @@ def features_of(
     seams = _seams(faces, leaf, len(vertices))
     if not len(seams.start):
         return ()
-    angles = _angles(seams, normals)
+    beside = _beside(seams, normals)
     found = []
     for chain in _chains(seams):
         line = np.append(seams.start[chain], seams.end[chain[-1]])
         first, second = (int(leaf[side[chain[0]] // 3]) for side in (seams.left, seams.right))
         names = leaves[first], leaves[second]
-        found.append(Feature(vertices[line], (first, second), names, float(angles[chain].max())))
+        both = np.concatenate([beside[chain, 0], beside[chain[-1:], 1]])
+        found.append(Feature(vertices[line], (first, second), names, both))
     return tuple(found)
 
 
@@ -137,14 +144,10 @@ def _chains(seams: _Seams) -> list[list[int]]:
     return chains
 
 
-def _angles(seams: _Seams, normals: Callable[[Ints], Array]) -> Array:
-    """The larger of the angles between the normals at both ends of each edge, in degrees."""
-    left, right = normals(seams.left // 3), normals(seams.right // 3)
-    edges = np.arange(len(seams.start))
-    angles = []
-    for turn in (0, 1):  # the right half-edge runs back, so its end is our start
-        u, v = left[edges, (seams.left + turn) % 3], right[edges, (seams.right + 1 - turn) % 3]
-        across = np.linalg.norm(np.cross(u, v), axis=1)
-        angles.append(np.degrees(np.arctan2(across, np.einsum("ij,ij->i", u, v))))
-    largest: Array = np.maximum(*angles)
-    return largest
+def _beside(seams: _Seams, normals: Callable[[Ints], Array]) -> Array:
+    """The normals at both ends of each edge, on its left and on its right, (k, 2, 2, 3)."""
+    edges = np.arange(len(seams.start))[:, None]
+    # The right half-edge runs back: its start is the end of the edge.
+    corners = (seams.left[:, None] + [0, 1]) % 3, (seams.right[:, None] + [1, 0]) % 3
+    sides = (normals(half // 3)[edges, k] for half, k in zip((seams.left, seams.right), corners, strict=True))
+    return np.stack(list(sides), axis=2)
