@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from matplotlib import rc_context
 from matplotlib.backend_bases import RendererBase
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure, FigureBase
+from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import Axes3D
@@ -81,14 +82,31 @@ def add_axes(figure: FigureBase, place: Any) -> BodyAxes:
 def colour_bar(axes: Axes3D, scale: ScalarMappable, label: str) -> None:
     """Widen a figure that one 3D axes fills, and put a colour bar beside it."""
     figure: Any = axes.figure
-    width, height = figure.get_size_inches()
-    place = axes.get_position(original=True)
-    wide = width + BAR_ROOM
-    figure.set_size_inches(wide, height)
-    axes.set_position((place.x0 * width / wide, place.y0, place.width * width / wide, place.height))
-    bar = figure.colorbar(scale, cax=figure.add_axes((width / wide, 0.2, 0.16 / wide, 0.6)), extend="both")
+    left = _widen(axes, BAR_ROOM)
+    width = figure.get_size_inches()[0]
+    bar = figure.colorbar(scale, cax=figure.add_axes((left, 0.2, 0.16 / width, 0.6)), extend="both")
     bar.set_label(label)
     bar.ax.tick_params(labelsize=8, length=2)
+
+
+def legend(axes: Axes3D, colours: Mapping[str, str]) -> None:
+    """Widen a figure that one 3D axes fills, and list names and their colours beside it."""
+    figure: Any = axes.figure
+    handles = [Patch(facecolor=colour, edgecolor=GREY, linewidth=0.5, label=name) for name, colour in colours.items()]
+    key = figure.legend(handles=handles, loc="center left", frameon=False, fontsize=9, borderaxespad=0.0)
+    width = key.get_window_extent(figure.canvas.get_renderer()).width / figure.dpi
+    key.set_bbox_to_anchor((_widen(axes, width + 0.2), 0.5))
+
+
+def _widen(axes: Axes3D, room: float) -> float:
+    """Add so many inches on the right of a figure that one 3D axes fills; return the share where they begin."""
+    figure: Any = axes.figure
+    width, height = figure.get_size_inches()
+    place = axes.get_position(original=True)
+    wide = width + room
+    figure.set_size_inches(wide, height)
+    axes.set_position((place.x0 * width / wide, place.y0, place.width * width / wide, place.height))
+    return float(width / wide)
 
 
 def require_axes3d(axes: object) -> Axes3D:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.output.parts import face_colours, part_colours
 from rsym.output.shading import INSIDE, decode, linear, unit
 from rsym.sampling.curvatures import NearSurface
 from rsym.sampling.mesh import Mesh
@@ -56,11 +57,12 @@ Paint: TypeAlias = Callable[[Spots], Floats]  # linear colours (n, 3)
 
 @dataclass(frozen=True)
 class Coat:
-    """A paint and, if it maps values, the scale of its colours and their name."""
+    """A paint and what it means: of values the scale of its colours and their name, of parts the colour of each."""
 
     paint: Paint
     scale: ScalarMappable | None = None
     label: str = ""
+    parts: Mapping[str, str] = field(default_factory=dict)
 
 
 def coat_of(
@@ -78,10 +80,11 @@ def coat_of(
         return _value_coat(_values_at_corners(mesh, colour_by), _checked_values(mesh, colour_by), "")
     if colour_by == "zebra":
         return Coat(_zebra(mesh, normals, shape, letters))
+    if colour_by == "part":
+        return Coat(_part_paint(face_colours(mesh)), parts=part_colours(mesh))
     if colour_by not in MAPS:
-        raise RsymError(
-            f"no map {colour_by!r}", code="colour-by", remedy=f"choose from {', '.join(MAPS)}, zebra, or give an array"
-        )
+        known = ", ".join((*MAPS, "zebra", "part"))
+        raise RsymError(f"no map {colour_by!r}", code="colour-by", remedy=f"choose from {known}, or give an array")
     if shape is None:
         raise RsymError(f"a map of {colour_by} needs the equation", code="colour-by", remedy="give shape=")
     field, component, power, label = MAPS[colour_by]
@@ -98,6 +101,11 @@ def coat_of(
 def _one_colour(colour: str) -> Paint:
     colours = np.stack([linear(INSIDE), linear(colour)])
     return lambda spots: colours[(spots.side > 0).astype(int)]
+
+
+def _part_paint(colours: Floats) -> Paint:
+    inside = linear(INSIDE)
+    return lambda spots: np.where(spots.side[:, None] > 0, colours[spots.faces], inside)
 
 
 def _value_coat(values: Callable[[Spots], Floats], sample: Floats, label: str, unit: float = 0.0) -> Coat:

@@ -65,8 +65,9 @@ def plot_mesh(
     colour_by : str or array, optional
         ``mean_curvature``, ``gaussian_curvature``, ``k1``, ``k2``: a map of the exact curvature at every pixel;
         ``zebra``: the reflection of level stripes, kinked where the curvature jumps and broken at an edge;
-        or an array with one value for each vertex. A new figure has a colour bar, otherwise
-        ``figure.colorbar(artist.scale, ax=ax)`` makes one.
+        ``part``: a colour for each part of the shape (`Shape.named`, or the texts of a model file);
+        or an array with one value for each vertex. A new figure has a colour bar or the names of the parts, otherwise
+        ``figure.colorbar(artist.scale, ax=ax)`` makes one, and ``artist.parts`` maps names to colours.
     shape, letters
         What the mesh was made of: needed for curvatures, and for a zebra that is exact between vertices.
 
@@ -78,7 +79,7 @@ def plot_mesh(
     Raises
     ------
     RsymError
-        If `ax` is not three-dimensional, for an unknown map, or an array that does not fit the mesh.
+        If `ax` is not three-dimensional, for an unknown map, a mesh of unknown parts, or an array that does not fit.
 
     Examples
     --------
@@ -106,6 +107,8 @@ def plot_mesh(
     axes.add_artist(artist)
     if ax is None and artist.scale is not None:
         axes3d.colour_bar(axes, artist.scale, artist.scale_label)
+    if ax is None and artist.parts:
+        axes3d.legend(axes, artist.parts)
     return artist
 
 
@@ -138,7 +141,7 @@ class ShadedMesh(Artist):
         self.low, self.high = mesh.vertices[mesh.faces].min(axis=(0, 1)), mesh.vertices[mesh.faces].max(axis=(0, 1))
         self.normals = mesh.normals
         coat = coat_of(mesh, self.normals, colour, colour_by, shape, letters)
-        self.paint, self.scale, self.scale_label = coat.paint, coat.scale, coat.label
+        self.paint, self.scale, self.scale_label, self.parts = coat.paint, coat.scale, coat.label, coat.parts
         self._state: object = None
         self._drawn = (np.zeros(2, np.int64), np.zeros((0, 0, 4), np.uint8))
         # Above panes, grid and axis lines, like the collections of mplot3d.
