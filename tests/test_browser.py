@@ -10,6 +10,8 @@ from matplotlib.image import imread
 
 import rsym
 from rsym import conjunction, x, y, z
+from rsym.sampling.mesh import Mesh
+from tests.test_features import cube
 
 pytestmark = pytest.mark.browser
 
@@ -131,3 +133,18 @@ def test_the_inside_of_an_open_surface_is_warm(browser, tmp_path):
     picture = Opened(browser, rsym.write(bowl, tmp_path / "bowl.html")).picture()
     red, _, blue = picture[body_of(picture)].T
     assert 0.2 < (red > blue).mean() < 0.8
+
+
+def test_parts_and_features_show_on_the_page(browser, tmp_path):
+    vertices, faces, leaf = cube(3)
+    names = ("left", "right", "front", "back", "bottom", "top")
+    mesh = Mesh(vertices, faces, leaf=leaf, leaves=names)
+    plain, coloured = (
+        Opened(browser, rsym.write(mesh, tmp_path / f"{by}.html", colour_by=by)).picture() for by in (None, "part")
+    )
+    for picture in (plain, coloured):
+        assert 100 < (picture.sum(axis=2) < 0.9).sum() < 6000  # the edges, a pixel wide
+    body = body_of(plain) & (plain.sum(axis=2) > 1)
+    assert (plain[body][:, 2] > plain[body][:, 0]).mean() > 0.98
+    reddish = coloured[body][:, 0] > coloured[body][:, 2]
+    assert 0.2 < reddish.mean() < 0.9  # the right side orange, the top light yellow, the front mint

@@ -12,7 +12,10 @@ from closeness import assert_close
 from rsym.errors import RsymError
 from rsym.output.corners import split_sharp
 from rsym.output.files import FORMATS, write
+from rsym.output.parts import part_colours
+from rsym.output.shading import linear
 from rsym.sampling.mesh import Mesh
+from tests.test_features import tube
 
 FLOAT64 = (".ply", ".obj", ".off", ".3mf")
 
@@ -159,3 +162,26 @@ def test_leaves_that_meet_at_a_blunt_edge_keep_their_normals(tmp_path):
     text = write(roof, tmp_path / "roof.obj").read_text()
     assert (text.count("\nv "), text.count("vn ")) == (5, 8)
     assert len(split_sharp(Mesh(vertices, faces, roof.normals)).vertices) == 6
+
+
+def test_glb_of_parts_holds_an_object_of_each_name_and_colour(tmp_path):
+    vertices, faces, leaf = tube(12)
+    mesh = Mesh(vertices, faces, leaf=leaf, leaves=("bottom", "mantle", "top"))
+    scene = trimesh.load_scene(write(mesh, tmp_path / "tube.glb", colour_by="part"))
+    assert list(scene.geometry) == list(mesh.leaves)
+    for number, (name, part) in enumerate(scene.geometry.items()):
+        there = vertices[np.unique(faces[leaf == number])][:, [0, 2, 1]] * [1, 1, -1]
+        assert {tuple(row) for row in part.vertices.round(5)} == {tuple(row) for row in there.round(5)}
+        assert len(part.faces) == (leaf == number).sum()
+        assert_close(part.visual.material.baseColorFactor[:3] / 255, linear(part_colours(mesh)[name]), atol=0.002)
+    whole = scene.to_mesh()
+    whole.merge_vertices(merge_norm=True, merge_tex=True)
+    assert_close(whole.volume, mesh.status.volume, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("name", "colour"), [("a.stl", "part"), ("a.glb", "leaf"), ("a.html", "zebra")])
+def test_colours_that_a_file_cannot_hold_are_refused(tmp_path, name, colour):
+    with pytest.raises(RsymError) as caught:
+        write(cube(), tmp_path / name, colour_by=colour)
+    assert caught.value.code == "colour-by"
+    assert not list(tmp_path.iterdir())

@@ -31,6 +31,7 @@ def add(commands: Commands) -> None:
     add_output(parser, "the mesh: .stl .ply .obj .off .glb .3mf, or .html to look at")
     add_revolve(parser)
     add_resolution(parser, 128)
+    parser.add_argument("--colour-by", choices=["part"], help="a colour for each part of the model: .glb and .html")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -42,5 +43,5 @@ def run(options: argparse.Namespace) -> None:
     with progress_bar("step", "meshing") as progress, warnings.catch_warnings():
         warnings.simplefilter("ignore", RsymWarning)  # the status, printed below, says the same
         result = mesh(shape, options.resolution, progress=progress)
-    print(write(result, options.output))
+    print(write(result, options.output, colour_by=options.colour_by))
     print(result.status)

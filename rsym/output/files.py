@@ -10,9 +10,13 @@ from types import MappingProxyType
 from rsym.errors import RsymError
 from rsym.output import formats
 from rsym.output.atomic import write_atomically
-from rsym.output.interactive import page
+from rsym.output.interactive import page, page_of_parts
 from rsym.sampling.mesh import Mesh
 
+# Formats that hold colours.
+COLOURED: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(
+    {".glb": formats.glb_of_parts, ".html": page_of_parts}
+)
 FORMATS: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(
     {
         ".stl": formats.stl,
@@ -26,7 +30,7 @@ FORMATS: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(
 )
 
 
-def write(mesh: Mesh, path: str | os.PathLike[str]) -> Path:
+def write(mesh: Mesh, path: str | os.PathLike[str], *, colour_by: str | None = None) -> Path:
     """Write a mesh to a file, in the format that the suffix names.
 
     ========= ==================================================================================
@@ -48,6 +52,8 @@ def write(mesh: Mesh, path: str | os.PathLike[str]) -> Path:
         The triangles, in the order and with the orientation of ``mesh.faces``.
     path : str or path-like
         Where to; the folder must exist.
+    colour_by : "part", optional
+        Give each part its colour, and in ``.glb`` an object of its name: only in ``.glb`` and ``.html``.
 
     Returns
     -------
@@ -58,7 +64,7 @@ def write(mesh: Mesh, path: str | os.PathLike[str]) -> Path:
     ------
     RsymError
         If the suffix is unknown, the folder is missing or cannot be written, or
-        the format cannot hold the mesh.
+        the format cannot hold the mesh or its colours.
 
     Examples
     --------
@@ -82,7 +88,14 @@ def write(mesh: Mesh, path: str | os.PathLike[str]) -> Path:
     <BLANKLINE>
     """
     path = Path(path)
-    encode = FORMATS.get(path.suffix.lower())
+    if colour_by not in (None, "part") or (colour_by and path.suffix.lower() not in COLOURED):
+        raise RsymError(
+            f"files are coloured by part, as {' or '.join(COLOURED)}, got colour_by={colour_by!r} for {path.name}",
+            code="colour-by",
+            where=str(path),
+            remedy='leave colour_by out, or write colour_by="part" to one of them',
+        )
+    encode = (COLOURED if colour_by else FORMATS).get(path.suffix.lower())
     if encode is None:
         raise RsymError(
             f"a mesh is written as {', '.join(FORMATS)}, got the suffix {path.suffix!r}",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from trimesh.visual.material import PBRMaterial
 
 from rsym.errors import RsymError
 from rsym.output.corners import split_sharp
+from rsym.output.parts import part_colours
 from rsym.output.shading import BODY, linear
 from rsym.sampling.mesh import Mesh
 
@@ -68,12 +69,34 @@ def off(mesh: Mesh) -> bytes:
 def glb(mesh: Mesh) -> bytes:
     """Encode as binary glTF 2.0: float32, turned to its y-up, with normals, vertices copied along sharp edges."""
     require_float32(mesh, "GLB")
+    return _glb({"body": _body(mesh, "body", BODY)})
+
+
+def glb_of_parts(mesh: Mesh) -> bytes:
+    """Encode as binary glTF 2.0 with an object for each part, its name and colour."""
+    require_float32(mesh, "GLB")
+    colours = part_colours(mesh)
+    assert mesh.leaf is not None
+    name_of = np.array(mesh.leaves)[mesh.leaf]
+    bodies = {}
+    for name, colour in colours.items():
+        faces = name_of == name
+        part = Mesh(mesh.vertices, mesh.faces[faces], mesh.normals[faces], leaf=mesh.leaf[faces], leaves=mesh.leaves)
+        bodies[name] = _body(part, name, colour)
+    return _glb(bodies)
+
+
+def _body(mesh: Mesh, name: str, colour: str) -> trimesh.Trimesh:
     shaded = split_sharp(mesh)
     body = trimesh.Trimesh(_y_up(shaded.vertices), shaded.faces, vertex_normals=_y_up(shaded.normals), process=False)
-    colour = (255 * np.append(linear(BODY), 1.0)).round().astype(np.uint8)
-    material = PBRMaterial(name="body", baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=0.6)
+    factor = (255 * np.append(linear(colour), 1.0)).round().astype(np.uint8)
+    material = PBRMaterial(name=name, baseColorFactor=factor, metallicFactor=0.0, roughnessFactor=0.6)
     body.visual = trimesh.visual.TextureVisuals(material=material)
-    data: bytes = body.export(file_type="glb", include_normals=True)
+    return body
+
+
+def _glb(bodies: Mapping[str, trimesh.Trimesh]) -> bytes:
+    data: bytes = trimesh.Scene(bodies).export(file_type="glb", include_normals=True)
     return data
 
 

@@ -11,6 +11,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 INK = "#20242b"
+SMOOTH = 10.0  # degrees: where leaves meet at a smaller angle nobody sees an edge
 STEP = 0.5  # samples between two dots of a line: nearer ones look the same
 # A line lies on the surface, a sample beside it up to this many samples' depth in front: surfaces are steep there.
 NEAR, STEEP = 2.0, 4.0

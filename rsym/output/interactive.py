@@ -19,6 +19,9 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError
 from rsym.output import shading
 from rsym.output.corners import split_sharp
+from rsym.output.ink import INK, SMOOTH
+from rsym.output.parts import face_colours
+from rsym.output.shading import linear
 from rsym.sampling.mesh import Mesh
 
 # The eye of `plot_mesh`, and how far it stands from the unit ball round the body.
@@ -32,6 +35,15 @@ MOST_TRIANGLES = 10_000_000
 
 def page(mesh: Mesh) -> bytes:
     """Encode as HTML: positions float32 about the middle, normals int16, faces uint32, nothing that is fetched."""
+    return _page(mesh, None)
+
+
+def page_of_parts(mesh: Mesh) -> bytes:
+    """Encode as HTML with a colour for each part."""
+    return _page(mesh, face_colours(mesh))
+
+
+def _page(mesh: Mesh, colours: NDArray[np.float64] | None) -> bytes:
     if len(mesh.faces) > MOST_TRIANGLES:
         raise RsymError(
             f"a page shows at most {MOST_TRIANGLES:,} triangles, the mesh has {len(mesh.faces):,}",
@@ -56,8 +68,20 @@ def page(mesh: Mesh) -> bytes:
         "places": _packed(places, "<f4"),
         "normals": _packed(np.rint(shaded.normals * 32767), "<i2"),
         "faces": _packed(shaded.faces, "<u4"),
+        "lines": _packed((_lines(mesh) - middle) / (radius or 1.0), "<f4"),
+        "ink": linear(INK).tolist(),
     }
+    if colours is not None:
+        paints = np.zeros((len(shaded.vertices), 4))  # WebGL wants each vertex at a multiple of four bytes
+        paints[shaded.faces, :3] = colours[:, None]
+        body["paints"] = _packed(np.rint(paints * 65535), "<u2")
     return _template().replace("{{BODY}}", json.dumps(body)).encode()
+
+
+def _lines(mesh: Mesh) -> NDArray[np.float64]:
+    """The ends of the pieces of features that one sees as edges, (n, 2, 3)."""
+    kept = [one.points for one in mesh.features if one.angle >= SMOOTH]
+    return np.concatenate([np.zeros((0, 2, 3)), *(np.stack([line[:-1], line[1:]], axis=1) for line in kept)])
 
 
 def _extent(places: NDArray[np.float64]) -> tuple[float, float]:

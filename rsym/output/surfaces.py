@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.model.shape import Shape
 from rsym.output import axes3d
-from rsym.output.ink import draw_lines
+from rsym.output.ink import SMOOTH, draw_lines
 from rsym.output.paints import Spots, coat_of
 from rsym.output.rasteriser import Triangles, rasterise, snap
 from rsym.output.shading import BODY, hollows, mean_depth, reduce, shade, unit
@@ -27,7 +27,6 @@ Ints = NDArray[np.int64]
 SAMPLES = 2  # per pixel and direction
 BATCH = 1 << 18  # pixels shaded at once
 EDGE_WIDTH, FEATURE_WIDTH = 0.3, 0.7  # points
-SMOOTH = 10.0  # degrees: where leaves meet at a smaller angle nobody sees an edge
 HOLLOW_RADIUS = 0.025  # of the picture's longer side
 EDGE_LIGHT = 0.25  # what is left of the light on an edge
 
