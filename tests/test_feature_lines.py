@@ -11,6 +11,7 @@ from mpl_toolkits.mplot3d import proj3d
 
 import rsym
 from rsym.output.ink import draw_lines
+from rsym.output.rasteriser import rasterise, snap
 from rsym.sampling.mesh import Mesh
 from tests.test_features import cube
 
@@ -81,8 +82,9 @@ def test_a_mesh_without_leaves_has_no_lines():
 
 def test_a_line_is_as_wide_as_asked_and_keeps_its_light():
     for width in (0.5, 1.0, 3.0):
-        samples, depth = np.zeros((20, 200, 4), np.float32), np.zeros((20, 200))
-        draw_lines(samples, depth, np.array([[[20.0, 8.3, 0.0], [180.0, 11.9, 0.0]]]), width)
+        samples = np.zeros((20, 200, 4), np.float32)
+        wall = snap(np.array([[[-500.0, -50, 0], [700, -50, 0], [100, 500, 0]]]))
+        draw_lines(samples, rasterise(wall, (20, 200)), wall, np.array([[[20.0, 8.3, 0.0], [180.0, 11.9, 0.0]]]), width)
         column = samples[:, 60:140, 3].sum(axis=0)
         assert column.mean() == pytest.approx(width, rel=0.12)
         assert np.ptp(column) < 0.25

@@ -179,17 +179,6 @@ def test_glb_of_parts_holds_an_object_of_each_name_and_colour(tmp_path):
     assert_close(whole.volume, mesh.status.volume, rtol=1e-6)
 
 
-def test_leaves_stay_crisp_at_any_angle(tmp_path):
-    """A roof of 8 degrees: smooth where the leaves are not known, an edge where they are."""
-    rise = np.tan(np.radians(4))
-    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, rise], [1, 1, rise], [0, 2, 0], [1, 2, 0]])
-    faces = np.array([[0, 1, 3], [0, 3, 2], [2, 3, 5], [2, 5, 4]])
-    assert len(split_sharp(Mesh(vertices, faces)).vertices) == 6
-    known = split_sharp(Mesh(vertices, faces, leaf=np.array([0, 0, 1, 1]), leaves=("south", "north")))
-    assert len(known.vertices) == 8
-    assert_close(known.normals[known.faces[0]], np.tile(known.normals[known.faces[0, 0]], (3, 1)), atol=1e-12)
-
-
 @pytest.mark.parametrize(("name", "colour"), [("a.stl", "part"), ("a.glb", "leaf"), ("a.html", "zebra")])
 def test_colours_that_a_file_cannot_hold_are_refused(tmp_path, name, colour):
     with pytest.raises(RsymError) as caught:

@@ -34,8 +34,8 @@ def split_sharp(mesh: Mesh) -> ShadedVertices:
     """Copy each vertex once for every direction its corners face, so that smooth shading keeps sharp edges crisp.
 
     Corners of one vertex share a copy where their normals lie within 30 degrees
-    of the first, within one degree if the faces know their leaves; the copy takes
-    their mean. Vertices of no face are left out.
+    of the first, on one leaf and within one degree if the faces know their leaves;
+    the copy takes their mean. Vertices of no face are left out.
 
     Examples
     --------
@@ -44,7 +44,8 @@ def split_sharp(mesh: Mesh) -> ShadedVertices:
     >>> len(split_sharp(Mesh(corners, faces)).vertices)
     12
     """
-    corner = mesh.faces.ravel()
+    vertex = mesh.faces.ravel().astype(np.int64)
+    corner = vertex if mesh.leaf is None else vertex * (int(mesh.leaf.max()) + 1) + np.repeat(mesh.leaf, 3)
     limit = SHARP if mesh.leaf is None else KINK
     normals = mesh.normals.reshape(-1, 3)
     copy = np.zeros(len(corner), np.int64)
@@ -59,5 +60,5 @@ def split_sharp(mesh: Mesh) -> ShadedVertices:
         copy[left] += 1
     _, first, faces = np.unique(corner * (copy.max() + 1) + copy, return_index=True, return_inverse=True)
     sums: Floats = np.stack([np.bincount(faces, normals[:, k]) for k in range(3)], axis=1).astype(np.float64)
-    source = corner[first]
+    source = vertex[first]
     return ShadedVertices(mesh.vertices[source], unit(sums), faces.reshape(-1, 3).astype(np.int64), source)

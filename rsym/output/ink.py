@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.output.rasteriser import Triangles
 from rsym.output.shading import linear
 
 Floats = NDArray[np.float64]
@@ -13,20 +14,22 @@ Ints = NDArray[np.int64]
 INK = "#20242b"
 SMOOTH = 10.0  # degrees: where leaves meet at a smaller angle nobody sees an edge
 STEP = 0.5  # samples between two dots of a line: nearer ones look the same
-# A line lies on the surface, a sample beside it up to this many samples' depth in front: surfaces are steep there.
-NEAR, STEEP = 2.0, 4.0
+# What hides a line is nearer by this many samples; a plane beside it is followed so far, as it may be seen at a slant.
+NEAR, SLANT = 1.0, 20.0
 AROUND = [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)]
 
 
-def draw_lines(samples: NDArray[np.float32], depth: Floats, lines: Floats, width: float) -> None:
-    """Draw straight lines into a picture.
+def draw_lines(samples: NDArray[np.float32], nearest: Ints, triangles: Triangles, lines: Floats, width: float) -> None:
+    """Draw straight lines that lie on a body into its picture.
 
     Parameters
     ----------
     samples : (h, w, 4) array
         Light times coverage and coverage, changed in place.
-    depth : (h, w) array
-        The depth of the body at each sample, NaN where there is none.
+    nearest : (h, w) array
+        Which of the triangles each sample shows, -1 where there is none.
+    triangles : Triangles
+        The body.
     lines : (n, 2, 3) array
         x and y in samples and depth of both ends.
     width : float
@@ -34,15 +37,17 @@ def draw_lines(samples: NDArray[np.float32], depth: Floats, lines: Floats, width
 
     Examples
     --------
-    >>> samples, depth = np.zeros((4, 6, 4), np.float32), np.full((4, 6), 1.0)
-    >>> depth[:, 3:] = 0.0
-    >>> draw_lines(samples, depth, np.array([[[0.0, 1.5, 0.5], [6.0, 1.5, 0.5]]]), 1.0)
-    >>> samples[1, :, 3] > 0.5
-    array([ True,  True,  True,  True, False, False])
+    >>> from rsym.output.rasteriser import rasterise, snap
+    >>> wall, post = [[0.0, 0, 1], [30, 0, 1], [0, 30, 1]], [[3.0, 0, 0], [8, 0, 0], [3, 30, 0]]
+    >>> scene = snap(np.array([wall, post]))
+    >>> samples = np.zeros((4, 10, 4), np.float32)
+    >>> draw_lines(samples, rasterise(scene, (4, 10)), scene, np.array([[[0.0, 1.5, 0.5], [10.0, 1.5, 0.5]]]), 1.0)
+    >>> (samples[1, :, 3] > 0.5).astype(int)
+    array([1, 1, 1, 1, 0, 0, 0, 1, 1, 1])
     """
     dots = _dots(lines)
-    dots = dots[_is_visible(dots, depth)]
-    ink = _spread(dots, width, depth.shape).reshape(depth.shape)[..., None]
+    dots = dots[_is_visible(dots, nearest, triangles)]
+    ink = _spread(dots, width, nearest.shape).reshape(nearest.shape)[..., None]
     samples *= 1 - ink
     samples[..., :3] += ink * linear(INK)
     samples[..., 3:] += ink
@@ -58,20 +63,23 @@ def _dots(lines: Floats) -> Floats:
     return dots
 
 
-def _is_visible(dots: Floats, depth: Floats) -> NDArray[np.bool_]:
-    """Whether no sample hides a dot: one beside it at least is as far away, or nothing is there."""
-    height, width = depth.shape
+def _is_visible(dots: Floats, nearest: Ints, triangles: Triangles) -> NDArray[np.bool_]:
+    """Whether a triangle beside a dot, extended to it, does not hide it; a line is on such a triangle if it is seen."""
+    height, width = nearest.shape
     row, column = np.floor(dots[:, 1]).astype(np.int64), np.floor(dots[:, 0]).astype(np.int64)
-    padded = np.pad(depth, 1, constant_values=np.nan)
     inside = (row >= 0) & (row < height) & (column >= 0) & (column < width)
-    row, column = np.where(inside, row, 0), np.where(inside, column, 0)
-    around = np.stack([padded[row + 1 + i, column + 1 + j] for i, j in AROUND])
-    nearest, farthest = np.fmin.reduce(around), np.fmax.reduce(around)
-    known = depth[np.isfinite(depth)]
-    slack = NEAR * np.ptp(known) / max(depth.shape) if known.size else 0.0
-    hidden = dots[:, 2] > farthest + slack + np.minimum(farthest - nearest, STEEP * slack)
-    visible: NDArray[np.bool_] = inside & ~hidden
-    return visible
+    row, column, padded = np.where(inside, row, 0), np.where(inside, column, 0), np.pad(nearest, 1, constant_values=-1)
+    sample = np.ptp(triangles.depth) / max(nearest.shape)
+    visible, empty = np.zeros(len(dots), np.bool_), np.ones(len(dots), np.bool_)
+    for i, j in AROUND:
+        face = padded[row + 1 + i, column + 1 + j]
+        there = np.flatnonzero(face >= 0)
+        face, dot = face[there], dots[there]
+        plane = triangles.depths(face, dot[:, 0], dot[:, 1])
+        farthest = triangles.depth[face].max(axis=1) + SLANT * sample
+        visible[there] |= dot[:, 2] <= np.minimum(plane, farthest) + NEAR * sample
+        empty[there] = False
+    return np.asarray(inside & (visible | empty))
 
 
 def _spread(dots: Floats, width: float, size: tuple[int, ...]) -> NDArray[np.float32]:

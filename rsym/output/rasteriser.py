@@ -55,6 +55,14 @@ class Triangles:
         """Return the (n, 3) barycentric coordinates of the middles of pixels."""
         return self.values(faces, rows, columns)[:, [1, 2, 0]] / self.area[faces, None]
 
+    def depths(self, faces: Ints, x: Floats, y: Floats) -> Floats:
+        """Return the depths, at places in pixels, of the planes of `faces`."""
+        places = np.stack([x, y, np.full_like(x, 1 / SUBPIXELS)], axis=1) * SUBPIXELS
+        edges = np.stack([self.a[faces], self.b[faces], self.c[faces]], axis=2)[:, [1, 2, 0]]
+        values = np.einsum("ijk,ik->ij", edges, places)
+        depths: Floats = np.einsum("ij,ij->i", values, self.depth[faces]) / self.area[faces]
+        return depths
+
     def distances(self, faces: Ints, rows: Ints, columns: Ints) -> Floats:
         """Return the (n,) distances, in pixels, from the middles of pixels to the nearest edge line."""
         lengths = np.hypot(self.a[faces], self.b[faces]) * SUBPIXELS

@@ -189,21 +189,22 @@ class ShadedMesh(Artist):
             return low, np.zeros((0, 0, 4), np.uint8)
         corners[..., :2] = (corners[..., :2] - low) * SAMPLES
         edge = EDGE_WIDTH * point * SAMPLES if self.edges else 0.0
-        samples, depth = self._samples(corners, (int(height), int(width)), axes3d.camera(axes), edge)
+        turn, mirrored = axes3d.camera(axes)
+        triangles, names = self._facing_triangles(corners, mirrored)
+        nearest = rasterise(triangles, (int(height), int(width)))
+        samples = self._samples(triangles, names, nearest, turn, mirrored, edge)
         if len(self.lines):
-            lines = self.lines[self._may_be_seen(axes)]
+            lines = self.lines[self._may_be_seen(axes, mirrored)]
             lines = _on_screen(axes, lines.reshape(-1, 3), scale).reshape(lines.shape)
             lines[..., :2] = (lines[..., :2] - low) * SAMPLES
-            draw_lines(samples, depth, lines, FEATURE_WIDTH * point * SAMPLES)
+            draw_lines(samples, nearest, triangles, lines, FEATURE_WIDTH * point * SAMPLES)
         return low, reduce(samples, SAMPLES)
 
     def _samples(
-        self, corners: Floats, size: tuple[int, int], camera: tuple[Floats, int], line: float
-    ) -> tuple[NDArray[np.float32], Floats]:
-        """Return linear light and coverage of samples, (h, w, 4), and their depths."""
-        turn, mirrored = camera
-        triangles, names = self._facing_triangles(corners, mirrored)
-        nearest = rasterise(triangles, size)
+        self, triangles: Triangles, names: Ints, nearest: Ints, turn: Floats, mirrored: int, line: float
+    ) -> NDArray[np.float32]:
+        """Return linear light and coverage of samples, (h, w, 4)."""
+        size = nearest.shape
         samples, depth = np.zeros((*size, 4), np.float32), np.full(size, np.nan)
         rows, columns = np.nonzero(nearest >= 0)
         for start in range(0, len(rows), BATCH):
@@ -220,13 +221,12 @@ class ShadedMesh(Artist):
             samples[row, column, 3] = 1.0
         factors = hollows(mean_depth(depth, SAMPLES), max(int(HOLLOW_RADIUS * max(size) / SAMPLES), 1))
         samples[..., :3] *= factors.repeat(SAMPLES, axis=0).repeat(SAMPLES, axis=1)[..., None]
-        return samples.clip(0.0, 1.0), depth
+        return samples.clip(0.0, 1.0)
 
-    def _may_be_seen(self, axes: Axes3D) -> NDArray[np.bool_]:
+    def _may_be_seen(self, axes: Axes3D, mirrored: int) -> NDArray[np.bool_]:
         """Whether a surface beside a line faces the eye; where insides show, any line may be seen."""
         if not self.mesh.status.closed:
             return np.ones(len(self.lines), np.bool_)
-        _, mirrored = axes3d.camera(axes)
         points = np.broadcast_to(self.lines[:, :, None], self.beside.shape).reshape(-1, 3)
         towards = mirrored * axes3d.turning(axes, points, self.beside.reshape(-1, 3))
         return np.asarray(towards.reshape(len(self.lines), -1).max(axis=1) > 0)
