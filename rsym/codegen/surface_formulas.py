@@ -7,7 +7,7 @@ from functools import cached_property
 from rsym.codegen.differentiation import gradient
 from rsym.codegen.expansion import expand
 from rsym.codegen.intervals import interval_program
-from rsym.codegen.program import Program
+from rsym.codegen.program import Program, assemble
 from rsym.codegen.routines import Formulas, Routine
 from rsym.codegen.sign_form import Gate, SignForm
 
@@ -23,12 +23,13 @@ class SurfaceFormulas:
         self.gates: tuple[Gate, ...] = form.gates
         self.count = len(form.leaves)
         self.program = leaf_program(form)
+        self.scaled_program = leaf_program(form, scaled=True)
         self.coordinates = self.program.coordinates
 
     @cached_property
     def points(self) -> Formulas:
-        """Leaves at points."""
-        return Formulas(expand(self.program))
+        """Leaves at points, each times its scale, a letter."""
+        return Formulas(expand(self.scaled_program))
 
     @cached_property
     def bounds(self) -> Formulas:
@@ -52,9 +53,17 @@ def leaf_outputs(k: int) -> list[str]:
     return [f"leaf{k}", *(f"leaf{k}_{axis}" for axis in AXES)]
 
 
-def leaf_program(form: SignForm) -> Program:
+def scale_letters(count: int) -> list[str]:
+    """The letters that leaves are multiplied by; no letter of a user has a space in its name."""
+    return [f"scale {k}" for k in range(count)]
+
+
+def leaf_program(form: SignForm, scaled: bool = False) -> Program:
     """Value and gradient of every leaf."""
+    b = form.builder
     outputs: dict[str, int] = {}
+    scales = scale_letters(len(form.leaves)) if scaled else []
     for k, leaf in enumerate(form.leaves):
-        outputs.update(zip(leaf_outputs(k), (leaf, *gradient(form.builder, leaf)), strict=True))
-    return form.builder.program(outputs)
+        value = b.mul(b.input(scales[k]), leaf) if scaled else leaf
+        outputs.update(zip(leaf_outputs(k), (value, *gradient(b, value)), strict=True))
+    return assemble(b.nodes, b.coordinates, (*b.letters, *scales), outputs)

@@ -62,7 +62,7 @@ class SurfaceKernels:
 
     def __init__(self, form: SignForm) -> None:
         formulas = SurfaceFormulas(form)
-        self.form, self.words, self.program = form, formulas.words, formulas.program
+        self.form, self.words, self.program = form, formulas.words, formulas.scaled_program
         self.source = surface_code(formulas)
         self._engine = machine_code(self.source)
         self._functions = {
@@ -83,11 +83,39 @@ class SurfaceKernels:
         values = dict(letters)
         for name, ends in zip(self.program.coordinates, bounds or [(-np.inf, np.inf)] * 3, strict=True):
             values.update(zip(cap_letters(name), ends, strict=True))
-        array = np.array([values.get(name, 1.0) for name in self.program.letters])
-        twice = np.repeat(array, 2)
         self._check_parameters(values)
-        self._functions["point_constants"](array.ctypes.data, self._constants.ctypes.data)
+        plain = [values.get(name, 1.0) for name in self.form.builder.letters]
+        twice = np.repeat(plain, 2)
         self._functions["box_constants"](twice.ctypes.data, self._constants.ctypes.data)
+        self._set_points([*plain, *[1.0] * len(self.form.leaves)])
+        self._set_points([*plain, *self._scales(bounds)])
+
+    def _set_points(self, letters: Sequence[float]) -> None:
+        array = np.array(letters)
+        self._functions["point_constants"](array.ctypes.data, self._constants.ctypes.data)
+
+    def _scales(self, bounds: Bounds | None) -> Floats:
+        """Powers of two that give leaves gradients of length 1 to 2, by the median over the bounds.
+
+        Signs, and so the mesh, do not depend on them, but a min of 1e40*f and g is not zero in float64 where f is.
+        """
+        generator = np.random.default_rng(20130605)
+        points = np.zeros((3, padded(CHECK_POINTS)))
+        ends = bounds or ((-1.0, 1.0),) * 3
+        points[:, :CHECK_POINTS] = [generator.uniform(low, high, CHECK_POINTS) for low, high in ends]
+        scales = np.ones(len(self.form.leaves))
+        for number in range(len(scales)):
+            with np.errstate(all="ignore"):
+                steepness = np.abs(self._gradients(number, points)).max(axis=0)
+                known = steepness[np.isfinite(steepness) & (steepness > 0)]
+            if known.size:
+                scales[number] = 2.0 ** -np.clip(np.frexp(np.median(known))[1], -1000, 1000)
+        return scales
+
+    def _gradients(self, number: int, points: Floats) -> Floats:
+        value, gradient = np.zeros(points.shape[1]), np.zeros(points.shape)
+        self.leaf(CHECK_POINTS, np.full(points.shape[1], number, np.int16), points, value, gradient)
+        return gradient[:, :CHECK_POINTS]
 
     def _check_parameters(self, letters: Mapping[str, float]) -> None:
         """An R-operation with an illegal parameter has no value, so its sign says nothing."""
@@ -198,8 +226,7 @@ class _AllLeaves:
 
     def run(self, coordinates: Sequence[Floats], letters: Sequence[float], outputs: Sequence[Floats]) -> None:
         kernels, count = self.kernels, len(coordinates[0])
-        array = np.array(letters)
-        kernels._functions["point_constants"](array.ctypes.data, kernels._constants.ctypes.data)
+        kernels._set_points(letters)
         points = np.zeros((3, padded(count)))
         points[:, :count] = coordinates
         value, gradient = np.zeros(points.shape[1]), np.zeros(points.shape)

@@ -22,6 +22,8 @@ from rsym.sampling.manifolds import sides_of
 from rsym.sampling.mesh import Ints, Mesh
 from rsym.sampling.progress import Progress
 from rsym.sampling.sharp.assembly import Assembly, assemble
+from rsym.sampling.sharp.finishing import finish
+from rsym.sampling.sharp.flaws import find_flaws
 from rsym.sampling.status import Findings
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -81,21 +83,19 @@ class Mesher:
         assembly = assemble(kernels, self._smooth, array, cells, _threads())
         if not assembly.surface.crossings:
             raise _no_surface()
-        return self._mesh(assembly, kernels, box, cap)
+        return self._mesh(assembly, kernels, array, box, cap)
 
-    def _mesh(self, made: Assembly, kernels: SurfaceKernels, box: Bounds, cap: bool) -> Mesh:
-        vertices = np.ascontiguousarray(made.vertices.points[:, : made.surface.vertices].T)
-        faces: Ints = made.faces
-        leaf = np.repeat(made.crossings.leaf[: made.crossings.count], 2)
+    def _mesh(self, made: Assembly, kernels: SurfaceKernels, lattice: Floats, box: Bounds, cap: bool) -> Mesh:
+        flaws = find_flaws(made.faces, made.vertices.points, made.crossings.gradients, lattice, _threads())
+        arrays = (made.vertices.points, made.surface.vertices, made.faces, made.crossings.leaf, flaws)
+        triangles = finish(kernels, *arrays, lattice, _threads())
         sides = sides_of([symbol.name for symbol in self.shape.coordinates], box)
         first = len(self.form.leaves) - self.form.caps
-        clipped = tuple(side.name for k, side in enumerate(sides) if (leaf == first + k).any())
+        clipped = tuple(side.name for k, side in enumerate(sides) if (triangles.leaf == first + k).any())
         if clipped and not cap:
-            inside = leaf < first
-            used, faces = np.unique(faces[inside], return_inverse=True)
-            vertices, faces, leaf = vertices[used], faces.reshape(-1, 3).astype(np.int32), leaf[inside]
+            triangles = triangles.some(triangles.leaf < first)
         findings = Findings(clipped_at=clipped, capped=cap, sides=sides)
-        return Mesh(vertices, faces, _Outward(kernels), findings, leaf, self.leaves)
+        return Mesh(triangles.vertices, triangles.faces, _Outward(kernels), findings, triangles.leaf, self.leaves)
 
     def _has_kinks(self, leaf: int) -> bool:
         nodes = self.form.builder.nodes

@@ -53,7 +53,7 @@ def settle(
     for size in (3, 2):
         owner, chosen = _subsets(leaves, kinds, size, open_)
         if len(owner):
-            solutions = _solve(kernels, chosen, start[:, owner], lattice, pool)
+            solutions = solve(kernels, chosen, start[:, owner], lattice, pool)
             best = _best(kernels, owner, solutions, start, lattice, pool)
             result[:, owner[best]] = solutions[:, best]
             open_[owner[best]] = False
@@ -88,7 +88,7 @@ def _subsets(leaves: Shorts, kinds: NDArray[np.int8], size: int, open_: NDArray[
     return np.concatenate(owners), np.concatenate(chosen, axis=1)
 
 
-def _solve(kernels: SurfaceKernels, leaves: Shorts, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
+def solve(kernels: SurfaceKernels, leaves: Shorts, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
     """Newton's method on up to three leaves for each point, least norm."""
     count = start.shape[1]
     points, ids = np.zeros((3, padded(count))), np.full((3, padded(count)), -1, np.int16)

@@ -1,0 +1,79 @@
+"""Flaws that vertices make: triangles that face inwards or have no area, edges without length; what surrounds them."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.sampling.sharp.loops import in_threads, loop
+
+Floats: TypeAlias = NDArray[np.float64]
+Faces: TypeAlias = NDArray[np.int32]
+Ints: TypeAlias = NDArray[np.int64]
+Marks: TypeAlias = NDArray[np.uint8]
+
+FOLDED, FLAT, SHORT = 1, 2, 4
+# A fold turns more than this share of a triangle's longest side squared against the surface; less is rounding.
+FOLD = 1e-9
+# Twice the area of a triangle over its longest side squared, below which it has none.
+FLATNESS = 1e-9
+# In cells. Newton's method puts two vertices on one corner to 1e-14; nothing else brings them so close.
+NO_LENGTH = 1e-9
+GRAIN = 8192
+
+
+def find_flaws(faces: Faces, points: Floats, gradients: Floats, lattice: Floats, pool: Executor | None) -> Marks:
+    """FOLDED, FLAT and SHORT for each quad; `gradients` (3, quads) of the leaf of the quad, which point inwards."""
+    flaws = np.zeros(len(faces) // 2, np.uint8)
+    shortest = (NO_LENGTH * lattice[3:].min()) ** 2
+    in_threads(lambda a, b: _inspect(a, b, faces, points, gradients, shortest, flaws), len(flaws), GRAIN, pool)
+    return flaws
+
+
+@loop
+def _inspect(
+    first: int, last: int, faces: Faces, points: Floats, gradients: Floats, shortest: float, flaws: Any
+) -> None:
+    u, v, n = np.empty(3), np.empty(3), np.empty(3)
+    for e in range(first, last):
+        for f in (2 * e, 2 * e + 1):
+            a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+            if a < 0:
+                continue
+            uu = vv = ww = along = steep = 0.0
+            for k in range(3):
+                u[k], v[k] = points[k, b] - points[k, a], points[k, c] - points[k, a]
+                uu += u[k] * u[k]
+                vv += v[k] * v[k]
+                ww += (v[k] - u[k]) ** 2
+            n[0], n[1], n[2] = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+            for k in range(3):
+                along += n[k] * gradients[k, e]
+                steep += gradients[k, e] ** 2
+            if along > FOLD * max(uu, vv, ww) * np.sqrt(steep):
+                flaws[e] |= FOLDED
+            if n[0] ** 2 + n[1] ** 2 + n[2] ** 2 < (FLATNESS * max(uu, vv, ww)) ** 2:
+                flaws[e] |= FLAT
+            if min(uu, vv, ww) < shortest:
+                flaws[e] |= SHORT
+
+
+def surroundings(quads: Ints, faces: Faces, vertices: int, rings: int, pool: Executor | None) -> tuple[Ints, Marks]:
+    """The quads within some rings around others, and marks for the vertices all of whose triangles are among them."""
+    near, inner = np.zeros(len(faces) // 2, np.uint8), np.zeros(vertices, np.uint8)
+    near[quads] = 1
+    for _ in range(rings):
+        inner[faces.reshape(-1, 6)[np.flatnonzero(near)]] = 1
+        in_threads(lambda a, b: _touching(a, b, faces, inner, near), len(near), GRAIN, pool)
+    return np.flatnonzero(near), inner
+
+
+@loop
+def _touching(first: int, last: int, faces: Faces, marks: Any, near: Any) -> None:
+    for e in range(first, last):
+        for f in (2 * e, 2 * e + 1):
+            if marks[faces[f, 0]] or marks[faces[f, 1]] or marks[faces[f, 2]]:
+                near[e] = 1

@@ -1,0 +1,112 @@
+"""Folds taken out of a mesh: where vertices of an edge came to stand in the wrong order, they move along it.
+
+A vertex belongs to a cell, its feature may pass beside that cell, and so two vertices on one edge may stand the wrong
+way round. Near such folds vertices move to the middle of their neighbours, those on an edge along that edge, corners
+not at all, and each goes back to its leaves by Newton's method; what does not end on the surface stays where it was.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.surface_kernels import SurfaceKernels, padded
+from rsym.sampling.sharp.corners import ON_SURFACE, off_surface, solve
+from rsym.sampling.sharp.crossings import evaluate
+from rsym.sampling.sharp.diagonals import turn_diagonals
+from rsym.sampling.sharp.flaws import FOLDED, find_flaws, surroundings
+
+Floats: TypeAlias = NDArray[np.float64]
+Ints: TypeAlias = NDArray[np.int64]
+Faces: TypeAlias = NDArray[np.int32]
+
+RINGS = 3
+ROUNDS = 12
+
+
+def untangle(
+    kernels: SurfaceKernels,
+    folded: Ints,
+    leaf: NDArray[np.int16],
+    points: Floats,
+    faces: Faces,
+    lattice: Floats,
+    pool: Executor | None,
+) -> None:
+    """Move vertices and turn diagonals around folded quads, in place; `leaf` is that of each quad.
+
+    What is not better after some rounds stays as it was.
+    """
+    quads, inner = surroundings(folded, faces, points.shape[1], RINGS, pool)
+    ids, local = np.unique(faces.reshape(-1, 6)[quads], return_inverse=True)
+    part = np.ascontiguousarray(local.reshape(-1, 3), np.int32)
+    places, on = np.zeros((3, padded(len(ids)))), np.ascontiguousarray(leaf[quads])
+    places[:, : len(ids)] = points[:, ids]
+    names, codes = np.unique(on, return_inverse=True)
+    meets = np.zeros((len(ids), len(names)), np.bool_)
+    meets[part.ravel(), np.repeat(codes, 6)] = True
+    movable = (inner[ids] > 0) & (meets.sum(axis=1) <= 2)
+    worst = _folds(kernels, on, part, places, lattice, pool)
+    best, kept = worst + 1, (places, part)
+    for _ in range(ROUNDS):
+        _relax(kernels, names, meets, movable, part, places, lattice, pool)
+        turn_diagonals(kernels, np.ones(len(quads), np.uint8), places, part, pool)
+        count = _folds(kernels, on, part, places, lattice, pool)
+        if count < best:
+            best, kept = count, (places.copy(), part.copy())
+        if not count:
+            break
+    if best <= worst:
+        points[:, ids] = kept[0][:, : len(ids)]
+        faces.reshape(-1, 6)[quads] = ids[kept[1].reshape(-1, 6)]
+
+
+def _relax(
+    kernels: SurfaceKernels,
+    names: NDArray[np.int16],
+    meets: NDArray[np.bool_],
+    movable: NDArray[np.bool_],
+    faces: Faces,
+    points: Floats,
+    lattice: Floats,
+    pool: Executor | None,
+) -> None:
+    """Each movable vertex to the middle of the neighbours that lie on all its leaves, and back onto these leaves."""
+    edges = np.unique(np.concatenate([faces[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=0)
+    edges = np.concatenate([edges, edges[:, ::-1]])
+    along = movable[edges[:, 0]] & (meets[edges[:, 0]] <= meets[edges[:, 1]]).all(axis=1)
+    vertex, neighbour = edges[along].T
+    count = np.bincount(vertex, minlength=len(meets))
+    which = np.flatnonzero(count >= 2)
+    if not len(which):
+        return
+    middles = np.stack([np.bincount(vertex, points[k, neighbour], len(meets))[which] / count[which] for k in range(3)])
+    leaves = np.full((3, len(which)), -1, np.int16)
+    for row, vertex_meets in enumerate(meets[which]):
+        own = names[vertex_meets]
+        leaves[: len(own), row] = own
+    moved = solve(kernels, leaves, middles, lattice, pool)
+    near = (np.abs(moved - points[:, which]) < lattice[3:, None]).all(axis=0)
+    good = near & (off_surface(kernels, moved, lattice, pool) < ON_SURFACE)
+    points[:, which[good]] = moved[:, good]
+
+
+def _folds(
+    kernels: SurfaceKernels,
+    leaf: NDArray[np.int16],
+    faces: Faces,
+    points: Floats,
+    lattice: Floats,
+    pool: Executor | None,
+) -> int:
+    """How many quads are folded against the gradient of their leaf at the middle of their corners."""
+    count = len(leaf)
+    middles, gradients = np.zeros((3, padded(count))), np.zeros((3, padded(count)))
+    which = np.full(padded(count), -1, np.int16)
+    middles[:, :count] = points[:, faces.reshape(-1, 6)].mean(axis=2)
+    which[:count] = leaf
+    evaluate(kernels, which, middles, np.empty(padded(count)), gradients, count, pool)
+    return int((find_flaws(faces, points, gradients, lattice, pool) & FOLDED).sum())
