@@ -1,8 +1,9 @@
 """Folds taken out of a mesh: where vertices of an edge came to stand in the wrong order, they move along it.
 
 A vertex belongs to a cell, its feature may pass beside that cell, and so two vertices on one edge may stand the wrong
-way round. Near such folds vertices move to the middle of their neighbours, those on an edge along that edge, corners
-not at all, and each goes back to its leaves by Newton's method; what does not end on the surface stays where it was.
+way round. Near such folds every vertex moves to where it is the middle of its neighbours, those on an edge along that
+edge, corners not at all, and goes back to its leaves by Newton's method; what does not end on the surface stays where
+it was. Vertices between two copies of one corner end on that corner.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import splu
 
 from rsym.codegen.surface_kernels import SurfaceKernels, padded
 from rsym.sampling.sharp.corners import ON_SURFACE, off_surface, solve
@@ -24,7 +27,10 @@ Ints: TypeAlias = NDArray[np.int64]
 Faces: TypeAlias = NDArray[np.int32]
 
 RINGS = 3
-ROUNDS = 12
+# One does it where leaves are planes; curved ones take two or three.
+ROUNDS = 6
+# A ring of vertices without a fixed one stays near its place.
+PULL = 1e-12
 
 
 def untangle(
@@ -83,7 +89,7 @@ def _relax(
     which = np.flatnonzero(count >= 2)
     if not len(which):
         return
-    middles = np.stack([np.bincount(vertex, points[k, neighbour], len(meets))[which] / count[which] for k in range(3)])
+    middles = _harmonic(which, vertex, neighbour, count, points)
     leaves = np.full((3, len(which)), -1, np.int16)
     for row, vertex_meets in enumerate(meets[which]):
         own = names[vertex_meets]
@@ -92,6 +98,18 @@ def _relax(
     near = (np.abs(moved - points[:, which]) < lattice[3:, None]).all(axis=0)
     good = near & (off_surface(kernels, moved, lattice, pool) < ON_SURFACE)
     points[:, which[good]] = moved[:, good]
+
+
+def _harmonic(which: Ints, vertex: Ints, neighbour: Ints, count: Ints, points: Floats) -> Floats:
+    """Places (3, m) of some vertices that are the middles of their neighbours; all others are where they are."""
+    size = len(count)
+    share = np.where(count >= 2, 1 - PULL, 0.0)[vertex] / count[vertex]
+    mean = sparse.csr_array((share, (vertex, neighbour)), shape=(size, size))[which]
+    own = np.zeros(size, np.bool_)
+    own[which] = True
+    right = mean @ np.where(own, 0.0, points[:, :size]).T + PULL * points[:, which].T
+    matrix = sparse.eye_array(len(which), format="csc") - mean[:, which].tocsc()
+    return np.asarray(splu(matrix).solve(right), np.float64).T
 
 
 def _folds(
