@@ -125,9 +125,7 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
     >>> found.euler_characteristic, found.genera, round(found.volume, 6), round(found.worst_angle, 6)
     (2, (0,), 0.166667, 45.0)
     """
-    if not len(faces):
-        raise RsymError("a mesh needs at least one triangle, got none", code="empty-mesh")
-    vertices, faces = np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.int32)
+    vertices, faces = _checked(vertices, faces)
     mates, edges, boundary, repeated = triangles.pair(faces, len(vertices))
     label = triangles.pieces(faces, len(vertices))
     pinched = triangles.pinched(faces, mates, len(vertices))
@@ -157,6 +155,22 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
         worst_angle_at=point(vertices[corner]),
         loops=_loops(vertices, np.split(faces.ravel()[chain], begins[1:-1]) if len(chain) else [], sides),
     )
+
+
+def _checked(vertices: Array, faces: Ints) -> tuple[Array, NDArray[np.int32]]:
+    """Arrays as the loops want them, which look up what they are told to."""
+    if not len(faces):
+        raise RsymError("a mesh needs at least one triangle, got none", code="empty-mesh")
+    vertices = np.ascontiguousarray(vertices, np.float64)
+    if vertices.shape[1:] != (3,) or faces.shape[1:] != (3,) or not np.isfinite(vertices).all():
+        raise RsymError(
+            f"a mesh has finite vertices (n, 3) and faces (m, 3), got {vertices.shape} and {faces.shape}", code="mesh"
+        )
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise RsymError(
+            f"faces number the vertices from 0 to {len(vertices) - 1}, got {faces.min()} to {faces.max()}", code="mesh"
+        )
+    return vertices, np.ascontiguousarray(faces, np.int32)
 
 
 def _genera(label: Ints, faces: Ints, mates: Ints, heads: Ints) -> tuple[int, ...]:

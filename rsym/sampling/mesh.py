@@ -20,7 +20,7 @@ Ints: TypeAlias = NDArray[np.integer[Any]]
 Outward: TypeAlias = Callable[[Ints, Array], Array]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mesh:
     """Triangles with outward orientation.
 
@@ -104,6 +104,9 @@ class Mesh:
         """The normals of triangles; zero where they have none."""
         a, b, c = (self.vertices[self.faces[which, k]] for k in range(3))
         return np.nan_to_num(_unit(np.cross(b - a, c - a)))
+
+    def __repr__(self) -> str:
+        return f"Mesh({len(self.vertices)} vertices, {len(self.faces)} triangles)"
 
     def __reduce__(self) -> tuple[type[Mesh], tuple[Any, ...]]:
         """Pickle the normals themselves: the function they come from holds compiled code."""
