@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
-from rsym.sampling import triangles
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.integer[Any]]
@@ -125,6 +124,9 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
     >>> found.euler_characteristic, found.genera, round(found.volume, 6), round(found.worst_angle, 6)
     (2, (0,), 0.166667, 45.0)
     """
+    # numba takes a third of a second to import, which those who only pass a mesh on need not wait for.
+    from rsym.sampling import triangles
+
     vertices, faces = _checked(vertices, faces)
     mates, edges, boundary, repeated = triangles.pair(faces, len(vertices))
     label = triangles.pieces(faces, len(vertices))
@@ -147,7 +149,7 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
         boundary_edges=boundary,
         repeated_edges=repeated,
         pinched=pinched,
-        duplicates=_duplicates(faces, mates, repeated),
+        duplicates=_duplicates(faces) if repeated or triangles.back_to_back(mates) else 0,
         degenerate=degenerate,
         folded=int(np.count_nonzero(folded)),
         folded_share=float(double_area / sums[1]) if sums[1] else 0.0,
@@ -197,10 +199,8 @@ def _loops(vertices: Array, chains: Sequence[Ints], sides: Sequence[Side]) -> tu
     return tuple(found)
 
 
-def _duplicates(faces: Ints, mates: Ints, repeated: int) -> int:
+def _duplicates(faces: Ints) -> int:
     """Equal triangles share edges: they repeat one, or are mates along all three. Only then is it worth a sort."""
-    if not repeated and not triangles.back_to_back(mates):
-        return 0
     return len(faces) - len(np.unique(np.sort(faces, axis=1), axis=0))
 
 
