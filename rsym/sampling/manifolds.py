@@ -127,7 +127,7 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
     # numba takes a third of a second to import, which those who only pass a mesh on need not wait for.
     from rsym.sampling import triangles
 
-    vertices, faces = _checked(vertices, faces)
+    vertices, faces = checked(vertices, faces)
     mates, edges, boundary, repeated = triangles.pair(faces, len(vertices))
     label = triangles.pieces(faces, len(vertices))
     pinched = triangles.pinched(faces, mates, len(vertices))
@@ -159,7 +159,7 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
     )
 
 
-def _checked(vertices: Array, faces: Ints) -> tuple[Array, NDArray[np.int32]]:
+def checked(vertices: Array, faces: Ints) -> tuple[Array, NDArray[np.int32]]:
     """Arrays as the loops want them, which look up what they are told to."""
     if not len(faces):
         raise RsymError("a mesh needs at least one triangle, got none", code="empty-mesh")
