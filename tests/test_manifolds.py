@@ -178,6 +178,22 @@ def test_manifold3d_accepts_what_is_closed():
     assert_close([mesh.status.volume, mesh.status.area], [judged.volume(), judged.surface_area()], rtol=1e-12)
 
 
+def test_the_judges_agree_on_the_car():
+    mesh = rsym.mesh(rsym.paper.car(), 200)
+    status = mesh.status
+    judged = manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices, mesh.faces.astype(np.uint64)))
+    assert judged.status() == manifold3d.Error.NoError
+    parts = judged.decompose()
+    assert (status.closed, status.components, status.pinched, status.duplicates) == (True, len(parts), 0, 0)
+    assert sorted(status.genera) == sorted(part.genus() for part in parts)
+    other = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+    assert other.is_watertight
+    assert other.is_winding_consistent
+    assert other.euler_number == status.euler_characteristic
+    assert_close([status.volume, status.area], [other.volume, other.area], rtol=1e-12)
+    assert_close(status.worst_angle, np.degrees(other.face_angles.min()), atol=1e-5)
+
+
 def test_without_numba_the_measures_are_the_same():
     program = (
         "import sys; sys.modules['numba'] = None\n"

@@ -75,6 +75,7 @@ def test_suspects_of_a_kind_are_told_and_then_counted():
         "2 more places like these.",
         "Bodies touch at 7.",
     )
+    assert (found.sheets, found.touches) == (spots, found.unresolved[5:])
 
 
 def test_vertices_off_the_surface_and_caps_are_told():
@@ -121,6 +122,17 @@ def test_a_mesh_is_pickled_with_its_normals():
     assert back.status == mesh.status
 
 
-def test_nothing_is_refused():
+@pytest.mark.parametrize(
+    ("corners", "faces"),
+    [
+        (CORNERS, FACES[:0]),
+        (CORNERS, FACES + 1),
+        (CORNERS, FACES - 1),
+        (CORNERS[:, :2], FACES),
+        (CORNERS, FACES[:, :2]),
+        (CORNERS * np.nan, FACES),
+    ],
+)
+def test_what_is_no_mesh_is_refused(corners, faces):
     with pytest.raises(RsymError):
-        status(CORNERS, FACES[:0])
+        status(corners, faces)

@@ -204,6 +204,7 @@ def test_lines_that_leave_the_bounds_stay_open(tmp_path):
         lambda: rsym.sections(BALL, []),
         lambda: rsym.sections(BALL, [float("nan")]),
         lambda: rsym.sections(BALL, [0], axis="w"),
+        lambda: rsym.sections(Shape(sp.sqrt(-1 - x**2) + y + z, (x, y, z), bounds=BOX), [0.0], resolution=8),
         lambda: rsym.sections(rsym.paper.skeleton_body(), [0], axis=x),
         lambda: rsym.plot_sections(rsym.sections(BALL, [4.0], resolution=16)),
         lambda: rsym.write_sections(rsym.sections(BALL, [0.0], resolution=16), "a.png"),

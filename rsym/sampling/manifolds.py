@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
-from rsym.sampling import triangles
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.integer[Any]]
@@ -125,9 +124,10 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
     >>> found.euler_characteristic, found.genera, round(found.volume, 6), round(found.worst_angle, 6)
     (2, (0,), 0.166667, 45.0)
     """
-    if not len(faces):
-        raise RsymError("a mesh needs at least one triangle, got none", code="empty-mesh")
-    vertices, faces = np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.int32)
+    # numba takes a third of a second to import, which those who only pass a mesh on need not wait for.
+    from rsym.sampling import triangles
+
+    vertices, faces = checked(vertices, faces)
     mates, edges, boundary, repeated = triangles.pair(faces, len(vertices))
     label = triangles.pieces(faces, len(vertices))
     pinched = triangles.pinched(faces, mates, len(vertices))
@@ -149,7 +149,7 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
         boundary_edges=boundary,
         repeated_edges=repeated,
         pinched=pinched,
-        duplicates=_duplicates(faces, mates, repeated),
+        duplicates=_duplicates(faces) if repeated or triangles.back_to_back(mates) else 0,
         degenerate=degenerate,
         folded=int(np.count_nonzero(folded)),
         folded_share=float(double_area / sums[1]) if sums[1] else 0.0,
@@ -157,6 +157,22 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
         worst_angle_at=point(vertices[corner]),
         loops=_loops(vertices, np.split(faces.ravel()[chain], begins[1:-1]) if len(chain) else [], sides),
     )
+
+
+def checked(vertices: Array, faces: Ints) -> tuple[Array, NDArray[np.int32]]:
+    """Arrays as the loops want them, which look up what they are told to."""
+    if not len(faces):
+        raise RsymError("a mesh needs at least one triangle, got none", code="empty-mesh")
+    vertices = np.ascontiguousarray(vertices, np.float64)
+    if vertices.shape[1:] != (3,) or faces.shape[1:] != (3,) or not np.isfinite(vertices).all():
+        raise RsymError(
+            f"a mesh has finite vertices (n, 3) and faces (m, 3), got {vertices.shape} and {faces.shape}", code="mesh"
+        )
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise RsymError(
+            f"faces number the vertices from 0 to {len(vertices) - 1}, got {faces.min()} to {faces.max()}", code="mesh"
+        )
+    return vertices, np.ascontiguousarray(faces, np.int32)
 
 
 def _genera(label: Ints, faces: Ints, mates: Ints, heads: Ints) -> tuple[int, ...]:
@@ -183,10 +199,8 @@ def _loops(vertices: Array, chains: Sequence[Ints], sides: Sequence[Side]) -> tu
     return tuple(found)
 
 
-def _duplicates(faces: Ints, mates: Ints, repeated: int) -> int:
+def _duplicates(faces: Ints) -> int:
     """Equal triangles share edges: they repeat one, or are mates along all three. Only then is it worth a sort."""
-    if not repeated and not triangles.back_to_back(mates):
-        return 0
     return len(faces) - len(np.unique(np.sort(faces, axis=1), axis=0))
 
 

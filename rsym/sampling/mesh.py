@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.manifolds import measure
+from rsym.sampling.manifolds import checked, measure
 from rsym.sampling.sharp.features import Feature, features_of
 from rsym.sampling.status import Findings, MeshStatus
 
@@ -20,7 +20,7 @@ Ints: TypeAlias = NDArray[np.integer[Any]]
 Outward: TypeAlias = Callable[[Ints, Array], Array]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mesh:
     """Triangles with outward orientation.
 
@@ -67,7 +67,8 @@ class Mesh:
         if self.shading is None:
             return np.repeat(self._flat(which)[:, None], 3, axis=1)
         if callable(self.shading):
-            given = self._outward(self.shading, which, self.vertices[self.faces[which]])
+            given = self._outward(self.shading, np.repeat(which, 3), self.vertices[self.faces[which].ravel()])
+            given = given.reshape(-1, 3, 3)
         else:
             given = self.shading[which]
         normals = _unit(given)
@@ -88,22 +89,26 @@ class Mesh:
         """What is known of the mesh."""
         outward = None
         if callable(self.shading):
-            a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
-            outward = self._outward(self.shading, np.arange(len(self.faces)), ((a + b + c) / 3)[:, None])[:, 0]
+            from rsym.sampling.triangles import middles
+
+            points = middles(*checked(self.vertices, self.faces))
+            outward = self._outward(self.shading, np.arange(len(self.faces)), points)
         elif self.shading is not None:
             outward = self.shading[:, 0] + self.shading[:, 1] + self.shading[:, 2]
         measures = measure(self.vertices, self.faces, outward, self.findings.sides)
         return MeshStatus(**vars(measures), **vars(self.findings))
 
     def _outward(self, rule: Outward, which: Ints, points: Array) -> Array:
-        """The rule at points (m, k, 3), k for each of the faces."""
-        leaf = np.zeros(len(which), np.int16) if self.leaf is None else self.leaf[which]
-        return rule(np.repeat(leaf, points.shape[1]), points.reshape(-1, 3)).reshape(points.shape)
+        """The rule at points (k, 3), each on one of the faces (k,)."""
+        return rule(np.zeros(len(which), np.int16) if self.leaf is None else self.leaf[which], points)
 
     def _flat(self, which: Ints) -> Array:
         """The normals of triangles; zero where they have none."""
         a, b, c = (self.vertices[self.faces[which, k]] for k in range(3))
         return np.nan_to_num(_unit(np.cross(b - a, c - a)))
+
+    def __repr__(self) -> str:
+        return f"Mesh({len(self.vertices)} vertices, {len(self.faces)} triangles)"
 
     def __reduce__(self) -> tuple[type[Mesh], tuple[Any, ...]]:
         """Pickle the normals themselves: the function they come from holds compiled code."""

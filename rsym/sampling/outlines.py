@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skimage.measure import find_contours
 
+from rsym.errors import RsymError
 from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus
 from rsym.sampling.plane import PlaneSampler
 from rsym.sampling.plane_leaves import Array, Ints, PlaneLeaves
@@ -29,6 +30,8 @@ SMOOTH_JOINT = 1e-2
 def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     """The lines omega = 0 of a prepared plane."""
     values = sampler.values()
+    if np.isnan(values).all():
+        raise RsymError("omega is undefined in all of the plane", code="undefined", remedy="choose other bounds")
     # Signs alone: then every vertex lies in the middle of its edge, and its edge is known.
     found = find_contours(np.where(np.isnan(values), np.nan, np.where(values >= 0, 1.0, -1.0)), 0.0)
     cell = min(sampler.lattice.spacing)

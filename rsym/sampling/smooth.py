@@ -28,7 +28,6 @@ from rsym.sampling.mesh import Mesh
 from rsym.sampling.progress import Progress, Steps
 from rsym.sampling.roots import bracketed_roots
 from rsym.sampling.status import Findings
-from rsym.sampling.triangles import pieces
 
 Array = NDArray[np.float64]
 
@@ -73,6 +72,8 @@ def _findings(
     shape: Shape, lattice: Lattice, index: Array, vertices: Array, normals: Array, faces: NDArray[np.int32]
 ) -> Findings:
     """What bounds and resolution cut or lose."""
+    from rsym.sampling.triangles import pieces
+
     ends = lattice.points(np.array([[0, 0, 0], np.array(lattice.counts) - 1])).T
     sides = sides_of([symbol.name for symbol in shape.coordinates], ends.tolist())
     last = np.array(lattice.counts) - 1

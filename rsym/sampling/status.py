@@ -78,6 +78,16 @@ class Findings:
         return bool(self.clipped_at)
 
     @property
+    def sheets(self) -> tuple[Suspect, ...]:
+        """Where the equation is zero without a change of sign, which no mesh can show."""
+        return tuple(suspect for suspect in self.unresolved if suspect.kind == "sheet")
+
+    @property
+    def touches(self) -> tuple[Suspect, ...]:
+        """Where bodies touch, and the surface is no manifold at any resolution."""
+        return tuple(suspect for suspect in self.unresolved if suspect.kind == "touch")
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """What one should know before using the mesh, a sentence each; `rsym.mesh` warns of them."""
         remarks = [*_of_clipping(self), *_of_suspects(self.unresolved)]

@@ -173,6 +173,16 @@ def loops(faces: Any, mates: Any) -> tuple[Any, Any]:
 
 
 @loop
+def middles(vertices: Any, faces: Any) -> Any:
+    """The centroid of each triangle."""
+    middle = np.empty((len(faces), 3))
+    for f in range(len(faces)):
+        for k in range(3):
+            middle[f, k] = (vertices[faces[f, 0], k] + vertices[faces[f, 1], k] + vertices[faces[f, 2], k]) / 3
+    return middle
+
+
+@loop
 def shapes(vertices: Any, faces: Any) -> tuple[Any, float, int, int, Any]:
     """Sums of (a - middle) . n and of |n|, the smallest angle and its vertex, flat triangles, and the normals n.
 
