@@ -33,7 +33,6 @@ GRAIN = 1024
 
 def settle(
     kernels: SurfaceKernels,
-    smooth: NDArray[np.bool_],
     which: Ints,
     start: Floats,
     surface: Topology,
@@ -48,7 +47,6 @@ def settle(
     """
     leaves, kinds = np.full((MOST_LEAVES, len(which)), -1, np.int16), np.zeros(len(which), np.int8)
     distinct_leaves(which, surface.ring_start, surface.ring, crossings.leaf, leaves, kinds)
-    kinds[~smooth[leaves].all(axis=0, where=leaves >= 0)] = 0
     result, open_ = start.copy(), np.ones(len(which), np.bool_)
     for size in (3, 2):
         owner, chosen = _subsets(leaves, kinds, size, open_)

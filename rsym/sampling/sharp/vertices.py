@@ -56,7 +56,7 @@ def place_vertices(
     several = np.flatnonzero(feature[:count])
     if len(several):
         start = fitted(several, surface, crossings, lattice)
-        points[:, several] = settle(kernels, smooth, several, start, surface, crossings, lattice, pool)
+        points[:, several] = settle(kernels, several, start, surface, crossings, lattice, pool)
     return Vertices(points, feature)
 
 
