@@ -23,8 +23,9 @@ from outside to inside, and neighbours agree on what they share. (Directions of
 their own would prove nothing: each half of a wall rises in its own way.) A cell
 that holds two pieces of the zero set that no d serves is not split to the end.
 
-A leaf that may be undefined in a box has the enclosure (-inf, inf), for its
-gradient too, so such a box is never discarded because of it and never simple.
+A leaf that is undefined throughout a box has the enclosure (-inf, inf), for its
+gradient too, so such a box is never discarded because of it and never simple;
+where it is undefined in part, its bounds speak of the other part.
 
 What this does not say: a body may leave a simple cell through a face and be
 caught by no lattice point. It then goes on growing along d on the other side,
@@ -151,7 +152,7 @@ def _part(form: Form, fine: Array, boxes: Boxes, depth: int) -> Unresolved:
     for first in range(0, len(boxes), CELLS):
         some = np.zeros(len(boxes), np.bool_)
         some[first : first + CELLS] = True
-        parts.append(_conflicts(form, fine, boxes.chosen(some), depth))
+        parts.append(_conflicts(form, fine, boxes.chosen(some, boxes.all_leaves()), depth))
     return _joined(parts)
 
 
@@ -179,7 +180,7 @@ def _conflicts(form: Form, fine: Array, boxes: Boxes, depth: int) -> Unresolved:
         judge_groups(ends, boxes.start, boxes.value, boxes.gradient, STEEPEST, last, member, verdict)
         state = verdict[boxes.owner]
         found.append(boxes.chosen(state == UNRESOLVED, member))
-        boxes = boxes.chosen(state == OPEN)
+        boxes = boxes.chosen(state == OPEN, boxes.all_leaves())
     return _unresolved(fine, cells, found, tested)
 
 
