@@ -53,28 +53,29 @@ class Boxes:
 
         Neighbours share their faces to the last bit.
         """
-        count = np.diff(self.start)
-        corner = np.repeat(self.corner, count, axis=1)
-        size = np.repeat(self.size, count)
-        origin, spacing = lattice[:3, None], lattice[3:, None]
-        return origin + spacing * corner, origin + spacing * (corner + size)
+        lower, upper = np.empty((3, len(self.leaf))), np.empty((3, len(self.leaf)))
+        _place(lattice, self.corner, self.size, self.start, lower, upper)
+        return lower, upper
 
-    def chosen(self, which: Flags, kept: Flags | None = None) -> Boxes:
+    def chosen(self, which: Flags, kept: Flags) -> Boxes:
         """Some of the boxes, with those of their leaves that are kept."""
-        some = np.repeat(which, np.diff(self.start))
-        if kept is not None:
-            some &= kept
-        before = np.concatenate([[0], np.cumsum(some)])[self.start]
+        start = np.empty(int(which.sum()) + 1, np.int64)
+        some = np.empty(_count(which, kept, self.start, start), np.int64)
+        _gather(which, kept, self.start, some)
         return Boxes(
             self.corner[:, which],
             self.size[which],
             self.owner[which],
-            _starts(np.diff(before)[which]),
+            start,
             self.leaf[some],
             self.skip[which],
-            self.value[:, some],
-            self.gradient[:, :, some],
+            self.value.take(some, axis=1),
+            self.gradient.take(some, axis=2),
         )
+
+    def all_leaves(self) -> Flags:
+        """That each leaf is kept."""
+        return np.ones(len(self.leaf), np.bool_)
 
     def halved(self) -> Boxes:
         """The eight halves of each box, without bounds."""
@@ -97,6 +98,42 @@ class Boxes:
 
 def _starts(count: NDArray[Any]) -> Ints:
     return np.concatenate([[0], np.cumsum(count)])
+
+
+@loop
+def _place(lattice: Any, corner: Any, size: Any, start: Any, lower: Any, upper: Any) -> None:
+    for box in range(len(size)):
+        for k in range(3):
+            low = lattice[k] + lattice[3 + k] * corner[k, box]
+            high = lattice[k] + lattice[3 + k] * (corner[k, box] + size[box])
+            for pair in range(start[box], start[box + 1]):
+                lower[k, pair], upper[k, pair] = low, high
+
+
+@loop
+def _count(which: Any, kept: Any, start: Any, found: Any) -> int:
+    """Where the leaves of each chosen box will start, and how many they are."""
+    total, number = 0, 0
+    for box in range(len(which)):
+        if which[box]:
+            found[number] = total
+            number += 1
+            for pair in range(start[box], start[box + 1]):
+                total += kept[pair]
+    found[number] = total
+    return total
+
+
+@loop
+def _gather(which: Any, kept: Any, start: Any, some: Any) -> None:
+    """The numbers of the kept leaves of the chosen boxes."""
+    number = 0
+    for box in range(len(which)):
+        if which[box]:
+            for pair in range(start[box], start[box + 1]):
+                if kept[pair]:
+                    some[number] = pair
+                    number += 1
 
 
 @loop

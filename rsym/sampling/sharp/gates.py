@@ -114,7 +114,7 @@ def _is_open(gates: Any, leaves: int, skip: Any, box: int, state: Any, need: Any
 def judge_groups(
     ends: Any, start: Any, value: Any, gradient: Any, cosine: float, last: bool, member: Any, verdict: Any
 ) -> None:
-    """Groups of boxes, ``ends[k]`` to ``ends[k + 1]``: simple, open, or unresolved and then with a conflict marked.
+    """Groups of boxes, ``ends[k]`` to ``ends[k + 1]``: simple, or open or unresolved and then with a conflict marked.
 
     A group is unresolved before the last level where the middles of *sure* pairs conflict: there the leaf is the
     only one that matters, and with 0 in the middle half of its values it surely vanishes in the box.
@@ -124,22 +124,21 @@ def judge_groups(
         most = max(most, start[ends[group + 1]] - start[ends[group]])
     chosen, units, members = np.empty(most, np.int64), np.empty((3, 8 * most)), np.empty(TURNS, np.int64)
     for group in range(len(verdict)):
-        first, count = start[ends[group]], start[ends[group + 1]] - start[ends[group]]
-        for k in range(count):
-            chosen[k] = first + k
-        found = conflict(gradient, chosen, count, cosine, units, members) if count else 0
-        verdict[group] = OPEN if found else SIMPLE
-        if found and not last:
-            count = 0
-            for box in range(ends[group], ends[group + 1]):
-                if start[box + 1] - start[box] == 1 and _surely_vanishes(value, start[box]):
-                    chosen[count] = start[box]
-                    count += 1
-            found = central_conflict(gradient, chosen, count, cosine, units, members) if count else 0
-        if found:
-            verdict[group] = UNRESOLVED
-            for k in range(found):
-                member[chosen[members[k]]] = True
+        count, found, sure = 0, 0, 0
+        for box in range(ends[group], ends[group + 1]):
+            if start[box + 1] - start[box] == 1 and _surely_vanishes(value, start[box]):
+                chosen[count] = start[box]
+                count += 1
+        if count and not last:
+            sure = central_conflict(gradient, chosen, count, cosine, units, members)
+        if sure == 0:
+            first, count = start[ends[group]], start[ends[group + 1]] - start[ends[group]]
+            for k in range(count):
+                chosen[k] = first + k
+            found = conflict(gradient, chosen, count, cosine, units, members) if count else 0
+        for k in range(sure + found):
+            member[chosen[members[k]]] = True
+        verdict[group] = UNRESOLVED if sure or (found and last) else OPEN if found else SIMPLE
 
 
 @step

@@ -11,20 +11,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import sparse
 
-from rsym.sampling.sharp.boxes import Array, Ints
+from rsym.sampling.sharp.boxes import Array, Flags, Ints
 from rsym.sampling.sharp.certificates import STEEPEST, Unresolved
-from rsym.sampling.sharp.leaves import Leaves
+from rsym.sampling.sharp.clusters import clusters
+from rsym.sampling.sharp.leaves import Leaves, Numbers
 from rsym.sampling.sharp.thickness import FIRST, Rays, across, closest, common, level
 
 # Two directions that no third serves with the cosine c have a cosine below 2*c**2 - 1.
 OPPOSED = 2 * STEEPEST**2 - 1
 # Cells of a cluster that are measured, evenly spread: the thinnest place of a pair is then sought by Newton's method.
-MEASURED = 24
+MEASURED = 12
+# Four corners of the middle half of a box, no two on one side of it: a wall through its middle has some on both sides.
+_ABOUT = np.array([[1, 1, 3, 3], [1, 3, 1, 3], [1, 3, 3, 1]]) / 4
 _THIN = "{self.thickness:.2g} cells {wide} {near}; {self.finer:.2g} times the resolution puts 2 cells across it"
 SENTENCES = {
     "wall": "a wall{of}, " + _THIN.replace("{wide}", "thick"),
@@ -95,114 +98,140 @@ def suspects(leaves: Leaves, lattice: Array, unresolved: Unresolved, names: Sequ
     """What the unresolved cells mean, kind after kind, the thinnest first; `names` are those of the leaves."""
     if not len(unresolved):
         return ()
-    cluster = clusters(unresolved.cells)
-    ids, seeds, owner = _seeds(unresolved, cluster)
+    space = _Clusters(unresolved, lattice)
+    ids, seeds, cluster = space.seeds()
     rays = across(leaves, ids, seeds, lattice[3:], OPPOSED)
-    found = []
-    for number in range(cluster.max() + 1):
-        here = cluster[owner[rays.source]] == number
-        part = _Cluster(leaves, lattice, unresolved, np.flatnonzero(cluster == number))
-        found += part.facing(rays, np.flatnonzero(here)) or [part.alone()]
-    found = [replace(one, names=tuple(names[leaf] for leaf in one.leaves)) for one in found] if names else found
+    pairs = _pairs(rays, cluster[rays.source])
+    found = _facing(leaves, space, pairs) + _alone(leaves, space, pairs.cluster)
+    if names:
+        found = [replace(one, names=tuple(names[leaf] for leaf in one.leaves)) for one in found]
     return tuple(sorted(found, key=lambda one: (list(SENTENCES).index(one.kind), one.thickness, -one.cells)))
 
 
-def clusters(cells: Ints) -> Ints:
-    """The number of the cluster of each cell (3, n), in the order of their first cells."""
-    count = cells.shape[1]
-    shape = tuple(cells.max(axis=1) + 3)
-    key = np.ravel_multi_index(tuple(cells + 1), shape)
-    order = np.argsort(key)
-    pairs = []
-    for offset in np.ndindex(3, 3, 3):
-        if offset > (1, 1, 1):
-            near = np.ravel_multi_index(tuple(cells + np.array(offset)[:, None]), shape)
-            at = np.minimum(np.searchsorted(key, near, sorter=order), count - 1)
-            here = np.flatnonzero(key[order[at]] == near)
-            pairs.append(np.stack([here, order[at[here]]]))
-    one, other = np.concatenate(pairs, axis=1)
-    graph = sparse.coo_array((np.ones(len(one), np.bool_), (one, other)), shape=(count, count))
-    _, label = sparse.csgraph.connected_components(graph, directed=False)
-    _, first, label = np.unique(label, return_index=True, return_inverse=True)
-    rank = np.empty_like(first)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return np.asarray(rank[label], np.int64)
+class _Clusters:
+    """Clusters of unresolved cells, and the members of their conflicts."""
+
+    def __init__(self, unresolved: Unresolved, lattice: Array) -> None:
+        self.lattice = lattice
+        self.cell = clusters(unresolved.cells)
+        self.count = int(self.cell.max()) + 1
+        member = self.cell[unresolved.owner]
+        order = np.argsort(member, kind="stable")
+        self.owner, self.leaf = unresolved.owner[order], unresolved.leaf[order]
+        self.lower, self.upper = unresolved.lower[:, order], unresolved.upper[:, order]
+        self.start = np.searchsorted(member[order], np.arange(self.count + 1))
+        by_cluster = np.argsort(self.cell, kind="stable")
+        first = np.searchsorted(self.cell[by_cluster], np.arange(self.count))
+        self.low = np.minimum.reduceat(unresolved.cells[:, by_cluster], first, axis=1)
+        self.high = np.maximum.reduceat(unresolved.cells[:, by_cluster], first, axis=1)
+        self.cells = np.diff([*first, len(by_cluster)])
+
+    def seeds(self) -> tuple[Numbers, Array, Ints]:
+        """Leaves, points to start from, and their clusters: about the middles of the boxes of measured conflicts."""
+        some = []
+        for first, last in pairwise(self.start):
+            cell, begin = np.unique(self.owner[first:last], return_index=True)
+            taken = np.zeros(len(cell), np.bool_)
+            taken[np.linspace(0, len(cell) - 1, MEASURED).astype(np.int64)] = True
+            some.append(first + np.flatnonzero(np.repeat(taken, np.diff([*begin, last - first]))))
+        members = np.concatenate(some)
+        lower, upper = self.lower[:, members, None], self.upper[:, members, None]
+        points = (lower + _ABOUT[:, None] * (upper - lower)).reshape(3, -1)
+        each = _ABOUT.shape[1]
+        cluster = self.cell[self.owner[members]]
+        return np.repeat(self.leaf[members], each), points, np.repeat(cluster, each)
+
+    def holds(self, cluster: Ints, points: Array) -> Flags:
+        """Whether points lie within a cell of the ends of their clusters."""
+        place = (points - self.lattice[:3, None]) / self.lattice[3:, None]
+        return np.asarray(((place > self.low[:, cluster] - 1) & (place < self.high[:, cluster] + 2)).all(axis=0))
+
+    def common_cells(self, cluster: int, pair: Numbers) -> int:
+        """In how many cells of a cluster both leaves are in conflict."""
+        here = slice(self.start[cluster], self.start[cluster + 1])
+        one, other = (np.unique(self.owner[here][self.leaf[here] == leaf]) for leaf in pair)
+        return max(1, len(np.intersect1d(one, other, assume_unique=True)))
 
 
-def _seeds(unresolved: Unresolved, cluster: Ints) -> tuple[Any, Array, Ints]:
-    """Leaves and points to start from: the corners of the middle halves of boxes in conflict, in measured cells."""
-    measured = np.zeros(len(cluster), np.bool_)
-    for number in range(cluster.max() + 1):
-        cells = np.flatnonzero(cluster == number)
-        measured[cells[np.unique(np.linspace(0, len(cells) - 1, MEASURED).astype(np.int64))]] = True
-    some = np.flatnonzero(measured[unresolved.owner])
-    share = (np.indices((2, 2, 2)).reshape(3, 1, 8) + 0.5) / 2
-    lower, upper = unresolved.lower[:, some, None], unresolved.upper[:, some, None]
-    points = (lower + share * (upper - lower)).reshape(3, -1)
-    return np.repeat(unresolved.leaf[some], 8), points, np.repeat(unresolved.owner[some], 8)
+class _Pairs(NamedTuple):
+    """Leaves (2, n) that face each other in a cluster across a wall or a gap, where it is thinnest, and how thin."""
+
+    cluster: Ints
+    leaves: Numbers
+    inward: Flags
+    place: Array
+    thickness: Array
+    sheet: Flags
 
 
-@dataclass(frozen=True)
-class _Cluster:
-    leaves: Leaves
-    lattice: Array
-    unresolved: Unresolved
-    cells: Ints
+def _pairs(rays: Rays, cluster: Ints) -> _Pairs:
+    """One for all rays of a cluster that join the same leaves in the same sense; a sheet if most have no length."""
+    keys = np.concatenate([cluster[None], rays.leaves, rays.inward[None]]).astype(np.int64)
+    kinds, kind = np.unique(keys, axis=1, return_inverse=True)
+    order = np.lexsort([rays.cells, kind])
+    first = np.searchsorted(kind[order], np.arange(kinds.shape[1] + 1))
+    thinnest, middle = order[first[:-1]], order[(first[:-1] + first[1:]) // 2]
+    return _Pairs(
+        kinds[0],
+        kinds[1:3].astype(np.int16),
+        kinds[3] == 1,
+        rays.place[:, thinnest],
+        rays.cells[thinnest],
+        rays.cells[middle] == 0,
+    )
 
-    def facing(self, rays: Rays, which: Ints) -> list[Suspect]:
-        """A suspect for each pair of leaves that face each other across a wall or a gap."""
-        keys = np.concatenate([rays.leaves[:, which], rays.inward[None, which]])
-        found = []
-        for key in np.unique(keys, axis=1).T:
-            some = which[(keys == key[:, None]).all(axis=0)]
-            found.append(self._pair(rays, some, (int(key[0]), int(key[1]))))
-        return found
 
-    def _pair(self, rays: Rays, which: Ints, pair: tuple[int, int]) -> Suspect:
-        thinnest = which[rays.cells[which].argmin()]
-        kind, place, thickness = self._kind(rays, which, thinnest, pair)
-        return Suspect(kind, _point(place), float(thickness), self._count(pair), tuple(sorted(set(pair))))
+def _facing(leaves: Leaves, space: _Clusters, pairs: _Pairs) -> list[Suspect]:
+    """What the pairs are, where they are thinnest by Newton's method."""
+    kind = np.where(pairs.sheet, "sheet", np.where(pairs.inward, "wall", "gap")).astype(object)
+    place, thickness = pairs.place.copy(), np.where(pairs.sheet, 0, pairs.thickness)
+    same = pairs.leaves[0] == pairs.leaves[1]
 
-    def _kind(self, rays: Rays, which: Ints, thinnest: int, pair: tuple[int, int]) -> tuple[str, Array, float]:
-        place, thickness = rays.place[:, thinnest], rays.cells[thinnest]
-        if np.median(rays.cells[which]) == 0:
-            return "sheet", place, 0.0
-        kind = "wall" if rays.inward[thinnest] else "gap"
-        ids, start, spacing = np.array(pair, np.int16)[:, None], place[:, None], self.lattice[3:]
-        if pair[0] == pair[1]:
-            point, level_there = level(self.leaves, ids[0], start, spacing)
-            return ("apex", point[:, 0], 0.0) if level_there[0] and self._holds(point) else (kind, place, thickness)
-        point, between, converged = closest(self.leaves, ids, start, spacing)
-        between = between[0] if kind == "wall" else -between[0]
-        if converged[0] and self._holds(point) and between > -FIRST:
-            if between < FIRST:
-                return "touch", point[:, 0], 0.0
-            return (kind, point[:, 0], between) if between < thickness else (kind, place, thickness)
-        point, exists = common(self.leaves, ids, start, spacing)
-        return ("knife", point[:, 0], 0.0) if exists[0] and self._holds(point) else (kind, place, thickness)
+    def settle(which: Ints, name: str, points: Array, cells: Any = 0.0) -> None:
+        kind[which], place[:, which], thickness[which] = name or kind[which], points, cells
 
-    def alone(self) -> Suspect:
-        """A tip, or we do not know."""
-        members = np.isin(self.unresolved.owner, self.cells)
-        ids = np.unique(self.unresolved.leaf[members])
-        centre = ((self.unresolved.lower + self.unresolved.upper)[:, members] / 2).mean(axis=1)
-        points, flat = level(self.leaves, ids, np.repeat(centre[:, None], len(ids), axis=1), self.lattice[3:])
-        for k in np.flatnonzero(flat):
-            if self._holds(points[:, k : k + 1]):
-                return Suspect("apex", _point(points[:, k]), 0.0, len(self.cells), (int(ids[k]),))
-        return Suspect("unresolved", _point(centre), 0.0, len(self.cells), tuple(int(leaf) for leaf in ids))
+    single = np.flatnonzero(same & ~pairs.sheet)
+    points, flat = level(leaves, pairs.leaves[0, single], place[:, single], space.lattice[3:])
+    flat &= space.holds(pairs.cluster[single], points)
+    settle(single[flat], "apex", points[:, flat])
 
-    def _holds(self, point: Array) -> bool:
-        """Whether a point lies in the cluster or within a cell of its ends."""
-        place = (point[:, 0] - self.lattice[:3]) / self.lattice[3:]
-        cells = self.unresolved.cells[:, self.cells]
-        return bool((place > cells.min(axis=1) - 1).all() and (place < cells.max(axis=1) + 2).all())
+    double = np.flatnonzero(~same & ~pairs.sheet)
+    points, between, found = closest(leaves, pairs.leaves[:, double], place[:, double], space.lattice[3:])
+    between = np.where(pairs.inward[double], between, -between)
+    found &= space.holds(pairs.cluster[double], points) & (between > -FIRST)
+    touch, thinner = found & (between < FIRST), found & (between >= FIRST) & (between < thickness[double])
+    settle(double[touch], "touch", points[:, touch])
+    settle(double[thinner], "", points[:, thinner], between[thinner])
 
-    def _count(self, pair: tuple[int, int]) -> int:
-        """How many cells of the cluster have both leaves in conflict."""
-        holding = [np.unique(self.unresolved.owner[self.unresolved.leaf == leaf]) for leaf in pair]
-        both = np.intersect1d(holding[0], holding[1])
-        return max(1, int(np.isin(self.cells, both).sum()))
+    crossing = double[~found]
+    points, exist = common(leaves, pairs.leaves[:, crossing], place[:, crossing], space.lattice[3:])
+    exist &= space.holds(pairs.cluster[crossing], points)
+    settle(crossing[exist], "knife", points[:, exist])
+    return [
+        Suspect(
+            str(kind[k]),
+            _point(place[:, k]),
+            float(thickness[k]),
+            space.common_cells(pairs.cluster[k], pairs.leaves[:, k]),
+            tuple(int(leaf) for leaf in np.unique(pairs.leaves[:, k])),
+        )
+        for k in range(len(kind))
+    ]
+
+
+def _alone(leaves: Leaves, space: _Clusters, paired: Ints) -> list[Suspect]:
+    """Clusters without a pair: tips, or we do not know."""
+    found = []
+    for cluster in np.setdiff1d(np.arange(space.count), paired):
+        here = slice(space.start[cluster], space.start[cluster + 1])
+        ids = np.unique(space.leaf[here])
+        centre = (space.lower[:, here] + space.upper[:, here]).mean(axis=1) / 2
+        points, flat = level(leaves, ids, np.repeat(centre[:, None], len(ids), axis=1), space.lattice[3:])
+        tips = np.flatnonzero(flat & space.holds(np.repeat(cluster, len(ids)), points))
+        kind, place = ("apex", points[:, tips[0]]) if len(tips) else ("unresolved", centre)
+        numbers = tuple(int(leaf) for leaf in (ids[tips[:1]] if len(tips) else ids))
+        found.append(Suspect(kind, _point(place), 0.0, int(space.cells[cluster]), numbers))
+    return found
 
 
 def _point(place: Array) -> tuple[float, float, float]:

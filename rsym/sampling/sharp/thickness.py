@@ -19,8 +19,8 @@ TURNS = 40
 FIRST, LAST, PROBES = 1e-6, 2.0, 24
 # Differences of gradients: their error, the square of this, only slows Newton's method down.
 STEP = 1e-4
-# Steps at such a rate: five do, and twenty come from where a starting point may lie.
-STEPS = 20
+# Steps at such a rate: five do, and twenty come from where a starting point may lie. They end where all are this short.
+STEPS, STILL = 20, 1e-13
 # Singular values below these shares of the largest are zero: curvature is one over a radius in cells, and planes have
 # none; the unit normals of two leaves are known to the last digits.
 CURVED, STRAIGHT = 1e-6, 1e-9
@@ -134,27 +134,31 @@ def _first_change(leaves: Leaves, start: Array, ray: Array, inside: Flags) -> Ar
 
 
 def closest(leaves: Leaves, pair: Numbers, points: Array, spacing: Array) -> tuple[Array, Array, Flags]:
-    """Where two leaves are parallel and as far from one as from the other, by Gauss and Newton from given points.
+    """Where two leaves come closest: the middle, by Gauss and Newton from given points, the distance, and if found.
 
-    Returns the points, how many cells lie between the leaves there (negative where both are negative), and where the
-    method converged. The equations for three coordinates are f/|f'| = g/|g'| and f'/|f'| = -g'/|g'|.
+    The equations for three coordinates are f/|f'| = g/|g'| and f'/|f'| = -g'/|g'|. From where they hold both leaves
+    are reached along one normal. The distance counts in cells; it is negative where both are negative between them.
     """
     for _ in range(STEPS):
-        equations, _ = _facing(leaves, pair, _around(points, spacing), spacing)
+        equations = _facing(leaves, pair, _around(points, spacing), spacing)
         step, _ = _least_step(_differences(equations), equations[:, :, 0].T, CURVED)
         points = points + spacing[:, None] * step
-    equations, between = _facing(leaves, pair, points[:, :, None], spacing)
-    converged = np.linalg.norm(equations[:, :, 0], axis=0) < FIRST
-    return points, between[:, 0], converged
+        if np.abs(step).max(initial=0) < STILL:
+            break
+    equations = _facing(leaves, pair, points[:, :, None], spacing)
+    one, normal, reached = project(leaves, pair[0], points, spacing)
+    other, _, too = project(leaves, pair[1], points, spacing)
+    found = (np.linalg.norm(equations[:, :, 0], axis=0) < FIRST) & reached & too
+    between = (normal * (other - one)).sum(axis=0) / np.linalg.norm(normal * spacing[:, None], axis=0)
+    return (one + other) / 2, between, found
 
 
-def _facing(leaves: Leaves, pair: Numbers, points: Array, spacing: Array) -> tuple[Array, Array]:
-    """The equations of `closest` at points (3, n, m), in cells, and the cells between the leaves."""
+def _facing(leaves: Leaves, pair: Numbers, points: Array, spacing: Array) -> Array:
+    """The equations of `closest` at points (3, n, m), in cells."""
     _, count, many = points.shape
     flat = points.reshape(3, -1)
     (f, u), (g, v) = (_signed_distance(leaves, np.repeat(ids, many), flat, spacing) for ids in pair)
-    equations = np.concatenate([[f - g], u + v])
-    return equations.reshape(4, count, many), (f + g).reshape(count, many)
+    return np.concatenate([[f - g], u + v]).reshape(4, count, many)
 
 
 def _signed_distance(leaves: Leaves, ids: Numbers, points: Array, spacing: Array) -> tuple[Array, Array]:
@@ -177,6 +181,8 @@ def common(leaves: Leaves, pair: Numbers, points: Array, spacing: Array) -> tupl
         right = np.stack(values, axis=1)
         step, good = _least_step(np.stack(rows).transpose(2, 0, 1), right, STRAIGHT)
         points = points + spacing[:, None] * step
+        if np.abs(step).max(initial=0) < STILL:
+            break
     with np.errstate(invalid="ignore"):
         return points, good & np.asarray(np.abs(right).max(axis=1) < FIRST)
 
@@ -190,6 +196,8 @@ def level(leaves: Leaves, ids: Numbers, points: Array, spacing: Array) -> tuple[
         matrix, right = _differences(slope), slope[:, :, 0].T
         step, good = _least_step(matrix, right, STRAIGHT)
         points = points + spacing[:, None] * step
+        if np.abs(step).max(initial=0) < STILL:
+            break
     size = np.abs(np.where(good[:, None, None], matrix, 0)).max(axis=(1, 2))
     with np.errstate(invalid="ignore"):
         flat = np.linalg.norm(right, axis=1) <= FIRST * size
