@@ -15,6 +15,11 @@ from numpy.typing import NDArray
 
 from rsym.sampling.sharp.flaws import FLATNESS, NO_LENGTH, surroundings
 
+# As far as vertices have been moved.
+RINGS = 3
+# What forbids one edit may go with another.
+TURNS = 3
+
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
 Faces: TypeAlias = NDArray[np.int32]
@@ -24,23 +29,41 @@ def edit(
     quads: Ints, points: Floats, faces: Faces, leaf: NDArray[Any], lattice: Floats, pool: Executor | None
 ) -> NDArray[np.bool_]:
     """Join and turn what is flawed in some quads, in place; tells which faces remain. `leaf` is that of each face."""
-    near, _ = surroundings(quads, faces, points.shape[1], 2, pool)
-    editor = Editor(points, faces, leaf, near, NO_LENGTH * lattice[3:].min())
-    for face in np.stack([2 * quads, 2 * quads + 1], axis=1).ravel().tolist():
-        editor.join(face)
-    for face in np.stack([2 * near, 2 * near + 1], axis=1).ravel().tolist():
-        editor.turn(face)
+    near, _ = surroundings(quads, faces, points.shape[1], RINGS, pool)
+    some = np.stack([2 * near, 2 * near + 1], axis=1).ravel()
+    no_length = NO_LENGTH * lattice[3:].min()
+    editor = Editor(points, faces, leaf, some, no_length)
+    for _ in range(TURNS):
+        some = some[editor.remain[some]]
+        for face in some[_sides(points, faces[some]).min(axis=0) < no_length].tolist():
+            editor.join(face)
+        for face in some[_is_flat(points, faces[some])].tolist():
+            editor.turn(face)
     return editor.remain
+
+
+def _sides(points: Floats, faces: Faces) -> Floats:
+    """The lengths of the sides of triangles, (3, m), each after its first corner."""
+    corners = points[:, faces]
+    lengths: Floats = np.linalg.norm(np.roll(corners, -1, axis=2) - corners, axis=0).T
+    return lengths
+
+
+def _is_flat(points: Floats, faces: Faces) -> NDArray[np.bool_]:
+    """Which triangles have no area."""
+    a, b, c = points[:, faces].transpose(2, 1, 0)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return np.asarray(area <= FLATNESS * _sides(points, faces).max(axis=0) ** 2)
 
 
 class Editor:
     """A part of a mesh, with the faces around each of its vertices."""
 
-    def __init__(self, points: Floats, faces: Faces, leaf: NDArray[Any], quads: Ints, no_length: float) -> None:
+    def __init__(self, points: Floats, faces: Faces, leaf: NDArray[Any], some: Ints, no_length: float) -> None:
         self.points, self.faces, self.leaf, self.no_length = points, faces, leaf, no_length
         self.remain = np.ones(len(faces), np.bool_)
         self.around: dict[int, set[int]] = defaultdict(set)
-        for face in np.stack([2 * quads, 2 * quads + 1], axis=1).ravel().tolist():
+        for face in some.tolist():
             for vertex in faces[face].tolist():
                 self.around[vertex].add(face)
 
@@ -55,7 +78,7 @@ class Editor:
                 continue
             gone = self.around[a] & self.around[b]
             links = [{int(v) for f in self.around[vertex] for v in self.faces[f]} for vertex in (a, b)]
-            if len(gone) == 2 and len(links[0] & links[1]) == 4 and len(links[0] | links[1]) > 5:
+            if len(gone) == 2 and len(links[0] & links[1]) == 4 and len(links[0] | links[1]) > 4:
                 self._merge(a, b, gone)
 
     def _merge(self, a: int, b: int, gone: set[int]) -> None:
@@ -71,11 +94,9 @@ class Editor:
         """Turn the long side of a triangle without area, if both triangles beside it are on one leaf."""
         if not self.remain[face]:
             return
-        corners = self.points[:, self.faces[face]].T
-        sides = np.linalg.norm(corners - np.roll(corners, -1, axis=0), axis=1)
-        if np.linalg.norm(np.cross(corners[1] - corners[0], corners[2] - corners[0])) > FLATNESS * sides.max() ** 2:
+        if not _is_flat(self.points, self.faces[[face]]).all():
             return
-        k = int(sides.argmax())
+        k = int(_sides(self.points, self.faces[[face]]).argmax())
         a, b, c = (int(self.faces[face, (k + turn) % 3]) for turn in range(3))
         (other,) = (self.around[a] & self.around[b]) - {face} or (face,)
         (d,) = set(self.faces[other].tolist()) - {a, b} or (c,)

@@ -58,7 +58,7 @@ def untangle(
     worst = _folds(kernels, on, part, places, lattice, pool)
     best, kept = worst + 1, (places, part)
     for _ in range(ROUNDS):
-        _relax(kernels, names, meets, movable, part, places, lattice, pool)
+        _relax(kernels, names, codes, meets, movable, part, places, lattice, pool)
         turn_diagonals(kernels, np.ones(len(quads), np.uint8), places, part, pool)
         count = _folds(kernels, on, part, places, lattice, pool)
         if count < best:
@@ -73,6 +73,7 @@ def untangle(
 def _relax(
     kernels: SurfaceKernels,
     names: NDArray[np.int16],
+    codes: Ints,
     meets: NDArray[np.bool_],
     movable: NDArray[np.bool_],
     faces: Faces,
@@ -80,11 +81,10 @@ def _relax(
     lattice: Floats,
     pool: Executor | None,
 ) -> None:
-    """Each movable vertex to the middle of the neighbours that lie on all its leaves, and back onto these leaves."""
-    edges = np.unique(np.concatenate([faces[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=0)
-    edges = np.concatenate([edges, edges[:, ::-1]])
-    along = movable[edges[:, 0]] & (meets[edges[:, 0]] <= meets[edges[:, 1]]).all(axis=1)
-    vertex, neighbour = edges[along].T
+    """Each movable vertex to the middle of its neighbours, on a seam of leaves those along it; then onto its leaves."""
+    tail, head = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    follows = movable[tail] & ((meets.sum(axis=1)[tail] == 1) | _seams(tail, head, np.repeat(codes, 6)))
+    vertex, neighbour = tail[follows], head[follows]
     count = np.bincount(vertex, minlength=len(meets))
     which = np.flatnonzero(count >= 2)
     if not len(which):
@@ -95,9 +95,21 @@ def _relax(
         own = names[vertex_meets]
         leaves[: len(own), row] = own
     moved = solve(kernels, leaves, middles, lattice, pool)
-    near = (np.abs(moved - points[:, which]) < lattice[3:, None]).all(axis=0)
+    near = (np.abs(moved - points[:, which]) < RINGS * lattice[3:, None]).all(axis=0)
     good = near & (off_surface(kernels, moved, lattice, pool) < ON_SURFACE)
     points[:, which[good]] = moved[:, good]
+
+
+def _seams(tail: Faces, head: Faces, code: Ints) -> NDArray[np.bool_]:
+    """Which half-edges have another leaf on the other side."""
+    low, high = np.minimum(tail, head).astype(np.int64), np.maximum(tail, head)
+    key = low * (int(head.max()) + 1) + high
+    order = np.argsort(key, kind="stable")
+    twins = np.flatnonzero(np.diff(key[order]) == 0)
+    one, other = order[twins], order[twins + 1]
+    seam = np.zeros(len(tail), np.bool_)
+    seam[one] = seam[other] = code[one] != code[other]
+    return seam
 
 
 def _harmonic(which: Ints, vertex: Ints, neighbour: Ints, count: Ints, points: Floats) -> Floats:
