@@ -85,6 +85,14 @@ def test_smooth_bodies_and_cubes_are_simple_everywhere(expression):
     assert found.tested[0] > 0
 
 
+def test_cells_whose_bounds_are_too_wide_are_simple_after_all():
+    square = x**2 + y**2 + z**2 + sp.Rational(39, 100)
+    torus = solid(moved(sp.Rational(49, 25) * (x**2 + y**2) - square**2))
+    left = [len(certified(torus, 24, depth=depth)[2]) for depth in (0, 3)]
+    assert left[0] > 500
+    assert left[1] == 0
+
+
 @pytest.mark.parametrize("resolution", [16, 32])
 @pytest.mark.parametrize("thickness", [0.01, 0.001])
 @pytest.mark.parametrize("single", [False, True])
@@ -154,6 +162,28 @@ def test_edges_that_taper_to_nothing(expression, edge):
     (knife,), _ = suspected(expression)
     assert knife.kind == "knife"
     assert edge(knife.place) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("kind", "expression", "thickness"),
+    [
+        # Sides that would meet at y = -2, and balls that would be closest at y = 0.
+        ("wall", rsym.conjunction(x, (y + 2) / 20 - x, 1 - y, 1 + y, 1 - z, 1 + z), 0.05),
+        ("gap", rsym.conjunction(rsym.disjunction(ball(-5.01, 5), ball(5.01, 5)), y - HALF, HALF - z, HALF + z), 0.092),
+    ],
+)
+def test_what_lies_outside_of_the_body_is_no_thinnest_place(kind, expression, thickness):
+    found, lattice = suspected(expression)
+    (thin,) = (suspect for suspect in found if suspect.kind in {kind, "knife", "touch"})
+    assert thin.kind == kind
+    assert thickness <= thin.thickness * lattice[3] < 1.3 * thickness
+
+
+def test_corners_within_a_leaf_are_said_to_be_unknown():
+    found, _ = suspected(moved(OCTAHEDRON))
+    assert {suspect.kind for suspect in found} == {"unresolved"}
+    tips = [place_of(sign * 0.9 * np.eye(3)[k]) for k in range(3) for sign in (1, -1)]
+    assert all(min(np.linalg.norm(suspect.place - tip) for tip in tips) < 0.15 for suspect in found)
 
 
 def test_where_a_leaf_is_undefined_no_cell_is_passed_over():

@@ -208,9 +208,8 @@ def _unresolved(fine: Array, cells: Ints, found: list[Boxes], tested: int) -> Un
     owner = np.concatenate([np.repeat(boxes.owner, np.diff(boxes.start)) for boxes in found])
     leaf = np.concatenate([boxes.leaf for boxes in found])
     lower, upper = (np.concatenate(end, axis=1) for end in zip(*(boxes.ends(fine) for boxes in found), strict=True))
-    order = np.argsort(owner, kind="stable")
-    numbers, owner = np.unique(owner[order], return_inverse=True)
-    return Unresolved(cells[:, numbers], owner, leaf[order], lower[:, order], upper[:, order], (0, 0, 0, 0, tested))
+    numbers, owner = np.unique(owner, return_inverse=True)
+    return Unresolved(cells[:, numbers], owner, leaf, lower, upper, (0, 0, 0, 0, tested))
 
 
 def _nothing(tested: tuple[int, ...]) -> Unresolved:
