@@ -129,7 +129,9 @@ def test_the_page_draws_turns_zooms_and_fetches_nothing(browser, tmp_path):
 
 def test_the_inside_of_an_open_surface_is_warm(browser, tmp_path):
     with pytest.warns(rsym.RsymWarning, match="the upper end of z"):
-        bowl = rsym.mesh(rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z)), 40, bounds=((-2, 2), (-2, 2), (-2, 0.2)))
+        bowl = rsym.mesh(
+            rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z)), 40, bounds=((-2, 2), (-2, 2), (-2, 0.2)), cap=False
+        )
     picture = Opened(browser, rsym.write(bowl, tmp_path / "bowl.html")).picture()
     red, _, blue = picture[body_of(picture)].T
     assert 0.2 < (red > blue).mean() < 0.8
