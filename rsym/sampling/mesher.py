@@ -22,8 +22,13 @@ from rsym.sampling.manifolds import sides_of
 from rsym.sampling.mesh import Ints, Mesh
 from rsym.sampling.progress import Progress
 from rsym.sampling.sharp.assembly import Assembly, assemble
+from rsym.sampling.sharp.certificates import Form, certify
 from rsym.sampling.sharp.finishing import finish
 from rsym.sampling.sharp.flaws import find_flaws
+from rsym.sampling.sharp.gates import gate_table
+from rsym.sampling.sharp.leaves import CompiledLeaves
+from rsym.sampling.sharp.strays import stray_vertices
+from rsym.sampling.sharp.suspects import Suspect, suspects
 from rsym.sampling.status import Findings
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -94,8 +99,21 @@ class Mesher:
         clipped = tuple(side.name for k, side in enumerate(sides) if (triangles.leaf == first + k).any())
         if clipped and not cap:
             triangles = triangles.some(triangles.leaf < first)
-        findings = Findings(clipped_at=clipped, capped=cap, sides=sides)
+        findings = Findings(
+            clipped_at=clipped,
+            capped=cap,
+            sides=sides,
+            off_surface=stray_vertices(kernels, made.vertices.points, made.surface.vertices, lattice, _threads()),
+            unresolved=self._suspects(made, kernels, lattice),
+        )
         return Mesh(triangles.vertices, triangles.faces, _Outward(kernels), findings, triangles.leaf, self.leaves)
+
+    def _suspects(self, made: Assembly, kernels: SurfaceKernels, lattice: Floats) -> tuple[Suspect, ...]:
+        """What the lattice may have missed."""
+        leaves = CompiledLeaves(kernels)
+        form = Form(leaves, len(self.form.leaves), gate_table(self.form))
+        unresolved = certify(form, lattice, made.blocks.corner, made.blocks.words, pool=_threads())
+        return suspects(leaves, lattice, unresolved, self.leaves if len(unresolved) else ())
 
     def _has_kinks(self, leaf: int) -> bool:
         nodes = self.form.builder.nodes
