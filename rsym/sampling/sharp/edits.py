@@ -7,16 +7,13 @@ make a triangle, which has no area: its long side is turned to the other diagona
 from __future__ import annotations
 
 from collections import defaultdict
-from concurrent.futures import Executor
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.sharp.flaws import FLATNESS, NO_LENGTH, surroundings
+from rsym.sampling.sharp.flaws import FLATNESS, NO_LENGTH
 
-# As far as vertices have been moved.
-RINGS = 3
 # What forbids one edit may go with another.
 TURNS = 3
 
@@ -25,12 +22,12 @@ Ints: TypeAlias = NDArray[np.int64]
 Faces: TypeAlias = NDArray[np.int32]
 
 
-def edit(
-    quads: Ints, points: Floats, faces: Faces, leaf: NDArray[Any], lattice: Floats, pool: Executor | None
-) -> NDArray[np.bool_]:
-    """Join and turn what is flawed in some quads, in place; tells which faces remain. `leaf` is that of each face."""
-    near, _ = surroundings(quads, faces, points.shape[1], RINGS, pool)
-    some = np.stack([2 * near, 2 * near + 1], axis=1).ravel()
+def edit(quads: Ints, points: Floats, faces: Faces, leaf: NDArray[Any], lattice: Floats) -> NDArray[np.bool_]:
+    """Join and turn what is flawed among some quads, in place; tells which faces remain. `leaf` is that of each face.
+
+    What lies beside these quads stays as it is.
+    """
+    some = np.stack([2 * quads, 2 * quads + 1], axis=1).ravel()
     no_length = NO_LENGTH * lattice[3:].min()
     editor = Editor(points, faces, leaf, some, no_length)
     for _ in range(TURNS):

@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 
 from rsym.codegen.surface_kernels import SurfaceKernels
 from rsym.sampling.sharp.edits import edit
-from rsym.sampling.sharp.flaws import FLAT, FOLDED
+from rsym.sampling.sharp.flaws import FLAT, FOLDED, surroundings
+from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.untangling import untangle
 
 Floats: TypeAlias = NDArray[np.float64]
 Faces: TypeAlias = NDArray[np.int32]
+
+GRAIN = 16384
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,13 @@ class Triangles:
         return Triangles(self.vertices[used], number[faces], self.leaf[which])
 
 
+@loop
+def _rows(first: int, last: int, points: Floats, vertices: Floats) -> None:
+    for v in range(first, last):
+        for axis in range(3):
+            vertices[v, axis] = points[axis, v]
+
+
 def finish(
     kernels: SurfaceKernels,
     points: Floats,
@@ -49,12 +59,14 @@ def finish(
 
     `flaws` (quads,) as `find_flaws` tells them; points and faces are changed in place.
     """
-    tangled = np.flatnonzero(flaws & (FOLDED | FLAT))
-    if len(tangled):
-        untangle(kernels, tangled, leaf, points, faces, lattice, pool)
-    whole = Triangles(np.ascontiguousarray(points[:, :count].T), faces, np.repeat(leaf[: len(flaws)], 2))
     flawed = np.flatnonzero(flaws)
-    if not len(flawed):
+    around = surroundings(flawed, faces, points.shape[1], pool) if len(flawed) else None
+    if around is not None and (flaws & (FOLDED | FLAT)).any():
+        untangle(kernels, around, leaf, points, faces, lattice, pool)
+    vertices = np.empty((count, 3))
+    in_threads(lambda a, b: _rows(a, b, points, vertices), count, GRAIN, pool)
+    whole = Triangles(vertices, faces, np.repeat(leaf[: len(flaws)], 2))
+    if around is None:
         return whole
-    remain = edit(flawed, points, faces, whole.leaf, lattice, pool)
+    remain = edit(around.quads, points, faces, whole.leaf, lattice)
     return whole if remain.all() else whole.some(remain)

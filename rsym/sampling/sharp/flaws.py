@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import Executor
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ FOLD = 1e-9
 FLATNESS = 1e-9
 # In cells. Newton's method puts two vertices on one corner to 1e-14; nothing else brings them so close.
 NO_LENGTH = 1e-9
+# Room to move for the vertices of a fold, and for their neighbours.
+RINGS = 3
 GRAIN = 8192
 
 
@@ -61,14 +63,21 @@ def _inspect(
                 flaws[e] |= SHORT
 
 
-def surroundings(quads: Ints, faces: Faces, vertices: int, rings: int, pool: Executor | None) -> tuple[Ints, Marks]:
-    """The quads within some rings around others, and marks for the vertices all of whose triangles are among them."""
+class Surroundings(NamedTuple):
+    """The quads around some others, and marks for the vertices all of whose triangles are among them."""
+
+    quads: Ints
+    inner: Marks
+
+
+def surroundings(quads: Ints, faces: Faces, vertices: int, pool: Executor | None) -> Surroundings:
+    """What lies within RINGS of vertices around some quads."""
     near, inner = np.zeros(len(faces) // 2, np.uint8), np.zeros(vertices, np.uint8)
     near[quads] = 1
-    for _ in range(rings):
+    for _ in range(RINGS):
         inner[faces.reshape(-1, 6)[np.flatnonzero(near)]] = 1
         in_threads(lambda a, b: _touching(a, b, faces, inner, near), len(near), GRAIN, pool)
-    return np.flatnonzero(near), inner
+    return Surroundings(np.flatnonzero(near), inner)
 
 
 @loop

@@ -20,33 +20,35 @@ from rsym.codegen.surface_kernels import SurfaceKernels, padded
 from rsym.sampling.sharp.corners import ON_SURFACE, off_surface, solve
 from rsym.sampling.sharp.crossings import evaluate
 from rsym.sampling.sharp.diagonals import turn_diagonals
-from rsym.sampling.sharp.flaws import FOLDED, find_flaws, surroundings
+from rsym.sampling.sharp.flaws import FOLDED, Surroundings, find_flaws
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
 Faces: TypeAlias = NDArray[np.int32]
 
-RINGS = 3
+# Cells that a vertex may move.
+FAR = 3
 # One does it where leaves are planes; curved ones take two or three.
 ROUNDS = 6
+PATIENCE = 2  # rounds without fewer folds
 # A ring of vertices without a fixed one stays near its place.
 PULL = 1e-12
 
 
 def untangle(
     kernels: SurfaceKernels,
-    folded: Ints,
+    around: Surroundings,
     leaf: NDArray[np.int16],
     points: Floats,
     faces: Faces,
     lattice: Floats,
     pool: Executor | None,
 ) -> None:
-    """Move vertices and turn diagonals around folded quads, in place; `leaf` is that of each quad.
+    """Move vertices and turn diagonals around folds, in place; `leaf` is that of each quad.
 
     What is not better after some rounds stays as it was.
     """
-    quads, inner = surroundings(folded, faces, points.shape[1], RINGS, pool)
+    quads, inner = around
     ids, local = np.unique(faces.reshape(-1, 6)[quads], return_inverse=True)
     part = np.ascontiguousarray(local.reshape(-1, 3), np.int32)
     places, on = np.zeros((3, padded(len(ids)))), np.ascontiguousarray(leaf[quads])
@@ -56,14 +58,16 @@ def untangle(
     meets[part.ravel(), np.repeat(codes, 6)] = True
     movable = (inner[ids] > 0) & (meets.sum(axis=1) <= 2)
     worst = _folds(kernels, on, part, places, lattice, pool)
-    best, kept = worst + 1, (places, part)
+    best, kept, patience = worst + 1, (places, part), PATIENCE
     for _ in range(ROUNDS):
         _relax(kernels, names, codes, meets, movable, part, places, lattice, pool)
         turn_diagonals(kernels, np.ones(len(quads), np.uint8), places, part, pool)
         count = _folds(kernels, on, part, places, lattice, pool)
         if count < best:
-            best, kept = count, (places.copy(), part.copy())
-        if not count:
+            best, kept, patience = count, (places.copy(), part.copy()), PATIENCE
+        else:
+            patience -= 1
+        if not count or not patience:
             break
     if best <= worst:
         points[:, ids] = kept[0][:, : len(ids)]
@@ -95,7 +99,7 @@ def _relax(
         own = names[vertex_meets]
         leaves[: len(own), row] = own
     moved = solve(kernels, leaves, middles, lattice, pool)
-    near = (np.abs(moved - points[:, which]) < RINGS * lattice[3:, None]).all(axis=0)
+    near = (np.abs(moved - points[:, which]) < FAR * lattice[3:, None]).all(axis=0)
     good = near & (off_surface(kernels, moved, lattice, pool) < ON_SURFACE)
     points[:, which[good]] = moved[:, good]
 
