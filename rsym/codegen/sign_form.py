@@ -70,13 +70,15 @@ class SignForm:
         for name in b.coordinates:
             lower, upper = cap_letters(name)
             sides += [b.sub(b.input(name), b.input(lower)), b.sub(b.input(upper), b.input(name))]
-        shift = len(sides)
-        count = len(self.leaves)
+        shift, count = len(sides), len(self.leaves)
         gates = [Gate(op, *(a + shift * (a >= count) for a in operands)) for op, *operands in self.gates]
-        last = count + shift + len(gates) - 1 if gates else 0
-        for number in range(shift):
+        form = count + shift + len(gates) - 1 if gates else 0
+        # The sides among themselves first: where none of them matters that is one question.
+        last = count
+        for number in range(1, shift):
             gates.append(Gate("min", last, count + number))
             last = count + shift + len(gates) - 1
+        gates.append(Gate("min", form, last))
         return SignForm(b, (*self.leaves, *sides), tuple(gates), self.parameters, shift)
 
 
