@@ -2,23 +2,31 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.sampling.sharp.crossings import Crossings
-from rsym.sampling.sharp.loops import loop, step
+from rsym.sampling.sharp.loops import in_threads, loop, step
 from rsym.sampling.sharp.patches import Topology
 
 Floats: TypeAlias = NDArray[np.float64]
 
 # Directions in which the tangent planes hardly differ say nothing: those below this share of the largest eigenvalue.
 FLAT = 0.02
+GRAIN = 1024
 CLOSE = 0.5  # cells beyond its own in which a fitted vertex may lie
 
 
-def fitted(which: NDArray[np.integer[Any]], surface: Topology, crossings: Crossings, lattice: Floats) -> Floats:
+def fitted(
+    which: NDArray[np.integer[Any]],
+    surface: Topology,
+    crossings: Crossings,
+    lattice: Floats,
+    pool: Executor | None,
+) -> Floats:
     """Minimisers (3, n) of the quadratic error of tangent planes, for some vertices.
 
     Sum of (n_i . (x - p_i))**2 over crossings p_i with unit normals n_i, least norm from the middle of the crossings
@@ -30,18 +38,28 @@ def fitted(which: NDArray[np.integer[Any]], surface: Topology, crossings: Crossi
     low = lattice[:3, None] + lattice[3:, None] * (first - CLOSE)
     high = low + lattice[3:, None] * (1 + 2 * CLOSE)
     points = np.empty((3, len(which)))
-    minimise(which, surface.ring_start, surface.ring, crossings.points, crossings.gradients, low, high, points)
+    rings, tangents = (surface.ring_start, surface.ring), (crossings.points, crossings.gradients)
+    in_threads(lambda a, b: minimise(a, b, which, *rings, *tangents, low, high, points), len(which), GRAIN, pool)
     return points
 
 
 @loop
 def minimise(
-    which: Any, ring_start: Any, ring: Any, crossing: Floats, gradient: Floats, low: Floats, high: Floats, out: Floats
+    first: int,
+    last: int,
+    which: Any,
+    ring_start: Any,
+    ring: Any,
+    crossing: Floats,
+    gradient: Floats,
+    low: Floats,
+    high: Floats,
+    out: Floats,
 ) -> None:
     """The fit for each of some vertices, clamped between low and high."""
     matrix, vectors = np.empty((3, 3)), np.empty((3, 3))
     middle, right = np.empty(3), np.empty(3)
-    for w in range(len(which)):
+    for w in range(first, last):
         begin, end = ring_start[which[w]], ring_start[which[w] + 1]
         middle[:] = 0
         for at in range(begin, end):

@@ -55,7 +55,7 @@ def place_vertices(
     in_threads(lambda a, b: kernels.slide(b - a, single, points, STEPS, first=a), count, GRAIN, pool)
     several = np.flatnonzero(feature[:count])
     if len(several):
-        start = fitted(several, surface, crossings, lattice)
+        start = fitted(several, surface, crossings, lattice, pool)
         points[:, several] = settle(kernels, several, start, surface, crossings, lattice, pool)
     return Vertices(points, feature)
 
