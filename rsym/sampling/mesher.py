@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import os
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import cache, cached_property
@@ -19,19 +21,17 @@ from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.lattice import bounds_of, check_in_space, lattice_over
 from rsym.sampling.manifolds import sides_of
+from rsym.sampling.memory import Budget, free_memory
 from rsym.sampling.mesh import Ints, Mesh
-from rsym.sampling.progress import Progress
-from rsym.sampling.sharp.assembly import Assembly, assemble
-from rsym.sampling.sharp.certificates import Form, certify
-from rsym.sampling.sharp.finishing import finish
-from rsym.sampling.sharp.flaws import find_flaws
-from rsym.sampling.sharp.gates import gate_table
-from rsym.sampling.sharp.leaves import CompiledLeaves
-from rsym.sampling.sharp.strays import stray_vertices
-from rsym.sampling.sharp.suspects import Suspect, suspects
+from rsym.sampling.progress import Crew, Progress
+from rsym.sampling.sharp.pieces import Job, in_pieces
+from rsym.sampling.sharp.welding import Surface
 from rsym.sampling.status import Findings
 
 Floats: TypeAlias = NDArray[np.float64]
+
+# Along a side: the names of vertices are 64-bit integers, and indices pass through float32.
+MOST_CELLS = 2**20
 
 # A leaf with one of these inside may have a kink in its zero set.
 _KINKED = frozenset("abs sign min max select joining equivalence absolute_power signed_power".split())
@@ -80,40 +80,40 @@ class Mesher:
     ) -> Mesh:
         """The surface for some letters; arguments as in `rsym.mesh`."""
         box = bounds_of(self.shape, bounds)
-        lattice = lattice_over(box, resolution)
+        crew, budget = Crew(_threads(), progress), Budget(free_memory(), resolution)
+        job = self._job(resolution, box, letters)
+        surface = job.whole(crew, budget) if executor is None else in_pieces(job, executor, crew, budget)
+        if not len(surface.faces):
+            raise _no_surface()
+        mesh = self._mesh(surface, job.kernels, box, cap)
+        crew.stages.finish()
+        return mesh
+
+    def _job(self, resolution: int | Sequence[int], box: Bounds, letters: Mapping[Any, float] | None) -> Job:
+        lattice = lattice_over(box, resolution, math.inf)
+        cells = tuple(count - 1 for count in lattice.counts)
+        if max(cells) > MOST_CELLS:
+            raise RsymError(
+                f"resolution {resolution} has {max(cells)} cells along a side",
+                code="resolution",
+                remedy=f"take at most {MOST_CELLS}",
+            )
         kernels = self._kernels.copy()
         kernels.set(self.shape.letters.values_with(letters), box)
-        array = np.array([*lattice.origin, *lattice.spacing])
-        cells = [count - 1 for count in lattice.counts]
-        assembly = assemble(kernels, self._smooth, array, cells, _threads())
-        if not assembly.surface.crossings:
-            raise _no_surface()
-        return self._mesh(assembly, kernels, array, box, cap)
+        return Job(kernels, self._smooth, np.array([*lattice.origin, *lattice.spacing]), cells, resolution)
 
-    def _mesh(self, made: Assembly, kernels: SurfaceKernels, lattice: Floats, box: Bounds, cap: bool) -> Mesh:
-        flaws = find_flaws(made.faces, made.vertices.points, made.crossings.gradients, lattice, _threads())
-        arrays = (made.vertices.points, made.surface.vertices, made.faces, made.crossings.leaf, flaws)
-        triangles = finish(kernels, *arrays, lattice, _threads())
+    def _mesh(self, made: Surface, kernels: SurfaceKernels, box: Bounds, cap: bool) -> Mesh:
+        vertices, leaf = made.points, np.repeat(made.leaf, 2)
+        faces: Ints = made.faces
         sides = sides_of([symbol.name for symbol in self.shape.coordinates], box)
         first = len(self.form.leaves) - self.form.caps
-        clipped = tuple(side.name for k, side in enumerate(sides) if (triangles.leaf == first + k).any())
+        clipped = tuple(side.name for k, side in enumerate(sides) if (leaf == first + k).any())
         if clipped and not cap:
-            triangles = triangles.some(triangles.leaf < first)
-        findings = Findings(
-            clipped_at=clipped,
-            capped=cap,
-            sides=sides,
-            off_surface=stray_vertices(kernels, made.vertices.points, made.surface.vertices, lattice, _threads()),
-            unresolved=self._suspects(made, kernels, lattice),
-        )
-        return Mesh(triangles.vertices, triangles.faces, _Outward(kernels), findings, triangles.leaf, self.leaves)
-
-    def _suspects(self, made: Assembly, kernels: SurfaceKernels, lattice: Floats) -> tuple[Suspect, ...]:
-        """What the lattice may have missed."""
-        leaves = CompiledLeaves(kernels)
-        form = Form(leaves, len(self.form.leaves), gate_table(self.form))
-        unresolved = certify(form, lattice, made.blocks.corner, made.blocks.words, pool=_threads())
-        return suspects(leaves, lattice, unresolved, self.leaves if len(unresolved) else ())
+            inside = leaf < first
+            used, faces = np.unique(faces[inside], return_inverse=True)
+            vertices, faces, leaf = vertices[used], faces.reshape(-1, 3).astype(np.int32), leaf[inside]
+        findings = Findings(clipped_at=clipped, capped=cap, sides=sides)
+        return Mesh(vertices, faces, _Outward(kernels), findings, leaf, self.leaves)
 
     def _has_kinks(self, leaf: int) -> bool:
         nodes = self.form.builder.nodes
@@ -148,3 +148,8 @@ def _no_surface() -> RsymError:
 def _threads() -> ThreadPoolExecutor:
     """Threads of all meshers of this process."""
     return ThreadPoolExecutor(checked_threads(None), thread_name_prefix="rsym-mesher")
+
+
+# A forked process has none of the threads of its parent.
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_threads.cache_clear)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
@@ -79,8 +80,15 @@ class Topology:
         return [*self.edges_before[:, 0, 0].tolist(), self.crossings]
 
 
-def topology(corner: NDArray[np.int64], bits: Bytes, pool: Executor | None = None) -> Topology:
+def topology(
+    corner: NDArray[np.int64],
+    bits: Bytes,
+    pool: Executor | None = None,
+    claim: Callable[[int, int], None] = lambda cells, crossings: None,
+) -> Topology:
     """Find the surface of the sign bits of blocks in lexicographic order; manifold by construction.
+
+    `claim` is told how many cells and crossings there are before anything is allocated for them, and may raise.
 
     Two patches of neighbouring cells are joined by each segment that they share on the face between the cells. Where
     they share both segments of an ambiguous face, four triangles would meet on one edge; `separate` re-pairs such
@@ -103,6 +111,7 @@ def topology(corner: NDArray[np.int64], bits: Bytes, pool: Executor | None = Non
     cells[n], edges[:, n] = 0, 0
     in_threads(lambda first, last: scan(bits, first, last, cells, edges), n, GRAIN, pool)
     (cells_before, active), (edges_before, crossings) = ranks(cells), ranks(edges)
+    claim(active, crossings)
     case, place = np.empty(active, np.uint16), np.empty(active, np.int32)
     in_threads(lambda first, last: list_cells(bits, cells, cells_before, first, last, case, place), n, GRAIN, pool)
     flips = separate(corner, case, place, blocks, origin, cells, cells_before)
