@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from rsym.errors import RsymError
-
-# A surface has four times the cells at twice the resolution, give or take what is rounded up to whole blocks.
-SURE = 0.9
 
 
 def free_memory(root: Path = Path("/")) -> float:
@@ -75,43 +72,38 @@ def _lines(path: Path) -> Iterator[str]:
         return
 
 
+class TooLarge(RsymError):
+    """What does not fit; `share` of the resolution may."""
+
+    def __init__(self, need: float, free: float) -> None:
+        super().__init__(
+            f"about {_size(need)} of memory are needed, {_size(free)} are free",
+            code="memory",
+            remedy="take a smaller resolution",
+        )
+        # Twice the resolution has four times the cells of a surface.
+        self.share = math.sqrt(free / need)
+
+
 @dataclass(frozen=True)
 class Budget:
-    """Memory for a surface at a resolution.
+    """Bytes that may be taken.
 
     Examples
     --------
-    >>> Budget(1e9, 512).claim(4e9)
+    >>> Budget(1e9).claim(4e9)
     Traceback (most recent call last):
         ...
-    rsym.errors.RsymError: resolution 512 needs about 4 GB of memory, 1 GB is free; remedy: resolution 230 fits
+    rsym.sampling.memory.TooLarge: about 4 GB of memory are needed, 1 GB are free; remedy: take a smaller resolution
     """
 
-    free: float
-    resolution: int | Sequence[int]
+    free: float = math.inf
 
     def claim(self, need: float, expected: float = 0.0) -> None:
-        """Refuse what needs more than is free; `expected` bytes in the end, where that is known to be more."""
-        if need <= self.free:
-            return
-        whole = max(need, expected)
-        share = SURE * math.sqrt(self.free / whole)
-        raise RsymError(
-            f"resolution {_text(self.resolution)} needs about {_size(whole)} of memory, {_size(self.free)} is free",
-            code="memory",
-            remedy=f"resolution {_text(_scaled(self.resolution, share))} fits",
-        )
+        """Refuse what needs more than is free; `expected` in the end, as far as that is known."""
+        if need > self.free:
+            raise TooLarge(max(need, expected), self.free)
 
 
-def _scaled(resolution: int | Sequence[int], share: float) -> int | Sequence[int]:
-    if isinstance(resolution, Sequence):
-        return [max(2, int(cells * share)) for cells in resolution]
-    return max(2, int(resolution * share))
-
-
-def _text(resolution: int | Sequence[int]) -> str:
-    return f"({', '.join(map(str, resolution))})" if isinstance(resolution, Sequence) else str(resolution)
-
-
-def _size(bytes_: float) -> str:
-    return f"{bytes_ / 1e9:.3g} GB" if bytes_ >= 1e8 else f"{bytes_ / 1e6:.3g} MB"
+def _size(amount: float) -> str:
+    return f"{amount / 1e9:.3g} GB" if amount >= 1e8 else f"{amount / 1e6:.3g} MB"

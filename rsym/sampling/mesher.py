@@ -21,7 +21,7 @@ from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.lattice import bounds_of, check_in_space, lattice_over
 from rsym.sampling.manifolds import sides_of
-from rsym.sampling.memory import Budget, free_memory
+from rsym.sampling.memory import Budget, TooLarge, free_memory
 from rsym.sampling.mesh import Ints, Mesh
 from rsym.sampling.progress import Crew, Progress
 from rsym.sampling.sharp.pieces import Job, in_pieces
@@ -32,6 +32,9 @@ Floats: TypeAlias = NDArray[np.float64]
 
 # Along a side: the names of vertices are 64-bit integers, and indices pass through float32.
 MOST_CELLS = 2**20
+
+# Of the free memory, what a resolution that is said to fit may take: others take some too.
+SURE = 0.9
 
 # A leaf with one of these inside may have a kink in its zero set.
 _KINKED = frozenset("abs sign min max select joining equivalence absolute_power signed_power".split())
@@ -80,14 +83,39 @@ class Mesher:
     ) -> Mesh:
         """The surface for some letters; arguments as in `rsym.mesh`."""
         box = bounds_of(self.shape, bounds)
-        crew, budget = Crew(_threads(), progress), Budget(free_memory(), resolution)
+        crew, budget = Crew(_threads(), progress), Budget(free_memory())
         job = self._job(resolution, box, letters)
-        surface = job.whole(crew, budget) if executor is None else in_pieces(job, executor, crew, budget)
+        try:
+            surface = job.whole(crew, budget) if executor is None else in_pieces(job, executor, crew, budget)
+        except TooLarge as error:
+            fits = self._fitting(resolution, error.share, box, letters, budget.free)
+            raise RsymError(
+                f"resolution {resolution}: {error.message}", code="memory", remedy=f"resolution {fits} fits"
+            ) from None
         if not len(surface.faces):
             raise _no_surface()
         mesh = self._mesh(surface, job.kernels, box, cap)
         crew.stages.finish()
         return mesh
+
+    def _fitting(
+        self,
+        resolution: int | Sequence[int],
+        share: float,
+        box: Bounds,
+        letters: Mapping[Any, float] | None,
+        free: float,
+    ) -> int | Sequence[int]:
+        """A resolution that fits, tried."""
+        while True:
+            resolution = _scaled(resolution, min(share, 0.9))
+            try:
+                self._job(resolution, box, letters).claim(Budget(SURE * free))
+                return resolution
+            except TooLarge as error:
+                if np.max(resolution) <= 2:
+                    raise
+                share = error.share
 
     def _job(self, resolution: int | Sequence[int], box: Bounds, letters: Mapping[Any, float] | None) -> Job:
         lattice = lattice_over(box, resolution, math.inf)
@@ -100,7 +128,7 @@ class Mesher:
             )
         kernels = self._kernels.copy()
         kernels.set(self.shape.letters.values_with(letters), box)
-        return Job(kernels, self._smooth, np.array([*lattice.origin, *lattice.spacing]), cells, resolution)
+        return Job(kernels, self._smooth, np.array([*lattice.origin, *lattice.spacing]), cells)
 
     def _mesh(self, made: Surface, kernels: SurfaceKernels, box: Bounds, cap: bool) -> Mesh:
         vertices, leaf = made.points, np.repeat(made.leaf, 2)
@@ -134,6 +162,12 @@ class _Outward:
         places[:, :count], which[:count] = points.T, leaf
         self._kernels.leaf(count, which, places, value, gradient)
         return -gradient[:, :count].T
+
+
+def _scaled(resolution: int | Sequence[int], share: float) -> int | Sequence[int]:
+    if isinstance(resolution, Sequence):
+        return tuple(max(2, int(cells * share)) for cells in resolution)
+    return max(2, int(resolution * share))
 
 
 def _no_surface() -> RsymError:

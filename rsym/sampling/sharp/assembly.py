@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -17,7 +18,7 @@ from rsym.sampling.sharp.diagonals import turn_diagonals
 from rsym.sampling.sharp.faces import connect
 from rsym.sampling.sharp.loops import in_threads
 from rsym.sampling.sharp.octree import Blocks
-from rsym.sampling.sharp.patches import Topology, topology
+from rsym.sampling.sharp.patches import Topology, scanned, topology
 from rsym.sampling.sharp.vertices import Vertices, place_vertices
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -27,7 +28,7 @@ GRAIN = 4096
 # cell and of a crossing their rows when the vertices are placed, when most is held. A plane has 64 cells and 64
 # crossings in a block that it passes through the middle of.
 BLOCK_BYTES, CELL_BYTES, CROSSING_BYTES = 700, 50, 110
-USUAL = 64
+USUAL_BYTES = BLOCK_BYTES + 64 * (CELL_BYTES + CROSSING_BYTES)
 # Places of cells are 512*block + cell, in 32 bits.
 MOST_BLOCKS = 2**22
 
@@ -57,14 +58,7 @@ def assemble(
 
     Each array is dropped as soon as no later stage reads it.
     """
-    count = blocks.corner.shape[1]
-    if count > MOST_BLOCKS:
-        raise RsymError(f"{count} blocks, more than {MOST_BLOCKS}", code="memory", remedy="give an executor")
-    budget.claim(count * BLOCK_BYTES, count * (BLOCK_BYTES + USUAL * (CELL_BYTES + CROSSING_BYTES)))
-
-    def claim(cells: int, crossings: int) -> None:
-        budget.claim(count * BLOCK_BYTES + cells * CELL_BYTES + crossings * CROSSING_BYTES)
-
+    claim = claim_of(blocks, budget)
     crew.stage(70)
     bits = sample_signs(kernels, blocks, lattice, crew)
     crew.stage(120, loops=3)
@@ -77,6 +71,22 @@ def assemble(
     surface = replace(surface, ring=none, ring_start=none)
     crossings = replace(crossings, points=np.empty((3, 0)))
     return Assembly(surface, vertices.points, crossings.leaf, _faces(kernels, surface, crossings, vertices, crew))
+
+
+def claim_of(blocks: Blocks, budget: Budget) -> Callable[[int, int], None]:
+    """Claim memory for blocks, and later for the cells and crossings in them."""
+    count = blocks.corner.shape[1]
+    if count > MOST_BLOCKS:
+        raise RsymError(f"{count} blocks, more than {MOST_BLOCKS}", code="memory", remedy="give an executor")
+    budget.claim(count * BLOCK_BYTES, count * USUAL_BYTES)
+    return lambda cells, crossings: budget.claim(count * BLOCK_BYTES + cells * CELL_BYTES + crossings * CROSSING_BYTES)
+
+
+def claim_only(kernels: SurfaceKernels, lattice: Floats, blocks: Blocks, crew: Crew, budget: Budget) -> None:
+    """Claim what `assemble` would take."""
+    claim = claim_of(blocks, budget)
+    cells, edges = scanned(sample_signs(kernels, blocks, lattice, crew), crew)
+    claim(int(np.bitwise_count(cells).sum()), int(np.bitwise_count(edges).sum()))
 
 
 def _faces(

@@ -41,12 +41,12 @@ def find_blocks(
     cells: Sequence[int],
     pool: Executor | None = None,
     region: tuple[Sequence[int], Sequence[int]] | None = None,
-    claim: Callable[[int], None] = lambda boxes: None,
+    claim: Callable[[int, int], None] = lambda kept, size: None,
 ) -> Blocks:
     """The blocks of a lattice, or of a region of cells in it, in which the form may have a zero.
 
-    Which blocks are kept depends on the whole lattice alone, not on the region. `claim` is told how many boxes a level
-    has at most before they are allocated, and may raise.
+    Which blocks are kept depends on the whole lattice alone, not on the region. `claim` is told how many
+    boxes of what size are kept before their halves, eight of each, are allocated, and may raise.
     """
     size = BLOCK
     while size * FIRST < max(cells):
@@ -61,7 +61,7 @@ def find_blocks(
         corner = corner[:, keep]
         if size == BLOCK:
             break
-        claim(8 * corner.shape[1])
+        claim(corner.shape[1], size)
         size //= 2
         corner = (corner[:, :, None] + size * _HALVES.T[:, None, :]).reshape(3, -1)
         corner = corner[:, ((corner < high[:, None]) & (corner + size > low[:, None])).all(axis=0)]

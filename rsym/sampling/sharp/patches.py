@@ -107,9 +107,7 @@ def topology(
     """
     corner, bits = np.ascontiguousarray(corner, np.int64), np.ascontiguousarray(bits)
     n, table, (blocks, origin) = corner.shape[1], patch_table(), lookup(corner)
-    cells, edges = np.empty((n + 1, 8), np.uint64), np.empty((3, n + 1, 8), np.uint64)
-    cells[n], edges[:, n] = 0, 0
-    in_threads(lambda first, last: scan(bits, first, last, cells, edges), n, GRAIN, pool)
+    cells, edges = scanned(bits, pool)
     (cells_before, active), (edges_before, crossings) = ranks(cells), ranks(edges)
     claim(active, crossings)
     case, place = np.empty(active, np.uint16), np.empty(active, np.int32)
@@ -131,6 +129,15 @@ def topology(
     in_threads(piece, n, GRAIN, pool)
     surface = (case, place, start, ring_start, ring, quads, flips)
     return Topology(corner, bits, cells, cells_before, edges, edges_before, blocks, origin, *surface)
+
+
+def scanned(bits: Bytes, pool: Executor | None = None) -> tuple[Words, Words]:
+    """Fields of the cells that hold surface, and of the crossings."""
+    n = len(bits)
+    cells, edges = np.empty((n + 1, 8), np.uint64), np.empty((3, n + 1, 8), np.uint64)
+    cells[n], edges[:, n] = 0, 0
+    in_threads(lambda first, last: scan(bits, first, last, cells, edges), n, GRAIN, pool)
+    return cells, edges
 
 
 @loop

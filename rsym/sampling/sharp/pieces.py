@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from rsym.codegen.surface_kernels import SurfaceKernels
 from rsym.sampling.memory import Budget, free_memory
 from rsym.sampling.progress import Crew
-from rsym.sampling.sharp.assembly import assemble
+from rsym.sampling.sharp.assembly import USUAL_BYTES, assemble, claim_only
 from rsym.sampling.sharp.octree import BLOCK, Blocks, find_blocks
 from rsym.sampling.sharp.spread import spread
 from rsym.sampling.sharp.welding import Piece, Surface, inside, own_piece, weld
@@ -34,6 +34,7 @@ Ints: TypeAlias = NDArray[np.int64]
 # What else to find out about blocks: a module's function, so that a process can be told its name.
 Inspect: TypeAlias = Callable[[SurfaceKernels, Blocks, Floats, Executor], Any]
 
+HALO = 1  # blocks
 # Enough pieces to share among a few workers; the halo of a piece of 90x90 blocks costs 5 %, and such a piece of the
 # car takes a fifth of a second, which is what a cancel waits for. Pieces below 64 blocks cost more than they share.
 PIECES, LEAST, MOST = 16, 64, 8192
@@ -49,7 +50,6 @@ class Job:
     smooth: NDArray[np.bool_]
     lattice: Floats
     cells: tuple[int, ...]
-    resolution: int | Sequence[int]
     inspect: Inspect | None = None
 
     @property
@@ -62,10 +62,16 @@ class Job:
         """The blocks that the surface may meet, or those of a box and beside it."""
         region = None
         if box is not None:
-            region = np.maximum(box[0] - BLOCK, 0), np.minimum(box[1] + BLOCK, self.cells)
-        return find_blocks(
-            self.kernels, self.lattice, self.cells, crew, region, lambda boxes: budget.claim(boxes * BOX_BYTES)
-        )
+            region = np.maximum(box[0] - HALO * BLOCK, 0), np.minimum(box[1] + HALO * BLOCK, self.cells)
+
+        def claim(kept: int, size: int) -> None:
+            budget.claim(8 * kept * BOX_BYTES, kept * (size // BLOCK) ** 2 * USUAL_BYTES)
+
+        return find_blocks(self.kernels, self.lattice, self.cells, crew, region, claim)
+
+    def claim(self, budget: Budget) -> None:
+        """Claim what `whole` would take."""
+        claim_only(self.kernels, self.lattice, self.blocks(Crew(), budget), Crew(), budget)
 
     def whole(self, crew: Crew, budget: Budget) -> Surface:
         """The surface in one piece."""
@@ -100,7 +106,7 @@ class Task:
 def compute(task: Task) -> Piece:
     """The piece of a task; run by whatever executor, in whatever process."""
     job, crew = task.job, Crew()
-    budget = Budget(free_memory(), job.resolution)
+    budget = Budget(free_memory())
     blocks = job.blocks(crew, budget, task.box)
     made = assemble(job.kernels, job.smooth, job.lattice, blocks, crew, budget)
     piece = own_piece(made.surface, made.points, made.faces, made.leaf, task.box, job.extent)
