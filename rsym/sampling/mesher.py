@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import cache, cached_property
 from typing import Any, TypeAlias
@@ -24,11 +24,13 @@ from rsym.sampling.manifolds import sides_of
 from rsym.sampling.memory import Budget, TooLarge, free_memory
 from rsym.sampling.mesh import Ints, Mesh
 from rsym.sampling.progress import Crew, Progress
+from rsym.sampling.sharp.finishing import finish
 from rsym.sampling.sharp.pieces import Job, in_pieces
 from rsym.sampling.sharp.welding import Surface
 from rsym.sampling.status import Findings
 
 Floats: TypeAlias = NDArray[np.float64]
+Resolution: TypeAlias = int | Sequence[int]
 
 # Along a side: the names of vertices are 64-bit integers, and indices pass through float32.
 MOST_CELLS = 2**20
@@ -73,7 +75,7 @@ class Mesher:
 
     def __call__(
         self,
-        resolution: int | Sequence[int] = 128,
+        resolution: Resolution = 128,
         *,
         bounds: Any = None,
         letters: Mapping[Any, float] | None = None,
@@ -88,36 +90,17 @@ class Mesher:
         try:
             surface = job.whole(crew, budget) if executor is None else in_pieces(job, executor, crew, budget)
         except TooLarge as error:
-            fits = self._fitting(resolution, error.share, box, letters, budget.free)
-            raise RsymError(
-                f"resolution {resolution}: {error.message}", code="memory", remedy=f"resolution {fits} fits"
-            ) from None
+            fits = _fitting(lambda cells: self._job(cells, box, letters), resolution, error.share, budget.free)
+            message = f"resolution {resolution}: {error.message}"
+            raise RsymError(message, code="memory", remedy=f"resolution {fits} fits") from None
         if not len(surface.faces):
             raise _no_surface()
-        mesh = self._mesh(surface, job.kernels, box, cap)
+        crew.stage(50, loops=20)
+        mesh = self._mesh(surface, job, box, cap, crew)
         crew.stages.finish()
         return mesh
 
-    def _fitting(
-        self,
-        resolution: int | Sequence[int],
-        share: float,
-        box: Bounds,
-        letters: Mapping[Any, float] | None,
-        free: float,
-    ) -> int | Sequence[int]:
-        """A resolution that fits, tried."""
-        while True:
-            resolution = _scaled(resolution, min(share, 0.9))
-            try:
-                self._job(resolution, box, letters).claim(Budget(SURE * free))
-                return resolution
-            except TooLarge as error:
-                if np.max(resolution) <= 2:
-                    raise
-                share = error.share
-
-    def _job(self, resolution: int | Sequence[int], box: Bounds, letters: Mapping[Any, float] | None) -> Job:
+    def _job(self, resolution: Resolution, box: Bounds, letters: Mapping[Any, float] | None) -> Job:
         lattice = lattice_over(box, resolution, math.inf)
         cells = tuple(count - 1 for count in lattice.counts)
         if max(cells) > MOST_CELLS:
@@ -130,18 +113,17 @@ class Mesher:
         kernels.set(self.shape.letters.values_with(letters), box)
         return Job(kernels, self._smooth, np.array([*lattice.origin, *lattice.spacing]), cells)
 
-    def _mesh(self, made: Surface, kernels: SurfaceKernels, box: Bounds, cap: bool) -> Mesh:
-        vertices, leaf = made.points, np.repeat(made.leaf, 2)
-        faces: Ints = made.faces
+    def _mesh(self, made: Surface, job: Job, box: Bounds, cap: bool, crew: Crew) -> Mesh:
+        arrays = (made.points, made.vertices, made.faces, made.leaf, made.flaws)
+        triangles = finish(job.kernels, *arrays, job.lattice, crew)
         sides = sides_of([symbol.name for symbol in self.shape.coordinates], box)
         first = len(self.form.leaves) - self.form.caps
-        clipped = tuple(side.name for k, side in enumerate(sides) if (leaf == first + k).any())
+        clipped = tuple(side.name for k, side in enumerate(sides) if (triangles.leaf == first + k).any())
         if clipped and not cap:
-            inside = leaf < first
-            used, faces = np.unique(faces[inside], return_inverse=True)
-            vertices, faces, leaf = vertices[used], faces.reshape(-1, 3).astype(np.int32), leaf[inside]
+            triangles = triangles.some(triangles.leaf < first)
         findings = Findings(clipped_at=clipped, capped=cap, sides=sides)
-        return Mesh(vertices, faces, _Outward(kernels), findings, leaf, self.leaves)
+        outward = _Outward(job.kernels)
+        return Mesh(triangles.vertices, triangles.faces, outward, findings, triangles.leaf, self.leaves)
 
     def _has_kinks(self, leaf: int) -> bool:
         nodes = self.form.builder.nodes
@@ -164,7 +146,21 @@ class _Outward:
         return -gradient[:, :count].T
 
 
-def _scaled(resolution: int | Sequence[int], share: float) -> int | Sequence[int]:
+def _fitting(job: Callable[[Resolution], Job], resolution: Resolution, share: float, free: float) -> Resolution:
+    """A smaller resolution that fits, as a trial tells."""
+    while True:
+        resolution = _scaled(resolution, min(share, SURE))
+        try:
+            job(resolution).claim(Budget(SURE * free))
+        except TooLarge as error:
+            if np.max(resolution) <= 2:
+                raise
+            share = error.share
+        else:
+            return resolution
+
+
+def _scaled(resolution: Resolution, share: float) -> Resolution:
     if isinstance(resolution, Sequence):
         return tuple(max(2, int(cells * share)) for cells in resolution)
     return max(2, int(resolution * share))

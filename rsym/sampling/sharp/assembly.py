@@ -16,6 +16,7 @@ from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.crossings import Crossings, find_crossings, sample_signs
 from rsym.sampling.sharp.diagonals import turn_diagonals
 from rsym.sampling.sharp.faces import connect
+from rsym.sampling.sharp.flaws import find_flaws
 from rsym.sampling.sharp.loops import in_threads
 from rsym.sampling.sharp.octree import Blocks
 from rsym.sampling.sharp.patches import Topology, scanned, topology
@@ -27,7 +28,7 @@ GRAIN = 4096
 # Bytes that are held at once, by what is allocated: of a block its corner, words, signs, fields and ranks; of a
 # cell and of a crossing their rows when the vertices are placed, when most is held. A plane has 64 cells and 64
 # crossings in a block that it passes through the middle of.
-BLOCK_BYTES, CELL_BYTES, CROSSING_BYTES = 700, 50, 110
+BLOCK_BYTES, CELL_BYTES, CROSSING_BYTES = 700, 80, 110
 USUAL_BYTES = BLOCK_BYTES + 64 * (CELL_BYTES + CROSSING_BYTES)
 # Places of cells are 512*block + cell, in 32 bits.
 MOST_BLOCKS = 2**22
@@ -35,7 +36,7 @@ MOST_BLOCKS = 2**22
 
 @dataclass(frozen=True)
 class Assembly:
-    """What the stages made of blocks: `points` (3, vertices), padded, `leaf` (crossings,), `faces` (2*crossings, 3).
+    """What the stages made of blocks: points (3, vertices), padded; leaf, flaws of crossings; faces (2*crossings, 3).
 
     The `surface` comes without the rings, which take much memory and are of no more use.
     """
@@ -44,6 +45,7 @@ class Assembly:
     points: Floats
     leaf: NDArray[np.int16]
     faces: NDArray[np.int32]
+    flaws: NDArray[np.uint8]
 
 
 def assemble(
@@ -70,7 +72,9 @@ def assemble(
     none = np.empty(0, np.int32)
     surface = replace(surface, ring=none, ring_start=none)
     crossings = replace(crossings, points=np.empty((3, 0)))
-    return Assembly(surface, vertices.points, crossings.leaf, _faces(kernels, surface, crossings, vertices, crew))
+    faces = _faces(kernels, surface, crossings, vertices, crew)
+    flaws = find_flaws(faces, vertices.points, crossings.gradients, lattice, crew)
+    return Assembly(surface, vertices.points, crossings.leaf[: surface.crossings], faces, flaws)
 
 
 def claim_of(blocks: Blocks, budget: Budget) -> Callable[[int, int], None]:
@@ -97,6 +101,6 @@ def _faces(
     sharp = np.zeros(surface.crossings, np.uint8)
     arrays = (surface.quads, vertices.points, crossings.gradients, vertices.feature, faces, sharp)
     in_threads(lambda a, b: connect(a, b, *arrays), surface.crossings, GRAIN, crew)
-    crew.stage(30, loops=4)
+    crew.stage(30, loops=5)
     turn_diagonals(kernels, sharp, vertices.points, faces, crew)
     return faces

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -78,11 +78,9 @@ class Job:
         crew.stage(20, loops=6)
         blocks = self.blocks(crew, budget)
         made = assemble(self.kernels, self.smooth, self.lattice, blocks, crew, budget)
-        crew.stage(250)
+        crew.stage(250, loops=1)
         notes = self.notes(blocks, crew)
-        crew.stage(50)
-        points = np.ascontiguousarray(made.points[:, : made.surface.vertices].T)
-        return Surface(points, made.faces, made.leaf[: made.surface.crossings], notes)
+        return Surface(made.points, made.surface.vertices, made.faces, made.leaf, made.flaws, notes)
 
     def notes(self, blocks: Blocks, crew: Crew) -> tuple[Any, ...]:
         """What `inspect` says of blocks."""
@@ -109,16 +107,14 @@ def compute(task: Task) -> Piece:
     budget = Budget(free_memory())
     blocks = job.blocks(crew, budget, task.box)
     made = assemble(job.kernels, job.smooth, job.lattice, blocks, crew, budget)
-    piece = own_piece(made.surface, made.points, made.faces, made.leaf, task.box, job.extent)
-    notes = job.notes(_of(task.box, blocks), crew)
-    return replace(piece, surface=replace(piece.surface, notes=notes))
+    return own_piece(made, task.box, job.extent, job.notes(_of(task.box, blocks), crew))
 
 
 def in_pieces(job: Job, executor: Executor, crew: Crew, budget: Budget) -> Surface:
     """The surface, its pieces computed by an executor; the same bits as `Job.whole`."""
     crew.stage(20, loops=6)
     tasks = [Task(job, box) for box in cut(job.blocks(crew, budget).corner)]
-    crew.stage(930)
+    crew.stage(880)
 
     def arrived(pieces: Sequence[Piece]) -> None:
         # Once as pieces, once as a whole.

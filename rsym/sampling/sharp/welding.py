@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.codegen.surface_kernels import padded
+from rsym.sampling.sharp.assembly import Assembly
 from rsym.sampling.sharp.patches import Topology
 from rsym.sampling.sharp.signs import Numbers, list_places
 
@@ -56,12 +58,15 @@ def _names(surface: Topology, extent: tuple[int, int, int], place: Numbers) -> N
 class Surface:
     """Triangles 2*e and 2*e + 1 of each crossing e, and the leaf of the crossing; what was noted beside them.
 
-    ``points`` (vertices, 3), ``faces`` (2*crossings, 3), ``leaf`` (crossings,).
+    ``points`` (3, m), of which the first `vertices` count; ``faces`` (2*crossings, 3); ``leaf`` and ``flaws``
+    (crossings,).
     """
 
     points: NDArray[np.float64]
+    vertices: int
     faces: NDArray[np.int32]
     leaf: NDArray[np.int16]
+    flaws: NDArray[np.uint8]
     notes: tuple[Any, ...] = ()
 
 
@@ -90,17 +95,13 @@ class Piece:
 
 
 def own_piece(
-    surface: Topology,
-    points: NDArray[np.float64],
-    faces: Numbers,
-    leaf: NDArray[np.int16],
-    box: NDArray[np.int64],
-    extent: tuple[int, int, int],
+    made: Assembly, box: NDArray[np.int64], extent: tuple[int, int, int], notes: tuple[Any, ...] = ()
 ) -> Piece:
     """What belongs to a box, from the surface of its blocks and their neighbours.
 
     `box` (2, 3): its first cells, and those past its last.
     """
+    surface = made.surface
     own = inside(surface.corner, box)
     place = vertex_places(surface)
     mine, block = own[place >> 9], crossing_places(surface) >> 9
@@ -112,18 +113,18 @@ def own_piece(
     rim = np.flatnonzero(mine & (cell == box[1, :, None] - 1).any(axis=0))
     count = int(mine.sum())
     number = np.cumsum(mine, dtype=np.int32) - 1
-    faces = faces.reshape(-1, 6)[crossed].reshape(-1, 3)
+    faces = made.faces.reshape(-1, 6)[crossed].reshape(-1, 3)
     strange = np.unique(faces[~mine[faces]])
     number[strange] = count + np.arange(len(strange))
 
     n = surface.corner.shape[1]
     per_axis = np.bincount((axis * n + block)[crossed], minlength=3 * n).reshape(3, n)[:, own]
-    own_points = np.ascontiguousarray(points[:, : len(mine)].T[mine])
+    points = np.ascontiguousarray(made.points[:, : len(mine)][:, mine])
     return Piece(
         np.ascontiguousarray(surface.corner[:, own]),
         np.bincount(place[mine] >> 9, minlength=n)[own].astype(np.int32),
         per_axis.astype(np.int32),
-        Surface(own_points, number[faces], leaf[: surface.crossings][crossed]),
+        Surface(points, count, number[faces], made.leaf[crossed], made.flaws[crossed], notes),
         names[strange],
         names[rim],
         number[rim],
@@ -145,19 +146,21 @@ def weld(pieces: list[Piece]) -> Surface:
     rim_number = np.concatenate([number[piece.rim_number] for number, piece in zip(numbers, pieces, strict=True)])
     by_name = np.argsort(rim)
 
-    points = np.empty((sum(len(number) for number in numbers), 3))
+    total = sum(len(number) for number in numbers)
+    points = np.empty((3, padded(total)))
     leaf = np.empty(sum(len(piece.surface.leaf) for piece in pieces), np.int16)
+    flaws = np.empty(len(leaf), np.uint8)
     faces = np.empty((len(leaf), 6), np.int32)
     notes: list[Any] = []
     for number, starts in zip(numbers, begin, strict=True):
         piece = pieces.pop(0)
         strangers = rim_number[by_name[np.searchsorted(rim, piece.strangers, sorter=by_name)]]
         place = _numbers(starts, piece.crossings)
-        points[number] = piece.surface.points
-        leaf[place] = piece.surface.leaf
+        points[:, number] = piece.surface.points
+        leaf[place], flaws[place] = piece.surface.leaf, piece.surface.flaws
         faces[place] = np.concatenate([number, strangers])[piece.surface.faces].reshape(-1, 6)
         notes += piece.surface.notes
-    return Surface(points, faces.reshape(-1, 3), leaf, tuple(notes))
+    return Surface(points, total, faces.reshape(-1, 3), leaf, flaws, tuple(notes))
 
 
 def _ranks(counts: list[Numbers], order: NDArray[np.int64]) -> list[NDArray[np.int64]]:
