@@ -75,8 +75,8 @@ def processes():
         yield pool
 
 
-def job_of(body, cells=CELLS, letters=None, **changes):
-    return replace(body._job(cells, body.shape.bounds, letters), **changes)
+def job_of(body, cells=CELLS, letters=None, inspect=None):
+    return replace(body._job(cells, body.shape.bounds, letters), inspect=inspect)
 
 
 def uncut(job):
@@ -264,7 +264,7 @@ def advised(error):
 
 @pytest.mark.parametrize("free", [1e6, 4e6, 3e7])
 def test_what_cannot_fit_is_refused_with_a_resolution_that_fits(body, monkeypatch, free):
-    monkeypatch.setattr(mesher, "free_memory", lambda: free)
+    monkeypatch.setattr(mesher, "free_memory", lambda: mesher.RESERVE + free)
     with pytest.raises(RsymError, match="of memory") as caught:
         body(400)
     fits = advised(caught.value)
@@ -280,7 +280,7 @@ def test_what_cannot_fit_is_refused_with_a_resolution_that_fits(body, monkeypatc
 def test_the_octree_is_refused_before_it_is_taken(monkeypatch):
     """A surface everywhere: nothing can be discarded."""
     everywhere = rsym.Mesher(rsym.Shape(sp.sin(1e7 * x * y) - z / 9, (x, y, z), bounds=((1, 2),) * 3))
-    monkeypatch.setattr(mesher, "free_memory", lambda: 2e7)
+    monkeypatch.setattr(mesher, "free_memory", lambda: mesher.RESERVE + 2e7)
     with pytest.raises(RsymError) as caught:
         everywhere(100_000)
     assert len(job_of(everywhere, advised(caught.value)).whole(Crew(), Budget(2e7)).faces)

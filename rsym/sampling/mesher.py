@@ -24,8 +24,14 @@ from rsym.sampling.manifolds import sides_of
 from rsym.sampling.memory import Budget, TooLarge, free_memory
 from rsym.sampling.mesh import Ints, Mesh
 from rsym.sampling.progress import Crew, Progress
+from rsym.sampling.sharp.certificates import Form, Unresolved, certify, joined
 from rsym.sampling.sharp.finishing import finish
+from rsym.sampling.sharp.gates import gate_table
+from rsym.sampling.sharp.leaves import CompiledLeaves
+from rsym.sampling.sharp.octree import Blocks
 from rsym.sampling.sharp.pieces import Job, in_pieces
+from rsym.sampling.sharp.strays import stray_vertices
+from rsym.sampling.sharp.suspects import Suspect, suspects
 from rsym.sampling.sharp.welding import Surface
 from rsym.sampling.status import Findings
 
@@ -35,6 +41,8 @@ Resolution: TypeAlias = int | Sequence[int]
 # Along a side: the names of vertices are 64-bit integers, and indices pass through float32.
 MOST_CELLS = 2**20
 
+# Bytes for what does not grow with the surface: batches of boxes to certify, and of points in the loops.
+RESERVE = 1e8
 # Of the free memory, what a resolution that is said to fit may take: others take some too.
 SURE = 0.9
 
@@ -85,7 +93,7 @@ class Mesher:
     ) -> Mesh:
         """The surface for some letters; arguments as in `rsym.mesh`."""
         box = bounds_of(self.shape, bounds)
-        crew, budget = Crew(_threads(), progress), Budget(free_memory())
+        crew, budget = Crew(_threads(), progress), Budget(max(0.0, free_memory() - RESERVE))
         job = self._job(resolution, box, letters)
         try:
             surface = job.whole(crew, budget) if executor is None else in_pieces(job, executor, crew, budget)
@@ -111,7 +119,7 @@ class Mesher:
             )
         kernels = self._kernels.copy()
         kernels.set(self.shape.letters.values_with(letters), box)
-        return Job(kernels, self._smooth, np.array([*lattice.origin, *lattice.spacing]), cells)
+        return Job(kernels, self._smooth, np.array([*lattice.origin, *lattice.spacing]), cells, _unresolved)
 
     def _mesh(self, made: Surface, job: Job, box: Bounds, cap: bool, crew: Crew) -> Mesh:
         arrays = (made.points, made.vertices, made.faces, made.leaf, made.flaws)
@@ -121,14 +129,31 @@ class Mesher:
         clipped = tuple(side.name for k, side in enumerate(sides) if (triangles.leaf == first + k).any())
         if clipped and not cap:
             triangles = triangles.some(triangles.leaf < first)
-        findings = Findings(clipped_at=clipped, capped=cap, sides=sides)
+        findings = Findings(
+            clipped_at=clipped,
+            capped=cap,
+            sides=sides,
+            off_surface=stray_vertices(job.kernels, made.points, made.vertices, job.lattice, crew),
+            unresolved=self._suspects(made, job),
+        )
         outward = _Outward(job.kernels)
         return Mesh(triangles.vertices, triangles.faces, outward, findings, triangles.leaf, self.leaves)
+
+    def _suspects(self, made: Surface, job: Job) -> tuple[Suspect, ...]:
+        """What the lattice may have missed."""
+        unresolved = joined(made.notes)
+        return suspects(CompiledLeaves(job.kernels), job.lattice, unresolved, self.leaves if len(unresolved) else ())
 
     def _has_kinks(self, leaf: int) -> bool:
         nodes = self.form.builder.nodes
         operations = {nodes[number].operation for number in live(nodes, [leaf])}
         return bool(operations & _KINKED) or any("junction" in operation for operation in operations)
+
+
+def _unresolved(kernels: SurfaceKernels, blocks: Blocks, lattice: Floats, pool: Executor) -> Unresolved:
+    """The cells of blocks that have no certificate."""
+    form = Form(CompiledLeaves(kernels), len(kernels.form.leaves), gate_table(kernels.form))
+    return certify(form, lattice, blocks.corner, blocks.words, pool=pool)
 
 
 class _Outward:

@@ -80,9 +80,13 @@ def assemble(
 def claim_of(blocks: Blocks, budget: Budget) -> Callable[[int, int], None]:
     """Claim memory for blocks, and later for the cells and crossings in them."""
     count = blocks.corner.shape[1]
-    if count > MOST_BLOCKS:
-        raise RsymError(f"{count} blocks, more than {MOST_BLOCKS}", code="memory", remedy="give an executor")
     budget.claim(count * BLOCK_BYTES, count * USUAL_BYTES)
+    if count > MOST_BLOCKS:
+        raise RsymError(
+            f"the surface meets {count} blocks of cells, more than the {MOST_BLOCKS} that can be numbered at once",
+            code="resolution",
+            remedy="give an executor: pieces have numbers of their own",
+        )
     return lambda cells, crossings: budget.claim(count * BLOCK_BYTES + cells * CELL_BYTES + crossings * CROSSING_BYTES)
 
 
