@@ -78,6 +78,10 @@ class SurfaceKernels:
         twin.__dict__.update(self.__dict__, _constants=self._constants.copy())
         return twin
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Another process compiles the form once, and takes the letters as they are."""
+        return _revived, (self.form, self._constants)
+
     def set(self, letters: Mapping[str, float], bounds: Bounds | None = None) -> None:
         """Take the letters of the shape, and the bounds where the form has caps."""
         values = dict(letters)
@@ -257,3 +261,9 @@ def surface_kernels(form: SignForm) -> SurfaceKernels:
                 _kernels.pop(next(iter(_kernels)))
             kernels = _kernels[key] = SurfaceKernels(form)
     return kernels.copy()
+
+
+def _revived(form: SignForm, constants: Floats) -> SurfaceKernels:
+    kernels = surface_kernels(form)
+    kernels._constants[:] = constants
+    return kernels

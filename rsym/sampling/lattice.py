@@ -48,7 +48,7 @@ class Lattice:
         return places
 
 
-def lattice_over(bounds: Bounds, resolution: int | Sequence[int]) -> Lattice:
+def lattice_over(bounds: Bounds, resolution: int | Sequence[int], most_points: float = MOST_POINTS) -> Lattice:
     """The shifted lattice that covers the bounds.
 
     `resolution` is the number of cubical cells along the longest side, or the number of cells along each axis.
@@ -71,9 +71,9 @@ def lattice_over(bounds: Bounds, resolution: int | Sequence[int]) -> Lattice:
         cells = [max(1, math.ceil(side / step - 1e-9)) for side in sides]
         spacing = [step] * len(sides)
     counts = tuple(cell + 2 for cell in cells)
-    if math.prod(counts) > MOST_POINTS:
+    if math.prod(counts) > most_points:
         raise RsymError(
-            f"resolution {resolution} needs {math.prod(counts):.3g} samples, more than {MOST_POINTS:.3g}",
+            f"resolution {resolution} needs {math.prod(counts):.3g} samples, more than {most_points:.3g}",
             code="resolution",
             remedy="take a smaller resolution or tighter bounds",
         )

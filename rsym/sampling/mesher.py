@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import cache, cached_property
 from typing import Any, TypeAlias
@@ -19,19 +21,30 @@ from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.lattice import bounds_of, check_in_space, lattice_over
 from rsym.sampling.manifolds import sides_of
+from rsym.sampling.memory import Budget, TooLarge, free_memory
 from rsym.sampling.mesh import Ints, Mesh
-from rsym.sampling.progress import Progress
-from rsym.sampling.sharp.assembly import Assembly, assemble
-from rsym.sampling.sharp.certificates import Form, certify
+from rsym.sampling.progress import Crew, Progress
+from rsym.sampling.sharp.certificates import Form, Unresolved, certify, joined
 from rsym.sampling.sharp.finishing import finish
-from rsym.sampling.sharp.flaws import find_flaws
 from rsym.sampling.sharp.gates import gate_table
 from rsym.sampling.sharp.leaves import CompiledLeaves
+from rsym.sampling.sharp.octree import Blocks
+from rsym.sampling.sharp.pieces import Job, in_pieces
 from rsym.sampling.sharp.strays import stray_vertices
 from rsym.sampling.sharp.suspects import Suspect, suspects
+from rsym.sampling.sharp.welding import Surface
 from rsym.sampling.status import Findings
 
 Floats: TypeAlias = NDArray[np.float64]
+Resolution: TypeAlias = int | Sequence[int]
+
+# Along a side: the names of vertices are 64-bit integers, and indices pass through float32.
+MOST_CELLS = 2**20
+
+# Bytes for what does not grow with the surface: batches of boxes to certify, and of points in the loops.
+RESERVE = 1e8
+# Of the free memory, what a resolution that is said to fit may take: others take some too.
+SURE = 0.9
 
 # A leaf with one of these inside may have a kink in its zero set.
 _KINKED = frozenset("abs sign min max select joining equivalence absolute_power signed_power".split())
@@ -70,7 +83,7 @@ class Mesher:
 
     def __call__(
         self,
-        resolution: int | Sequence[int] = 128,
+        resolution: Resolution = 128,
         *,
         bounds: Any = None,
         letters: Mapping[Any, float] | None = None,
@@ -80,20 +93,37 @@ class Mesher:
     ) -> Mesh:
         """The surface for some letters; arguments as in `rsym.mesh`."""
         box = bounds_of(self.shape, bounds)
-        lattice = lattice_over(box, resolution)
+        crew, budget = Crew(_threads(), progress), Budget(max(0.0, free_memory() - RESERVE))
+        job = self._job(resolution, box, letters)
+        try:
+            surface = job.whole(crew, budget) if executor is None else in_pieces(job, executor, crew, budget)
+        except TooLarge as error:
+            fits = _fitting(lambda cells: self._job(cells, box, letters), resolution, error.share, budget.free)
+            message = f"resolution {resolution}: {error.message}"
+            raise RsymError(message, code="memory", remedy=f"resolution {fits} fits") from None
+        if not len(surface.faces):
+            raise _no_surface()
+        crew.stage(50, loops=20)
+        mesh = self._mesh(surface, job, box, cap, crew)
+        crew.stages.finish()
+        return mesh
+
+    def _job(self, resolution: Resolution, box: Bounds, letters: Mapping[Any, float] | None) -> Job:
+        lattice = lattice_over(box, resolution, math.inf)
+        cells = tuple(count - 1 for count in lattice.counts)
+        if max(cells) > MOST_CELLS:
+            raise RsymError(
+                f"resolution {resolution} has {max(cells)} cells along a side",
+                code="resolution",
+                remedy=f"take at most {MOST_CELLS}",
+            )
         kernels = self._kernels.copy()
         kernels.set(self.shape.letters.values_with(letters), box)
-        array = np.array([*lattice.origin, *lattice.spacing])
-        cells = [count - 1 for count in lattice.counts]
-        assembly = assemble(kernels, self._smooth, array, cells, _threads())
-        if not assembly.surface.crossings:
-            raise _no_surface()
-        return self._mesh(assembly, kernels, array, box, cap)
+        return Job(kernels, self._smooth, np.array([*lattice.origin, *lattice.spacing]), cells, _unresolved)
 
-    def _mesh(self, made: Assembly, kernels: SurfaceKernels, lattice: Floats, box: Bounds, cap: bool) -> Mesh:
-        flaws = find_flaws(made.faces, made.vertices.points, made.crossings.gradients, lattice, _threads())
-        arrays = (made.vertices.points, made.surface.vertices, made.faces, made.crossings.leaf, flaws)
-        triangles = finish(kernels, *arrays, lattice, _threads())
+    def _mesh(self, made: Surface, job: Job, box: Bounds, cap: bool, crew: Crew) -> Mesh:
+        arrays = (made.points, made.vertices, made.faces, made.leaf, made.flaws)
+        triangles = finish(job.kernels, *arrays, job.lattice, crew)
         sides = sides_of([symbol.name for symbol in self.shape.coordinates], box)
         first = len(self.form.leaves) - self.form.caps
         clipped = tuple(side.name for k, side in enumerate(sides) if (triangles.leaf == first + k).any())
@@ -103,22 +133,27 @@ class Mesher:
             clipped_at=clipped,
             capped=cap,
             sides=sides,
-            off_surface=stray_vertices(kernels, made.vertices.points, made.surface.vertices, lattice, _threads()),
-            unresolved=self._suspects(made, kernels, lattice),
+            off_surface=stray_vertices(job.kernels, made.points, made.vertices, job.lattice, crew),
+            unresolved=self._suspects(made, job),
         )
-        return Mesh(triangles.vertices, triangles.faces, _Outward(kernels), findings, triangles.leaf, self.leaves)
+        outward = _Outward(job.kernels)
+        return Mesh(triangles.vertices, triangles.faces, outward, findings, triangles.leaf, self.leaves)
 
-    def _suspects(self, made: Assembly, kernels: SurfaceKernels, lattice: Floats) -> tuple[Suspect, ...]:
+    def _suspects(self, made: Surface, job: Job) -> tuple[Suspect, ...]:
         """What the lattice may have missed."""
-        leaves = CompiledLeaves(kernels)
-        form = Form(leaves, len(self.form.leaves), gate_table(self.form))
-        unresolved = certify(form, lattice, made.blocks.corner, made.blocks.words, pool=_threads())
-        return suspects(leaves, lattice, unresolved, self.leaves if len(unresolved) else ())
+        unresolved = joined(made.notes)
+        return suspects(CompiledLeaves(job.kernels), job.lattice, unresolved, self.leaves if len(unresolved) else ())
 
     def _has_kinks(self, leaf: int) -> bool:
         nodes = self.form.builder.nodes
         operations = {nodes[number].operation for number in live(nodes, [leaf])}
         return bool(operations & _KINKED) or any("junction" in operation for operation in operations)
+
+
+def _unresolved(kernels: SurfaceKernels, blocks: Blocks, lattice: Floats, pool: Executor) -> Unresolved:
+    """The cells of blocks that have no certificate."""
+    form = Form(CompiledLeaves(kernels), len(kernels.form.leaves), gate_table(kernels.form))
+    return certify(form, lattice, blocks.corner, blocks.words, pool=pool)
 
 
 class _Outward:
@@ -136,6 +171,26 @@ class _Outward:
         return -gradient[:, :count].T
 
 
+def _fitting(job: Callable[[Resolution], Job], resolution: Resolution, share: float, free: float) -> Resolution:
+    """A smaller resolution that fits, as a trial tells."""
+    while True:
+        resolution = _scaled(resolution, min(share, SURE))
+        try:
+            job(resolution).claim(Budget(SURE * free))
+        except TooLarge as error:
+            if np.max(resolution) <= 2:
+                raise
+            share = error.share
+        else:
+            return resolution
+
+
+def _scaled(resolution: Resolution, share: float) -> Resolution:
+    if isinstance(resolution, Sequence):
+        return tuple(max(2, int(cells * share)) for cells in resolution)
+    return max(2, int(resolution * share))
+
+
 def _no_surface() -> RsymError:
     return RsymError(
         "the surface does not meet the bounds",
@@ -148,3 +203,8 @@ def _no_surface() -> RsymError:
 def _threads() -> ThreadPoolExecutor:
     """Threads of all meshers of this process."""
     return ThreadPoolExecutor(checked_threads(None), thread_name_prefix="rsym-mesher")
+
+
+# A forked process has none of the threads of its parent.
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_threads.cache_clear)

@@ -49,7 +49,8 @@ def mesh(
         Whether a surface that leaves the bounds is closed there by flat caps; "smooth" leaves it open. ``.status``
         says where it leaves them.
     executor : concurrent.futures.Executor, optional
-        Where pieces of the lattice are computed; by default here, in threads. The bits do not depend on it.
+        Where pieces of the lattice are computed: threads, processes, or a cluster by
+        ``dask.distributed.Client(...).get_executor()``; by default here, in threads. The bits do not depend on it.
     progress : callable, optional
         ``progress(done, total)`` after each step of the work; returning False cancels with an RsymError, and nothing
         of the mesh is kept.
@@ -62,7 +63,8 @@ def mesh(
     Raises
     ------
     RsymError
-        For a plane shape, no bounds, an undefined value, a surface that does not meet the bounds, or a cancel.
+        For a plane shape, no bounds, an undefined value, a surface that does not meet the bounds, more memory than
+        is free (the remedy names a resolution that fits), a worker that died, or a cancel.
 
     Warns
     -----

@@ -36,7 +36,7 @@ where the gradient is zero, and the cell around that point is not simple.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
@@ -132,7 +132,7 @@ def certify(
         return _part(form, fine, _blocks(form, corner[:, blocks], known[blocks], depth), depth)
 
     run = map if pool is None else pool.map
-    return _joined([_nothing((0,) * 5), *run(part, range(0, corner.shape[1], BLOCKS))])
+    return joined([_nothing((0,) * 5), *run(part, range(0, corner.shape[1], BLOCKS))])
 
 
 def _blocks(form: Form, corner: Ints, skip: NDArray[np.uint64], depth: int) -> Boxes:
@@ -158,7 +158,7 @@ def _part(form: Form, fine: Array, boxes: Boxes, depth: int) -> Unresolved:
         some = np.zeros(len(boxes), np.bool_)
         some[first:last] = True
         parts.append(_conflicts(form, fine, boxes.chosen(some, boxes.all_leaves()), depth))
-    return _joined(parts)
+    return joined(parts)
 
 
 def _whole_blocks(block: Ints) -> Iterator[tuple[int, int]]:
@@ -219,7 +219,7 @@ def _nothing(tested: tuple[int, ...]) -> Unresolved:
     )
 
 
-def _joined(parts: list[Unresolved]) -> Unresolved:
+def joined(parts: Sequence[Unresolved]) -> Unresolved:
     """The parts as one, cells in lexicographic order."""
     cells = np.concatenate([part.cells for part in parts], axis=1)
     order = np.lexsort(cells[::-1])

@@ -71,10 +71,18 @@ def find_crossings(
     kernels: SurfaceKernels, blocks: Blocks, surface: Topology, lattice: Floats, pool: Executor | None
 ) -> Crossings:
     """Every crossing of the surface, and what it lies on."""
-    count, n = surface.crossings, blocks.corner.shape[1]
-    edges = np.empty((3, padded(count)), np.float32)
-    points, gradients = np.zeros(edges.shape), np.zeros(edges.shape)
-    value, leaf = np.empty(edges.shape[1]), np.full(edges.shape[1], -1, np.int16)
+    points, leaf = _on_edges(kernels, blocks, surface, lattice, pool)
+    gradients, value = np.zeros(points.shape), np.empty(points.shape[1])
+    evaluate(kernels, leaf, points, value, gradients, surface.crossings, pool)
+    return Crossings(points, gradients, leaf, surface.crossings)
+
+
+def _on_edges(
+    kernels: SurfaceKernels, blocks: Blocks, surface: Topology, lattice: Floats, pool: Executor | None
+) -> tuple[Floats, NDArray[np.int16]]:
+    """Point and leaf of each crossing."""
+    edges = np.empty((3, padded(surface.crossings)), np.float32)
+    points, leaf = np.zeros(edges.shape), np.full(edges.shape[1], -1, np.int16)
     for axis in range(3):
         fields, before = surface.edges[axis], surface.edges_before[axis]
         starts = np.ascontiguousarray(before[:, 0], np.int64)
@@ -84,9 +92,8 @@ def find_crossings(
             list_edges(surface.corner, fields, before, first, last, *edges)
             kernels.crossings(first, last, starts, blocks.words, edges, direction, lattice, points, leaf)
 
-        in_threads(piece, n, GRAIN, pool)
-    evaluate(kernels, leaf, points, value, gradients, count, pool)
-    return Crossings(points, gradients, leaf, count)
+        in_threads(piece, blocks.corner.shape[1], GRAIN, pool)
+    return points, leaf
 
 
 def evaluate(

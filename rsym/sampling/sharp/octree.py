@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -41,10 +41,12 @@ def find_blocks(
     cells: Sequence[int],
     pool: Executor | None = None,
     region: tuple[Sequence[int], Sequence[int]] | None = None,
+    claim: Callable[[int, int], None] = lambda kept, size: None,
 ) -> Blocks:
     """The blocks of a lattice, or of a region of cells in it, in which the form may have a zero.
 
-    Which blocks are kept depends on the whole lattice alone, not on the region.
+    Which blocks are kept depends on the whole lattice alone, not on the region. `claim` is told how many
+    boxes of what size are kept before their halves, eight of each, are allocated, and may raise.
     """
     size = BLOCK
     while size * FIRST < max(cells):
@@ -59,6 +61,7 @@ def find_blocks(
         corner = corner[:, keep]
         if size == BLOCK:
             break
+        claim(corner.shape[1], size)
         size //= 2
         corner = (corner[:, :, None] + size * _HALVES.T[:, None, :]).reshape(3, -1)
         corner = corner[:, ((corner < high[:, None]) & (corner + size > low[:, None])).all(axis=0)]

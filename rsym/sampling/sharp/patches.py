@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Any
@@ -79,8 +80,15 @@ class Topology:
         return [*self.edges_before[:, 0, 0].tolist(), self.crossings]
 
 
-def topology(corner: NDArray[np.int64], bits: Bytes, pool: Executor | None = None) -> Topology:
+def topology(
+    corner: NDArray[np.int64],
+    bits: Bytes,
+    pool: Executor | None = None,
+    claim: Callable[[int, int], None] = lambda cells, crossings: None,
+) -> Topology:
     """Find the surface of the sign bits of blocks in lexicographic order; manifold by construction.
+
+    `claim` is told how many cells and crossings there are before anything is allocated for them, and may raise.
 
     Two patches of neighbouring cells are joined by each segment that they share on the face between the cells. Where
     they share both segments of an ambiguous face, four triangles would meet on one edge; `separate` re-pairs such
@@ -99,10 +107,9 @@ def topology(corner: NDArray[np.int64], bits: Bytes, pool: Executor | None = Non
     """
     corner, bits = np.ascontiguousarray(corner, np.int64), np.ascontiguousarray(bits)
     n, table, (blocks, origin) = corner.shape[1], patch_table(), lookup(corner)
-    cells, edges = np.empty((n + 1, 8), np.uint64), np.empty((3, n + 1, 8), np.uint64)
-    cells[n], edges[:, n] = 0, 0
-    in_threads(lambda first, last: scan(bits, first, last, cells, edges), n, GRAIN, pool)
+    cells, edges = scanned(bits, pool)
     (cells_before, active), (edges_before, crossings) = ranks(cells), ranks(edges)
+    claim(active, crossings)
     case, place = np.empty(active, np.uint16), np.empty(active, np.int32)
     in_threads(lambda first, last: list_cells(bits, cells, cells_before, first, last, case, place), n, GRAIN, pool)
     flips = separate(corner, case, place, blocks, origin, cells, cells_before)
@@ -122,6 +129,15 @@ def topology(corner: NDArray[np.int64], bits: Bytes, pool: Executor | None = Non
     in_threads(piece, n, GRAIN, pool)
     surface = (case, place, start, ring_start, ring, quads, flips)
     return Topology(corner, bits, cells, cells_before, edges, edges_before, blocks, origin, *surface)
+
+
+def scanned(bits: Bytes, pool: Executor | None = None) -> tuple[Words, Words]:
+    """Fields of the cells that hold surface, and of the crossings."""
+    n = len(bits)
+    cells, edges = np.empty((n + 1, 8), np.uint64), np.empty((3, n + 1, 8), np.uint64)
+    cells[n], edges[:, n] = 0, 0
+    in_threads(lambda first, last: scan(bits, first, last, cells, edges), n, GRAIN, pool)
+    return cells, edges
 
 
 @loop
