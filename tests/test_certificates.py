@@ -218,6 +218,22 @@ def test_the_gap_about_the_wheels_of_the_car():
     assert {suspect.kind for suspect in at_twice} == {"knife"}
 
 
+def test_compiled_leaves_are_the_leaves():
+    shape = solid(rsym.conjunction(BALL, TORUS, x + y * z))
+    table, _, _ = certified(shape, 8)
+    form, _, _, _ = compiled(shape, 8)
+    rng = np.random.default_rng(6)
+    ids, points = rng.integers(0, form.count, 50).astype(np.int16), rng.uniform(-1, 1, (3, 50))
+    for calls in zip(
+        *(
+            (*one.enclose(ids, points, points + 0.1), *one.evaluate(ids, points), *one.active(points))
+            for one in (table.leaves, form.leaves)
+        ),
+        strict=True,
+    ):
+        assert_close(*calls, atol=1e-12)
+
+
 def test_neither_threads_nor_cuts_nor_what_was_known_before_change_anything(monkeypatch):
     form, lattice, blocks, _ = compiled(rsym.paper.car(), 64)
     plain = certify(form, lattice, blocks.corner, blocks.words)
