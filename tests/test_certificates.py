@@ -21,7 +21,7 @@ from rsym.sampling.sharp.certificates import STEEPEST, Form, certify
 from rsym.sampling.sharp.gates import gate_table
 from rsym.sampling.sharp.leaves import CompiledLeaves
 from rsym.sampling.sharp.octree import find_blocks
-from rsym.sampling.sharp.suspects import suspects
+from rsym.sampling.sharp.suspects import find_suspects, suspects
 
 SHIFT = np.array((0.381966, 0.414214, 0.442777))
 
@@ -202,20 +202,36 @@ def compiled(shape, resolution):
     spacing = (upper - lower) / resolution
     lattice = np.concatenate([lower - SHIFT * spacing, spacing])
     blocks = find_blocks(kernels, lattice, (resolution + 1,) * 3)
-    return Form(CompiledLeaves(kernels), len(form.leaves), gate_table(form)), lattice, blocks, leaf_names(form, shape)
+    return Form(CompiledLeaves(kernels), len(form.leaves), gate_table(form)), lattice, blocks, kernels
 
 
 def test_the_gap_about_the_wheels_of_the_car():
-    form, lattice, blocks, names = compiled(rsym.paper.car(), 128)
-    found = suspects(form.leaves, lattice, certify(form, lattice, blocks.corner, blocks.words), names)
-    gap = next(suspect for suspect in found if suspect.kind == "gap")
+    shape = rsym.paper.car()
+    _, lattice, blocks, kernels = compiled(shape, 128)
+    names = leaf_names(kernels.form, shape)
+    gap = next(one for one in find_suspects(kernels, lattice, blocks, names) if one.kind == "gap")
     assert gap.names == ("wheel arches", "wheels")
     # The radii differ by 0.2; a cell is 0.27 long along y and 0.10 along z.
     assert 0.2 / lattice[4] < gap.thickness + 1e-9 < 1
     finer = lattice * [1, 1, 1, 0.5, 0.5, 0.5]
-    blocks = find_blocks(form.leaves._kernels, finer, (258,) * 3)
-    at_twice = certify(form, finer, blocks.corner, blocks.words)
-    assert {suspect.kind for suspect in suspects(form.leaves, finer, at_twice)} == {"knife"}
+    at_twice = find_suspects(kernels, finer, find_blocks(kernels, finer, (258,) * 3))
+    assert {suspect.kind for suspect in at_twice} == {"knife"}
+
+
+def test_compiled_leaves_are_the_leaves():
+    shape = solid(rsym.conjunction(BALL, TORUS, x + y * z))
+    table, _, _ = certified(shape, 8)
+    form, _, _, _ = compiled(shape, 8)
+    rng = np.random.default_rng(6)
+    ids, points = rng.integers(0, form.count, 50).astype(np.int16), rng.uniform(-1, 1, (3, 50))
+    for calls in zip(
+        *(
+            (*one.enclose(ids, points, points + 0.1), *one.evaluate(ids, points), *one.active(points))
+            for one in (table.leaves, form.leaves)
+        ),
+        strict=True,
+    ):
+        assert_close(*calls, atol=1e-12)
 
 
 def test_neither_threads_nor_cuts_nor_what_was_known_before_change_anything(monkeypatch):

@@ -18,7 +18,8 @@ import numpy as np
 
 from rsym.sampling.sharp.loops import step
 
-# One or two turns decide nearly always; what takes longer counts as a conflict and is split.
+# Of the car at 256**3 3, 5, 12 and 30 turns leave 532, 518, 518 and 518 cells; of the tilted torus of a depth of one
+# 644, 620, 584 and 563. What takes longer counts as a conflict and is split.
 TURNS = 12
 
 
