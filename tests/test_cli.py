@@ -167,11 +167,18 @@ def test_the_resolution_of_each_axis(tmp_path, model):
     assert trimesh.load_mesh(path).is_watertight
 
 
+def test_a_mesh_is_coloured_by_part(tmp_path, model):
+    path = tmp_path / "body.glb"
+    assert main(["mesh", model, "-o", str(path), "--resolution", "24", "--colour-by", "part"]) == 0
+    assert len(trimesh.load_scene(path).geometry) > 1
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
         ["mesh", "skeleton", "-o", "body.stl"],
         ["mesh", "car", "-o", "body.doc", "--resolution", "16"],
+        ["mesh", "car", "-o", "body.stl", "--resolution", "16", "--colour-by", "part"],
         ["fields", "skeleton", "-o", "sheet.doc"],
         ["fields", "skeleton", "-o", "sheet.png", "--set", "a=long"],
         ["fields", "skeleton", "-o", "sheet.png", "--set", "q=1"],

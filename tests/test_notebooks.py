@@ -14,7 +14,13 @@ LARGEST = 1_500_000  # bytes; reviewers and browsers load it whole
 
 def test_the_notebooks_are_there():
     names = [path.name for path in NOTEBOOKS]
-    assert names == ["01_level_lines.ipynb", "02_car.ipynb", "03_r_systems.ipynb", "05_is_it_smooth.ipynb"]
+    assert names == [
+        "01_level_lines.ipynb",
+        "02_car.ipynb",
+        "03_r_systems.ipynb",
+        "04_meshes.ipynb",
+        "05_is_it_smooth.ipynb",
+    ]
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

@@ -68,6 +68,18 @@ def test_the_table_of_systems_names_them_all():
     assert all(callable(getattr(rsym, name)) for name in re.findall(r"`(\w+)`", operations))
 
 
+def test_the_lines_about_meshes():
+    (code,) = [code for code in PYTHON if "Mesher" in code]
+    space = {"rsym": rsym, "x": rsym.x, "y": rsym.y}
+    for line in filter(None, code.splitlines()):
+        statement, _, comment = line.partition("  # ")
+        if comment.startswith(("(", "[")):
+            assert repr(eval(statement, space)) == comment
+        else:
+            exec(statement, space)
+    assert list(trimesh.load_scene("bead.glb").geometry) == ["ball", "bore"]
+
+
 def test_the_lines_about_curvature():
     (code,) = [code for code in PYTHON if "plot_curvature_comb" in code]
     space = {"rsym": rsym, "nose": rsym.paper.skeleton_body(), "sp": sp, "x": rsym.x, "y": rsym.y, "z": rsym.z}
@@ -122,6 +134,7 @@ def test_the_model_file_and_the_commands(capsys):
         assert main([*command.split()[1:], *([] if prints else ["--resolution", "48"])]) == 0
     for name in ("ball.stl", "car.stl"):
         assert trimesh.load_mesh(name).is_watertight
+    assert "bonnet" in trimesh.load_scene("parts.glb").geometry
     for name in ("sheet.png", "strip.png", "layers.svg", "valve.html"):
         assert Path(name).stat().st_size > 10_000
     printed = capsys.readouterr().out

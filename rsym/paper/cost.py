@@ -75,7 +75,8 @@ def draw(shape: Shape, points: int, boxes: int) -> int:
     pieces = []
     for box in _sub_boxes(shape.bounds, boxes):
         try:
-            pieces.append(mesh_quietly(shape, (cells,) * len(box), bounds=box))
+            # All points of a box are sampled, as in the source.
+            pieces.append(mesh_quietly(shape, (cells,) * len(box), method="smooth", bounds=box))
         except RsymError as error:
             if error.code != "no-surface":
                 raise

@@ -84,8 +84,10 @@ def letters_text(letters: Mapping[str, Letter]) -> str:
     return ", ".join(f"{name} = {float(letter.default):g}" for name, letter in letters.items())
 
 
-def mesh_quietly(shape: Shape, resolution: int | Sequence[int], *, bounds: Any = None, letters: Any = None) -> Mesh:
+def mesh_quietly(
+    shape: Shape, resolution: int | Sequence[int], *, method: str = "sharp", bounds: Any = None, letters: Any = None
+) -> Mesh:
     """A mesh whose warnings need no repeating: its status stands under the figure, or its box is clipped on purpose."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RsymWarning)
-        return mesh(shape, resolution, bounds=bounds, letters=letters)
+        return mesh(shape, resolution, method=method, bounds=bounds, letters=letters)

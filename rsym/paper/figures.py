@@ -17,13 +17,11 @@ from rsym.sampling.mesh import Mesh
 
 # 10 million samples; the source had 3.4 and 15.6 million (27 and 125 sub-boxes of 125 000 points).
 RESOLUTION = 360
-# The headlights of the whole car cut the bonnet at a grazing angle: more samples, most along z, keep their rims clean.
-FINE = (240, 480, 420)
 FRONT, REAR = 48.0, -52.0
 SHEET = (12.0, 4.4)
 BODY_BOX = ((-6.0, 8.0), (-2.4, 2.4), (-2.4, 2.4))
 COARSE = (35, 73, 43)  # 37*75*45 points, 125 000 as in Fig. 10, more along the car than across it
-STREAMLINED_RESOLUTION = (210, 440, 270)
+STREAMLINED_RESOLUTION = (315, 660, 405)
 NORMALISED = r"\omega_{n} = \frac{\omega}{\sqrt{\omega^{2} + \left(\nabla\omega\right)^{2}}}"
 REVOLVED = r"\omega_{n}\left(x,\, \sqrt{y^{2} + z^{2}}\right) = 0"
 
@@ -36,7 +34,7 @@ def _car_recipe(
 
 @lru_cache(maxsize=1)  # Fig. 9 shows one mesh from two sides
 def _car_mesh(stage: str, variant: str) -> Mesh:
-    return mesh_quietly(car(variant, stage), FINE if stage == "W" else RESOLUTION)
+    return mesh_quietly(car(variant, stage), studies.FINE if stage == "W" else RESOLUTION)
 
 
 def _draw_car(stage: str, variant: str, azimuth: float) -> Drawing:
@@ -123,6 +121,7 @@ RECIPES: tuple[Recipe, ...] = (
     Recipe("fig14", "Triangulation of the car of unusual shape", "", _draw_streamlined_triangulation),
     Recipe("table1", "The cost of drawing the valve", "", studies.draw_cost),
     Recipe("preference", "Why the normalised function is preferred", "", studies.draw_preference),
+    Recipe("parts", "The parts of the car", "", studies.draw_parts),
     Recipe("sections", "Sections of the car at constant z", "", studies.draw_sections),
     Recipe(
         "revolution",
