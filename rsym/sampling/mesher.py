@@ -102,7 +102,7 @@ class Mesher:
             message = f"resolution {resolution}: {error.message}"
             raise RsymError(message, code="memory", remedy=f"resolution {fits} fits") from None
         if not len(surface.faces):
-            raise _no_surface()
+            raise _no_surface(self._suspects(surface, job))
         crew.stage(50, loops=20)
         mesh = self._mesh(surface, job, box, cap, crew)
         crew.stages.finish()
@@ -191,11 +191,14 @@ def _scaled(resolution: Resolution, share: float) -> Resolution:
     return max(2, int(resolution * share))
 
 
-def _no_surface() -> RsymError:
+def _no_surface(missed: Sequence[Suspect]) -> RsymError:
+    """No lattice point is inside; what the lattice may have missed is said."""
     return RsymError(
-        "the surface does not meet the bounds",
+        " ".join(["the surface does not meet a lattice line in the bounds.", *(one.remark for one in missed[:3])])
+        if missed
+        else "the surface does not meet the bounds",
         code="no-surface",
-        remedy="check bounds and letters; take a higher resolution if the body is thin",
+        remedy="take a higher resolution" if missed else "check bounds and letters",
     )
 
 
