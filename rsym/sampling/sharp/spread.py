@@ -38,7 +38,7 @@ def spread(
             futures.append(executor.submit(call, task))
         _wait_for(futures, executor, arrived)
         return [future.result() for future in futures]
-    except (BrokenExecutor, CancelledError, _NoWorkers) as error:
+    except (BrokenExecutor, CancelledError, NoWorkers) as error:
         raise _died(error, tasks, futures, place) from error
     except Exception as error:
         # What dask raises when workers have died of a task, again and again.
@@ -60,10 +60,10 @@ def _wait_for(futures: list[Future[R]], executor: Executor, arrived: Callable[[S
         if done or now > deadline:
             deadline = now + WITHOUT_WORKERS
             if not done and _has_no_workers(executor):
-                raise _NoWorkers
+                raise NoWorkers
 
 
-class _NoWorkers(Exception):
+class NoWorkers(Exception):
     """Nobody is left to compute anything."""
 
 
