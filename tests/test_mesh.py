@@ -21,7 +21,7 @@ class Spot:
 
 
 def status(corners, faces, **findings):
-    return Mesh(corners, faces, findings=Findings(**findings)).status
+    return Mesh(corners, faces, found=Findings(**findings)).status
 
 
 def test_a_tetrahedron():

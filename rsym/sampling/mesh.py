@@ -24,8 +24,8 @@ Outward: TypeAlias = Callable[[Ints, Array], Array]
 class Mesh:
     """Triangles with outward orientation.
 
-    `normals`, `features` and `status` are computed at the first use and kept; a mesh that is pickled carries its
-    normals along.
+    `normals`, `features`, `findings` and `status` are computed at the first use and kept; a mesh that is pickled
+    carries its normals and findings along.
 
     Attributes
     ----------
@@ -33,8 +33,8 @@ class Mesh:
     faces : (m, 3) int, counter-clockwise seen from outside
     shading : (m, 3, 3) array, a function of leaves (k,) and points (k, 3), or None
         Where the normals come from; without it they are those of the triangles.
-    findings : Findings
-        What the mesher found on the way.
+    found : Findings, or a function that gives them
+        What the mesher knows beside the triangles.
     leaf : (m,) int, optional
         The leaf of the sign form that each face lies on: an index into `leaves`.
     leaves : tuple of str
@@ -53,7 +53,7 @@ class Mesh:
     vertices: Array
     faces: Ints
     shading: Array | Outward | None = None
-    findings: Findings = field(default_factory=Findings)
+    found: Findings | Callable[[], Findings] = field(default_factory=Findings)
     leaf: Ints | None = None
     leaves: tuple[str, ...] = ()
 
@@ -83,6 +83,11 @@ class Mesh:
         if self.leaf is None:
             return ()
         return features_of(self.vertices, self.faces, self.leaf, self.leaves, self.normals_of)
+
+    @cached_property
+    def findings(self) -> Findings:
+        """What the mesher knows beside the triangles: what its lattice may have missed above all."""
+        return self.found() if callable(self.found) else self.found
 
     @cached_property
     def status(self) -> MeshStatus:

@@ -6,7 +6,8 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from functools import cache, cached_property
+from dataclasses import replace
+from functools import cache, cached_property, partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -91,7 +92,11 @@ class Mesher:
         executor: Executor | None = None,
         progress: Progress | None = None,
     ) -> Mesh:
-        """The surface for some letters; arguments as in `rsym.mesh`."""
+        """The surface for some letters; arguments as in `rsym.mesh`.
+
+        What the lattice may have missed is looked for when ``.findings`` or ``.status`` are asked for, which takes
+        half as long again; `rsym.mesh` asks at once, and warns.
+        """
         box = bounds_of(self.shape, bounds)
         crew, budget = Crew(_threads(), progress), Budget(max(0.0, free_memory() - RESERVE))
         job = self._job(resolution, box, letters)
@@ -102,9 +107,12 @@ class Mesher:
             message = f"resolution {resolution}: {error.message}"
             raise RsymError(message, code="memory", remedy=f"resolution {fits} fits") from None
         if not len(surface.faces):
-            raise _no_surface(self._suspects(surface, job))
+            raise _no_surface(self._suspects(surface.notes, surface.blocks, job))
         crew.stage(50, loops=20)
         mesh = self._mesh(surface, job, box, cap, crew)
+        if progress is not None:
+            crew.stage(250, loops=1)
+            mesh.findings  # noqa: B018 - who watches the progress waits for these too
         crew.stages.finish()
         return mesh
 
@@ -129,19 +137,21 @@ class Mesher:
         clipped = tuple(side.name for k, side in enumerate(sides) if (triangles.leaf == first + k).any())
         if clipped and not cap:
             triangles = triangles.some(triangles.leaf < first)
-        findings = Findings(
-            clipped_at=clipped,
-            capped=cap,
-            sides=sides,
-            off_surface=stray_vertices(job.kernels, made.points, made.vertices, job.lattice, crew),
-            unresolved=self._suspects(made, job),
-        )
+        known = Findings(clipped_at=clipped, capped=cap, sides=sides)
+        find = partial(self._findings, known, triangles.vertices, made.notes, made.blocks, job)
         outward = _Outward(job.kernels)
-        return Mesh(triangles.vertices, triangles.faces, outward, findings, triangles.leaf, self.leaves)
+        return Mesh(triangles.vertices, triangles.faces, outward, find, triangles.leaf, self.leaves)
 
-    def _suspects(self, made: Surface, job: Job) -> tuple[Suspect, ...]:
+    def _findings(
+        self, known: Findings, vertices: Floats, notes: tuple[Unresolved, ...], blocks: Blocks | None, job: Job
+    ) -> Findings:
+        """What is known, and what only a second look at the lattice and the vertices tells."""
+        strays = stray_vertices(job.kernels, vertices, job.lattice, _threads())
+        return replace(known, off_surface=strays, unresolved=self._suspects(notes, blocks, job))
+
+    def _suspects(self, notes: tuple[Unresolved, ...], blocks: Blocks | None, job: Job) -> tuple[Suspect, ...]:
         """What the lattice may have missed."""
-        unresolved = joined(made.notes)
+        unresolved = joined(notes if blocks is None else job.notes(blocks, Crew(_threads())))
         return suspects(CompiledLeaves(job.kernels), job.lattice, unresolved, self.leaves if len(unresolved) else ())
 
     def _has_kinks(self, leaf: int) -> bool:

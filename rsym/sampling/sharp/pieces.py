@@ -74,13 +74,11 @@ class Job:
         claim_only(self.kernels, self.lattice, self.blocks(Crew(), budget), Crew(), budget)
 
     def whole(self, crew: Crew, budget: Budget) -> Surface:
-        """The surface in one piece."""
+        """The surface in one piece; its blocks are not inspected yet."""
         crew.stage(20, loops=6)
         blocks = self.blocks(crew, budget)
         made = assemble(self.kernels, self.smooth, self.lattice, blocks, crew, budget)
-        crew.stage(250, loops=1)
-        notes = self.notes(blocks, crew)
-        return Surface(made.points, made.surface.vertices, made.faces, made.leaf, made.flaws, notes)
+        return Surface(made.points, made.surface.vertices, made.faces, made.leaf, made.flaws, blocks=blocks)
 
     def notes(self, blocks: Blocks, crew: Crew) -> tuple[Any, ...]:
         """What `inspect` says of blocks."""

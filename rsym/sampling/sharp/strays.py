@@ -21,9 +21,12 @@ GRAIN = 4096
 
 
 def stray_vertices(
-    kernels: SurfaceKernels, points: Floats, count: int, lattice: Floats, pool: Executor | None
+    kernels: SurfaceKernels, vertices: Floats, lattice: Floats, pool: Executor | None
 ) -> OffSurface | None:
-    """How many of the first `count` points (3, m) are off the surface, and the worst of them."""
+    """How many of the vertices (n, 3) are off the surface, and the worst of them."""
+    count = len(vertices)
+    points = np.zeros((3, padded(count)))
+    points[:, :count] = vertices.T
     value, leaf = np.empty(padded(count)), np.empty(padded(count), np.int16)
     in_threads(lambda a, b: kernels.value(b - a, points, value, leaf, first=a), count, GRAIN, pool)
     doubtful = np.flatnonzero(~(np.abs(value[:count]) < CLEARLY * ON_SURFACE * lattice[3:].min()))

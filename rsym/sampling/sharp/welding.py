@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from rsym.codegen.surface_kernels import padded
 from rsym.sampling.sharp.assembly import Assembly
+from rsym.sampling.sharp.octree import Blocks
 from rsym.sampling.sharp.patches import Topology
 from rsym.sampling.sharp.signs import Numbers, list_places
 
@@ -59,7 +60,7 @@ class Surface:
     """Triangles 2*e and 2*e + 1 of each crossing e, and the leaf of the crossing; what was noted beside them.
 
     ``points`` (3, m), of which the first `vertices` count; ``faces`` (2*crossings, 3); ``leaf`` and ``flaws``
-    (crossings,).
+    (crossings,). ``blocks`` are there if they have not been inspected yet, else ``notes``.
     """
 
     points: NDArray[np.float64]
@@ -68,6 +69,7 @@ class Surface:
     leaf: NDArray[np.int16]
     flaws: NDArray[np.uint8]
     notes: tuple[Any, ...] = ()
+    blocks: Blocks | None = None
 
 
 @dataclass(frozen=True)
