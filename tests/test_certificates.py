@@ -21,7 +21,7 @@ from rsym.sampling.sharp.certificates import STEEPEST, Form, certify
 from rsym.sampling.sharp.gates import gate_table
 from rsym.sampling.sharp.leaves import CompiledLeaves
 from rsym.sampling.sharp.octree import find_blocks
-from rsym.sampling.sharp.suspects import find_suspects, suspects
+from rsym.sampling.sharp.suspects import suspects
 
 SHIFT = np.array((0.381966, 0.414214, 0.442777))
 
@@ -105,6 +105,14 @@ def test_a_thin_shell_is_a_wall_of_its_thickness(resolution, thickness, single):
     assert wall.cells > 0.5 * np.pi * (2 / lattice[3]) ** 2  # as many as the sphere has
     assert_close(wall.thickness * lattice[3], thickness, rtol=1e-3)
     assert "wall" in wall.remark
+
+
+@pytest.mark.parametrize("thickness", [0.01, 0.001])
+def test_the_mesh_of_a_thin_shell_comes_with_a_word(thickness):
+    shell = solid(rsym.conjunction(BALL, x**2 + y**2 + z**2 - (1 - sp.Rational(str(thickness))) ** 2))
+    with pytest.warns(rsym.RsymWarning, match="Unresolved: a wall"):
+        mesh = rsym.mesh(shell, 24, method="sharp")
+    assert "Unresolved: a wall" in str(mesh.status)
 
 
 def test_a_gap_is_found_where_it_is_narrowest():
@@ -207,31 +215,38 @@ def compiled(shape, resolution):
 
 def test_the_gap_about_the_wheels_of_the_car():
     shape = rsym.paper.car()
-    _, lattice, blocks, kernels = compiled(shape, 128)
-    names = leaf_names(kernels.form, shape)
-    gap = next(one for one in find_suspects(kernels, lattice, blocks, names) if one.kind == "gap")
+    form, lattice, blocks, kernels = compiled(shape, 128)
+    unresolved = certify(form, lattice, blocks.corner, blocks.words)
+    found = suspects(form.leaves, lattice, unresolved, leaf_names(kernels.form, shape))
+    gap = next(one for one in found if one.kind == "gap")
     assert gap.names == ("wheel arches", "wheels")
     # The radii differ by 0.2; a cell is 0.27 long along y and 0.10 along z.
     assert 0.2 / lattice[4] < gap.thickness + 1e-9 < 1
     finer = lattice * [1, 1, 1, 0.5, 0.5, 0.5]
-    at_twice = find_suspects(kernels, finer, find_blocks(kernels, finer, (258,) * 3))
-    assert {suspect.kind for suspect in at_twice} == {"knife"}
+    blocks = find_blocks(kernels, finer, (258,) * 3)
+    unresolved = certify(form, finer, blocks.corner, blocks.words)
+    assert {suspect.kind for suspect in suspects(form.leaves, finer, unresolved)} == {"knife"}
 
 
-def test_compiled_leaves_are_the_leaves():
+def test_compiled_leaves_are_the_leaves_times_positive_numbers():
     shape = solid(rsym.conjunction(BALL, TORUS, x + y * z))
-    table, _, _ = certified(shape, 8)
-    form, _, _, _ = compiled(shape, 8)
+    plain, made = certified(shape, 8)[0].leaves, compiled(shape, 8)[0].leaves
     rng = np.random.default_rng(6)
-    ids, points = rng.integers(0, form.count, 50).astype(np.int16), rng.uniform(-1, 1, (3, 50))
-    for calls in zip(
-        *(
-            (*one.enclose(ids, points, points + 0.1), *one.evaluate(ids, points), *one.active(points))
-            for one in (table.leaves, form.leaves)
-        ),
+    ids, points = rng.integers(0, 9, 50).astype(np.int16), rng.uniform(-1, 1, (3, 50))
+    (value, gradient), (other_value, other_gradient) = (leaves.evaluate(ids, points) for leaves in (plain, made))
+    factor = np.linalg.norm(other_gradient, axis=0) / np.linalg.norm(gradient, axis=0)
+    assert_close(other_value, factor * value, atol=1e-12)
+    assert_close(other_gradient, factor * gradient, atol=1e-12)
+    assert np.array_equal(made.active(points)[0] >= 0, plain.active(points)[0] >= 0)
+    # The bounds are those of the leaves themselves, closer where a coordinate repeats.
+    for inner, bounds, outer in zip(
+        plain.evaluate(ids, points + 0.05),
+        made.enclose(ids, points, points + 0.1),
+        plain.enclose(ids, points, points + 0.1),
         strict=True,
     ):
-        assert_close(*calls, atol=1e-12)
+        (low, high), (lowest, highest) = (np.moveaxis(both, -2, 0) for both in (bounds, outer))
+        assert ((lowest - 1e-12 <= low) & (low <= inner) & (inner <= high) & (high <= highest + 1e-12)).all()
 
 
 def test_neither_threads_nor_cuts_nor_what_was_known_before_change_anything(monkeypatch):
@@ -260,10 +275,12 @@ def test_random_trees_against_dense_samples(expression):
     unresolved[tuple(found.cells[:, (found.cells < CELLS).all(axis=0)])] = True
     points = lattice[:3, None] + lattice[3:, None] * np.indices((8 * CELLS + 1,) * 3).reshape(3, -1) / 8
     inside = (table.leaves.active(points)[0] >= 0).reshape((8 * CELLS + 1,) * 3)
-    near = ndimage.binary_dilation(np.kron(unresolved, np.ones((8, 8, 8), np.bool_)), np.ones((2, 2, 2)))
+    near = np.zeros(inside.shape, np.bool_)
+    for cell in np.argwhere(unresolved):
+        near[tuple(slice(8 * i, 8 * i + 9) for i in cell)] = True
     for sign in (inside, ~inside):
         label, count = ndimage.label(sign, np.ones((3, 3, 3)))
-        seen = np.union1d(label[::8, ::8, ::8], label[:-1, :-1, :-1][near])
+        seen = np.union1d(label[::8, ::8, ::8], label[near])
         assert np.setdiff1d(np.arange(1, count + 1), seen).size == 0
     assert_one_direction(table.leaves, lattice, inside, unresolved)
 

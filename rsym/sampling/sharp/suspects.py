@@ -10,20 +10,16 @@ suspect; without such a pair a cluster is a tip, or stays unresolved.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from rsym.codegen.surface_kernels import SurfaceKernels
 from rsym.sampling.sharp.boxes import Array, Flags, Ints
-from rsym.sampling.sharp.certificates import STEEPEST, Form, Unresolved, certify
+from rsym.sampling.sharp.certificates import STEEPEST, Unresolved
 from rsym.sampling.sharp.clusters import clusters
-from rsym.sampling.sharp.gates import gate_table
-from rsym.sampling.sharp.leaves import CompiledLeaves, Leaves, Numbers
-from rsym.sampling.sharp.octree import Blocks
+from rsym.sampling.sharp.leaves import Leaves, Numbers
 from rsym.sampling.sharp.thickness import FIRST, Rays, across, closest, common, level
 
 # Two directions that no third serves with the cosine c have a cosine below 2*c**2 - 1.
@@ -98,10 +94,8 @@ across it.
         return 2 / self.thickness
 
 
-def find_suspects(
-    kernels: SurfaceKernels, lattice: Array, blocks: Blocks, names: Sequence[str] = (), pool: Executor | None = None
-) -> tuple[Suspect, ...]:
-    """What a mesh on this lattice may have missed in its blocks; `names` are those of the leaves.
+def suspects(leaves: Leaves, lattice: Array, unresolved: Unresolved, names: Sequence[str] = ()) -> tuple[Suspect, ...]:
+    """What the unresolved cells mean, kind after kind, the thinnest first; `names` are those of the leaves.
 
     Examples
     --------
@@ -109,22 +103,18 @@ def find_suspects(
     >>> from rsym import x, y, z
     >>> from rsym.codegen.sign_form import surface_form
     >>> from rsym.codegen.surface_kernels import surface_kernels
-    >>> from rsym.sampling.sharp.octree import find_blocks
-    >>> shell = rsym.Shape(rsym.conjunction(1 - x**2 - y**2 - z**2, x**2 + y**2 + z**2 - 0.9801), (x, y, z))
-    >>> kernels = surface_kernels(surface_form(shell))
+    >>> from rsym.sampling.sharp.certificates import Form, certify
+    >>> from rsym.sampling.sharp.gates import gate_table
+    >>> from rsym.sampling.sharp.leaves import CompiledLeaves
+    >>> form = surface_form(rsym.Shape(rsym.conjunction(x, 0.02 - x), (x, y, z)))
+    >>> kernels = surface_kernels(form)
     >>> kernels.set({})
-    >>> lattice = np.array([-1.2, -1.2, -1.2, 0.1, 0.1, 0.1])
-    >>> [wall] = find_suspects(kernels, lattice, find_blocks(kernels, lattice, (24, 24, 24)), ("skin", "hollow"))
-    >>> print(wall.kind, wall.names, round(wall.thickness, 4))
-    wall ('skin', 'hollow') 0.1
+    >>> leaves, lattice = CompiledLeaves(kernels), np.array([-0.36, 0, 0, 0.1, 0.1, 0.1])
+    >>> unresolved = certify(Form(leaves, 2, gate_table(form)), lattice, np.zeros((3, 1), np.int64))
+    >>> [wall] = suspects(leaves, lattice, unresolved, ("left", "right"))
+    >>> print(wall.kind, wall.names, round(wall.thickness, 3), wall.cells)
+    wall ('left', 'right') 0.2 64
     """
-    form = Form(CompiledLeaves(kernels), len(kernels.form.leaves), gate_table(kernels.form))
-    unresolved = certify(form, lattice, blocks.corner, blocks.words, pool=pool)
-    return suspects(form.leaves, lattice, unresolved, names)
-
-
-def suspects(leaves: Leaves, lattice: Array, unresolved: Unresolved, names: Sequence[str] = ()) -> tuple[Suspect, ...]:
-    """What the unresolved cells mean, kind after kind, the thinnest first; `names` are those of the leaves."""
     if not len(unresolved):
         return ()
     space = _Clusters(unresolved, lattice)
