@@ -36,7 +36,7 @@ SENTENCES = {
     "touch": "bodies touch{of} {near}; at no resolution is the surface a manifold there",
     "knife": "an edge{of} tapers to nothing, in {cells} {near}; no resolution resolves all of it",
     "apex": "the gradient{of} vanishes on the surface {near}, as at a tip; no resolution resolves that",
-    "unresolved": "what the surface does{of} in {cells} {near} is not known",
+    "unresolved": "nothing is proved of the surface{of} in {cells} {near}, where it may turn too sharply",
 }
 
 
