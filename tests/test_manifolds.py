@@ -179,7 +179,7 @@ def test_manifold3d_accepts_what_is_closed():
 
 
 def test_the_judges_agree_on_the_car():
-    mesh = rsym.mesh(rsym.paper.car(), 200)
+    mesh = rsym.Mesher(rsym.paper.car())(200)
     status = mesh.status
     judged = manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices, mesh.faces.astype(np.uint64)))
     assert judged.status() == manifold3d.Error.NoError

@@ -269,6 +269,7 @@ def test_what_cannot_fit_is_refused_with_a_resolution_that_fits(body, monkeypatc
         body(400)
     fits = advised(caught.value)
     assert fits > 10
+    body(8)  # loads the loops
     tracemalloc.start()
     assert len(job_of(body, fits).whole(Crew(), Budget(free)).faces)
     assert tracemalloc.get_traced_memory()[1] < free

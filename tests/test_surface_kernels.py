@@ -128,8 +128,17 @@ def test_an_illegal_parameter_is_refused(value):
     assert caught.value.code == "parameter"
 
 
-def test_where_the_boundary_may_be_undefined_the_place_is_told():
-    kernels = kernels_of((1 - x**2 - y**2 - z**2) * sp.sqrt(x + sp.Rational(1, 3)))
+@pytest.mark.parametrize(
+    "expression",
+    [
+        (1 - x**2 - y**2 - z**2) * sp.sqrt(x + sp.Rational(1, 3)),
+        sp.sqrt(x) - sp.Rational(3, 5) - y**2,  # negative wherever it is defined but for a part
+        sp.log(x) + 9,
+        x ** sp.Rational(3, 2) - sp.Rational(3, 5) - y**2,
+    ],
+)
+def test_where_the_boundary_may_be_undefined_the_place_is_told(expression):
+    kernels = kernels_of(expression)
     blocks = find_blocks(kernels, LATTICE, CELLS)
     with pytest.raises(RsymError, match="no value near") as caught:
         sample_signs(kernels, blocks, LATTICE, None)

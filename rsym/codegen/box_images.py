@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from rsym.codegen.builder import Builder
 from rsym.codegen.definedness import Definedness, is_decisive
-from rsym.codegen.interval_arithmetic import Interval, nonnegative
+from rsym.codegen.interval_arithmetic import Interval, nonnegative, only_nonnegative
 from rsym.codegen.interval_images import IMAGES, chosen, scaled
 from rsym.codegen.program import Node, live
 from rsym.codegen.relations import relation
@@ -18,10 +18,13 @@ class BoxImages:
     `sides` gives intervals of inputs; an input ``x`` that it does not name has the ends ``x_lower``, ``x_upper``.
     """
 
-    def __init__(self, source: Builder, target: Builder, sides: Mapping[str, Interval] | None = None) -> None:
+    def __init__(
+        self, source: Builder, target: Builder, sides: Mapping[str, Interval] | None = None, strict: bool = False
+    ) -> None:
         self.source = source
         self.target = target
         self.sides = dict(sides or {})
+        self.strict = strict
         self.images: dict[int, Interval] = {}
         self._definedness = Definedness((), [])
         self._examined = 0
@@ -57,7 +60,15 @@ class BoxImages:
         if node.operation == "select":
             return self._select(node, operands)
         name, arguments = relation(self.source.nodes, number) or (node.operation, node.arguments)
-        return IMAGES[name](b, node, [self.images[argument] for argument in arguments])
+        operands = [self.images[argument] for argument in arguments]
+        if self.strict and (name in {"sqrt", "log"} or (name == "pow" and self._is_root(arguments[1]))):
+            operands[0] = only_nonnegative(b, operands[0])
+        return IMAGES[name](b, node, operands)
+
+    def _is_root(self, exponent: int) -> bool:
+        """Whether a power with this exponent has no value for a negative base."""
+        value = self.source.value(exponent)
+        return value is not None and value.denominator > 1
 
     def _select(self, node: Node, operands: list[Interval]) -> Interval:
         """A branch that is never defined leaves the other."""

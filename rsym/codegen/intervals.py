@@ -40,11 +40,12 @@ Range: TypeAlias = Fraction | float | tuple[Fraction | float, Fraction | float]
 LARGE = 50_000
 
 
-def interval_program(program: Program, sharpened: Collection[int] = ()) -> Program:
+def interval_program(program: Program, sharpened: Collection[int] = (), strict: bool = False) -> Program:
     """The bounds of a program's outputs over boxes.
 
     Inputs ``x`` become ``x_lower``, ``x_upper``, letters and outputs likewise. The images of the nodes `sharpened` are
-    intersected with their mean-value form, where one of their coordinates repeats.
+    intersected with their mean-value form, where one of their coordinates repeats. `strict`: where an output may be
+    undefined at some point of a box nothing is said of it.
 
     Examples
     --------
@@ -61,7 +62,7 @@ def interval_program(program: Program, sharpened: Collection[int] = ()) -> Progr
     for node in program.nodes:
         source.make(node.operation, *node.arguments, data=node.data)
     target = Builder(ends_of(program.coordinates), ends_of(program.letters))
-    images = BoxImages(source, target)
+    images = BoxImages(source, target, strict=strict)
     sharpen(images, sharpened)
     images.make(number for _, number in program.outputs)
     return target.program(_known_ends(target, {name: images[number] for name, number in program.outputs}))

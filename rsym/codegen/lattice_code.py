@@ -36,7 +36,7 @@ def boxes(s: SurfaceFormulas) -> Routine:
         for number, (operation, first, second) in enumerate(s.gates):
             for position, operand in enumerate((first, second)):
                 lower, upper = ends[operand]
-                idle = lower.compare("oge", 0.0) if operation == "min" else upper < 0.0
+                idle = lower > 0.0 if operation == "min" else upper < 0.0
                 word, bit = divmod(2 * number + position, WORD)
                 words[word] = _with_bit(r, words[word], idle.name, bit)
             ends.append([_extreme(operation, a, b) for a, b in zip(ends[first], ends[second], strict=True)])

@@ -71,7 +71,9 @@ def sharpen(images: BoxImages, numbers: Iterable[int]) -> None:
 
 def _mean_value(box: BoxImages, number: int, names: Sequence[str]) -> Interval:
     middles = {name: _middle(box.target, box.side(name)) for name in names}
-    centre = BoxImages(box.source, box.target, {**box.sides, **{v: Interval(c, c) for v, c in middles.items()}})
+    centre = BoxImages(
+        box.source, box.target, {**box.sides, **{v: Interval(c, c) for v, c in middles.items()}}, box.strict
+    )
     image = centre[number]
     for name, c in middles.items():
         slope = box[derivative(box.source, number, name)]

@@ -33,9 +33,9 @@ class SurfaceFormulas:
 
     @cached_property
     def bounds(self) -> Formulas:
-        """Leaves over boxes, by mean values where a coordinate repeats."""
+        """Leaves over boxes, by mean values where a coordinate repeats; nothing where one may be undefined."""
         leaves = [number for _, number in self.program.outputs[:: 1 + len(AXES)]]
-        return Formulas(expand(interval_program(self.program, leaves)), self.points.constants)
+        return Formulas(expand(interval_program(self.program, leaves, strict=True)), self.points.constants)
 
     @property
     def words(self) -> int:
