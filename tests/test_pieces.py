@@ -237,6 +237,25 @@ def test_a_cancel_leaves_no_pieces_waiting(body, monkeypatch):
     assert count == len(begun) < 10
 
 
+def test_an_interrupted_loop_leaves_nothing_running():
+    begun, ended = [], []
+
+    def slow(number):
+        begun.append(number)
+        time.sleep(0.02)
+        ended.append(number)
+
+    def interrupt(done, total):
+        raise Stop
+
+    with ThreadPoolExecutor(2) as threads:
+        crew = Crew(threads, interrupt)
+        crew.stage(1000)
+        with pytest.raises(Stop):
+            list(crew.map(slow, range(100)))
+        assert len(begun) == len(ended) < 20
+
+
 class Recorded:
     """A budget that remembers the largest claim."""
 
@@ -283,7 +302,7 @@ def test_the_octree_is_refused_before_it_is_taken(monkeypatch):
     everywhere = rsym.Mesher(rsym.Shape(sp.sin(1e7 * x * y) - z / 9, (x, y, z), bounds=((1, 2),) * 3))
     monkeypatch.setattr(mesher, "free_memory", lambda: mesher.RESERVE + 2e7)
     with pytest.raises(RsymError) as caught:
-        everywhere(100_000)
+        everywhere(20_000)
     assert len(job_of(everywhere, advised(caught.value)).whole(Crew(), Budget(2e7)).faces)
 
 
