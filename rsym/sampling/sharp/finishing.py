@@ -26,6 +26,10 @@ class Triangles:
     faces: Faces
     leaf: NDArray[np.int16]
 
+    def used(self) -> Triangles:
+        """Without the vertices that no face has."""
+        return self.some(np.ones(len(self.faces), np.bool_))
+
     def some(self, which: NDArray[np.bool_]) -> Triangles:
         """Some of the faces, and their vertices."""
         faces = self.faces[which]
@@ -52,9 +56,13 @@ def finish(
     tangled = np.flatnonzero(flaws & (FOLDED | FLAT))
     if len(tangled):
         untangle(kernels, tangled, leaf, points, faces, lattice, pool)
-    whole = Triangles(np.ascontiguousarray(points[:, :count].T), faces, np.repeat(leaf[: len(flaws)], 2))
+    points, leaf = points[:, :count], np.repeat(leaf[: len(flaws)], 2)
     flawed = np.flatnonzero(flaws)
     if not len(flawed):
-        return whole
-    remain = edit(flawed, points, faces, whole.leaf, lattice, pool)
-    return whole if remain.all() else whole.some(remain)
+        return Triangles(np.ascontiguousarray(points.T), faces, leaf)
+    remain, *new = edit(flawed, points, faces, leaf, lattice, pool)
+    points, faces, leaf = (
+        np.concatenate([old, more], axis=axis)
+        for old, more, axis in zip((points, faces[remain], leaf[remain]), new, (1, 0, 0), strict=True)
+    )
+    return Triangles(np.ascontiguousarray(points.T), faces, leaf).used()
