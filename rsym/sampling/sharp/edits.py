@@ -1,112 +1,158 @@
-"""Small edits of a mesh around its flaws, each only where the mesh stays a manifold.
+"""Small edits of a mesh around its flaws, in which the set of points that it covers stays.
 
-Several patches may show one corner: vertices on one point are joined. Three vertices in a row on a straight edge may
-make a triangle, which has no area: its long side is turned to the other diagonal of the two triangles beside it.
+Several patches may show one corner: vertices on one point are joined, and what has no extent then vanishes, crumbs
+and tunnels alike. Three vertices in a row on a straight edge may make a triangle, which has no area: it goes, and the
+triangle across its long side is cut in two. What remains is made a manifold again.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import Any, TypeAlias
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
-from rsym.sampling.sharp.flaws import FLATNESS, NO_LENGTH
+from rsym.sampling.sharp.flaws import FLATNESS, NO_LENGTH, Surroundings
+from rsym.sampling.sharp.stitching import stitch
 
-# What forbids one edit may go with another.
-TURNS = 3
+# Cutting may bring vertices on one point together, and joining may leave triangles without area.
+TURNS = 16
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
 Faces: TypeAlias = NDArray[np.int32]
+Corners: TypeAlias = tuple[int, int, int]
+Edge: TypeAlias = tuple[int, int]
 
 
-def edit(quads: Ints, points: Floats, faces: Faces, leaf: NDArray[Any], lattice: Floats) -> NDArray[np.bool_]:
-    """Join and turn what is flawed among some quads, in place; tells which faces remain. `leaf` is that of each face.
+class Edited(NamedTuple):
+    """Which faces remain; new points (3, k), numbered behind the others; new faces and their leaves."""
 
-    What lies beside these quads stays as it is.
-    """
-    some = np.stack([2 * quads, 2 * quads + 1], axis=1).ravel()
-    no_length = NO_LENGTH * lattice[3:].min()
-    editor = Editor(points, faces, leaf, some, no_length)
+    remain: NDArray[np.bool_]
+    points: Floats
+    faces: Faces
+    leaf: NDArray[Any]
+
+
+def edit(around: Surroundings, points: Floats, faces: Faces, leaf: NDArray[Any], lattice: Floats) -> Edited:
+    """Join, cut and stitch what is flawed; `faces` and `leaf`, that of each face, change in place."""
+    near, inner = around
+    some = np.stack([2 * near, 2 * near + 1], axis=1).ravel()
+    soup = _Soup(points, faces[some], leaf[some], inner > 0, NO_LENGTH * lattice[3:].min())
     for _ in range(TURNS):
-        some = some[editor.remain[some]]
-        for face in some[_sides(points, faces[some]).min(axis=0) < no_length].tolist():
-            editor.join(face)
-        for face in some[_is_flat(points, faces[some])].tolist():
-            editor.turn(face)
-    return editor.remain
+        if not (soup.join() | soup.cut()):
+            break
+    remain = np.ones(len(faces), np.bool_)
+    remain[some] = False
+    kept = some[soup.numbers]
+    remain[kept] = True
+    leaf[kept] = [soup.leaf[face] for face in soup.corners]
+    stitched = stitch(soup.faces, points, inner > 0)
+    faces[kept] = stitched.faces[: len(kept)]
+    return Edited(remain, stitched.points, stitched.faces[len(kept) :], leaf[kept[stitched.part_of[len(kept) :]]])
 
 
-def _sides(points: Floats, faces: Faces) -> Floats:
-    """The lengths of the sides of triangles, (3, m), each after its first corner."""
-    corners = points[:, faces]
-    lengths: Floats = np.linalg.norm(np.roll(corners, -1, axis=2) - corners, axis=0).T
-    return lengths
+class _Soup:
+    """Triangles by number. Whatever is done, each directed edge occurs as often as its reverse."""
+
+    def __init__(self, points: Floats, faces: Faces, leaf: NDArray[Any], inner: Any, no_length: float) -> None:
+        self.points, self.inner, self.no_length = points, inner, no_length
+        self.corners: dict[int, Corners] = {face: (a, b, c) for face, (a, b, c) in enumerate(faces.tolist())}
+        self.leaf: dict[int, int] = dict(enumerate(leaf.tolist()))
+
+    def join(self) -> bool:
+        """Let the vertices at the ends of edges without length be one, and drop what has no extent; whether any is."""
+        tail, head = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
+        apart = np.abs(self.points[:, tail] - self.points[:, head]).max(axis=0)
+        short = np.flatnonzero((apart <= self.no_length) & self.inner[tail] & self.inner[head])
+        if not len(short):
+            return False
+        ids, local = np.unique(np.stack([tail[short], head[short]]), return_inverse=True)
+        pairs = sparse.coo_array((np.ones(len(short), bool), local), shape=(len(ids), len(ids)))
+        _, label = sparse.csgraph.connected_components(pairs, directed=False)
+        _, first = np.unique(label, return_index=True)
+        one = dict(zip(ids.tolist(), ids[first[label]].tolist(), strict=True))
+        for face, (a, b, c) in list(self.corners.items()):
+            if a in one or b in one or c in one:
+                self._put(face, (one.get(a, a), one.get(b, b), one.get(c, c)))
+        self._cancel()
+        return True
+
+    def cut(self) -> bool:
+        """Drop each triangle without area, and cut the one across its long side at the middle one of its corners."""
+        flat = self.numbers[is_flat(self.points, self.faces)].tolist()
+        if not flat:
+            return False
+        long = {face: max(_turns(self.corners[face]), key=self._length) for face in flat}
+        across: dict[Edge, list[int]] = defaultdict(list)
+        for face, corners in self.corners.items():
+            for edge in _edges(corners):
+                across[edge].append(face)
+        touched: set[int] = set()
+        for face, (a, b, c) in long.items():
+            for other in across[b, a]:
+                # Of two without area only the one with the longer side is cut: each cut makes sides shorter.
+                longer = other in long and self._length(long[other]) > self._length((a, b, c))
+                if not longer and self.inner[c] and not touched & {face, other}:
+                    touched |= {face, other}
+                    self._cut(face, other, (a, b, c))
+        self._cancel()
+        return bool(touched)
+
+    def _cut(self, face: int, other: int, corners: Corners) -> None:
+        a, b, c = corners
+        (d,) = set(self.corners[other]) - {a, b}
+        self.leaf[face] = self.leaf[other]
+        self._put(face, (a, d, c))
+        self._put(other, (d, b, c))
+
+    def _length(self, corners: Corners) -> float:
+        return float(np.linalg.norm(self.points[:, corners[0]] - self.points[:, corners[1]]))
+
+    @property
+    def numbers(self) -> Ints:
+        """The numbers of the triangles that are left."""
+        return np.fromiter(self.corners, np.int64, len(self.corners))
+
+    @property
+    def faces(self) -> Faces:
+        """The triangles that are left."""
+        return np.array(list(self.corners.values()), np.int32).reshape(-1, 3)
+
+    def _put(self, face: int, corners: Corners) -> None:
+        """A triangle with two equal corners is none."""
+        if len(set(corners)) == 3:
+            self.corners[face] = corners
+        else:
+            del self.corners[face]
+
+    def _cancel(self) -> None:
+        """Drop triangles that lie back to back."""
+        seen: dict[Corners, list[int]] = defaultdict(list)
+        for face, corners in list(self.corners.items()):
+            back = seen.get(min(_turns((corners[0], corners[2], corners[1]))))
+            if back:
+                del self.corners[face], self.corners[back.pop()]
+            else:
+                seen[min(_turns(corners))].append(face)
 
 
-def _is_flat(points: Floats, faces: Faces) -> NDArray[np.bool_]:
+def is_flat(points: Floats, faces: Any) -> NDArray[np.bool_]:
     """Which triangles have no area."""
     a, b, c = points[:, faces].transpose(2, 1, 0)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    return np.asarray(area <= FLATNESS * _sides(points, faces).max(axis=0) ** 2)
+    longest = np.maximum.reduce([np.linalg.norm(side, axis=1) for side in (b - a, c - b, a - c)])
+    return np.asarray(area <= FLATNESS * longest**2)
 
 
-class Editor:
-    """A part of a mesh, with the faces around each of its vertices."""
+def _turns(corners: Corners) -> Iterable[Corners]:
+    a, b, c = corners
+    return (a, b, c), (b, c, a), (c, a, b)
 
-    def __init__(self, points: Floats, faces: Faces, leaf: NDArray[Any], some: Ints, no_length: float) -> None:
-        self.points, self.faces, self.leaf, self.no_length = points, faces, leaf, no_length
-        self.remain = np.ones(len(faces), np.bool_)
-        self.around: dict[int, set[int]] = defaultdict(set)
-        for face in some.tolist():
-            for vertex in faces[face].tolist():
-                self.around[vertex].add(face)
 
-    def join(self, face: int) -> None:
-        """Join the ends of an edge without length if they have two neighbours in common, those across it.
-
-        The link condition (Dey, Edelsbrunner, Guha and Nekhayev 1999).
-        """
-        for k in range(3):
-            a, b = int(self.faces[face, k]), int(self.faces[face, k - 1])
-            if not self.remain[face] or np.abs(self.points[:, a] - self.points[:, b]).max() > self.no_length:
-                continue
-            gone = self.around[a] & self.around[b]
-            links = [{int(v) for f in self.around[vertex] for v in self.faces[f]} for vertex in (a, b)]
-            if len(gone) == 2 and len(links[0] & links[1]) == 4 and len(links[0] | links[1]) > 4:
-                self._merge(a, b, gone)
-
-    def _merge(self, a: int, b: int, gone: set[int]) -> None:
-        for face in gone:
-            self.remain[face] = False
-            for vertex in self.faces[face].tolist():
-                self.around[vertex].discard(face)
-        for face in self.around.pop(b):
-            self.faces[face][self.faces[face] == b] = a
-            self.around[a].add(face)
-
-    def turn(self, face: int) -> None:
-        """Turn the long side of a triangle without area, if both triangles beside it are on one leaf."""
-        if not self.remain[face]:
-            return
-        if not _is_flat(self.points, self.faces[[face]]).all():
-            return
-        k = int(_sides(self.points, self.faces[[face]]).argmax())
-        a, b, c = (int(self.faces[face, (k + turn) % 3]) for turn in range(3))
-        (other,) = (self.around[a] & self.around[b]) - {face} or (face,)
-        (d,) = set(self.faces[other].tolist()) - {a, b} or (c,)
-        if self.leaf[other] != self.leaf[face] or self.around[c] & self.around[d]:
-            return
-        before, after = self._normal(b, a, d), (self._normal(a, d, c), self._normal(d, b, c))
-        if min(float(before @ normal) for normal in after) > 0:
-            self.faces[face], self.faces[other] = (a, d, c), (d, b, c)
-            self.around[a].discard(other)
-            self.around[b].discard(face)
-            self.around[c].add(other)
-            self.around[d].add(face)
-
-    def _normal(self, a: int, b: int, c: int) -> Floats:
-        normal: Floats = np.cross(self.points[:, b] - self.points[:, a], self.points[:, c] - self.points[:, a])
-        return normal
+def _edges(corners: Corners) -> Iterator[Edge]:
+    a, b, c = corners
+    yield from ((a, b), (b, c), (c, a))

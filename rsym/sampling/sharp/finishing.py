@@ -29,6 +29,10 @@ class Triangles:
     faces: Faces
     leaf: NDArray[np.int16]
 
+    def used(self) -> Triangles:
+        """Without the vertices that no face has."""
+        return self.some(np.ones(len(self.faces), np.bool_))
+
     def some(self, which: NDArray[np.bool_]) -> Triangles:
         """Some of the faces, and their vertices."""
         faces = self.faces[which]
@@ -68,5 +72,11 @@ def finish(
     whole = Triangles(vertices, faces, np.repeat(leaf[: len(flaws)], 2))
     if around is None:
         return whole
-    remain = edit(around.quads, points, faces, whole.leaf, lattice)
-    return whole if remain.all() else whole.some(remain)
+    found = edit(around, points[:, :count], faces, whole.leaf, lattice)
+    if found.remain.all() and not len(found.faces):
+        return whole
+    return Triangles(
+        np.concatenate([whole.vertices, found.points.T]),
+        np.concatenate([faces[found.remain], found.faces]),
+        np.concatenate([whole.leaf[found.remain], found.leaf]),
+    ).used()

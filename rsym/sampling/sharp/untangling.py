@@ -20,7 +20,7 @@ from rsym.codegen.surface_kernels import SurfaceKernels, padded
 from rsym.sampling.sharp.corners import ON_SURFACE, off_surface, solve
 from rsym.sampling.sharp.crossings import evaluate
 from rsym.sampling.sharp.diagonals import turn_diagonals
-from rsym.sampling.sharp.flaws import FOLDED, Surroundings, find_flaws
+from rsym.sampling.sharp.flaws import FOLDED, Marks, Surroundings, find_flaws
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
@@ -30,7 +30,6 @@ Faces: TypeAlias = NDArray[np.int32]
 FAR = 3
 # One does it where leaves are planes; curved ones take two or three.
 ROUNDS = 6
-PATIENCE = 2  # rounds without fewer folds
 # A ring of vertices without a fixed one stays near its place.
 PULL = 1e-12
 
@@ -46,68 +45,128 @@ def untangle(
 ) -> None:
     """Move vertices and turn diagonals around folds, in place; `leaf` is that of each quad.
 
-    What is not better after some rounds stays as it was.
+    Where that leaves folds, the vertices of what is folded go to the seam beside them first, and lie flat there.
     """
-    quads, inner = around
-    ids, local = np.unique(faces.reshape(-1, 6)[quads], return_inverse=True)
-    part = np.ascontiguousarray(local.reshape(-1, 3), np.int32)
-    places, on = np.zeros((3, padded(len(ids)))), np.ascontiguousarray(leaf[quads])
-    places[:, : len(ids)] = points[:, ids]
-    names, codes = np.unique(on, return_inverse=True)
-    meets = np.zeros((len(ids), len(names)), np.bool_)
-    meets[part.ravel(), np.repeat(codes, 6)] = True
-    movable = (inner[ids] > 0) & (meets.sum(axis=1) <= 2)
-    worst = _folds(kernels, on, part, places, lattice, pool)
-    best, kept, patience = worst + 1, (places, part), PATIENCE
-    for _ in range(ROUNDS):
-        _relax(kernels, names, codes, meets, movable, part, places, lattice, pool)
-        turn_diagonals(kernels, np.ones(len(quads), np.uint8), places, part, pool)
-        count = _folds(kernels, on, part, places, lattice, pool)
-        if count < best:
-            best, kept, patience = count, (places.copy(), part.copy()), PATIENCE
-        else:
-            patience -= 1
-        if not count or not patience:
-            break
-    if best <= worst:
-        points[:, ids] = kept[0][:, : len(ids)]
-        faces.reshape(-1, 6)[quads] = ids[kept[1].reshape(-1, 6)]
+    patch = _Patch(kernels, *around, leaf, points, faces, lattice, pool)
+    patch.relax()
+    if patch.fewest.any():
+        patch.pull()
+        patch.relax()
+    best_points, best_faces = patch.best
+    points[:, patch.ids] = best_points[:, : len(patch.ids)]
+    faces.reshape(-1, 6)[patch.quads] = patch.ids[best_faces.reshape(-1, 6)]
 
 
-def _relax(
-    kernels: SurfaceKernels,
-    names: NDArray[np.int16],
-    codes: Ints,
-    meets: NDArray[np.bool_],
-    movable: NDArray[np.bool_],
-    faces: Faces,
-    points: Floats,
-    lattice: Floats,
-    pool: Executor | None,
-) -> None:
-    """Each movable vertex to the middle of its neighbours, on a seam of leaves those along it; then onto its leaves."""
-    tail, head = faces.ravel(), faces[:, [1, 2, 0]].ravel()
-    follows = movable[tail] & ((meets.sum(axis=1)[tail] == 1) | _seams(tail, head, np.repeat(codes, 6)))
-    vertex, neighbour = tail[follows], head[follows]
-    count = np.bincount(vertex, minlength=len(meets))
-    which = np.flatnonzero(count >= 2)
-    if not len(which):
-        return
-    middles = _harmonic(which, vertex, neighbour, count, points)
-    leaves = np.full((3, len(which)), -1, np.int16)
-    for row, vertex_meets in enumerate(meets[which]):
-        own = names[vertex_meets]
-        leaves[: len(own), row] = own
-    moved = solve(kernels, leaves, middles, lattice, pool)
-    near = (np.abs(moved - points[:, which]) < FAR * lattice[3:, None]).all(axis=0)
-    good = near & (off_surface(kernels, moved, lattice, pool) < ON_SURFACE)
-    points[:, which[good]] = moved[:, good]
+class _Patch:
+    """A part of a mesh, in clusters that do not touch, and what is best of each so far."""
+
+    def __init__(
+        self,
+        kernels: SurfaceKernels,
+        quads: Ints,
+        inner: Marks,
+        leaf: NDArray[np.int16],
+        points: Floats,
+        faces: Faces,
+        lattice: Floats,
+        pool: Executor | None,
+    ) -> None:
+        self.kernels, self.lattice, self.pool, self.quads = kernels, lattice, pool, quads
+        self.ids, local = np.unique(faces.reshape(-1, 6)[quads], return_inverse=True)
+        self.faces = np.ascontiguousarray(local.reshape(-1, 3), np.int32)
+        self.points, self.leaf = np.zeros((3, padded(len(self.ids)))), np.ascontiguousarray(leaf[quads])
+        self.points[:, : len(self.ids)] = points[:, self.ids]
+        self.names, self.codes = np.unique(self.leaf, return_inverse=True)
+        self.meets = np.zeros((len(self.ids), len(self.names)), np.bool_)
+        self.meets[self.faces.ravel(), np.repeat(self.codes, 6)] = True
+        self.several = self.meets.sum(axis=1)
+        self.movable = (inner[self.ids] > 0) & (self.several <= 2)
+        self.cluster = _clusters(self.faces, len(self.ids))
+        self.first = self.best = self.points.copy(), self.faces.copy()
+        self.fewest = self._count(self._folds()) + 1
+
+    def relax(self) -> None:
+        """Vertices to the middles of their neighbours and back onto their leaves, until no fold is left or it is late.
+
+        Those on a seam of leaves have neighbours along it; corners stay.
+        """
+        for _ in range(ROUNDS):
+            tail, head = self.faces.ravel(), self.faces[:, [1, 2, 0]].ravel()
+            seam = _seams(self.faces, np.repeat(self.codes, 2))
+            follows = self.movable[tail] & ((self.several[tail] == 1) | seam)
+            count = np.bincount(tail[follows], minlength=len(self.ids))
+            which = np.flatnonzero(count >= 2)
+            if len(which):
+                self._move(which, self.meets[which], _harmonic(which, tail[follows], head[follows], count, self.points))
+            turn_diagonals(self.kernels, np.ones(len(self.quads), np.uint8), self.points, self.faces, self.pool)
+            self._keep_better()
+            if not self.fewest.any():
+                break
+
+    def pull(self) -> None:
+        """From where all began, the vertices of folded triangles to the seam that is nearest."""
+        self.points, self.faces = self.first[0].copy(), self.first[1].copy()
+        self.movable &= self.fewest[self.cluster] > 0
+        tail, head = self.faces.ravel(), self.faces[:, [1, 2, 0]].ravel()
+        tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
+        folded = np.zeros(len(self.ids), np.bool_)
+        folded[self.faces.reshape(-1, 6)[self._folds()]] = True
+        own = folded & self.movable & (self.several == 1)
+        good = own[tail] & (self.several[head] == 2) & (self.meets[tail] & self.meets[head]).any(axis=1)
+        tail, head = tail[good], head[good]
+        order = np.lexsort((np.linalg.norm(self.points[:, tail] - self.points[:, head], axis=0), tail))
+        which, first = np.unique(tail[order], return_index=True)
+        if len(which):
+            self.movable[self._move(which, self.meets[head[order[first]]], self.points[:, which])] = False
+
+    def _move(self, which: Ints, meets: NDArray[np.bool_], start: Floats) -> Ints:
+        """Onto their leaves from where they start; those that end there, not far from where they were."""
+        leaves = np.full((3, len(which)), -1, np.int16)
+        for row, vertex_meets in enumerate(meets):
+            own = self.names[vertex_meets]
+            leaves[: len(own), row] = own
+        moved = solve(self.kernels, leaves, start, self.lattice, self.pool)
+        near = (np.abs(moved - self.points[:, which]) < FAR * self.lattice[3:, None]).all(axis=0)
+        good = near & (off_surface(self.kernels, moved, self.lattice, self.pool) < ON_SURFACE)
+        self.points[:, which[good]] = moved[:, good]
+        return which[good]
+
+    def _keep_better(self) -> None:
+        folds = self._count(self._folds())
+        better = folds < self.fewest
+        self.fewest[better] = folds[better]
+        of_vertex = better[self.cluster]
+        points, faces = self.best[0].copy(), self.best[1].copy()
+        points[:, : len(self.ids)][:, of_vertex] = self.points[:, : len(self.ids)][:, of_vertex]
+        faces[of_vertex[faces[:, 0]]] = self.faces[of_vertex[faces[:, 0]]]
+        self.best = points, faces
+
+    def _count(self, folds: NDArray[np.bool_]) -> Ints:
+        return np.bincount(self.cluster[self.faces[::2, 0]][folds], minlength=self.cluster.max() + 1)
+
+    def _folds(self) -> NDArray[np.bool_]:
+        """Which quads are folded against the gradient of their leaf at the middle of their corners."""
+        count = len(self.leaf)
+        middles, gradients = np.zeros((3, padded(count))), np.zeros((3, padded(count)))
+        which = np.full(padded(count), -1, np.int16)
+        middles[:, :count] = self.points[:, self.faces.reshape(-1, 6)].mean(axis=2)
+        which[:count] = self.leaf
+        evaluate(self.kernels, which, middles, np.empty(padded(count)), gradients, count, self.pool)
+        return find_flaws(self.faces, self.points, gradients, self.lattice, self.pool) & FOLDED > 0
 
 
-def _seams(tail: Faces, head: Faces, code: Ints) -> NDArray[np.bool_]:
+def _clusters(faces: Faces, count: int) -> Ints:
+    """The number of the cluster of each vertex."""
+    tail, head = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
+    graph = sparse.coo_array((np.ones(len(tail), np.bool_), (tail, head)), shape=(count, count))
+    return np.asarray(sparse.csgraph.connected_components(graph, directed=False)[1], np.int64)
+
+
+def _seams(faces: Faces, code: Ints) -> NDArray[np.bool_]:
     """Which half-edges have another leaf on the other side."""
-    low, high = np.minimum(tail, head).astype(np.int64), np.maximum(tail, head)
-    key = low * (int(head.max()) + 1) + high
+    tail, head = faces.ravel().astype(np.int64), faces[:, [1, 2, 0]].ravel()
+    code = np.repeat(code, 3)
+    key = np.minimum(tail, head) * (int(head.max()) + 1) + np.maximum(tail, head)
     order = np.argsort(key, kind="stable")
     twins = np.flatnonzero(np.diff(key[order]) == 0)
     one, other = order[twins], order[twins + 1]
@@ -126,21 +185,3 @@ def _harmonic(which: Ints, vertex: Ints, neighbour: Ints, count: Ints, points: F
     right = mean @ np.where(own, 0.0, points[:, :size]).T + PULL * points[:, which].T
     matrix = sparse.eye_array(len(which), format="csc") - mean[:, which].tocsc()
     return np.asarray(splu(matrix).solve(right), np.float64).T
-
-
-def _folds(
-    kernels: SurfaceKernels,
-    leaf: NDArray[np.int16],
-    faces: Faces,
-    points: Floats,
-    lattice: Floats,
-    pool: Executor | None,
-) -> int:
-    """How many quads are folded against the gradient of their leaf at the middle of their corners."""
-    count = len(leaf)
-    middles, gradients = np.zeros((3, padded(count))), np.zeros((3, padded(count)))
-    which = np.full(padded(count), -1, np.int16)
-    middles[:, :count] = points[:, faces.reshape(-1, 6)].mean(axis=2)
-    which[:count] = leaf
-    evaluate(kernels, which, middles, np.empty(padded(count)), gradients, count, pool)
-    return int((find_flaws(faces, points, gradients, lattice, pool) & FOLDED).sum())
