@@ -156,15 +156,16 @@ def test_a_shape_in_space_and_its_sections():
 
 
 def test_a_bad_letter_is_said_and_the_picture_stays():
-    widget = rsym.explore(BALL, ("normalised",), resolution=40)
+    ball = Shape(BALL.expression - 0.5, (x, y, z), letters=BALL.letters, bounds=BALL.bounds)
+    widget = rsym.explore(ball, ("normalised",), resolution=40)
     before = widget.picture.value
-    widget.letters["r"].value = 3.0
+    widget.letters["r"].value = 0.6
     assert "the surface does not meet the bounds" in widget.message.value
     assert widget.picture.value == before
     widget.letters["r"].value = 1.5
     assert widget.message.value == ""
     assert widget.picture.value != before
-    widget.letters["r"].value = 1.7
+    widget.letters["r"].value = 1.8
     assert "leaves the bounds" in widget.message.value
 
 

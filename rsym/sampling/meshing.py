@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 import time
 import warnings
 from collections.abc import Mapping, Sequence
@@ -86,6 +87,8 @@ def mesh(
         warnings.warn("without the package numba edges are not sharp: pip install numba", RsymWarning, stacklevel=2)
         method = "smooth"
     if method == "sharp":
+        if "rsym.sampling.mesher" not in sys.modules:
+            _compile_ahead(shape)
         from rsym.sampling.mesher import Mesher
 
         result = Mesher(shape)(
@@ -102,3 +105,12 @@ def mesh(
     for remark in result.findings.remarks:
         warnings.warn(remark, RsymWarning, stacklevel=2)
     return result
+
+
+def _compile_ahead(shape: Shape) -> None:
+    """Start the compiler: it takes as long as importing the mesher, numba above all."""
+    from rsym.codegen.sign_form import surface_form
+    from rsym.codegen.surface_kernels import compile_ahead
+
+    check_in_space(shape)
+    compile_ahead(surface_form(shape).capped())
