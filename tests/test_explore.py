@@ -196,6 +196,15 @@ def test_pyplot_is_left_alone():
     assert matplotlib.pyplot.get_fignums() == before
 
 
+def test_bounds_that_are_found():
+    disc = Shape(r - x**2 - y**2, (x, y), letters={r: LETTERS[r]})
+    for shape, other in ((disc, "body"), (rsym.revolve(disc), "sheet")):
+        widget = rsym.explore(shape, ("value",), resolution=24)
+        assert widget.message.value == ""
+        widget.view.value = other
+        assert widget.message.value == ""
+
+
 def test_a_missing_package_and_missing_bounds(monkeypatch):
     with pytest.raises(RsymError, match="bounds"):
         rsym.explore(Shape(x, (x, y)))
