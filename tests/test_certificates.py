@@ -18,6 +18,7 @@ from rsym.codegen.sign_form import cap_letters, surface_form
 from rsym.codegen.surface_kernels import surface_kernels
 from rsym.sampling.sharp import certificates
 from rsym.sampling.sharp.certificates import STEEPEST, Form, certify
+from rsym.sampling.sharp.clusters import clusters
 from rsym.sampling.sharp.gates import gate_table
 from rsym.sampling.sharp.leaves import CompiledLeaves
 from rsym.sampling.sharp.octree import find_blocks
@@ -313,3 +314,13 @@ def normals_between(leaves, start, end):
     steps = 1e-6 * np.eye(3)
     slopes = [leaves.active(end + step[:, None])[0] - leaves.active(end - step[:, None])[0] for step in steps]
     return np.array(slopes) / np.linalg.norm(slopes, axis=0)
+
+
+def test_clusters_are_those_of_an_image():
+    image = np.random.default_rng(9).random((14, 17, 11)) < 0.04
+    image[3, :, 5] = image[:, 8, 2] = True
+    cells = np.argwhere(image).T
+    labels, _ = ndimage.label(image, np.ones((3, 3, 3)))
+    _, first, expected = np.unique(labels[image], return_index=True, return_inverse=True)
+    assert len(first) > 20
+    assert (clusters(cells) == np.argsort(np.argsort(first))[expected]).all()

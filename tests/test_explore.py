@@ -156,15 +156,16 @@ def test_a_shape_in_space_and_its_sections():
 
 
 def test_a_bad_letter_is_said_and_the_picture_stays():
-    widget = rsym.explore(BALL, ("normalised",), resolution=40)
+    ball = Shape(BALL.expression - 0.5, (x, y, z), letters=BALL.letters, bounds=BALL.bounds)
+    widget = rsym.explore(ball, ("normalised",), resolution=40)
     before = widget.picture.value
-    widget.letters["r"].value = 3.0
+    widget.letters["r"].value = 0.6
     assert "the surface does not meet the bounds" in widget.message.value
     assert widget.picture.value == before
     widget.letters["r"].value = 1.5
     assert widget.message.value == ""
     assert widget.picture.value != before
-    widget.letters["r"].value = 1.7
+    widget.letters["r"].value = 1.8
     assert "leaves the bounds" in widget.message.value
 
 
@@ -193,6 +194,15 @@ def test_pyplot_is_left_alone():
     before = matplotlib.pyplot.get_fignums()
     rsym.explore(EGG, ("value",), resolution=40).view.value = "body"
     assert matplotlib.pyplot.get_fignums() == before
+
+
+def test_bounds_that_are_found():
+    disc = Shape(r - x**2 - y**2, (x, y), letters={r: LETTERS[r]})
+    for shape, other in ((disc, "body"), (rsym.revolve(disc), "sheet")):
+        widget = rsym.explore(shape, ("value",), resolution=24)
+        assert widget.message.value == ""
+        widget.view.value = other
+        assert widget.message.value == ""
 
 
 def test_a_missing_package_and_missing_bounds(monkeypatch):

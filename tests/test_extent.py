@@ -265,3 +265,19 @@ def test_boxes_are_divided_without_gaps():
         assert (hull.upper == box.upper).all()
     faces = slabs(cube(3, 1.0), np.zeros((3, 2)))
     assert sorted(map(tuple, faces.centres.T)) == sorted(map(tuple, np.vstack([np.eye(3), -np.eye(3)])))
+
+
+@pytest.mark.parametrize("method", ["sharp", "smooth"])
+def test_a_mesh_without_bounds_holds_the_whole_body_at_any_letters(method):
+    r = sp.Symbol("r", real=True)
+    ball = Shape(r**2 - (x - 40) ** 2 - y**2 - z**2, (x, y, z), letters={r: 1})
+    for radius in (1, 50):
+        found = rsym.mesh(ball, 40, method=method, letters={"r": radius}).status
+        assert found.closed
+        assert not found.clipped
+        assert_close(found.volume, 4 / 3 * np.pi * radius**3, rtol=0.009)
+    turned = rsym.mesh(rsym.revolve(Shape(1 - x**2 / 9 - y**2, (x, y))), 40, method=method).status
+    assert_close(turned.volume, 4 * np.pi, rtol=0.009)
+    with pytest.raises(RsymError) as caught:
+        rsym.mesh(Shape(1 - x**2 - y**2, (x, y, z)), method=method)
+    assert caught.value.code == "unbounded"

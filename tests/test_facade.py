@@ -11,21 +11,23 @@ import pytest
 
 import rsym
 
-STUB = Path(rsym.__file__).with_name("__init__.pyi")
+PACKAGES = [rsym, rsym.paper]
 MODULES = sorted(module.name for module in pkgutil.walk_packages(rsym.__path__, "rsym."))
 
 
-def test_stub_and_modules_agree():
-    imports = [node for node in ast.parse(STUB.read_text()).body if isinstance(node, ast.ImportFrom)]
+@pytest.mark.parametrize("package", PACKAGES)
+def test_stub_and_modules_agree(package):
+    stub = ast.parse(Path(package.__file__).with_name("__init__.pyi").read_text())
+    imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
     for node in imports:
         for alias in node.names:
             if node.module is None:
                 continue
-            module = importlib.import_module(f"rsym.{node.module}")
-            assert getattr(rsym, alias.name) is getattr(module, alias.name)
-    (declared,) = [node.value for node in ast.parse(STUB.read_text()).body if isinstance(node, ast.Assign)]
+            module = importlib.import_module(f"{package.__name__}.{node.module}")
+            assert getattr(package, alias.name) is getattr(module, alias.name)
+    (declared,) = [node.value for node in stub.body if isinstance(node, ast.Assign)]
     names = {alias.name for node in imports for alias in node.names}
-    assert set(rsym.__all__) == names == set(ast.literal_eval(declared))
+    assert set(package.__all__) == names == set(ast.literal_eval(declared))
 
 
 @pytest.mark.parametrize("name", rsym.__all__)
@@ -53,6 +55,10 @@ def test_importing_rsym_loads_nothing_heavy():
 
 def test_using_symbols_does_not_load_pictures():
     assert not loaded_after("from rsym import x, Shape, compile") & {"matplotlib", "skimage", "trimesh", "numba"}
+
+
+def test_a_model_of_the_paper_does_not_load_pictures():
+    assert not loaded_after("import rsym\nrsym.paper.car()") & {"matplotlib", "skimage", "scipy", "trimesh", "numba"}
 
 
 def test_help_loads_no_sympy():

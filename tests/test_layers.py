@@ -20,7 +20,7 @@ LAYERS = {
     "surfaces": {"sympy", "numpy", "scipy"},
     # mpl_toolkits is matplotlib's second package.
     "output": {"sympy", "numpy", "matplotlib", "mpl_toolkits", "trimesh", "plotly", "ipywidgets"},
-    "paper": {"numpy", "matplotlib"},
+    "paper": {"numpy", "matplotlib", "lazy_loader"},
     "commands": {"tqdm"},
     "cli": set(),
 }

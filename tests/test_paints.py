@@ -65,7 +65,7 @@ def test_a_map_is_exact_inside_triangles(coarse):
     expected = gauss(on_ellipsoid(coarse))
     assert_close(coat.paint(middles(coarse)), decode(coat.scale.to_rgba(expected)[:, :3]), atol=0.03)
     between = gauss(coarse.vertices)[coarse.faces] @ [0.5, 0.3, 0.2]
-    assert np.abs(between - expected).max() > 0.3  # what a map of the vertices alone would show
+    assert np.abs(between - expected).max() > 0.25  # what a map of the vertices alone would show
     assert coat.label == "Gaussian curvature $K$"
     assert coat.scale.get_cmap().name == "viridis"
     low, high = np.quantile(gauss(coarse.vertices), [0.02, 0.98])

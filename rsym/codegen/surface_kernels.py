@@ -10,6 +10,7 @@ from __future__ import annotations
 import ctypes
 import threading
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -267,3 +268,16 @@ def _revived(form: SignForm, constants: Floats) -> SurfaceKernels:
     kernels = surface_kernels(form)
     kernels._constants[:] = constants
     return kernels
+
+
+def compile_ahead(form: SignForm) -> None:
+    """Start compiling in a thread of its own; who asks for the kernels of an equal form meanwhile waits for it.
+
+    LLVM works without the interpreter's lock, so something else can be imported beside it. The form is the thread's.
+    """
+
+    def work() -> None:
+        with suppress(RsymError):  # raised again for those who ask
+            surface_kernels(form)
+
+    threading.Thread(target=work, name="rsym-compiler").start()

@@ -29,13 +29,13 @@ def explore(
     Parameters
     ----------
     shape : Shape
-        With bounds and letters; a slider spans the range of its letter, or 0 to twice its default.
+        With letters; a slider spans the range of its letter, or 0 to twice its default.
     fields : sequence of str
         Scalar fields of the sheet; it can be changed in the widget.
     axis : symbol, optional
         The axis of revolution of a plane shape, by default its first coordinate.
     bounds
-        Override those of the shape.
+        Override those of the shape; without any, those that hold all of it are found.
     resolution : int
         Cells along the longer side of a sheet or a body.
 
@@ -50,7 +50,7 @@ def explore(
     Raises
     ------
     RsymError
-        If ipywidgets is not installed, the shape has no bounds, or the resolution is no number of cells.
+        If ipywidgets is not installed, no bounds are found for it, or the resolution is no number of cells.
 
     Examples
     --------

@@ -19,7 +19,8 @@ from rsym.model.shape import Shape
 from rsym.output import controls
 from rsym.output.presets import load_letters, save_letters
 from rsym.output.views import BodyView, SheetView, png
-from rsym.sampling.lattice import bounds_of, checked_cells
+from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.lattice import checked_cells
 
 RESOLUTION = 160
 MANY = 12  # letters
@@ -50,7 +51,7 @@ class Explorer(ipywidgets.VBox):  # type: ignore[misc]
     ) -> None:
         self._shape, self._bounds = shape, bounds
         self._axis = shape.coordinates[0] if axis is None else axis
-        self._box = dict(zip(map(str, shape.coordinates), bounds_of(shape, bounds), strict=True))
+        self._box = dict(zip(map(str, shape.coordinates), bounds_or_extent(shape, bounds), strict=True))
         self._views: dict[Any, Any] = {}
         self._held = False
         self.figure: Figure | None = None

@@ -64,7 +64,7 @@ class BodyView:
     --------
     >>> import rsym
     >>> view = BodyView(rsym.revolve(rsym.paper.skeleton_body()), resolution=24)
-    >>> view.draw({"p1": 20}, elevation=20, azimuth=-60).axes[0].azim
+    >>> view.draw({"a2": 6}, elevation=20, azimuth=-60).axes[0].azim
     -60
     """
 

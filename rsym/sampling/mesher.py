@@ -20,7 +20,9 @@ from rsym.codegen.sign_form import surface_form
 from rsym.codegen.surface_kernels import SurfaceKernels, padded, surface_kernels
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.lattice import bounds_of, check_in_space, lattice_over
+from rsym.sampling.extent import extent_of
+from rsym.sampling.form_signs import FormBounds, FormSigns
+from rsym.sampling.lattice import check_in_space, lattice_over
 from rsym.sampling.manifolds import sides_of
 from rsym.sampling.memory import Budget, TooLarge, free_memory
 from rsym.sampling.mesh import Ints, Mesh
@@ -97,7 +99,7 @@ class Mesher:
         What the lattice may have missed is looked for when ``.findings`` or ``.status`` are asked for, which takes
         half as long again; `rsym.mesh` asks at once, and warns.
         """
-        box = bounds_of(self.shape, bounds)
+        box = self._box(bounds, letters)
         crew, budget = Crew(_threads(), progress), Budget(max(0.0, free_memory() - RESERVE))
         job = self._job(resolution, box, letters)
         try:
@@ -115,6 +117,15 @@ class Mesher:
             mesh.findings  # noqa: B018 - who watches the progress waits for these too
         crew.stages.finish()
         return mesh
+
+    @cached_property
+    def _form_bounds(self) -> FormBounds:
+        return FormBounds(surface_form(self.shape))
+
+    def _box(self, bounds: Any, letters: Mapping[Any, float] | None) -> Bounds:
+        """The bounds given, else the shape's own, else its extent at these letters."""
+        chosen = self.shape.replace(bounds=bounds).bounds
+        return chosen or extent_of(FormSigns(self._form_bounds, self.shape.letters.values_with(letters)))
 
     def _job(self, resolution: Resolution, box: Bounds, letters: Mapping[Any, float] | None) -> Job:
         lattice = lattice_over(box, resolution, math.inf)

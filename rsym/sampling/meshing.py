@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import logging
+import sys
 import time
 import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
+from functools import lru_cache
 from importlib.util import find_spec
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rsym.errors import RsymError, RsymWarning
 from rsym.model.shape import Shape
-from rsym.sampling.lattice import bounds_of, check_in_space, lattice_over
+from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.lattice import check_in_space, lattice_over
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.progress import Progress
 from rsym.sampling.smooth import smooth_mesh
+
+if TYPE_CHECKING:
+    from rsym.sampling.mesher import Mesher
 
 logger = logging.getLogger(__name__)
 
@@ -44,7 +50,7 @@ def mesh(
         "smooth": marching cubes on samples of omega, every crossing recomputed in float64; the reference. Without
         the package numba "smooth" takes the place of "sharp".
     bounds, letters
-        Override those of the shape.
+        Override those of the shape. Without any bounds a box that provably holds the surface is found.
     cap : bool
         Whether a surface that leaves the bounds is closed there by flat caps; "smooth" leaves it open. ``.status``
         says where it leaves them.
@@ -63,8 +69,8 @@ def mesh(
     Raises
     ------
     RsymError
-        For a plane shape, no bounds, an undefined value, a surface that does not meet the bounds, more memory than
-        is free (the remedy names a resolution that fits), a worker that died, or a cancel.
+        For a plane shape, a surface that goes on without bounds, an undefined value, a surface that does not meet the
+        bounds, more memory than there is, a worker that died, or a cancel.
 
     Warns
     -----
@@ -86,14 +92,12 @@ def mesh(
         warnings.warn("without the package numba edges are not sharp: pip install numba", RsymWarning, stacklevel=2)
         method = "smooth"
     if method == "sharp":
-        from rsym.sampling.mesher import Mesher
-
-        result = Mesher(shape)(
-            resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress
-        )
+        mesher = _mesher(shape, shape.parts)
+        result = mesher(resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress)
     elif method == "smooth":
         check_in_space(shape)
-        result = smooth_mesh(shape, lattice_over(bounds_of(shape, bounds), resolution), letters, executor, progress)
+        lattice = lattice_over(bounds_or_extent(shape, bounds, letters), resolution)
+        result = smooth_mesh(shape, lattice, letters, executor, progress)
     else:
         raise RsymError(f"no method {method!r}", code="unknown-method", remedy="choose from sharp, smooth")
     elapsed = time.perf_counter() - start
@@ -102,3 +106,18 @@ def mesh(
     for remark in result.findings.remarks:
         warnings.warn(remark, RsymWarning, stacklevel=2)
     return result
+
+
+@lru_cache(maxsize=4)
+def _mesher(shape: Shape, parts: Any) -> Mesher:
+    """Kept for sweeps and sliders; parts, which equal shapes may call otherwise, name the leaves."""
+    check_in_space(shape)
+    if "rsym.sampling.mesher" not in sys.modules:
+        # The compiler takes as long as importing the mesher, and numba above all.
+        from rsym.codegen.sign_form import surface_form
+        from rsym.codegen.surface_kernels import compile_ahead
+
+        compile_ahead(surface_form(shape).capped())
+    from rsym.sampling.mesher import Mesher
+
+    return Mesher(shape)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import sparse
 
 from rsym.sampling.sharp.boxes import Ints
 
@@ -22,9 +21,14 @@ def clusters(cells: Ints) -> Ints:
             here = np.flatnonzero(key[order[at]] == near)
             pairs.append(np.stack([here, order[at[here]]]))
     one, other = np.concatenate(pairs, axis=1)
-    graph = sparse.coo_array((np.ones(len(one), np.bool_), (one, other)), shape=(count, count))
-    _, label = sparse.csgraph.connected_components(graph, directed=False)
-    _, first, label = np.unique(label, return_index=True, return_inverse=True)
-    rank = np.empty_like(first)
-    rank[np.argsort(first)] = np.arange(len(first))
-    return np.asarray(rank[label], np.int64)
+    label = np.arange(count)
+    while True:
+        # The lowest number on either side of a pair, then that of whoever bears it: a chain shortens by halves.
+        lowest = np.minimum(label[one], label[other])
+        lower = label.copy()
+        np.minimum.at(lower, one, lowest)
+        np.minimum.at(lower, other, lowest)
+        lower = lower[lower]
+        if (lower == label).all():
+            return np.asarray(np.unique(label, return_inverse=True)[1], np.int64)
+        label = lower
