@@ -44,6 +44,7 @@ from .sampling.mesh import Mesh
 from .sampling.mesher import Mesher
 from .sampling.meshing import mesh
 from .sampling.sections import Section, sections
+from .sampling.sharp.features import Feature
 from .verify.continuity import ContinuityReport, continuity
 from .verify.curves import Curve
 from .verify.normalisation import verify_normalisation
@@ -58,6 +59,7 @@ __all__ = [
     "SIX",
     "ContinuityReport",
     "Curve",
+    "Feature",
     "Joint",
     "Kernel",
     "Letter",

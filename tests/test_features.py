@@ -1,8 +1,11 @@
-"""Features of meshes made by hand: their curves, sides and angles are known without a mesher."""
+"""Features of meshes made by hand, whose curves, sides and angles are known without a mesher, and of simple bodies."""
 
 import numpy as np
 import pytest
+import sympy as sp
 
+import rsym
+from rsym import x, y, z
 from rsym.sampling.sharp.features import features_of
 from tests.closeness import assert_close
 
@@ -139,3 +142,34 @@ def test_curves_of_different_leaves_do_not_run_on_into_each_other():
     faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 4]])
     found = features_of(fan, faces, np.array([2, 0, 1]), "abc", flat_normals(fan, faces))
     assert sorted(feature.names for feature in found) == [("a", "b"), ("a", "c")]
+
+
+def test_the_rim_of_two_balls_is_the_circle_of_geometry():
+    first = rsym.Shape(4 - x**2 - y**2 - z**2, (x, y, z), bounds=((-1.5, 2.5), (-2.2, 2.2), (-2.2, 2.2)))
+    second = rsym.Shape(4 - (x - 1) ** 2 - y**2 - z**2, (x, y, z))
+    (rim,) = rsym.mesh(first.named("left") & second.named("right"), 40).features
+    assert rim.closed
+    assert rim.names == ("left", "right")
+    count = len(rim.points)
+    assert_close(rim.points[:, 0], np.full(count, 0.5), atol=1e-13)
+    assert_close(np.hypot(*rim.points[:, 1:].T), np.full(count, np.sqrt(3.75)), atol=1e-13)
+    assert_close(rim.normals[:, 0], rim.points / 2, atol=1e-12)
+    assert_close(rim.normals[:, 1], (rim.points - [1, 0, 0]) / 2, atol=1e-12)
+    assert_close(rim.angle, np.degrees(np.arccos((4 - 0.5) / 4)), atol=1e-9)
+
+
+def test_a_bored_block_has_its_edges_and_two_rims():
+    block = rsym.conjunction(1 - x, 1 + x, 1 - y, 1 + y, 1 - z, 1 + z)
+    bore = rsym.Shape(sp.Rational(1, 4) - x**2 - y**2, (x, y, z)).named("bore")
+    bored = rsym.Shape(block, (x, y, z), bounds=((-1.1, 1.2),) * 3).named("block") - bore
+    found = rsym.mesh(bored, 30).features
+    straight = [feature for feature in found if feature.names == ("block", "block")]
+    rims = [feature for feature in found if "bore" in feature.names]
+    assert (len(straight), len(rims), len(found)) == (12, 2, 14)
+    for feature in straight:
+        assert_close(np.sort(np.abs(feature.points[[0, -1]]), axis=1), np.ones((2, 3)), atol=1e-13)
+        assert_close(np.linalg.norm(np.diff(feature.points, axis=0), axis=1).sum(), 2, atol=1e-12)
+    for rim in rims:
+        assert rim.closed
+        assert_close(np.hypot(*rim.points[:, :2].T), np.full(len(rim.points), 0.5), atol=1e-13)
+        assert_close(np.abs(rim.points[:, 2]), np.ones(len(rim.points)), atol=1e-13)

@@ -61,7 +61,8 @@ def _text(chosen: Chosen, formulas: tuple[Definition, ...]) -> str:
         "letters": ", ".join(letters) or "none",
     }
     lines = [_wrapped(f"{name:<13}{text}", 13) for name, text in parts.items()]
-    return "\n".join([*lines, "", *(_wrapped(f"{one.name} = {one.expression}", 4) for one in formulas)])
+    texts = [f"{one.name} = {one.expression}" + (f'  "{one.doc}"' if one.doc else "") for one in formulas]
+    return "\n".join([*lines, "", *(_wrapped(text, 4) for text in texts)])
 
 
 def _wrapped(text: str, indent: int) -> str:

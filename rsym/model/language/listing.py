@@ -17,11 +17,12 @@ from rsym.model.names import typeset_name
 
 @dataclass(frozen=True)
 class Definition:
-    """One formula: its name, its expression in which other names are symbols, and both as LaTeX, ``f_{1} = ...``."""
+    """One formula: its name, its expression in which other names are symbols, both as LaTeX, and what part it makes."""
 
     name: str
     expression: sp.Expr
     latex: str
+    doc: str = ""
 
 
 def definitions(source: str | PathLike[str], *, shape: str | None = None) -> tuple[Definition, ...]:
@@ -47,8 +48,13 @@ def definitions(source: str | PathLike[str], *, shape: str | None = None) -> tup
     \omega = f_{1} \wedge_0 z
     """
     model = collect(parse(source if isinstance(source, str) else read_text(source)))
-    values = {assignment.name: assignment.value for assignment in model.assignments}
+    written = {assignment.name: assignment for assignment in model.assignments}
     return tuple(
-        Definition(name, expression, f"{typeset_name(name)} = {typeset(values[name], model.system)}")
+        Definition(
+            name,
+            expression,
+            f"{typeset_name(name)} = {typeset(written[name].value, model.system)}",
+            written[name].doc,
+        )
         for name, expression in assemble(model, shape, None).definitions
     )

@@ -27,6 +27,16 @@ class Feature:
         Those of the leaves.
     normals : (n, 2, 3) float64
         The outward unit normals of both leaves at the points.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> bounds = ((-1.2, 1.2), (-1.2, 1.2), (-0.2, 1.2))
+    >>> dome = rsym.Shape(rsym.conjunction(1 - x**2 - y**2 - z**2, z), (x, y, z), bounds=bounds)
+    >>> (rim,) = rsym.mesh(dome, 16).features
+    >>> rim.names, rim.closed, round(rim.angle)
+    (('-x**2 - y**2 - z**2 + 1', 'z'), True, 90)
     """
 
     points: Array
