@@ -18,6 +18,8 @@ from scipy import sparse
 from rsym.sampling.sharp.flaws import FLATNESS, NO_LENGTH, Surroundings
 from rsym.sampling.sharp.stitching import stitch
 
+# All triangles of the vertices across from what is cut.
+BESIDE = 2
 # Cutting may bring vertices on one point together, and joining may leave triangles without area.
 TURNS = 16
 
@@ -39,9 +41,11 @@ class Edited(NamedTuple):
 
 def edit(around: Surroundings, points: Floats, faces: Faces, leaf: NDArray[Any], lattice: Floats) -> Edited:
     """Join, cut and stitch what is flawed; `faces` and `leaf`, that of each face, change in place."""
-    near, inner = around
+    no_length = NO_LENGTH * lattice[3:].min()
+    flawed = _are_flawed(points, faces.reshape(-1, 2, 3)[around.quads], no_length)
+    near, inner = around.beside(flawed, faces, BESIDE)
     some = np.stack([2 * near, 2 * near + 1], axis=1).ravel()
-    soup = _Soup(points, faces[some], leaf[some], inner > 0, NO_LENGTH * lattice[3:].min())
+    soup = _Soup(points, faces[some], leaf[some], inner > 0, no_length)
     for _ in range(TURNS):
         if not (soup.join() | soup.cut()):
             break
@@ -55,6 +59,13 @@ def edit(around: Surroundings, points: Floats, faces: Faces, leaf: NDArray[Any],
     return Edited(remain, stitched.points, stitched.faces[len(kept) :], leaf[kept[stitched.part_of[len(kept) :]]])
 
 
+def _are_flawed(points: Floats, quads: Faces, no_length: float) -> NDArray[np.bool_]:
+    """Which quads (m, 2, 3) have a triangle without area or an edge without length."""
+    corners = points[:, quads]
+    short = np.abs(np.roll(corners, -1, axis=3) - corners).max(axis=0).min(axis=2) <= no_length
+    return np.asarray((short | is_flat(points, quads.reshape(-1, 3)).reshape(-1, 2)).any(axis=1))
+
+
 class _Soup:
     """Triangles by number. Whatever is done, each directed edge occurs as often as its reverse."""
 
@@ -62,6 +73,7 @@ class _Soup:
         self.points, self.inner, self.no_length = points, inner, no_length
         self.corners: dict[int, Corners] = {face: (a, b, c) for face, (a, b, c) in enumerate(faces.tolist())}
         self.leaf: dict[int, int] = dict(enumerate(leaf.tolist()))
+        self.changed: set[int] = set()
 
     def join(self) -> bool:
         """Let the vertices at the ends of edges without length be one, and drop what has no extent; whether any is."""
@@ -124,20 +136,22 @@ class _Soup:
 
     def _put(self, face: int, corners: Corners) -> None:
         """A triangle with two equal corners is none."""
+        self.changed.update(corners)
         if len(set(corners)) == 3:
             self.corners[face] = corners
         else:
             del self.corners[face]
 
     def _cancel(self) -> None:
-        """Drop triangles that lie back to back."""
+        """Drop triangles that lie back to back; before something changed there were none."""
         seen: dict[Corners, list[int]] = defaultdict(list)
-        for face, corners in list(self.corners.items()):
-            back = seen.get(min(_turns((corners[0], corners[2], corners[1]))))
-            if back:
-                del self.corners[face], self.corners[back.pop()]
-            else:
-                seen[min(_turns(corners))].append(face)
+        for face, (a, b, c) in list(self.corners.items()):
+            if a in self.changed and b in self.changed and c in self.changed:
+                back = seen.get(min(_turns((a, c, b))))
+                if back:
+                    del self.corners[face], self.corners[back.pop()]
+                else:
+                    seen[min(_turns((a, b, c)))].append(face)
 
 
 def is_flat(points: Floats, faces: Any) -> NDArray[np.bool_]:

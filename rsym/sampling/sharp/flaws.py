@@ -69,6 +69,15 @@ class Surroundings(NamedTuple):
     quads: Ints
     inner: Marks
 
+    def beside(self, which: NDArray[np.bool_], faces: Faces, rings: int) -> Surroundings:
+        """What lies within fewer rings around some of the quads."""
+        near, inner = which, np.zeros_like(self.inner)
+        corners = faces.reshape(-1, 6)[self.quads]
+        for _ in range(rings):
+            inner[corners[near]] = 1
+            near = np.asarray(inner[corners].any(axis=1))
+        return Surroundings(self.quads[near], inner & self.inner)
+
 
 def surroundings(quads: Ints, faces: Faces, vertices: int, pool: Executor | None) -> Surroundings:
     """What lies within RINGS of vertices around some quads."""

@@ -37,8 +37,9 @@ def stitch(faces: Faces, points: Floats, inner: Any) -> Stitched:
     apart, copied = _fans(faces, mates, inner, points.shape[1])
     middles = _Middles(apart.tolist(), mates.tolist(), points.shape[1] + len(copied))
     middles.insert()
-    ends = np.array([*range(points.shape[1]), *copied])[np.array(middles.ends, np.int64).reshape(-1, 2)]
-    added = np.concatenate([points[:, copied], points[:, ends].mean(axis=2)], axis=1)
+    count = points.shape[1]
+    ends = np.array([[copied[v - count] if v >= count else v for v in pair] for pair in middles.ends], np.int64)
+    added = np.concatenate([points[:, copied], points[:, ends.reshape(-1, 2)].mean(axis=2)], axis=1)
     return Stitched(np.array(middles.faces, np.int32), np.array(middles.part_of), added)
 
 

@@ -30,6 +30,7 @@ Faces: TypeAlias = NDArray[np.int32]
 FAR = 3
 # One does it where leaves are planes; curved ones take two or three.
 ROUNDS = 6
+PULLS = 2
 # A ring of vertices without a fixed one stays near its place.
 PULL = 1e-12
 
@@ -49,9 +50,10 @@ def untangle(
     """
     patch = _Patch(kernels, *around, leaf, points, faces, lattice, pool)
     patch.relax()
-    if patch.fewest.any():
-        patch.pull()
-        patch.relax()
+    for _ in range(PULLS):
+        if patch.fewest.any():
+            patch.pull()
+            patch.relax()
     best_points, best_faces = patch.best
     points[:, patch.ids] = best_points[:, : len(patch.ids)]
     faces.reshape(-1, 6)[patch.quads] = patch.ids[best_faces.reshape(-1, 6)]
@@ -82,7 +84,7 @@ class _Patch:
         self.several = self.meets.sum(axis=1)
         self.movable = (inner[self.ids] > 0) & (self.several <= 2)
         self.cluster = _clusters(self.faces, len(self.ids))
-        self.first = self.best = self.points.copy(), self.faces.copy()
+        self.best = self.points.copy(), self.faces.copy()
         self.fewest = self._count(self._folds()) + 1
 
     def relax(self) -> None:
@@ -104,8 +106,8 @@ class _Patch:
                 break
 
     def pull(self) -> None:
-        """From where all began, the vertices of folded triangles to the seam that is nearest."""
-        self.points, self.faces = self.first[0].copy(), self.first[1].copy()
+        """From where it is best, the vertices of folded triangles to the seam that is nearest."""
+        self.points, self.faces = self.best[0].copy(), self.best[1].copy()
         self.movable &= self.fewest[self.cluster] > 0
         tail, head = self.faces.ravel(), self.faces[:, [1, 2, 0]].ravel()
         tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
@@ -118,6 +120,7 @@ class _Patch:
         which, first = np.unique(tail[order], return_index=True)
         if len(which):
             self.movable[self._move(which, self.meets[head[order[first]]], self.points[:, which])] = False
+            self._keep_better()
 
     def _move(self, which: Ints, meets: NDArray[np.bool_], start: Floats) -> Ints:
         """Onto their leaves from where they start; those that end there, not far from where they were."""
