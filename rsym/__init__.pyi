@@ -31,7 +31,7 @@ from .model.systems import R0, R1, R0m, RAlpha, Rp
 from .output.combs import plot_curvature_comb
 from .output.explore import explore
 from .output.fields import plot_field, plot_fields
-from .output.files import write
+from .output.files import write, write_features
 from .output.presets import load_letters, save_letters
 from .output.sections import plot_sections, write_sections
 from .output.surfaces import plot_mesh
@@ -124,6 +124,7 @@ __all__ = [
     "verify_smoothness",
     "vertex_curvatures",
     "write",
+    "write_features",
     "write_sections",
     "x",
     "y",

@@ -220,3 +220,30 @@ def test_refusals(call, tmp_path, monkeypatch):
     with pytest.raises(RsymError):
         call()
     assert not list(tmp_path.iterdir())
+
+
+def test_features_are_read_back_from_dxf(tmp_path):
+    names = ("x", "y", "z")
+    solid = [
+        rsym.Shape(1 - v**2, (x, y, z)).named(f"sides of {name}") for v, name in zip((x, y, z), names, strict=True)
+    ]
+    cube = rsym.mesh(solid[0] & solid[1] & solid[2], 16)
+    path = rsym.write_features(cube, tmp_path / "cube.dxf", unit="in", scale=2.5)
+    drawing = ezdxf.readfile(path)
+    assert not drawing.audit().errors
+    assert drawing.header["$INSUNITS"] == 1
+    assert drawing.header["$EXTMIN"] == (-2.5,) * 3
+    lines = list(drawing.query("POLYLINE"))
+    assert len(lines) == 12
+    assert {line.dxf.layer for line in lines} == {f"SIDES_OF_{a}-SIDES_OF_{b}".upper() for a, b in ("xy", "xz", "yz")}
+    for line, feature in zip(lines, cube.features, strict=True):
+        assert line.is_3d_polyline
+        assert [tuple(vertex.dxf.location) for vertex in line.vertices] == [tuple(2.5 * p) for p in feature.points]
+    assert path.read_bytes() == rsym.write_features(cube, tmp_path / "b.dxf", unit="in", scale=2.5).read_bytes()
+    for wrong in (
+        lambda: rsym.write_features(cube, tmp_path / "cube.svg"),
+        lambda: rsym.write_features(cube, tmp_path / "cube.dxf", unit="ell"),
+        lambda: rsym.write_features(rsym.mesh(solid[0] & solid[1] & solid[2], 16, method="smooth"), "a.dxf"),
+    ):
+        with pytest.raises(RsymError):
+            wrong()

@@ -1,18 +1,23 @@
-"""Sections as DXF: release 12 in ASCII, which every program that cuts or mills reads."""
+"""Sections and features as DXF: release 12 in ASCII, which every program that cuts or mills reads."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
+from rsym.errors import RsymError
 from rsym.sampling.sections import Section
+from rsym.sampling.sharp.features import Feature
 
 # The values of $INSUNITS.
 UNITS: Mapping[str, int] = MappingProxyType({"mm": 4, "cm": 5, "in": 1})
 
+Floats: TypeAlias = NDArray[np.float64]
 Tags = Iterable[tuple[int, Any]]
 
 
@@ -28,11 +33,54 @@ def dxf(shown: Sequence[Section], unit: str, scale: float) -> bytes:
     >>> data.count(b"POLYLINE"), data.count(b"VERTEX"), data.splitlines()[-1]
     (1, 28, b'EOF')
     """
-    layers = list(dict.fromkeys(layer_name(section) for section in shown))
-    tags = [*_header(shown, unit, scale), *_tables(layers), (0, "SECTION"), (2, "ENTITIES")]
-    for section in shown:
-        for line in section.lines:
-            tags.extend(_polyline(layer_name(section), line * scale, section.value * scale))
+    return _document(
+        [
+            (layer_name(section), scale * section.in_space(line)[:, _order(section)])
+            for section in shown
+            for line in section.lines
+        ],
+        unit,
+        flat=True,
+    )
+
+
+def features_dxf(features: Sequence[Feature], unit: str, scale: float) -> bytes:
+    """Encode features: polylines in space, those between two parts on one layer named after both.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> ball, side = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z)).named("ball"), rsym.Shape(x, (x, y, z)).named("cut")
+    >>> features_dxf(rsym.mesh(ball & side, 16).features, "mm", 1.0).count(b"BALL-CUT") > 40
+    True
+    """
+    return _document(
+        [("-".join(map(_layer_part, feature.names)), scale * feature.points) for feature in features], unit, flat=False
+    )
+
+
+def check_unit(unit: str, scale: float) -> None:
+    """Refuse a unit that files do not know, and a scale that is not positive."""
+    if unit not in UNITS or not scale > 0:
+        raise RsymError(
+            f"expected one of the units {', '.join(UNITS)} and a positive scale, got {unit!r} and {scale}",
+            code="unit",
+            remedy='for example unit="mm", scale=1.0',
+        )
+
+
+def _layer_part(name: str) -> str:
+    """What release 12 allows, and short enough for two in the 31 characters of a layer."""
+    return re.sub(r"[^A-Z0-9]+", "_", name.upper())[:15]
+
+
+def _document(lines: Sequence[tuple[str, Floats]], unit: str, *, flat: bool) -> bytes:
+    """Lines (n, 3) on layers; flat ones are drawn in the plane at the height of their first point."""
+    layers = list(dict.fromkeys(layer for layer, _ in lines))
+    tags = [*_header([line for _, line in lines], unit), *_tables(layers), (0, "SECTION"), (2, "ENTITIES")]
+    for layer, line in lines:
+        tags.extend(_polyline(layer, line, flat))
     tags += [(0, "ENDSEC"), (0, "EOF")]
     return "".join(f"{code:3d}\n{_written(value)}\n" for code, value in tags).encode("ascii")
 
@@ -51,10 +99,8 @@ def layer_name(section: Section) -> str:
     return f"{section.axis}_{section.value:.9g}".replace(".", "P").replace("+", "").upper()
 
 
-def _header(shown: Sequence[Section], unit: str, scale: float) -> Tags:
-    points = scale * np.concatenate(
-        [section.in_space(line)[:, _order(section)] for section in shown for line in section.lines]
-    )
+def _header(lines: Sequence[Floats], unit: str) -> Tags:
+    points = np.concatenate(lines)
     yield from [(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1009"), (9, "$INSUNITS"), (70, UNITS[unit])]
     for name, corner in (("$EXTMIN", points.min(axis=0)), ("$EXTMAX", points.max(axis=0))):
         yield from [(9, name), (10, corner[0]), (20, corner[1]), (30, corner[2])]
@@ -75,12 +121,14 @@ def _tables(layers: Sequence[str]) -> Tags:
     yield from [(0, "ENDTAB"), (0, "ENDSEC")]
 
 
-def _polyline(layer: str, line: Any, height: float) -> Tags:
+def _polyline(layer: str, line: Floats, flat: bool) -> Tags:
     """A closed line does not repeat its first vertex."""
     closed = bool((line[0] == line[-1]).all())
-    yield from [(0, "POLYLINE"), (8, layer), (66, 1), (10, 0.0), (20, 0.0), (30, height), (70, int(closed))]
-    for u, v in line[:-1] if closed else line:
-        yield from [(0, "VERTEX"), (8, layer), (10, u), (20, v), (30, height)]
+    height, kind = (line[0, 2], 0) if flat else (0.0, 8)
+    yield from [(0, "POLYLINE"), (8, layer), (66, 1), (10, 0.0), (20, 0.0), (30, height), (70, kind + closed)]
+    for point in line[:-1] if closed else line:
+        yield from [(0, "VERTEX"), (8, layer), *zip((10, 20, 30), point, strict=True)]
+        yield from [] if flat else [(70, 32)]
     yield from [(0, "SEQEND"), (8, layer)]
 
 

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from rsym.errors import RsymError
 from rsym.output import formats
 from rsym.output.atomic import write_atomically
+from rsym.output.dxf import check_unit, features_dxf
 from rsym.output.interactive import page, page_of_parts
 from rsym.sampling.mesh import Mesh
 
@@ -104,3 +105,50 @@ def write(mesh: Mesh, path: str | os.PathLike[str], *, colour_by: str | None = N
             remedy=f"end the name with one of: {', '.join(FORMATS)}",
         )
     return write_atomically(path, encode(mesh))
+
+
+def write_features(mesh: Mesh, path: str | os.PathLike[str], *, unit: str = "mm", scale: float = 1.0) -> Path:
+    """Write the curves along which the leaves of a mesh meet as polylines in space, in DXF (release 12, ASCII).
+
+    The curves between two parts are on one layer, named after both: ``BONNET-WHEEL_ARCHES``.
+    The file appears whole or not at all, and the same mesh gives the same bytes.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        With features: of method "sharp".
+    path : str or path-like
+        Where to; the name ends in ``.dxf``.
+    unit : {"mm", "cm", "in"}
+        The unit of the file.
+    scale : float
+        How many units one unit of the model becomes.
+
+    Raises
+    ------
+    RsymError
+        For another suffix or unit, a scale that is not positive, or a mesh without features.
+
+    Examples
+    --------
+    >>> import tempfile, rsym
+    >>> from rsym import x, y, z
+    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
+    >>> half = rsym.mesh(ball & rsym.Shape(x, (x, y, z)), 32)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     text = write_features(half, folder + "/rim.dxf").read_text()
+    >>> text.count("POLYLINE")
+    1
+    """
+    if Path(path).suffix.lower() != ".dxf":
+        raise RsymError(
+            f"features are written as .dxf, got {str(path)!r}", code="suffix", remedy="end the name with .dxf"
+        )
+    check_unit(unit, scale)
+    if not mesh.features:
+        raise RsymError(
+            "the mesh has no features: its leaves meet nowhere, or are not known",
+            code="no-features",
+            remedy='take method="sharp"',
+        )
+    return write_atomically(path, features_dxf(mesh.features, unit, scale))

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.output.atomic import write_atomically
-from rsym.output.dxf import UNITS, dxf
+from rsym.output.dxf import check_unit, dxf
 from rsym.sampling.sections import Section
 
 Floats = NDArray[np.float64]
@@ -180,12 +180,7 @@ def write_sections(
             code="suffix",
             remedy=f"end the name with {' or '.join(LAYERS)}",
         )
-    if unit not in UNITS or not scale > 0:
-        raise RsymError(
-            f"expected one of the units {', '.join(UNITS)} and a positive scale, got {unit!r} and {scale}",
-            code="unit",
-            remedy='for example unit="mm", scale=1.0',
-        )
+    check_unit(unit, scale)
     shown = _with_lines(sections)
     if len({section.axis for section in shown}) != 1:
         raise RsymError("layers of one file must have one axis", code="section", remedy="write a file for each axis")
