@@ -1,9 +1,12 @@
 """A surface in pieces: the bits of the uncut one, whoever computes them; cancel, dying workers, memory."""
 
 import multiprocessing
+import os
+import signal
 import threading
 import time
 import tracemalloc
+import warnings
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
@@ -150,6 +153,30 @@ def test_one_mesher_in_many_threads(cut_cube):
         together = list(threads.map(lambda size: cut_cube(40, letters={"a": size}), sizes))
     for one, other in zip(together, alone, strict=True):
         assert_same(one, other)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+def test_a_forked_process_has_threads_of_its_own(cut_cube):
+    cut_cube(40)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # from Python 3.12 on, where there are threads
+        child = os.fork()
+    if not child:
+        try:
+            cut_cube(40)
+        except BaseException:
+            os._exit(1)
+        os._exit(0)
+    for _ in range(500):
+        ended, status = os.waitpid(child, os.WNOHANG)
+        if ended:
+            break
+        time.sleep(0.02)
+    else:
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+    assert ended
+    assert status == 0
 
 
 def test_a_process_that_dies_is_an_error_that_names_the_cells(body, cell, processes):

@@ -64,7 +64,7 @@ class Stages:
     def begin(self, share: int) -> None:
         """The stage before is done; the next takes this share."""
         self.reach(1.0)
-        self._from, self._to = self._to, self._to + share
+        self._from, self._to = self._to, min(self._to + share, self.TOTAL)
 
     def finish(self) -> None:
         """All is done."""
