@@ -55,6 +55,13 @@ def padded(count: int) -> int:
     return -(-count // LANES) * LANES + LANES
 
 
+def columns(points: NDArray[Any]) -> Floats:
+    """A copy of points (3, n) with the room that kernels need behind them."""
+    array = np.zeros((3, padded(points.shape[1])))
+    array[:, : points.shape[1]] = points
+    return array
+
+
 class SurfaceKernels:
     """Compiled once for a sign form; `set` chooses letters and bounds.
 

@@ -17,7 +17,7 @@ from rsym.codegen.kernel import checked_threads
 from rsym.codegen.leaf_names import leaf_names
 from rsym.codegen.program import live
 from rsym.codegen.sign_form import surface_form
-from rsym.codegen.surface_kernels import SurfaceKernels, padded, surface_kernels
+from rsym.codegen.surface_kernels import SurfaceKernels, surface_kernels
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent_of
@@ -184,12 +184,8 @@ class _Outward:
         self._kernels = kernels
 
     def __call__(self, leaf: Ints, points: Floats) -> Floats:
-        count = len(points)
-        places, gradient = np.zeros((3, padded(count))), np.zeros((3, padded(count)))
-        which, value = np.full(places.shape[1], -1, np.int16), np.empty(places.shape[1])
-        places[:, :count], which[:count] = points.T, leaf
-        self._kernels.leaf(count, which, places, value, gradient)
-        return -gradient[:, :count].T
+        _, gradient = CompiledLeaves(self._kernels).evaluate(leaf.astype(np.int16), points.T)
+        return -gradient.T
 
 
 def _fitting(job: Callable[[Resolution], Job], resolution: Resolution, share: float, free: float) -> Resolution:

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels, padded
+from rsym.codegen.surface_kernels import SurfaceKernels, columns, padded
 from rsym.sampling.sharp.crossings import Crossings, evaluate
 from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.patches import Topology
@@ -89,8 +89,8 @@ def _subsets(leaves: Shorts, kinds: NDArray[np.int8], size: int, open_: NDArray[
 def solve(kernels: SurfaceKernels, leaves: Shorts, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
     """Newton's method on up to three leaves for each point, least norm."""
     count = start.shape[1]
-    points, ids = np.zeros((3, padded(count))), np.full((3, padded(count)), -1, np.int16)
-    points[:, :count], ids[:, :count] = start, leaves
+    points, ids = columns(start), np.full((3, padded(count)), -1, np.int16)
+    ids[:, :count] = leaves
     values, gradients = np.zeros((3, points.shape[1])), np.zeros((3, *points.shape))
     for _ in range(STEPS):
         for row in range(3):
@@ -147,8 +147,7 @@ def _best(
 def off_surface(kernels: SurfaceKernels, points: Floats, lattice: Floats, pool: Executor | None) -> Floats:
     """How far points are from the surface, to first order, in cells; NaN where that cannot be said."""
     count = points.shape[1]
-    places = np.zeros((3, padded(count)))
-    places[:, :count] = points
+    places = columns(points)
     value, gradient = np.empty(places.shape[1]), np.empty(places.shape)
     leaf = np.full(places.shape[1], -1, np.int16)
     in_threads(lambda a, b: kernels.value(b - a, places, value, leaf, first=a), count, GRAIN, pool)
@@ -161,8 +160,7 @@ def off_surface(kernels: SurfaceKernels, points: Floats, lattice: Floats, pool: 
 def _on_active_leaf(kernels: SurfaceKernels, start: Floats, pool: Executor | None) -> Floats:
     """Newton's method on the leaf that is active where a point is."""
     count = start.shape[1]
-    points, value = np.zeros((3, padded(count))), np.empty(padded(count))
-    points[:, :count] = start
+    points, value = columns(start), np.empty(padded(count))
     leaf = np.full(points.shape[1], -1, np.int16)
 
     def piece(first: int, last: int) -> None:

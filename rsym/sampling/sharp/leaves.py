@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels, padded
+from rsym.codegen.surface_kernels import SurfaceKernels, columns, padded
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int16]
@@ -36,28 +36,22 @@ class CompiledLeaves:
         """Bounds of leaves and gradients over boxes."""
         count = len(leaf)
         bounds = np.empty((8, padded(count)))
-        self._kernels.enclose(count, _numbers(leaf), _points(lower), _points(upper), bounds)
+        self._kernels.enclose(count, _numbers(leaf), columns(lower), columns(upper), bounds)
         return bounds[:2, :count].copy(), bounds[2:, :count].reshape(3, 2, count)
 
     def evaluate(self, leaf: Numbers, points: Array) -> tuple[Array, Array]:
         """Values and gradients of leaves at points."""
         count = len(leaf)
         value, gradient = np.empty(padded(count)), np.empty((3, padded(count)))
-        self._kernels.leaf(count, _numbers(leaf), _points(points), value, gradient)
+        self._kernels.leaf(count, _numbers(leaf), columns(points), value, gradient)
         return value[:count], gradient[:, :count]
 
     def active(self, points: Array) -> tuple[Array, Numbers]:
         """The form at points, and its active leaf."""
         count = points.shape[1]
         value, leaf = np.empty(padded(count)), np.empty(padded(count), np.int16)
-        self._kernels.value(count, _points(points), value, leaf)
+        self._kernels.value(count, columns(points), value, leaf)
         return value[:count], leaf[:count]
-
-
-def _points(points: Array) -> Array:
-    array = np.zeros((3, padded(points.shape[1])))
-    array[:, : points.shape[1]] = points
-    return array
 
 
 def _numbers(leaf: Numbers) -> Numbers:

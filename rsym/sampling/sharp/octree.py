@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels, padded
+from rsym.codegen.surface_kernels import SurfaceKernels, columns
 from rsym.sampling.sharp.loops import in_threads
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -74,8 +74,7 @@ def _kept(
     kernels: SurfaceKernels, corner: Floats, size: int, lattice: Floats, pool: Executor | None
 ) -> tuple[NDArray[np.bool_], NDArray[Any]]:
     count = corner.shape[1]
-    places = np.zeros((3, padded(count)))
-    places[:, :count] = corner
+    places = columns(corner)
     keep = np.empty(places.shape[1] // 8, np.uint8)
     skip = np.empty((kernels.words, places.shape[1]), np.uint64)
     in_threads(lambda a, b: kernels.boxes(a, b, places, size, lattice, keep, skip), count, GRAIN, pool)

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels, padded
+from rsym.codegen.surface_kernels import SurfaceKernels, columns, padded
 from rsym.sampling.sharp.corners import ON_SURFACE, off_surface
 from rsym.sampling.sharp.loops import in_threads
 from rsym.sampling.status import OffSurface
@@ -25,8 +25,7 @@ def stray_vertices(
 ) -> OffSurface | None:
     """How many of the vertices (n, 3) are off the surface, and the worst of them."""
     count = len(vertices)
-    points = np.zeros((3, padded(count)))
-    points[:, :count] = vertices.T
+    points = columns(vertices.T)
     value, leaf = np.empty(padded(count)), np.empty(padded(count), np.int16)
     in_threads(lambda a, b: kernels.value(b - a, points, value, leaf, first=a), count, GRAIN, pool)
     doubtful = np.flatnonzero(~(np.abs(value[:count]) < CLEARLY * ON_SURFACE * lattice[3:].min()))
