@@ -36,7 +36,7 @@ FOAM = sp.sin(23 * x) * sp.sin(19 * y) * sp.sin(29 * z) + sp.cos(31 * x + 7 * y)
 
 
 def mesher_of(expression):
-    return rsym.Mesher(rsym.Shape(expression, (x, y, z), letters={a: 0.6}, bounds=BOUNDS))
+    return mesher.SharpMesher(rsym.Shape(expression, (x, y, z), letters={a: 0.6}, bounds=BOUNDS))
 
 
 @pytest.fixture(scope="module")
