@@ -318,7 +318,7 @@ def test_what_cannot_fit_is_refused_with_a_resolution_that_fits(body, monkeypatc
 
 def test_the_octree_is_refused_before_it_is_taken(monkeypatch):
     """A surface everywhere: nothing can be discarded."""
-    everywhere = rsym.Mesher(rsym.Shape(sp.sin(1e7 * x * y) - z / 9, (x, y, z), bounds=((1, 2),) * 3))
+    everywhere = mesher.SharpMesher(rsym.Shape(sp.sin(1e7 * x * y) - z / 9, (x, y, z), bounds=((1, 2),) * 3))
     monkeypatch.setattr(mesher, "free_memory", lambda: mesher.RESERVE + 2e7)
     with pytest.raises(RsymError) as caught:
         everywhere(20_000)
