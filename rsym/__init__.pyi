@@ -41,8 +41,7 @@ from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import vertex_curvatures
 from .sampling.extent import extent
 from .sampling.mesh import Mesh
-from .sampling.mesher import Mesher
-from .sampling.meshing import mesh
+from .sampling.meshing import Mesher, mesh
 from .sampling.sections import Section, sections
 from .sampling.sharp.features import Feature
 from .verify.continuity import ContinuityReport, continuity

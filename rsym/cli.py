@@ -8,6 +8,7 @@ the command that needs it, so `rsym --help` answers at once.
 from __future__ import annotations
 
 import argparse
+import logging
 import os
 import sys
 import warnings
@@ -31,6 +32,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     options = _parser().parse_args(arguments)
     os.environ.setdefault("MPLBACKEND", "Agg")
+    notices = _Notices(logging.WARNING)
+    logging.getLogger("rsym").addHandler(notices)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("always", RsymWarning)
@@ -45,16 +48,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # What is still to be flushed goes nowhere, or Python would complain at its end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _refused("whoever read the output left before its end; files are written whole all the same")
+    finally:
+        logging.getLogger("rsym").removeHandler(notices)
     return code or 0
+
+
+class _Notices(logging.Handler):
+    """What the library logs for those who wait."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        _say(record.getMessage())
+
+
+def _say(text: str) -> None:
+    """A line for whoever sits there, above a bar that may show progress."""
+    bar: Any = sys.modules.get("tqdm")
+    if bar is None:
+        print(f"rsym: {text}", file=sys.stderr)
+    else:
+        bar.tqdm.write(f"rsym: {text}", file=sys.stderr)
 
 
 def _show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
     """One line, without the place in the code where it was found."""
-    print(f"rsym: warning: {message}", file=sys.stderr)
+    _say(f"warning: {message}")
 
 
 def _refused(message: str) -> int:
-    print(f"rsym: {message}", file=sys.stderr)
+    _say(message)
     return 1
 
 

@@ -1,3 +1,4 @@
+import logging
 import os
 import subprocess
 import sys
@@ -5,11 +6,12 @@ from argparse import ArgumentTypeError
 from pathlib import Path
 
 import matplotlib.pyplot
+import numpy as np
 import pytest
 import tqdm
 import trimesh
 
-import rsym
+import rsym.commands.letters
 from rsym.cli import COMMANDS, main
 from rsym.commands.options import values
 
@@ -64,6 +66,46 @@ def test_mesh_of_a_plane_model_turned(tmp_path):
     path = tmp_path / "nose.stl"
     assert main(["mesh", "skeleton", "-o", str(path), "--resolution", "60", "--revolve", "x"]) == 0
     assert trimesh.load_mesh(path).is_watertight
+
+
+def test_a_mesh_that_is_cut_is_capped_or_open_in_either_method(tmp_path, model, capsys):
+    path = tmp_path / "body.ply"
+    common = ["mesh", model, "-o", str(path), "--resolution", "24", "--shape", "ball", "--set", "r=2.5"]
+    volumes = {}
+    for name, options in (("capped", []), ("open", ["--open"]), ("smooth", ["--method", "smooth"])):
+        assert main([*common, *options]) == 0
+        first, *remarks = capsys.readouterr().out.splitlines()[1:]
+        assert all(remark.startswith("- ") for remark in remarks)
+        assert any("the lower end of x" in remark for remark in remarks)
+        body = trimesh.load_mesh(path)
+        assert body.is_watertight == (name == "capped") == ("closed" in first)
+        volumes[name] = body.volume
+    # What the cube of side 4 cuts off the ball are six caps of height 0.5.
+    assert abs(volumes["capped"] - np.pi * (4 / 3 * 2.5**3 - 6 * 0.25 * (3 * 2.5 - 0.5) / 3)) < 0.3
+
+
+def test_features_and_a_model_without_bounds(tmp_path, capsys):
+    path, edges = tmp_path / "lens.rf", tmp_path / "edges.dxf"
+    path.write_text("coordinates x y z; a = 1 - (x - 9)^2 - y^2 - z^2; b = x - 9; omega = rfAND(a, b)")
+    arguments = ["mesh", str(path), "-o", str(tmp_path / "lens.stl"), "--resolution", "32", "--features", str(edges)]
+    assert main(arguments) == 0
+    assert capsys.readouterr().out.splitlines()[:2] == [str(edges), str(tmp_path / "lens.stl")]
+    assert edges.read_text().count("POLYLINE") == 1
+    (tmp_path / "lens.stl").unlink()
+    assert main([*arguments, "--method", "smooth"]) == 1
+    assert "sharp" in capsys.readouterr().err
+    assert not (tmp_path / "lens.stl").exists()
+
+
+def test_a_notice_is_one_line_beside_the_output(monkeypatch, capsys):
+    def slow(options):
+        logging.getLogger("rsym.sampling.sharp.cache").warning("this takes a while")
+        print("done")
+
+    monkeypatch.setattr(rsym.commands.letters, "run", slow)
+    for _ in range(2):
+        assert main(["letters", "car"]) == 0
+        assert capsys.readouterr() == ("done\n", "rsym: this takes a while\n")
 
 
 def test_letters_are_a_table(model, capsys):

@@ -64,3 +64,34 @@ def test_a_model_of_the_paper_does_not_load_pictures():
 def test_help_loads_no_sympy():
     code = "import rsym.cli\ntry:\n    rsym.cli.main(['--help'])\nexcept SystemExit:\n    pass"
     assert not loaded_after(code) & {"sympy", "numpy", "matplotlib"}
+
+
+@pytest.mark.parametrize("package", ["numba", "llvmlite"])
+def test_without_numba_all_but_sharp_meshes_works(package, tmp_path):
+    code = f"""
+import sys, warnings
+sys.modules["{package}"] = None
+import rsym
+from rsym import x, y, z
+ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z))
+with warnings.catch_warnings(record=True, action="always") as caught:
+    mesh = rsym.mesh(ball, 16)
+for one in caught:
+    print(one.category.__name__, one.message)
+print(mesh.status.closed, mesh.status.volume)
+rsym.write(mesh, r"{tmp_path / "ball.stl"}")
+try:
+    rsym.Mesher(ball)
+except rsym.RsymError as error:
+    print(error.code, error.remedy, sep="|")
+for name in rsym.__all__:
+    getattr(rsym, name)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    warning, status, refused = done.stdout.splitlines()
+    assert warning.startswith("RsymWarning edges are not sharp")
+    assert "pip install numba" in warning
+    closed, volume = status.split()
+    assert closed == "True"
+    assert 4.0 < float(volume) < 4.19
+    assert refused == 'missing-package|pip install numba, or method="smooth"'

@@ -36,7 +36,7 @@ FOAM = sp.sin(23 * x) * sp.sin(19 * y) * sp.sin(29 * z) + sp.cos(31 * x + 7 * y)
 
 
 def mesher_of(expression):
-    return rsym.Mesher(rsym.Shape(expression, (x, y, z), letters={a: 0.6}, bounds=BOUNDS))
+    return mesher.SharpMesher(rsym.Shape(expression, (x, y, z), letters={a: 0.6}, bounds=BOUNDS))
 
 
 @pytest.fixture(scope="module")
@@ -318,7 +318,7 @@ def test_what_cannot_fit_is_refused_with_a_resolution_that_fits(body, monkeypatc
 
 def test_the_octree_is_refused_before_it_is_taken(monkeypatch):
     """A surface everywhere: nothing can be discarded."""
-    everywhere = rsym.Mesher(rsym.Shape(sp.sin(1e7 * x * y) - z / 9, (x, y, z), bounds=((1, 2),) * 3))
+    everywhere = mesher.SharpMesher(rsym.Shape(sp.sin(1e7 * x * y) - z / 9, (x, y, z), bounds=((1, 2),) * 3))
     monkeypatch.setattr(mesher, "free_memory", lambda: mesher.RESERVE + 2e7)
     with pytest.raises(RsymError) as caught:
         everywhere(20_000)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import warnings
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from rsym.commands.options import (
     Commands,
@@ -17,6 +19,9 @@ from rsym.commands.options import (
 )
 from rsym.errors import RsymWarning
 
+if TYPE_CHECKING:
+    from rsym.sampling.status import MeshStatus
+
 
 def add(commands: Commands) -> None:
     """Describe the command."""
@@ -24,24 +29,50 @@ def add(commands: Commands) -> None:
         commands,
         "mesh",
         "triangulate the surface and write it",
-        "rsym mesh car -o car.stl --variant b --resolution 256",
+        "rsym mesh car -o car.stl --variant b --resolution 256 --features edges.dxf",
         run,
     )
     add_model(parser)
     add_output(parser, "the mesh: .stl .ply .obj .off .glb .3mf, or .html to look at")
     add_revolve(parser)
     add_resolution(parser, 128)
+    parser.add_argument(
+        "--method",
+        choices=["sharp", "smooth"],
+        default="sharp",
+        help="sharp: exact edges and corners; smooth: marching cubes (default: sharp)",
+    )
+    parser.add_argument("--open", action="store_true", help="leave the surface open where it leaves the bounds")
+    parser.add_argument("--features", metavar="FILE", help="also write the curves where parts meet: .dxf")
     parser.add_argument("--colour-by", choices=["part"], help="a colour for each part of the model: .glb and .html")
 
 
 def run(options: argparse.Namespace) -> None:
     """Mesh the shape, write it, and say what is known of the mesh."""
-    from rsym.output.files import write
+    from rsym.output.files import write, write_features
     from rsym.sampling.meshing import mesh
 
     shape = load_shape(options)
     with progress_bar("step", "meshing") as progress, warnings.catch_warnings():
         warnings.simplefilter("ignore", RsymWarning)  # the status, printed below, says the same
-        result = mesh(shape, options.resolution, progress=progress)
+        result = mesh(shape, options.resolution, method=options.method, cap=not options.open, progress=progress)
+    if options.features:
+        print(write_features(result, options.features))
     print(write(result, options.output, colour_by=options.colour_by))
-    print(result.status)
+    print(*told(result.status), sep="\n")
+
+
+def told(status: MeshStatus) -> Iterator[str]:
+    """The status, its remarks one to a line.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2), (-2, 2), (-2, 0.5)))
+    >>> with warnings.catch_warnings(action="ignore"):
+    ...     print(*list(told(rsym.mesh(ball, 8).status))[1:])
+    - The body leaves the bounds and is clipped at the upper end of z; flat caps close it there.
+    """
+    yield str(status).removesuffix("".join(f" {remark}" for remark in status.remarks))
+    yield from (f"- {remark}" for remark in status.remarks)

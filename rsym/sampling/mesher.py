@@ -22,7 +22,7 @@ from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent_of
 from rsym.sampling.form_signs import FormBounds, FormSigns
-from rsym.sampling.lattice import check_in_space, lattice_over
+from rsym.sampling.lattice import lattice_over
 from rsym.sampling.manifolds import sides_of
 from rsym.sampling.memory import Budget, TooLarge, free_memory
 from rsym.sampling.mesh import Ints, Mesh
@@ -53,27 +53,10 @@ SURE = 0.9
 _KINKED = frozenset("abs sign min max select joining equivalence absolute_power signed_power".split())
 
 
-class Mesher:
-    """Meshes of one shape: compiled once, for any letters, bounds and resolution.
-
-    Parameters
-    ----------
-    shape : Shape
-        A shape in space.
-
-    Examples
-    --------
-    >>> import rsym, sympy as sp
-    >>> from rsym import x, y, z
-    >>> r = sp.Symbol("r", real=True)
-    >>> ball = rsym.Shape(r**2 - x**2 - y**2 - z**2, (x, y, z), letters={r: 1}, bounds=((-2.5, 2.5),) * 3)
-    >>> mesher = rsym.Mesher(ball)
-    >>> [round(mesher(64, letters={"r": radius}).status.volume, 1) for radius in (1, 2)]
-    [4.2, 33.5]
-    """
+class SharpMesher:
+    """What stands behind `rsym.Mesher`; arguments as there."""
 
     def __init__(self, shape: Shape) -> None:
-        check_in_space(shape)
         self.shape = shape
         self.form = surface_form(shape).capped()
         self._kernels = surface_kernels(self.form)
@@ -94,11 +77,7 @@ class Mesher:
         executor: Executor | None = None,
         progress: Progress | None = None,
     ) -> Mesh:
-        """The surface for some letters; arguments as in `rsym.mesh`.
-
-        What the lattice may have missed is looked for when ``.findings`` or ``.status`` are asked for, which takes
-        half as long again; `rsym.mesh` asks at once, and warns.
-        """
+        """The surface for some letters."""
         box = self._box(bounds, letters)
         crew, budget = Crew(_threads(), progress), Budget(max(0.0, free_memory() - RESERVE))
         job = self._job(resolution, box, letters)

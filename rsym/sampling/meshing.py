@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from functools import lru_cache
-from importlib.util import find_spec
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from rsym.errors import RsymError, RsymWarning
@@ -21,7 +21,7 @@ from rsym.sampling.progress import Progress
 from rsym.sampling.smooth import smooth_mesh
 
 if TYPE_CHECKING:
-    from rsym.sampling.mesher import Mesher
+    from rsym.sampling.mesher import SharpMesher
 
 logger = logging.getLogger(__name__)
 
@@ -88,18 +88,10 @@ def mesh(
     (True, 4.18)
     """
     start = time.perf_counter()
-    if method == "sharp" and find_spec("numba") is None:
-        warnings.warn("without the package numba edges are not sharp: pip install numba", RsymWarning, stacklevel=2)
-        method = "smooth"
-    if method == "sharp":
-        mesher = _mesher(shape, shape.parts)
-        result = mesher(resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress)
-    elif method == "smooth":
-        check_in_space(shape)
-        lattice = lattice_over(bounds_or_extent(shape, bounds, letters), resolution)
-        result = smooth_mesh(shape, lattice, letters, executor, progress)
-    else:
-        raise RsymError(f"no method {method!r}", code="unknown-method", remedy="choose from sharp, smooth")
+    if method not in _METHODS:
+        raise RsymError(f"no method {method!r}", code="unknown-method", remedy=f"choose from {', '.join(_METHODS)}")
+    check_in_space(shape)
+    result = _METHODS[method](shape, resolution, bounds, letters, cap, executor, progress)
     elapsed = time.perf_counter() - start
     if logger.isEnabledFor(logging.INFO):
         logger.info("mesh in %.2f s: %s", elapsed, result.status)
@@ -108,16 +100,112 @@ def mesh(
     return result
 
 
+def _smoothly(
+    shape: Shape,
+    resolution: int | Sequence[int],
+    bounds: Any,
+    letters: Mapping[Any, float] | None,
+    cap: bool,
+    executor: Executor | None,
+    progress: Progress | None,
+) -> Mesh:
+    lattice = lattice_over(bounds_or_extent(shape, bounds, letters), resolution)
+    return smooth_mesh(shape, lattice, letters, executor, progress)
+
+
+def _sharply(
+    shape: Shape,
+    resolution: int | Sequence[int],
+    bounds: Any,
+    letters: Mapping[Any, float] | None,
+    cap: bool,
+    executor: Executor | None,
+    progress: Progress | None,
+) -> Mesh:
+    try:
+        mesher = _mesher(shape, shape.parts)
+    except RsymError as error:
+        if error.code != "missing-package":
+            raise
+        warnings.warn(f"edges are not sharp: {error}", RsymWarning, stacklevel=3)
+        return _smoothly(shape, resolution, bounds, letters, cap, executor, progress)
+    return mesher(resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress)
+
+
+_METHODS = MappingProxyType({"sharp": _sharply, "smooth": _smoothly})
+
+
+class Mesher:
+    """Meshes of one shape by method "sharp": compiled once, for any letters, bounds and resolution.
+
+    Parameters
+    ----------
+    shape : Shape
+        A shape in space.
+
+    Raises
+    ------
+    RsymError
+        For a plane shape, or where the package numba is missing.
+
+    Examples
+    --------
+    >>> import rsym, sympy as sp
+    >>> from rsym import x, y, z
+    >>> r = sp.Symbol("r", real=True)
+    >>> ball = rsym.Shape(r**2 - x**2 - y**2 - z**2, (x, y, z), letters={r: 1}, bounds=((-2.5, 2.5),) * 3)
+    >>> mesher = rsym.Mesher(ball)
+    >>> [round(mesher(64, letters={"r": radius}).status.volume, 1) for radius in (1, 2)]
+    [4.2, 33.5]
+    """
+
+    def __init__(self, shape: Shape) -> None:
+        check_in_space(shape)
+        self.shape = shape
+        self._sharp = _sharp(shape)
+
+    @property
+    def leaves(self) -> tuple[str, ...]:
+        """The names of the leaves, the sides of the bounds last."""
+        return self._sharp.leaves
+
+    def __call__(
+        self,
+        resolution: int | Sequence[int] = 128,
+        *,
+        bounds: Any = None,
+        letters: Mapping[Any, float] | None = None,
+        cap: bool = True,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
+    ) -> Mesh:
+        """The surface for some letters; arguments as in `rsym.mesh`.
+
+        What the lattice may have missed is looked for when ``.findings`` or ``.status`` are asked for, which takes
+        half as long again; `rsym.mesh` asks at once, and warns.
+        """
+        return self._sharp(resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress)
+
+
+def _sharp(shape: Shape) -> SharpMesher:
+    try:
+        if "rsym.sampling.mesher" not in sys.modules:
+            # The compiler takes as long as importing the mesher, and numba above all.
+            from rsym.codegen.sign_form import surface_form
+            from rsym.codegen.surface_kernels import compile_ahead
+
+            compile_ahead(surface_form(shape).capped())
+        from rsym.sampling.mesher import SharpMesher
+    except (ImportError, OSError) as error:  # OSError: the package is there, its library is not
+        raise RsymError(
+            "sharp meshes need the package numba, which cannot be imported",
+            code="missing-package",
+            remedy='pip install numba, or method="smooth"',
+        ) from error
+    return SharpMesher(shape)
+
+
 @lru_cache(maxsize=4)
 def _mesher(shape: Shape, parts: Any) -> Mesher:
     """Kept for sweeps and sliders; parts, which equal shapes may call otherwise, name the leaves."""
-    check_in_space(shape)
-    if "rsym.sampling.mesher" not in sys.modules:
-        # The compiler takes as long as importing the mesher, and numba above all.
-        from rsym.codegen.sign_form import surface_form
-        from rsym.codegen.surface_kernels import compile_ahead
-
-        compile_ahead(surface_form(shape).capped())
-    from rsym.sampling.mesher import Mesher
-
     return Mesher(shape)
