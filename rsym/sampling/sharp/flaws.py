@@ -53,9 +53,10 @@ def _inspect(
             for k in range(3):
                 along += n[k] * gradients[k, e]
                 steep += gradients[k, e] ** 2
-            if along > FOLD * max(uu, vv, ww) * np.sqrt(steep):
+            longest = max(uu, vv, ww)
+            if longest > shortest and along > FOLD * longest * np.sqrt(steep):
                 flaws[e] |= FOLDED
-            if n[0] ** 2 + n[1] ** 2 + n[2] ** 2 < (FLATNESS * max(uu, vv, ww)) ** 2:
+            if n[0] ** 2 + n[1] ** 2 + n[2] ** 2 < (FLATNESS * longest) ** 2:
                 flaws[e] |= FLAT
             if min(uu, vv, ww) < shortest:
                 flaws[e] |= SHORT

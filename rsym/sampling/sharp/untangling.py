@@ -20,7 +20,7 @@ from rsym.codegen.surface_kernels import SurfaceKernels, padded
 from rsym.sampling.sharp.corners import ON_SURFACE, off_surface, solve
 from rsym.sampling.sharp.crossings import evaluate
 from rsym.sampling.sharp.diagonals import turn_diagonals
-from rsym.sampling.sharp.flaws import FOLDED, Marks, find_flaws, surroundings
+from rsym.sampling.sharp.flaws import FOLDED, find_flaws, surroundings
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
@@ -47,17 +47,14 @@ def untangle(
 
     Where that leaves folds, the vertices of what is folded go to the seam beside them first, and lie flat there.
     """
-    patch = _Patch(
-        kernels, *surroundings(folded, faces, points.shape[1], RINGS, pool), leaf, points, faces, lattice, pool
-    )
-    patch.relax()
-    for _ in range(PULLS):
-        if patch.fewest.any():
+    for turn in range(1 + PULLS):
+        patch = _Patch(kernels, folded, leaf, points, faces, lattice, pool)
+        if turn:
             patch.pull()
-            patch.relax()
-    best_points, best_faces = patch.best
-    points[:, patch.ids] = best_points[:, : len(patch.ids)]
-    faces.reshape(-1, 6)[patch.quads] = patch.ids[best_faces.reshape(-1, 6)]
+        patch.relax()
+        folded = patch.settle(points, faces)
+        if not len(folded):
+            break
 
 
 class _Patch:
@@ -66,15 +63,16 @@ class _Patch:
     def __init__(
         self,
         kernels: SurfaceKernels,
-        quads: Ints,
-        inner: Marks,
+        folded: Ints,
         leaf: NDArray[np.int16],
         points: Floats,
         faces: Faces,
         lattice: Floats,
         pool: Executor | None,
     ) -> None:
-        self.kernels, self.lattice, self.pool, self.quads = kernels, lattice, pool, quads
+        self.kernels, self.lattice, self.pool = kernels, lattice, pool
+        near, inner = surroundings(folded, faces, points.shape[1], RINGS, pool)
+        self.quads = quads = surroundings(near, faces, points.shape[1], 1, pool)[0]  # all that the neighbours meet
         self.ids, local = np.unique(faces.reshape(-1, 6)[quads], return_inverse=True)
         self.faces = np.ascontiguousarray(local.reshape(-1, 3), np.int32)
         self.points, self.leaf = np.zeros((3, padded(len(self.ids)))), np.ascontiguousarray(leaf[quads])
@@ -107,9 +105,7 @@ class _Patch:
                 break
 
     def pull(self) -> None:
-        """From where it is best, the vertices of folded triangles to the seam that is nearest."""
-        self.points, self.faces = (array.copy() for array in self.best)
-        self.movable &= self.fewest[self.cluster] > 0
+        """The vertices of folded triangles to the seam that is nearest."""
         tail, head = self.faces.ravel(), self.faces[:, [1, 2, 0]].ravel()
         tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
         folded = np.zeros(len(self.ids), np.bool_)
@@ -122,6 +118,13 @@ class _Patch:
         if len(which):
             self.movable[self._move(which, self.meets[head[order[first]]], self.points[:, which])] = False
             self._keep_better()
+
+    def settle(self, points: Floats, faces: Faces) -> Ints:
+        """Put what is best in its place in the mesh; the quads that are folded still."""
+        self.points, self.faces = self.best
+        points[:, self.ids] = self.points[:, : len(self.ids)]
+        faces.reshape(-1, 6)[self.quads] = self.ids[self.faces.reshape(-1, 6)]
+        return self.quads[self._folds()]
 
     def _move(self, which: Ints, meets: NDArray[np.bool_], start: Floats) -> Ints:
         """Onto their leaves from where they start; those that end there, not far from where they were."""
