@@ -27,6 +27,8 @@ STEPS = 8
 REACH = 2.0  # cells
 # Of the distance between a vertex and the surface, in cells.
 ON_SURFACE = 1e-9
+# From a kink, in cells: far enough for a gradient.
+ASIDE = 1e-7 * np.array([[3.0], [4.0], [5.0]])
 MOST_LEAVES = 6  # of a patch that are told apart
 GRAIN = 1024
 
@@ -56,7 +58,7 @@ def settle(
             result[:, owner[best]] = solutions[:, best]
             open_[owner[best]] = False
     rest = np.flatnonzero(open_)
-    result[:, rest] = _on_active_leaf(kernels, start[:, rest], pool)
+    result[:, rest] = _on_active_leaf(kernels, start[:, rest], lattice, pool)
     return result
 
 
@@ -158,8 +160,28 @@ def off_surface(kernels: SurfaceKernels, points: Floats, lattice: Floats, pool: 
     return cells
 
 
-def _on_active_leaf(kernels: SurfaceKernels, start: Floats, pool: Executor | None) -> Floats:
-    """Newton's method on the leaf that is active where a point is."""
+def _on_active_leaf(kernels: SurfaceKernels, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
+    """Newton's method on the leaf that is active where a point is; from a kink, once more from a little beside it."""
+    points = _slid(kernels, start, pool)
+    stuck = np.flatnonzero(~_is_zero(kernels, points, lattice))
+    if len(stuck):
+        beside = _slid(kernels, start[:, stuck] + ASIDE * lattice[3:, None], pool)
+        better = _is_zero(kernels, beside, lattice)
+        points[:, stuck[better]] = beside[:, better]
+    return points
+
+
+def _is_zero(kernels: SurfaceKernels, points: Floats, lattice: Floats) -> NDArray[np.bool_]:
+    """Whether the form is zero, to rounding: also on kinks. Leaves have gradients of length 1 or so."""
+    count = points.shape[1]
+    places, value = np.zeros((3, padded(count))), np.empty(padded(count))
+    places[:, :count] = points
+    kernels.value(count, places, value, np.empty(padded(count), np.int16))
+    return np.asarray(np.abs(value[:count]) < ON_SURFACE * lattice[3:].min())
+
+
+def _slid(kernels: SurfaceKernels, start: Floats, pool: Executor | None) -> Floats:
+    """Newton steps; a point that comes to a kink, where there is no gradient, stays there."""
     count = start.shape[1]
     points, value = np.zeros((3, padded(count))), np.empty(padded(count))
     points[:, :count] = start
@@ -167,8 +189,11 @@ def _on_active_leaf(kernels: SurfaceKernels, start: Floats, pool: Executor | Non
 
     def piece(first: int, last: int) -> None:
         for _ in range(STEPS):
+            before = points[:, first:last].copy()
             kernels.value(last - first, points, value, leaf, first=first)
             kernels.slide(last - first, leaf, points, 1, first=first)
+            lost = ~np.isfinite(points[:, first:last]).all(axis=0)
+            points[:, first:last][:, lost] = before[:, lost]
 
     in_threads(piece, count, GRAIN, pool)
     return points[:, :count]

@@ -143,7 +143,7 @@ class _Patch:
         better = folds < self.fewest
         self.fewest[better] = folds[better]
         of_vertex = better[self.cluster]
-        points, faces = (array.copy() for array in self.best)
+        points, faces = self.best[0].copy(), self.best[1].copy()
         points[:, : len(self.ids)][:, of_vertex] = self.points[:, : len(self.ids)][:, of_vertex]
         faces[of_vertex[faces[:, 0]]] = self.faces[of_vertex[faces[:, 0]]]
         self.best = points, faces
