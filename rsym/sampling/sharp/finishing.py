@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.codegen.surface_kernels import SurfaceKernels
+from rsym.errors import RsymError
 from rsym.sampling.sharp.edits import edit
 from rsym.sampling.sharp.flaws import FLAT, FOLDED
 from rsym.sampling.sharp.untangling import untangle
@@ -61,6 +62,12 @@ def finish(
     if not len(flawed):
         return Triangles(np.ascontiguousarray(points.T), faces, leaf)
     remain, *new = edit(flawed, points, faces, leaf, lattice, pool)
+    if not (remain.any() or len(new[1])):
+        raise RsymError(
+            "the body has no extent: its surface is points and curves",
+            code="no-surface",
+            remedy="check bounds and letters; take a higher resolution if the body is thin",
+        )
     points, faces, leaf = (
         np.concatenate([old, more], axis=axis)
         for old, more, axis in zip((points, faces[remain], leaf[remain]), new, (1, 0, 0), strict=True)
