@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from rsym.sampling.sharp.flaws import FLATNESS, NO_LENGTH, surroundings
+from rsym.sampling.sharp.flaws import FLATNESS, smallest, surroundings
 from rsym.sampling.sharp.stitching import stitch
 
 # As far as vertices have been moved.
@@ -47,7 +47,7 @@ def edit(
 ) -> Edited:
     """Join, cut and stitch what is flawed in some quads; `faces` and `leaf`, that of each face, change in place."""
     near, _ = surroundings(quads, faces, points.shape[1], RINGS, pool)
-    no_length = NO_LENGTH * lattice[3:].min()
+    no_length = smallest(lattice)
     flawed = near[_are_flawed(points, faces.reshape(-1, 2, 3)[near], no_length)]
     near, inner = surroundings(flawed, faces, points.shape[1], BESIDE, pool)
     some = np.stack([2 * near, 2 * near + 1], axis=1).ravel()

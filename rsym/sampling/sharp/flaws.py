@@ -20,15 +20,22 @@ FOLDED, FLAT, SHORT = 1, 2, 4
 FOLD = 1e-9
 # Twice the area of a triangle over its longest side squared, below which it has none.
 FLATNESS = 1e-9
-# In cells. Newton's method puts two vertices on one corner to 1e-14; nothing else brings them so close.
+# In cells. Newton's method puts two vertices on one corner to 1e-14, and what it leaves is far larger.
 NO_LENGTH = 1e-9
+# Of coordinates, in units of their last place.
+ROUNDING = 16
 GRAIN = 8192
+
+
+def smallest(lattice: Floats) -> float:
+    """A length that says nothing: far below a cell, and not below the rounding of coordinates far from the origin."""
+    return max(NO_LENGTH * float(lattice[3:].min()), ROUNDING * float(np.spacing(np.abs(lattice[:3]).max())))
 
 
 def find_flaws(faces: Faces, points: Floats, gradients: Floats, lattice: Floats, pool: Executor | None) -> Marks:
     """FOLDED, FLAT and SHORT for each quad; `gradients` (3, quads) of the leaf of the quad, which point inwards."""
     flaws = np.zeros(len(faces) // 2, np.uint8)
-    shortest = (NO_LENGTH * lattice[3:].min()) ** 2
+    shortest = smallest(lattice) ** 2
     in_threads(lambda a, b: _inspect(a, b, faces, points, gradients, shortest, flaws), len(flaws), GRAIN, pool)
     return flaws
 

@@ -17,7 +17,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from rsym.codegen.surface_kernels import SurfaceKernels, padded
-from rsym.sampling.sharp.corners import ON_SURFACE, off_surface, solve
+from rsym.sampling.sharp.corners import off_surface, on_surface, solve
 from rsym.sampling.sharp.crossings import evaluate
 from rsym.sampling.sharp.diagonals import turn_diagonals
 from rsym.sampling.sharp.flaws import FOLDED, find_flaws, surroundings
@@ -133,8 +133,8 @@ class _Patch:
             own = self.names[vertex_meets]
             leaves[: len(own), row] = own
         moved = solve(self.kernels, leaves, start, self.lattice, self.pool)
-        near = (np.abs(moved - self.points[:, which]) < RINGS * self.lattice[3:, None]).all(axis=0)
-        good = near & (off_surface(self.kernels, moved, self.lattice, self.pool) < ON_SURFACE)
+        near = (np.abs(moved - self.points[:, which]) < RINGS * self.lattice[3:].max()).all(axis=0)
+        good = near & on_surface(off_surface(self.kernels, moved, self.lattice, self.pool), self.lattice)
         self.points[:, which[good]] = moved[:, good]
         return which[good]
 
