@@ -8,7 +8,7 @@ from closeness import assert_close
 
 from rsym.sampling.manifolds import measure
 from rsym.sampling.sharp.edits import edit
-from rsym.sampling.sharp.flaws import surroundings
+from rsym.sampling.sharp.flaws import Adjacency
 
 SOLIDS = {
     "ball": trimesh.creation.icosphere(subdivisions=3),
@@ -21,9 +21,7 @@ LATTICE = np.array([0, 0, 0, 1.0, 1.0, 1.0])
 def edited(points, faces):
     """The mesh that is left, all of it flawed."""
     faces, quads = faces.astype(np.int32), np.arange(len(faces) // 2)
-    found = edit(
-        surroundings(quads, faces, len(points), None), points.T.copy(), faces, np.zeros(len(faces), np.int16), LATTICE
-    )
+    found = edit(Adjacency(faces, len(points)), quads, points.T.copy(), faces, np.zeros(len(faces), np.int16), LATTICE)
     points, faces = np.concatenate([points, found.points.T]), np.concatenate([faces[found.remain], found.faces])
     assert len(found.leaf) == len(found.faces)
     used, numbers = np.unique(faces, return_inverse=True)

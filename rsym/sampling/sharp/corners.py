@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from rsym.codegen.surface_kernels import SurfaceKernels, columns, padded
 from rsym.sampling.sharp.crossings import Crossings, evaluate
+from rsym.sampling.sharp.flaws import smallest
 from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.patches import Topology
 
@@ -25,8 +26,8 @@ Shorts: TypeAlias = NDArray[np.int16]
 # A fixed number, so that no point depends on the others. Planes take one step, the edges of the car at most five.
 STEPS = 8
 REACH = 2.0  # cells
-# Of the distance between a vertex and the surface, in cells.
-ON_SURFACE = 1e-9
+# From a kink, in cells: far enough for a gradient.
+ASIDE = 1e-7 * np.array([[3.0], [4.0], [5.0]])
 MOST_LEAVES = 6  # of a patch that are told apart
 GRAIN = 1024
 
@@ -56,7 +57,7 @@ def settle(
             result[:, owner[best]] = solutions[:, best]
             open_[owner[best]] = False
     rest = np.flatnonzero(open_)
-    result[:, rest] = _on_active_leaf(kernels, start[:, rest], pool)
+    result[:, rest] = _on_active_leaf(kernels, start[:, rest], lattice, pool)
     return result
 
 
@@ -104,7 +105,7 @@ def newton_step(
     first: int, last: int, ids: Shorts, values: Floats, gradients: Floats, lattice: Floats, points: Floats
 ) -> None:
     """The step of least norm to where the tangent planes of the leaves of each point meet; a cell at most."""
-    matrix = np.empty((3, 4))
+    matrix, cell = np.empty((3, 4)), max(lattice[3], lattice[4], lattice[5])
     for w in range(first, last):
         size = 0
         while size < 3 and ids[size, w] >= 0:
@@ -130,16 +131,18 @@ def newton_step(
             step = 0.0
             for i in range(size):
                 step += matrix[i, 3] * gradients[i, a, w]
-            points[a, w] += min(max(step, -lattice[3 + a]), lattice[3 + a])
+            points[a, w] += min(max(step, -cell), cell)
 
 
 def _best(
     kernels: SurfaceKernels, owner: Ints, points: Floats, start: Floats, lattice: Floats, pool: Executor | None
 ) -> Ints:
     """Which solution each owner takes, if any: on the surface, within reach, and the nearest of those."""
-    away = ((points - start[:, owner]) / lattice[3:, None]) ** 2
-    good = (away <= REACH**2).all(axis=0) & (off_surface(kernels, points, lattice, pool) < ON_SURFACE)
-    order = np.lexsort((away.sum(axis=0), owner))
+    away = ((points - start[:, owner]) / lattice[3:].max()) ** 2
+    good: NDArray[np.bool_] = (away <= REACH**2).all(axis=0) & on_surface(
+        off_surface(kernels, points, lattice, pool), lattice
+    )
+    order: Ints = np.lexsort((away.sum(axis=0), owner))
     order = order[good[order]]
     return order[np.flatnonzero(np.diff(owner[order], prepend=-1))]
 
@@ -157,16 +160,44 @@ def off_surface(kernels: SurfaceKernels, points: Floats, lattice: Floats, pool: 
     return cells
 
 
-def _on_active_leaf(kernels: SurfaceKernels, start: Floats, pool: Executor | None) -> Floats:
-    """Newton's method on the leaf that is active where a point is."""
+def on_surface(cells: Floats, lattice: Floats) -> NDArray[np.bool_]:
+    """Whether so many cells off the surface are none, to rounding."""
+    return np.asarray(cells * lattice[3:].min() < smallest(lattice))
+
+
+def _on_active_leaf(kernels: SurfaceKernels, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
+    """Newton's method on the leaf that is active where a point is; from a kink, once more from a little beside it."""
+    points = _slid(kernels, start, pool)
+    stuck = np.flatnonzero(~_is_zero(kernels, points, lattice))
+    if len(stuck):
+        beside = _slid(kernels, start[:, stuck] + ASIDE * lattice[3:, None], pool)
+        better = _is_zero(kernels, beside, lattice)
+        points[:, stuck[better]] = beside[:, better]
+    return points
+
+
+def _is_zero(kernels: SurfaceKernels, points: Floats, lattice: Floats) -> NDArray[np.bool_]:
+    """Whether the form is zero, to rounding: also on kinks. Leaves have gradients of length 1 or so."""
+    count = points.shape[1]
+    places, value = np.zeros((3, padded(count))), np.empty(padded(count))
+    places[:, :count] = points
+    kernels.value(count, places, value, np.empty(padded(count), np.int16))
+    return np.asarray(np.abs(value[:count]) < smallest(lattice))
+
+
+def _slid(kernels: SurfaceKernels, start: Floats, pool: Executor | None) -> Floats:
+    """Newton steps; a point that comes to a kink, where there is no gradient, stays there."""
     count = start.shape[1]
     points, value = columns(start), np.empty(padded(count))
     leaf = np.full(points.shape[1], -1, np.int16)
 
     def piece(first: int, last: int) -> None:
         for _ in range(STEPS):
+            before = points[:, first:last].copy()
             kernels.value(last - first, points, value, leaf, first=first)
             kernels.slide(last - first, leaf, points, 1, first=first)
+            lost = ~np.isfinite(points[:, first:last]).all(axis=0)
+            points[:, first:last][:, lost] = before[:, lost]
 
     in_threads(piece, count, GRAIN, pool)
     return points[:, :count]

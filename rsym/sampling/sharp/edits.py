@@ -15,9 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from rsym.sampling.sharp.flaws import FLATNESS, NO_LENGTH, Surroundings
+from rsym.sampling.sharp.flaws import FLATNESS, Adjacency, smallest
 from rsym.sampling.sharp.stitching import stitch
 
+# As far as vertices have been moved.
+RINGS = 3
 # All triangles of the vertices across from what is cut.
 BESIDE = 2
 # Cutting may bring vertices on one point together, and joining may leave triangles without area.
@@ -39,11 +41,14 @@ class Edited(NamedTuple):
     leaf: NDArray[Any]
 
 
-def edit(around: Surroundings, points: Floats, faces: Faces, leaf: NDArray[Any], lattice: Floats) -> Edited:
-    """Join, cut and stitch what is flawed; `faces` and `leaf`, that of each face, change in place."""
-    no_length = NO_LENGTH * lattice[3:].min()
-    flawed = _are_flawed(points, faces.reshape(-1, 2, 3)[around.quads], no_length)
-    near, inner = around.beside(flawed, faces, BESIDE)
+def edit(
+    adjacency: Adjacency, quads: Ints, points: Floats, faces: Faces, leaf: NDArray[Any], lattice: Floats
+) -> Edited:
+    """Join, cut and stitch what is flawed in some quads; `faces` and `leaf`, that of each face, change in place."""
+    near, _ = adjacency.around(quads, RINGS)
+    no_length = smallest(lattice)
+    flawed = near[_are_flawed(points, faces.reshape(-1, 2, 3)[near], no_length)]
+    near, inner = adjacency.around(flawed, BESIDE)
     some = np.stack([2 * near, 2 * near + 1], axis=1).ravel()
     soup = _Soup(points, faces[some], leaf[some], inner > 0, no_length)
     for _ in range(TURNS):

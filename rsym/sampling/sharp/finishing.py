@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.codegen.surface_kernels import SurfaceKernels
+from rsym.errors import RsymError
 from rsym.sampling.sharp.edits import edit
-from rsym.sampling.sharp.flaws import FLAT, FOLDED, surroundings
+from rsym.sampling.sharp.flaws import FLAT, FOLDED, Adjacency
 from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.untangling import untangle
 
 Floats: TypeAlias = NDArray[np.float64]
 Faces: TypeAlias = NDArray[np.int32]
+Ints: TypeAlias = NDArray[np.int64]
 
 GRAIN = 16384
 
@@ -64,19 +66,28 @@ def finish(
     `flaws` (quads,) as `find_flaws` tells them; points and faces are changed in place.
     """
     flawed = np.flatnonzero(flaws)
-    around = surroundings(flawed, faces, points.shape[1], pool) if len(flawed) else None
-    if around is not None and (flaws & (FOLDED | FLAT)).any():
-        untangle(kernels, around, leaf, points, faces, lattice, pool)
+    adjacency = Adjacency(faces, points.shape[1]) if len(flawed) else None
+    if adjacency is not None and (flaws & (FOLDED | FLAT)).any():
+        tangled = np.flatnonzero(flaws & (FOLDED | FLAT))
+        untangle(kernels, adjacency, tangled, leaf, points, faces, lattice, pool)
     vertices = np.empty((count, 3))
     in_threads(lambda a, b: _rows(a, b, points, vertices), count, GRAIN, pool)
     whole = Triangles(vertices, faces, np.repeat(leaf[: len(flaws)], 2))
-    if around is None:
-        return whole
-    found = edit(around, points[:, :count], faces, whole.leaf, lattice)
+    return whole if adjacency is None else _edited(whole, adjacency, flawed, points[:, :count], lattice)
+
+
+def _edited(whole: Triangles, adjacency: Adjacency, flawed: Ints, points: Floats, lattice: Floats) -> Triangles:
+    found = edit(adjacency, flawed, points, whole.faces, whole.leaf, lattice)
     if found.remain.all() and not len(found.faces):
         return whole
+    if not (found.remain.any() or len(found.faces)):
+        raise RsymError(
+            "the body has no extent: its surface is points and curves",
+            code="no-surface",
+            remedy="check bounds and letters; take a higher resolution if the body is thin",
+        )
     return Triangles(
         np.concatenate([whole.vertices, found.points.T]),
-        np.concatenate([faces[found.remain], found.faces]),
+        np.concatenate([whole.faces[found.remain], found.faces]),
         np.concatenate([whole.leaf[found.remain], found.leaf]),
     ).used()

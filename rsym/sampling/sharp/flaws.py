@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import Executor
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,17 +20,22 @@ FOLDED, FLAT, SHORT = 1, 2, 4
 FOLD = 1e-9
 # Twice the area of a triangle over its longest side squared, below which it has none.
 FLATNESS = 1e-9
-# In cells. Newton's method puts two vertices on one corner to 1e-14; nothing else brings them so close.
+# In cells. Newton's method puts two vertices on one corner to 1e-14, and what it leaves is far larger.
 NO_LENGTH = 1e-9
-# Room to move for the vertices of a fold, and for their neighbours.
-RINGS = 3
+# Of coordinates, in units of their last place.
+ROUNDING = 16
 GRAIN = 8192
+
+
+def smallest(lattice: Floats) -> float:
+    """A length that says nothing: far below a cell, and not below the rounding of coordinates far from the origin."""
+    return max(NO_LENGTH * float(lattice[3:].min()), ROUNDING * float(np.spacing(np.abs(lattice[:3]).max())))
 
 
 def find_flaws(faces: Faces, points: Floats, gradients: Floats, lattice: Floats, pool: Executor | None) -> Marks:
     """FOLDED, FLAT and SHORT for each quad; `gradients` (3, quads) of the leaf of the quad, which point inwards."""
     flaws = np.zeros(len(faces) // 2, np.uint8)
-    shortest = (NO_LENGTH * lattice[3:].min()) ** 2
+    shortest = smallest(lattice) ** 2
     in_threads(lambda a, b: _inspect(a, b, faces, points, gradients, shortest, flaws), len(flaws), GRAIN, pool)
     return flaws
 
@@ -55,43 +60,43 @@ def _inspect(
             for k in range(3):
                 along += n[k] * gradients[k, e]
                 steep += gradients[k, e] ** 2
-            if along > FOLD * max(uu, vv, ww) * np.sqrt(steep):
+            longest = max(uu, vv, ww)
+            if longest > shortest and along > FOLD * longest * np.sqrt(steep):
                 flaws[e] |= FOLDED
-            if n[0] ** 2 + n[1] ** 2 + n[2] ** 2 < (FLATNESS * max(uu, vv, ww)) ** 2:
+            if n[0] ** 2 + n[1] ** 2 + n[2] ** 2 < (FLATNESS * longest) ** 2:
                 flaws[e] |= FLAT
             if min(uu, vv, ww) < shortest:
                 flaws[e] |= SHORT
 
 
-class Surroundings(NamedTuple):
-    """The quads around some others, and marks for the vertices all of whose triangles are among them."""
+class Adjacency:
+    """The quads around each vertex; turned diagonals change nothing, for a quad keeps its corners."""
 
-    quads: Ints
-    inner: Marks
+    def __init__(self, faces: Faces, vertices: int) -> None:
+        self._faces = faces
+        self._start, self._quads = np.zeros(vertices + 2, np.int32), np.empty(2 * len(faces), np.int32)
+        _list_quads(faces, self._start, self._quads)
 
-    def beside(self, which: NDArray[np.bool_], faces: Faces, rings: int) -> Surroundings:
-        """What lies within fewer rings around some of the quads."""
-        near, inner = which, np.zeros_like(self.inner)
-        corners = faces.reshape(-1, 6)[self.quads]
+    def around(self, quads: Ints, rings: int) -> tuple[Ints, Marks]:
+        """The quads within some rings around others, and marks for the vertices all of whose quads are among them."""
+        inner = np.zeros(len(self._start) - 2, np.uint8)
         for _ in range(rings):
-            inner[corners[near]] = 1
-            near = np.asarray(inner[corners].any(axis=1))
-        return Surroundings(self.quads[near], inner & self.inner)
-
-
-def surroundings(quads: Ints, faces: Faces, vertices: int, pool: Executor | None) -> Surroundings:
-    """What lies within RINGS of vertices around some quads."""
-    near, inner = np.zeros(len(faces) // 2, np.uint8), np.zeros(vertices, np.uint8)
-    near[quads] = 1
-    for _ in range(RINGS):
-        inner[faces.reshape(-1, 6)[np.flatnonzero(near)]] = 1
-        in_threads(lambda a, b: _touching(a, b, faces, inner, near), len(near), GRAIN, pool)
-    return Surroundings(np.flatnonzero(near), inner)
+            vertices = np.unique(self._faces.reshape(-1, 6)[quads])
+            inner[vertices] = 1
+            count = self._start[vertices + 1] - self._start[vertices]
+            place = np.arange(count.sum()) + np.repeat(self._start[vertices] - np.cumsum(count) + count, count)
+            quads = np.unique(self._quads[place]).astype(np.int64)
+        return quads, inner
 
 
 @loop
-def _touching(first: int, last: int, faces: Faces, marks: Any, near: Any) -> None:
-    for e in range(first, last):
-        for f in (2 * e, 2 * e + 1):
-            if marks[faces[f, 0]] or marks[faces[f, 1]] or marks[faces[f, 2]]:
-                near[e] = 1
+def _list_quads(faces: Faces, start: Any, quads: Any) -> None:
+    for e in range(len(faces) // 2):
+        for corner in (faces[2 * e, 0], faces[2 * e, 1], faces[2 * e, 2], faces[2 * e + 1, 2]):
+            start[corner + 2] += 1
+    for v in range(2, len(start)):
+        start[v] += start[v - 1]
+    for e in range(len(faces) // 2):
+        for corner in (faces[2 * e, 0], faces[2 * e, 1], faces[2 * e, 2], faces[2 * e + 1, 2]):
+            quads[start[corner + 1]] = e
+            start[corner + 1] += 1

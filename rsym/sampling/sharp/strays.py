@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.codegen.surface_kernels import SurfaceKernels, columns, padded
-from rsym.sampling.sharp.corners import ON_SURFACE, off_surface
+from rsym.sampling.sharp.corners import off_surface, on_surface
+from rsym.sampling.sharp.flaws import smallest
 from rsym.sampling.sharp.loops import in_threads
 from rsym.sampling.status import OffSurface
 
@@ -28,11 +29,11 @@ def stray_vertices(
     points = columns(vertices.T)
     value, leaf = np.empty(padded(count)), np.empty(padded(count), np.int16)
     in_threads(lambda a, b: kernels.value(b - a, points, value, leaf, first=a), count, GRAIN, pool)
-    doubtful = np.flatnonzero(~(np.abs(value[:count]) < CLEARLY * ON_SURFACE * lattice[3:].min()))
+    doubtful = np.flatnonzero(~(np.abs(value[:count]) < CLEARLY * smallest(lattice)))
     if not len(doubtful):
         return None
     cells = np.nan_to_num(off_surface(kernels, points[:, doubtful], lattice, pool), nan=np.inf)
-    strays = cells > ON_SURFACE
+    strays = ~on_surface(cells, lattice)
     if not strays.any():
         return None
     worst = int(cells.argmax())

@@ -17,17 +17,16 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from rsym.codegen.surface_kernels import SurfaceKernels, padded
-from rsym.sampling.sharp.corners import ON_SURFACE, off_surface, solve
+from rsym.sampling.sharp.corners import off_surface, on_surface, solve
 from rsym.sampling.sharp.crossings import evaluate
 from rsym.sampling.sharp.diagonals import turn_diagonals
-from rsym.sampling.sharp.flaws import FOLDED, Marks, Surroundings, find_flaws
+from rsym.sampling.sharp.flaws import FOLDED, Adjacency, find_flaws
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
 Faces: TypeAlias = NDArray[np.int32]
 
-# Cells that a vertex may move.
-FAR = 3
+RINGS = 3
 # One does it where leaves are planes; curved ones take two or three.
 ROUNDS = 6
 PULLS = 2
@@ -37,26 +36,26 @@ PULL = 1e-12
 
 def untangle(
     kernels: SurfaceKernels,
-    around: Surroundings,
+    adjacency: Adjacency,
+    folded: Ints,
     leaf: NDArray[np.int16],
     points: Floats,
     faces: Faces,
     lattice: Floats,
     pool: Executor | None,
 ) -> None:
-    """Move vertices and turn diagonals around folds, in place; `leaf` is that of each quad.
+    """Move vertices and turn diagonals around folded quads, in place; `leaf` is that of each quad.
 
     Where that leaves folds, the vertices of what is folded go to the seam beside them first, and lie flat there.
     """
-    patch = _Patch(kernels, *around, leaf, points, faces, lattice, pool)
-    patch.relax()
-    for _ in range(PULLS):
-        if patch.fewest.any():
+    for turn in range(1 + PULLS):
+        patch = _Patch(kernels, adjacency, folded, leaf, points, faces, lattice, pool)
+        if turn:
             patch.pull()
-            patch.relax()
-    best_points, best_faces = patch.best
-    points[:, patch.ids] = best_points[:, : len(patch.ids)]
-    faces.reshape(-1, 6)[patch.quads] = patch.ids[best_faces.reshape(-1, 6)]
+        patch.relax()
+        folded = patch.settle(points, faces)
+        if not len(folded):
+            break
 
 
 class _Patch:
@@ -65,15 +64,17 @@ class _Patch:
     def __init__(
         self,
         kernels: SurfaceKernels,
-        quads: Ints,
-        inner: Marks,
+        adjacency: Adjacency,
+        folded: Ints,
         leaf: NDArray[np.int16],
         points: Floats,
         faces: Faces,
         lattice: Floats,
         pool: Executor | None,
     ) -> None:
-        self.kernels, self.lattice, self.pool, self.quads = kernels, lattice, pool, quads
+        self.kernels, self.lattice, self.pool = kernels, lattice, pool
+        near, inner = adjacency.around(folded, RINGS)
+        self.quads = quads = adjacency.around(near, 1)[0]  # all that the neighbours meet
         self.ids, local = np.unique(faces.reshape(-1, 6)[quads], return_inverse=True)
         self.faces = np.ascontiguousarray(local.reshape(-1, 3), np.int32)
         self.points, self.leaf = np.zeros((3, padded(len(self.ids)))), np.ascontiguousarray(leaf[quads])
@@ -106,9 +107,7 @@ class _Patch:
                 break
 
     def pull(self) -> None:
-        """From where it is best, the vertices of folded triangles to the seam that is nearest."""
-        self.points, self.faces = self.best[0].copy(), self.best[1].copy()
-        self.movable &= self.fewest[self.cluster] > 0
+        """The vertices of folded triangles to the seam that is nearest."""
         tail, head = self.faces.ravel(), self.faces[:, [1, 2, 0]].ravel()
         tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
         folded = np.zeros(len(self.ids), np.bool_)
@@ -122,6 +121,13 @@ class _Patch:
             self.movable[self._move(which, self.meets[head[order[first]]], self.points[:, which])] = False
             self._keep_better()
 
+    def settle(self, points: Floats, faces: Faces) -> Ints:
+        """Put what is best in its place in the mesh; the quads that are folded still."""
+        self.points, self.faces = self.best
+        points[:, self.ids] = self.points[:, : len(self.ids)]
+        faces.reshape(-1, 6)[self.quads] = self.ids[self.faces.reshape(-1, 6)]
+        return self.quads[self._folds()]
+
     def _move(self, which: Ints, meets: NDArray[np.bool_], start: Floats) -> Ints:
         """Onto their leaves from where they start; those that end there, not far from where they were."""
         leaves = np.full((3, len(which)), -1, np.int16)
@@ -129,10 +135,13 @@ class _Patch:
             own = self.names[vertex_meets]
             leaves[: len(own), row] = own
         moved = solve(self.kernels, leaves, start, self.lattice, self.pool)
-        near = (np.abs(moved - self.points[:, which]) < FAR * self.lattice[3:, None]).all(axis=0)
-        good = near & (off_surface(self.kernels, moved, self.lattice, self.pool) < ON_SURFACE)
+        near = (np.abs(moved - self.points[:, which]) < RINGS * self.lattice[3:].max()).all(axis=0)
+        good: NDArray[np.bool_] = near & on_surface(
+            off_surface(self.kernels, moved, self.lattice, self.pool), self.lattice
+        )
         self.points[:, which[good]] = moved[:, good]
-        return which[good]
+        done: Ints = which[good]
+        return done
 
     def _keep_better(self) -> None:
         folds = self._count(self._folds())

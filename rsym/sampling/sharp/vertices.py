@@ -53,6 +53,8 @@ def place_vertices(
     arrays = (surface.ring_start, surface.ring, crossings.points, crossings.leaf, smooth, points, single, feature)
     in_threads(lambda a, b: middles(a, b, *arrays), count, GRAIN, pool)
     in_threads(lambda a, b: kernels.slide(b - a, single, points, STEPS, first=a), count, GRAIN, pool)
+    # A gradient that a smooth leaf has not, as that of a root at 0, is a kink.
+    feature[:count][~np.isfinite(points[:, :count].sum(axis=0))] = 1
     several = np.flatnonzero(feature[:count])
     if len(several):
         start = fitted(several, surface, crossings, lattice, pool)
