@@ -13,19 +13,19 @@ from rsym.codegen.llvm_code import VECTORS, declarations
 from rsym.codegen.routines import LANES
 from rsym.codegen.surface_formulas import SurfaceFormulas
 
-ROUTINES = (form, named, value, boxes, signs, crossings, leaf, slide, enclose)
+# What calls nothing of each other: LLVM compiles one after the other, and between two of them whoever waits for it,
+# as the import of numba does, has its turn.
+MODULES = ((boxes,), (form, named, crossings), (signs,), (value,), (leaf, slide), (enclose,))
 
 
-def surface_code(formulas: SurfaceFormulas) -> str:
-    """The module with all routines."""
+def surface_code(formulas: SurfaceFormulas) -> tuple[str, ...]:
+    """The modules with all routines; the first, with the constants, runs once for each choice of letters."""
     nodes = [*formulas.points.program.nodes, *formulas.bounds.program.nodes]
-    return "\n".join(
-        [
-            *declarations(VECTORS["float64"], nodes),
-            "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)",
-            f"declare i{LANES} @llvm.cttz.i{LANES}(i{LANES}, i1)",
-            formulas.points.constants_text("point_constants"),
-            formulas.bounds.constants_text("box_constants"),
-            *(routine(formulas).text for routine in ROUTINES),
-        ]
-    )
+    head = [
+        *declarations(VECTORS["float64"], nodes),
+        "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)",
+        f"declare i{LANES} @llvm.cttz.i{LANES}(i{LANES}, i1)",
+    ]
+    constants = [formulas.points.constants_text("point_constants"), formulas.bounds.constants_text("box_constants")]
+    bodies = [constants, *([routine(formulas).text for routine in module] for module in MODULES)]
+    return tuple("\n".join([*head, *body]) for body in bodies)

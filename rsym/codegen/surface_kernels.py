@@ -71,11 +71,15 @@ class SurfaceKernels:
     def __init__(self, form: SignForm) -> None:
         formulas = SurfaceFormulas(form)
         self.form, self.words, self.program = form, formulas.words, formulas.scaled_program
-        self.source = surface_code(formulas)
-        self._engine = machine_code(self.source)
+        constants, *routines = surface_code(formulas)
+        self.source = "\n".join([constants, *routines])
+        # What runs once for a choice of letters is not worth optimising.
+        self._engines = [machine_code(constants, 0), *map(machine_code, routines)]
         self._functions = {
-            name: ctypes.CFUNCTYPE(None, *kinds)(self._engine.get_function_address(name))
+            name: ctypes.CFUNCTYPE(None, *kinds)(address)
             for name, kinds in _SIGNATURES.items()
+            for engine in self._engines
+            if (address := engine.get_function_address(name))
         }
         self._constants = np.zeros(max(1, formulas.points.constants + formulas.bounds.constants))
         self._check()
