@@ -1,6 +1,8 @@
 """What the README says is what happens."""
 
 import re
+import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import matplotlib.pyplot
@@ -78,6 +80,7 @@ def test_the_lines_about_meshes():
         else:
             exec(statement, space)
     assert list(trimesh.load_scene("bead.glb").geometry) == ["ball", "bore"]
+    assert Path("rims.dxf").read_text().count("POLYLINE") == 2
 
 
 def test_the_lines_about_curvature():
@@ -134,6 +137,7 @@ def test_the_model_file_and_the_commands(capsys):
         assert main([*command.split()[1:], *([] if prints else ["--resolution", "48"])]) == 0
     for name in ("ball.stl", "car.stl"):
         assert trimesh.load_mesh(name).is_watertight
+    assert "BONNET" in Path("edges.dxf").read_text()
     assert "bonnet" in trimesh.load_scene("parts.glb").geometry
     for name in ("sheet.png", "strip.png", "layers.svg", "valve.html"):
         assert Path(name).stat().st_size > 10_000
@@ -171,3 +175,32 @@ def test_the_number_of_letters_under_the_picture():
     # x_s closes Figs 5 and 6 only, so the whole car has one letter less than the paper's list.
     used = set(rsym.paper.car().letters) | set(rsym.paper.car(stage="test1").letters)
     assert len(used) == int(re.search(r"with (\d+) letters", TEXT).group(1))
+
+
+def test_the_promises_about_meshes():
+    ball = rsym.Shape(1 - rsym.x**2 - rsym.y**2 - rsym.z**2, (rsym.x, rsym.y, rsym.z))
+    whole = rsym.mesh(ball, 24)
+    assert whole.status.closed
+    half = {"bounds": ((-2, 2), (-2, 2), (-2, 0.1))}
+    with pytest.warns(rsym.RsymWarning, match="flat caps"):
+        assert rsym.mesh(ball, 24, **half).status.closed
+    with pytest.warns(rsym.RsymWarning, match="the upper end of z"):
+        assert not rsym.mesh(ball, 24, cap=False, **half).status.closed
+    with pytest.raises(rsym.RsymError, match=r"directions.*\+x"):
+        rsym.mesh(rsym.Shape(1 - rsym.y**2 - rsym.z**2, (rsym.x, rsym.y, rsym.z)))
+    shell = ball - ball.replace(expression=ball.expression - 0.06)
+    with pytest.warns(rsym.RsymWarning, match=r"wall.*cells thick near .* times the resolution") as remarks:
+        assert "wall" in str(rsym.mesh(shell, 16).status)
+    assert remarks
+    with ThreadPoolExecutor(3) as threads:
+        again = rsym.mesh(ball, 24, executor=threads)
+    assert again.vertices.tobytes() == whole.vertices.tobytes()
+    assert again.faces.tobytes() == whole.faces.tobytes()
+
+
+def test_the_version_is_the_newest_change():
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        project = tomllib.load(file)["project"]
+    assert project["version"] == re.search(r"## Changes\n\n- ([\d.]+):", TEXT).group(1)
+    for extra in re.findall(r'pip install "\.\[(\w+)\]"', TEXT):
+        assert extra in project["optional-dependencies"]
