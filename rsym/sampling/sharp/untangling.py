@@ -29,7 +29,7 @@ Faces: TypeAlias = NDArray[np.int32]
 RINGS = 3
 # One does it where leaves are planes; curved ones take two or three.
 ROUNDS = 6
-PULLS = 2
+PULLS = 3
 # A ring of vertices without a fixed one stays near its place.
 PULL = 1e-12
 
@@ -51,7 +51,7 @@ def untangle(
     for turn in range(1 + PULLS):
         patch = _Patch(kernels, adjacency, folded, leaf, points, faces, lattice, pool)
         if turn:
-            patch.pull()
+            patch.pull(to_corners=turn > 1)
         patch.relax()
         folded = patch.settle(points, faces)
         if not len(folded):
@@ -106,20 +106,24 @@ class _Patch:
             if not self.fewest.any():
                 break
 
-    def pull(self) -> None:
-        """The vertices of folded triangles to the seam that is nearest."""
-        tail, head = self.faces.ravel(), self.faces[:, [1, 2, 0]].ravel()
-        tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
+    def pull(self, to_corners: bool) -> None:
+        """The vertices of folded triangles to the nearest seam beside them, or those on seams to the nearest corner."""
+        tail, head = self.faces[:, [0, 1, 2, 1, 2, 0]].ravel(), self.faces[:, [1, 2, 0, 0, 1, 2]].ravel()
         folded = np.zeros(len(self.ids), np.bool_)
         folded[self.faces.reshape(-1, 6)[self._folds()]] = True
-        own = folded & self.movable & (self.several == 1)
-        good = own[tail] & (self.several[head] == 2) & (self.meets[tail] & self.meets[head]).any(axis=1)
+        good = folded[tail] & self.movable[tail] & (self.several[tail] == 1 + to_corners)
+        good &= (self.several[head] > 2) if to_corners else (self.several[head] == 2)
+        good &= (self.meets[tail] <= self.meets[head]).all(axis=1)
         tail, head = tail[good], head[good]
         order = np.lexsort((np.linalg.norm(self.points[:, tail] - self.points[:, head], axis=0), tail))
         which, first = np.unique(tail[order], return_index=True)
-        if len(which):
-            self.movable[self._move(which, self.meets[head[order[first]]], self.points[:, which])] = False
-            self._keep_better()
+        nearest = head[order[first]]
+        if to_corners:
+            self.points[:, which] = self.points[:, nearest]
+        elif len(which):
+            which = self._move(which, self.meets[nearest], self.points[:, which])
+        self.movable[which] = False
+        self._keep_better()
 
     def settle(self, points: Floats, faces: Faces) -> Ints:
         """Put what is best in its place in the mesh; the quads that are folded still."""
