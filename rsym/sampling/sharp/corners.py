@@ -166,14 +166,44 @@ def on_surface(cells: Floats, lattice: Floats) -> NDArray[np.bool_]:
 
 
 def _on_active_leaf(kernels: SurfaceKernels, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
-    """Newton's method on the leaf that is active where a point is; from a kink, once more from a little beside it."""
+    """Newton's method on the leaf that is active where a point is.
+
+    What does not end on the surface starts once more, from a little beside a kink; where leaves take turns, as beside
+    an edge that no crossing shows, it goes on with all of them at once.
+    """
     points = _slid(kernels, start, pool)
-    stuck = np.flatnonzero(~_is_zero(kernels, points, lattice))
-    if len(stuck):
-        beside = _slid(kernels, start[:, stuck] + ASIDE * lattice[3:, None], pool)
-        better = _is_zero(kernels, beside, lattice)
-        points[:, stuck[better]] = beside[:, better]
+    for again in (_from_beside, _on_all_active):
+        stuck = np.flatnonzero(~_is_zero(kernels, points, lattice))
+        if len(stuck):
+            other = again(kernels, start[:, stuck], points[:, stuck], lattice, pool)
+            good = _is_zero(kernels, other, lattice)
+            good &= (np.abs(other - start[:, stuck]) <= REACH * lattice[3:].max()).all(axis=0)
+            points[:, stuck[good]] = other[:, good]
     return points
+
+
+def _from_beside(
+    kernels: SurfaceKernels, start: Floats, points: Floats, lattice: Floats, pool: Executor | None
+) -> Floats:
+    return _slid(kernels, start + ASIDE * lattice[3:, None], pool)
+
+
+def _on_all_active(
+    kernels: SurfaceKernels, start: Floats, points: Floats, lattice: Floats, pool: Executor | None
+) -> Floats:
+    """Newton's method on the leaves that are active in three steps from where points came to."""
+    count = points.shape[1]
+    places, value = columns(points), np.empty(padded(count))
+    leaf, visited = np.full(places.shape[1], -1, np.int16), np.empty((3, count), np.int16)
+    for row in visited:
+        kernels.value(count, places, value, leaf)
+        kernels.slide(count, leaf, places, 1)
+        row[:] = leaf[:count]
+    leaves = np.full((3, count), -1, np.int16)
+    for k, column in enumerate(visited.T.tolist()):
+        distinct = list(dict.fromkeys(column))
+        leaves[: len(distinct), k] = distinct
+    return solve(kernels, leaves, points, lattice, pool)
 
 
 def _is_zero(kernels: SurfaceKernels, points: Floats, lattice: Floats) -> NDArray[np.bool_]:
