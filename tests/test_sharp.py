@@ -328,6 +328,13 @@ def test_a_tube_is_open_at_both_ends():
     assert (status.genera, status.repeated_edges) == ((0,), 0)
 
 
+def test_corners_at_caps_that_no_crossing_shows_are_found():
+    """A knife's edge that leaves the bounds: its cells see two leaves, and a third and a fourth cut it."""
+    blade = rsym.conjunction(x * y / 3 - z, sp.Rational(3, 2) - x**2 / 4 - (y - z) ** 2)
+    mesher = rsym.Mesher(rsym.Shape(blade, AXES, bounds=((-1.6, 1.5), (-1.5, 1.7), (-1.4, 1.6))))
+    assert [mesher(cells).status.off_surface for cells in (12, 17, 21, 24)] == [None] * 4
+
+
 @pytest.mark.parametrize("thickness", [0.01, 0.001])
 @pytest.mark.parametrize("cells", [16, 48])
 def test_shells_thinner_than_a_cell_are_named(thickness, cells):

@@ -191,17 +191,17 @@ def _from_beside(
 def _on_all_active(
     kernels: SurfaceKernels, start: Floats, points: Floats, lattice: Floats, pool: Executor | None
 ) -> Floats:
-    """Newton's method on the leaves that are active in three steps from where points came to."""
+    """Newton's method on the three leaves that are active first, from where points came to."""
     count = points.shape[1]
     places, value = columns(points), np.empty(padded(count))
-    leaf, visited = np.full(places.shape[1], -1, np.int16), np.empty((3, count), np.int16)
+    leaf, visited = np.full(places.shape[1], -1, np.int16), np.empty((STEPS, count), np.int16)
     for row in visited:
         kernels.value(count, places, value, leaf)
         kernels.slide(count, leaf, places, 1)
         row[:] = leaf[:count]
     leaves = np.full((3, count), -1, np.int16)
     for k, column in enumerate(visited.T.tolist()):
-        distinct = list(dict.fromkeys(column))
+        distinct = list(dict.fromkeys(column))[:3]
         leaves[: len(distinct), k] = distinct
     return solve(kernels, leaves, points, lattice, pool)
 
