@@ -1,5 +1,7 @@
 """The mesher's kernels against plain evaluations of the formulas at points."""
 
+import threading
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -9,6 +11,7 @@ from trees import trees
 
 import rsym
 from rsym import x, y, z
+from rsym.codegen import surface_kernels as module
 from rsym.codegen.sign_form import surface_form
 from rsym.codegen.surface_kernels import SurfaceKernels, padded, surface_kernels
 from rsym.errors import RsymError
@@ -119,6 +122,19 @@ def test_letters_change_nothing_but_constants():
         points[0, 0] = radius
         one.value(1, points, value, leaf)
         assert value[0] == 0
+
+
+def test_what_a_thread_compiles_ahead_is_not_compiled_again(monkeypatch):
+    made, code = [], module.surface_code
+    monkeypatch.setattr(module, "surface_code", lambda formulas: made.append(formulas) or code(formulas))
+    ellipsoid = rsym.Shape(sp.Rational(7, 9) - x**2 - 3 * y**2 - z**2, (x, y, z))
+    module.compile_ahead(surface_form(ellipsoid))
+    kernels = surface_kernels(surface_form(ellipsoid))
+    for thread in threading.enumerate():
+        if thread.name == "rsym-compiler":
+            thread.join()
+    assert len(made) == 1
+    assert surface_kernels(surface_form(ellipsoid)).source is kernels.source
 
 
 @pytest.mark.parametrize("value", [-1, 2])
