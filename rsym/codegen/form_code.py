@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 
 from rsym.codegen.program import live
@@ -65,11 +65,9 @@ class ReducedForm:
         formulas: SurfaceFormulas,
         r: Routine,
         named: bool,
-        places: Sequence[str] = ("%x", "%y", "%z"),
-        words: str = "%words",
     ) -> None:
-        self.formulas, self.r, self.named, self.words = formulas, r, named, words
-        self.known = formulas.points.inputs(dict(zip(formulas.coordinates, places, strict=True)))
+        self.formulas, self.r, self.named = formulas, r, named
+        self.known = formulas.points.inputs(dict(zip(formulas.coordinates, ("%x", "%y", "%z"), strict=True)))
         self.values: dict[int, tuple[str, str]] = {}
 
     def emit(self) -> tuple[str, str]:
@@ -124,7 +122,7 @@ class ReducedForm:
         """Skip the operand if its bit is set."""
         word, bit = divmod(2 * gate + position, WORD)
         r = self.r
-        flags = r.load(self.words, word, "i64")
+        flags = r.load("%words", word, "i64")
         idle = r.emit(f"icmp ne i64 {r.emit(f'and i64 {flags}, {1 << bit}')}, 0")
         r.label(f"ask{mark}")
         r.do(f"br i1 {idle}, label %join{mark}, label %work{mark}")

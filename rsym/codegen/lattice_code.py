@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rsym.codegen.form_code import NAMED, ReducedForm, better
+from rsym.codegen.form_code import NAMED, better
 from rsym.codegen.root_search import emit_root_search
 from rsym.codegen.routines import DOUBLES, LANES, SHORTS, Routine
 from rsym.codegen.surface_formulas import ENDS, WORD, SurfaceFormulas
@@ -70,8 +70,7 @@ def signs(s: SurfaceFormulas) -> Routine:
         with r.loop("0", "%points", LANES) as i:
             offset = [r.value(r.load(r.row("%offsets", "%points", k), i)) for k in range(3)]
             places = _lattice_points(r, [a + b for a, b in zip(corner, offset, strict=True)])
-            reduced, _ = ReducedForm(s, r, False, [place.name for place in places], words).emit()
-            value = r.value(reduced)
+            value = _call_form(r, places, words)
             r.store(r.mask(value.compare("oge", 0.0).name), target, r.emit(f"lshr i64 {i}, 3"), "i8")
             bad = r.mask(value.compare("uno", 0.0).name)
             before = r.load("%undefined", block, "i8")

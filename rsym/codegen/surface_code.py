@@ -15,11 +15,11 @@ from rsym.codegen.surface_formulas import SurfaceFormulas
 
 # What calls nothing of each other: LLVM compiles one after the other, and between two of them whoever waits for it,
 # as the import of numba does, has its turn.
-MODULES = ((boxes,), (form, named, crossings), (signs,), (value,), (leaf, slide), (enclose,))
+MODULES = ((boxes,), (form, named, signs, crossings), (value,), (leaf, slide), (enclose,))
 
 
 def surface_code(formulas: SurfaceFormulas) -> tuple[str, ...]:
-    """The modules with all routines; the first, with the constants, runs once for each choice of letters."""
+    """The modules: first the constants, which run once for each choice of letters; last `enclose`."""
     nodes = [*formulas.points.program.nodes, *formulas.bounds.program.nodes]
     head = [
         *declarations(VECTORS["float64"], nodes),

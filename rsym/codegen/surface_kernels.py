@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, TypeAlias
 
@@ -71,18 +71,28 @@ class SurfaceKernels:
     def __init__(self, form: SignForm) -> None:
         formulas = SurfaceFormulas(form)
         self.form, self.words, self.program = form, formulas.words, formulas.scaled_program
-        constants, *routines = surface_code(formulas)
-        self.source = "\n".join([constants, *routines])
+        constants, *routines, self._enclose_source = surface_code(formulas)
+        self.source = "\n".join([constants, *routines, self._enclose_source])
+        self._engines: list[Any] = []
+        self._functions: dict[str, Callable[..., None]] = {}
         # What runs once for a choice of letters is not worth optimising.
-        self._engines = [machine_code(constants, 0), *map(machine_code, routines)]
-        self._functions = {
-            name: ctypes.CFUNCTYPE(None, *kinds)(address)
-            for name, kinds in _SIGNATURES.items()
-            for engine in self._engines
-            if (address := engine.get_function_address(name))
-        }
+        self._load(machine_code(constants, 0))
+        for routine in routines:
+            self._load(machine_code(routine))
         self._constants = np.zeros(max(1, formulas.points.constants + formulas.bounds.constants))
         self._check()
+
+    def _load(self, engine: Any) -> None:
+        self._engines.append(engine)
+        for name, kinds in _SIGNATURES.items():
+            if address := engine.get_function_address(name):
+                self._functions[name] = ctypes.CFUNCTYPE(None, *kinds)(address)
+
+    def load_enclose(self) -> None:
+        """Compile what only certificates need: a third of all code, and a mesh can do without."""
+        with _finishing:
+            if "enclose" not in self._functions:
+                self._load(machine_code(self._enclose_source))
 
     def copy(self) -> SurfaceKernels:
         """The same code with letters of its own."""
@@ -217,6 +227,7 @@ class SurfaceKernels:
         self, count: int, leaf: NDArray[np.int16], lower: Floats, upper: Floats, bounds: Floats, first: int = 0
     ) -> None:
         """Bounds (8, m) of value and gradient of the leaf of each box: value lower, upper, then each derivative's."""
+        self.load_enclose()
         n, low, high, out = (_from(array, first) for array in (leaf, lower, upper, bounds))
         self._call("enclose", count, n, low, high, lower.shape[1], self._constants, out, bounds.shape[1])
 
@@ -258,7 +269,7 @@ def _from(array: NDArray[Any], first: int) -> int:
 
 
 _kernels: dict[str, SurfaceKernels] = {}
-_making = threading.Lock()
+_making, _finishing = threading.Lock(), threading.Lock()
 # A megabyte each; a session has a few models open.
 _MOST_KERNELS = 32
 
@@ -289,6 +300,6 @@ def compile_ahead(form: SignForm) -> None:
 
     def work() -> None:
         with suppress(RsymError):  # raised again for those who ask
-            surface_kernels(form)
+            surface_kernels(form).load_enclose()
 
     threading.Thread(target=work, name="rsym-compiler").start()

@@ -1,8 +1,11 @@
-"""Clusters: cells that are neighbours by faces, edges or corners."""
+"""Clusters: connected components of what is joined in pairs, of neighbouring cells above all."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from rsym.sampling.sharp.boxes import Ints
 
@@ -21,6 +24,17 @@ def clusters(cells: Ints) -> Ints:
             here = np.flatnonzero(key[order[at]] == near)
             pairs.append(np.stack([here, order[at[here]]]))
     one, other = np.concatenate(pairs, axis=1)
+    return components(one, other, count)
+
+
+def components(one: NDArray[np.integer[Any]], other: NDArray[np.integer[Any]], count: int) -> Ints:
+    """The number of the connected component of each of so many things, of which some pairs are joined.
+
+    Examples
+    --------
+    >>> components(np.array([0, 3]), np.array([2, 2]), 5).tolist()
+    [0, 1, 0, 0, 2]
+    """
     label = np.arange(count)
     while True:
         # The lowest number on either side of a pair, then that of whoever bears it: a chain shortens by halves.

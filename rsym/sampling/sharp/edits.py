@@ -13,8 +13,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
+from rsym.sampling.sharp.clusters import components
 from rsym.sampling.sharp.flaws import FLATNESS, Adjacency, smallest
 from rsym.sampling.sharp.stitching import stitch
 
@@ -88,8 +88,8 @@ class _Soup:
         if not len(short):
             return False
         ids, local = np.unique(np.stack([tail[short], head[short]]), return_inverse=True)
-        pairs = sparse.coo_array((np.ones(len(short), bool), local), shape=(len(ids), len(ids)))
-        _, label = sparse.csgraph.connected_components(pairs, directed=False)
+        one_end, other_end = local.reshape(2, -1)
+        label = components(one_end, other_end, len(ids))
         _, first = np.unique(label, return_index=True)
         one = dict(zip(ids.tolist(), ids[first[label]].tolist(), strict=True))
         for face, (a, b, c) in list(self.corners.items()):

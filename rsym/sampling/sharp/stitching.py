@@ -14,7 +14,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
+
+from rsym.sampling.sharp.clusters import components
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
@@ -87,8 +88,7 @@ def _fans(faces: Faces, mates: Ints, inner: Any, vertices: int) -> tuple[Faces, 
     """The triangles with a vertex of its own for each fan, and of which vertices the new ones are copies."""
     half = np.flatnonzero(mates >= 0)
     following = mates[half] // 3 * 3 + (mates[half] + 1) % 3
-    graph = sparse.coo_array((np.ones(len(half), bool), (half, following)), shape=(faces.size,) * 2)
-    _, fan = sparse.csgraph.connected_components(graph, directed=False)
+    fan = components(half, following, faces.size)
     _, first = np.unique(fan, return_index=True)
     vertex = faces.ravel()[first]
     _, kept = np.unique(vertex, return_index=True)
