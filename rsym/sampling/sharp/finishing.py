@@ -31,17 +31,32 @@ class Triangles:
     faces: Faces
     leaf: NDArray[np.int16]
 
-    def used(self) -> Triangles:
-        """Without the vertices that no face has."""
-        return self.some(np.ones(len(self.faces), np.bool_))
-
     def some(self, which: NDArray[np.bool_]) -> Triangles:
         """Some of the faces, and their vertices."""
-        faces = self.faces[which]
+        return Triangles(self.vertices, self.faces[which], self.leaf[which]).renumbered()
+
+    def renumbered(self) -> Triangles:
+        """Without the vertices that no face has; the faces change in place."""
         used = np.zeros(len(self.vertices), np.bool_)
-        used[faces] = True
-        number = np.cumsum(used, dtype=np.int32) - 1
-        return Triangles(self.vertices[used], number[faces], self.leaf[which])
+        _mark(self.faces, used)
+        if used.all():
+            return self
+        _renumber(self.faces, np.cumsum(used, dtype=np.int32) - np.int32(1))
+        return Triangles(self.vertices[used], self.faces, self.leaf)
+
+
+@loop
+def _mark(faces: Faces, used: NDArray[np.bool_]) -> None:
+    for f in range(len(faces)):
+        for k in range(3):
+            used[faces[f, k]] = True
+
+
+@loop
+def _renumber(faces: Faces, number: Faces) -> None:
+    for f in range(len(faces)):
+        for k in range(3):
+            faces[f, k] = number[faces[f, k]]
 
 
 @loop
@@ -90,4 +105,4 @@ def _edited(whole: Triangles, adjacency: Adjacency, flawed: Ints, points: Floats
         np.concatenate([whole.vertices, found.points.T]),
         np.concatenate([whole.faces[found.remain], found.faces]),
         np.concatenate([whole.leaf[found.remain], found.leaf]),
-    ).used()
+    ).renumbered()
