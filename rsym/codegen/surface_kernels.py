@@ -16,11 +16,11 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.checking import CHECK_POINTS, check_at
+from rsym.codegen.checking import CHECK_POINTS
 from rsym.codegen.interpreter import interpret
+from rsym.codegen.leaf_check import check_leaves
 from rsym.codegen.llvm_code import machine_code
 from rsym.codegen.operations import OPERATIONS
-from rsym.codegen.precision import FLOAT64
 from rsym.codegen.routines import LANES
 from rsym.codegen.sign_form import SignForm, cap_letters
 from rsym.codegen.surface_code import surface_code
@@ -80,7 +80,7 @@ class SurfaceKernels:
         for routine in routines:
             self._load(machine_code(routine))
         self._constants = np.zeros(max(1, formulas.points.constants + formulas.bounds.constants))
-        self._check()
+        check_leaves(self)
 
     def _load(self, engine: Any) -> None:
         self._engines.append(engine)
@@ -113,10 +113,11 @@ class SurfaceKernels:
         plain = [values.get(name, 1.0) for name in self.form.builder.letters]
         twice = np.repeat(plain, 2)
         self._functions["box_constants"](twice.ctypes.data, self._constants.ctypes.data)
-        self._set_points([*plain, *[1.0] * len(self.form.leaves)])
-        self._set_points([*plain, *self._scales(bounds)])
+        self.set_points([*plain, *[1.0] * len(self.form.leaves)])
+        self.set_points([*plain, *self._scales(bounds)])
 
-    def _set_points(self, letters: Sequence[float]) -> None:
+    def set_points(self, letters: Sequence[float]) -> None:
+        """Take the letters and scales of leaves at points as they are."""
         array = np.array(letters)
         self._functions["point_constants"](array.ctypes.data, self._constants.ctypes.data)
 
@@ -234,34 +235,6 @@ class SurfaceKernels:
     def _call(self, name: str, *arguments: Any) -> None:
         self._functions[name](*(a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments))
 
-    def _check(self) -> None:
-        """All leaves against the interpreter: a miscompiled formula must never leave this module."""
-        generator = np.random.default_rng(20130605)
-        points = [generator.uniform(-1, 1, CHECK_POINTS) for _ in range(3)]
-        letters = [1.0 + k / 8 for k in range(len(self.program.letters))]
-        check_at(self.program, _AllLeaves(self), FLOAT64, points, letters)
-
-
-class _AllLeaves:
-    """Values and gradients of all leaves, as a backend computes outputs."""
-
-    block_size = CHECK_POINTS
-    source = ""
-
-    def __init__(self, kernels: SurfaceKernels) -> None:
-        self.kernels = kernels
-
-    def run(self, coordinates: Sequence[Floats], letters: Sequence[float], outputs: Sequence[Floats]) -> None:
-        kernels, count = self.kernels, len(coordinates[0])
-        kernels._set_points(letters)
-        points = np.zeros((3, padded(count)))
-        points[:, :count] = coordinates
-        value, gradient = np.zeros(points.shape[1]), np.zeros(points.shape)
-        for number in range(len(kernels.form.leaves)):
-            kernels.leaf(count, np.full(points.shape[1], number, np.int16), points, value, gradient)
-            for row, output in zip((value, *gradient), outputs[4 * number : 4 * number + 4], strict=True):
-                output[:] = row[:count]
-
 
 def _from(array: NDArray[Any], first: int) -> int:
     """The address of a column."""
@@ -270,7 +243,7 @@ def _from(array: NDArray[Any], first: int) -> int:
 
 _kernels: dict[str, SurfaceKernels] = {}
 _making, _finishing = threading.Lock(), threading.Lock()
-# A megabyte each; a session has a few models open.
+# A megabyte each; a notebook has a few models open.
 _MOST_KERNELS = 32
 
 
