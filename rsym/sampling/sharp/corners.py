@@ -1,7 +1,7 @@
 """Vertices on edges and corners: Newton's method on two or three leaves at once, without thresholds.
 
-Which leaves meet in a patch is known from its crossings. A solution counts if it lies on the surface and within two
-cells of its own: a feature may pass beside the cell whose crossings show it.
+Which leaves meet in a patch is known from its crossings. A solution counts if it lies on the surface and within
+reach: a feature may pass beside the cell whose crossings show it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ Shorts: TypeAlias = NDArray[np.int16]
 
 # A fixed number, so that no point depends on the others. Planes take one step, the edges of the car at most five.
 STEPS = 8
-REACH = 2.0  # cells
+# Cells. Leaves that meet at 14 degrees have their edge four cells beyond the last lattice point between them: with a
+# reach of two the headlights of the car have horns at 360 and 512 cells, with five there are folds at 200.
+REACH = 4.0
 # From a kink, in cells: far enough for a gradient.
 ASIDE = 1e-7 * np.array([[3.0], [4.0], [5.0]])
 MOST_LEAVES = 6  # of a patch that are told apart
