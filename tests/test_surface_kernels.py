@@ -182,3 +182,12 @@ def test_more_gates_than_bits_of_a_word():
 def test_points_of_a_block_are_in_the_order_of_its_bits():
     assert np.array_equal(_offsets()[:, :729], BLOCK)
     assert isinstance(kernels_of(x), SurfaceKernels)
+
+
+@pytest.mark.parametrize("expression", [abs(x), x**2, rsym.disjunction(x, -x)])
+def test_a_zero_without_a_change_of_sign_is_kept(expression):
+    """Every block that the plane x = 0 passes through, those in the middle of the bounds too."""
+    corner = find_blocks(kernels_of(expression), LATTICE, CELLS).corner
+    ends = [LATTICE[0] + LATTICE[3] * (corner[0] + shift) for shift in (0, 8)]
+    on_plane = corner[1:, (ends[0] <= 0) & (ends[1] >= 0)]
+    assert len(np.unique(on_plane, axis=1).T) == 16

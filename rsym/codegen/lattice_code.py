@@ -41,7 +41,7 @@ def boxes(s: SurfaceFormulas) -> Routine:
                 words[word] = _with_bit(r, words[word], idle.name, bit)
             ends.append([_extreme(operation, a, b) for a, b in zip(ends[first], ends[second], strict=True)])
         lower, upper = ends[-1]
-        keep = r.emit(f"and <{LANES} x i1> {(lower < 0.0).name}, {upper.compare('oge', 0.0).name}")
+        keep = r.emit(f"and <{LANES} x i1> {lower.compare('ole', 0.0).name}, {upper.compare('oge', 0.0).name}")
         r.store(r.mask(keep), "%keep", r.emit(f"lshr i64 {i}, 3"), "i8")
         for word, flags in enumerate(words):
             r.store(flags, r.row("%skip", "%stride", word), i, f"<{LANES} x i64>")
