@@ -1,0 +1,1 @@
+"""Parametric surfaces: patches over a rectangle of parameters, and their joining."""

@@ -1,0 +1,151 @@
+"""Fundamental forms, normals and curvatures of patches, at poles too.
+
+At a pole one derivative vanishes along an edge, p_u = 0 say. With d the distance in v to the pole, p_u/d tends to
+p_uv: so normal and first form are those of the basis (p_uv, p_v). The second form in that basis is
+
+    L = n_v . p_uuv + n . p_uuvv/2,   M = n . p_uvv/2,   N = n . p_vv,
+
+where n_v lies in the tangent plane and n_v . p_v = -N, n_v . p_uv = -M (from n . p_v = 0 and n . p_u = 0).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rsym.surfaces.parameters import Interval
+
+Array: TypeAlias = NDArray[np.float64]
+LetterValues: TypeAlias = Mapping[Any, float] | None
+
+# Share d of the way to a pole below which its own value is used. The limit is off by about d; p_u x p_v by eps/d in
+# the normal and eps/d**2 in the curvature: so both ways cost the same at eps**(1/2) and eps**(1/3).
+NORMAL_LIMIT, CURVATURE_LIMIT = 1.5e-8, 6e-6
+
+SECOND = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+POLE = ((1, 1), (0, 1), (0, 2), (1, 2), (2, 1), (2, 2))
+
+
+class Surface(Protocol):
+    """What has derivatives over a rectangle."""
+
+    @property
+    def domain(self) -> tuple[Interval, Interval]:
+        """The intervals of u and v."""
+
+    def derivatives(self, u: ArrayLike, v: ArrayLike, orders: Any, *, letters: LetterValues = None) -> list[Array]:
+        """Several derivatives, (..., 3) each."""
+
+
+class Forms(NamedTuple):
+    """A normal and the coefficients of both fundamental forms in one basis of the tangent plane."""
+
+    normal: Array
+    E: Array
+    F: Array
+    G: Array
+    L: Array
+    M: Array
+    N: Array
+
+
+def dot(a: Array, b: Array) -> Array:
+    """The scalar product along the last axis."""
+    return np.asarray(np.einsum("...i,...i->...", a, b))
+
+
+def normals(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Array:
+    """Unit normals (..., 3); NaN where the surface has none."""
+    p_u, p_v, p_uv = surface.derivatives(u, v, ((1, 0), (0, 1), (1, 1)), letters=letters)
+    result = _unit(np.cross(p_u, p_v))
+    for axis, at_pole in enumerate(_poles(surface, p_u, p_v, p_uv, NORMAL_LIMIT)):
+        if at_pole.any():
+            side = _side(surface, (u, v)[1 - axis], 1 - axis, result.shape[:-1])[at_pole][:, None]
+            first, second = (side * p_uv[at_pole], p_v[at_pole]) if axis == 0 else (p_u[at_pole], side * p_uv[at_pole])
+            result[at_pole] = _unit(np.cross(first, second))
+    return result
+
+
+def first_form(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Array:
+    """[[E, F], [F, G]], (..., 2, 2)."""
+    p_u, p_v = surface.derivatives(u, v, ((1, 0), (0, 1)), letters=letters)
+    return _matrix(dot(p_u, p_u), dot(p_u, p_v), dot(p_v, p_v))
+
+
+def second_form(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Array:
+    """[[L, M], [M, N]], (..., 2, 2)."""
+    n = normals(surface, u, v, letters)
+    p_uu, p_uv, p_vv = surface.derivatives(u, v, ((2, 0), (1, 1), (0, 2)), letters=letters)
+    return _matrix(dot(n, p_uu), dot(n, p_uv), dot(n, p_vv))
+
+
+def curvatures(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> tuple[Array, Array]:
+    """The Gaussian and the mean curvature; NaN where the surface has none."""
+    one = limit_forms(surface, u, v, letters)
+    with np.errstate(all="ignore"):
+        area = one.E * one.G - one.F**2
+        gaussian = (one.L * one.N - one.M**2) / area
+        mean = (one.E * one.N - 2 * one.F * one.M + one.G * one.L) / (2 * area)
+    return gaussian, mean
+
+
+def principal(gaussian: Array, mean: Array) -> Array:
+    """The principal curvatures (..., 2), the larger first."""
+    root = np.sqrt(np.maximum(mean**2 - gaussian, 0.0))
+    return np.stack([mean + root, mean - root], axis=-1)
+
+
+def limit_forms(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Forms:
+    """Both forms in the basis (p_u, p_v); at a pole in the basis that p_u over the distance to it tends to."""
+    p_u, p_v, p_uu, p_uv, p_vv = surface.derivatives(u, v, SECOND, letters=letters)
+    n = normals(surface, u, v, letters)
+    found = [dot(p_u, p_u), dot(p_u, p_v), dot(p_v, p_v), dot(n, p_uu), dot(n, p_uv), dot(n, p_vv)]
+    for axis, at_pole in enumerate(_poles(surface, p_u, p_v, p_uv, CURVATURE_LIMIT)):
+        if at_pole.any():
+            places = [np.broadcast_to(np.asarray(one, np.float64), at_pole.shape)[at_pole] for one in (u, v)]
+            limits = _pole_forms(surface, places, axis, n[at_pole], letters)
+            for known, limit in zip(found, limits, strict=True):
+                known[at_pole] = limit
+    return Forms(n, *found)
+
+
+def _pole_forms(surface: Surface, places: list[Array], axis: int, n: Array, letters: LetterValues) -> list[Array]:
+    """E, F, G, L, M, N at poles where the derivative along the axis vanishes."""
+    orders = [order if axis == 0 else order[::-1] for order in POLE]
+    p_uv, p_v, p_vv, p_uvv, p_uuv, p_uuvv = surface.derivatives(*places, orders, letters=letters)
+    E, F, G = dot(p_uv, p_uv), dot(p_uv, p_v), dot(p_v, p_v)
+    M, N = dot(n, p_uvv) / 2, dot(n, p_vv)
+    with np.errstate(all="ignore"):
+        area = E * G - F**2
+        n_v = ((F * N - G * M) / area)[..., None] * p_uv + ((F * M - E * N) / area)[..., None] * p_v
+    L = dot(n_v, p_uuv) + dot(n, p_uuvv) / 2
+    return [E, F, G, L, M, N] if axis == 0 else [G, F, E, N, M, L]
+
+
+def _poles(surface: Surface, p_u: Array, p_v: Array, p_uv: Array, share: float) -> tuple[Array, Array]:
+    """Where p_u vanishes beside p_uv, and where p_v does."""
+    (u0, u1), (v0, v1) = surface.domain
+    turning = np.sqrt(dot(p_uv, p_uv))
+    sizes = [np.sqrt(dot(one, one)) for one in (p_u, p_v)]
+    at_u, at_v = sizes[0] < share * turning * (v1 - v0), sizes[1] < share * turning * (u1 - u0)
+    return at_u & ~at_v, at_v & ~at_u
+
+
+def _side(surface: Surface, values: ArrayLike, axis: int, shape: tuple[int, ...]) -> Array:
+    """1 at the lower half of the interval and -1 at the upper: the sign of the way inwards."""
+    low, high = surface.domain[axis]
+    given = np.broadcast_to(np.asarray(values, np.float64), shape)
+    return np.where(given > (low + high) / 2, -1.0, 1.0)
+
+
+def _matrix(a: Array, b: Array, c: Array) -> Array:
+    return np.stack([np.stack([a, b], axis=-1), np.stack([b, c], axis=-1)], axis=-2)
+
+
+def _unit(vectors: Array) -> Array:
+    with np.errstate(all="ignore"):
+        lengths = np.sqrt(dot(vectors, vectors))[..., None]
+        return np.where(lengths > 0, vectors / lengths, np.nan)

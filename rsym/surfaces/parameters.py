@@ -1,0 +1,58 @@
+"""Parameters: arrays of numbers in an interval that may be closed."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rsym.errors import RsymError
+
+Array: TypeAlias = NDArray[np.float64]
+Interval: TypeAlias = tuple[float, float]
+
+# Parameters this share of the interval outside of it are rounding, and moved to its end.
+ROUNDING = 1e-12
+
+
+def parameter_arrays(*given: ArrayLike) -> list[Array]:
+    """Float64 arrays that broadcast against each other, in the shapes given."""
+    try:
+        arrays = [np.asarray(one, np.float64) for one in given]
+    except (TypeError, ValueError) as error:
+        raise RsymError("parameters must be real arrays", code="array") from error
+    try:
+        np.broadcast_shapes(*(one.shape for one in arrays))
+    except ValueError as error:
+        shapes = " and ".join(str(one.shape) for one in arrays)
+        raise RsymError(
+            f"parameters of the shapes {shapes} do not broadcast",
+            code="array",
+            remedy="use patch.grid(u, v) for vectors of different length",
+        ) from error
+    return arrays
+
+
+def inside(values: Array, interval: Interval, closed: bool, name: str) -> Array:
+    """The values in the interval: modulo its length if it is closed, otherwise refused if they lie outside.
+
+    Examples
+    --------
+    >>> inside(np.array([-0.25, 1.5]), (0.0, 1.0), True, "u").tolist()
+    [0.75, 0.5]
+    """
+    low, high = interval
+    if closed:
+        turned: Array = low + np.mod(values - low, high - low)
+        # The upper end stays where it is, so that a closed grid ends where it should.
+        return np.where((values >= low) & (values <= high), values, turned)
+    room = ROUNDING * (high - low)
+    outside = (values < low - room) | (values > high + room)
+    if outside.any():
+        raise RsymError(
+            f"{name} must lie in [{low:g}, {high:g}], got {values[outside].flat[0]:.17g}",
+            code="domain",
+            remedy=f"the ends are patch.domain; {int(outside.sum())} of {values.size} values lie outside",
+        )
+    return np.clip(values, low, high)

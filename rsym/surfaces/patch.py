@@ -1,0 +1,141 @@
+"""Patches: surfaces p(u, v) in space over a rectangle of parameters.
+
+A kind of patch says what its derivatives are; points, normals, curvatures,
+meshes and formulas follow from them here.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike, NDArray
+
+from rsym.errors import RsymError
+from rsym.model.letters import Letters
+from rsym.surfaces import forms
+from rsym.surfaces.parameters import Interval, inside, parameter_arrays
+
+Array: TypeAlias = NDArray[np.float64]
+Domain: TypeAlias = tuple[Interval, Interval]
+Orders: TypeAlias = Sequence[tuple[int, int]]
+LetterValues: TypeAlias = Mapping[Any, float] | None
+
+
+class Patch(ABC):
+    """A surface p(u, v): parameters broadcast, points come back as (..., 3).
+
+    `letters` overrides the defaults of the letters by name. The normal is that of p_u x p_v; curvatures are positive
+    where the surface bends towards its normal. In a closed direction parameters are taken modulo the period.
+
+    Examples
+    --------
+    >>> class Saddle(Patch):
+    ...     domain = ((-1.0, 1.0), (-1.0, 1.0))
+    ...     def evaluate(self, u, v, orders, letters=None):
+    ...         zero = 0 * u * v
+    ...         known = {(0, 0): (u + zero, v + zero, u * v), (1, 0): (1, 0, v), (0, 1): (0, 1, u), (1, 1): (0, 0, 1)}
+    ...         return [np.stack([zero + one for one in known.get(order, (0, 0, 0))], axis=-1) for order in orders]
+    >>> Saddle()(0.5, [0.0, 1.0]).tolist()
+    [[0.5, 0.0, 0.0], [0.5, 1.0, 0.5]]
+    >>> Saddle().grid([0.0, 0.5, 1.0], [0.0, 1.0]).shape
+    (3, 2, 3)
+    >>> float(Saddle().gaussian_curvature(0, 0))
+    -1.0
+    """
+
+    @property
+    @abstractmethod
+    def domain(self) -> Domain:
+        """The intervals of u and v."""
+
+    @property
+    def closed(self) -> tuple[bool, bool]:
+        """Whether the surface closes smoothly in u, and in v."""
+        return (False, False)
+
+    @property
+    def letters(self) -> Letters:
+        """The named parameters."""
+        return Letters({})
+
+    @abstractmethod
+    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
+        """The derivatives d^(i+j)p/du^i dv^j for each (i, j), at arrays that broadcast and lie in the domain."""
+
+    def expression(self) -> sp.ImmutableMatrix:
+        """The point (x, y, z) as SymPy expressions in `rsym.surfaces.symbols`' u and v and the letters."""
+        raise RsymError(
+            f"this {type(self).__name__} is not made of formulas alone",
+            code="no-formula",
+            remedy="give its curves as SymPy expressions",
+        )
+
+    def __call__(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+        """Points (..., 3)."""
+        return self.derivative(u, v, (0, 0), letters=letters)
+
+    def grid(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+        """Points (len u, len v, 3) at all pairs of two vectors."""
+        rows, columns = (np.atleast_1d(np.asarray(one, np.float64)) for one in (u, v))
+        if rows.ndim != 1 or columns.ndim != 1:
+            raise RsymError(
+                f"a grid is spanned by two vectors, got arrays of the shapes {rows.shape} and {columns.shape}",
+                code="array",
+                remedy="call the patch itself: patch(u, v) broadcasts",
+            )
+        return self(rows[:, None], columns[None, :], letters=letters)
+
+    def derivative(
+        self, u: ArrayLike, v: ArrayLike, order: tuple[int, int] = (1, 0), *, letters: LetterValues = None
+    ) -> Array:
+        """The derivative d^(i+j)p/du^i dv^j of order (i, j), as (..., 3)."""
+        return self.derivatives(u, v, (order,), letters=letters)[0]
+
+    def derivatives(self, u: ArrayLike, v: ArrayLike, orders: Orders, *, letters: LetterValues = None) -> list[Array]:
+        """Several derivatives at the same parameters; cheaper than one after the other."""
+        for order in orders:
+            if len(order) != 2 or any(isinstance(k, bool) or not isinstance(k, int) or k < 0 for k in order):
+                raise RsymError(f"an order is a pair of integers >= 0, got {order!r}", code="order")
+        rows, columns = parameter_arrays(u, v)
+        placed = [inside(one, *which) for one, which in zip((rows, columns), self._axes, strict=True)]
+        return self.evaluate(placed[0], placed[1], orders, letters)
+
+    @property
+    def _axes(self) -> tuple[tuple[Interval, bool, str], tuple[Interval, bool, str]]:
+        (first, second), (round_u, round_v) = self.domain, self.closed
+        return (first, round_u, "u"), (second, round_v, "v")
+
+    def normal(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+        """Unit normals (..., 3): p_u x p_v over its length; at a pole, where one of them is 0, the limit from inside."""
+        return forms.normals(self, u, v, letters)
+
+    def first_fundamental_form(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+        """[[E, F], [F, G]] = products of p_u and p_v, (..., 2, 2)."""
+        return forms.first_form(self, u, v, letters)
+
+    def second_fundamental_form(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+        """[[L, M], [M, N]] = products of the normal with p_uu, p_uv, p_vv, (..., 2, 2)."""
+        return forms.second_form(self, u, v, letters)
+
+    def gaussian_curvature(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+        """K = (LN - M**2)/(EG - F**2); at a pole its limit."""
+        return forms.curvatures(self, u, v, letters)[0]
+
+    def mean_curvature(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+        """H = (EN - 2FM + GL)/(2(EG - F**2)); at a pole its limit."""
+        return forms.curvatures(self, u, v, letters)[1]
+
+    def principal_curvatures(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+        """H + sqrt(H**2 - K) and H - sqrt(H**2 - K), (..., 2)."""
+        return forms.principal(*forms.curvatures(self, u, v, letters))
+
+    def _repr_latex_(self) -> str | None:
+        """The formula for a notebook; none where the patch is not a formula."""
+        try:
+            return f"$\\displaystyle {sp.latex(self.expression())}$"
+        except RsymError:
+            return None
