@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from rsym.surfaces.parameters import Interval
 
 Array: TypeAlias = NDArray[np.float64]
+Flags: TypeAlias = NDArray[np.bool_]
 LetterValues: TypeAlias = Mapping[Any, float] | None
 
 # Share d of the way to a pole below which its own value is used. The limit is off by about d; p_u x p_v by eps/d in
@@ -115,7 +116,7 @@ def limit_forms(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterVal
 def _pole_forms(surface: Surface, places: list[Array], axis: int, n: Array, letters: LetterValues) -> list[Array]:
     """E, F, G, L, M, N at poles where the derivative along the axis vanishes."""
     orders = [order if axis == 0 else order[::-1] for order in POLE]
-    p_uv, p_v, p_vv, p_uvv, p_uuv, p_uuvv = surface.derivatives(*places, orders, letters=letters)
+    p_uv, p_v, p_vv, p_uvv, p_uuv, p_uuvv = surface.derivatives(places[0], places[1], orders, letters=letters)
     E, F, G = dot(p_uv, p_uv), dot(p_uv, p_v), dot(p_v, p_v)
     M, N = dot(n, p_uvv) / 2, dot(n, p_vv)
     with np.errstate(all="ignore"):
@@ -125,7 +126,7 @@ def _pole_forms(surface: Surface, places: list[Array], axis: int, n: Array, lett
     return [E, F, G, L, M, N] if axis == 0 else [G, F, E, N, M, L]
 
 
-def _poles(surface: Surface, p_u: Array, p_v: Array, p_uv: Array, share: float) -> tuple[Array, Array]:
+def _poles(surface: Surface, p_u: Array, p_v: Array, p_uv: Array, share: float) -> tuple[Flags, Flags]:
     """Where p_u vanishes beside p_uv, and where p_v does."""
     (u0, u1), (v0, v1) = surface.domain
     turning = np.sqrt(dot(p_uv, p_uv))

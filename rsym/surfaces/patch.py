@@ -110,7 +110,7 @@ class Patch(ABC):
         return (first, round_u, "u"), (second, round_v, "v")
 
     def normal(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
-        """Unit normals (..., 3): p_u x p_v over its length; at a pole, where one of them is 0, the limit from inside."""
+        """Unit normals (..., 3): p_u x p_v over its length; at a pole, where one is 0, the limit from inside."""
         return forms.normals(self, u, v, letters)
 
     def first_fundamental_form(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:

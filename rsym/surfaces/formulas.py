@@ -1,0 +1,114 @@
+"""SymPy expressions of parameters and letters as compiled functions, derivatives to any order included."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from rsym.codegen.backends import CompiledFunction, default_backend
+from rsym.codegen.builder import Builder
+from rsym.codegen.checking import CHECK_POINTS, check_at
+from rsym.codegen.differentiation import derivative
+from rsym.codegen.kernel import checked_threads, compiled, run_in_blocks
+from rsym.codegen.lowering import lower_all
+from rsym.codegen.precision import FLOAT64
+from rsym.codegen.program import Program
+from rsym.errors import RsymError
+from rsym.model.letters import Letters
+from rsym.model.symbols import real_replacements
+from rsym.model.traversal import symbols_of
+from rsym.surfaces.parameters import Interval
+
+Array: TypeAlias = NDArray[np.float64]
+Order: TypeAlias = tuple[int, ...]
+
+
+class CompiledFormulas:
+    """Expressions of named parameters: one program and one kernel for each set of derivatives asked for.
+
+    Examples
+    --------
+    >>> from rsym.surfaces.symbols import u, v
+    >>> formulas = CompiledFormulas([u * v**2, u + v], ("u", "v"), Letters({}), ((0.0, 1.0), (0.0, 1.0)))
+    >>> formulas.evaluate([np.array([2.0, 3.0]), np.array([1.0, 1.0])], [(0, 0), (0, 1)], {}).tolist()
+    [[[2.0, 3.0], [3.0, 4.0]], [[4.0, 6.0], [1.0, 1.0]]]
+    """
+
+    def __init__(
+        self,
+        expressions: Sequence[sp.Expr],
+        parameters: tuple[str, ...],
+        letters: Letters,
+        domain: Sequence[Interval],
+    ) -> None:
+        self.expressions = tuple(expressions)
+        self.parameters = parameters
+        self.letters = letters
+        self.domain = tuple(domain)
+        self._functions: dict[tuple[Order, ...], tuple[Program, CompiledFunction]] = {}
+
+    def program(self, orders: Sequence[Order]) -> Program:
+        """The program of the derivatives, order by order and expression by expression."""
+        builder = Builder(self.parameters, tuple(self.letters))
+        outputs: dict[str, int] = {}
+        values = lower_all(builder, self.expressions)
+        for order in orders:
+            for number, node in enumerate(values):
+                for name, times in zip(self.parameters, order, strict=True):
+                    for _ in range(times):
+                        node = derivative(builder, node, name)
+                outputs[f"{number}{''.join(f'_{times}' for times in order)}"] = node
+        return builder.program(outputs)
+
+    def evaluate(self, arrays: Sequence[Array], orders: Sequence[Order], letters: Mapping[str, float]) -> Array:
+        """The derivatives (len orders, len expressions, *shape) at arrays that broadcast; `letters` holds them all."""
+        asked = tuple(orders)
+        if asked not in self._functions:
+            self._functions[asked] = self._compile(asked)
+        program, function = self._functions[asked]
+        full = np.broadcast_arrays(*arrays)
+        out = np.empty((len(program.outputs), *full[0].shape))
+        run_in_blocks(function, full, [letters[name] for name in program.letters], out, checked_threads(None))
+        return out.reshape(len(asked), len(self.expressions), *full[0].shape)
+
+    def _compile(self, orders: tuple[Order, ...]) -> tuple[Program, CompiledFunction]:
+        program = self.program(tuple(dict.fromkeys(orders)))
+        if len(program.outputs) != len(orders) * len(self.expressions):
+            raise RsymError(f"an order is asked for twice in {orders}", code="order")
+        return program, compiled(program, default_backend(), FLOAT64, lambda made: self._check(program, made))
+
+    def _check(self, program: Program, function: CompiledFunction) -> None:
+        generator = np.random.default_rng(19740501)
+        points = [generator.uniform(low, high, CHECK_POINTS) for low, high in self.domain]
+        check_at(program, function, FLOAT64, points, [float(self.letters[name].default) for name in program.letters])
+
+
+def real_expressions(
+    expressions: Sequence[sp.Expr], parameter: sp.Symbol, names: Sequence[str], letters: Letters, what: str
+) -> tuple[list[sp.Expr], Letters]:
+    """The expressions in real symbols and one parameter, which may be written by any of the names; and their letters.
+
+    Raises
+    ------
+    RsymError
+        For a symbol that is neither the parameter nor a letter, or a parameter under two names.
+    """
+    free = {symbol.name for symbol in symbols_of(*expressions)}
+    used = sorted(name for name in free if name in names and name not in letters)
+    unknown = sorted(free - set(used) - set(letters))
+    if unknown or len(used) > 1:
+        found = f"the unknown symbol {unknown[0]!r}" if unknown else f"the parameters {' and '.join(used)}"
+        raise RsymError(
+            f"{what} has one parameter, written {' or '.join(names)}, and letters; it has {found}",
+            code="unknown-letter",
+            remedy=f"declare it: letters={{{unknown[0]!r}: number}}" if unknown else "write it in one parameter",
+        )
+    changes: dict[Any, Any] = dict(real_replacements(expressions))
+    if used and used[0] != parameter.name:
+        changes |= {symbol: parameter for symbol in symbols_of(*expressions) if symbol.name == used[0]}
+    replaced = [expression.xreplace(changes) for expression in expressions]
+    return replaced, Letters({name: letters[name] for name in letters if name in free})
