@@ -65,7 +65,7 @@ class CompiledFormulas:
         return builder.program(outputs)
 
     def evaluate(self, arrays: Sequence[Array], orders: Sequence[Order], letters: Mapping[str, float]) -> Array:
-        """The derivatives (len orders, len expressions, *shape) at arrays that broadcast; `letters` holds them all."""
+        """The derivatives (len orders, len expressions, *shape) at arrays that broadcast; the orders are distinct."""
         asked = tuple(orders)
         if asked not in self._functions:
             self._functions[asked] = self._compile(asked)
@@ -75,10 +75,14 @@ class CompiledFormulas:
         run_in_blocks(function, full, [letters[name] for name in program.letters], out, checked_threads(None))
         return out.reshape(len(asked), len(self.expressions), *full[0].shape)
 
+    def points(self, u: Array, v: Array, orders: Sequence[Order], letters: Mapping[str, float]) -> list[Array]:
+        """The derivatives of three coordinates, (..., 3) each; an order may be asked for twice."""
+        distinct = tuple(dict.fromkeys((int(i), int(j)) for i, j in orders))
+        parts = [np.ascontiguousarray(np.moveaxis(part, 0, -1)) for part in self.evaluate([u, v], distinct, letters)]
+        return [parts[distinct.index((i, j))] for i, j in orders]
+
     def _compile(self, orders: tuple[Order, ...]) -> tuple[Program, CompiledFunction]:
-        program = self.program(tuple(dict.fromkeys(orders)))
-        if len(program.outputs) != len(orders) * len(self.expressions):
-            raise RsymError(f"an order is asked for twice in {orders}", code="order")
+        program = self.program(orders)
         return program, compiled(program, default_backend(), FLOAT64, lambda made: self._check(program, made))
 
     def _check(self, program: Program, function: CompiledFunction) -> None:

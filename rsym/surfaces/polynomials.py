@@ -10,8 +10,9 @@ import sympy as sp
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 
+from rsym.surfaces.entries import exact
 from rsym.surfaces.symbols import t as parameter
-from rsym.surfaces.univariate import Curve, LetterValues, exact
+from rsym.surfaces.univariate import Curve, LetterValues
 
 Array: TypeAlias = NDArray[np.float64]
 

@@ -21,9 +21,10 @@ from rsym.codegen.kernel import blocks_of
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces import symbols
+from rsym.surfaces.entries import entries_of
 from rsym.surfaces.formulas import CompiledFormulas
 from rsym.surfaces.patch import Array, Domain, LetterValues, Orders, Patch
-from rsym.surfaces.univariate import NO_LETTERS, Curve, entries_of
+from rsym.surfaces.univariate import NO_LETTERS, Curve
 
 # Points combined at once: their factors stay in the cache of a core.
 BLOCK = 4096
@@ -112,13 +113,9 @@ class BooleanSum(Patch):
     def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
         """The derivatives of these orders."""
         values = self._letters.values_with(letters)
-        distinct = tuple(dict.fromkeys((int(i), int(j)) for i, j in orders))
         if self._compiled is not None:
-            found = self._compiled.evaluate([u, v], distinct, values)
-            parts = [np.ascontiguousarray(np.moveaxis(part, 0, -1)) for part in found]
-        else:
-            parts = _Separable(self, distinct, values).evaluate(u, v)
-        return [parts[distinct.index((i, j))] for i, j in orders]
+            return self._compiled.points(u, v, orders, values)
+        return _Separable(self, orders, values).evaluate(u, v)
 
     @cached_property
     def _compiled(self) -> CompiledFormulas | None:

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
-from rsym.model.symbols import as_expression
+from rsym.surfaces.entries import entries_and_shape, entries_of, exact
 from rsym.surfaces.formulas import CompiledFormulas, real_expressions
 from rsym.surfaces.parameters import Interval, inside
 from rsym.surfaces.symbols import t
@@ -80,7 +80,7 @@ class Formula(Curve):
         what: str = "a curve",
         closed: bool = False,
     ) -> None:
-        entries, self.shape = _entries(expressions)
+        entries, self.shape = entries_and_shape(expressions)
         real, self.letters = real_expressions(entries, t, PARAMETERS, as_letters(letters), what)
         self.domain = (float(domain[0]), float(domain[1]))
         self.closed = closed
@@ -276,29 +276,3 @@ class Combination(Curve):
             for k in range(size)
         ]
         return sp.ImmutableDenseNDimArray(entries, self.shape)
-
-
-def exact(value: float) -> sp.Expr:
-    """The shortest decimal that is this float64, as a fraction.
-
-    Examples
-    --------
-    >>> exact(0.1), exact(3.0)
-    (1/10, 3)
-    """
-    return sp.Rational(repr(float(value)))
-
-
-def entries_of(array: sp.NDimArray) -> list[sp.Expr]:
-    """The entries of an array in their order; of one without axes its only entry."""
-    return list(sp.flatten(array.tolist())) if array.shape else [array[()]]
-
-
-def _entries(given: Any) -> tuple[list[sp.Expr], tuple[int, ...]]:
-    """A nested sequence, matrix or array of expressions as a list and its shape."""
-    if isinstance(given, sp.MatrixBase) and 1 in given.shape:
-        given = list(given)
-    if isinstance(given, sp.Expr):
-        return [given], ()
-    array = np.array(given.tolist() if isinstance(given, sp.MatrixBase | sp.NDimArray) else given, dtype=object)
-    return [as_expression(entry) for entry in array.flat], array.shape
