@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import sympy as sp
@@ -18,6 +18,9 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces import forms
 from rsym.surfaces.parameters import Interval, inside, parameter_arrays
+
+if TYPE_CHECKING:
+    from rsym.sampling.mesh import Mesh
 
 Array: TypeAlias = NDArray[np.float64]
 Domain: TypeAlias = tuple[Interval, Interval]
@@ -132,6 +135,12 @@ class Patch(ABC):
     def principal_curvatures(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
         """H + sqrt(H**2 - K) and H - sqrt(H**2 - K), (..., 2)."""
         return forms.principal(*forms.curvatures(self, u, v, letters))
+
+    def mesh(self, resolution: int | tuple[int, int] = 64, *, letters: LetterValues = None) -> Mesh:
+        """A mesh with exact normals; see `mesh_patches`, which welds several patches."""
+        from rsym.surfaces.meshes import mesh_patches  # meshes need a compiler that patches do without
+
+        return mesh_patches(self, resolution, letters=letters)
 
     def _repr_latex_(self) -> str | None:
         """The formula for a notebook; none where the patch is not a formula."""

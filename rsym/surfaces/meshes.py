@@ -1,0 +1,122 @@
+"""Patches as triangle meshes, with their exact normals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from rsym.errors import RsymError
+from rsym.sampling.mesh import Mesh
+from rsym.surfaces.patch import Array, LetterValues, Patch
+
+Ints: TypeAlias = NDArray[np.int64]
+
+# Points of neighbouring patches this share of the whole apart are one vertex: far below a cell, far above rounding.
+WELDING = 1e-9
+
+
+def mesh_patches(
+    patches: Patch | Sequence[Patch], resolution: int | tuple[int, int] = 64, *, letters: LetterValues = None
+) -> Mesh:
+    """One mesh of one or several patches, welded along the edges that they share.
+
+    Parameters
+    ----------
+    patches : Patch or sequence of Patch
+        What to mesh; triangles turn as p_u x p_v does.
+    resolution : int or (int, int)
+        Cells along u and v of each patch; one number for both.
+    letters : mapping, optional
+        Values of letters by name, for the patches that have them.
+
+    Returns
+    -------
+    Mesh
+        With exact unit normals at every corner of every triangle; a pole is one vertex, a closed direction closes.
+        ``mesh.leaf`` numbers the patches.
+
+    Raises
+    ------
+    RsymError
+        For a resolution below 1, or a point that is not finite.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from rsym.surfaces.parametric import ParametricSurface
+    >>> from rsym.surfaces.symbols import u, v
+    >>> ring = (sp.cos(u) * (2 + sp.cos(v)), sp.sin(u) * (2 + sp.cos(v)), sp.sin(v))
+    >>> torus = ParametricSurface(ring, ((0, 2 * sp.pi), (0, 2 * sp.pi)), closed=(True, True))
+    >>> mesh = mesh_patches(torus, (32, 16))
+    >>> mesh.status.closed, mesh.status.euler_characteristic, len(mesh.vertices)
+    (True, 0, 512)
+    """
+    several = [patches] if isinstance(patches, Patch) else list(patches)
+    if not several or not all(isinstance(patch, Patch) for patch in several):
+        raise RsymError("expected patches", code="patch", remedy="give a patch or a list of patches")
+    cells = _cells(resolution)
+    points, normals = [], []
+    for number, patch in enumerate(several):
+        at, across = _samples(patch, cells, letters)
+        if not np.isfinite(at).all():
+            raise RsymError(f"patch {number} is not finite everywhere", code="patch", remedy="look at its curves")
+        points.append(at.reshape(-1, 3))
+        normals.append(across.reshape(-1, 3))
+    corners = _triangles(*cells)
+    step = (cells[0] + 1) * (cells[1] + 1)
+    faces = np.concatenate([corners + step * number for number in range(len(several))])
+    leaf = np.repeat(np.arange(len(several)), len(corners))
+    vertices, names = _welded(np.concatenate(points))
+    welded = names[faces]
+    kept = (welded != np.roll(welded, 1, axis=1)).all(axis=1)
+    shading = np.concatenate(normals)[faces[kept]]
+    leaves = tuple(f"patch {number}" for number in range(len(several)))
+    return Mesh(vertices, welded[kept], shading, leaf=leaf[kept], leaves=leaves)
+
+
+def _cells(resolution: Any) -> tuple[int, int]:
+    given = tuple(resolution) if isinstance(resolution, tuple | list) else (resolution, resolution)
+    if len(given) != 2 or any(isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 1 for n in given):
+        raise RsymError(
+            f"a resolution is a number of cells, or one for u and one for v, got {resolution!r}",
+            code="resolution",
+            remedy="resolution=64 or resolution=(64, 32)",
+        )
+    return int(given[0]), int(given[1])
+
+
+def _samples(patch: Patch, cells: tuple[int, int], letters: LetterValues) -> tuple[Array, Array]:
+    """Points and unit normals on the grid of a patch; NaN, for that of the triangle, where the surface has none."""
+    own = {name: value for name, value in (letters or {}).items() if str(name) in patch.letters}
+    u, v = (np.linspace(*interval, count + 1) for interval, count in zip(patch.domain, cells, strict=True))
+    rows, columns = u[:, None], v[None, :]
+    return patch(rows, columns, letters=own), patch.normal(rows, columns, letters=own)
+
+
+def _triangles(rows: int, columns: int) -> Ints:
+    """Two triangles for each cell of a grid, (2 rows columns, 3), turning from u to v."""
+    i, j = (one.ravel() for one in np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij"))
+    first = i * (columns + 1) + j
+    beside = first + columns + 1
+    halves = np.stack([first, beside, beside + 1, first, beside + 1, first + 1], axis=-1)
+    return halves.reshape(-1, 3)
+
+
+def _welded(points: Array) -> tuple[Array, Ints]:
+    """Vertices without repetition, and which of them each point is."""
+    size = float(np.ptp(points, axis=0).max())
+    pairs = cKDTree(points).query_pairs(WELDING * size, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
+    _, labels = connected_components(links, directed=False)
+    _, first, names = np.unique(labels, return_index=True, return_inverse=True)
+    # Vertices keep the order of their first points.
+    order = np.argsort(first)
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    return points[first[order]], rank[names]

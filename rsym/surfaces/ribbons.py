@@ -1,0 +1,92 @@
+"""Ribbons that follow from the edges alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import sympy as sp
+
+from rsym.surfaces.blending import HermiteBlend
+from rsym.surfaces.entries import entries_of
+from rsym.surfaces.univariate import Array, Combination, Curve, LetterValues, Sampled, Stack
+
+
+class Blended(Curve):
+    """The curve sum_a f_a(t) d_a of functions (n,) and constants (n, 3)."""
+
+    def __init__(self, functions: Curve, data: Curve) -> None:
+        self.functions, self.data = functions, data
+        self.shape, self.domain = data.shape[1:], functions.domain
+        self.letters = functions.letters.merge(data.letters)
+
+    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+        """The derivatives of these orders."""
+        (data,) = self.data.evaluate(np.array(self.data.domain[0]), [0], letters)
+        parts = self.functions.evaluate(t, orders, letters)
+        return [np.add.reduce([part[..., row, None] * one for row, one in enumerate(data)]) for part in parts]
+
+    @property
+    def is_smooth_formula(self) -> bool:
+        """Whether functions and constants are."""
+        return self.functions.is_smooth_formula and self.data.is_smooth_formula
+
+    def expressions(self) -> sp.ImmutableDenseNDimArray | None:
+        """The value, if functions and constants are formulas."""
+        functions, data = self.functions.expressions(), self.data.expressions()
+        if functions is None or data is None:
+            return None
+        flat, rows = entries_of(data), entries_of(functions)
+        return sp.ImmutableDenseNDimArray(
+            [sum((f * flat[3 * row + c] for row, f in enumerate(rows)), sp.S.Zero) for c in range(3)], (3,)
+        )
+
+
+def tangent_ribbons(edges: Mapping[str, Curve]) -> dict[str, Curve]:
+    """For each edge the cubic ribbon with the tangents of the edges that it ends on, and Adini's twists.
+
+    p_uv(i, j) = p_v(1, j) - p_v(0, j) + p_u(i, 1) - p_u(i, 0) - (p(1, 1) - p(1, 0) - p(0, 1) + p(0, 0)): what a
+    surface f(u){1, v} + {1, u}g(v) through the corners has.
+    """
+    functions = HermiteBlend.cubic().curve
+    twist = [[_adini(edges, i, j) for j in (0, 1)] for i in (0, 1)]
+    ribbons: dict[str, Curve] = {}
+    for end in (0, 1):
+        across_u = [_at(edges[f"v{j}"], end, 1) for j in (0, 1)]
+        across_v = [_at(edges[f"u{i}"], end, 1) for i in (0, 1)]
+        ribbons[f"u{end}"] = Blended(functions, Stack([*across_u, *twist[end]]))
+        ribbons[f"v{end}"] = Blended(functions, Stack([*across_v, twist[0][end], twist[1][end]]))
+    return ribbons
+
+
+def _adini(edges: Mapping[str, Curve], i: int, j: int) -> Curve:
+    slopes = [_at(edges["u1"], j, 1), _at(edges["u0"], j, 1), _at(edges["v1"], i, 1), _at(edges["v0"], i, 1)]
+    points = [_at(edges["u1"], 1, 0), _at(edges["u1"], 0, 0), _at(edges["u0"], 1, 0), _at(edges["u0"], 0, 0)]
+    return Combination([*slopes, *points], [1, -1, 1, -1, -1, 1, 1, -1])
+
+
+def _at(curve: Curve, place: int, order: int) -> Curve:
+    """A point or tangent of a curve over [0, 1], as a constant (3,)."""
+    return Row(Sampled(curve, [float(place)], [order]))
+
+
+class Row(Curve):
+    """The first row of a constant (1, 3), as a constant (3,)."""
+
+    def __init__(self, rows: Curve) -> None:
+        self.rows, self.shape = rows, rows.shape[1:]
+        self.domain, self.letters = rows.domain, rows.letters
+
+    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+        """The row, and zero for every derivative."""
+        return [part[..., 0, :] for part in self.rows.evaluate(t, orders, letters)]
+
+    @property
+    def is_smooth_formula(self) -> bool:
+        """Whether the rows are."""
+        return self.rows.is_smooth_formula
+
+    def expressions(self) -> sp.ImmutableDenseNDimArray | None:
+        """The row, if it is a formula."""
+        inner = self.rows.expressions()
+        return None if inner is None else sp.ImmutableDenseNDimArray(entries_of(inner), self.shape)
