@@ -1,4 +1,4 @@
-from . import paper
+from . import paper, surfaces
 from .analysis.curvature import curvature, gaussian_curvature, mean_curvature, principal_curvatures
 from .analysis.differential import gradient, hessian, laplacian
 from .analysis.normalisation import normalise
@@ -118,6 +118,7 @@ __all__ = [
     "sections",
     "smoothness_threshold",
     "source",
+    "surfaces",
     "trimming",
     "verify_normalisation",
     "verify_smoothness",

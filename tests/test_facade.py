@@ -11,7 +11,7 @@ import pytest
 
 import rsym
 
-PACKAGES = [rsym, rsym.paper]
+PACKAGES = [rsym, rsym.paper, rsym.surfaces]
 MODULES = sorted(module.name for module in pkgutil.walk_packages(rsym.__path__, "rsym."))
 
 
@@ -30,9 +30,9 @@ def test_stub_and_modules_agree(package):
     assert set(package.__all__) == names == set(ast.literal_eval(declared))
 
 
-@pytest.mark.parametrize("name", rsym.__all__)
-def test_every_public_function_and_class_has_an_example(name):
-    item = getattr(rsym, name)
+@pytest.mark.parametrize(("package", "name"), [(package, name) for package in PACKAGES for name in package.__all__])
+def test_every_public_function_and_class_has_an_example(package, name):
+    item = getattr(package, name)
     if inspect.isfunction(item) or inspect.isclass(item):
         assert ">>>" in inspect.getdoc(item), name
 

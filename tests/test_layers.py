@@ -17,7 +17,7 @@ LAYERS = {
     "codegen": {"sympy", "numpy", "llvmlite", "flint"},
     "sampling": {"numpy", "scipy", "skimage", "numba"},
     "verify": {"sympy", "numpy", "scipy", "mpmath", "flint"},
-    "surfaces": {"sympy", "numpy", "scipy"},
+    "surfaces": {"sympy", "numpy", "scipy", "lazy_loader"},
     # mpl_toolkits is matplotlib's second package.
     "output": {"sympy", "numpy", "matplotlib", "mpl_toolkits", "trimesh", "plotly", "ipywidgets"},
     "paper": {"numpy", "matplotlib", "lazy_loader"},

@@ -1,0 +1,78 @@
+"""Twists of one patch, chosen where only its corners are known."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.surfaces.blending import HermiteBlend
+from rsym.surfaces.coons import BicubicCoons
+from rsym.surfaces.twists import estimate_twists
+
+Array = NDArray[np.float64]
+
+PATCH_KINDS = ("zero", "bilinear", "adini", "energy")
+# Gauss's rule with so many nodes is exact to degree 127, and to rounding for the trigonometric families.
+NODES = 64
+
+
+def with_twists(patch: BicubicCoons, kind: str) -> BicubicCoons:
+    """The patch with other twists at its corners, everything else as it is.
+
+    ``zero`` is Ferguson's patch; ``bilinear`` and ``adini`` see `rsym.surfaces.estimate_twists`; ``energy`` takes the
+    twists that make the integral of |p_uu|^2 + 2 |p_uv|^2 + |p_vv|^2 least: a linear system, since the integral is
+    quadratic in the corner information.
+
+    Raises
+    ------
+    RsymError
+        For another kind, or a patch that is not made of a matrix (4, 4, 3) of numbers.
+
+    Examples
+    --------
+    >>> matrix = np.zeros((4, 4, 3))
+    >>> matrix[1, :2, 0] = matrix[2:, :2, 0] = matrix[:2, 1, 1] = matrix[:2, 2:, 1] = 1
+    >>> matrix[1, 1, 2] = matrix[1, 2:, 2] = matrix[2:, 1, 2] = 1       # z = u v but for its twists
+    >>> with_twists(BicubicCoons(matrix), "adini")(0.5, 0.5).round(12).tolist()
+    [0.5, 0.5, 0.25]
+    """
+    matrix = patch.matrix
+    if kind not in PATCH_KINDS or matrix.shape != (4, 4, 3):
+        raise RsymError(
+            f"no twists of the kind {kind!r} for one patch with a matrix {matrix.shape}",
+            code="twist",
+            remedy=f"choose from {', '.join(PATCH_KINDS)} for a matrix (4, 4, 3)",
+        )
+    if kind == "energy":
+        matrix[2:, 2:] = _least_bending(matrix, patch.blend_u, patch.blend_v)
+    else:
+        matrix[2:, 2:] = estimate_twists(matrix[:2, :2], kind, u_tangents=matrix[2:, :2], v_tangents=matrix[:2, 2:])
+    return patch.with_matrix(matrix)
+
+
+def _least_bending(matrix: Array, blend_u: HermiteBlend, blend_v: HermiteBlend) -> Array:
+    """The twists (2, 2, 3) of least bending energy."""
+    of_u, of_v = ([_gram(blend, order) for order in range(3)] for blend in (blend_u, blend_v))
+    hessian = np.add.reduce([weight * np.kron(of_u[2 - k], of_v[k]) for k, weight in enumerate((1, 2, 1))])
+    free = np.zeros((4, 4), np.bool_)
+    free[2:, 2:] = True
+    inner, fixed = np.flatnonzero(free), np.flatnonzero(~free)
+    flat = matrix.reshape(16, 3)
+    twists = np.linalg.solve(hessian[np.ix_(inner, inner)], -hessian[np.ix_(inner, fixed)] @ flat[fixed])
+    return np.asarray(twists.reshape(2, 2, 3))
+
+
+def _gram(blend: HermiteBlend, order: int) -> Array:
+    """The integrals over [0, 1] of products of the derivatives of blending functions."""
+    nodes, weights = _gauss()
+    values = blend(nodes, order)
+    return np.asarray(np.einsum("n,na,nb->ab", weights, values, values))
+
+
+@cache
+def _gauss() -> tuple[Array, Array]:
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    return (nodes + 1) / 2, weights / 2

@@ -1,0 +1,181 @@
+"""Twists p_uv at the nodes of a grid, estimated from what is known around them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rsym.errors import RsymError
+
+Array: TypeAlias = NDArray[np.float64]
+
+
+def estimate_twists(
+    points: ArrayLike,
+    kind: str = "bessel",
+    *,
+    u: ArrayLike | None = None,
+    v: ArrayLike | None = None,
+    u_tangents: ArrayLike | None = None,
+    v_tangents: ArrayLike | None = None,
+) -> Array:
+    """Mixed derivatives p_uv at the nodes of a grid of points.
+
+    =========== ==================================================================================================
+    zero        0: Ferguson's surface, flat at every node
+    bilinear    mean of the twists p11 - p10 - p01 + p00 of the cells around a node, over their areas
+    central     (p++ - p+- - p-+ + p--)/((u+ - u-)(v+ - v-)) over the neighbours of a node; one-sided at the border
+    adini       [p_v(u+) - p_v(u-)]/(u+ - u-) + [p_u(v+) - p_u(v-)]/(v+ - v-) - central: exact for surfaces
+                f(u){1, v} + {1, u}g(v)
+    bessel      of the biquadratic through 3 x 3 points: exact for every biquadratic
+    =========== ==================================================================================================
+
+    Parameters
+    ----------
+    points : (r, s, 3)
+        The nodes p(u_i, v_j).
+    kind : str
+        One of the above.
+    u, v : (r,), (s,), optional
+        The parameters of the nodes, increasing; by default 0, 1, 2, ...
+    u_tangents, v_tangents : (r, s, 3), optional
+        p_u and p_v at the nodes, for `adini`; by default those of parabolas through three nodes.
+
+    Returns
+    -------
+    (r, s, 3) array
+
+    Raises
+    ------
+    RsymError
+        For an unknown kind, arrays that do not fit, or a grid too small for the kind.
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid([0.0, 1.0, 3.0], [0.0, 2.0, 3.0], indexing="ij")
+    >>> grid = np.stack([x, y, x**2 * y**2], axis=-1)
+    >>> estimate_twists(grid, "bessel", u=[0, 1, 3], v=[0, 2, 3])[2, 1, 2].round(12)    # 4 x y
+    np.float64(24.0)
+    """
+    nodes = _grid(points, "points")
+    known = [_knots(given, count, name) for given, count, name in zip((u, v), nodes.shape[:2], "uv", strict=True)]
+    if kind not in KINDS:
+        raise RsymError(f"no twist estimator {kind!r}", code="twist", remedy=f"choose from {', '.join(KINDS)}")
+    if kind == "bessel" or (kind == "adini" and (u_tangents is None or v_tangents is None)):
+        _need_three(nodes, kind)
+    slopes = [
+        _fit(given, nodes.shape, name) if given is not None else None
+        for given, name in ((u_tangents, "u_tangents"), (v_tangents, "v_tangents"))
+    ]
+    return KINDS[kind](nodes, known[0], known[1], slopes)
+
+
+def bessel_slopes(knots: Array) -> Array:
+    """The matrix (n, n) that takes values at knots to the slopes there of parabolas through three neighbours.
+
+    Examples
+    --------
+    >>> (bessel_slopes(np.array([0.0, 1.0, 3.0])) @ np.array([0.0, 1.0, 9.0])).round(12).tolist()
+    [0.0, 2.0, 6.0]
+    """
+    count = len(knots)
+    matrix = np.zeros((count, count))
+    for row in range(count):
+        first = min(max(row - 1, 0), count - 3)
+        three = knots[first : first + 3]
+        for k in range(3):
+            others = np.delete(three, k)
+            matrix[row, first + k] = (2 * knots[row] - others.sum()) / np.prod(three[k] - others)
+    return matrix
+
+
+def _differences(knots: Array) -> Array:
+    """The matrix (n, n) of difference quotients over both neighbours, one-sided at the ends."""
+    count = len(knots)
+    matrix = np.zeros((count, count))
+    for row in range(count):
+        low, high = max(row - 1, 0), min(row + 1, count - 1)
+        matrix[row, high], matrix[row, low] = (sign / (knots[high] - knots[low]) for sign in (1, -1))
+    return matrix
+
+
+def _both(rows: Array, nodes: Array, columns: Array) -> Array:
+    return np.asarray(np.einsum("ai,ijc,bj->abc", rows, nodes, columns))
+
+
+def _zero(nodes: Array, u: Array, v: Array, slopes: list[Array | None]) -> Array:
+    return np.zeros_like(nodes)
+
+
+def _bilinear(nodes: Array, u: Array, v: Array, slopes: list[Array | None]) -> Array:
+    inner = np.diff(np.diff(nodes, axis=0), axis=1) / (np.diff(u)[:, None] * np.diff(v))[..., None]
+    total, cells = np.zeros_like(nodes), np.zeros((*nodes.shape[:2], 1))
+    for i in (slice(1, None), slice(None, -1)):
+        for j in (slice(1, None), slice(None, -1)):
+            total[i, j] += inner
+            cells[i, j] += 1
+    return total / cells
+
+
+def _central(nodes: Array, u: Array, v: Array, slopes: list[Array | None]) -> Array:
+    return _both(_differences(u), nodes, _differences(v))
+
+
+def _adini(nodes: Array, u: Array, v: Array, slopes: list[Array | None]) -> Array:
+    p_u = np.einsum("ai,ijc->ajc", bessel_slopes(u), nodes) if slopes[0] is None else slopes[0]
+    p_v = np.einsum("bj,ijc->ibc", bessel_slopes(v), nodes) if slopes[1] is None else slopes[1]
+    across_u = np.einsum("ai,ijc->ajc", _differences(u), p_v)
+    across_v = np.einsum("bj,ijc->ibc", _differences(v), p_u)
+    return np.asarray(across_u + across_v - _central(nodes, u, v, slopes))
+
+
+def _bessel(nodes: Array, u: Array, v: Array, slopes: list[Array | None]) -> Array:
+    return _both(bessel_slopes(u), nodes, bessel_slopes(v))
+
+
+KINDS: dict[str, Callable[[Array, Array, Array, list[Array | None]], Array]] = {
+    "zero": _zero,
+    "bilinear": _bilinear,
+    "central": _central,
+    "adini": _adini,
+    "bessel": _bessel,
+}
+
+
+def _grid(given: Any, name: str) -> Array:
+    try:
+        nodes = np.array(given, np.float64)
+    except (TypeError, ValueError) as error:
+        raise RsymError(f"{name} must be an array of numbers (r, s, 3)", code="array") from error
+    if nodes.ndim != 3 or nodes.shape[2] != 3 or min(nodes.shape[:2]) < 2 or not np.isfinite(nodes).all():
+        raise RsymError(
+            f"{name} must be finite and have the shape (r, s, 3) with r, s >= 2, got the shape {nodes.shape}",
+            code="array",
+        )
+    return nodes
+
+
+def _fit(given: Any, shape: tuple[int, ...], name: str) -> Array:
+    array = _grid(given, name)
+    if array.shape != shape:
+        raise RsymError(f"{name} must have the shape of the points, {shape}, got {array.shape}", code="array")
+    return array
+
+
+def _knots(given: ArrayLike | None, count: int, name: str) -> Array:
+    knots = np.arange(float(count)) if given is None else np.asarray(given, np.float64)
+    if knots.shape != (count,) or not (np.diff(knots) > 0).all():
+        raise RsymError(f"{name} must be {count} increasing numbers, got {given!r}", code="knots")
+    return knots
+
+
+def _need_three(nodes: Array, kind: str) -> None:
+    if min(nodes.shape[:2]) < 3:
+        raise RsymError(
+            f"twists of the kind {kind!r} need 3 x 3 points, got {nodes.shape[0]} x {nodes.shape[1]}",
+            code="twist",
+            remedy="choose bilinear or central, or adini with tangents",
+        )
