@@ -69,7 +69,7 @@ class HermiteBlend:
     >>> mu = sp.Symbol("mu")
     >>> HermiteBlend.class2(mu, sp.pi / 2, letters={mu: 0})(0.25, letters={"mu": 3})[1].round(6)
     np.float64(0.103516)
-    >>> HermiteBlend((1 - t, t**2 + t))  # doctest: +ELLIPSIS
+    >>> HermiteBlend((1 - t, t**2 + t))
     Traceback (most recent call last):
     ...
     rsym.errors.RsymError: the blending function F1 must have the value 1 at t = 1, got 2; remedy: ...
@@ -228,6 +228,12 @@ class HermiteBlend:
         cos(pi*t/2) is reproduced: no, by 0.0107907 at t = 0.480469; sampled (1025 places)
         """
         return checks.reproduction(self, function, letters)
+
+    def __repr__(self) -> str:
+        if self.family is None:
+            return f"HermiteBlend({self.formulas})"
+        name, parameter, alpha = self.family
+        return f"HermiteBlend(of {name}, {parameter}, with the angle {alpha})"
 
     def _repr_latex_(self) -> str:
         return blend_latex(self.formulas)

@@ -207,7 +207,7 @@ def never_negative(polynomial: sp.Poly) -> bool:
 
 
 def _class1_range(alpha: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
-    """From the quotient of the slopes of c_F1 and the cubic: log sinc is concave, so its ends and middle are extreme."""
+    """From the slopes of c_F1 and the cubic: log sinc is concave, so their quotient is extreme at ends and middle."""
     if alpha == 0:
         return -sp.oo, sp.oo
     below = 2 * sp.sin(alpha / 2) - alpha * sp.cos(alpha / 2)
