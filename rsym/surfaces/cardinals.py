@@ -1,0 +1,209 @@
+"""Cardinal functions: phi_i is 1 at the knot i and 0 at the other knots.
+
+A family r_i blended by them passes through all its members. Those of cubic
+splines are Hermite cubics between the knots; slopes q make the kinds:
+
+    c h_j q_(j-1) + (1 + c)(h_(j-1) + h_j) q_j + c h_(j-1) q_(j+1)
+        = (1 + 2c) [(h_j/h_(j-1)) (r_j - r_(j-1)) + (h_(j-1)/h_j) (r_(j+1) - r_j)],
+    (1 + c) q_0 + q_1 = (2 + c) (r_1 - r_0)/h_0, and the mirror image at the other end,
+
+with c = 0 for composite Hermite splines (Golovanov 3.7.1: third derivatives vanish at the ends) and c = 1 for natural
+cubic splines. Closed families have no ends: all indices are cyclic. General knots are ours.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any, TypeAlias
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+
+from rsym.errors import RsymError, RsymWarning
+from rsym.surfaces.entries import exact
+from rsym.surfaces.polynomials import Polynomials
+from rsym.surfaces.symbols import t as parameter
+from rsym.surfaces.univariate import Curve, LetterValues
+
+Array: TypeAlias = NDArray[np.float64]
+Knots: TypeAlias = Sequence[Any]
+
+# The cardinal functions of more equidistant knots than this swing to more than 3 between them (Runge): measured, their
+# absolute values add up to 1.6, 2.2, 3.1, 4.5 and 7 for 4, 5, 6, 7 and 8 knots.
+MOST_LAGRANGE = 6
+
+
+class CubicCardinals(Polynomials):
+    """Piecewise cubics phi_i(t) of shape (n,) with phi_i = 1 at knot i, 0 at the others, and given slopes there.
+
+    `closed`: the last knot is the first one again, a period later; there are n + 1 knots for n functions.
+    `slopes_too` adds the n functions beta_i that vanish at all knots with slope 1 at knot i and 0 at the others.
+    """
+
+    def __init__(self, knots: Knots, neighbours: int, *, closed: bool = False, slopes_too: bool = False) -> None:
+        self.knots = checked_knots(knots, closed)
+        self.count = len(self.knots) - closed
+        self.neighbours, self.slopes_too = neighbours, slopes_too
+        left, right = _system(np.asarray(self.knots), neighbours, closed)
+        self.slopes: Array = np.linalg.solve(left, right)
+        values, slopes = np.eye(self.count), self.slopes
+        if slopes_too:
+            values, slopes = np.hstack([values, 0 * values]), np.hstack([slopes, values])
+        cyclic = np.arange(len(self.knots)) % self.count
+        super().__init__(CubicHermiteSpline(self.knots, values[cyclic], slopes[cyclic]), closed=closed)
+
+    def expressions(self) -> sp.ImmutableDenseNDimArray:
+        """The pieces in t, exact for rational knots."""
+        knots = [exact(knot) for knot in self.knots]
+        slopes = _exact_slopes(knots, self.neighbours, self.closed)
+        ones, count = sp.eye(self.count), self.count
+        entries = [_cubic(knots, ones.col(i), slopes.col(i)) for i in range(count)]
+        entries += [_cubic(knots, sp.zeros(count, 1), ones.col(i)) for i in range(count) if self.slopes_too]
+        return sp.ImmutableDenseNDimArray(entries, self.shape)
+
+
+def hermite_cardinals(knots: Knots, *, closed: bool = False, slopes_too: bool = False) -> CubicCardinals:
+    """Cardinal functions of composite Hermite splines: C1, and local: phi_i lives on four intervals.
+
+    Reproduces quadratics for any knots. Source: Golovanov, 3.7.1, for uniform knots.
+
+    Examples
+    --------
+    >>> hermite_cardinals([0, 1, 2, 3])(1.5).tolist()
+    [-0.0625, 0.5625, 0.5625, -0.0625]
+    """
+    return CubicCardinals(knots, 0, closed=closed, slopes_too=slopes_too)
+
+
+def spline_cardinals(knots: Knots, *, closed: bool = False) -> CubicCardinals:
+    """Cardinal functions of natural cubic splines, or of periodic ones for a closed family: C2.
+
+    Examples
+    --------
+    >>> spline_cardinals([0, 1, 2])([0.5, 1.0]).tolist()
+    [[0.40625, 0.6875, -0.09375], [0.0, 1.0, 0.0]]
+    """
+    return CubicCardinals(knots, 1, closed=closed)
+
+
+class LagrangeCardinals(Curve):
+    """The polynomials L_i(t) = prod_(j != i) (t - t_j)/(t_i - t_j), by the barycentric formula.
+
+    Their derivatives are polynomials too, so L^(k) = L D^k with the matrix D of the slopes at the knots.
+    Source: Golovanov, 3.7.3; Berrut and Trefethen (2004).
+    """
+
+    def __init__(self, knots: Knots) -> None:
+        self.knots = checked_knots(knots, False)
+        self.shape, self.domain = (len(self.knots),), (self.knots[0], self.knots[-1])
+        places = np.array(self.knots)
+        gaps = places[:, None] - places + np.eye(len(places))
+        # Scaled by the length of the interval, so that the products neither overflow nor vanish.
+        self._weights: Array = 1 / np.prod(4 * gaps / (places[-1] - places[0]), axis=1)
+        slopes = self._weights / self._weights[:, None] / gaps
+        np.fill_diagonal(slopes, 0)
+        self._slopes: Array = slopes - np.diag(slopes.sum(axis=1))
+
+    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+        """The derivatives of these orders."""
+        gaps = t[..., None] - np.array(self.knots)
+        at_knot = gaps == 0
+        shares = self._weights / np.where(at_knot, 1.0, gaps)
+        values = shares / shares.sum(axis=-1, keepdims=True)
+        values = np.where(at_knot.any(axis=-1, keepdims=True), at_knot * 1.0, values)
+        return [_times(values, np.linalg.matrix_power(self._slopes, order)) if order else values for order in orders]
+
+    @property
+    def is_smooth_formula(self) -> bool:
+        """Always."""
+        return True
+
+    def expressions(self) -> sp.ImmutableDenseNDimArray:
+        """The products."""
+        knots = [exact(knot) for knot in self.knots]
+        return sp.ImmutableDenseNDimArray(
+            [
+                sp.prod([(parameter - other) / (own - other) for j, other in enumerate(knots) if j != i])
+                for i, own in enumerate(knots)
+            ]
+        )
+
+
+def lagrange_cardinals(knots: Knots) -> LagrangeCardinals:
+    """Cardinal functions that are polynomials; they swing between more than six knots, which is warned of.
+
+    Examples
+    --------
+    >>> lagrange_cardinals([0, 1, 2])([0.5, 1.0]).tolist()
+    [[0.375, 0.75, -0.125], [0.0, 1.0, 0.0]]
+    """
+    if len(knots) > MOST_LAGRANGE:
+        warnings.warn(
+            f"the polynomials of Lagrange swing between {len(knots)} curves; cardinal functions of splines do not",
+            RsymWarning,
+            stacklevel=3,
+        )
+    return LagrangeCardinals(knots)
+
+
+def checked_knots(knots: Knots, closed: bool) -> tuple[float, ...]:
+    """Increasing numbers, at least two of them; for a closed family four, the last one period after the first.
+
+    Examples
+    --------
+    >>> checked_knots([0, 1, 3], False)
+    (0.0, 1.0, 3.0)
+    """
+    places = tuple(float(knot) for knot in knots)
+    least = 4 if closed else 2
+    if len(places) < least or not np.isfinite(places).all() or (np.diff(places) <= 0).any():
+        raise RsymError(
+            f"knots must be at least {least} strictly increasing numbers, got {[float(f'{one:g}') for one in places]}",
+            code="knots",
+            remedy="a closed family of n >= 3 curves needs n + 1 knots, the last one a period after the first"
+            if closed
+            else "one knot for each curve, in the order of the curves",
+        )
+    return places
+
+
+def _system(knots: NDArray[Any], c: int, closed: bool) -> tuple[NDArray[Any], NDArray[Any]]:
+    """The matrices A and B of A q = B r, in the arithmetic of the knots."""
+    n = len(knots) - closed
+    h = knots[1:] - knots[:-1]
+    c = 1 if n == 2 else c  # Two curves: both rows of c = 0 are the same; with c = 1 the slopes are their difference.
+    left, right = np.zeros((2, n, n), dtype=knots.dtype)
+    for j in range(n) if closed else range(1, n - 1):
+        before, after, a, b = (j - 1) % n, (j + 1) % n, h[j - 1], h[j]
+        left[j, [before, j, after]] = c * b, (1 + c) * (a + b), c * a
+        right[j, [before, j, after]] = -(1 + 2 * c) * b / a, (1 + 2 * c) * (b / a - a / b), (1 + 2 * c) * a / b
+    if not closed:
+        for end, inner, step in ((0, 1, h[0]), (-1, -2, -h[-1])):
+            left[end, [end, inner]] = 1 + c, 1
+            right[end, [end, inner]] = -(2 + c) / step, (2 + c) / step
+    return left, right
+
+
+def _exact_slopes(knots: list[sp.Expr], c: int, closed: bool) -> sp.Matrix:
+    left, right = _system(np.array(knots, dtype=object), c, closed)
+    return sp.Matrix(left).LUsolve(sp.Matrix(right))
+
+
+def _cubic(knots: list[sp.Expr], values: sp.Matrix, slopes: sp.Matrix) -> sp.Expr:
+    """The Hermite cubics from knot to knot; indices are cyclic."""
+    pieces, n = [], len(values)
+    for j, (start, end) in enumerate(pairwise(knots)):
+        h = end - start
+        w, k = (parameter - start) / h, (j + 1) % n
+        piece = values[j] * (1 - 3 * w**2 + 2 * w**3) + values[k] * (3 * w**2 - 2 * w**3)
+        pieces.append((piece + h * (slopes[j] * (w - 2 * w**2 + w**3) + slopes[k] * (w**3 - w**2)), parameter < end))
+    return sp.Piecewise(*pieces[:-1], (pieces[-1][0], True)) if len(pieces) > 1 else pieces[0][0]
+
+
+def _times(values: Array, matrix: Array) -> Array:
+    """Rows times a matrix, each point by itself: the bits do not depend on the others."""
+    return np.asarray(np.einsum("...i,ij->...j", values, matrix))
