@@ -1,0 +1,254 @@
+"""Where the edges of patches run together: stretches that two edges share, found by closest points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.surfaces.edges import Edge
+from rsym.surfaces.forms import dot
+from rsym.surfaces.parameters import Interval
+
+Array = NDArray[np.float64]
+
+SAMPLES = 129
+# Newton's method doubles the digits at each step from a start that is off by less than one sample.
+NEWTON_STEPS = 12
+# Steps of a bisection from one sample to double precision.
+BISECTIONS = 40
+# A stretch shorter than this many gaps that count as closed is a point in which the edges touch.
+TOUCH = 20.0
+# Samples in a row that make a stretch if neither edge ends there; curves in contact of high order have fewer.
+LEAST_RUN = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Border:
+    """An edge with samples; index and size are those of its patch.
+
+    Edges that are closer than `gap` are together; those within `reach` are meant to be.
+    """
+
+    index: int
+    edge: Edge
+    size: float
+    gap: float
+    reach: float
+    is_point: bool = False
+
+    @cached_property
+    def t(self) -> Array:
+        """Parameters of the samples."""
+        return np.linspace(*self.edge.interval, SAMPLES)
+
+    @cached_property
+    def points(self) -> Array:
+        """The samples (SAMPLES, 3)."""
+        return self.edge.position(self.t)
+
+    @cached_property
+    def box(self) -> Array:
+        """Lowest and highest coordinates (2, 3) of the samples, widened by what lies between them."""
+        step = np.abs(np.diff(self.points, axis=0)).max()
+        return np.stack([self.points.min(axis=0) - step, self.points.max(axis=0) + step])
+
+    @property
+    def loop(self) -> bool:
+        """Whether the edge ends where it begins."""
+        return bool(np.abs(self.points[0] - self.points[-1]).max() <= 1e-6 * np.ptp(self.points, axis=0).max())
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Two edges run together: t of the first in `interval`; s of the second follows `partner`, one value for each t.
+
+    Examples
+    --------
+    >>> Stretch((None, None), (0.0, 1.0), np.array([0.0, 1.0]), np.array([1.0, 0.0])).opposite
+    True
+    """
+
+    borders: tuple[Border, Border]
+    interval: Interval
+    t: Array
+    s: Array
+
+    @property
+    def intervals(self) -> tuple[Interval, Interval]:
+        """The stretch on both edges."""
+        return self.interval, (float(min(self.s)), float(max(self.s)))
+
+    @property
+    def opposite(self) -> bool:
+        """Whether the two parameters run against each other."""
+        return bool(self.s[-1] < self.s[0])
+
+    def partner(self, t: Array) -> Array:
+        """The parameters on the second edge of the points closest to those of the first."""
+        first, second = self.borders
+        low, high = sorted((float(self.s[0]), float(self.s[-1])))
+        guess = np.interp(t, self.t, self.s)
+        room = 2 * np.abs(np.diff(self.s)).max()
+        bounds = np.maximum(guess - room, low), np.minimum(guess + room, high)
+        return closest(second.edge, first.edge.position(t), guess, *bounds)
+
+
+def closest(edge: Edge, points: Array, guess: Array, low: Array, high: Array) -> Array:
+    """Parameters of the points of an edge closest to points in space, by Newton's method between bounds.
+
+    Zero of (c(s) - p) . c'(s), where c is the edge. Far from the point its derivative may have the wrong sign: there
+    |c'|^2 takes its place.
+    """
+    s = np.clip(guess, low, high)
+    for _ in range(NEWTON_STEPS):
+        position, first, second = edge.derivatives(s, ((0, 0), (1, 0), (2, 0)))
+        away, speed = position - points, dot(first, first)
+        slope = speed + dot(away, second)
+        slope = np.where(slope > 0.1 * speed, slope, speed)
+        with np.errstate(all="ignore"):
+            step = np.where(slope > 0, dot(away, first) / slope, 0.0)
+        moved = np.clip(s - step, low, high)
+        if np.array_equal(moved, s):
+            break
+        s = moved
+    return s
+
+
+def projected(border: Border, points: Array) -> tuple[Array, Array]:
+    """For each point the parameter of the closest point of an edge, and the distance."""
+    squares = np.sum((points[:, None] - border.points[None]) ** 2, axis=-1)
+    nearest = np.argmin(squares, axis=1)
+    low, high = border.t[np.maximum(nearest - 1, 0)], border.t[np.minimum(nearest + 1, SAMPLES - 1)]
+    s = closest(border.edge, points, border.t[nearest], low, high)
+    return s, np.linalg.norm(border.edge.position(s) - points, axis=-1)
+
+
+def shared_stretches(borders: Sequence[Border]) -> list[Stretch]:
+    """All stretches on which two edges are together, then those within reach that nothing else joins."""
+    pairs = list(_near_pairs(borders))
+    found = [stretch for pair in pairs for stretch in _stretches(pair, min(one.gap for one in pair))]
+    joined = covered(found, borders)
+    for pair in pairs:
+        found += [one for one in _stretches(pair, min(one.reach for one in pair)) if _is_free(one, joined)]
+    return found
+
+
+def covered(stretches: Sequence[Stretch], borders: Sequence[Border]) -> dict[Border, list[Interval]]:
+    """The intervals of each edge that stretches cover."""
+    joined: dict[Border, list[Interval]] = {border: [] for border in borders}
+    for stretch in stretches:
+        for border, interval in zip(stretch.borders, stretch.intervals, strict=True):
+            joined[border].append(interval)
+    return joined
+
+
+def free_intervals(border: Border, joined: Sequence[Interval]) -> list[Interval]:
+    """What is left of an edge; shorter than a millionth of it is nothing.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> border = SimpleNamespace(edge=SimpleNamespace(interval=(0.0, 1.0)))
+    >>> free_intervals(border, [(0.25, 0.5), (0.4, 0.75)])
+    [(0.0, 0.25), (0.75, 1.0)]
+    """
+    (reached, high), left = border.edge.interval, []
+    least = 1e-6 * (high - reached)
+    for start, stop in [*sorted(joined), (high, high)]:
+        if start - reached > least:
+            left.append((reached, start))
+        reached = max(reached, stop)
+    return left
+
+
+def _is_free(stretch: Stretch, joined: dict[Border, list[Interval]]) -> bool:
+    """Whether most of the stretch is joined to nothing else on either edge."""
+    for border, (low, high) in zip(stretch.borders, stretch.intervals, strict=True):
+        overlap = sum(max(0.0, min(high, stop) - max(low, start)) for start, stop in joined[border])
+        if overlap > 0.5 * (high - low):
+            return False
+    return True
+
+
+def _near_pairs(borders: Sequence[Border]) -> Iterator[tuple[Border, Border]]:
+    if not borders:
+        return
+    boxes = np.array([border.box for border in borders])
+    reach = np.array([border.reach for border in borders])
+    room = np.minimum(reach[:, None], reach[None])[..., None]
+    apart = (boxes[:, None, 0] - room > boxes[None, :, 1]) | (boxes[None, :, 0] - room > boxes[:, None, 1])
+    for i, j in zip(*np.nonzero(~apart.any(axis=-1)), strict=True):
+        if i < j:
+            yield borders[i], borders[j]
+
+
+def _stretches(pair: tuple[Border, Border], room: float) -> Iterator[Stretch]:
+    """Where the second edge stays within `room` of the first, cut where either of them ends."""
+    first, second = pair
+    gap = min(first.gap, second.gap)
+    ends, distances = projected(first, second.points[[0, -1]])
+    least = max(2 * room, TOUCH * gap)
+    cuts = _cuts(first, [float(t) for t, d in zip(ends, distances, strict=True) if d <= room], least)
+    t = np.unique(np.concatenate([first.t, cuts]))
+    s, away = projected(second, first.edge.position(t))
+    for start, stop in pairwise(cuts):
+        inside = (t >= start) & (t <= stop)
+        if (away[inside] <= room).all():
+            runs = [(t[inside], s[inside])]
+        else:
+            runs = list(_parts(pair, t[inside], away[inside] <= room, room)) if room <= gap else []
+        for places, partners in runs:
+            if np.ptp(first.edge.position(places), axis=0).max() > least:
+                interval = (float(places[0]), float(places[-1]))
+                yield Stretch(pair, interval, places, _unwound(second, partners))
+
+
+def _cuts(border: Border, places: Sequence[float], least: float) -> list[float]:
+    """Both ends of an edge and, in order, the places between that are not too near to others."""
+    low, high = border.edge.interval
+    points = {t: border.edge.position(t) for t in (low, high, *places)}
+    kept = [low, high]
+    for t in places:
+        if min(float(np.linalg.norm(points[t] - points[one])) for one in kept) > least:
+            kept.append(t)
+    return sorted(kept)
+
+
+def _parts(
+    pair: tuple[Border, Border], t: Array, inside: NDArray[np.bool_], room: float
+) -> Iterator[tuple[Array, Array]]:
+    """Runs of samples within `room` of the second edge, extended to where it leaves."""
+    first, second = pair
+    steps = np.diff(np.concatenate([[False], inside, [False]]).astype(int))
+    starts, stops = (np.nonzero(steps == sign)[0].tolist() for sign in (1, -1))
+    for start, after in zip(starts, stops, strict=True):
+        stop = after - 1
+        if stop - start + 1 >= LEAST_RUN:
+            begin = _border_of_run(pair, t[start], t[max(start - 1, 0)], room)
+            end = _border_of_run(pair, t[stop], t[min(stop + 1, len(t) - 1)], room)
+            places = np.unique([begin, *t[start : stop + 1], end])
+            yield places, projected(second, first.edge.position(places))[0]
+
+
+def _border_of_run(pair: tuple[Border, Border], inside: float, outside: float, room: float) -> float:
+    """The last parameter at which the edges are together, between one where they are and one where they are not."""
+    for _ in range(BISECTIONS):
+        middle = (inside + outside) / 2
+        together = projected(pair[1], pair[0].edge.position(np.array([middle])))[1][0] <= room
+        inside, outside = (middle, outside) if together else (inside, middle)
+    return inside
+
+
+def _unwound(border: Border, s: Array) -> Array:
+    """Parameters without the jump where a loop begins anew."""
+    low, high = border.edge.interval
+    if not border.loop:
+        return s
+    turned = np.unwrap(s, period=high - low)
+    turned -= (high - low) * np.floor((np.median(turned) - low) / (high - low))
+    return np.asarray(np.clip(turned, low, high))
