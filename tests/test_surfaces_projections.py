@@ -11,7 +11,9 @@ from scipy.integrate import quad
 
 import rsym
 from rsym import x, y
+from rsym.surfaces.line_roots import roots_between
 from rsym.surfaces.projections import ProjectionOperator
+from rsym.surfaces.symbols import t
 
 # Tangents of circles about the origin, turned by uneven angles: any two cross within 1.8 of it.
 LINES = [(1, 0, 0.5), (0.3, 0.95, 0.45), (-0.8, 0.6, 0.5), (-0.8, -0.6, 0.55), (0.35, -0.9, 0.5)]
@@ -239,3 +241,20 @@ def test_data_that_are_refused():
         operator(sp.sin(sp.Symbol("a") * x + y))
     with pytest.raises(rsym.RsymError, match="quadrature"):
         operator(lambda px, py: 1 / (px - 0.3) ** 2)
+
+
+@pytest.mark.parametrize(("shift", "kind"), [(0.117, "squared"), (0.119, "min")])
+def test_auto_takes_min_where_the_mean_is_a_fifth_of_the_root_mean_square(shift, kind):
+    """On y = 0, -1 <= x <= 1, the mean of x - d is -d and its mean square 1/3 + d**2: a fifth at d = 0.1179."""
+    operator = ProjectionOperator([y, x - shift], rsym.conjunction(1 - x**2, (y + 1) * (3 - y)))
+    assert operator.kinds == (kind, "min")
+
+
+def test_all_roots_of_a_function_are_found():
+    roots, sign = roots_between(sp.sin(60 * t) + sp.cos(t) / 10, 0.0, 3.0)
+    grid = np.linspace(0, 3, 20001)
+    values = np.sin(60 * grid) + np.cos(grid) / 10
+    crossed = np.flatnonzero(values[:-1] * values[1:] < 0)
+    assert len(roots) == len(crossed) == 57
+    assert_close([float(root) for root in roots], grid[crossed] + 7.5e-5, atol=7.6e-5)
+    assert [sign(0.02), sign(0.07)] == [1, -1]

@@ -15,6 +15,7 @@ from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression, real_replacements, x, y
 from rsym.model.traversal import substitute, symbols_of
+from rsym.surfaces.entries import exact
 from rsym.surfaces.symbols import t
 
 Point: TypeAlias = tuple[sp.Expr, sp.Expr]
@@ -151,7 +152,7 @@ def real_constant(value: Any, what: str) -> sp.Expr:
     number = as_expression(value)
     if number.free_symbols or not number.is_real or not number.is_finite:
         raise RsymError(f"{what} must be a finite real number, got {number}", code="number")
-    return sp.Rational(repr(float(number))) if isinstance(number, sp.Float) else number
+    return exact(float(number)) if isinstance(number, sp.Float) else number
 
 
 def point_of(given: Sequence[Any], what: str) -> Point:

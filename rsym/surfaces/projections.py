@@ -29,12 +29,13 @@ from rsym.errors import RsymError
 from rsym.model.letters import as_letters
 from rsym.model.shape import Shape
 from rsym.model.symbols import x, y
-from rsym.model.traversal import symbols_of
+from rsym.model.traversal import substitute, symbols_of
 from rsym.surfaces.chords import as_domain, chord_of
 from rsym.surfaces.crossings import Nodes, crossings, refuse_parallel
-from rsym.surfaces.graphs import Graph
 from rsym.surfaces.lines import NEGLIGIBLE, Chord, Line, as_line, real_expression
-from rsym.surfaces.patch import LetterValues
+from rsym.surfaces.parametric import ParametricSurface
+from rsym.surfaces.patch import Domain, LetterValues
+from rsym.surfaces.symbols import u, v
 
 # In the mean, of the root mean square: below that "auto" takes the square. A mean of 0.2 makes g_k/<g_k>_k five times
 # as large as its mean along the chord, beyond which the surface swings; squares stay below that for evenly cut chords.
@@ -243,9 +244,10 @@ class ProjectionInterpolant:
         bounds = self.operator.domain.bounds
         return Shape(self.expression, (x, y), letters=as_letters(letters), bounds=bounds)
 
-    def graph(self, bounds: Any, letters: LetterValues = None) -> Graph:
-        """The surface z = Lf(x, y) over a rectangle."""
-        return Graph(self.expression, bounds, letters)
+    def graph(self, bounds: Domain, letters: LetterValues = None) -> ParametricSurface:
+        """The surface z = Lf(x, y) over a rectangle ((xmin, xmax), (ymin, ymax)), with u = x and v = y."""
+        height = substitute(self.expression, {x: u, y: v})
+        return ParametricSurface((u, v, height), bounds, letters=letters)
 
     def _repr_latex_(self) -> str:
         names = {symbol: sp.latex(symbol) for symbol in symbols_of(self.expression)}
