@@ -130,7 +130,7 @@ def curvature(x, a):
 
 def test_where_patches_meet_each_shows_its_own_curvature():
     parts = tessellations({"left": Parabola(0, 1, 0.5), "right": Parabola(1, 3, -0.25)}, 0, 20, None)
-    mesh, values = joined(parts, ["left", "right"]), map_values(parts, "mean_curvature")
+    mesh, values = joined(parts), map_values(parts, "mean_curvature")
     x = mesh.vertices[mesh.faces][..., 0]
     assert_close(values, curvature(x, np.array([0.5, -0.25])[mesh.leaf][:, None]), atol=1e-13)
     assert_close(map_values(parts, "k1")[mesh.leaf == 1], np.zeros((800, 3)), atol=1e-13)

@@ -49,11 +49,10 @@ def compare_patches(
 
     Examples
     --------
-    >>> from rsym.surfaces.symbols import t
-    >>> from rsym.surfaces.transfinite import BooleanSum, Loft
-    >>> from rsym.surfaces.univariate import Formula
-    >>> twisted = [BooleanSum(along_u=Loft(Formula((1 - t, t)), Formula([[0, t, 0], [1, t, k * t]]))) for k in (1, 2)]
-    >>> figure = compare_patches(dict(zip("ab", twisted, strict=True)), resolution=8, figure=Figure())
+    >>> from rsym.surfaces.parametric import ParametricSurface
+    >>> from rsym.surfaces.symbols import u, v
+    >>> twisted = {name: ParametricSurface((u, v, k * u * v)) for name, k in (("a", 1), ("b", 2))}
+    >>> figure = compare_patches(twisted, resolution=8, figure=Figure())
     >>> [text.get_text() for text in figure.texts], len(figure.axes)
     (['a', 'b'], 5)
     """

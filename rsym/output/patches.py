@@ -15,7 +15,6 @@ from rsym.output.paints import MAPS, Coat, between_corners, one_colour, part_coa
 from rsym.output.shading import BODY
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import Tessellation, cells_of, joined, line_parameters, pieces, tessellate
-from rsym.sampling.mesh import Mesh
 from rsym.surfaces.patch import Patch
 from rsym.surfaces.univariate import Curve as SpaceCurve
 
@@ -95,35 +94,43 @@ def plot_patches(
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> from rsym.surfaces.symbols import t
-    >>> from rsym.surfaces.transfinite import BooleanSum, Loft
-    >>> from rsym.surfaces.univariate import Formula
-    >>> ruled = BooleanSum(along_u=Loft(Formula((1 - t, t)), Formula([[0, t, 0], [1, t, t]])))
+    >>> from rsym.surfaces.parametric import ParametricSurface
+    >>> from rsym.surfaces.symbols import u, v
     >>> axes = Figure().add_subplot(projection="3d")
-    >>> artist = plot_patches(ruled, ax=axes, colour_by="gaussian_curvature", resolution=16)
+    >>> artist = plot_patches(ParametricSurface((u, v, u * v)), ax=axes, colour_by="gaussian_curvature", resolution=16)
     >>> [round(limit, 2) for limit in artist.scale.get_clim()]
     [-0.96, -0.14]
     """
-    named = _named(patches)
-    parts = tessellations(named, lines, resolution, letters)
-    mesh = joined(parts, list(named))
-    coat = _coat(mesh, parts, colour, colour_by, limits)
     strokes = [
-        *[Stroke(line, INK, LINE_WIDTH) for line in _parameter_lines(parts, lines)],
-        *[Stroke(part.edges(), INK, EDGE_WIDTH) for part in parts if edges],
         *[Stroke(pieces(_polyline(curve, letters)), CURVE, CURVE_WIDTH, HIDDEN) for curve in curves],
         *([] if net is None else _net(_checked(net, 3, "a net"))),
-        *([] if points is None else _dots(_checked(points, None, "points").reshape(-1, 3), POINT)),
+        *([] if points is None else dots(_checked(points, None, "points").reshape(-1, 3), POINT)),
     ]
-    return show(ShadedMesh(mesh, coat, features=False, strokes=strokes), ax, elevation, azimuth)
+    parts = tessellations(patches, lines, resolution, letters)
+    coat = coat_of_patches(parts, colour, colour_by, limits)
+    return show(shaded(parts, coat, lines, edges, strokes), ax, elevation, azimuth)
+
+
+def shaded(
+    parts: Sequence[Tessellation], coat: Coat, lines: Lines, edges: bool, strokes: Sequence[Stroke]
+) -> ShadedMesh:
+    """The picture of patches in a coat, with their own lines below other strokes."""
+    drawn = [
+        Stroke(part.lines(axis, parameters), INK, LINE_WIDTH)
+        for part in parts
+        for axis, parameters in enumerate(line_parameters(part.patch, lines))
+    ]
+    drawn += [Stroke(part.edges(), INK, EDGE_WIDTH) for part in parts if edges]
+    return ShadedMesh(joined(parts), coat, features=False, strokes=[*drawn, *strokes])
 
 
 def tessellations(
-    named: Mapping[str, Patch], lines: Lines, resolution: int | None, letters: Mapping[Any, float] | None
+    patches: Patches, lines: Lines, resolution: int | None, letters: Mapping[Any, float] | None
 ) -> list[Tessellation]:
     """The patches over grids that hold the parameters of their lines."""
+    named = _named(patches)
     cells = cells_of(len(named)) if resolution is None else resolution
-    return [tessellate(patch, cells, line_parameters(patch, lines), letters) for patch in named.values()]
+    return [tessellate(name, patch, cells, line_parameters(patch, lines), letters) for name, patch in named.items()]
 
 
 def map_values(parts: Sequence[Tessellation], name: str) -> Floats:
@@ -136,8 +143,7 @@ def map_values(parts: Sequence[Tessellation], name: str) -> Floats:
     }[field]
     found = [part.values(lambda u, v, letters, p=part.patch: rule(p, u, v, letters=letters)) for part in parts]
     chosen = [one if component is None else one[..., component] for one in found]
-    faces = joined(parts, [""] * len(parts)).faces
-    return np.concatenate([one.ravel() for one in chosen])[faces]
+    return np.concatenate([one.ravel() for one in chosen])[joined(parts).faces]
 
 
 def _named(patches: Patches) -> dict[str, Patch]:
@@ -152,11 +158,13 @@ def _named(patches: Patches) -> dict[str, Patch]:
     return named
 
 
-def _coat(
-    mesh: Mesh, parts: Sequence[Tessellation], colour: str, colour_by: str | None, limits: tuple[float, float] | None
+def coat_of_patches(
+    parts: Sequence[Tessellation], colour: str, colour_by: str | None, limits: tuple[float, float] | None = None
 ) -> Coat:
+    """The paint of patches, as `plot_patches` describes it."""
     if colour_by is None:
         return one_colour(colour, inside=colour)
+    mesh = joined(parts)
     if colour_by == "zebra":
         return Coat(zebra(mesh, mesh.normals))
     if colour_by == "patch":
@@ -172,7 +180,7 @@ def map_range(
     surfaces: Sequence[Patches], name: str, resolution: int | None, letters: Mapping[Any, float] | None
 ) -> tuple[float, float]:
     """The ends of a scale of curvature that several surfaces share."""
-    several = [tessellations(_named(patches), 0, resolution, letters) for patches in surfaces]
+    several = [tessellations(patches, 0, resolution, letters) for patches in surfaces]
     values = [map_values(parts, name).ravel() for parts in several]
     points = [part.points.reshape(-1, 3) for parts in several for part in parts]
     return _limits(np.concatenate(points), np.concatenate(values), name)
@@ -183,20 +191,12 @@ def _limits(points: Floats, values: Floats, name: str) -> tuple[float, float]:
     return robust_limits(values, (2 / size) ** MAPS[name][2])
 
 
-def _parameter_lines(parts: Sequence[Tessellation], lines: Lines) -> list[Floats]:
-    return [
-        part.lines(axis, parameters)
-        for part in parts
-        for axis, parameters in enumerate(line_parameters(part.patch, lines))
-    ]
-
-
 def _net(net: Floats) -> list[Stroke]:
     legs = np.concatenate([pieces(net), pieces(net.swapaxes(0, 1))])
-    return [Stroke(legs, NET, NET_WIDTH, HIDDEN), *_dots(net.reshape(-1, 3), NET)]
+    return [Stroke(legs, NET, NET_WIDTH, HIDDEN), *dots(net.reshape(-1, 3), NET)]
 
 
-def _dots(points: Floats, colour: str) -> list[Stroke]:
+def dots(points: Floats, colour: str) -> list[Stroke]:
     """Round dots with a white rim, so that they stand out from lines and dark surfaces."""
     twice = np.stack([points, points], axis=1)
     return [Stroke(twice, "white", DOT + RIM), Stroke(twice, colour, DOT, HIDDEN)]

@@ -26,6 +26,7 @@ NOTHING = 1e-12  # of the size: a piece so short is rounding at a pole
 class Tessellation:
     """One patch over a grid: parameters u (r,) and v (s,), points (r, s, 3), normals (r, s, 3)."""
 
+    name: str
     patch: Patch
     u: Floats
     v: Floats
@@ -51,12 +52,13 @@ class Tessellation:
 
 
 def tessellate(
-    patch: Patch, cells: int, lines: Sequence[Floats], letters: Mapping[Any, float] | None = None
+    name: str, patch: Patch, cells: int, lines: Sequence[Floats], letters: Mapping[Any, float] | None = None
 ) -> Tessellation:
     """A patch over about so many cells along each direction, with the parameters of lines in u and v among them."""
     u, v = (_grid(interval, cells, chosen) for interval, chosen in zip(patch.domain, lines, strict=True))
     places = u[:, None], v[None, :]
-    return Tessellation(patch, u, v, patch(*places, letters=letters), patch.normal(*places, letters=letters), letters)
+    points, normals = patch(*places, letters=letters), patch.normal(*places, letters=letters)
+    return Tessellation(name, patch, u, v, points, normals, letters)
 
 
 def cells_of(count: int) -> int:
@@ -86,7 +88,7 @@ def line_parameters(patch: Patch, lines: int | tuple[ArrayLike, ArrayLike]) -> l
     return found
 
 
-def joined(parts: Sequence[Tessellation], names: Sequence[str]) -> Mesh:
+def joined(parts: Sequence[Tessellation]) -> Mesh:
     """One mesh of all patches, side by side; each is a leaf of its name."""
     faces, first = [], 0
     for part in parts:
@@ -96,7 +98,7 @@ def joined(parts: Sequence[Tessellation], names: Sequence[str]) -> Mesh:
     leaf = np.repeat(np.arange(len(parts)), [len(one) for one in faces])
     corners = np.concatenate(faces)
     points = np.concatenate([part.points.reshape(-1, 3) for part in parts])
-    return Mesh(points, corners, normals[corners], leaf=leaf, leaves=tuple(names))
+    return Mesh(points, corners, normals[corners], leaf=leaf, leaves=tuple(part.name for part in parts))
 
 
 def pieces(lines: Floats) -> Floats:
