@@ -120,8 +120,8 @@ def require_axes3d(axes: object) -> Axes3D:
     return axes
 
 
-def frame(axes: Axes3D, low: Floats, high: Floats, elevation: float, azimuth: float) -> None:
-    """Point the camera and fit the box [low, high] into the axes with equal scales."""
+def frame(axes: Axes3D, low: Floats, high: Floats, elevation: float, azimuth: float, *, margin: float = MARGIN) -> None:
+    """Point the camera and fit the box [low, high] into the axes with equal scales, so many points from their ends."""
     size = np.maximum(high - low, 1e-3 * max(float((high - low).max()), np.finfo(float).tiny))
     middle = (low + high) / 2
     axes.view_init(elev=elevation, azim=azimuth)
@@ -131,7 +131,7 @@ def frame(axes: Axes3D, low: Floats, high: Floats, elevation: float, azimuth: fl
     # Perspective makes the size of the picture not quite proportional to the zoom: a few steps settle it.
     for _ in range(4):
         axes.set_box_aspect(size, zoom=zoom)
-        zoom *= _room(axes)
+        zoom *= _room(axes, margin)
 
 
 def _silhouette(axes: Axes3D) -> Floats:
@@ -176,11 +176,11 @@ def camera(axes: Axes3D) -> tuple[Floats, int]:
     return turn / stretch * np.abs(stretch).max(), int(np.sign(stretch.prod()))
 
 
-def _room(axes: Axes3D) -> float:
-    """Return by how much the box may grow, with a margin for the labels, in the visible part of the axes."""
+def _room(axes: Axes3D, margin: float) -> float:
+    """Return by how much the box may grow, with a margin in points, in the visible part of the axes."""
     figure = axes.figure
     low, high = np.maximum(axes.bbox.min, figure.bbox.min), np.minimum(axes.bbox.max, figure.bbox.max)
-    margin = min(MARGIN * figure.dpi / 72, 0.16 * float((high - low).min()))
+    margin = min(margin * figure.dpi / 72, 0.16 * float((high - low).min()))
     above = min(TOP_MARGIN * figure.dpi / 72, margin) if axes.elev >= 0 else margin
     middle = (axes.bbox.min + axes.bbox.max) / 2
     corners = _silhouette(axes) - middle

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,8 +21,29 @@ NEAR, SLANT = 1.0, 20.0
 AROUND = [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)]
 
 
-def draw_lines(samples: NDArray[np.float32], nearest: Ints, triangles: Triangles, lines: Floats, width: float) -> None:
-    """Draw straight lines that lie on a body into its picture.
+@dataclass(frozen=True)
+class Stroke:
+    """Straight pieces (n, 2, 3) in space to draw with a body; one whose ends are equal is a round dot.
+
+    `width` is in points; `hidden` is the share of the ink that is left where the body hides a piece.
+    """
+
+    pieces: Floats
+    colour: str = INK
+    width: float = 0.7
+    hidden: float = 0.0
+
+
+def draw_lines(
+    samples: NDArray[np.float32],
+    nearest: Ints,
+    triangles: Triangles,
+    lines: Floats,
+    width: float,
+    colour: str = INK,
+    hidden: float = 0.0,
+) -> None:
+    """Draw straight lines on a body, or in the space around it, into its picture.
 
     Parameters
     ----------
@@ -34,6 +57,8 @@ def draw_lines(samples: NDArray[np.float32], nearest: Ints, triangles: Triangles
         x and y in samples and depth of both ends.
     width : float
         In samples.
+    colour, hidden
+        As in a `Stroke`.
 
     Examples
     --------
@@ -46,11 +71,14 @@ def draw_lines(samples: NDArray[np.float32], nearest: Ints, triangles: Triangles
     array([1, 1, 1, 1, 0, 0, 0, 1, 1, 1])
     """
     dots = _dots(lines)
-    dots = dots[_is_visible(dots, nearest, triangles)]
-    ink = _spread(dots, width, nearest.shape).reshape(nearest.shape)[..., None]
-    samples *= 1 - ink
-    samples[..., :3] += ink * linear(INK)
-    samples[..., 3:] += ink
+    visible = _is_visible(dots, nearest, triangles)
+    ink = _spread(dots[visible], width, nearest.shape)
+    if hidden:
+        ink = np.maximum(ink, hidden * _spread(dots[~visible], width, nearest.shape))
+    share = ink.reshape(nearest.shape)[..., None]
+    samples *= 1 - share
+    samples[..., :3] += share * linear(colour)
+    samples[..., 3:] += share
 
 
 def _dots(lines: Floats) -> Floats:

@@ -75,13 +75,14 @@ def coat_of(
 ) -> Coat:
     """The paint of a mesh with the corner normals (m, 3, 3), as `plot_mesh` describes it."""
     if colour_by is None:
-        return Coat(_one_colour(colour))
+        return one_colour(colour)
     if not isinstance(colour_by, str):
-        return _value_coat(_values_at_corners(mesh, colour_by), _checked_values(mesh, colour_by), "")
+        given = _at_corners(mesh, colour_by)
+        return value_coat(between_corners(given), robust_limits(given), "")
     if colour_by == "zebra":
-        return Coat(_zebra(mesh, normals, shape, letters))
+        return Coat(zebra(mesh, normals, shape, letters))
     if colour_by == "part":
-        return Coat(_part_paint(face_colours(mesh)), parts=part_colours(mesh))
+        return part_coat(mesh)
     if colour_by not in MAPS:
         known = ", ".join((*MAPS, "zebra", "part"))
         raise RsymError(f"no map {colour_by!r}", code="colour-by", remedy=f"choose from {known}, or give an array")
@@ -95,22 +96,28 @@ def coat_of(
         found = surface.at(points, reach)[field]
         return found if component is None else found[:, component]
 
-    return _value_coat(lambda spots: values(_points(mesh, spots)), values(mesh.vertices), label, (2 / size) ** power)
+    limits = robust_limits(values(mesh.vertices), (2 / size) ** power)
+    return value_coat(lambda spots: values(_points(mesh, spots)), limits, label)
 
 
-def _one_colour(colour: str) -> Paint:
-    colours = np.stack([linear(INSIDE), linear(colour)])
-    return lambda spots: colours[(spots.side > 0).astype(int)]
+def one_colour(colour: str, inside: str = INSIDE) -> Coat:
+    """The colour of a body outside, and of its surface seen from inside."""
+    colours = np.stack([linear(inside), linear(colour)])
+    return Coat(lambda spots: colours[(spots.side > 0).astype(int)])
 
 
-def _part_paint(colours: Floats) -> Paint:
-    inside = linear(INSIDE)
-    return lambda spots: np.where(spots.side[:, None] > 0, colours[spots.faces], inside)
+def part_coat(mesh: Mesh, inside: str | None = INSIDE) -> Coat:
+    """A colour for each part; from inside another one, or none other."""
+    colours, parts = face_colours(mesh), part_colours(mesh)
+    if inside is None:
+        return Coat(lambda spots: colours[spots.faces], parts=parts)
+    other = linear(inside)
+    return Coat(lambda spots: np.where(spots.side[:, None] > 0, colours[spots.faces], other), parts=parts)
 
 
-def _value_coat(values: Callable[[Spots], Floats], sample: Floats, label: str, unit: float = 0.0) -> Coat:
-    """Colours between robust limits; about zero, if the values have both signs."""
-    low, high = robust_limits(sample, unit)
+def value_coat(values: Callable[[Spots], Floats], limits: tuple[float, float], label: str) -> Coat:
+    """Colours of values between limits; of two sides, if those are about zero."""
+    low, high = limits
     scale = ScalarMappable(Normalize(low, high), colormaps["coolwarm" if low == -high else "viridis"])
     table = decode(scale.get_cmap()(np.linspace(0.0, 1.0, 256))[:, :3])
     undefined = linear(UNDEFINED)
@@ -149,22 +156,25 @@ def robust_limits(values: Floats, unit: float = 0.0) -> tuple[float, float]:
     return low, high
 
 
-def _checked_values(mesh: Mesh, values: ArrayLike) -> Floats:
+def _at_corners(mesh: Mesh, values: ArrayLike) -> Floats:
+    """The values of vertices, or of face corners, as values of face corners (m, 3)."""
     array = np.asarray(values, np.float64)
-    if array.shape != (len(mesh.vertices),):
+    if array.shape == (len(mesh.vertices),):
+        array = array[mesh.faces]
+    if array.shape != mesh.faces.shape:
         raise RsymError(
-            f"expected one value for each of the {len(mesh.vertices)} vertices, got the shape {array.shape}",
+            f"expected one value for each of the {len(mesh.vertices)} vertices or {mesh.faces.shape} corners of faces, "
+            f"got the shape {array.shape}",
             code="colour-by",
         )
     return array
 
 
-def _values_at_corners(mesh: Mesh, values: ArrayLike) -> Callable[[Spots], Floats]:
-    """Values between vertices, NaN left out of the mean of the corners."""
-    at_vertices = _checked_values(mesh, values)
+def between_corners(values: Floats) -> Callable[[Spots], Floats]:
+    """Values inside faces from those of their corners (m, 3); NaN is left out of the mean."""
 
     def between(spots: Spots) -> Floats:
-        corners = at_vertices[mesh.faces[spots.faces]]
+        corners = values[spots.faces]
         weights = np.where(np.isfinite(corners), spots.weights, 0.0)
         with np.errstate(all="ignore"):
             mean: Floats = (weights * np.nan_to_num(corners)).sum(axis=1) / weights.sum(axis=1)
@@ -173,7 +183,7 @@ def _values_at_corners(mesh: Mesh, values: ArrayLike) -> Callable[[Spots], Float
     return between
 
 
-def _zebra(mesh: Mesh, normals: Floats, shape: Shape | None, letters: Mapping[Any, float] | None) -> Paint:
+def zebra(mesh: Mesh, normals: Floats, shape: Shape | None = None, letters: Mapping[Any, float] | None = None) -> Paint:
     """The reflection of a room with level stripes: a jump of the curvature kinks them, an edge breaks them."""
     surface = None if shape is None else NearSurface(shape, (), letters)
     reach = _reach(mesh)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.model.shape import Shape
 from rsym.output import axes3d
-from rsym.output.ink import SMOOTH, draw_lines
-from rsym.output.paints import Spots, coat_of
+from rsym.output.ink import SMOOTH, Stroke, draw_lines
+from rsym.output.paints import Coat, Spots, coat_of
 from rsym.output.rasteriser import Triangles, rasterise, snap
 from rsym.output.shading import BODY, hollows, mean_depth, reduce, shade, unit
 from rsym.sampling.mesh import Mesh
@@ -65,8 +65,9 @@ def plot_mesh(
         ``mean_curvature``, ``gaussian_curvature``, ``k1``, ``k2``: a map of the exact curvature at every pixel;
         ``zebra``: the reflection of level stripes, kinked where the curvature jumps and broken at an edge;
         ``part``: a colour for each part of the shape (`Shape.named`, or the texts of a model file);
-        or an array with one value for each vertex. A new figure has a colour bar or the names of the parts, otherwise
-        ``figure.colorbar(artist.scale, ax=ax)`` makes one, and ``artist.parts`` maps names to colours.
+        or an array with one value for each vertex, or for each corner of each face. A new figure has a colour bar or
+        the names of the parts, otherwise ``figure.colorbar(artist.scale, ax=ax)`` makes one, and ``artist.parts``
+        maps names to colours.
     shape, letters
         What the mesh was made of: needed for curvatures, and for a zebra that is exact between vertices.
 
@@ -93,9 +94,12 @@ def plot_mesh(
     >>> artist.axes is axes
     True
     """
-    artist = ShadedMesh(
-        mesh, colour=colour, edges=edges, features=features, colour_by=colour_by, shape=shape, letters=letters
-    )
+    coat = coat_of(mesh, mesh.normals, colour, colour_by, shape, letters)
+    return show(ShadedMesh(mesh, coat, edges=edges, features=features), ax, elevation, azimuth)
+
+
+def show(artist: ShadedMesh, ax: Axes3D | None, elevation: float, azimuth: float) -> ShadedMesh:
+    """Put a body on axes that fit it and say what its colours mean; without axes on a new pyplot figure."""
     if ax is None:
         axes = axes3d.new_axes(artist.low, artist.high, elevation, azimuth)
     else:
@@ -125,21 +129,21 @@ class ShadedMesh(Artist):
     def __init__(
         self,
         mesh: Mesh,
+        coat: Coat,
         *,
-        colour: str = BODY,
         edges: bool = False,
         features: bool | float = True,
-        colour_by: str | ArrayLike | None = None,
-        shape: Shape | None = None,
-        letters: Mapping[Any, float] | None = None,
+        strokes: Sequence[Stroke] = (),
     ) -> None:
         super().__init__()
         self.mesh = mesh
         self.edges = edges
         self.lines, self.beside = _lines(mesh, SMOOTH if features is True else 180.1 if features is False else features)
-        self.low, self.high = mesh.vertices[mesh.faces].min(axis=(0, 1)), mesh.vertices[mesh.faces].max(axis=(0, 1))
+        self.strokes = tuple(stroke for stroke in strokes if len(stroke.pieces))
+        shown = [mesh.vertices[np.unique(mesh.faces)], *(stroke.pieces.reshape(-1, 3) for stroke in self.strokes)]
+        self.points = np.concatenate(shown)
+        self.low, self.high = self.points.min(axis=0), self.points.max(axis=0)
         self.normals = mesh.normals
-        coat = coat_of(mesh, self.normals, colour, colour_by, shape, letters)
         self.paint, self.scale, self.scale_label, self.parts = coat.paint, coat.scale, coat.label, coat.parts
         self._state: object = None
         self._drawn = (np.zeros(2, np.int64), np.zeros((0, 0, 4), np.uint8))
@@ -149,7 +153,7 @@ class ShadedMesh(Artist):
     def get_window_extent(self, renderer: RendererBase | None = None) -> Bbox:
         """Return the rectangle that the body covers, in pixels of the figure."""
         axes: Any = self.axes
-        screen = axes3d.project(axes, self.mesh.vertices[np.unique(self.mesh.faces)])[:, :2]
+        screen = axes3d.project(axes, self.points)[:, :2]
         body = Bbox([screen.min(axis=0), screen.max(axis=0)])
         return Bbox.intersection(body, axes.bbox) or Bbox.null()
 
@@ -180,8 +184,9 @@ class ShadedMesh(Artist):
         """
         corners = _on_screen(axes, self.mesh.vertices, scale)[self.mesh.faces]
         # Half of a line along an outline lies beside the body.
-        room = np.ceil(FEATURE_WIDTH * point / 2) if len(self.lines) else 0.0
-        least, most = corners[..., :2].min(axis=(0, 1)) - room, corners[..., :2].max(axis=(0, 1)) + room
+        widths = [FEATURE_WIDTH if len(self.lines) else 0.0, *(stroke.width for stroke in self.strokes)]
+        room, places = np.ceil(max(widths) * point / 2), _on_screen(axes, self.points, scale)[:, :2]
+        least, most = places.min(axis=0) - room, places.max(axis=0) + room
         low = np.maximum(np.floor(least), 0).astype(np.int64)
         high = np.minimum(np.ceil(most), np.ceil(axes.bbox.size * scale)).astype(np.int64)
         width, height = np.maximum(high - low, 0) * SAMPLES
@@ -193,11 +198,12 @@ class ShadedMesh(Artist):
         triangles, names = self._facing_triangles(corners, mirrored)
         nearest = rasterise(triangles, (int(height), int(width)))
         samples = self._samples(triangles, names, nearest, turn, mirrored, edge)
-        if len(self.lines):
-            lines = self.lines[self._may_be_seen(axes, mirrored)]
-            lines = _on_screen(axes, lines.reshape(-1, 3), scale).reshape(lines.shape)
+        features = self.lines[self._may_be_seen(axes, mirrored)] if len(self.lines) else self.lines
+        for stroke in (Stroke(features, width=FEATURE_WIDTH), *self.strokes):
+            lines = _on_screen(axes, stroke.pieces.reshape(-1, 3), scale).reshape(stroke.pieces.shape)
             lines[..., :2] = (lines[..., :2] - low) * SAMPLES
-            draw_lines(samples, nearest, triangles, lines, FEATURE_WIDTH * point * SAMPLES)
+            width = stroke.width * point * SAMPLES
+            draw_lines(samples, nearest, triangles, lines, width, stroke.colour, stroke.hidden)
         return low, reduce(samples, SAMPLES)
 
     def _samples(

@@ -1,0 +1,130 @@
+"""Patches as triangles to draw: exact at every vertex, with chosen parameter lines among the edges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rsym.errors import RsymError
+from rsym.sampling.mesh import Mesh
+from rsym.surfaces.patch import Patch
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# Triangles of a picture of two or three thousand points: smaller ones than a few pixels show nothing more.
+CELLS = 32_000
+LEAST = 12  # cells along a side of a patch, of however many
+NOTHING = 1e-12  # of the size: a piece so short is rounding at a pole
+
+
+@dataclass(frozen=True)
+class Tessellation:
+    """One patch over a grid: parameters u (r,) and v (s,), points (r, s, 3), normals (r, s, 3)."""
+
+    name: str
+    patch: Patch
+    u: Floats
+    v: Floats
+    points: Floats
+    normals: Floats
+    letters: Mapping[Any, float] | None
+
+    def values(self, function: Callable[..., Floats]) -> Floats:
+        """A function of (u, v) with `letters` on the grid, (r, s)."""
+        return function(self.u[:, None], self.v[None, :], letters=self.letters)
+
+    def lines(self, axis: int, parameters: Floats) -> Floats:
+        """The pieces (n, 2, 3) of the lines u = const (axis 0) or v = const (axis 1) at parameters of the grid."""
+        grid = (self.u, self.v)[axis]
+        rows = np.moveaxis(self.points, axis, 0)[np.searchsorted(grid, parameters)]
+        return pieces(rows)
+
+    def edges(self) -> Floats:
+        """The pieces (n, 2, 3) of the edges; none where the patch closes."""
+        closed = self.patch.closed
+        found = [self.lines(axis, (self.u, self.v)[axis][[0, -1]]) for axis in (0, 1) if not closed[axis]]
+        return np.concatenate([np.zeros((0, 2, 3)), *found])
+
+
+def tessellate(
+    name: str, patch: Patch, cells: int, lines: Sequence[Floats], letters: Mapping[Any, float] | None = None
+) -> Tessellation:
+    """A patch over about so many cells along each direction, with the parameters of lines in u and v among them."""
+    u, v = (_grid(interval, cells, chosen) for interval, chosen in zip(patch.domain, lines, strict=True))
+    places = u[:, None], v[None, :]
+    points, normals = patch(*places, letters=letters), patch.normal(*places, letters=letters)
+    return Tessellation(name, patch, u, v, points, normals, letters)
+
+
+def cells_of(count: int) -> int:
+    """Cells along each direction of each of so many patches.
+
+    Examples
+    --------
+    >>> cells_of(1), cells_of(8)
+    (178, 63)
+    """
+    return max(int((CELLS / count) ** 0.5), LEAST)
+
+
+def line_parameters(patch: Patch, lines: int | tuple[ArrayLike, ArrayLike]) -> list[Floats]:
+    """The parameters of lines inside a patch: of so many intervals in each direction, or those given."""
+    given = (lines, lines) if isinstance(lines, int) else lines
+    found = []
+    for (low, high), closed, chosen in zip(patch.domain, patch.closed, given, strict=True):
+        if isinstance(chosen, int):
+            values = np.linspace(low, high, max(chosen, 1) + 1)
+            values = values[: 0 if chosen < 1 else -1] if closed else values[1:-1]
+        else:
+            values = np.unique(np.asarray(chosen, np.float64))
+            if values.ndim != 1 or (values < low).any() or (values > high).any():
+                raise RsymError(f"lines lie at parameters in [{low:g}, {high:g}], got {chosen!r}", code="domain")
+        found.append(values)
+    return found
+
+
+def joined(parts: Sequence[Tessellation]) -> Mesh:
+    """One mesh of all patches, side by side; each is a leaf of its name."""
+    faces, first = [], 0
+    for part in parts:
+        faces.append(_faces(*part.points.shape[:2]) + first)
+        first += part.points.shape[0] * part.points.shape[1]
+    normals = np.concatenate([part.normals.reshape(-1, 3) for part in parts])
+    leaf = np.repeat(np.arange(len(parts)), [len(one) for one in faces])
+    corners = np.concatenate(faces)
+    points = np.concatenate([part.points.reshape(-1, 3) for part in parts])
+    return Mesh(points, corners, normals[corners], leaf=leaf, leaves=tuple(part.name for part in parts))
+
+
+def pieces(lines: Floats) -> Floats:
+    """The pieces (n, 2, 3) of polylines (..., k, 3); those of length 0, as at a pole, are left out.
+
+    Examples
+    --------
+    >>> pieces(np.array([[0.0, 0, 0], [1, 0, 0], [1, 0, 0]])).tolist()
+    [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]]
+    """
+    found = np.stack([lines[..., :-1, :], lines[..., 1:, :]], axis=-2).reshape(-1, 2, 3)
+    lengths = np.abs(found[:, 1] - found[:, 0]).max(axis=1)
+    return np.asarray(found[lengths > NOTHING * np.abs(found).max(initial=0.0)])
+
+
+def _grid(interval: tuple[float, float], cells: int, chosen: Floats) -> Floats:
+    """Parameters of an interval: its ends, those chosen, and enough between them, evenly from each to the next."""
+    low, high = interval
+    ends = np.unique(np.concatenate([[low], chosen, [high]]))
+    counts = np.ceil(np.diff(ends) / (high - low) * cells - 1e-9).astype(np.int64).clip(1)
+    spans = [np.linspace(a, b, count, endpoint=False) for a, b, count in zip(ends[:-1], ends[1:], counts, strict=True)]
+    return np.concatenate([*spans, [high]])
+
+
+def _faces(rows: int, columns: int) -> Ints:
+    """Triangles of a grid, counter-clockwise seen from where p_u x p_v points."""
+    number = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
+    return np.stack([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)], axis=2).reshape(-1, 3)
