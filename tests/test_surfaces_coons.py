@@ -194,3 +194,14 @@ def test_parameters_outside_are_refused_and_rounding_is_not():
         patch([0.2, 1.5], 0.5)
     with pytest.raises(rsym.RsymError, match="broadcast"):
         patch(np.zeros(3), np.zeros(4))
+
+
+def test_a_patch_is_written_as_in_the_textbook():
+    matrix = np.zeros((4, 4, 3))
+    matrix[1, :2, 0] = 1 / 3
+    written = BicubicCoons(matrix, HermiteBlend.trigonometric(0))._repr_latex_()
+    for part in (r"f(u)^T Q \, g(v)", "(0.33333, 0, 0)", r"F_{1}(t) &= ", r"\hat F_{1}(t) &= - 2 t^{3} + 3 t^{2}"):
+        assert part in written
+    edges = CoonsPatch((0, t, sp.sin(t)), (1, t, 0), (t, 0, 0), (t, 1, sp.sin(1) * (1 - t)))
+    assert r"(0, v, \sin{\left(v \right)})" in edges._repr_latex_()
+    assert CoonsPatch(lambda s: (0, s, 0), (1, t, 0), (t, 0, 0), (t, 1, 0))._repr_latex_() is None

@@ -20,14 +20,18 @@ def blend_latex(formulas: Sequence[sp.Expr]) -> str:
     >>> print(blend_latex(LINEAR))
     $\displaystyle \begin{aligned} F_{0}(t) &= 1 - t \\ F_{1}(t) &= t \end{aligned}$
     """
-    names = [f"{letter}_{{{end}}}(t)" for letter in "FGH" for end in (0, 1)]
-    lines = [f"{name} &= {_written(formula)}" for name, formula in zip(names, formulas, strict=False)]
-    text = r" \\ ".join(lines)
+    text = r" \\ ".join(blend_lines(formulas))
     return rf"$\displaystyle \begin{{aligned}} {text} \end{{aligned}}$"
 
 
-def _written(formula: sp.Expr) -> str:
-    marks = {call: sp.Dummy(_called(call)) for call in formula.atoms(F0, F1, G0, G1)}
+def blend_lines(formulas: Sequence[sp.Expr], mark: str = "") -> list[str]:
+    """The definition of each function, its name marked if there are others of that name."""
+    names = [f"{mark}{letter}_{{{end}}}(t)" for letter in "FGH" for end in (0, 1)]
+    return [f"{name} &= {_written(formula, mark)}" for name, formula in zip(names, formulas, strict=False)]
+
+
+def _written(formula: sp.Expr, mark: str) -> str:
+    marks = {call: sp.Dummy(mark + _called(call)) for call in formula.atoms(F0, F1, G0, G1)}
     marked = formula.xreplace(marks)
     names = {**symbol_names(symbols_of(marked)), **{mark: mark.name for mark in marks.values()}}
     text: str = sp.latex(marked, symbol_names=names)

@@ -18,6 +18,7 @@ from rsym.surfaces.entries import entries_and_shape
 from rsym.surfaces.gregory import Gregory
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import LetterValues, Orders
+from rsym.surfaces.patch_latex import bicubic_latex, coons_latex
 from rsym.surfaces.ribbons import tangent_ribbons
 from rsym.surfaces.symbols import t, u, v
 from rsym.surfaces.transfinite import BooleanSum, Loft
@@ -98,6 +99,7 @@ class CoonsPatch(BooleanSum):
         data = Corners(across_u, across_v)
         data.check()
         super().__init__(Loft(self.blend_u.curve, across_u), Loft(self.blend_v.curve, across_v), data)
+        self.data = data
         self.gregory = _gregory(corners, data, self)
 
     @classmethod
@@ -132,6 +134,13 @@ class CoonsPatch(BooleanSum):
         """The point as expressions in u, v and the letters."""
         point = super().expression()
         return point if self.gregory is None else point + self.gregory.expression()
+
+    def _repr_latex_(self) -> str | None:
+        """The matrix formula with its entries; none where the patch is not a formula."""
+        lofts = [loft.curves for loft in self.lofts if loft]
+        if self.gregory is not None or any(one.expressions() is None for one in (*lofts, self.data)):
+            return super()._repr_latex_()
+        return coons_latex(self.data, lofts, self.blend_u, self.blend_v)
 
 
 class BicubicCoons(BooleanSum):
@@ -180,6 +189,10 @@ class BicubicCoons(BooleanSum):
     def matrix(self) -> Array:
         """The corner information matrix at the defaults of the letters."""
         return np.array(self.data(self.data.domain[0]))
+
+    def _repr_latex_(self) -> str:
+        """P = f(u)^T Q f(v) with Q and f."""
+        return bicubic_latex(self.data, self.blend_u, self.blend_v)
 
     def with_matrix(self, matrix: Any) -> BicubicCoons:
         """The patch of another matrix with the same blends."""
