@@ -1,0 +1,145 @@
+"""Nets of vertices for data: D = C B with C_(pq),(ij) = N_i(u_pq) M_j(w_pq), solved by orthogonal reflections.
+
+Source: Rogers and Adams (1990), equations 6-83 (as many vertices as data) and 6-84 (fewer). The book inverts C or
+C^T C; here C is never squared. Parameters that are alike in all rows and columns give C = N x M and two small systems.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.surfaces.band_qr import BandQR
+from rsym.surfaces.spline_knots import check_data
+from rsym.surfaces.spline_spaces import Spaces, tensor_values
+
+Array: TypeAlias = NDArray[np.float64]
+Pair: TypeAlias = tuple[Array, Array]
+
+
+@dataclass(frozen=True)
+class Residual:
+    """How far a surface passes from its data, each point against its own parameters.
+
+    Parameters
+    ----------
+    maximum, rms : float
+        The largest distance, and the root of the mean square.
+    worst : pair of int
+        The row and column of the datum with the largest distance.
+    place : pair of float
+        Its parameters.
+    """
+
+    maximum: float
+    rms: float
+    worst: tuple[int, int]
+    place: tuple[float, float]
+
+    def __str__(self) -> str:
+        u, v = self.place
+        return f"at most {self.maximum:.3g}, rms {self.rms:.3g}; worst at datum {self.worst}, u = {u:.6g}, v = {v:.6g}"
+
+
+@dataclass(frozen=True, eq=False)
+class SplineFit:
+    """The data of a surface, and how it came to them.
+
+    Parameters
+    ----------
+    points : array (r, s, 3)
+        The data.
+    parameters : pair of arrays
+        Of the rows and of the columns; or of each point, (r, s) both.
+    history : tuple of Residual
+        Before the corrections of parameters and constraints, and after each step that was kept; the last one holds.
+    converged : bool
+        False where vertices kept on planes or curves were still moving at the last step.
+    """
+
+    points: Array
+    parameters: Pair
+    history: tuple[Residual, ...]
+    converged: bool = True
+
+    @property
+    def residual(self) -> Residual:
+        """The residual of the surface."""
+        return self.history[-1]
+
+
+def broadcast(parameters: Pair) -> Pair:
+    """Parameters that broadcast to the net of data."""
+    u, v = parameters
+    return (u[:, None] if u.ndim == 1 else u), (v[None, :] if v.ndim == 1 else v)
+
+
+def residual_of(spaces: Spaces, net: Array, points: Array, parameters: Pair) -> Residual:
+    """The distances of the points from the surface at their parameters."""
+    u, v = broadcast(parameters)
+    gaps = points - tensor_values(spaces, net, u, v)
+    distances = np.sqrt(np.einsum("abi,abi->ab", gaps, gaps))
+    worst = np.unravel_index(int(distances.argmax()), distances.shape)
+    place = tuple(float(np.broadcast_to(one, distances.shape)[worst]) for one in (u, v))
+    rms = float(np.sqrt((distances**2).mean()))
+    return Residual(float(distances[worst]), rms, (int(worst[0]), int(worst[1])), (place[0], place[1]))
+
+
+def fitted_net(spaces: Spaces, points: Array, parameters: Pair) -> Array:
+    """The net whose surface passes the points nearest in the sense of least squares.
+
+    One step of refinement with the residual brings what rounding left in data of uneven density.
+    """
+    solve = _tensor_solver(spaces, parameters) if parameters[0].ndim == 1 else _solver(spaces, parameters)
+    net = solve(points)
+    rest = points - tensor_values(spaces, net, *broadcast(parameters))
+    return np.asarray(net + solve(rest))
+
+
+def collocation(spaces: Spaces, parameters: Pair) -> tuple[NDArray[np.intp], Array]:
+    """Of each point the numbers i*(m+1) + j of the vertices that it depends on, and N_i(u) M_j(v)."""
+    u, v = (one.ravel() for one in np.broadcast_arrays(*broadcast(parameters)))
+    (rows, n), (columns, m) = (space.local(values) for space, values in zip(spaces, (u, v), strict=True))
+    numbers = rows[:, :, None] * spaces[1].count + columns[:, None, :]
+    return numbers.reshape(len(u), -1), (n[:, :, None] * m[:, None, :]).reshape(len(u), -1)
+
+
+def _tensor_solver(spaces: Spaces, parameters: Pair) -> Callable[[Array], Array]:
+    """B = N^+ D (M^+)^T."""
+    systems = []
+    for space, values, name in zip(spaces, parameters, "uv", strict=True):
+        check_data(values, space, name)
+        systems.append(BandQR(space.matrix(values)))
+        if systems[-1].dependent is not None:
+            raise singular(spaces, f"the vertex {systems[-1].dependent} along {name}")
+    along, across = systems
+    return lambda right: across.solve(along.solve(right).swapaxes(0, 1)).swapaxes(0, 1)
+
+
+def _solver(spaces: Spaces, parameters: Pair) -> Callable[[Array], Array]:
+    """The one system of all points."""
+    shape = (spaces[0].count, spaces[1].count)
+    numbers, values = collocation(spaces, parameters)
+    matrix = np.zeros((len(numbers), shape[0] * shape[1]))
+    matrix[np.arange(len(numbers))[:, None], numbers] = values
+    system = BandQR(matrix)
+    if system.dependent is not None:
+        row, column = divmod(system.dependent, shape[1])
+        raise singular(spaces, f"the vertex ({row}, {column})")
+    return lambda right: system.solve(right.reshape(-1, 3)).reshape(*shape, 3)
+
+
+def singular(spaces: Spaces, vertex: str) -> RsymError:
+    """The refusal of a system without a unique solution."""
+    halved = any(space.closed for space in spaces)
+    return RsymError(
+        f"the data do not determine {vertex}: it depends on those before it",
+        code="singular",
+        remedy='take fewer vertices or knots="averaged"'
+        + (", or move the parameters of the closed direction by half a span" if halved else ""),
+    )

@@ -1,0 +1,123 @@
+"""Parameters of data points: shares of the chord length along the rows and columns of a net of points.
+
+u_1 = 0,  u_a/u_max = sum_(g=2..a) |D_(g,b) - D_(g-1,b)| / sum_(g=2..r) |D_(g,b) - D_(g-1,b)|  along column b
+
+Source: Rogers and Adams (1990), before equation 6-85; the exponent 1/2 of the chords is Lee's (1989).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.surfaces.parameters import Interval
+
+Array: TypeAlias = NDArray[np.float64]
+
+EXPONENTS = {"chord-length": 1.0, "centripetal": 0.5}
+# A line of points shorter than so many roundings of their coordinates for each point is one point, a pole: the row
+# at cos(pi/2) = 6e-17 of a sphere has the length 4e-16.
+POLE = 4 * np.finfo(float).eps
+
+
+@dataclass(frozen=True, eq=False)
+class DataParameters:
+    """The parameters of data along one direction.
+
+    Parameters
+    ----------
+    values : array
+        One for each row (or column) of data, or one for each point, (r, s).
+    mean : array
+        One for each row (or column); knots follow these.
+    interval : pair of float
+        The interval of the parameter.
+    """
+
+    values: Array
+    mean: Array
+    interval: Interval
+
+
+def chord_parameters(
+    points: Array, axis: int, rule: str, per_point: bool, length: float, closed: bool, halved: bool
+) -> DataParameters:
+    """Shares of the chord length (or of the sum of its roots) along an axis, times `length`.
+
+    Lines without any length, poles, are left out of the mean and take it. Closed: the way back to the first point
+    counts too; `halved` lets the data begin at half of it instead of at 0.
+    """
+    steps = np.diff(points, axis=axis, append=points.take([0], axis=axis)) if closed else np.diff(points, axis=axis)
+    chords = np.moveaxis(np.sqrt(np.einsum("abi,abi->ab", steps, steps)), axis, 0)
+    regular = chords.sum(axis=0) > POLE * points.shape[axis] * np.abs(points).max()
+    if not regular.any():
+        raise RsymError(
+            f"all points along {'uv'[axis]} coincide: they have no chord length",
+            code="parameters",
+            remedy=f"give parameters for {'uv'[axis]}, or points that differ",
+        )
+    powers = chords[:, regular] ** EXPONENTS[rule]
+    shares = np.concatenate([np.zeros((1, powers.shape[1])), np.cumsum(powers, axis=0) / powers.sum(axis=0)])
+    shares[-1] = 1.0
+    each = np.empty((len(shares), chords.shape[1]))
+    each[:, regular] = shares
+    each[:, ~regular] = shares.mean(axis=1, keepdims=True)
+    mean = shares.mean(axis=1)
+    shift = (1 - mean[-2]) / 2 if closed and halved else 0.0
+    if closed:
+        each, mean = each[:-1], mean[:-1]
+    values = np.moveaxis(each, 0, axis) if per_point else mean
+    return DataParameters(length * (values + shift), length * (mean + shift), (0.0, length))
+
+
+def given_parameters(given: Any, axis: int, shape: tuple[int, ...], closed: bool) -> DataParameters:
+    """Parameters as the user gives them: for each row, or for each point; closed: one more, where the period ends."""
+    name, turn = "uv"[axis], int(closed)
+    try:
+        values = np.array(given, np.float64)
+    except (TypeError, ValueError) as error:
+        raise RsymError(f"the parameters {name} must be numbers", code="parameters") from error
+    full = list(shape[:2])
+    full[axis] += turn
+    if values.shape not in ((full[axis],), tuple(full)):
+        raise RsymError(
+            f"the parameters {name} must have the shape ({full[axis]},) or {tuple(full)}, got {values.shape}",
+            code="parameters",
+            remedy="a closed direction has one parameter more: that of the first points after one turn"
+            if closed
+            else "one for each row of points, or one for each point",
+        )
+    _check_order(values if values.ndim == 1 else np.moveaxis(values, axis, 0), name)
+    mean = values if values.ndim == 1 else values.mean(axis=1 - axis)
+    interval = float(values.min()), float(values.max())
+    if not closed:
+        return DataParameters(values, mean, interval)
+    first, last = (values.take(end, axis=0 if values.ndim == 1 else axis) for end in (0, -1))
+    if not np.allclose(last - first, mean[-1] - mean[0], rtol=1e-12, atol=0):
+        raise RsymError(f"the period of the parameters {name} must be one and the same", code="parameters")
+    interval = float(mean[0]), float(mean[-1])
+    values = values[:-1] if values.ndim == 1 else values.take(range(shape[axis]), axis=axis)
+    return DataParameters(_turned(values, interval), mean[:-1], interval)
+
+
+def _turned(values: Array, interval: Interval) -> Array:
+    low, high = interval
+    return low + np.mod(values - low, high - low)
+
+
+def _check_order(values: Array, name: str) -> None:
+    """Finite, and not decreasing along the first axis."""
+    if not np.isfinite(values).all():
+        place = tuple(map(int, np.argwhere(~np.isfinite(values))[0]))
+        raise RsymError(f"the parameters {name} must be finite, that at {place} is not", code="parameters")
+    falls = np.argwhere(np.diff(values, axis=0) < 0)
+    if len(falls):
+        raise RsymError(
+            f"the parameters {name} must not decrease, they do after number {int(falls[0][0])}", code="parameters"
+        )
+    if not (values[-1] > values[0]).all():
+        raise RsymError(f"the parameters {name} must increase from first to last", code="parameters")

@@ -1,0 +1,107 @@
+"""Hoschek's correction: data move along the surface to where they are nearest, and the surface is fitted anew.
+
+Source: Hoschek (1988), Intrinsic parametrization for approximation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.surfaces.bspline_fitting import Pair, Residual, SplineFit, broadcast, fitted_net, residual_of
+from rsym.surfaces.bspline_loci import constrained_net, kept_vertices
+from rsym.surfaces.spline_spaces import Spaces, SplineSpace, tensor_values
+
+Array: TypeAlias = NDArray[np.float64]
+
+# Halvings of a step that makes the fit worse, before the correction ends.
+HALVINGS = 4
+
+
+def approximated(
+    spaces: Spaces, points: Array, parameters: Pair, steps: int, kept: Sequence[tuple[Any, Any]]
+) -> tuple[Array, SplineFit]:
+    """The net that fits best, then with its kept vertices in place, then with corrected parameters."""
+    if isinstance(steps, bool) or not isinstance(steps, int) or steps < 0:
+        raise RsymError(f"corrections is a number >= 0, got {steps!r}", code="corrections")
+    loci = kept_vertices(kept, (spaces[0].count, spaces[1].count))
+    settled = True
+
+    def fit(places: Pair, start: Array) -> Array:
+        nonlocal settled
+        if not loci:
+            return fitted_net(spaces, points, places)
+        net, settled = constrained_net(spaces, points, places, loci, start)
+        return net
+
+    net = fitted_net(spaces, points, parameters)
+    history = [residual_of(spaces, net, points, parameters)]
+    if loci:
+        net = fit(parameters, net)
+        history.append(residual_of(spaces, net, points, parameters))
+    net, parameters, further = corrected(spaces, points, parameters, net, steps, fit)
+    return net, SplineFit(points, parameters, (*history, *further), settled)
+
+
+def corrected(
+    spaces: Spaces, points: Array, parameters: Pair, net: Array, steps: int, fit: Callable[[Pair, Array], Array]
+) -> tuple[Array, Pair, list[Residual]]:
+    """A net and parameters after so many corrections, fewer where none helps, and the residual after each."""
+    history: list[Residual] = []
+    rms = residual_of(spaces, net, points, parameters).rms
+    for _ in range(steps):
+        full = _steps(spaces, net, points, parameters)
+        for halving in range(HALVINGS):
+            moved = _moved(spaces, parameters, full, 0.5**halving)
+            try:
+                candidate = fit(moved, net)
+            except RsymError:
+                # The data crowd where they determine too little: the full step went too far.
+                continue
+            residual = residual_of(spaces, candidate, points, moved)
+            if residual.rms < rms:
+                break
+        else:
+            break
+        net, parameters, rms = candidate, moved, residual.rms
+        history.append(residual)
+    return net, parameters, history
+
+
+def _steps(spaces: Spaces, net: Array, points: Array, parameters: Pair) -> Pair:
+    """The changes (du, dv) that minimise |p + p_u du + p_v dv - D|, by Gram-Schmidt."""
+    p, p_u, p_v = (tensor_values(spaces, net, *broadcast(parameters), order) for order in ((0, 0), (1, 0), (0, 1)))
+    gap = points - p
+    with np.errstate(all="ignore"):
+        share = _dot(p_u, p_v) / _dot(p_u, p_u)
+        share = np.where(np.isfinite(share), share, 0.0)
+        rest = p_v - share[..., None] * p_u
+        dv = _dot(gap, rest) / _dot(rest, rest)
+        dv = np.where(np.isfinite(dv), dv, 0.0)
+        du = _dot(gap, p_u) / _dot(p_u, p_u) - share * dv
+    return np.where(np.isfinite(du), du, 0.0), dv
+
+
+def _moved(spaces: Spaces, parameters: Pair, steps: Pair, share: float) -> Pair:
+    u, v = (
+        _slid(space, np.broadcast_to(values, step.shape), share * step)
+        for space, values, step in zip(spaces, broadcast(parameters), steps, strict=True)
+    )
+    return u, v
+
+
+def _slid(space: SplineSpace, values: Array, step: Array) -> Array:
+    """Parameters a step further; those at an end stay there, since the edges of data belong to those of the surface."""
+    low, high = space.domain
+    if space.closed:
+        return np.asarray(low + np.mod(values + step - low, high - low))
+    at_end = (values == low) | (values == high)
+    return np.where(at_end, values, np.clip(values + step, low, high))
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.asarray(np.einsum("...i,...i->...", a, b))
