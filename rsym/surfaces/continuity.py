@@ -74,15 +74,12 @@ def continuity_report(
     _check(patches, {"gap": gap, "angle": angle, "curvature": curvature, "reach": reach})
     grids = [_grid(patch, letters) for patch in patches]
     borders = [one for k, patch in enumerate(patches) for one in _borders(k, patch, grids[k], gap, reach, letters)]
-    lines = [border for border in borders if not border.is_point]
+    lines, points = ([one for one in borders if one.is_point == which] for which in (False, True))
     stretches = shared_stretches(lines)
     joined = covered(stretches, lines)
     free = [_free_edge(border, one) for border in lines for one in free_intervals(border, joined[border])]
     edges = sorted((_common_edge(one, angle, curvature) for one in stretches), key=badness)
-    poles = sorted(
-        (_pole(group, angle, curvature) for group in clusters([border for border in borders if border.is_point])),
-        key=badness,
-    )
+    poles = sorted((_pole(group, angle, curvature) for group in clusters(points)), key=badness)
     return EdgeReport(tuple(edges), tuple(poles), tuple(free), len(patches), _extent(*grids) if grids else 0.0)
 
 

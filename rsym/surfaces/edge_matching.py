@@ -57,6 +57,23 @@ class Border:
         step = np.abs(np.diff(self.points, axis=0)).max()
         return np.stack([self.points.min(axis=0) - step, self.points.max(axis=0) + step])
 
+    @cached_property
+    def bulge(self) -> float:
+        """How far the edge can be from the polygon through the samples, twice over."""
+        return float(np.linalg.norm(np.diff(self.points, 2, axis=0), axis=-1).max()) / 4
+
+    def roughly(self, points: Array) -> tuple[NDArray[np.int64], Array]:
+        """For each point the closest sample, and a distance that the edge is not nearer than."""
+        squares = np.sum((points[:, None] - self.points[None]) ** 2, axis=-1)
+        nearest = np.argmin(squares, axis=1)
+        least = np.full(len(points), np.inf)
+        for beside in (np.maximum(nearest - 1, 0), np.minimum(nearest + 1, SAMPLES - 1)):
+            start, way = self.points[nearest], self.points[beside] - self.points[nearest]
+            square = dot(way, way)
+            share = np.clip(dot(points - start, way) / np.where(square > 0, square, 1), 0, 1)
+            least = np.minimum(least, np.linalg.norm(points - start - share[:, None] * way, axis=-1))
+        return nearest, least - self.bulge
+
     @property
     def loop(self) -> bool:
         """Whether the edge ends where it begins."""
@@ -105,6 +122,7 @@ def closest(edge: Edge, points: Array, guess: Array, low: Array, high: Array) ->
     |c'|^2 takes its place.
     """
     s = np.clip(guess, low, high)
+    rounding = 4 * np.finfo(np.float64).eps * max(map(abs, edge.interval))
     for _ in range(NEWTON_STEPS):
         position, first, second = edge.derivatives(s, ((0, 0), (1, 0), (2, 0)))
         away, speed = position - points, dot(first, first)
@@ -112,20 +130,23 @@ def closest(edge: Edge, points: Array, guess: Array, low: Array, high: Array) ->
         slope = np.where(slope > 0.1 * speed, slope, speed)
         with np.errstate(all="ignore"):
             step = np.where(slope > 0, dot(away, first) / slope, 0.0)
-        moved = np.clip(s - step, low, high)
-        if np.array_equal(moved, s):
+        before, s = s, np.clip(s - step, low, high)
+        if np.abs(s - before).max() <= rounding:
             break
-        s = moved
     return s
 
 
-def projected(border: Border, points: Array) -> tuple[Array, Array]:
-    """For each point the parameter of the closest point of an edge, and the distance."""
-    squares = np.sum((points[:, None] - border.points[None]) ** 2, axis=-1)
-    nearest = np.argmin(squares, axis=1)
-    low, high = border.t[np.maximum(nearest - 1, 0)], border.t[np.minimum(nearest + 1, SAMPLES - 1)]
-    s = closest(border.edge, points, border.t[nearest], low, high)
-    return s, np.linalg.norm(border.edge.position(s) - points, axis=-1)
+def projected(border: Border, points: Array, room: float) -> tuple[Array, Array]:
+    """For each point the parameter of the closest point of an edge, and the distance; infinite where beyond `room`."""
+    nearest, least = border.roughly(points)
+    s, away = border.t[nearest], np.full(len(points), np.inf)
+    near = least <= room
+    if near.any():
+        places = nearest[near]
+        low, high = border.t[np.maximum(places - 1, 0)], border.t[np.minimum(places + 1, SAMPLES - 1)]
+        s[near] = closest(border.edge, points[near], s[near], low, high)
+        away[near] = np.linalg.norm(border.edge.position(s[near]) - points[near], axis=-1)
+    return s, away
 
 
 def shared_stretches(borders: Sequence[Border]) -> list[Stretch]:
@@ -133,7 +154,10 @@ def shared_stretches(borders: Sequence[Border]) -> list[Stretch]:
     pairs = list(_near_pairs(borders))
     found = [stretch for pair in pairs for stretch in _stretches(pair, min(one.gap for one in pair))]
     joined = covered(found, borders)
+    open_edges = {border for border in borders if free_intervals(border, joined[border])}
     for pair in pairs:
+        if not open_edges.issuperset(pair):
+            continue
         found += [one for one in _stretches(pair, min(one.reach for one in pair)) if _is_free(one, joined)]
     return found
 
@@ -191,21 +215,28 @@ def _stretches(pair: tuple[Border, Border], room: float) -> Iterator[Stretch]:
     """Where the second edge stays within `room` of the first, cut where either of them ends."""
     first, second = pair
     gap = min(first.gap, second.gap)
-    ends, distances = projected(first, second.points[[0, -1]])
+    if not (_could_meet(first, second, room) or _could_meet(second, first, room)):
+        return
     least = max(2 * room, TOUCH * gap)
+    ends, distances = projected(first, second.points[[0, -1]], room)
     cuts = _cuts(first, [float(t) for t, d in zip(ends, distances, strict=True) if d <= room], least)
-    t = np.unique(np.concatenate([first.t, cuts]))
-    s, away = projected(second, first.edge.position(t))
     for start, stop in pairwise(cuts):
-        inside = (t >= start) & (t <= stop)
-        if (away[inside] <= room).all():
-            runs = [(t[inside], s[inside])]
+        t = np.linspace(start, stop, SAMPLES)
+        s, away = projected(second, first.edge.position(t), room)
+        if (away <= room).all():
+            runs = [(t, s)]
         else:
-            runs = list(_parts(pair, t[inside], away[inside] <= room, room)) if room <= gap else []
+            runs = list(_parts(pair, t, away <= room, room)) if room <= gap else []
         for places, partners in runs:
             if np.ptp(first.edge.position(places), axis=0).max() > least:
                 interval = (float(places[0]), float(places[-1]))
                 yield Stretch(pair, interval, places, _unwound(second, partners))
+
+
+def _could_meet(one: Border, other: Border, room: float) -> bool:
+    """Whether some neighbouring samples of one edge may all be within `room` of the other."""
+    near = other.roughly(one.points)[1] <= room
+    return bool((near[2:] & near[1:-1] & near[:-2]).any())
 
 
 def _cuts(border: Border, places: Sequence[float], least: float) -> list[float]:
@@ -232,14 +263,14 @@ def _parts(
             begin = _border_of_run(pair, t[start], t[max(start - 1, 0)], room)
             end = _border_of_run(pair, t[stop], t[min(stop + 1, len(t) - 1)], room)
             places = np.unique([begin, *t[start : stop + 1], end])
-            yield places, projected(second, first.edge.position(places))[0]
+            yield places, projected(second, first.edge.position(places), room)[0]
 
 
 def _border_of_run(pair: tuple[Border, Border], inside: float, outside: float, room: float) -> float:
     """The last parameter at which the edges are together, between one where they are and one where they are not."""
     for _ in range(BISECTIONS):
         middle = (inside + outside) / 2
-        together = projected(pair[1], pair[0].edge.position(np.array([middle])))[1][0] <= room
+        together = projected(pair[1], pair[0].edge.position(np.array([middle])), room)[1][0] <= room
         inside, outside = (middle, outside) if together else (inside, middle)
     return inside
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
-from rsym.surfaces.forms import dot, limit_forms
+from rsym.surfaces.forms import SECOND, dot, limit_forms
 from rsym.surfaces.parameters import Interval
 from rsym.surfaces.patch import LetterValues, Patch
 
@@ -84,7 +84,13 @@ class Edge:
     def derivatives(self, t: ArrayLike, orders: Sequence[tuple[int, int]]) -> list[NDArray[np.float64]]:
         """Derivatives of order (i, j): i times along the edge as t runs, j times outwards."""
         turned = [order[::-1] if self.across == 0 else order for order in orders]
-        found = self.patch.derivatives(*self.parameters(t), turned, letters=self.letters)
+        place = self.parameters(t)
+        known: dict[tuple[int, int], NDArray[np.float64]] = {}
+        # Patches compile a kernel for each set of orders: so only three sets are asked for, whatever is wanted.
+        for group in (((0, 0),), SECOND, [order for order in turned if sum(order) > 2]):
+            if any(order in group for order in turned):
+                known |= zip(group, self.patch.derivatives(*place, group, letters=self.letters), strict=True)
+        found = [known[order] for order in turned]
         forwards, outwards = -1.0 if self.reverse else 1.0, 1.0 if self.upper else -1.0
         return [forwards**i * outwards**j * one for (i, j), one in zip(orders, found, strict=True)]
 
@@ -117,9 +123,12 @@ class Edge:
             conormal = (1.0 if self.anticlockwise else -1.0) * side / np.sqrt(dot(side, side))[..., None]
         return forms.normal, conormal, curvature
 
-    def is_point(self, size: float) -> bool:
-        """Whether the edge is one point, as at a pole, of a patch of this size."""
+    def is_point(self, size: float | None = None) -> bool:
+        """Whether the edge is one point, as at a pole, beside the size of the patch."""
         points = self.position(np.linspace(*self.interval, SPREAD_SAMPLES))
+        if size is None:
+            other = Edge(self.patch, self.name[0] + "10"[int(self.upper)], letters=self.letters)
+            size = float(np.ptp(np.concatenate([points, other.position(np.array(self.interval))]), axis=0).max())
         return bool(np.ptp(points, axis=0).max() <= POINT * size)
 
 
