@@ -79,7 +79,10 @@ def continuity_report(
     joined = covered(stretches, lines)
     free = [_free_edge(border, one) for border in lines for one in free_intervals(border, joined[border])]
     edges = sorted((_common_edge(one, angle, curvature) for one in stretches), key=badness)
-    poles = sorted((_pole(group, angle, curvature) for group in clusters([border for border in borders if border.is_point])), key=badness)
+    poles = sorted(
+        (_pole(group, angle, curvature) for group in clusters([border for border in borders if border.is_point])),
+        key=badness,
+    )
     return EdgeReport(tuple(edges), tuple(poles), tuple(free), len(patches), _extent(*grids) if grids else 0.0)
 
 
