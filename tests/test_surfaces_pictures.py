@@ -5,6 +5,7 @@ import matplotlib as mpl
 mpl.use("Agg")
 import numpy as np
 import pytest
+import sympy as sp
 from matplotlib import pyplot as plt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -12,11 +13,14 @@ from mpl_toolkits.mplot3d import proj3d
 
 from rsym import RsymError
 from rsym.output.comparison import compare_patches
+from rsym.output.joins import plot_continuity
 from rsym.output.parts import PALETTE
 from rsym.output.patches import CURVE, NET, POINT, map_values, plot_patches, tessellations
 from rsym.output.surfaces import ShadedMesh, plot_mesh
 from rsym.output.tessellation import joined
 from rsym.sampling.mesh import Mesh
+from rsym.surfaces.continuity import continuity_report
+from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import Patch
 from tests.closeness import assert_close
 
@@ -199,6 +203,34 @@ def test_patches_have_colours_and_names():
     assert blue > red
     red, _, blue = at((1.45, 0.45, 0.5))
     assert red > blue
+
+
+def test_edges_have_the_colour_of_their_class_and_the_legend_counts_them():
+    u, v = sp.symbols("u v", real=True)
+    sides = [(0, 0), (1, 0), (-1, 0), (0, 1)]  # beside the first: a jump of the curvature, a kink, nothing
+    bends = {(1, 0): (u - 1) ** 2, (-1, 0): u / 5}
+    patches = [ParametricSurface((u, v, bends.get(at, 0)), ((at[0], at[0] + 1), (at[1], at[1] + 1))) for at in sides]
+    figure = Figure(figsize=(4, 4), dpi=150)
+    axes = figure.add_axes((0, 0, 1, 1), projection="3d")
+    axes.set_axis_off()
+    artist = plot_continuity(patches, ax=axes, elevation=60, resolution=20)
+    assert dict(artist.parts) == {"G0: 1": "#e69f00", "G1: 1": "#56b4e9", "G2: 1": "#0072b2"}
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    image = np.array(canvas.buffer_rgba())[::-1, :, :3] / 255.0
+    for colour, point in (("#e69f00", (0, 0.5, 0)), ("#56b4e9", (1, 0.5, 0)), ("#0072b2", (0.5, 1, 0))):
+        x, y = axes.transData.transform(proj3d.proj_transform(*point, axes.get_proj())[:2])
+        assert_close(image[int(y), int(x)], rgb(colour), atol=0.01)
+
+
+def test_the_worst_place_of_a_broken_edge_is_marked_and_an_alien_report_is_drawn_as_given():
+    floors = [Parabola(), Parabola(1, 2, height=1e-3)]
+    report = continuity_report(floors)
+    figure = Figure()
+    artist = plot_continuity(floors, report, ax=figure.add_subplot(projection="3d"), resolution=8)
+    assert dict(artist.parts) == {"broken: 1": "#d55e00"}
+    dots = [stroke.pieces for stroke in artist.strokes if (stroke.pieces[:, 0] == stroke.pieces[:, 1]).all()]
+    assert_close(dots[-1][0, 0], report.edges[0].gap.point, atol=1e-12)
 
 
 def test_a_comparison_has_one_scale_for_each_row_and_one_column_for_each_surface():

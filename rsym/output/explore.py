@@ -1,8 +1,9 @@
-"""Exploring a shape in a notebook."""
+"""Exploring a shape, or patches, in a notebook."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from rsym.codegen.fields import SIX
@@ -11,6 +12,8 @@ from rsym.model.shape import Shape
 
 if TYPE_CHECKING:
     from rsym.output.explorer import Explorer
+    from rsym.output.patch_explorer import PatchExplorer
+    from rsym.output.patches import Lines, Patches
 
 
 def explore(
@@ -60,8 +63,56 @@ def explore(
     >>> widget.values["a2"], widget.message.value
     (6.0, '')
     """
-    try:
+    with _widgets_needed():
         from rsym.output.explorer import Explorer
+    return Explorer(shape, fields, axis=axis, bounds=bounds, resolution=resolution)
+
+
+def explore_patches(
+    patches: Patches, *, colour_by: str | None = None, lines: Lines = 8, resolution: int | None = None
+) -> PatchExplorer:
+    """A slider for each letter of one or several patches, driving their picture.
+
+    Parameters
+    ----------
+    patches, lines, resolution
+        As for `plot_patches`.
+    colour_by : str, optional
+        The first map; it can be changed in the widget.
+
+    Returns
+    -------
+    ipywidgets.VBox
+        ``.letters["k"].value = 0.7`` moves a slider and draws at once; ``.values`` are the letters, ``.colours.value``
+        the map, ``.camera`` the sliders of elevation and azimuth, ``.figure`` what is drawn, ``.picture`` the widget
+        that shows it, ``.message`` says what could not be.
+
+    Raises
+    ------
+    RsymError
+        If ipywidgets is not installed, and as `plot_patches`.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from rsym.surfaces.parametric import ParametricSurface
+    >>> from rsym.surfaces.symbols import u, v
+    >>> k = sp.Symbol("k")
+    >>> widget = explore_patches(ParametricSurface((u, v, k * u * v), letters={k: 1}), resolution=8)
+    >>> widget.set_letters({"k": 2})
+    >>> float(widget.figure.axes[0].get_zlim()[1].round(2))
+    2.02
+    """
+    with _widgets_needed():
+        from rsym.output.patch_explorer import PatchExplorer
+    return PatchExplorer(patches, colour_by=colour_by, lines=lines, resolution=resolution)
+
+
+@contextmanager
+def _widgets_needed() -> Iterator[None]:
+    """Say what is missing where ipywidgets cannot be imported."""
+    try:
+        yield
     except ImportError as error:
         if not (error.name or "").startswith("ipywidgets"):
             raise
@@ -70,4 +121,3 @@ def explore(
             code="missing-package",
             remedy='pip install "rsym[notebook]"',
         ) from error
-    return Explorer(shape, fields, axis=axis, bounds=bounds, resolution=resolution)

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from html import escape
-from types import MappingProxyType
+from collections.abc import Sequence
 from typing import Any
 
 import ipywidgets
 from matplotlib.figure import Figure
 
 from rsym.codegen.fields import SIX, checked_fields
-from rsym.errors import RsymError, RsymWarning
 from rsym.model.motions import revolve
 from rsym.model.shape import Shape
 from rsym.output import controls
 from rsym.output.presets import load_letters, save_letters
-from rsym.output.views import BodyView, SheetView, png
+from rsym.output.sliders import LetterSliders
+from rsym.output.views import BodyView, SheetView
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import checked_cells
 
@@ -26,7 +22,7 @@ RESOLUTION = 160
 MANY = 12  # letters
 
 
-class Explorer(ipywidgets.VBox):  # type: ignore[misc]
+class Explorer(LetterSliders):
     """Sliders of letters and one picture, above the sliders if they are many.
 
     The first children are the sliders, in the order of the letters.
@@ -49,15 +45,11 @@ class Explorer(ipywidgets.VBox):  # type: ignore[misc]
         bounds: Any = None,
         resolution: int = RESOLUTION,
     ) -> None:
+        super().__init__(shape.letters)
         self._shape, self._bounds = shape, bounds
         self._axis = shape.coordinates[0] if axis is None else axis
         self._box = dict(zip(map(str, shape.coordinates), bounds_or_extent(shape, bounds), strict=True))
         self._views: dict[Any, Any] = {}
-        self._held = False
-        self.figure: Figure | None = None
-        self.letters: Mapping[str, Any] = MappingProxyType(
-            {name: controls.letter_slider(name, letter) for name, letter in shape.letters.items()}
-        )
         self.view = controls.view_buttons("sheet" if shape.dimension == 2 else "body")
         self.fields = controls.field_choice(checked_fields(fields))
         self.resolution = controls.resolution_choice(checked_cells(resolution))
@@ -67,8 +59,6 @@ class Explorer(ipywidgets.VBox):  # type: ignore[misc]
         self.path = ipywidgets.Text("letters.json", description="preset")
         self.save = controls.button("save", "write the letters to the file")
         self.load = controls.button("load", "read the letters from the file")
-        self.message = ipywidgets.HTML()
-        self.picture = ipywidgets.Image(format="png", layout={"max_width": "100%", "object_fit": "contain"})
         rows = (
             (self.view, self.resolution, self.fields, *self.section, *self.camera),
             (self.reset, self.path, self.save, self.load),
@@ -76,66 +66,29 @@ class Explorer(ipywidgets.VBox):  # type: ignore[misc]
             (self.picture,),
         )
         # Beneath many sliders the picture would be out of sight.
-        lines = [controls.row(row, first=len(self.letters) > MANY) for row in rows]
-        super().__init__([*self.letters.values(), *lines], layout={"flex_flow": "row wrap"})
+        self.add_rows(controls.row(row, first=len(self.letters) > MANY) for row in rows)
         self._follow()
-        self._redraw()
+        self.redraw()
 
     def _follow(self) -> None:
         """From now on the picture follows the widgets."""
         changing = (*self.letters.values(), self.view, self.resolution, self.fields, *self.section[1:], *self.camera)
         for widget in changing:
-            widget.observe(self._redraw, "value")
+            widget.observe(self.redraw, "value")
         for coordinate in self.section[:1]:
             coordinate.observe(self._move_section, "value")
-        self.reset.on_click(lambda _: self._attempt(self._reset))
-        self.save.on_click(lambda _: self._attempt(self._save))
-        self.load.on_click(lambda _: self._attempt(self._load))
+        self.reset.on_click(lambda _: self.attempt(self.reset_letters))
+        self.save.on_click(lambda _: self.attempt(self._save))
+        self.load.on_click(lambda _: self.attempt(self._load))
 
-    @property
-    def values(self) -> dict[str, float]:
-        """The letters as the sliders stand."""
-        return {name: slider.value for name, slider in self.letters.items()}
-
-    def set_letters(self, values: Mapping[str, float]) -> None:
-        """Move several sliders and draw once; unknown letters and values outside their range are refused."""
-        self._shape.letters.values_with(values)
-        with self._together():
-            for name, value in values.items():
-                self.letters[str(name)].value = float(value)
-
-    @contextmanager
-    def _together(self) -> Iterator[None]:
-        """Several changes, one picture."""
-        self._held = True
-        try:
-            yield
-        finally:
-            self._held = False
-        self._redraw()
-
-    def _attempt(self, action: Any) -> None:
-        """What is refused is said beneath the sliders; the picture stays as it was."""
-        try:
-            action()
-        except RsymError as error:
-            self.message.value = f"<b>not done:</b> {escape(str(error))}"
-
-    def _redraw(self, _: Any = None) -> None:
-        if not self._held:
-            self._attempt(self._draw)
-
-    def _draw(self) -> None:
+    def draw(self) -> Figure:
+        """The sheet or the body at the letters as the sliders stand."""
         body = self.view.value == "body"
         for widget in self.camera:
             widget.layout.display = None if body else "none"
         for widget in (self.fields, *self.section):
             widget.layout.display = "none" if body else None
-        with warnings.catch_warnings(record=True) as remarks:
-            warnings.simplefilter("always", RsymWarning)
-            self.figure = self._draw_body() if body else self._draw_sheet()
-        self.message.value = "<br>".join(escape(str(remark.message)) for remark in remarks)
-        self.picture.value = png(self.figure)
+        return self._draw_body() if body else self._draw_sheet()
 
     def _draw_sheet(self) -> Figure:
         fields, cells = self.fields.value, self.resolution.value
@@ -158,12 +111,9 @@ class Explorer(ipywidgets.VBox):  # type: ignore[misc]
     def _move_section(self, _: Any) -> None:
         """The slider of the section over the sides of the box along the new coordinate."""
         coordinate, place = self.section
-        with self._together(), place.hold_trait_notifications():
+        with self.together(), place.hold_trait_notifications():
             place.min, place.max = self._box[coordinate.value]
             place.value = (place.min + place.max) / 2
-
-    def _reset(self) -> None:
-        self.set_letters({name: float(letter.default) for name, letter in self._shape.letters.items()})
 
     def _save(self) -> None:
         save_letters(self.values, self.path.value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import reduce
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -10,6 +11,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
+from rsym.model.letters import Letters
 from rsym.output.ink import INK, Stroke
 from rsym.output.paints import MAPS, Coat, between_corners, one_colour, part_coat, robust_limits, value_coat, zebra
 from rsym.output.shading import BODY
@@ -129,8 +131,19 @@ def tessellations(
 ) -> list[Tessellation]:
     """The patches over grids that hold the parameters of their lines."""
     named = _named(patches)
+    values = merged_letters(patches).values_with(letters)
     cells = cells_of(len(named)) if resolution is None else resolution
-    return [tessellate(name, patch, cells, line_parameters(patch, lines), letters) for name, patch in named.items()]
+    return [
+        tessellate(
+            name, patch, cells, line_parameters(patch, lines), {letter: values[letter] for letter in patch.letters}
+        )
+        for name, patch in named.items()
+    ]
+
+
+def merged_letters(patches: Patches) -> Letters:
+    """The letters of all patches."""
+    return reduce(Letters.merge, (patch.letters for patch in _named(patches).values()), Letters({}))
 
 
 def map_values(parts: Sequence[Tessellation], name: str) -> Floats:

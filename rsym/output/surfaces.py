@@ -108,11 +108,18 @@ def show(artist: ShadedMesh, ax: Axes3D | None, elevation: float, azimuth: float
     axes3d.frame(axes, low, high, elevation, azimuth)
     axes3d.style(axes)
     axes.add_artist(artist)
-    if ax is None and artist.scale is not None:
-        axes3d.colour_bar(axes, artist.scale, artist.scale_label)
-    if ax is None and artist.parts:
-        axes3d.legend(axes, artist.parts)
+    if ax is None:
+        explain(artist)
     return artist
+
+
+def explain(artist: ShadedMesh) -> None:
+    """Put a colour bar or a legend beside a body that has a figure of its own."""
+    axes: Any = artist.axes
+    if artist.scale is not None:
+        axes3d.colour_bar(axes, artist.scale, artist.scale_label)
+    if artist.parts:
+        axes3d.legend(axes, artist.parts)
 
 
 def _with_others(axes: Axes3D, low: Floats, high: Floats) -> tuple[Floats, Floats]:

@@ -1,0 +1,101 @@
+"""A picture of where patches meet: edges and poles coloured by how smooth they are."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from mpl_toolkits.mplot3d import Axes3D
+from numpy.typing import NDArray
+
+from rsym.output.ink import INK, Stroke
+from rsym.output.patches import Lines, coat_of_patches, dots, shaded, tessellations
+from rsym.output.surfaces import ShadedMesh, show
+from rsym.output.tessellation import pieces
+from rsym.surfaces.continuity import continuity_report
+from rsym.surfaces.edge_report import EdgeReport, Meeting
+from rsym.surfaces.edge_wording import COLOURS
+from rsym.surfaces.patch import Patch
+
+Floats = NDArray[np.float64]
+
+PALE = "#d5d9e0"  # of the surface: the colours of the edges are what is to be seen
+WIDTH, FREE_WIDTH, HIDDEN = 2.6, 0.8, 0.35
+
+
+def plot_continuity(
+    surfaces: Patch | Sequence[Patch],
+    report: EdgeReport | None = None,
+    *,
+    ax: Axes3D | None = None,
+    colour: str = PALE,
+    colour_by: str | None = None,
+    lines: Lines = 0,
+    resolution: int | None = None,
+    elevation: float = 22.0,
+    azimuth: float = -55.0,
+    letters: Mapping[Any, float] | None = None,
+) -> ShadedMesh:
+    """Draw patches with the edges along which they meet, each coloured by its class: broken, G0, G1 or G2.
+
+    Poles are dots, edges that join nothing thin lines, and the worst place of all that is less than G2 has a dot in
+    the colour of its class. What the surface hides shows through, paler.
+
+    Parameters
+    ----------
+    surfaces : Patch or sequence of Patch
+        What is looked at.
+    report : EdgeReport, optional
+        What `continuity_report` found on the same patches; without it, it is asked.
+    ax : Axes3D, optional
+        Where to draw; a new pyplot figure with a legend is made if it is left out. ``artist.parts`` maps the words of
+        the legend to colours.
+    colour, colour_by, lines, resolution, elevation, azimuth, letters
+        As for `plot_patches`: with ``colour_by="zebra"`` the stripes show what the classes mean.
+
+    Returns
+    -------
+    Artist
+        The picture; its figure is ``artist.get_figure()``.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from rsym.surfaces.parametric import ParametricSurface
+    >>> from rsym.surfaces.symbols import u, v
+    >>> slopes = [ParametricSurface((u, v, 0)), ParametricSurface((1 + u, v, u))]
+    >>> axes = Figure().add_subplot(projection="3d")
+    >>> dict(plot_continuity(slopes, ax=axes, resolution=8).parts)
+    {'G0: 1': '#e69f00'}
+    """
+    several = [surfaces] if isinstance(surfaces, Patch) else list(surfaces)
+    found = continuity_report(several, letters=letters) if report is None else report
+    parts = tessellations(several, lines, resolution, letters)
+    coat = replace(coat_of_patches(parts, colour, colour_by), parts=_legend(found))
+    return show(shaded(parts, coat, lines, False, _strokes(found)), ax, elevation, azimuth)
+
+
+def _legend(report: EdgeReport) -> dict[str, str]:
+    """The classes that occur, the worst first, with how many edges and poles are of it."""
+    counts = Counter(one.continuity for one in report.meetings)
+    return {f"{name}: {counts[name]}": colour for name, colour in COLOURS.items() if counts[name]}
+
+
+def _strokes(report: EdgeReport) -> list[Stroke]:
+    """The smoothest first, so that the worst lies on top."""
+    drawn = [Stroke(pieces(one.points), INK, FREE_WIDTH) for one in report.free]
+    for edge in sorted(report.edges, key=_rank, reverse=True):
+        drawn.append(Stroke(pieces(edge.points), COLOURS[edge.continuity], WIDTH, HIDDEN))
+    for pole in sorted(report.poles, key=_rank, reverse=True):
+        drawn += dots(np.array([pole.point]), COLOURS[pole.continuity])
+    if report.defects:
+        worst = report.defects[0]
+        drawn += dots(np.array([worst.worst.point]), COLOURS[worst.continuity])
+    return drawn
+
+
+def _rank(meeting: Meeting) -> int:
+    return list(COLOURS).index(meeting.continuity)
