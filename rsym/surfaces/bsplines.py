@@ -18,11 +18,11 @@ from rsym.errors import RsymError
 from rsym.surfaces import symbols
 from rsym.surfaces.bspline_data import checked_points, pair_of, spaces_for_data
 from rsym.surfaces.bspline_fitting import Pair, Residual, SplineFit, fitted_net, residual_of
+from rsym.surfaces.entries import exact
 from rsym.surfaces.parameter_correction import approximated
 from rsym.surfaces.parameters import Interval
 from rsym.surfaces.patch import LetterValues, Orders, Patch
 from rsym.surfaces.spline_spaces import Spaces, checked_space, tensor_values
-from rsym.surfaces.univariate import exact
 
 Array: TypeAlias = NDArray[np.float64]
 Both: TypeAlias = tuple[Any, Any]

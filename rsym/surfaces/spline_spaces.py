@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import BSpline, NdBSpline, PPoly
 
 from rsym.errors import RsymError
+from rsym.surfaces.entries import entries_of
 from rsym.surfaces.parameters import Interval
 from rsym.surfaces.polynomials import Polynomials
-from rsym.surfaces.univariate import entries_of
 
 Array: TypeAlias = NDArray[np.float64]
 Spaces: TypeAlias = "tuple[SplineSpace, SplineSpace]"
