@@ -205,3 +205,14 @@ def test_a_patch_is_written_as_in_the_textbook():
     edges = CoonsPatch((0, t, sp.sin(t)), (1, t, 0), (t, 0, 0), (t, 1, sp.sin(1) * (1 - t)))
     assert r"(0, v, \sin{\left(v \right)})" in edges._repr_latex_()
     assert CoonsPatch(lambda s: (0, s, 0), (1, t, 0), (t, 0, 0), (t, 1, 0))._repr_latex_() is None
+
+
+def test_a_blend_of_a_higher_class_serves_a_lower_one():
+    """Class 1 with a smoothstep: the edges are the same, the tangents across them vanish with its slope."""
+    edges = ((0, t, t**2), (1, t, 0), (t, 0, 0), (t, 1, 1 - t))
+    linear, smooth = CoonsPatch(*edges), CoonsPatch(*edges, blend_u=HermiteBlend.quintic())
+    s = np.linspace(0, 1, 9)
+    assert_close(smooth(0, s), linear(0, s), atol=1e-15)
+    assert_close(smooth(0.25, s)[:, 2], (1 - 0.103515625) * s**2 + (0.75 - (1 - 0.103515625)) * s, atol=1e-14)
+    with pytest.raises(rsym.RsymError, match="class 2 or higher in v, got one of class 1"):
+        CoonsPatch(*edges, order=2, blend_v=HermiteBlend.linear())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -13,20 +13,18 @@ from rsym.errors import RsymError
 from rsym.model.letters import as_letters
 from rsym.surfaces.blending import HermiteBlend
 from rsym.surfaces.corners import Corners
-from rsym.surfaces.curves import as_curve
 from rsym.surfaces.entries import entries_and_shape
 from rsym.surfaces.gregory import Gregory
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import LetterValues, Orders
 from rsym.surfaces.patch_latex import bicubic_latex, coons_latex
-from rsym.surfaces.ribbons import tangent_ribbons
+from rsym.surfaces.ribbons import EDGES, ribbons_of, unit_curve
 from rsym.surfaces.symbols import t, u, v
 from rsym.surfaces.transfinite import BooleanSum, Loft
-from rsym.surfaces.univariate import Constant, Curve, Formula, Stack, on_interval
+from rsym.surfaces.univariate import Constant, Curve, Formula, Stack
 
 Array: TypeAlias = NDArray[np.float64]
 
-EDGES = ("u0", "u1", "v0", "v1")
 DEFAULTS = {1: HermiteBlend.linear, 2: HermiteBlend.cubic, 3: HermiteBlend.quintic}
 
 
@@ -55,7 +53,7 @@ class CoonsPatch(BooleanSum):
         What to do if the edges disagree on the twist p_uv at a corner: take the mean, which bends the ribbons near
         it; Gregory's square (class 2), which keeps both; or raise.
     blend_u, blend_v : HermiteBlend, optional
-        Of the class of the patch; linear, cubic, quintic by default.
+        Of the class of the patch or a higher one; linear, cubic, quintic by default.
     letters : mapping, optional
         Symbols or names to numbers or `rsym.Letter`.
 
@@ -93,8 +91,8 @@ class CoonsPatch(BooleanSum):
         self.order = order
         self.blend_u, self.blend_v = (_blend(one, order, name) for one, name in ((blend_u, "u"), (blend_v, "v")))
         given = dict(zip(EDGES, (curve_u0, curve_u1, curve_v0, curve_v1), strict=True))
-        edges = {name: _unit(curve, letters, f"the curve of the edge {name}") for name, curve in given.items()}
-        across = _ribbons(edges, ribbons, order, letters)
+        edges = {name: unit_curve(curve, letters, f"the curve of the edge {name}") for name, curve in given.items()}
+        across = ribbons_of(edges, ribbons, order, letters)
         across_u, across_v = (Stack([row[name + end] for row in across for end in "01"]) for name in "uv")
         data = Corners(across_u, across_v)
         data.check()
@@ -230,55 +228,17 @@ def _blend(given: HermiteBlend | None, order: int, name: str) -> HermiteBlend:
     if order not in DEFAULTS:
         raise RsymError(f"the class of a Coons patch is 1, 2 or 3, got {order!r}", code="class", remedy="order=2")
     blend = DEFAULTS[order]() if given is None else given
-    if not isinstance(blend, HermiteBlend) or blend.order != order:
+    if not isinstance(blend, HermiteBlend) or blend.order < order:
         got = f"one of class {blend.order}" if isinstance(blend, HermiteBlend) else type(blend).__name__
         raise RsymError(
-            f"a patch of class {order} needs a blend of class {order} in {name}, got {got}",
+            f"a patch of class {order} needs a blend of class {order} or higher in {name}, got {got}",
             code="blend",
             remedy=f"HermiteBlend.{DEFAULTS[order].__name__}(), or order={getattr(blend, 'order', order)}",
         )
-    return blend
-
-
-def _unit(given: Any, letters: Mapping[Any, Any] | None, what: str) -> Curve:
-    return on_interval(as_curve(given, letters, what=what), 0.0, 1.0)
-
-
-def _ribbons(
-    edges: Mapping[str, Curve], ribbons: Mapping[str, Any] | None, order: int, letters: Mapping[Any, Any] | None
-) -> list[dict[str, Curve]]:
-    """The edges and their derivatives across, order by order."""
-    if order == 1 or ribbons is None:
-        if order == 3 or (order == 1 and ribbons is not None):
-            expected = "no ribbons" if order == 1 else "ribbons (first, second) for each edge"
-            raise RsymError(f"a patch of class {order} takes {expected}", code="ribbons", remedy="change order=")
-        return [dict(edges)] if order == 1 else [dict(edges), tangent_ribbons(edges)]
-    if set(ribbons) != set(EDGES):
-        raise RsymError(
-            f"ribbons are given for {', '.join(EDGES)}, got {', '.join(map(str, ribbons))}",
-            code="ribbons",
-            remedy="a mapping from each edge to the derivative across it",
-        )
-    rows: list[dict[str, Curve]] = [dict(edges)] + [{} for _ in range(order - 1)]
-    for name in EDGES:
-        for row, one in zip(rows[1:], _derivatives_across(ribbons[name], order, name), strict=True):
-            row[name] = _unit(one, letters, f"the ribbon of the edge {name}")
-    return rows
-
-
-def _derivatives_across(given: Any, order: int, name: str) -> Sequence[Any]:
-    """The order - 1 ribbons of one edge; one alone need not be wrapped."""
-    if isinstance(given, tuple | list) and len(given) == order - 1 and (order == 3 or not _is_number(given[0])):
-        return given
-    if order == 2:
-        return (given,)
-    raise RsymError(
-        f"a patch of class 3 takes a pair (first, second derivative) across the edge {name}", code="ribbons"
-    )
-
-
-def _is_number(given: Any) -> bool:
-    return np.ndim(given) == 0 and not callable(given) and not isinstance(given, Curve)
+    if blend.order == order:
+        return blend
+    count = 2 * order  # the first functions of a higher class are a blend of the lower
+    return HermiteBlend(blend.functions[:count], blend.letters, formulas=blend.formulas[:count])
 
 
 def _gregory(corners: str, data: Corners, patch: CoonsPatch) -> Gregory | None:

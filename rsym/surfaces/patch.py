@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from numbers import Integral
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -101,7 +102,7 @@ class Patch(ABC):
     def derivatives(self, u: ArrayLike, v: ArrayLike, orders: Orders, *, letters: LetterValues = None) -> list[Array]:
         """Several derivatives at the same parameters; cheaper than one after the other."""
         for order in orders:
-            if len(order) != 2 or any(isinstance(k, bool) or not isinstance(k, int) or k < 0 for k in order):
+            if len(order) != 2 or any(isinstance(k, bool) or not isinstance(k, Integral) or k < 0 for k in order):
                 raise RsymError(f"an order is a pair of integers >= 0, got {order!r}", code="order")
         rows, columns = parameter_arrays(u, v)
         placed = [inside(one, *which) for one, which in zip((rows, columns), self._axes, strict=True)]

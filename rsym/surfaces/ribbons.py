@@ -1,15 +1,20 @@
-"""Ribbons that follow from the edges alone."""
+"""Ribbons: what a patch does across its edges, as given or as it follows from the edges alone."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import sympy as sp
 
+from rsym.errors import RsymError
 from rsym.surfaces.blending import HermiteBlend
+from rsym.surfaces.curves import as_curve
 from rsym.surfaces.entries import entries_of
-from rsym.surfaces.univariate import Array, Combination, Curve, LetterValues, Sampled, Stack
+from rsym.surfaces.univariate import Array, Combination, Curve, LetterValues, Sampled, Stack, on_interval
+
+EDGES = ("u0", "u1", "v0", "v1")
 
 
 class Blended(Curve):
@@ -90,3 +95,45 @@ class Row(Curve):
         """The row, if it is a formula."""
         inner = self.rows.expressions()
         return None if inner is None else sp.ImmutableDenseNDimArray(entries_of(inner), self.shape)
+
+
+def unit_curve(given: Any, letters: Mapping[Any, Any] | None, what: str) -> Curve:
+    """Whatever a user means by a curve, over [0, 1]."""
+    return on_interval(as_curve(given, letters, what=what), 0.0, 1.0)
+
+
+def ribbons_of(
+    edges: Mapping[str, Curve], ribbons: Mapping[str, Any] | None, order: int, letters: Mapping[Any, Any] | None
+) -> list[dict[str, Curve]]:
+    """The edges and their derivatives across, order by order."""
+    if order == 1 or ribbons is None:
+        if order == 3 or (order == 1 and ribbons is not None):
+            expected = "no ribbons" if order == 1 else "ribbons (first, second) for each edge"
+            raise RsymError(f"a patch of class {order} takes {expected}", code="ribbons", remedy="change order=")
+        return [dict(edges)] if order == 1 else [dict(edges), tangent_ribbons(edges)]
+    if set(ribbons) != set(EDGES):
+        raise RsymError(
+            f"ribbons are given for {', '.join(EDGES)}, got {', '.join(map(str, ribbons))}",
+            code="ribbons",
+            remedy="a mapping from each edge to the derivative across it",
+        )
+    rows: list[dict[str, Curve]] = [dict(edges)] + [{} for _ in range(order - 1)]
+    for name in EDGES:
+        for row, one in zip(rows[1:], _derivatives_across(ribbons[name], order, name), strict=True):
+            row[name] = unit_curve(one, letters, f"the ribbon of the edge {name}")
+    return rows
+
+
+def _derivatives_across(given: Any, order: int, name: str) -> Sequence[Any]:
+    """The order - 1 ribbons of one edge; one alone need not be wrapped."""
+    if isinstance(given, tuple | list) and len(given) == order - 1 and (order == 3 or not _is_number(given[0])):
+        return given
+    if order == 2:
+        return (given,)
+    raise RsymError(
+        f"a patch of class 3 takes a pair (first, second derivative) across the edge {name}", code="ribbons"
+    )
+
+
+def _is_number(given: Any) -> bool:
+    return np.ndim(given) == 0 and not callable(given) and not isinstance(given, Curve)
