@@ -31,9 +31,8 @@ LetterValues: TypeAlias = Mapping[Any, float] | None
 
 # Formulas whose numbers are given to ten digits pass, and so does rounding times a shape parameter of a million.
 HERMITE_TOLERANCE = 1e-9
-# The completion G divides by sin(alpha), and c(t; alpha) has no G at a full turn: sliders stop short of both.
+# The completion divides by sin(alpha), and c(t; alpha) has no G at a full turn.
 END_OF_ALPHA = {"class I": 2 * sp.pi, "class II": sp.pi}
-LARGEST_ALPHA = {"class I": 6.28, "class II": 3.14}
 
 
 @dataclass(frozen=True, init=False)
@@ -174,9 +173,9 @@ class HermiteBlend:
             G0 = (sin(alpha t) - sin(alpha) F1)/alpha - cos(alpha) G1.
         """
         (step,), _ = real_expressions([as_expression(f1)], t, PARAMETERS, as_letters(letters), "a smoothstep")
-        angle, known = _angle(alpha, as_letters(letters), "class II")
+        angle = _angle(alpha, as_letters(letters), "class II")
         functions, formulas = families.completed(step, angle)
-        return HermiteBlend(functions, known, family=Family("smoothstep", step, angle), formulas=formulas)
+        return HermiteBlend(functions, letters, family=Family("smoothstep", step, angle), formulas=formulas)
 
     @property
     def exact_angle(self) -> sp.Expr | None:
@@ -255,9 +254,9 @@ class HermiteBlend:
 
 def _of_family(name: str, formulas: Any, parameter: Any, alpha: Any, letters: Mapping[Any, Any] | None) -> HermiteBlend:
     shape = _parameter(parameter)
-    angle, known = _angle(alpha, as_letters(letters), name)
+    angle = _angle(alpha, as_letters(letters), name)
     functions, written = formulas(shape, angle)
-    return HermiteBlend(functions, known, family=Family(name, shape, angle), formulas=written)
+    return HermiteBlend(functions, letters, family=Family(name, shape, angle), formulas=written)
 
 
 def _parameter(value: Any) -> sp.Expr:
@@ -268,19 +267,17 @@ def _parameter(value: Any) -> sp.Expr:
     return expression.xreplace({symbol: real_symbol(symbol.name) for symbol in expression.free_symbols})
 
 
-def _angle(value: Any, letters: Letters, family: str) -> tuple[sp.Expr, Letters]:
-    """The angle, a float near a simple part of pi as that part; a letter given as a bare number gets a range."""
+def _angle(value: Any, letters: Letters, family: str) -> sp.Expr:
+    """The angle, a float near a simple part of pi as that part; of a letter the default is looked at."""
     angle = part_of_pi(value) if isinstance(value, float) else _parameter(value)
-    if isinstance(angle, sp.Symbol) and angle.name in letters and letters[angle.name].range == "":
-        letter = Letter(letters[angle.name].default, minimum=0, maximum=LARGEST_ALPHA[family], unit="rad", doc="angle")
-        letters = Letters({**letters, angle.name: letter})
-    if angle.is_number and not 0 <= angle < END_OF_ALPHA[family]:
+    size = angle.xreplace({real_symbol(name): as_expression(letter.default) for name, letter in letters.items()})
+    if size.is_number and not 0 <= size < END_OF_ALPHA[family]:
         raise RsymError(
-            f"the angle of {family} must lie in [0, {END_OF_ALPHA[family]}), got {float(angle):g}",
+            f"the angle of {family} must lie in [0, {END_OF_ALPHA[family]}), got {float(size):g}",
             code="angle",
             remedy="use shorter pieces" + (", or class1(1, alpha)" if family == "class II" else ""),
         )
-    return angle, letters
+    return angle
 
 
 def part_of_pi(value: float) -> sp.Expr:

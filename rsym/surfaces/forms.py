@@ -5,7 +5,8 @@ p_uv: so normal and first form are those of the basis (p_uv, p_v). The second fo
 
     L = n_v . p_uuv + n . p_uuvv/2,   M = n . p_uvv/2,   N = n . p_vv,
 
-where n_v lies in the tangent plane and n_v . p_v = -N, n_v . p_uv = -M (from n . p_v = 0 and n . p_u = 0).
+where n_v lies in the tangent plane and n_v . p_v = -N, n_v . p_uv = -M (from n . p_v = 0 and n . p_u = 0). At the
+apex of a cone n . p_uuv is not 0, and there is no curvature.
 """
 
 from __future__ import annotations
@@ -25,6 +26,9 @@ LetterValues: TypeAlias = Mapping[Any, float] | None
 # Share d of the way to a pole below which its own value is used. The limit is off by about d; p_u x p_v by eps/d in
 # the normal and eps/d**2 in the curvature: so both ways cost the same at eps**(1/2) and eps**(1/3).
 NORMAL_LIMIT, CURVATURE_LIMIT = 1.5e-8, 6e-6
+
+# At a regular pole n . p_uuv is 0, this close to it at most the distance; at the apex of a cone it is not small.
+APEX = 1e-3
 
 SECOND = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 POLE = ((1, 1), (0, 1), (0, 2), (1, 2), (2, 1), (2, 2))
@@ -123,6 +127,7 @@ def _pole_forms(surface: Surface, places: list[Array], axis: int, n: Array, lett
         area = E * G - F**2
         n_v = ((F * N - G * M) / area)[..., None] * p_uv + ((F * M - E * N) / area)[..., None] * p_v
     L = dot(n_v, p_uuv) + dot(n, p_uuvv) / 2
+    L[np.abs(dot(n, p_uuv)) > APEX * np.sqrt(dot(p_uuv, p_uuv))] = np.nan
     return [E, F, G, L, M, N] if axis == 0 else [G, F, E, N, M, L]
 
 
