@@ -12,7 +12,7 @@ import rsym
 from rsym import RsymError, Shape, conjunction, x, y, z
 from rsym.codegen import kernel as kernel_module
 from rsym.codegen.interpreter import interpret_nodes
-from rsym.codegen.kernel import blocks_of
+from rsym.codegen.kernel import blocks_of, run_in_blocks
 
 a = sp.Symbol("a", real=True)
 SHAPE = Shape(conjunction(a - x**2 - y**2, y, x + 1), (x, y), letters={a: 2}, bounds=((-2, 2), (-2, 2)))
@@ -185,6 +185,14 @@ def test_blocks_cover_an_array_once():
             count[block] += 1
             assert count[block].size <= size
         assert (count == 1).all()
+
+
+def test_outputs_may_lie_side_by_side():
+    kernel = rsym.compile(SHAPE, ("gradient",))
+    px, py = np.random.default_rng(3).uniform(-2, 2, (2, 7, 12000))
+    out = np.full((7, 12000, 2), np.nan)
+    run_in_blocks(kernel.function, [px, py], [2.0], np.moveaxis(out, -1, 0), 2)
+    assert np.array_equal(out, kernel(px, py)["gradient"])
 
 
 def test_functions_of_libm():

@@ -82,12 +82,21 @@ def run_in_blocks(
     out: NDArray[Any],
     threads: int,
 ) -> None:
-    """Fill `out`, whose first axis is that of the outputs, at arrays of one shape; the bits depend on neither."""
+    """Fill `out`, whose first axis is that of the outputs, at arrays of one shape; the bits depend on neither.
+
+    The outputs may lie anyhow in memory: side by side, ``np.moveaxis(points, -1, 0)``, they are put in their places
+    block by block, while they are in the cache.
+    """
 
     def work(block: tuple[slice, ...]) -> None:
         with np.errstate(over="ignore"):  # a coordinate outside the range of float32 is infinite
             inputs = [np.ascontiguousarray(array[block], out.dtype).reshape(-1) for array in arrays]
-        function.run(inputs, letters, [component[block].reshape(-1) for component in out])
+        places = [component[block] for component in out]
+        lines = [place.reshape(-1) if place.flags.c_contiguous else np.empty(place.size, out.dtype) for place in places]
+        function.run(inputs, letters, lines)
+        for place, line in zip(places, lines, strict=True):
+            if not place.flags.c_contiguous:
+                place[...] = line.reshape(place.shape)
 
     if not arrays[0].ndim:
         arrays, out = [array.reshape(1) for array in arrays], out.reshape(-1, 1)

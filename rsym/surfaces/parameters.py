@@ -47,6 +47,8 @@ def inside(values: Array, interval: Interval, closed: bool, name: str) -> Array:
         turned: Array = low + np.mod(values - low, high - low)
         # The upper end stays where it is, so that a closed grid ends where it should.
         return np.where((values >= low) & (values <= high), values, turned)
+    if not values.size or (values.min() >= low and values.max() <= high):
+        return values
     room = ROUNDING * (high - low)
     outside = (values < low - room) | (values > high + room)
     if outside.any():

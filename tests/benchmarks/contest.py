@@ -15,8 +15,11 @@ class Contest:
     seconds: dict = field(default_factory=dict)
     errors: dict = field(default_factory=dict)
 
-    def run(self, benchmark, contenders, error, rounds=5):
-        """Time the contenders; `error` turns what one returns into a text."""
+    def run(self, benchmark, contenders, error, rounds=5, shares=()):
+        """Time the contenders; `error` turns what one returns into a text.
+
+        `shares` names those that take a part of the points only, and how many times their time is to be counted.
+        """
         first, *others = contenders
         for name, work in contenders.items():
             self.seconds[name] = float("inf")
@@ -30,6 +33,8 @@ class Contest:
 
         benchmark.pedantic(contenders[first], setup=turns, rounds=rounds)
         self.seconds[first] = benchmark.stats.stats.min
+        for name, times in dict(shares).items():
+            self.seconds[name] *= times
 
     def lines(self):
         """The table: what each takes, how many times as long as the first, millions of points a second."""
