@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
+from rsym.model.letters import Letters
 from rsym.surfaces.edge_comparison import Comparison, flipped, survey
 from rsym.surfaces.edge_matching import Border, Stretch, covered, free_intervals, shared_stretches
 from rsym.surfaces.edge_report import CommonEdge, EdgeReport, FreeEdge, Greatest, Pole, Tolerances, badness, extreme
@@ -69,11 +70,28 @@ def continuity_report(
     ------
     RsymError
         What is given is not patches, or a tolerance is not positive.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from rsym.surfaces.parametric import ParametricSurface
+    >>> from rsym.surfaces.symbols import u, v
+    >>> floor = ParametricSurface((u, v, 0))
+    >>> ramp = ParametricSurface((u, -sp.sin(v), 2 - 2 * sp.cos(v)), ((0, 1), (0, 1)))
+    >>> report = continuity_report([floor, ramp])
+    >>> report.continuity, round(report.edges[0].curvature_jump.value, 9)
+    ('G1', 2.0)
+    >>> print(report)
+    2 patches, 1 common edge: G1 (1 G1). Free: 0 u0, 0 u1, 0 v1, 1 u0, 1 u1, 1 v1. Numerical: decided by samples, \
+not proved; size 2.288.
+      1. 0 v0 - 1 v0: G1; the curvature across jumps by 2; worst at (0, 0, 0), (u, v) = (0, 0) and (0, 0); \
+normals to different sides
     """
     patches = (surfaces,) if isinstance(surfaces, Patch) else tuple(surfaces)
     _check(patches, {"gap": gap, "angle": angle, "curvature": curvature, "reach": reach})
-    grids = [_grid(patch, letters) for patch in patches]
-    borders = [one for k, patch in enumerate(patches) for one in _borders(k, patch, grids[k], gap, reach, letters)]
+    values = _values(patches, letters)
+    grids = [_grid(patch, own) for patch, own in zip(patches, values, strict=True)]
+    borders = [one for k, patch in enumerate(patches) for one in _borders(k, patch, grids[k], gap, reach, values[k])]
     lines, points = ([one for one in borders if one.is_point == which] for which in (False, True))
     stretches = shared_stretches(lines)
     joined = covered(stretches, lines)
@@ -94,6 +112,13 @@ def _check(patches: Sequence[object], tolerances: dict[str, float]) -> None:
     for name, value in tolerances.items():
         if not value > 0:
             raise RsymError(f"{name} must be positive, got {value!r}", code="tolerance")
+
+
+def _values(patches: Sequence[Patch], letters: LetterValues) -> list[LetterValues]:
+    """For each patch the values of its own letters; a letter of none of them is refused."""
+    Letters({name: item for patch in patches for name, item in patch.letters.items()}).values_with(letters)
+    given = {str(key): value for key, value in (letters or {}).items()}
+    return [{name: given[name] for name in patch.letters if name in given} for patch in patches]
 
 
 def _grid(patch: Patch, letters: LetterValues) -> Array:

@@ -134,6 +134,14 @@ class CommonEdge(Meeting):
     curvature_jumps: Array = field(repr=False)
     parameters: Array = field(repr=False)
 
+    @property
+    def classes(self) -> tuple[str, ...]:
+        """The class at each of the points; where the curvatures are unknown no more than G1."""
+        room = self.tolerances
+        pairs = ((self.gaps, room.gap), (self.angles, room.angle), (self.curvature_jumps, room.curvature))
+        held = np.cumprod([values <= tolerated for values, tolerated in pairs], axis=0).sum(axis=0)
+        return tuple(CONTINUITIES[count] for count in held)
+
 
 @dataclass(frozen=True, eq=False)
 class Pole(Meeting):

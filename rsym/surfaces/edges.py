@@ -29,15 +29,11 @@ class Edge:
 
     Examples
     --------
-    >>> class Sheet(Patch):
-    ...     domain = ((0.0, 2.0), (0.0, 1.0))
-    ...     def evaluate(self, u, v, orders, letters=None):
-    ...         known = {(0, 0): (u, v, 0), (1, 0): (1, 0, 0), (0, 1): (0, 1, 0)}
-    ...         zero = 0 * (u + v)
-    ...         return [np.stack([zero + one for one in known.get(order, (0, 0, 0))], axis=-1) for order in orders]
-    >>> edge = Edge(Sheet(), "u0", reverse=True)
+    >>> from rsym.surfaces.parametric import ParametricSurface
+    >>> from rsym.surfaces.symbols import u, v
+    >>> edge = Edge(ParametricSurface((u, v, u * v)), "u1", reverse=True)
     >>> edge.position(0.25).tolist(), edge.tangent(0.25).tolist(), edge.outward(0.25).tolist()
-    ([0.0, 0.75, 0.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0])
+    ([1.0, 0.75, 0.75], [-0.0, -1.0, -1.0], [1.0, 0.0, 0.75])
     """
 
     patch: Patch

@@ -78,9 +78,9 @@ class JoinedPatch(Patch):
         places = np.linspace(low, high, PLACES)
         values = k(places)
         if not (values > 0).all():
-            place = places[int(np.argmin(np.where(np.isfinite(values), values, -np.inf)))]
+            worst = int(np.argmin(np.where(np.isfinite(values), values, -np.inf)))
             raise RsymError(
-                f"k must be positive all along the edge, got {float(k(place)):.6g} at {place:.6g}",
+                f"k must be positive all along the edge, got {values[worst]:.6g} at {places[worst]:.6g}",
                 code="k",
                 remedy="k < 0 would fold q back over p, k = 0 makes it singular",
             )

@@ -22,7 +22,7 @@ def joined_matrix(p: BicubicCoons, first: Edge, q: BicubicCoons, second: Edge, k
     """The patch q with the rows of its edge taken from p: those of order n times k^n, counted out of p and into q."""
     if not 0 < k < np.inf:
         raise RsymError(f"k must be positive, got {k!r}", code="k", remedy="k < 0 would fold q back over p")
-    along_p, along_q = (_blends(edge)[1] for edge in (first, second))
+    along_p, along_q = (_blend_along(edge) for edge in (first, second))
     if not _agree(along_p, along_q, first.reverse):
         how = " run backwards" if first.reverse else ""
         raise RsymError(
@@ -36,14 +36,14 @@ def joined_matrix(p: BicubicCoons, first: Edge, q: BicubicCoons, second: Edge, k
             code="class",
             remedy="matrices (6, 6, 3), or transfinite=True",
         )
-    target = _entries(q).copy()
-    rows_p, rows_q = _rows(_entries(p), first), _rows(target, second)
+    source, given = _entries(p), _entries(q)
+    target = given.astype(np.result_type(source, given))
+    rows_p, rows_q = _rows(source, first), _rows(target, second)
+    # Out of p is towards growing u at its upper edge, into q at its lower one.
+    factor = k if first.upper != second.upper else -k
     for order in range(depth + 1):
-        taken = (
-            _backwards(rows_p[2 * order + int(first.upper)]) if first.reverse else rows_p[2 * order + int(first.upper)]
-        )
-        out_of_p, into_q = (1 if first.upper else -1), (-1 if second.upper else 1)
-        rows_q[2 * order + int(second.upper)] = (k * out_of_p * into_q) ** order * taken
+        row = rows_p[2 * order + int(first.upper)]
+        rows_q[2 * order + int(second.upper)] = factor**order * (_backwards(row) if first.reverse else row)
     letters = p.data.letters.merge(q.data.letters)
     return BicubicCoons(target, q.blend_u, q.blend_v, letters=letters if len(letters) else None)
 
@@ -69,11 +69,10 @@ def _backwards(row: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     return pairs.reshape(row.shape)
 
 
-def _blends(edge: Edge) -> tuple[HermiteBlend, HermiteBlend]:
-    """The blend across an edge, and the one along it."""
+def _blend_along(edge: Edge) -> HermiteBlend:
     patch = edge.patch
     assert isinstance(patch, BicubicCoons)
-    return (patch.blend_u, patch.blend_v) if edge.across == 0 else (patch.blend_v, patch.blend_u)
+    return patch.blend_v if edge.across == 0 else patch.blend_u
 
 
 def _agree(one: HermiteBlend, other: HermiteBlend, reverse: bool) -> bool:
