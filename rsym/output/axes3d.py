@@ -10,6 +10,7 @@ from matplotlib import rc_context
 from matplotlib.backend_bases import RendererBase
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure, FigureBase
+from matplotlib.legend import Legend
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
@@ -92,10 +93,15 @@ def colour_bar(axes: Axes3D, scale: ScalarMappable, label: str) -> None:
 def legend(axes: Axes3D, colours: Mapping[str, str]) -> None:
     """Widen a figure that one 3D axes fills, and list names and their colours beside it."""
     figure: Any = axes.figure
-    handles = [Patch(facecolor=colour, edgecolor=GREY, linewidth=0.5, label=name) for name, colour in colours.items()]
-    key = figure.legend(handles=handles, loc="center left", frameon=False, fontsize=9, borderaxespad=0.0)
+    key = named_colours(figure, colours)
     width = key.get_window_extent(figure.canvas.get_renderer()).width / figure.dpi
     key.set_bbox_to_anchor((_widen(axes, width + 0.2), 0.5))
+
+
+def named_colours(figure: Figure, colours: Mapping[str, str]) -> Legend:
+    """List names and their colours in a figure, to be put in a place."""
+    handles = [Patch(facecolor=colour, edgecolor=GREY, linewidth=0.5, label=name) for name, colour in colours.items()]
+    return figure.legend(handles=handles, loc="center left", frameon=False, fontsize=9, borderaxespad=0.0)
 
 
 def _widen(axes: Axes3D, room: float) -> float:

@@ -22,6 +22,8 @@ BAR_WIDTH, BAR_ROOM = 0.14, 0.95  # inches
 class Gallery:
     """Axes for bodies in a figure of some width in inches; draw into `axes`, then `arrange`.
 
+    All bodies of a row are drawn to one scale.
+
     Examples
     --------
     >>> from rsym.output.surfaces import plot_mesh
@@ -44,46 +46,49 @@ class Gallery:
         self.axes: list[list[Axes3D]] = [[axes3d.add_axes(figure, place) for place in row] for row in places]
 
     def arrange(self, titles: Sequence[Sequence[str]] = ((),)) -> None:
-        """Move the bodies together, put titles above those of the first rows, and a colour bar beside each row."""
-        extents = [[self._fit(ax) for ax in row] for row in self.axes]
+        """Move the bodies together, put titles above those of the first rows, and what colours mean beside each row."""
+        ends = [self._fit(row) for row in self.axes]
         above = [TITLE if k < len(titles) and any(titles[k]) else 0.0 for k in range(len(self.axes))]
-        heights = [max(float(np.ptp(one, axis=0)[1]) for one in row) for row in extents]
-        scales = [self._scale(row) for row in self.axes]
+        meaning = [[body for ax in row for body in _bodies(ax) if body.scale or body.parts] for row in self.axes]
         width = self.side * len(self.axes[0])
-        page = np.array([width + (BAR_ROOM if any(scales) else 0.0), sum(heights) + sum(above)])
+        page = np.array([width + (BAR_ROOM if any(meaning) else 0.0), sum(above) + sum(high - low for low, high in ends)])
         self.figure.set_size_inches(*page)
         top = page[1]
-        for k, (row, height) in enumerate(zip(self.axes, heights, strict=True)):
+        for k, row in enumerate(self.axes):
+            low, high = ends[k]
             for j, ax in enumerate(row):
                 if above[k]:
-                    place = (j + 0.5) * self.side / page[0], (top - TITLE / 2) / page[1]
+                    place = np.array([(j + 0.5) * self.side, top - TITLE / 2]) / page
                     self.figure.text(*place, titles[k][j], ha="center", va="center", fontsize=11)
-                low = top - above[k] - height / 2 - extents[k][j].mean(axis=0)[1]
-                ax.set_position((j * self.side / page[0], low / page[1], self.side / page[0], self.side / page[1]))
-            top -= above[k] + height
-            if (body := scales[k]) is not None and body.scale is not None:
-                place = ((width + 0.1) / page[0], (top + 0.12 * height) / page[1])
-                bar_axes = self.figure.add_axes((*place, BAR_WIDTH / page[0], 0.76 * height / page[1]))
-                self.figure.colorbar(body.scale, cax=bar_axes, extend="both").set_label(body.scale_label, size=9)
-                bar_axes.tick_params(labelsize=8, length=2)
+                ax.set_position((*(np.array([j * self.side, top - above[k] - high]) / page), *(self.side / page)))
+            top -= above[k] + high - low
+            for body in meaning[k][:1]:
+                self._explain(body, np.array([width, top]), high - low, page)
 
-    def _fit(self, ax: Axes3D) -> Floats:
-        """Fill the square of the axes; return the lowest and highest place of the bodies in it, in inches."""
-        ax.set_axis_off()
-        bodies = _bodies(ax)
-        low = np.min([body.low for body in bodies], axis=0)
-        high = np.max([body.high for body in bodies], axis=0)
-        axes3d.frame(ax, low, high, ax.elev, ax.azim, margin=MARGIN)
-        boxes = [body.get_window_extent() for body in bodies]
-        room = MARGIN * self.figure.dpi / 72
-        lowest = np.min([box.min for box in boxes], axis=0) - ax.bbox.min - room
-        highest = np.max([box.max for box in boxes], axis=0) - ax.bbox.min + room
-        return np.stack([lowest, highest]) / self.figure.dpi
+    def _fit(self, row: Sequence[Axes3D]) -> tuple[float, float]:
+        """Show one box in all axes of a row; return the lowest and highest place of bodies in any of them, in inches."""
+        bodies = [body for ax in row for body in _bodies(ax)]
+        low, high = np.min([body.low for body in bodies], axis=0), np.max([body.high for body in bodies], axis=0)
+        lowest, highest = np.inf, -np.inf
+        for ax in row:
+            ax.set_axis_off()
+            axes3d.frame(ax, low, high, ax.elev, ax.azim, margin=MARGIN)
+            boxes = [body.get_window_extent() for body in _bodies(ax)]
+            lowest = min(lowest, *(box.y0 - ax.bbox.y0 for box in boxes))
+            highest = max(highest, *(box.y1 - ax.bbox.y0 for box in boxes))
+        room = MARGIN / 72
+        return lowest / self.figure.dpi - room, highest / self.figure.dpi + room
 
-    @staticmethod
-    def _scale(row: Sequence[Axes3D]) -> ShadedMesh | None:
-        found = [body for ax in row for body in _bodies(ax) if body.scale is not None]
-        return found[0] if found else None
+    def _explain(self, body: ShadedMesh, corner: Floats, height: float, page: Floats) -> None:
+        """Put a colour bar or a legend beside a row, whose lower right corner is so many inches away."""
+        if body.parts:
+            key = axes3d.named_colours(self.figure, body.parts)
+            key.set_bbox_to_anchor(tuple((corner + [0.0, height / 2]) / page))
+        if body.scale is not None:
+            place = (corner + [0.1, 0.08 * height]) / page
+            bar_axes = self.figure.add_axes((*place, *(np.array([BAR_WIDTH, 0.84 * height]) / page)))
+            self.figure.colorbar(body.scale, cax=bar_axes, extend="both").set_label(body.scale_label, size=9)
+            bar_axes.tick_params(labelsize=8, length=2)
 
 
 def _bodies(ax: Axes3D) -> list[ShadedMesh]:
