@@ -51,7 +51,9 @@ class Gallery:
         above = [TITLE if k < len(titles) and any(titles[k]) else 0.0 for k in range(len(self.axes))]
         meaning = [[body for ax in row for body in _bodies(ax) if body.scale or body.parts] for row in self.axes]
         width = self.side * len(self.axes[0])
-        page = np.array([width + (BAR_ROOM if any(meaning) else 0.0), sum(above) + sum(high - low for low, high in ends)])
+        page = np.array(
+            [width + (BAR_ROOM if any(meaning) else 0.0), sum(above) + sum(high - low for low, high in ends)]
+        )
         self.figure.set_size_inches(*page)
         top = page[1]
         for k, row in enumerate(self.axes):

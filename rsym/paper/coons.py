@@ -15,7 +15,6 @@ from rsym.output.patches import plot_patches
 from rsym.paper.drawing import Drawing, Table
 from rsym.surfaces.coons import BicubicCoons, CoonsPatch
 from rsym.surfaces.parametric import ParametricSurface
-from rsym.surfaces.patch import Patch
 from rsym.surfaces.symbols import t, u, v
 from rsym.surfaces.twists import estimate_twists
 
@@ -60,7 +59,9 @@ def draw_paraboloid() -> Drawing:
     """The patch with the information at its corners, beside the plane."""
     patch, plane = test1(), four_corners()
     shown = BicubicCoons(patch.matrix * FLAT)
-    flat = CoonsPatch(*((x, y, 10) for x, y in ((-5, -5 + 10 * t), (5, -5 + 10 * t), (-5 + 10 * t, -5), (-5 + 10 * t, 5))))
+    flat = CoonsPatch(
+        *((x, y, 10) for x, y in ((-5, -5 + 10 * t), (5, -5 + 10 * t), (-5 + 10 * t, -5), (-5 + 10 * t, 5)))
+    )
     gallery = Gallery(Figure(), 1, 2)
     first, second = gallery.axes[0]
     corners = shown.matrix[:2, :2]

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rsym.output.gallery import Gallery
-from rsym.output.patches import plot_patches
-from rsym.paper.drawing import Drawing, Table
 from rsym.surfaces.lofts import HermiteSurface, LagrangeSurface, SplineLoft
-from rsym.surfaces.patch import Patch
 
 Floats = NDArray[np.float64]
 

@@ -1,7 +1,25 @@
+from . import projections
 from .blending import HermiteBlend
+from .bsplines import BSplineSurface
 from .callables import Called
+from .continuity import continuity_report
 from .coons import BicubicCoons, CoonsPatch
+from .edge_report import EdgeReport
+from .exact import (
+    cone,
+    cone_quarter,
+    cylinder,
+    cylinder_quarter,
+    ellipsoid,
+    ellipsoid_octant,
+    sphere,
+    sphere_octant,
+    torus,
+    torus_quarter,
+)
 from .ferguson import with_twists
+from .joining import join
+from .lofts import HermiteSurface, LagrangeSurface, SplineLoft
 from .meshes import mesh_patches
 from .parametric import ParametricSurface
 from .patch import Patch
@@ -9,14 +27,32 @@ from .twists import estimate_twists
 from .univariate import Formula
 
 __all__ = [
+    "BSplineSurface",
     "BicubicCoons",
     "Called",
     "CoonsPatch",
+    "EdgeReport",
     "Formula",
     "HermiteBlend",
+    "HermiteSurface",
+    "LagrangeSurface",
     "ParametricSurface",
     "Patch",
+    "SplineLoft",
+    "cone",
+    "cone_quarter",
+    "continuity_report",
+    "cylinder",
+    "cylinder_quarter",
+    "ellipsoid",
+    "ellipsoid_octant",
     "estimate_twists",
+    "join",
     "mesh_patches",
+    "projections",
+    "sphere",
+    "sphere_octant",
+    "torus",
+    "torus_quarter",
     "with_twists",
 ]
