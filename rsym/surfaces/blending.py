@@ -68,7 +68,7 @@ class HermiteBlend:
     >>> mu = sp.Symbol("mu")
     >>> HermiteBlend.class2(mu, sp.pi / 2, letters={mu: 0})(0.25, letters={"mu": 3})[1].round(6)
     np.float64(0.103516)
-    >>> HermiteBlend((1 - t, t**2 + t))
+    >>> HermiteBlend((1 - t, t**2 + t))  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
     rsym.errors.RsymError: the blending function F1 must have the value 1 at t = 1, got 2; remedy: ...
