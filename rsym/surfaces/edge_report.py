@@ -171,7 +171,7 @@ class EdgeReport:
     >>> from rsym.surfaces import continuity_report, sphere
     >>> report = continuity_report(sphere(1)[:2])
     >>> report.continuity, len(report.edges), len(report.poles), len(report.free)
-    ('G2', 1, 1, 3)
+    ('G2', 1, 2, 4)
     """
 
     edges: tuple[CommonEdge, ...]
