@@ -30,13 +30,13 @@ class BandQR:
     """
 
     def __init__(self, matrix: Array) -> None:
-        filled = matrix != 0
-        first = np.where(filled.any(axis=1), filled.argmax(axis=1), matrix.shape[1])
+        filled, columns = matrix != 0, np.arange(matrix.shape[1])
+        first = np.where(filled, columns, len(columns)).min(axis=1, initial=len(columns))
+        last = np.where(filled, columns + 1, 0).max(axis=1, initial=0)
         self.order = np.argsort(first, kind="stable")
         self.upper = np.ascontiguousarray(matrix[self.order])
-        last = matrix.shape[1] - filled[self.order][:, ::-1].argmax(axis=1)
-        self.ends = np.searchsorted(first[self.order], np.arange(matrix.shape[1]), side="right")
-        self.widths = np.maximum.accumulate(last)[np.maximum(self.ends - 1, 0)]
+        self.ends = np.searchsorted(first[self.order], columns, side="right")
+        self.widths = np.maximum.accumulate(last[self.order])[np.maximum(self.ends - 1, 0)]
         self.reflections: list[tuple[Array, float]] = []
         self.dependent: int | None = None
         sizes = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
@@ -60,12 +60,17 @@ class BandQR:
         self.reflections.append((mirror, scale))
         return length
 
-    def solve(self, right: Array) -> Array:
-        """The x with the smallest |A x - right|, along the first axis."""
+    def turned(self, right: Array) -> Array:
+        """Q^T right, (rows, numbers in a row)."""
         y = np.array(right, np.float64)[self.order].reshape(len(self.order), -1)
         for column, (mirror, scale) in enumerate(self.reflections):
             part = y[column : self.ends[column]]
             part -= mirror[:, None] * (scale * np.einsum("i,ij->j", mirror, part))
+        return y
+
+    def solve(self, right: Array) -> Array:
+        """The x with the smallest |A x - right|, along the first axis."""
+        y = self.turned(right)
         x = np.zeros((self.upper.shape[1], y.shape[1]))
         for row in reversed(range(len(x))):
             beyond = slice(row + 1, self.widths[row])

@@ -21,6 +21,9 @@ from rsym.surfaces.spline_spaces import Spaces, tensor_values
 Array: TypeAlias = NDArray[np.float64]
 Pair: TypeAlias = tuple[Array, Array]
 
+# Share of the size of the data by which an interpolating surface may miss them: regular systems stay below 1e-14.
+MET = 1e-12
+
 
 @dataclass(frozen=True)
 class Residual:
@@ -101,12 +104,26 @@ def fitted_net(spaces: Spaces, points: Array, parameters: Pair) -> Array:
     return np.asarray(net + solve(rest))
 
 
-def collocation(spaces: Spaces, parameters: Pair) -> tuple[NDArray[np.intp], Array]:
-    """Of each point the numbers i*(m+1) + j of the vertices that it depends on, and N_i(u) M_j(v)."""
+def check_met(residual: Residual, points: Array, net: Array) -> None:
+    """Refuse a surface that should pass its data and, for rounding, does not."""
+    size = float(np.abs(points).max())
+    if not residual.maximum <= MET * size:
+        raise RsymError(
+            f"the system is too badly conditioned: the surface misses its data by {residual.maximum:.2g},"
+            f" with vertices up to {np.abs(net).max():.2g} for points up to {size:.2g}",
+            code="ill-conditioned",
+            remedy='take parameters alike in all rows (per_point=False) and knots="averaged", or least_squares',
+        )
+
+
+def collocation_matrix(spaces: Spaces, parameters: Pair) -> Array:
+    """C: a row for each point, column i*(m+1) + j with N_i(u) M_j(v)."""
     u, v = (one.ravel() for one in np.broadcast_arrays(*broadcast(parameters)))
     (rows, n), (columns, m) = (space.local(values) for space, values in zip(spaces, (u, v), strict=True))
+    matrix = np.zeros((len(u), spaces[0].count * spaces[1].count))
     numbers = rows[:, :, None] * spaces[1].count + columns[:, None, :]
-    return numbers.reshape(len(u), -1), (n[:, :, None] * m[:, None, :]).reshape(len(u), -1)
+    matrix[np.arange(len(u))[:, None, None], numbers] = n[:, :, None] * m[:, None, :]
+    return matrix
 
 
 def _tensor_solver(spaces: Spaces, parameters: Pair) -> Callable[[Array], Array]:
@@ -124,10 +141,7 @@ def _tensor_solver(spaces: Spaces, parameters: Pair) -> Callable[[Array], Array]
 def _solver(spaces: Spaces, parameters: Pair) -> Callable[[Array], Array]:
     """The one system of all points."""
     shape = (spaces[0].count, spaces[1].count)
-    numbers, values = collocation(spaces, parameters)
-    matrix = np.zeros((len(numbers), shape[0] * shape[1]))
-    matrix[np.arange(len(numbers))[:, None], numbers] = values
-    system = BandQR(matrix)
+    system = BandQR(collocation_matrix(spaces, parameters))
     if system.dependent is not None:
         row, column = divmod(system.dependent, shape[1])
         raise singular(spaces, f"the vertex ({row}, {column})")

@@ -1,22 +1,22 @@
 """Vertices kept on planes or along curves while the others are fitted to data.
 
-The source says that an iteration does this and not how. Here each step lets a kept vertex slide along the tangents of
-its plane or curve, fits all vertices together, and brings the kept ones back: Gauss-Newton's method. Planes take one
-step.
+The source says that an iteration over the parameters of the data does this, and not how; this one is ours. Each step
+lets the kept vertices slide along the tangents of their planes and curves to where the fit of all is best, and brings
+them back: the method of Gauss and Newton. Planes take one step. Corrections of the parameters may go between.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeAlias
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
 from rsym.surfaces.band_qr import BandQR
-from rsym.surfaces.bspline_fitting import Pair, broadcast, collocation, singular
+from rsym.surfaces.bspline_fitting import Pair, broadcast, collocation_matrix
 from rsym.surfaces.curves import as_curve
 from rsym.surfaces.spline_spaces import Spaces, tensor_values
 from rsym.surfaces.univariate import Curve
@@ -25,15 +25,28 @@ Array: TypeAlias = NDArray[np.float64]
 
 # Steps of the iteration, and the share of the size of the net below which a step is none.
 STEPS, STILL = 100, 1e-13
+# Halvings of a step that makes the fit worse.
+HALVINGS = 12
 # Places of a curve that are compared before Newton's method sets in.
 PLACES = 257
+
+
+class Frames(NamedTuple):
+    """The nearest places (n, 3) of a locus, orthonormal tangents there (n, 3, dimension), and which end it is.
+
+    `ends` is -1 where the first tangent leads from an end inwards, 1 where it leads outwards, 0 where there is no end.
+    """
+
+    places: Array
+    tangents: Array
+    ends: Array
 
 
 class Locus(Protocol):
     """Where vertices may lie."""
 
-    def frames(self, points: Array) -> tuple[Array, Array]:
-        """The nearest places (n, 3), and orthonormal tangents there (n, 3, dimension)."""
+    def frames(self, points: Array) -> Frames:
+        """What is nearest to the points (n, 3)."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +55,8 @@ class Plane:
 
     Examples
     --------
-    >>> feet, tangents = Plane((0, 0, 1), (0, 0, 2)).frames(np.array([[3.0, 4.0, 5.0]]))
-    >>> feet.tolist(), tangents.shape
+    >>> places, tangents, ends = Plane((0, 0, 1), (0, 0, 2)).frames(np.array([[3.0, 4.0, 5.0]]))
+    >>> places.tolist(), tangents.shape
     ([[3.0, 4.0, 1.0]], (1, 3, 2))
     """
 
@@ -60,14 +73,15 @@ class Plane:
         object.__setattr__(self, "_place", place)
         object.__setattr__(self, "_unit", normal / length)
 
-    def frames(self, points: Array) -> tuple[Array, Array]:
+    def frames(self, points: Array) -> Frames:
         """The feet of the perpendiculars, and two tangents."""
         heights = np.einsum("ni,i->n", points - self._place, self._unit)
         # The axis least along the normal gives tangents without cancellation.
         first = np.cross(self._unit, np.eye(3)[np.abs(self._unit).argmin()])
         first /= np.sqrt((first**2).sum())
         tangents = np.stack([first, np.cross(self._unit, first)], axis=-1)
-        return points - heights[:, None] * self._unit, np.broadcast_to(tangents, (len(points), 3, 2))
+        feet = points - heights[:, None] * self._unit
+        return Frames(feet, np.broadcast_to(tangents, (len(points), 3, 2)), np.zeros(len(points)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +90,7 @@ class Along:
 
     curve: Curve
 
-    def frames(self, points: Array) -> tuple[Array, Array]:
+    def frames(self, points: Array) -> Frames:
         """The nearest points of the curve, and its unit tangents there."""
         low, high = self.curve.domain
         sampled = np.linspace(low, high, PLACES)
@@ -92,7 +106,8 @@ class Along:
             t = self._inside(t - slope / np.where(rise > 0.1 * square, rise, square))
         place, speed = self.curve.evaluate(t, [0, 1])
         lengths = np.sqrt(np.einsum("ni,ni->n", speed, speed))
-        return place, (speed / lengths[:, None])[:, :, None]
+        ends = np.zeros(len(t)) if self.curve.closed else (t == high) * 1.0 - (t == low)
+        return Frames(place, (speed / lengths[:, None])[:, :, None], ends)
 
     def _inside(self, t: Array) -> Array:
         low, high = self.curve.domain
@@ -127,59 +142,74 @@ def kept_vertices(given: Sequence[tuple[Any, Any]], shape: tuple[int, int]) -> l
 
 
 def constrained_net(
-    spaces: Spaces, points: Array, parameters: Pair, kept: Sequence[Kept], start: Array
+    spaces: Spaces, points: Array, parameters: Pair, kept: Sequence[Kept], free_fit: Array
 ) -> tuple[Array, bool]:
-    """The net nearest the points in the sense of least squares with its kept vertices where they may lie."""
-    net, size = start, float(np.abs(points).max())
-    everywhere = np.concatenate([one.vertices for one in kept])
+    """The net nearest the points in the sense of least squares with its kept vertices where they may lie.
+
+    `free_fit` is the net without constraints. Of C = [F K] with the kept vertices last, C = QR, the last block of R
+    alone says what it costs to move these, if the others follow.
+    """
+    matrix = collocation_matrix(spaces, parameters)
+    numbers = np.concatenate([one.vertices for one in kept])
+    free = np.setdiff1d(np.arange(matrix.shape[1]), numbers)
+    system = BandQR(matrix[:, free])
+    rest = system.turned(matrix[:, numbers])[len(free) :]
+    cost = np.triu(BandQR(rest).upper[: len(numbers)])
+    flat = free_fit.reshape(-1, 3).copy()
+    flat[numbers], converged = _settled(cost, flat[numbers], kept)
+    for _ in range(2 if len(free) else 0):
+        gaps = points - tensor_values(spaces, flat.reshape(free_fit.shape), *broadcast(parameters))
+        flat[free] += system.solve(gaps.reshape(-1, 3))
+    return flat.reshape(free_fit.shape), converged
+
+
+def _settled(cost: Array, target: Array, kept: Sequence[Kept]) -> tuple[Array, bool]:
+    """The places on the loci with the least |cost (places - target)|, and whether they stand still."""
+    size = float(np.abs(target).max())
+    here = _brought_back(target, kept)
     for _ in range(STEPS):
-        net, frames, widths = _brought_back(net, kept)
-        before = net.reshape(-1, 3)[everywhere]
-        net = net + _step(spaces, points, parameters, net, frames, widths)
-        moved = float(np.abs(net.reshape(-1, 3)[everywhere] - before).max())
-        if moved <= STILL * size:
-            break
-    else:
-        net, frames, widths = _brought_back(net, kept)
-    # The last rounding goes to the free vertices: the kept ones lie where they should.
-    net, frames, widths = _brought_back(net, kept)
-    widths[everywhere] = 0
-    return net + _step(spaces, points, parameters, net, frames, widths), moved <= 1e3 * STILL * size
+        step = _slide(cost, target - here.places, here)
+        for halving in range(HALVINGS):
+            there = _brought_back(here.places + 0.5**halving * step, kept)
+            if _length(cost, there.places - target) <= _length(cost, here.places - target):
+                break
+        else:
+            return here.places, float(np.abs(step).max()) <= np.sqrt(STILL) * size
+        way = float(np.abs(there.places - here.places).max())
+        here = there
+        if way <= STILL * size:
+            return here.places, True
+    return here.places, False
 
 
-def _brought_back(net: Array, kept: Sequence[Kept]) -> tuple[Array, Array, NDArray[np.intp]]:
-    """The net with kept vertices on their loci, the directions (number, 3, 3) of all, and how many of them count."""
-    flat = net.reshape(-1, 3).copy()
-    frames = np.broadcast_to(np.eye(3), (len(flat), 3, 3)).copy()
-    widths = np.full(len(flat), 3)
+def _brought_back(places: Array, kept: Sequence[Kept]) -> Frames:
+    """The nearest places on the loci, with as many directions (number, 3, 2) as there are; others are zero."""
+    result = Frames(np.empty_like(places), np.zeros((len(places), 3, 2)), np.zeros(len(places)))
+    start = 0
     for one in kept:
-        flat[one.vertices], tangents = one.locus.frames(flat[one.vertices])
-        widths[one.vertices] = tangents.shape[2]
-        frames[one.vertices, :, : tangents.shape[2]] = tangents
-    return flat.reshape(net.shape), frames, widths
+        part = slice(start, start + len(one.vertices))
+        found = one.locus.frames(places[part])
+        result.places[part], result.ends[part] = found.places, found.ends
+        result.tangents[part, :, : found.tangents.shape[2]] = found.tangents
+        start = part.stop
+    return result
 
 
-def _step(
-    spaces: Spaces, points: Array, parameters: Pair, net: Array, frames: Array, widths: NDArray[np.intp]
-) -> Array:
-    """The change of the net, along its frames, that fits the points best."""
-    numbers, values = collocation(spaces, parameters)
-    offsets = np.cumsum(widths) - widths
-    matrix = np.zeros((3 * len(numbers), int(widths.sum())))
-    rows = np.broadcast_to(np.arange(len(numbers))[:, None], numbers.shape)
-    for direction in range(3):
-        there = widths[numbers] > direction
-        columns = offsets[numbers[there]] + direction
-        for axis in range(3):
-            matrix[3 * rows[there] + axis, columns] = values[there] * frames[numbers[there], axis, direction]
-    rest = points - tensor_values(spaces, net, *broadcast(parameters))
-    system = BandQR(matrix)
-    if system.dependent is not None:
-        vertex = int(np.searchsorted(np.cumsum(widths), system.dependent, side="right"))
-        raise singular(spaces, f"the vertex {divmod(vertex, spaces[1].count)}")
-    found = system.solve(rest.reshape(-1))
-    change = np.zeros((len(widths), 3))
-    for direction in range(3):
-        free = np.flatnonzero(widths > direction)
-        change[free] += found[offsets[free] + direction, None] * frames[free, :, direction]
-    return change.reshape(net.shape)
+def _slide(cost: Array, gaps: Array, frames: Frames) -> Array:
+    """The change of the places along their directions that brings them nearest; none beyond the end of a curve."""
+    right = np.einsum("ij,jx->ix", cost, gaps)
+    pull = np.einsum("ij,ix,jxd->jd", cost, right, frames.tangents)
+    used = np.einsum("jxd,jxd->jd", frames.tangents, frames.tangents) > 0.5
+    used &= (frames.ends == 0)[:, None] | (frames.ends[:, None] * pull < 0)
+    vertices, directions = np.nonzero(used)
+    tangents = frames.tangents[vertices, :, directions]
+    matrix = cost[:, None, vertices] * tangents.T[None]
+    found = BandQR(matrix.reshape(-1, len(vertices))).solve(right.reshape(-1))
+    change = np.zeros_like(gaps)
+    np.add.at(change, vertices, found[:, None] * tangents)
+    return change
+
+
+def _length(cost: Array, gaps: Array) -> float:
+    turned = np.einsum("ij,jx->ix", cost, gaps)
+    return float(np.einsum("ix,ix->", turned, turned))

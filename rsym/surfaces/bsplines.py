@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from rsym.errors import RsymError
 from rsym.surfaces import symbols
 from rsym.surfaces.bspline_data import checked_points, pair_of, spaces_for_data
-from rsym.surfaces.bspline_fitting import Pair, Residual, SplineFit, fitted_net, residual_of
+from rsym.surfaces.bspline_fitting import Pair, Residual, SplineFit, check_met, fitted_net, residual_of
 from rsym.surfaces.entries import exact
 from rsym.surfaces.parameter_correction import approximated
 from rsym.surfaces.parameters import Interval
@@ -121,7 +121,9 @@ class BSplineSurface(Patch):
         data = checked_points(points, "the points")
         spaces, found = spaces_for_data(data, data.shape, pair_of(order, "order"), parameters, per_point, knots, closed)
         net = fitted_net(spaces, data, found)
-        return cls._fitted(spaces, net, SplineFit(data, found, (residual_of(spaces, net, data, found),)))
+        residual = residual_of(spaces, net, data, found)
+        check_met(residual, data, net)
+        return cls._fitted(spaces, net, SplineFit(data, found, (residual,)))
 
     @classmethod
     def least_squares(

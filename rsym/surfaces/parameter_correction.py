@@ -31,24 +31,23 @@ def approximated(
     loci = kept_vertices(kept, (spaces[0].count, spaces[1].count))
     settled = True
 
-    def fit(places: Pair, start: Array) -> Array:
+    def fit(places: Pair) -> Array:
         nonlocal settled
-        if not loci:
-            return fitted_net(spaces, points, places)
-        net, settled = constrained_net(spaces, points, places, loci, start)
+        net = fitted_net(spaces, points, places)
+        if loci:
+            net, settled = constrained_net(spaces, points, places, loci, net)
         return net
 
-    net = fitted_net(spaces, points, parameters)
-    history = [residual_of(spaces, net, points, parameters)]
+    history = [residual_of(spaces, fitted_net(spaces, points, parameters), points, parameters)]
+    net = fit(parameters)
     if loci:
-        net = fit(parameters, net)
         history.append(residual_of(spaces, net, points, parameters))
     net, parameters, further = corrected(spaces, points, parameters, net, steps, fit)
     return net, SplineFit(points, parameters, (*history, *further), settled)
 
 
 def corrected(
-    spaces: Spaces, points: Array, parameters: Pair, net: Array, steps: int, fit: Callable[[Pair, Array], Array]
+    spaces: Spaces, points: Array, parameters: Pair, net: Array, steps: int, fit: Callable[[Pair], Array]
 ) -> tuple[Array, Pair, list[Residual]]:
     """A net and parameters after so many corrections, fewer where none helps, and the residual after each."""
     history: list[Residual] = []
@@ -58,7 +57,7 @@ def corrected(
         for halving in range(HALVINGS):
             moved = _moved(spaces, parameters, full, 0.5**halving)
             try:
-                candidate = fit(moved, net)
+                candidate = fit(moved)
             except RsymError:
                 # The data crowd where they determine too little: the full step went too far.
                 continue

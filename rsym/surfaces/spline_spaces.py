@@ -86,17 +86,21 @@ class SplineSpace:
     def expressions(self) -> list[sp.Expr]:
         """The basis functions in `rsym.surfaces.symbols.t`, valid in the interval; knots as fractions."""
         each = [PPoly.from_spline(self.spline(row)) for row in np.eye(self.count)]
-        low, high = self.domain
-        starts = each[0].x[:-1]
-        inner = (np.diff(each[0].x) > 0) & (starts >= low) & (starts < high)
-        coefficients = np.stack([one.c[:, inner] for one in each], axis=-1)
-        return entries_of(Polynomials(PPoly(coefficients, np.append(starts[inner], high))).expressions())
+        return entries_of(Polynomials(inner_pieces(each, self.domain)).expressions())
 
     @property
     def pieces(self) -> int:
         """The number of polynomials along the interval."""
         low, high = self.domain
         return len(np.unique(self.knots[(self.knots >= low) & (self.knots <= high)])) - 1
+
+
+def inner_pieces(each: list[PPoly], domain: Interval) -> PPoly:
+    """Splines over the same knots as one piecewise polynomial without empty pieces, on the interval alone."""
+    low, high = domain
+    starts = each[0].x[:-1]
+    inner = (np.diff(each[0].x) > 0) & (starts >= low) & (starts < high)
+    return PPoly(np.stack([one.c[:, inner] for one in each], axis=-1), np.append(starts[inner], high))
 
 
 def tensor_values(spaces: Spaces, net: Array, u: Array, v: Array, order: tuple[int, int] = (0, 0)) -> Array:
