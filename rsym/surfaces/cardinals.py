@@ -27,7 +27,7 @@ from rsym.errors import RsymError, RsymWarning
 from rsym.surfaces.entries import exact
 from rsym.surfaces.polynomials import Polynomials
 from rsym.surfaces.symbols import t as parameter
-from rsym.surfaces.univariate import Curve, LetterValues
+from rsym.surfaces.univariate import Curve, Formula, LetterValues
 
 Array: TypeAlias = NDArray[np.float64]
 Knots: TypeAlias = Sequence[Any]
@@ -35,6 +35,8 @@ Knots: TypeAlias = Sequence[Any]
 # The cardinal functions of more equidistant knots than this swing to more than 3 between them (Runge): measured, their
 # absolute values add up to 1.6, 2.2, 3.1, 4.5 and 7 for 4, 5, 6, 7 and 8 knots.
 MOST_LAGRANGE = 6
+# What functions of the user's own may be off at the knots; a surface misses its curves by as much.
+CARDINALITY = 1e-12
 
 
 class CubicCardinals(Polynomials):
@@ -148,6 +150,37 @@ def lagrange_cardinals(knots: Knots) -> LagrangeCardinals:
             stacklevel=3,
         )
     return LagrangeCardinals(knots)
+
+
+def named_cardinals(kind: Any, knots: Knots, closed: bool, name: str) -> Curve:
+    """Cardinal functions by name, or functions of the user's own, checked at the knots.
+
+    "auto" is Lagrange's up to six knots and natural splines beyond; for a closed family periodic splines.
+    """
+    if isinstance(kind, str):
+        if kind == "auto":
+            kind = "spline" if closed or len(knots) > MOST_LAGRANGE else "lagrange"
+        if kind in ("hermite", "spline"):
+            return CubicCardinals(knots, int(kind == "spline"), closed=closed)
+        if kind == "lagrange" and not closed:
+            return lagrange_cardinals(knots)
+        raise RsymError(
+            f"cardinal functions of {name} are auto, lagrange (not of a closed family), hermite, spline, or functions; "
+            f"got {kind!r}{' for a closed family' if closed else ''}",
+            code="cardinals",
+            remedy='"spline" suits any family',
+        )
+    given = kind if isinstance(kind, Curve) else Formula(kind, domain=(knots[0], knots[-1]), what="a cardinal function")
+    count = len(knots) - closed
+    values = given(np.array(knots, np.float64)[:count]) if given.shape == (count,) else np.zeros((count, 0))
+    if values.shape != (count, count) or np.abs(values - np.eye(count)).max() > CARDINALITY:
+        raise RsymError(
+            f"{count} functions of {name} must be 1 at their own knot and 0 at the others {[float(k) for k in knots]}; "
+            f"their values there are {np.round(values, 6).tolist()}",
+            code="cardinals",
+            remedy="divide by the value at the knot, or take cardinal functions by name",
+        )
+    return given
 
 
 def checked_knots(knots: Knots, closed: bool) -> tuple[float, ...]:

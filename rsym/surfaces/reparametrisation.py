@@ -1,0 +1,110 @@
+"""Other parameters for the same curve: a part of it, another start, or a given pace."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import comb
+from typing import TypeAlias
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
+
+from rsym.surfaces.parameters import Interval, inside
+from rsym.surfaces.polynomials import Polynomials
+from rsym.surfaces.symbols import t as parameter
+from rsym.surfaces.univariate import Curve, LetterValues
+
+Array: TypeAlias = NDArray[np.float64]
+
+
+class Part(Curve):
+    """A curve over a part of its interval; of one whose ends meet, over a whole turn from another start."""
+
+    def __init__(self, curve: Curve, domain: Interval, *, closed: bool = False) -> None:
+        self.curve, self.domain, self.closed = curve, domain, closed
+        self.shape, self.letters = curve.shape, curve.letters
+
+    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+        """The derivatives of these orders."""
+        return self.curve.evaluate(inside(t, self.curve.domain, self.closed, "t"), orders, letters)
+
+    @property
+    def is_smooth_formula(self) -> bool:
+        """Whether the curve is, and does not start anew inside."""
+        (a, b), (c, d) = self.domain, self.curve.domain
+        return self.curve.is_smooth_formula and c <= a and b <= d
+
+    def expressions(self) -> sp.ImmutableDenseNDimArray | None:
+        """The formula of the curve, with a jump of the parameter where a turn ends."""
+        whole, end = self.curve.expressions(), sp.nsimplify(self.curve.domain[1], rational=True)
+        if whole is None or self.domain[1] <= self.curve.domain[1]:
+            return whole
+        length = end - sp.nsimplify(self.curve.domain[0], rational=True)
+        return whole.xreplace({parameter: sp.Piecewise((parameter, parameter <= end), (parameter - length, True))})
+
+
+class Composed(Curve):
+    """A curve at another pace, c(m(t)), with a smooth increasing function m; exact, no curve is fitted."""
+
+    def __init__(self, curve: Curve, pace: Curve, *, closed: bool = False) -> None:
+        self.curve, self.pace, self.closed = curve, pace, closed
+        self.shape, self.domain, self.letters = curve.shape, pace.domain, curve.letters
+
+    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+        """The derivatives of these orders, by the formula of Faa di Bruno."""
+        top = max(orders)
+        pace = self.pace.evaluate(t, list(range(top + 1)))
+        inner = inside(pace[0], self.curve.domain, self.closed, "t")
+        outer = self.curve.evaluate(inner, list(range(top + 1)), letters)
+        bell = _bell(pace, top)
+        stretch = (..., *(None for _ in self.shape))
+        return [
+            sum((bell[order][m][stretch] * outer[m] for m in range(1, order + 1)), np.zeros(())) if order else outer[0]
+            for order in orders
+        ]
+
+    def expressions(self) -> sp.ImmutableDenseNDimArray | None:
+        """The formula of the curve at the pace."""
+        whole, pace = self.curve.expressions(), self.pace.expressions()
+        if whole is None or pace is None or self.closed:
+            return None
+        return whole.xreplace({parameter: pace[()]})
+
+
+def _bell(pace: Sequence[Array], top: int) -> list[list[Array]]:
+    """The partial Bell polynomials of the derivatives of the pace, by order and number of parts."""
+    zero = np.zeros_like(pace[0])
+    table = [[zero + 1.0]]
+    for k in range(1, top + 1):
+        row = [zero]
+        for m in range(1, k + 1):
+            row.append(sum((comb(k - 1, i - 1) * pace[i] * table[k - i][m - 1] for i in range(1, k - m + 2)), zero))
+        table.append([*row, *(zero for _ in range(top - k))])
+    return table
+
+
+def monotone(knots: Array, values: Array, *, closed: bool = False) -> Polynomials:
+    """The increasing C1 cubic with these increasing values at the knots; if closed, smooth across the last one too.
+
+    The slopes are Fritsch and Butland's (PCHIP), which never vanish inside; those at the ends are held at a third of
+    the chord's or above, where a vanishing one would make a surface singular along its edge.
+
+    Examples
+    --------
+    >>> pace = monotone(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 4.0]))
+    >>> pace([0.0, 1.0, 2.0]).tolist(), pace([0.0, 1.0, 2.0], 1).tolist()
+    ([0.0, 1.0, 4.0], [0.3333333333333333, 1.5, 4.0])
+    """
+    if closed:
+        around = [
+            np.concatenate([one[-3:-1] - (one[-1] - one[0]), one, one[1:3] + (one[-1] - one[0])])
+            for one in (knots, values)
+        ]
+        slopes = PchipInterpolator(*around).derivative()(knots)
+    else:
+        chords = (values[1:] - values[:-1]) / (knots[1:] - knots[:-1])
+        slopes = PchipInterpolator(knots, values).derivative()(knots)
+        slopes[0], slopes[-1] = max(slopes[0], chords[0] / 3), max(slopes[-1], chords[-1] / 3)
+    return Polynomials(CubicHermiteSpline(knots, values, slopes))
