@@ -18,9 +18,11 @@ from .exact import (
     torus_quarter,
 )
 from .ferguson import with_twists
+from .gordon import GordonSurface
 from .joining import join
 from .lofts import HermiteSurface, LagrangeSurface, SplineLoft
 from .meshes import mesh_patches
+from .nurbs import Nurbs
 from .parametric import ParametricSurface
 from .patch import Patch
 from .twists import estimate_twists
@@ -33,9 +35,11 @@ __all__ = [
     "CoonsPatch",
     "EdgeReport",
     "Formula",
+    "GordonSurface",
     "HermiteBlend",
     "HermiteSurface",
     "LagrangeSurface",
+    "Nurbs",
     "ParametricSurface",
     "Patch",
     "SplineLoft",
