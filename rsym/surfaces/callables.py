@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.surfaces.chebyshev import Interpolant
-from rsym.surfaces.parameters import Interval
+from rsym.surfaces.parameters import Interval, as_interval
 from rsym.surfaces.univariate import Curve, LetterValues
 
 Array: TypeAlias = NDArray[np.float64]
@@ -42,7 +42,7 @@ class Called(Curve):
         closed: bool = False,
     ) -> None:
         self.shape = (3,)
-        self.domain = (float(domain[0]), float(domain[1]))
+        self.domain = as_interval(domain, "a curve")
         self.closed = closed
         self.known = tuple(_vectorised(one, self.domain) for one in (function, *derivatives))
 
@@ -87,7 +87,7 @@ def _vectorised(function: Callable[[Any], Any], domain: Interval) -> Layout:
 def _checked(function: Callable[[Any], Any], layout: Callable[[Callable[[Any], Any], Array], Array]) -> Layout:
     def points(t: Array) -> Array:
         found = layout(function, t)
-        bad = ~np.isfinite(found).all(axis=-1)
+        bad = np.isfinite(t) & ~np.isfinite(found).all(axis=-1)
         if bad.any():
             raise RsymError(f"a curve is not finite at t = {t[bad][0]:.17g}", code="curve", remedy="mend it there")
         return found
@@ -105,4 +105,5 @@ def _by_components(function: Callable[[Any], Any], t: Array) -> Array:
 
 
 def _one_by_one(function: Callable[[Any], Any], t: Array) -> Array:
-    return np.array([np.asarray(function(float(one)), np.float64).reshape(-1) for one in t]).reshape(len(t), -1)
+    found = [np.asarray(function(float(one)), np.float64).reshape(-1) for one in t]
+    return np.array(found) if found else np.empty((0, 3))

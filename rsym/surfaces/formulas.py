@@ -73,7 +73,7 @@ class CompiledFormulas:
         full = np.broadcast_arrays(*arrays)
         # Side by side in memory, as points are wanted: to bring them there later takes twice as long as all the rest.
         out = np.empty((*full[0].shape, len(asked), len(self.expressions)))
-        lines = np.moveaxis(out.reshape(*full[0].shape, -1), -1, 0)
+        lines = np.moveaxis(out.reshape(*full[0].shape, len(program.outputs)), -1, 0)
         run_in_blocks(function, full, [letters[name] for name in program.letters], lines, checked_threads(None))
         return np.moveaxis(out, (-2, -1), (0, 1))
 

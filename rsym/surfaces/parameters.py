@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+import math
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,6 +33,27 @@ def parameter_arrays(*given: ArrayLike) -> list[Array]:
             remedy="use patch.grid(u, v) for vectors of different length",
         ) from error
     return arrays
+
+
+def as_interval(given: Any, what: str) -> Interval:
+    """A pair of finite increasing numbers.
+
+    Examples
+    --------
+    >>> as_interval((0, 2), "u")
+    (0.0, 2.0)
+    """
+    try:
+        low, high = (float(end) for end in given if not isinstance(end, str))
+    except (TypeError, ValueError):
+        low = high = math.nan
+    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        raise RsymError(
+            f"the interval of {what} must be a pair (low, high) of finite numbers, got {given!r}",
+            code="domain",
+            remedy="for example (0, 1)",
+        )
+    return low, high
 
 
 def inside(values: Array, interval: Interval, closed: bool, name: str) -> Array:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from rsym.errors import RsymError
@@ -14,6 +15,7 @@ from rsym.model.symbols import real_replacements
 from rsym.model.traversal import symbols_of
 from rsym.surfaces.entries import entries_and_shape
 from rsym.surfaces.formulas import CompiledFormulas
+from rsym.surfaces.parameters import as_interval
 from rsym.surfaces.patch import Array, Domain, LetterValues, Orders, Patch
 
 
@@ -61,8 +63,13 @@ class ParametricSurface(Patch):
         replacements = real_replacements(entries)
         self._point = sp.ImmutableMatrix([entry.xreplace(replacements) for entry in entries])
         self._letters, self._closed = known, closed
-        (u0, u1), (v0, v1) = domain
-        self._domain = ((float(u0), float(u1)), (float(v0), float(v1)))
+        if not isinstance(domain, Sequence | np.ndarray) or len(domain) != 2:
+            raise RsymError(
+                f"a domain is a pair of the intervals of u and v, got {domain!r}",
+                code="domain",
+                remedy="for example ((0, 1), (0, 1))",
+            )
+        self._domain = as_interval(domain[0], "u"), as_interval(domain[1], "v")
 
     @property
     def domain(self) -> Domain:

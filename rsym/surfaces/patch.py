@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from numbers import Integral
+from operator import index
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -101,12 +101,12 @@ class Patch(ABC):
 
     def derivatives(self, u: ArrayLike, v: ArrayLike, orders: Orders, *, letters: LetterValues = None) -> list[Array]:
         """Several derivatives at the same parameters; cheaper than one after the other."""
-        for order in orders:
-            if len(order) != 2 or any(isinstance(k, bool) or not isinstance(k, Integral) or k < 0 for k in order):
-                raise RsymError(f"an order is a pair of integers >= 0, got {order!r}", code="order")
+        whole = [_order(order) for order in orders]
+        if letters:
+            self.letters.values_with(letters)
         rows, columns = parameter_arrays(u, v)
         placed = [inside(one, *which) for one, which in zip((rows, columns), self._axes, strict=True)]
-        return self.evaluate(placed[0], placed[1], orders, letters)
+        return self.evaluate(placed[0], placed[1], whole, letters)
 
     @property
     def _axes(self) -> tuple[tuple[Interval, bool, str], tuple[Interval, bool, str]]:
@@ -149,3 +149,15 @@ class Patch(ABC):
             return f"$\\displaystyle {sp.latex(self.expression())}$"
         except RsymError:
             return None
+
+
+def _order(given: Any) -> tuple[int, int]:
+    """A pair of integers of Python."""
+    try:
+        i, j = given
+        order = index(i), index(j)
+    except (TypeError, ValueError):
+        order = (-1, -1)
+    if min(order) < 0 or isinstance(i, bool) or isinstance(j, bool):
+        raise RsymError(f"an order is a pair of integers >= 0, got {given!r}", code="order", remedy="(1, 0) for p_u")
+    return order

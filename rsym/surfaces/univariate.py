@@ -20,7 +20,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.surfaces.entries import entries_and_shape, entries_of, exact
 from rsym.surfaces.formulas import CompiledFormulas, real_expressions
-from rsym.surfaces.parameters import Interval, inside
+from rsym.surfaces.parameters import Interval, as_interval, inside
 from rsym.surfaces.symbols import t
 
 Array: TypeAlias = NDArray[np.float64]
@@ -82,7 +82,7 @@ class Formula(Curve):
     ) -> None:
         entries, self.shape = entries_and_shape(expressions)
         real, self.letters = real_expressions(entries, t, PARAMETERS, as_letters(letters), what)
-        self.domain = (float(domain[0]), float(domain[1]))
+        self.domain = as_interval(domain, "a curve")
         self.closed = closed
         self._entries = tuple(real)
 
