@@ -1,6 +1,7 @@
 """One contract, several kinds of patches: what holds for each of them."""
 
 import itertools
+import pickle
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import sympy as sp
 from closeness import assert_close
 
 import rsym
-from rsym.surfaces import BicubicCoons, Called, CoonsPatch, Formula, HermiteBlend, ParametricSurface
+from rsym.surfaces import BicubicCoons, Called, CoonsPatch, Formula, HermiteBlend, ParametricSurface, mesh_patches
 from rsym.surfaces.bsplines import BSplineSurface
 from rsym.surfaces.joining import join
 from rsym.surfaces.lofts import HermiteSurface, LagrangeSurface, SplineLoft
@@ -227,3 +228,30 @@ def test_intervals_that_are_refused(interval):
 def test_a_domain_that_is_no_pair_is_refused():
     with pytest.raises(rsym.RsymError, match=r"the intervals of u and v, got \(0, 1, 2\); remedy: "):
         ParametricSurface((u, v, u * v), (0, 1, 2))
+
+
+def test_a_patch_says_what_it_is(patch):
+    said = repr(patch)
+    assert said.startswith(type(patch).__name__ + "(u in [")
+    assert "closed in u" in said or not patch.closed[0]
+    assert all(f"{name} = {letter.default}" in said for name, letter in patch.letters.items())
+
+
+def test_a_patch_can_be_sent_elsewhere(patch):
+    at = places(patch)
+    here = patch(*at)
+    copy = pickle.loads(pickle.dumps(patch))
+    assert np.array_equal(copy(*at), here)
+    assert np.array_equal(copy.normal(*at), patch.normal(*at))
+
+
+def test_letters_of_several_patches():
+    one, other = (ParametricSurface((u, v, letter * u), letters={letter: 1}) for letter in sp.symbols("p q", real=True))
+    assert_close(mesh_patches([one, other], 1, letters={"q": 3}).vertices[:, 2].max(), 3, atol=1e-15)
+    with pytest.raises(rsym.RsymError, match="no letter 'nobody'; the letters are: p, q"):
+        mesh_patches([one, other], 1, letters={"nobody": 3})
+
+
+def test_only_patches_are_joined():
+    with pytest.raises(rsym.RsymError, match="expected two patches, got CoonsPatch and int"):
+        join(PATCHES["Coons, class 1"], "u1", 3, "u0")

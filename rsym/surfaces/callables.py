@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
 
@@ -70,7 +71,7 @@ def _vectorised(function: Callable[[Any], Any], domain: Interval) -> Layout:
         except (TypeError, ValueError, IndexError):
             continue
         if found.shape == (PROBES, 3):
-            return _checked(function, layout)
+            return _Points(function, layout)
     try:
         found = _one_by_one(function, probes)
     except (TypeError, ValueError, IndexError) as error:
@@ -81,18 +82,22 @@ def _vectorised(function: Callable[[Any], Any], domain: Interval) -> Layout:
             code="curve",
             remedy="return three coordinates, such as (cos(t), sin(t), t)",
         )
-    return _checked(function, _one_by_one)
+    return _Points(function, _one_by_one)
 
 
-def _checked(function: Callable[[Any], Any], layout: Callable[[Callable[[Any], Any], Array], Array]) -> Layout:
-    def points(t: Array) -> Array:
-        found = layout(function, t)
+@dataclass(frozen=True)
+class _Points:
+    """A function from (n,) to (n, 3) that was written in one of the layouts; what is not finite is refused."""
+
+    function: Callable[[Any], Any]
+    layout: Callable[[Callable[[Any], Any], Array], Array]
+
+    def __call__(self, t: Array) -> Array:
+        found = self.layout(self.function, t)
         bad = np.isfinite(t) & ~np.isfinite(found).all(axis=-1)
         if bad.any():
             raise RsymError(f"a curve is not finite at t = {t[bad][0]:.17g}", code="curve", remedy="mend it there")
         return found
-
-    return points
 
 
 def _by_rows(function: Callable[[Any], Any], t: Array) -> Array:

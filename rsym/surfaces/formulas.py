@@ -51,6 +51,10 @@ class CompiledFormulas:
         self.domain = tuple(domain)
         self._functions: dict[tuple[Order, ...], tuple[Program, CompiledFunction]] = {}
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without machine code, which another process compiles anew."""
+        return {**self.__dict__, "_functions": {}}
+
     def program(self, orders: Sequence[Order]) -> Program:
         """The program of the derivatives, order by order and expression by expression."""
         builder = Builder(self.parameters, tuple(self.letters))

@@ -80,6 +80,12 @@ def join(
     >>> bool(np.allclose(r.derivative(0.25, 0, (0, 1)), 2 * p.derivative(1, 0.75)))
     True
     """
+    if not isinstance(p, Patch) or not isinstance(q, Patch):
+        raise RsymError(
+            f"expected two patches, got {type(p).__name__} and {type(q).__name__}",
+            code="patch",
+            remedy="a list of patches is joined one by one",
+        )
     if continuity not in (None, *DEPTHS):
         raise RsymError(f"patches are joined G1 or G2, got {continuity!r}", code="continuity", remedy='continuity="G1"')
     if edge_p is None and edge_q is None:

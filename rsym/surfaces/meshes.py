@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from rsym.errors import RsymError
+from rsym.model.letters import Letters
 from rsym.sampling.mesh import Mesh
 from rsym.surfaces.patch import Array, LetterValues, Patch
 
@@ -61,6 +62,8 @@ def mesh_patches(
     if not several or not all(isinstance(patch, Patch) for patch in several):
         raise RsymError("expected patches", code="patch", remedy="give a patch or a list of patches")
     cells = _cells(resolution)
+    # Patches may give different defaults to one letter; a letter that none of them has is refused.
+    Letters({name: letter for patch in several for name, letter in patch.letters.items()}).values_with(letters)
     points, normals = [], []
     for number, patch in enumerate(several):
         at, across = _samples(patch, cells, letters)

@@ -143,6 +143,12 @@ class Patch(ABC):
 
         return mesh_patches(self, resolution, letters=letters)
 
+    def __repr__(self) -> str:
+        intervals = [f"{name} in [{low:.6g}, {high:.6g}]" for (low, high), _, name in self._axes]
+        closed = [f"closed in {name}" for _, closed, name in self._axes if closed]
+        letters = [f"{name} = {letter.default}" for name, letter in self.letters.items()]
+        return f"{type(self).__name__}({', '.join([*intervals, *closed, *letters])})"
+
     def _repr_latex_(self) -> str | None:
         """The formula for a notebook; none where the patch is not a formula."""
         try:
