@@ -23,6 +23,8 @@ Pair: TypeAlias = tuple[Array, Array]
 
 # Share of the size of the data by which an interpolating surface may miss them: regular systems stay below 1e-14.
 MET = 1e-12
+# Vertices this many times as far out as the data have lost as many digits; regular nets stay below a hundred times.
+FAR = 1e6
 
 
 @dataclass(frozen=True)
@@ -100,20 +102,26 @@ def fitted_net(spaces: Spaces, points: Array, parameters: Pair) -> Array:
     """
     solve = _tensor_solver(spaces, parameters) if parameters[0].ndim == 1 else _solver(spaces, parameters)
     net = solve(points)
-    rest = points - tensor_values(spaces, net, *broadcast(parameters))
-    return np.asarray(net + solve(rest))
+    net = net + solve(points - tensor_values(spaces, net, *broadcast(parameters)))
+    size = float(np.abs(points).max())
+    if not np.abs(net).max() <= FAR * size:
+        raise _spoilt(f"these reach to {np.abs(net).max():.2g}, data of the size {size:.2g}")
+    return np.asarray(net)
 
 
-def check_met(residual: Residual, points: Array, net: Array) -> None:
+def check_met(residual: Residual, points: Array) -> None:
     """Refuse a surface that should pass its data and, for rounding, does not."""
     size = float(np.abs(points).max())
     if not residual.maximum <= MET * size:
-        raise RsymError(
-            f"the system is too badly conditioned: the surface misses its data by {residual.maximum:.2g},"
-            f" with vertices up to {np.abs(net).max():.2g} for points up to {size:.2g}",
-            code="ill-conditioned",
-            remedy='take parameters alike in all rows (per_point=False) and knots="averaged", or least_squares',
-        )
+        raise _spoilt(f"the surface misses data of the size {size:.2g} by {residual.maximum:.2g}")
+
+
+def _spoilt(what: str) -> RsymError:
+    return RsymError(
+        f"the data hardly determine the vertices: {what}",
+        code="ill-conditioned",
+        remedy='take parameters alike in all rows (per_point=False) and knots="averaged", or fewer vertices',
+    )
 
 
 def collocation_matrix(spaces: Spaces, parameters: Pair) -> Array:

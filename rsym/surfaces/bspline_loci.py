@@ -204,7 +204,7 @@ def _slide(cost: Array, gaps: Array, frames: Frames) -> Array:
     vertices, directions = np.nonzero(used)
     tangents = frames.tangents[vertices, :, directions]
     matrix = cost[:, None, vertices] * tangents.T[None]
-    found = BandQR(matrix.reshape(-1, len(vertices))).solve(right.reshape(-1))
+    found = BandQR(matrix.reshape(right.size, -1)).solve(right.reshape(-1))
     change = np.zeros_like(gaps)
     np.add.at(change, vertices, found[:, None] * tangents)
     return change

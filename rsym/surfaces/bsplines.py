@@ -122,7 +122,7 @@ class BSplineSurface(Patch):
         spaces, found = spaces_for_data(data, data.shape, pair_of(order, "order"), parameters, per_point, knots, closed)
         net = fitted_net(spaces, data, found)
         residual = residual_of(spaces, net, data, found)
-        check_met(residual, data, net)
+        check_met(residual, data)
         return cls._fitted(spaces, net, SplineFit(data, found, (residual,)))
 
     @classmethod

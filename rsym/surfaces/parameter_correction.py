@@ -18,8 +18,8 @@ from rsym.surfaces.spline_spaces import Spaces, SplineSpace, tensor_values
 
 Array: TypeAlias = NDArray[np.float64]
 
-# Halvings of a step that makes the fit worse, before the correction ends.
-HALVINGS = 4
+# Halvings of a step that leads a point away, before it stays where it is.
+HALVINGS = 6
 
 
 def approximated(
@@ -53,22 +53,39 @@ def corrected(
     history: list[Residual] = []
     rms = residual_of(spaces, net, points, parameters).rms
     for _ in range(steps):
-        full = _steps(spaces, net, points, parameters)
-        for halving in range(HALVINGS):
-            moved = _moved(spaces, parameters, full, 0.5**halving)
-            try:
-                candidate = fit(moved)
-            except RsymError:
-                # The data crowd where they determine too little: the full step went too far.
-                continue
-            residual = residual_of(spaces, candidate, points, moved)
-            if residual.rms < rms:
-                break
-        else:
+        moved = _moved(spaces, net, points, parameters)
+        try:
+            candidate = fit(moved)
+        except RsymError:
+            # The data have crowded where they determine too little.
+            break
+        residual = residual_of(spaces, candidate, points, moved)
+        if residual.rms >= rms:
             break
         net, parameters, rms = candidate, moved, residual.rms
         history.append(residual)
     return net, parameters, history
+
+
+def _moved(spaces: Spaces, net: Array, points: Array, parameters: Pair) -> Pair:
+    """Parameters of places on the surface that are nearer to the points; where no step helps, the same."""
+    u, v = (np.array(one) for one in np.broadcast_arrays(*broadcast(parameters)))
+    steps = _steps(spaces, net, points, (u, v))
+    distances = _distances(spaces, net, points, (u, v))
+    waiting = np.ones(u.shape, bool)
+    for halving in range(HALVINGS):
+        tried = tuple(
+            _slid(space, values, 0.5**halving * step) for space, values, step in zip(spaces, (u, v), steps, strict=True)
+        )
+        better = waiting & (_distances(spaces, net, points, (tried[0], tried[1])) < distances)
+        u[better], v[better] = tried[0][better], tried[1][better]
+        waiting &= ~better
+    return u, v
+
+
+def _distances(spaces: Spaces, net: Array, points: Array, parameters: Pair) -> Array:
+    gaps = points - tensor_values(spaces, net, *parameters)
+    return _dot(gaps, gaps)
 
 
 def _steps(spaces: Spaces, net: Array, points: Array, parameters: Pair) -> Pair:
@@ -83,14 +100,6 @@ def _steps(spaces: Spaces, net: Array, points: Array, parameters: Pair) -> Pair:
         dv = np.where(np.isfinite(dv), dv, 0.0)
         du = _dot(gap, p_u) / _dot(p_u, p_u) - share * dv
     return np.where(np.isfinite(du), du, 0.0), dv
-
-
-def _moved(spaces: Spaces, parameters: Pair, steps: Pair, share: float) -> Pair:
-    u, v = (
-        _slid(space, np.broadcast_to(values, step.shape), share * step)
-        for space, values, step in zip(spaces, broadcast(parameters), steps, strict=True)
-    )
-    return u, v
 
 
 def _slid(space: SplineSpace, values: Array, step: Array) -> Array:
