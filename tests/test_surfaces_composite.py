@@ -78,8 +78,8 @@ def functions(w, h):
     return np.array([1 - 3 * w**2 + 2 * w**3, 3 * w**2 - 2 * w**3, h * (w - 2 * w**2 + w**3), h * (w**3 - w**2)])
 
 
-def cell(grid, i, j, t_, w_, twists):
-    """(3.7.6) with corner tangents from the ribbons."""
+def cell(grid, i, j, t_, w_, twists, of_curves=False):
+    """(3.7.6) with corner tangents from the ribbons; or, wrongly, from the curves."""
     hu, hv = grid.a[i + 1] - grid.a[i], grid.b[j + 1] - grid.b[j]
     A, B = functions(t_, hu), functions(w_, hv)
     x, y = grid.a[i] + t_ * hu, grid.b[j] + w_ * hv
@@ -91,6 +91,9 @@ def cell(grid, i, j, t_, w_, twists):
             M[k, m] = grid.r(j + m, grid.a[i + k])
             M[2 + k, m] = grid.D(i + k, grid.b[j + m])
             M[k, 2 + m] = grid.E(j + m, grid.a[i + k])
+            if of_curves:
+                M[2 + k, m] = slope(lambda s, m=m: grid.r(j + m, s), grid.a[i + k])
+                M[k, 2 + m] = slope(lambda w, k=k: grid.s(i + k, w), grid.b[j + m])
             M[2 + k, 2 + m] = twists[i + k, j + m]
     return A @ np.array(across_u) + B @ np.array(across_v) - np.einsum("a,abc,b->c", A, M, B)
 
@@ -117,6 +120,14 @@ def test_every_cell_is_the_cubic_coons_patch_of_the_source(knots, kind):
     for i, j, t_, w_ in ((0, 0, 0.3, 0.6), (1, 1, 0.5, 0.2), (2, 0, 0.9, 0.1), (3, 2, 0.45, 0.7), (0, 2, 0.0, 0.4)):
         place = grid.a[i] * (1 - t_) + grid.a[i + 1] * t_, grid.b[j] * (1 - w_) + grid.b[j + 1] * w_
         assert_close(surface(*place), cell(grid, i, j, t_, w_, twists), atol=1e-11)
+
+
+def test_with_tangents_of_the_curves_in_the_corners_the_network_would_be_missed():
+    """Red proof."""
+    grid, twists = Grid(GENERAL), np.zeros((5, 4, 3))
+    x = 0.4 * grid.a[1] + 0.6 * grid.a[2]
+    assert_close(cell(grid, 1, 1, 0.6, 0, twists), grid.r(1, x), atol=1e-12)
+    assert np.abs(cell(grid, 1, 1, 0.6, 0, twists, of_curves=True) - grid.r(1, x)).max() > 0.01
 
 
 def any_surface(seed=5):

@@ -12,7 +12,9 @@ from scipy.interpolate import CubicSpline
 from rsym.errors import RsymError, RsymWarning
 from rsym.surfaces.cardinals import SlopeFunctions, hermite_cardinals, lagrange_cardinals, spline_cardinals
 from rsym.surfaces.lofts import HermiteSurface, LagrangeSurface, SplineLoft
+from rsym.surfaces.nurbs import Nurbs
 from rsym.surfaces.symbols import t, u, v
+from rsym.surfaces.univariate import Formula
 
 KNOTS = (0, 1, sp.Rational(5, 2), 3, sp.Rational(21, 5))
 ROUND = (*KNOTS, 6)
@@ -173,6 +175,16 @@ def test_a_closed_tube_is_smooth_across_both_seams():
     for order in ((0, 0), (0, 1), (1, 1), (0, 2)):
         assert_close(surface.derivative(places, 9.0, order), surface.derivative(places, 0.0, order), atol=1e-10)
     assert surface.closed[1]
+
+
+def test_curves_of_other_intervals_and_kinds_are_brought_to_that_of_the_first():
+    quarter = Nurbs(2, [0, 0, 0, 5, 5, 5], [[1, 0, 1], [1, 1, 1], [0, 1, 1]], [1, 0.5**0.5, 1])
+    arc = Formula((sp.cos(t), sp.sin(t), 0), domain=(0, sp.pi / 2))
+    surface = HermiteSurface([arc, quarter])
+    assert_close(surface.domain, ((0, np.pi / 2), (0, 1)), atol=1e-15)
+    points = surface.grid(np.pi / 2 * np.linspace(0, 1, 9), [0, 0.5, 1])
+    assert_close(np.hypot(points[:, [0, 2], 0], points[:, [0, 2], 1]), np.ones((9, 2)), atol=1e-14)
+    assert_close(points[[0, 4, 8], 2], [[1, 0, 1], [0.5**0.5, 0.5**0.5, 1], [0, 1, 1]], atol=1e-14)
 
 
 def test_letters_of_the_curves_move_the_surface():

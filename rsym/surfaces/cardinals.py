@@ -189,10 +189,11 @@ def named_cardinals(kind: Any, knots: Knots, closed: bool, name: str) -> Curve:
             code="cardinals",
             remedy='"spline" suits any family',
         )
-    given = kind if isinstance(kind, Curve) else Formula(kind, domain=(knots[0], knots[-1]), what="a cardinal function")
+    given = kind if isinstance(kind, Curve) else _functions(kind, knots, closed)
     count = len(knots) - closed
-    values = given(np.array(knots, np.float64)[:count]) if given.shape == (count,) else np.zeros((count, 0))
-    if values.shape != (count, count) or np.abs(values - np.eye(count)).max() > CARDINALITY:
+    values = given(np.array(knots, np.float64)) if given.shape == (count,) else np.zeros((len(knots), 0))
+    expected = np.eye(count)[np.arange(len(knots)) % count]
+    if values.shape != expected.shape or np.abs(values - expected).max() > CARDINALITY:
         raise RsymError(
             f"{count} functions of {name} must be 1 at their own knot and 0 at the others {[float(k) for k in knots]}; "
             f"their values there are {np.round(values, 6).tolist()}",
@@ -200,6 +201,10 @@ def named_cardinals(kind: Any, knots: Knots, closed: bool, name: str) -> Curve:
             remedy="divide by the value at the knot, or take cardinal functions by name",
         )
     return given
+
+
+def _functions(given: Any, knots: Knots, closed: bool) -> Formula:
+    return Formula(given, None, (knots[0], knots[-1]), closed=closed, what="a cardinal function")
 
 
 def checked_knots(knots: Knots, closed: bool) -> tuple[float, ...]:

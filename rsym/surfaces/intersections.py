@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
 
 from rsym.surfaces.parameters import inside
 from rsym.surfaces.univariate import Curve
@@ -84,12 +85,11 @@ def intersections(one: Polygon, other: Polygon, tolerance: float) -> list[Inters
 
 def _starts(one: Polygon, other: Polygon) -> NDArray[np.intp]:
     """Pairs of points nearer than their neighbours and near enough for a intersection; and the nearest of all."""
-    squares = ((one.points[:, None] - other.points) ** 2).sum(axis=-1)
+    squares = cdist(one.points, other.points, "sqeuclidean")
+    pairs = np.argwhere(squares <= (1.5 * np.add.outer(one.reach, other.reach)) ** 2)
     walled = np.pad(squares, 1, constant_values=np.inf)
-    n, m = squares.shape
-    least = np.min([walled[i : i + n, j : j + m] for i in range(3) for j in range(3)], axis=0)
-    near = np.sqrt(squares) <= 1.5 * np.add.outer(one.reach, other.reach)
-    pairs = np.argwhere((squares == least) & near)
+    around = [walled[pairs[:, 0] + i, pairs[:, 1] + j] for i in range(3) for j in range(3)]
+    pairs = pairs[squares[tuple(pairs.T)] <= np.min(around, axis=0)]
     pairs = pairs[np.argsort(squares[tuple(pairs.T)], kind="stable")][:MOST_STARTS]
     nearest = np.array(np.unravel_index(int(squares.argmin()), squares.shape))
     return np.vstack([nearest, pairs])
