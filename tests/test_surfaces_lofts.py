@@ -10,9 +10,11 @@ from closeness import assert_close
 from scipy.interpolate import CubicSpline
 
 from rsym.errors import RsymError, RsymWarning
-from rsym.surfaces.cardinals import hermite_cardinals, lagrange_cardinals, spline_cardinals
+from rsym.surfaces.cardinals import SlopeFunctions, hermite_cardinals, lagrange_cardinals, spline_cardinals
 from rsym.surfaces.lofts import HermiteSurface, LagrangeSurface, SplineLoft
+from rsym.surfaces.nurbs import Nurbs
 from rsym.surfaces.symbols import t, u, v
+from rsym.surfaces.univariate import Formula
 
 KNOTS = (0, 1, sp.Rational(5, 2), 3, sp.Rational(21, 5))
 ROUND = (*KNOTS, 6)
@@ -80,12 +82,13 @@ def test_cubic_cardinals_are_smooth_at_knots_and_across_the_seam(kind, order):
 
 def test_slope_functions_vanish_at_knots_with_slope_one_at_their_own():
     for closed, knots in ((False, KNOTS), (True, ROUND)):
-        both = hermite_cardinals(knots, closed=closed, slopes_too=True)
-        at = np.array(KNOTS, float)
-        assert_close(both(at)[:, 5:], np.zeros((5, 5)), atol=1e-15)
-        assert_close(both(at, 1)[:, 5:], np.eye(5), atol=1e-14)
-        assert_close(both(BELOW[1:], 1)[:, 5:], np.eye(5)[1:], atol=1e-14)
-        assert both.expressions().shape == (10,)
+        slopes, at = SlopeFunctions(knots, closed=closed), np.array(KNOTS, float)
+        assert_close(slopes(at), np.zeros((5, 5)), atol=1e-15)
+        assert_close(slopes(at, 1), np.eye(5), atol=1e-14)
+        assert_close(slopes(BELOW[1:], 1), np.eye(5)[1:], atol=1e-14)
+        place = sp.Rational(9, 7)
+        exact = [entry.diff(t).subs(t, place) for entry in slopes.expressions()]
+        assert_close(slopes(float(place), 1), np.array(exact, float), atol=1e-14)
 
 
 def curves(rows):
@@ -172,6 +175,16 @@ def test_a_closed_tube_is_smooth_across_both_seams():
     for order in ((0, 0), (0, 1), (1, 1), (0, 2)):
         assert_close(surface.derivative(places, 9.0, order), surface.derivative(places, 0.0, order), atol=1e-10)
     assert surface.closed[1]
+
+
+def test_curves_of_other_intervals_and_kinds_are_brought_to_that_of_the_first():
+    quarter = Nurbs(2, [0, 0, 0, 5, 5, 5], [[1, 0, 1], [1, 1, 1], [0, 1, 1]], [1, 0.5**0.5, 1])
+    arc = Formula((sp.cos(t), sp.sin(t), 0), domain=(0, sp.pi / 2))
+    surface = HermiteSurface([arc, quarter])
+    assert_close(surface.domain, ((0, np.pi / 2), (0, 1)), atol=1e-15)
+    points = surface.grid(np.pi / 2 * np.linspace(0, 1, 9), [0, 0.5, 1])
+    assert_close(np.hypot(points[:, [0, 2], 0], points[:, [0, 2], 1]), np.ones((9, 2)), atol=1e-14)
+    assert_close(points[[0, 4, 8], 2], [[1, 0, 1], [0.5**0.5, 0.5**0.5, 1], [0, 1, 1]], atol=1e-14)
 
 
 def test_letters_of_the_curves_move_the_surface():

@@ -40,35 +40,54 @@ CARDINALITY = 1e-12
 
 
 class CubicCardinals(Polynomials):
-    """Piecewise cubics phi_i(t) of shape (n,) with phi_i = 1 at knot i, 0 at the others, and given slopes there.
+    """Piecewise cubics phi_i(t) of shape (n,): phi_i is 1 at knot i and 0 at the others.
 
-    `closed`: the last knot is the first one again, a period later; there are n + 1 knots for n functions.
-    `slopes_too` adds the n functions beta_i that vanish at all knots with slope 1 at knot i and 0 at the others.
+    `neighbours` is c above. `closed`: the last knot is the first one again, a period later; there are n + 1 knots.
     """
 
-    def __init__(self, knots: Knots, neighbours: int, *, closed: bool = False, slopes_too: bool = False) -> None:
+    def __init__(self, knots: Knots, neighbours: int, *, closed: bool = False) -> None:
         self.knots = checked_knots(knots, closed)
-        self.count = len(self.knots) - closed
-        self.neighbours, self.slopes_too = neighbours, slopes_too
+        self.count, self.neighbours = len(self.knots) - closed, neighbours
         left, right = _system(np.asarray(self.knots), neighbours, closed)
         self.slopes: Array = np.linalg.solve(left, right)
-        values, slopes = np.eye(self.count), self.slopes
-        if slopes_too:
-            values, slopes = np.hstack([values, 0 * values]), np.hstack([slopes, values])
         cyclic = np.arange(len(self.knots)) % self.count
-        super().__init__(CubicHermiteSpline(self.knots, values[cyclic], slopes[cyclic]), closed=closed)
+        super().__init__(CubicHermiteSpline(self.knots, np.eye(self.count)[cyclic], self.slopes[cyclic]), closed=closed)
+
+    def exact_slopes(self) -> sp.Matrix:
+        """The matrix that takes values at the knots to slopes there; rational."""
+        left, right = _system(
+            np.array([exact(knot) for knot in self.knots], dtype=object), self.neighbours, self.closed
+        )
+        return sp.Matrix(left).LUsolve(sp.Matrix(right))
 
     def expressions(self) -> sp.ImmutableDenseNDimArray:
         """The pieces in t, exact for rational knots."""
-        knots = [exact(knot) for knot in self.knots]
-        slopes = _exact_slopes(knots, self.neighbours, self.closed)
-        ones, count = sp.eye(self.count), self.count
-        entries = [_cubic(knots, ones.col(i), slopes.col(i)) for i in range(count)]
-        entries += [_cubic(knots, sp.zeros(count, 1), ones.col(i)) for i in range(count) if self.slopes_too]
-        return sp.ImmutableDenseNDimArray(entries, self.shape)
+        ones, slopes = sp.eye(self.count), self.exact_slopes()
+        return sp.ImmutableDenseNDimArray([_cubic(self.knots, ones.col(i), slopes.col(i)) for i in range(self.count)])
 
 
-def hermite_cardinals(knots: Knots, *, closed: bool = False, slopes_too: bool = False) -> CubicCardinals:
+class SlopeFunctions(Polynomials):
+    """Piecewise cubics beta_i(t) of shape (n,) that vanish at all knots, with slope 1 at knot i and 0 at the others.
+
+    Examples
+    --------
+    >>> SlopeFunctions([0, 1, 2])([0.5, 1.5]).tolist(), SlopeFunctions([0, 1, 2])(1.0, 1).tolist()
+    ([[0.125, -0.125, 0.0], [0.0, 0.125, -0.125]], [0.0, 1.0, 0.0])
+    """
+
+    def __init__(self, knots: Knots, *, closed: bool = False) -> None:
+        self.knots = checked_knots(knots, closed)
+        self.count = len(self.knots) - closed
+        ones = np.eye(self.count)[np.arange(len(self.knots)) % self.count]
+        super().__init__(CubicHermiteSpline(self.knots, 0 * ones, ones), closed=closed)
+
+    def expressions(self) -> sp.ImmutableDenseNDimArray:
+        """The pieces in t."""
+        ones, none = sp.eye(self.count), sp.zeros(self.count, 1)
+        return sp.ImmutableDenseNDimArray([_cubic(self.knots, none, ones.col(i)) for i in range(self.count)])
+
+
+def hermite_cardinals(knots: Knots, *, closed: bool = False) -> CubicCardinals:
     """Cardinal functions of composite Hermite splines: C1, and local: phi_i lives on four intervals.
 
     Reproduces quadratics for any knots. Source: Golovanov, 3.7.1, for uniform knots.
@@ -78,7 +97,7 @@ def hermite_cardinals(knots: Knots, *, closed: bool = False, slopes_too: bool = 
     >>> hermite_cardinals([0, 1, 2, 3])(1.5).tolist()
     [-0.0625, 0.5625, 0.5625, -0.0625]
     """
-    return CubicCardinals(knots, 0, closed=closed, slopes_too=slopes_too)
+    return CubicCardinals(knots, 0, closed=closed)
 
 
 def spline_cardinals(knots: Knots, *, closed: bool = False) -> CubicCardinals:
@@ -170,10 +189,11 @@ def named_cardinals(kind: Any, knots: Knots, closed: bool, name: str) -> Curve:
             code="cardinals",
             remedy='"spline" suits any family',
         )
-    given = kind if isinstance(kind, Curve) else Formula(kind, domain=(knots[0], knots[-1]), what="a cardinal function")
+    given = kind if isinstance(kind, Curve) else _functions(kind, knots, closed)
     count = len(knots) - closed
-    values = given(np.array(knots, np.float64)[:count]) if given.shape == (count,) else np.zeros((count, 0))
-    if values.shape != (count, count) or np.abs(values - np.eye(count)).max() > CARDINALITY:
+    values = given(np.array(knots, np.float64)) if given.shape == (count,) else np.zeros((len(knots), 0))
+    expected = np.eye(count)[np.arange(len(knots)) % count]
+    if values.shape != expected.shape or np.abs(values - expected).max() > CARDINALITY:
         raise RsymError(
             f"{count} functions of {name} must be 1 at their own knot and 0 at the others {[float(k) for k in knots]}; "
             f"their values there are {np.round(values, 6).tolist()}",
@@ -181,6 +201,10 @@ def named_cardinals(kind: Any, knots: Knots, closed: bool, name: str) -> Curve:
             remedy="divide by the value at the knot, or take cardinal functions by name",
         )
     return given
+
+
+def _functions(given: Any, knots: Knots, closed: bool) -> Formula:
+    return Formula(given, None, (knots[0], knots[-1]), closed=closed, what="a cardinal function")
 
 
 def checked_knots(knots: Knots, closed: bool) -> tuple[float, ...]:
@@ -221,15 +245,10 @@ def _system(knots: NDArray[Any], c: int, closed: bool) -> tuple[NDArray[Any], ND
     return left, right
 
 
-def _exact_slopes(knots: list[sp.Expr], c: int, closed: bool) -> sp.Matrix:
-    left, right = _system(np.array(knots, dtype=object), c, closed)
-    return sp.Matrix(left).LUsolve(sp.Matrix(right))
-
-
-def _cubic(knots: list[sp.Expr], values: sp.Matrix, slopes: sp.Matrix) -> sp.Expr:
+def _cubic(knots: Sequence[float], values: sp.Matrix, slopes: sp.Matrix) -> sp.Expr:
     """The Hermite cubics from knot to knot; indices are cyclic."""
     pieces, n = [], len(values)
-    for j, (start, end) in enumerate(pairwise(knots)):
+    for j, (start, end) in enumerate(pairwise(map(exact, knots))):
         h = end - start
         w, k = (parameter - start) / h, (j + 1) % n
         piece = values[j] * (1 - 3 * w**2 + 2 * w**3) + values[k] * (3 * w**2 - 2 * w**3)

@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
 
 from rsym.surfaces.parameters import inside
 from rsym.surfaces.univariate import Curve
@@ -19,6 +20,8 @@ MOST_STARTS = 16
 STEPS = 40
 # Intersections whose parameters agree to this share of the interval are the same one.
 SAME = 1e-6
+# Step of difference quotients, as a share of the interval: they are right to about 1e-7.
+QUOTIENT = 1e-7
 
 
 class Intersection(NamedTuple):
@@ -82,12 +85,11 @@ def intersections(one: Polygon, other: Polygon, tolerance: float) -> list[Inters
 
 def _starts(one: Polygon, other: Polygon) -> NDArray[np.intp]:
     """Pairs of points nearer than their neighbours and near enough for a intersection; and the nearest of all."""
-    squares = ((one.points[:, None] - other.points) ** 2).sum(axis=-1)
+    squares = cdist(one.points, other.points, "sqeuclidean")
+    pairs = np.argwhere(squares <= (1.5 * np.add.outer(one.reach, other.reach)) ** 2)
     walled = np.pad(squares, 1, constant_values=np.inf)
-    n, m = squares.shape
-    least = np.min([walled[i : i + n, j : j + m] for i in range(3) for j in range(3)], axis=0)
-    near = np.sqrt(squares) <= 1.5 * np.add.outer(one.reach, other.reach)
-    pairs = np.argwhere((squares == least) & near)
+    around = [walled[pairs[:, 0] + i, pairs[:, 1] + j] for i in range(3) for j in range(3)]
+    pairs = pairs[squares[tuple(pairs.T)] <= np.min(around, axis=0)]
     pairs = pairs[np.argsort(squares[tuple(pairs.T)], kind="stable")][:MOST_STARTS]
     nearest = np.array(np.unravel_index(int(squares.argmin()), squares.shape))
     return np.vstack([nearest, pairs])
@@ -98,8 +100,7 @@ def _refined(one: Polygon, other: Polygon, x: Array, y: Array) -> tuple[Array, A
     best = x, y, np.full(len(x), np.inf)
     longest = [0.1 * (part.curve.domain[1] - part.curve.domain[0]) for part in (one, other)]
     for _ in range(STEPS):
-        p, p_x = one.curve.evaluate(x, [0, 1])
-        q, q_y = other.curve.evaluate(y, [0, 1])
+        (p, p_x), (q, q_y) = _with_tangent(one.curve, x), _with_tangent(other.curve, y)
         gap = p - q
         size = np.sqrt((gap**2).sum(axis=-1))
         best = tuple(np.where(size < best[2], new, old) for new, old in zip((x, y, size), best, strict=True))  # type: ignore[assignment]
@@ -115,6 +116,14 @@ def _refined(one: Polygon, other: Polygon, x: Array, y: Array) -> tuple[Array, A
             break
         x, y = new_x, new_y
     return best
+
+
+def _with_tangent(curve: Curve, t: Array) -> tuple[Array, Array]:
+    """Points and difference quotients: steps need no better, and curves may have kinks."""
+    low, high = curve.domain
+    step = QUOTIENT * (high - low) * np.where(t > (low + high) / 2, -1.0, 1.0)
+    here, beside = np.split(curve.evaluate(np.concatenate([t, t + step]), [0])[0], 2)
+    return here, (beside - here) / step[:, None]
 
 
 def _moved(part: Polygon, t: Array, step: Array) -> Array:

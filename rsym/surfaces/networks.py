@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError
 from rsym.surfaces.cardinals import checked_knots
 from rsym.surfaces.families import family
-from rsym.surfaces.intersections import polygon
+from rsym.surfaces.intersections import QUOTIENT, polygon
 from rsym.surfaces.network_parameters import meeting_parameters
 from rsym.surfaces.reparametrisation import Composed, Part, monotone
 from rsym.surfaces.univariate import Curve, LetterValues, Sampled, Stack, on_interval
@@ -23,8 +23,8 @@ Array: TypeAlias = NDArray[np.float64]
 # Shares of the size of a network. Curves whose parameters leave a larger gap than the first are given other ones:
 # intersections are found to about 1e-15. Beyond the second the curves themselves do not meet.
 COMPATIBLE, MEETING = 2e-13, 1e-9
-# Ends of a curve that agree in position to 1e-9 of the size and in tangent to 1e-6 of it make it closed.
-TANGENT = 1e-6
+# Ends of a curve that agree in position to 1e-9 of the size and in tangent to this share of it make it closed.
+TANGENT = 1e-5
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ def _closed(families: tuple[Stack, Stack], asked: tuple[bool, bool] | None, size
     """Whether each family runs along closed curves: as asked, or if all of them close smoothly."""
     found = []
     for number, (one, name) in enumerate(zip(families, "uv", strict=True)):
-        ends, tangents = (one(np.array(one.domain), order) for order in (0, 1))
+        ends, tangents = _ends(one)
         gaps = np.sqrt(((ends[1] - ends[0]) ** 2).sum(axis=-1))
         worst = int(gaps.argmax())
         if asked is not None and asked[number] and gaps[worst] > MEETING * size:
@@ -130,6 +130,14 @@ def _closed(families: tuple[Stack, Stack], asked: tuple[bool, bool] | None, size
         smooth = bool((gaps <= MEETING * size).all() and (bends <= TANGENT * speeds).all())
         found.append(smooth if asked is None else bool(asked[number]))
     return found[0], found[1]
+
+
+def _ends(one: Stack) -> tuple[Array, Array]:
+    """Points and tangents at both ends of all curves; difference quotients, for curves with kinks elsewhere."""
+    low, high = one.domain
+    step = QUOTIENT * (high - low)
+    start, after, before, end = one(np.array([low, low + step, high - step, high]))
+    return np.stack([start, end]), np.stack([after - start, end - before]) / step
 
 
 def _without_the_last_again(one: Stack, cyclic: bool, size: float) -> Stack:
