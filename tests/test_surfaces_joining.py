@@ -153,14 +153,14 @@ def test_other_intervals_and_patches():
 
 def test_a_joined_patch_is_a_formula_if_its_parts_are():
     a = sp.Symbol("a")
-    p = ParametricSurface((u, v, a * u * v), ((0, 1), (0, 2)), letters={a: 2})
+    p = ParametricSurface((u, v, a * u * sp.sin(v)), ((0, 1), (0, 2)), letters={a: 2})
     q = ParametricSurface((1 + u, v, sp.sin(u)))
     joined = join(p, "u1", q, "u0", k=1 + t / 3, h=0.25, reverse=True)
-    formula = sp.lambdify((u, v, a), list(joined.expression()))
     places = np.random.default_rng(0).random((2, 20))
-    for value in (2.0, -1.0):
-        expected = np.stack(np.broadcast_arrays(*formula(*places, value)), axis=-1)
-        assert_close(joined(*places, letters={"a": value}), expected, atol=1e-12)
+    for value, order in itertools.product((2.0, -1.0), ((0, 0), (1, 2))):
+        formula = sp.lambdify((u, v, a), list(joined.expression().diff(u, order[0]).diff(v, order[1])))
+        expected = np.stack(np.broadcast_arrays(places[0], *formula(*places, value))[1:], axis=-1)
+        assert_close(joined.derivative(*places, order, letters={"a": value}), expected, atol=1e-11)
 
 
 def test_letters_stay_letters_in_a_matrix():

@@ -19,7 +19,7 @@ LEVELS = (34, 89, 233, 610)
 GOLDEN = (5**0.5 - 1) / 2
 # A greatest value that moves by less than this share of itself, or of what is tolerated, is found.
 SETTLED, NEGLIGIBLE = 1e-3, 1e-2
-PEAKS, INNER, ROUNDS = 3, 7, 6
+PEAKS, INNER, ROUNDS = 3, 15, 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,9 +103,8 @@ class Survey:
 def survey(stretch: Stretch, tolerances: Callable[[Comparison], Array]) -> Survey:
     """Measure along a stretch until the greatest values stay; they are looked for between the samples too."""
     low, high = stretch.interval
-    found = compare(stretch, golden_samples(LEVELS[0], low, high))
-    before = _known(found.values).max(axis=1)
-    for count in LEVELS[1:]:
+    found, before = compare(stretch, np.array([low, high])), np.full(3, np.inf)
+    for count in LEVELS:
         new = np.setdiff1d(golden_samples(count, low, high), found.t)
         found = found + compare(stretch, new)
         tolerated = tolerances(found)

@@ -64,8 +64,9 @@ class Border:
 
     def roughly(self, points: Array) -> tuple[NDArray[np.int64], Array]:
         """For each point the closest sample, and a distance that the edge is not nearer than."""
-        squares = np.sum((points[:, None] - self.points[None]) ** 2, axis=-1)
-        nearest = np.argmin(squares, axis=1)
+        # |p|^2 - 2 p.q is least where |p - q| is; near the origin, so that rounding does not choose.
+        places, others = self.points - self.points[0], points - self.points[0]
+        nearest = np.argmin(dot(places, places) - 2 * others @ places.T, axis=1)
         least = np.full(len(points), np.inf)
         for beside in (np.maximum(nearest - 1, 0), np.minimum(nearest + 1, SAMPLES - 1)):
             start, way = self.points[nearest], self.points[beside] - self.points[nearest]
