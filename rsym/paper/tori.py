@@ -73,8 +73,8 @@ def draw_torus() -> Drawing:
     rows = tuple((name, *(f"{max(map(distance, one[name])):.1e}" for one in rings)) for name in BLENDS)
     remark = (
         f"Nine patches with the corner information of a torus, R = {R:g}, r = {TUBE:g}, a third of a turn each way. "
-        "Above: with blends of class II they are the torus itself, whatever μ, and the bicubic ones are "
-        f"not. Below: the same with tangents along the meridians {SWELLING:g} times as long, where μ is a handle on the shape."
+        "Above: with blends of class II they are the torus itself, whatever μ; bicubic ones are not. Below: the same "
+        f"with tangents along the meridians {SWELLING:g} times as long, where μ is a handle on the shape."
     )
     table = Table(("blend", "distance from the torus", "with longer tangents"), rows)
     return Drawing(gallery.figure, "", 0, remark, table)
