@@ -20,6 +20,7 @@ from rsym.output.surfaces import ShadedMesh, plot_mesh
 from rsym.output.tessellation import joined
 from rsym.sampling.mesh import Mesh
 from rsym.surfaces.continuity import continuity_report
+from rsym.surfaces.meshes import mesh_patches
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import Patch
 from tests.closeness import assert_close
@@ -146,6 +147,22 @@ def test_where_patches_meet_each_shows_its_own_curvature():
     assert red > blue + 0.2
     red, _, blue = at((1.05, 0.3, -0.000625))
     assert blue > red + 0.1
+
+
+def test_a_mesh_of_patches_knows_their_curvatures():
+    parts = [Parabola(0, 1, 0.5), Parabola(1, 3, -0.25)]
+    mesh = mesh_patches(parts, 12)
+    x = mesh.vertices[mesh.faces][..., 0]
+    expected = curvature(x, np.array([0.5, -0.25])[mesh.leaf][:, None])
+    assert_close(mesh.curvatures("mean_curvature"), expected, atol=1e-13)
+    assert_close(mesh.curvatures("principal_curvatures")[..., 0], np.maximum(2 * expected, 0), atol=1e-13)
+    figure = Figure()
+    artist = plot_mesh(mesh, ax=figure.add_subplot(projection="3d"), colour_by="k2")
+    low, high = artist.scale.get_clim()
+    assert -0.5 <= low < -0.4
+    assert high == 0
+    with pytest.raises(RsymError, match="needs the equation"):
+        plot_mesh(Mesh(mesh.vertices, mesh.faces), ax=figure.add_subplot(projection="3d"), colour_by="k2")
 
 
 def test_values_at_corners_of_faces_may_jump_where_vertices_are_shared():

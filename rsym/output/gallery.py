@@ -60,15 +60,14 @@ class Gallery:
             low, high = ends[k]
             for j, ax in enumerate(row):
                 if above[k]:
-                    place = np.array([(j + 0.5) * self.side, top - TITLE / 2]) / page
-                    self.figure.text(*place, titles[k][j], ha="center", va="center", fontsize=11)
+                    across, up = np.array([(j + 0.5) * self.side, top - TITLE / 2]) / page
+                    self.figure.text(across, up, titles[k][j], ha="center", va="center", fontsize=11)
                 ax.set_position((*(np.array([j * self.side, top - above[k] - high]) / page), *(self.side / page)))
             top -= above[k] + high - low
-            for body in meaning[k][:1]:
-                self._explain(body, np.array([width, top]), high - low, page)
+            self._explain(meaning[k], np.array([width, top]), high - low, page)
 
     def _fit(self, row: Sequence[Axes3D]) -> tuple[float, float]:
-        """Show one box in all axes of a row; return the lowest and highest place of bodies in any of them, in inches."""
+        """Show one box in all axes of a row; return between which heights bodies lie in any of them, in inches."""
         bodies = [body for ax in row for body in _bodies(ax)]
         low, high = np.min([body.low for body in bodies], axis=0), np.max([body.high for body in bodies], axis=0)
         lowest, highest = np.inf, -np.inf
@@ -81,15 +80,17 @@ class Gallery:
         room = MARGIN / 72
         return lowest / self.figure.dpi - room, highest / self.figure.dpi + room
 
-    def _explain(self, body: ShadedMesh, corner: Floats, height: float, page: Floats) -> None:
-        """Put a colour bar or a legend beside a row, whose lower right corner is so many inches away."""
-        if body.parts:
-            key = axes3d.named_colours(self.figure, body.parts)
-            key.set_bbox_to_anchor(tuple((corner + [0.0, height / 2]) / page))
-        if body.scale is not None:
-            place = (corner + [0.1, 0.08 * height]) / page
+    def _explain(self, bodies: Sequence[ShadedMesh], corner: Floats, height: float, page: Floats) -> None:
+        """Put a legend of all parts, or a colour bar, beside a row whose lower right corner is so many inches away."""
+        parts = {name: colour for body in bodies for name, colour in body.parts.items()}
+        if parts:
+            key = axes3d.named_colours(self.figure, parts)
+            key.set_bbox_to_anchor(tuple((corner + np.array([0.0, height / 2])) / page))
+        scales = {body.scale_label: body.scale for body in bodies if body.scale is not None}
+        for label, scale in list(scales.items())[:1]:
+            place = (corner + np.array([0.1, 0.08 * height])) / page
             bar_axes = self.figure.add_axes((*place, *(np.array([BAR_WIDTH, 0.84 * height]) / page)))
-            self.figure.colorbar(body.scale, cax=bar_axes, extend="both").set_label(body.scale_label, size=9)
+            self.figure.colorbar(scale, cax=bar_axes, extend="both").set_label(label, size=9)
             bar_axes.tick_params(labelsize=8, length=2)
 
 

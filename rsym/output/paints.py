@@ -84,12 +84,16 @@ def coat_of(
     if colour_by == "part":
         return part_coat(mesh)
     if colour_by not in MAPS:
-        known = ", ".join((*MAPS, "zebra", "part"))
-        raise RsymError(f"no map {colour_by!r}", code="colour-by", remedy=f"choose from {known}, or give an array")
-    if shape is None:
-        raise RsymError(f"a map of {colour_by} needs the equation", code="colour-by", remedy="give shape=")
+        names = ", ".join((*MAPS, "zebra", "part"))
+        raise RsymError(f"no map {colour_by!r}", code="colour-by", remedy=f"choose from {names}, or give an array")
     field, component, power, label = MAPS[colour_by]
     size = float(np.ptp(mesh.vertices, axis=0).max())
+    if shape is None:
+        if mesh.curvatures is None:
+            raise RsymError(f"a map of {colour_by} needs the equation", code="colour-by", remedy="give shape=")
+        known = mesh.curvatures(field)
+        at_corners = known if component is None else known[..., component]
+        return value_coat(between_corners(at_corners), robust_limits(at_corners, (2 / size) ** power), label)
     surface, reach = NearSurface(shape, (field,), letters), _reach(mesh)
 
     def values(points: Floats) -> Floats:

@@ -62,14 +62,16 @@ def plot_mesh(
         Whether to draw `mesh.features`, the curves along which leaves meet; a number is the least angle in degrees
         of those that are drawn, by default 10.
     colour_by : str or array, optional
-        ``mean_curvature``, ``gaussian_curvature``, ``k1``, ``k2``: a map of the exact curvature at every pixel;
+        ``mean_curvature``, ``gaussian_curvature``, ``k1``, ``k2``: a map of the exact curvature at every pixel, for a
+        mesh of patches exact at every vertex and linear between;
         ``zebra``: the reflection of level stripes, kinked where the curvature jumps and broken at an edge;
         ``part``: a colour for each part of the shape (`Shape.named`, or the texts of a model file);
         or an array with one value for each vertex, or for each corner of each face. A new figure has a colour bar or
         the names of the parts, otherwise ``figure.colorbar(artist.scale, ax=ax)`` makes one, and ``artist.parts``
         maps names to colours.
     shape, letters
-        What the mesh was made of: needed for curvatures, and for a zebra that is exact between vertices.
+        What the mesh was made of: needed for curvatures (not by a mesh of patches), and for a zebra that is exact
+        between vertices.
 
     Returns
     -------

@@ -22,13 +22,14 @@ Floats = NDArray[np.float64]
 
 CORNERS = ((0, 0), (0, 1), (1, 0), (1, 1))
 ARROW, BARB = 0.2, 0.14  # of a tangent vector that is drawn, and of that its barbs
-VIEW = {"elevation": 36.0, "azimuth": -30.0}
+ELEVATION, AZIMUTH = 36.0, -30.0
 FLAT = np.array([1.0, 1.0, 0.2])  # z is drawn at a fifth
 KINDS = ("zero", "bilinear", "adini", "bessel")
 NODES = 4  # along each side of the square that the twists are shown on
 EQUATIONS = (
     r"r\left(u, v\right) = a\left(u\right)^{T} Q\, a\left(v\right)",
-    r"a\left(t\right) = \left(1 - 3 t^{2} + 2 t^{3},\; 3 t^{2} - 2 t^{3},\; t - 2 t^{2} + t^{3},\; t^{3} - t^{2}\right)^{T}",
+    r"a\left(t\right) = \left(1 - 3 t^{2} + 2 t^{3},\; 3 t^{2} - 2 t^{3},\; "
+    r"t - 2 t^{2} + t^{3},\; t^{3} - t^{2}\right)^{T}",
 )
 
 
@@ -65,9 +66,11 @@ def draw_paraboloid() -> Drawing:
     gallery = Gallery(Figure(), 1, 2)
     first, second = gallery.axes[0]
     corners = shown.matrix[:2, :2]
-    plot_patches(shown, ax=first, lines=10, curves=_tangents(shown.matrix), points=corners, **VIEW)
+    plot_patches(
+        shown, ax=first, lines=10, curves=_tangents(shown.matrix), points=corners, elevation=ELEVATION, azimuth=AZIMUTH
+    )
     edges = [shown(*place) for end in (0, 1) for place in ((end, np.linspace(0, 1, 65)), (np.linspace(0, 1, 65), end))]
-    plot_patches(flat, ax=second, lines=10, curves=edges, points=corners, **VIEW)
+    plot_patches(flat, ax=second, lines=10, curves=edges, points=corners, elevation=ELEVATION, azimuth=AZIMUTH)
     for i, j in CORNERS:
         for ends, name in (((2 + i, j), "u"), ((i, 2 + j), "v")):
             tip = shown.matrix[i, j] + ARROW * shown.matrix[ends]
@@ -110,7 +113,7 @@ def ridge() -> ParametricSurface:
 
 @cache
 def quilt(kind: str) -> list[BicubicCoons]:
-    """Bicubic patches between nodes of the ridge, with its points and tangents and with twists of some kind, or true."""
+    """Bicubic patches between nodes of the ridge, with its points and tangents; the twists of some kind, or true."""
     knots = np.linspace(0.0, 3.0, NODES)
     places = knots[:, None], knots[None, :]
     points, along_u, along_v, true = ridge().derivatives(*places, ((0, 0), (1, 0), (0, 1), (1, 1)))
@@ -135,8 +138,9 @@ def draw_twists() -> Drawing:
     figure = compare_patches(surfaces, colour_by=maps, elevation=48.0, azimuth=-60.0, figure=Figure())
     rows = tuple((kind, *(f"{one:.2g}" for one in _errors(quilt(kind)))) for kind in (*KINDS, "true"))
     remark = (
-        "Nine bicubic patches with the points and tangents of the ridge z = 9/(6 + (u − v)²), which is developable; only "
-        "p_uv at the nodes differs. Zero twists flatten every node, and make a dome of what lies between two of them."
+        "Nine bicubic patches with the points and tangents of the ridge z = 9/(6 + (u − v)²), which is developable; "
+        "only p_uv at the nodes differs. Zero twists flatten every node, and what lies between two of them is "
+        "neither ridge nor plane."
     )
     table = Table(("twists", "greatest distance in z", "greatest angle of normals, degrees"), rows)
     return Drawing(figure, "", 0, remark, table)

@@ -13,6 +13,7 @@ from rsym.output.surfaces import plot_mesh
 from rsym.paper import claims, poppet, studies
 from rsym.paper.drawing import Drawing, Recipe, figure_of, letters_text, mesh_quietly
 from rsym.paper.models import BODIES, car, skeleton_body, streamlined
+from rsym.paper.patches import SURFACES
 from rsym.sampling.mesh import Mesh
 
 # 10 million samples; the source had 3.4 and 15.6 million (27 and 125 sub-boxes of 125 000 points).
@@ -131,4 +132,5 @@ RECIPES: tuple[Recipe, ...] = (
         equations=studies.REVOLUTION_EQUATIONS,
     ),
     Recipe("claims", "What the source claims, and what holds", "", claims.draw_claims, model=("skeleton", "omega")),
+    *SURFACES,
 )

@@ -146,7 +146,10 @@ summary {{ cursor: pointer; color: #24598f; font-size: 0.9rem; }}
 <p>The figures of D. A. Lisin, K. V. Maksimenko-Sheiko and T. I. Sheiko, <em>Mathematical modelling of car surfaces
 by R-functions</em> (2013), made again from their equations. Part of the source is lost: where an equation or a
 figure was restored, replaced by one of our own, or could not be, the remark under the figure says so, and the
-table of readings gives the reasons. Seconds cover model, mesh and picture; those of the source were measured on a
+table of readings gives the reasons. From the paraboloid on the figures are those of parametric surfaces, the subject of
+the other documents rsym builds on: Coons patches in matrix form, surfaces through curves and networks (N. Golovanov),
+B-splines through data (D. F. Rogers, J. A. Adams), patches with shape parameters. Seconds cover
+model, mesh and picture; those of the source were measured on a
 computer of 2013.</p>
 <nav><ul>
 {contents}

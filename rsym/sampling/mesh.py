@@ -39,6 +39,9 @@ class Mesh:
         The leaf of the sign form that each face lies on: an index into `leaves`.
     leaves : tuple of str
         The names of the leaves.
+    curvatures : callable, optional
+        For a surface without an equation: ``mean_curvature``, ``gaussian_curvature``, ``principal_curvatures`` to the
+        values at the corners of faces, (m, 3) or (m, 3, 2). A mesh that is pickled does without.
 
     Examples
     --------
@@ -56,6 +59,7 @@ class Mesh:
     found: Findings | Callable[[], Findings] = field(default_factory=Findings)
     leaf: Ints | None = None
     leaves: tuple[str, ...] = ()
+    curvatures: Callable[[str], Array] | None = None
 
     @cached_property
     def normals(self) -> Array:

@@ -39,7 +39,8 @@ def mesh_patches(
     Returns
     -------
     Mesh
-        With exact unit normals at every corner of every triangle; a pole is one vertex, a closed direction closes.
+        With exact unit normals, and on demand curvatures, at every corner of every triangle; a pole is one vertex, a
+        closed direction closes.
         ``mesh.leaf`` numbers the patches.
 
     Raises
@@ -80,7 +81,12 @@ def mesh_patches(
     kept = (welded != np.roll(welded, 1, axis=1)).all(axis=1)
     shading = np.concatenate(normals)[faces[kept]]
     leaves = tuple(f"patch {number}" for number in range(len(several)))
-    return Mesh(vertices, welded[kept], shading, leaf=leaf[kept], leaves=leaves)
+
+    def curvatures(name: str) -> Array:
+        found = [_curvature(patch, name, cells, letters) for patch in several]
+        return np.asarray(np.concatenate(found)[faces[kept]])
+
+    return Mesh(vertices, welded[kept], shading, leaf=leaf[kept], leaves=leaves, curvatures=curvatures)
 
 
 def _cells(resolution: Any) -> tuple[int, int]:
@@ -94,12 +100,23 @@ def _cells(resolution: Any) -> tuple[int, int]:
     return int(given[0]), int(given[1])
 
 
+def _places(patch: Patch, cells: tuple[int, int], letters: LetterValues) -> tuple[Array, Array, dict[Any, float]]:
+    """The parameters of a patch's grid, as they broadcast, and the letters that it has."""
+    u, v = (np.linspace(*interval, count + 1) for interval, count in zip(patch.domain, cells, strict=True))
+    return u[:, None], v[None, :], {name: one for name, one in (letters or {}).items() if str(name) in patch.letters}
+
+
 def _samples(patch: Patch, cells: tuple[int, int], letters: LetterValues) -> tuple[Array, Array]:
     """Points and unit normals on the grid of a patch; NaN, for that of the triangle, where the surface has none."""
-    own = {name: value for name, value in (letters or {}).items() if str(name) in patch.letters}
-    u, v = (np.linspace(*interval, count + 1) for interval, count in zip(patch.domain, cells, strict=True))
-    rows, columns = u[:, None], v[None, :]
-    return patch(rows, columns, letters=own), patch.normal(rows, columns, letters=own)
+    u, v, own = _places(patch, cells, letters)
+    return patch(u, v, letters=own), patch.normal(u, v, letters=own)
+
+
+def _curvature(patch: Patch, name: str, cells: tuple[int, int], letters: LetterValues) -> Array:
+    """The curvature of this name at the points of the grid of a patch, row by row."""
+    u, v, own = _places(patch, cells, letters)
+    values: Array = getattr(patch, name)(u, v, letters=own)
+    return values.reshape(u.size * v.size, *values.shape[2:])
 
 
 def _triangles(rows: int, columns: int) -> Ints:
