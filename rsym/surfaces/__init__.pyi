@@ -2,9 +2,11 @@ from . import projections
 from .blending import HermiteBlend
 from .bsplines import BSplineSurface
 from .callables import Called
+from .composite import CompositeCoons
 from .continuity import continuity_report
 from .coons import BicubicCoons, CoonsPatch
 from .edge_report import EdgeReport
+from .energies import energy
 from .exact import (
     cone,
     cone_quarter,
@@ -23,8 +25,11 @@ from .joining import join
 from .lofts import HermiteSurface, LagrangeSurface, SplineLoft
 from .meshes import mesh_patches
 from .nurbs import Nurbs
+from .optimal import Optimum, optimal_parameters
 from .parametric import ParametricSurface
 from .patch import Patch
+from .tensor import TensorProductSurface
+from .transition import TransitionSurface
 from .twists import estimate_twists
 from .univariate import Formula
 
@@ -32,6 +37,7 @@ __all__ = [
     "BSplineSurface",
     "BicubicCoons",
     "Called",
+    "CompositeCoons",
     "CoonsPatch",
     "EdgeReport",
     "Formula",
@@ -40,9 +46,12 @@ __all__ = [
     "HermiteSurface",
     "LagrangeSurface",
     "Nurbs",
+    "Optimum",
     "ParametricSurface",
     "Patch",
     "SplineLoft",
+    "TensorProductSurface",
+    "TransitionSurface",
     "cone",
     "cone_quarter",
     "continuity_report",
@@ -50,9 +59,11 @@ __all__ = [
     "cylinder_quarter",
     "ellipsoid",
     "ellipsoid_octant",
+    "energy",
     "estimate_twists",
     "join",
     "mesh_patches",
+    "optimal_parameters",
     "projections",
     "sphere",
     "sphere_octant",

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.surfaces.blending import HermiteBlend
 from rsym.surfaces.coons import BicubicCoons
+from rsym.surfaces.energies import gram_matrices
 from rsym.surfaces.twists import estimate_twists
 
 Array = NDArray[np.float64]
 
 PATCH_KINDS = ("zero", "bilinear", "adini", "energy")
-# Gauss's rule with so many nodes is exact to degree 127, and to rounding for the trigonometric families.
-NODES = 64
 
 
 def with_twists(patch: BicubicCoons, kind: str) -> BicubicCoons:
@@ -55,24 +52,11 @@ def with_twists(patch: BicubicCoons, kind: str) -> BicubicCoons:
 
 def _least_bending(matrix: Array, blend_u: HermiteBlend, blend_v: HermiteBlend) -> Array:
     """The twists (2, 2, 3) of least bending energy."""
-    of_u, of_v = ([_gram(blend, order) for order in range(3)] for blend in (blend_u, blend_v))
-    hessian = np.add.reduce([weight * np.kron(of_u[2 - k], of_v[k]) for k, weight in enumerate((1, 2, 1))])
+    of_u, of_v = (gram_matrices(blend, None, blend.letters.values_with(None), range(3)) for blend in (blend_u, blend_v))
+    hessian = np.add.reduce([weight * np.kron(of_u[2 - k][0], of_v[k][0]) for k, weight in enumerate((1, 2, 1))])
     free = np.zeros((4, 4), np.bool_)
     free[2:, 2:] = True
     inner, fixed = np.flatnonzero(free), np.flatnonzero(~free)
     flat = matrix.reshape(16, 3)
     twists = np.linalg.solve(hessian[np.ix_(inner, inner)], -hessian[np.ix_(inner, fixed)] @ flat[fixed])
     return np.asarray(twists.reshape(2, 2, 3))
-
-
-def _gram(blend: HermiteBlend, order: int) -> Array:
-    """The integrals over [0, 1] of products of the derivatives of blending functions."""
-    nodes, weights = _gauss()
-    values = blend(nodes, order)
-    return np.asarray(np.einsum("n,na,nb->ab", weights, values, values))
-
-
-@cache
-def _gauss() -> tuple[Array, Array]:
-    nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    return (nodes + 1) / 2, weights / 2
