@@ -48,6 +48,15 @@ class Optimum:
         The patch with the best values as defaults of its letters.
     coefficients : ndarray
         (3, 3): the energy is the sum of coefficients[a, b] p**a q**b, p and q the parameters in u and in v.
+
+    Examples
+    --------
+    >>> lam = sp.Symbol("lam")
+    >>> bend = np.zeros((4, 4, 3))
+    >>> bend[1, :, 2] = [1, 1, 0, 0]  # z = F1(u): the cubic bends least
+    >>> best = optimal_parameters(BicubicCoons(bend, HermiteBlend.class1(lam, 1, letters={lam: 1})))
+    >>> round(best.parameters["lam"], 9) + 0.0, best.clipped, best.after < best.before
+    (0.0, (), True)
     """
 
     parameters: Mapping[str, float]
