@@ -23,8 +23,9 @@ from rsym.surfaces.exact import (
     torus_quarter,
 )
 from rsym.surfaces.meridians import Arc, Segment
+from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.revolution import Revolution
-from rsym.surfaces.symbols import t
+from rsym.surfaces.symbols import t, u, v
 
 QUARTER = np.pi / 2
 U, V = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21), indexing="ij")
@@ -153,6 +154,16 @@ def test_curvatures_of_ellipsoid_torus_and_cone_in_closed_form():
     assert_close(torus_quarter(3, 1).mean_curvature(U, V), -(3 + 2 * cosine) / (2 * (3 + cosine)), atol=1e-13)
     at = cone_quarter(1, 1).mean_curvature(0.5, [0.0, 0.5])
     assert_close(at, [-np.sqrt(2) / 4, -np.sqrt(2) / 2], rtol=1e-12)
+
+
+def test_curvature_at_a_pole_that_bends_differently_in_every_direction():
+    """Polar coordinates on z = (1 + a) x**2 + (1 - a) y**2, where z_uuvv is not 0 at the pole."""
+    a = 0.3
+    bowl = ParametricSurface((v * sp.cos(u), v * sp.sin(u), v**2 * (1 + a * sp.cos(2 * u))), domain=((0, 6), (0, 1)))
+    around = np.linspace(0, 6, 9)
+    for height in (0.0, 1e-9, 1e-7):
+        assert_close(bowl.gaussian_curvature(around, height), np.full(9, 4 * (1 - a**2)), atol=1e-6)
+        assert_close(np.abs(bowl.mean_curvature(around, height)), np.full(9, 2.0), atol=1e-6)
 
 
 def test_the_apex_of_a_cone_has_no_curvature():

@@ -15,7 +15,7 @@ from rsym.surfaces.blending import HermiteBlend
 from rsym.surfaces.coons import BicubicCoons
 from rsym.surfaces.energies import energy
 from rsym.surfaces.exact import sphere_octant
-from rsym.surfaces.optimal import optimal_parameters
+from rsym.surfaces.optimal import _least_in_box, optimal_parameters
 from rsym.surfaces.symbols import t
 
 LAM, MU, NU = sp.symbols("lambda mu nu")
@@ -131,6 +131,15 @@ def test_both_directions_and_one_parameter_for_both_are_stationary(seed):
             assert min(around) > best.after
             # a quadratic, or a quartic with three roots, is nearly even about its minimum
             assert abs(around[0] - around[1]) < 0.2 * (sum(around) - 2 * best.after)
+
+
+def test_of_two_valleys_the_deeper_is_found_from_the_other():
+    """(pq - 1)**2 + ((p - 1)**2 + (q - 1)**2)/10 is 0 at (1, 1), and least nearby at p = q = -(1 + sqrt(0.6))/2."""
+    table = np.array([[1.2, -0.2, 0.1], [-0.2, -2.0, 0.0], [0.1, 0.0, 1.0]])
+    other = -(1 + np.sqrt(0.6)) / 2
+    everywhere = (-np.inf, np.inf)
+    assert_close(_least_in_box(table, (everywhere, everywhere), (other, other)), [1, 1], atol=1e-9)
+    assert_close(_least_in_box(table, (everywhere, (-5.0, 0.0)), (1.0, -1.0)), [other, other], atol=1e-9)
 
 
 def test_the_best_is_global():
