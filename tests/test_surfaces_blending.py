@@ -190,6 +190,15 @@ def test_answers_that_are_no_name_the_worst_place():
     assert_close([lopsided.worst, lopsided.where], [1 / 16, 0.5], atol=1e-12)
 
 
+def test_what_holds_for_the_defaults_of_the_letters_alone_does_not_hold():
+    blend = HermiteBlend.class1(LAM, QUARTER, letters={LAM: 1})
+    arc = sp.cos(QUARTER * t)
+    assert not blend.reproduces(arc)
+    assert blend.reproduces(arc, letters={"lambda": 1})
+    narrow = HermiteBlend.class1(LAM, QUARTER, letters={LAM: Letter(1, minimum=1, maximum=1.5)})
+    assert "lambda = 1.5" in str(narrow.reproduces(arc))
+
+
 def slopes(blend, count=20001):
     return blend(np.linspace(0, 1, count), 1)[:, 1].min()
 

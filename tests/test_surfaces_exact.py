@@ -224,3 +224,13 @@ def test_dimensions_and_angles_may_be_letters():
 def test_what_is_not_exact_is_refused_with_a_remedy(make, message):
     with pytest.raises(RsymError, match=message):
         make()
+
+
+def test_the_formula_of_a_patch_is_that_of_the_surface_by_algebra():
+    mu = sp.Symbol("mu", real=True)
+    theta, phi = sp.pi * u / 2, sp.pi * v / 2
+    blend = HermiteBlend.class2(mu, QUARTER, letters={mu: 1})
+    for patch in (ellipsoid_octant(3, 2, 1), ellipsoid_octant(3, 2, 1, blend_u=blend, blend_v=blend)):
+        expected = (3 * sp.cos(theta) * sp.cos(phi), 2 * sp.sin(theta) * sp.cos(phi), sp.sin(phi))
+        for got, wanted in zip(patch.expression(), expected, strict=True):
+            assert sp.expand((got - wanted).rewrite(sp.exp)) == 0

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rsym.codegen.interpreter import interpret
 from rsym.errors import RsymError
-from rsym.model.letters import Letters
+from rsym.model.letters import Letters, as_letters
 from rsym.model.symbols import as_expression, real_symbol
 from rsym.surfaces.blend_families import Family, Functions, resolved
 from rsym.surfaces.entries import exact
@@ -93,19 +93,33 @@ class Answer:
 
 def end_values(functions: Functions, letters: Letters, orders: int) -> Array:
     """The derivatives of the functions at both ends, (orders, functions, 2)."""
-    return _interpreted(functions, letters, np.array([0.0, 1.0]), orders, None)
+    return _interpreted(functions, np.array([0.0, 1.0]), orders, letters.values_with(None))
 
 
 def identity(blend: Blend, statement: str, residuals: Sequence[Any], letters: LetterValues) -> Answer:
-    """Whether functions made of the blending functions vanish; each residual takes the functions and gives one."""
+    """Whether functions made of the blending functions vanish; each residual takes the functions and gives one.
+
+    With `letters` for these values of them, without for all.
+    """
     if all(is_zero(one(resolved(blend.formulas))) for one in residuals):
         return Answer(statement, True, True, reason="the formulas cancel")
-    places = np.linspace(0.0, 1.0, SAMPLES)
-    found = np.abs(_interpreted([one(blend.functions) for one in residuals], blend.letters, places, 1, letters)[0])
-    column = int(np.nanmax(found, axis=0).argmax())
-    worst = float(found[:, column].max()) if not np.isnan(found).any() else float("nan")
-    holds = worst <= TOLERANCE
-    return Answer(statement, holds, False, worst, float(places[column]), f"{SAMPLES} places{_at(blend, letters)}")
+    places, functions = np.linspace(0.0, 1.0, SAMPLES), [one(blend.functions) for one in residuals]
+    tried = [blend.letters.values_with(letters)] if letters is not None else _several(blend.letters)
+    found = np.array([_interpreted(functions, places, 1, values)[0] for values in tried])
+    sample, _, column = np.unravel_index(np.nan_to_num(np.abs(found), nan=np.inf).argmax(), found.shape)
+    worst = float(np.abs(found[sample, :, column]).max())
+    reason = f"{SAMPLES} places{_with(tried[sample])}"
+    return Answer(statement, worst <= TOLERANCE, False, worst, float(places[column]), reason)
+
+
+def _several(letters: Letters) -> list[dict[str, float]]:
+    """The defaults, and the letters at both ends of their ranges, or one off the default where there is none."""
+    default = letters.values_with(None)
+    if not default:
+        return [default]
+    low = {name: default[name] - 1 if one.minimum is None else float(one.minimum) for name, one in letters.items()}
+    high = {name: default[name] + 1 if one.maximum is None else float(one.maximum) for name, one in letters.items()}
+    return [default, low, high]
 
 
 def partition_of_unity(blend: Blend, letters: LetterValues = None) -> Answer:
@@ -135,23 +149,31 @@ def reproduction(blend: Blend, function: Any, letters: LetterValues = None) -> A
 
 def monotonicity(blend: Blend, letters: LetterValues = None) -> Answer:
     """Whether F1 never decreases."""
-    statement, values = "F1 never decreases", _values(blend, letters)
-    slope = blend.functions[1].xreplace(values).diff(t)
+    statement, values = "F1 never decreases", blend.letters.values_with(letters)
+    slope, numbers = blend.functions[1].diff(t), _numbers(values)
     places = np.linspace(0.0, 1.0, SAMPLES)
-    slopes = _interpreted([blend.functions[1]], blend.letters, places, 2, letters)[1, 0]
+    slopes = _interpreted([blend.functions[1]], places, 2, values)[1, 0]
     lowest = int(slopes.argmin())
     worst, where = max(0.0, -float(slopes[lowest])), float(places[lowest])
-    if slope.is_polynomial(t) and all(c.is_Rational for c in sp.Poly(slope, t).all_coeffs()):
-        holds = never_negative(sp.Poly(slope, t))
-        return Answer(statement, holds, True, 0.0 if holds else worst, where, f"roots of F1'{_at(blend, letters)}")
+    polynomial = _polynomial(slope.xreplace(numbers))
+    if polynomial is not None:
+        holds = never_negative(polynomial)
+        return Answer(statement, holds, True, 0.0 if holds else worst, where, f"roots of F1'{_with(values)}")
     if blend.family is not None and blend.family.name in RANGES:
         low, high = monotone_range(blend, letters)
-        parameter = blend.family.parameter.xreplace(values)
+        parameter = blend.family.parameter.xreplace(numbers)
         holds = bool(sp.And(low <= parameter, parameter <= high))
         text = f"the parameter {float(parameter):.6g} in [{float(low):.6g}, {float(high):.6g}]"
         return Answer(statement, holds, True, 0.0 if holds else worst, where, text)
-    holds = worst <= TOLERANCE
-    return Answer(statement, holds, False, worst, where, f"{SAMPLES} places{_at(blend, letters)}")
+    return Answer(statement, worst <= TOLERANCE, False, worst, where, f"{SAMPLES} places{_with(values)}")
+
+
+def _polynomial(expression: sp.Expr) -> sp.Poly | None:
+    """The polynomial in t, if it is one with rational coefficients."""
+    if not expression.is_polynomial(t):
+        return None
+    polynomial = sp.Poly(expression, t)
+    return polynomial if all(one.is_Rational for one in polynomial.all_coeffs()) else None
 
 
 def monotone_range(blend: Blend, letters: LetterValues = None, *, ribbons: bool = False) -> tuple[sp.Expr, sp.Expr]:
@@ -163,7 +185,7 @@ def monotone_range(blend: Blend, letters: LetterValues = None, *, ribbons: bool 
             code="monotone-range",
             remedy="ask is_monotone() for one value of the parameter after the other",
         )
-    alpha = family.alpha.xreplace(_values(blend, letters))
+    alpha = family.alpha.xreplace(_numbers(blend.letters.values_with(letters)))
     low, high = RANGES[family.name](alpha)
     if not ribbons:
         return low, high
@@ -224,21 +246,18 @@ RANGES: dict[str, Callable[[sp.Expr], tuple[sp.Expr, sp.Expr]]] = {
 }
 
 
-def _values(blend: Blend, letters: LetterValues) -> dict[sp.Symbol, sp.Expr]:
-    return {real_symbol(name): exact(value) for name, value in blend.letters.values_with(letters).items()}
+def _numbers(values: Mapping[str, float]) -> dict[sp.Symbol, sp.Expr]:
+    return {real_symbol(name): exact(value) for name, value in values.items()}
 
 
-def _at(blend: Blend, letters: LetterValues) -> str:
-    values = blend.letters.values_with(letters)
+def _with(values: Mapping[str, float]) -> str:
     return "".join(f", {name} = {value:.6g}" for name, value in values.items())
 
 
-def _interpreted(
-    functions: Sequence[sp.Expr], known: Letters, places: Array, orders: int, letters: LetterValues
-) -> Array:
+def _interpreted(functions: Sequence[sp.Expr], places: Array, orders: int, values: Mapping[str, float]) -> Array:
     """Derivatives of expressions (orders, functions, places), node by node: nothing is compiled for one look."""
-    formulas = CompiledFormulas(functions, (t.name,), known, ((0.0, 1.0),))
+    formulas = CompiledFormulas(functions, (t.name,), as_letters(values), ((0.0, 1.0),))
     program = formulas.program([(order,) for order in range(orders)])
-    found = interpret(program, {t.name: places, **known.values_with(letters)})
-    values = [np.broadcast_to(found[name], places.shape) for name, _ in program.outputs]
-    return np.array(values).reshape(orders, len(functions), len(places))
+    found = interpret(program, {t.name: places, **values})
+    rows = [np.broadcast_to(found[name], places.shape) for name, _ in program.outputs]
+    return np.array(rows).reshape(orders, len(functions), len(places))

@@ -113,6 +113,8 @@ class Constant(Curve):
         self.values = np.array(values, np.float64)
         self.shape = self.values.shape
         self.domain = domain
+        given = np.array(values, object).reshape(-1)
+        self._given = tuple(one if isinstance(one, sp.Expr) else None for one in given)
 
     def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
         """The value, and zero for every derivative."""
@@ -124,8 +126,10 @@ class Constant(Curve):
         return True
 
     def expressions(self) -> sp.ImmutableDenseNDimArray:
-        """The numbers, as fractions."""
-        return sp.ImmutableDenseNDimArray([exact(value) for value in self.values.flat], self.shape)
+        """The numbers: SymPy's as given, others as fractions."""
+        pairs = zip(self._given, self.values.flat, strict=True)
+        entries = [exact(value) if given is None else given for given, value in pairs]
+        return sp.ImmutableDenseNDimArray(entries, self.shape)
 
 
 class Stack(Curve):
