@@ -201,7 +201,13 @@ def monotone_range(blend: Blend, letters: LetterValues = None, *, ribbons: bool 
 
 
 def is_zero(expression: sp.Expr) -> bool:
-    """Whether an expression in polynomials, sines and cosines is zero by algebra."""
+    """Whether an expression in polynomials, sines and cosines is zero by algebra.
+
+    Examples
+    --------
+    >>> is_zero(sp.cos(2 * t) - 1 + 2 * sp.sin(t) ** 2)
+    True
+    """
     if sp.expand(expression) == 0:
         return True
     if expression.has(sp.Piecewise, sp.Abs, sp.Min, sp.Max):

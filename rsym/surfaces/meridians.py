@@ -23,6 +23,11 @@ class Arc:
 
     Numbers or letters; angles in radians, a float that is a simple part of pi is taken as that part. What lies left
     of the arc, run through towards growing phi, is inside.
+
+    Examples
+    --------
+    >>> Arc((3, 0), (1, 1)).point()
+    (cos(pi*t/2) + 3, sin(pi*t/2))
     """
 
     centre: Pair
@@ -67,7 +72,13 @@ class Arc:
 
 @dataclass(frozen=True)
 class Segment:
-    """The straight line from one point (rho, z) to another; what lies left of it is inside."""
+    """The straight line from one point (rho, z) to another; what lies left of it is inside.
+
+    Examples
+    --------
+    >>> Segment((2, 0), (1, 5)).point()
+    (2 - t, 5*t)
+    """
 
     start: Pair
     end: Pair
