@@ -9,16 +9,33 @@ import sympy as sp
 from closeness import assert_close
 
 import rsym
-from rsym.surfaces import BicubicCoons, Called, CoonsPatch, Formula, HermiteBlend, ParametricSurface, mesh_patches
-from rsym.surfaces.bsplines import BSplineSurface
-from rsym.surfaces.joining import join
-from rsym.surfaces.lofts import HermiteSurface, LagrangeSurface, SplineLoft
+from rsym.surfaces import (
+    BicubicCoons,
+    BSplineSurface,
+    Called,
+    CompositeCoons,
+    CoonsPatch,
+    Formula,
+    GordonSurface,
+    HermiteBlend,
+    HermiteSurface,
+    LagrangeSurface,
+    ParametricSurface,
+    SplineLoft,
+    TensorProductSurface,
+    TransitionSurface,
+    join,
+    mesh_patches,
+    sphere_octant,
+    torus_quarter,
+)
 from rsym.surfaces.projections import ProjectionOperator
 from rsym.surfaces.symbols import t, u, v
 
 a = sp.Symbol("a", real=True)
 RANDOM = np.random.default_rng(17)
 HILLS = [(t, k, sp.sin(t + k) / 2) for k in range(5)]
+CROSSING = [(x, 3 * t, sp.sin(x + 3 * t) / 2) for x in (0, sp.Rational(1, 2), 1)]
 POINTS = np.array([[(i, j + i * i / 9, np.sin(i * j)) for j in range(5)] for i in range(6)])
 SQUARE = ((0, t, sp.sin(t)), (1, t, sp.sin(t)), (t, 0, t * (1 - t)), (t, 1, t * (t - 1) + sp.sin(1)))
 TURN = 2 * np.pi * np.arange(7)[:, None] / 7
@@ -65,6 +82,19 @@ def make():
         join(matrix, "u1", BicubicCoons(RANDOM.normal(size=(4, 4, 3)), blend_v=HermiteBlend.cubic()), "u0", 2),
     )
     yield "joined", join(matrix, "u1", ParametricSurface((u, v, u * v)), "u0")
+    yield "Gordon", GordonSurface(HILLS[:4], CROSSING)
+    yield (
+        "Gordon, reparametrised",
+        GordonSurface([((t**2 + t) / 2, 0, sp.sin((t**2 + t) / 2) / 2), *HILLS[1:4]], CROSSING),
+    )
+    yield "composite", CompositeCoons(HILLS[:4], CROSSING)
+    yield "points", TensorProductSurface(POINTS)
+    yield "points, closed", TensorProductSurface(TUBE, closed=(True, False))
+    yield "transition", TransitionSurface(matrix, (t, 1 - t / 2), ParametricSurface((u + 9, v, u * v)), "u0")
+    sides = ParametricSurface((u, v, u * v)), ParametricSurface((u + 2, v, 1))
+    yield "transition, class 3", TransitionSurface(sides[0], "u1", sides[1], "u0", order=3)
+    yield "octant", sphere_octant(2, blend_u=HermiteBlend.class2(a, sp.pi / 2, letters={a: 1}))
+    yield "quarter of a torus", torus_quarter(3, 1)
     yield "graph", triangle(sp.exp(rsym.x + 2 * rsym.y)).graph(((0, 1), (0, 1)))
 
 
