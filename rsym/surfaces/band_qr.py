@@ -20,7 +20,8 @@ DEPENDENT = 8 * np.finfo(float).eps
 class BandQR:
     """A = QR for a matrix with at least as many rows as columns; the zeros outside its band cost nothing.
 
-    `dependent` is the number of a column that depends on those before it, or None.
+    `dependent` is the number of a column that depends on those before it, or None; `rounding` tells from how small a
+    rest on, as a share of the column for each row.
 
     Examples
     --------
@@ -29,7 +30,7 @@ class BandQR:
     ([1.0, 2.0], None)
     """
 
-    def __init__(self, matrix: Array) -> None:
+    def __init__(self, matrix: Array, rounding: float = DEPENDENT) -> None:
         filled, columns = matrix != 0, np.arange(matrix.shape[1])
         first = np.where(filled, columns, len(columns)).min(axis=1, initial=len(columns))
         last = np.where(filled, columns + 1, 0).max(axis=1, initial=0)
@@ -41,7 +42,7 @@ class BandQR:
         self.dependent: int | None = None
         sizes = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
         for column in range(matrix.shape[1]):
-            if not self._reflect(column) > DEPENDENT * len(matrix) * sizes[column]:
+            if not self._reflect(column) > rounding * len(matrix) * sizes[column]:
                 self.dependent = column
                 break
 
