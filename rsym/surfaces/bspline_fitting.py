@@ -97,17 +97,13 @@ def residual_of(spaces: Spaces, net: Array, points: Array, parameters: Pair) -> 
 
 
 def fitted_net(spaces: Spaces, points: Array, parameters: Pair) -> Array:
-    """The net whose surface passes the points nearest in the sense of least squares.
-
-    One step of refinement with the residual brings what rounding left in data of uneven density.
-    """
+    """The net whose surface passes the points nearest in the sense of least squares."""
     solve = _tensor_solver(spaces, parameters) if parameters[0].ndim == 1 else _solver(spaces, parameters)
     net = solve(points)
-    net = net + solve(points - tensor_values(spaces, net, *broadcast(parameters)))
     size = float(np.abs(points).max())
     if not np.abs(net).max() <= FAR * size:
         raise _spoilt(f"these reach to {np.abs(net).max():.2g}, data of the size {size:.2g}")
-    return np.asarray(net)
+    return net
 
 
 def check_met(residual: Residual, points: Array) -> None:

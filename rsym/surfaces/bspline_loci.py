@@ -157,9 +157,8 @@ def constrained_net(
     cost = np.triu(BandQR(rest).upper[: len(numbers)])
     flat = free_fit.reshape(-1, 3).copy()
     flat[numbers], converged = _settled(cost, flat[numbers], kept)
-    for _ in range(2 if len(free) else 0):
-        gaps = points - tensor_values(spaces, flat.reshape(free_fit.shape), *broadcast(parameters))
-        flat[free] += system.solve(gaps.reshape(-1, 3))
+    gaps = points - tensor_values(spaces, flat.reshape(free_fit.shape), *broadcast(parameters))
+    flat[free] += system.solve(gaps.reshape(-1, 3))
     return flat.reshape(free_fit.shape), converged
 
 
