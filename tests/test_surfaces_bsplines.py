@@ -391,6 +391,7 @@ def test_formulas_are_the_surface():
     u, v = np.linspace(0, 6, 7), np.linspace(0, 2, 5)
     formula = sp.lambdify((symbols.u, symbols.v), list(surface.expression()))
     assert_close(surface.grid(u, v), [[formula(a, b) for b in v] for a in u], atol=1e-13)
+    assert r"\sum_{j=1}^{4} \mathbf{B}_{i,j}\, N_{i,4}(u)\, M_{j,3}(v)$" in surface._repr_latex_()
     refused("no-formula", "fewer vertices", BSplineSurface.interpolate(wave(30, 30)).expression)
 
 
@@ -469,6 +470,9 @@ HOLE = np.where(np.arange(189).reshape(9, 7, 3) == 50, np.nan, POINTS)
         ("closed", "last row", lambda: interpolate(TWICE[[*range(9), 0]], closed=(True, False))),
         ("corrections", "number >= 0", lambda: approximate(POINTS, (5, 5), corrections=-1)),
         ("kept", "no vertices", lambda: approximate(POINTS, (5, 5), kept=[((7, 0), SIDE)])),
+        ("kept", "no vertices", lambda: approximate(POINTS, (5, 5), kept=[(np.s_[3:3], SIDE)])),
+        ("pair", "closed must be a pair", lambda: interpolate(POINTS, closed=True)),
+        ("pair", "vertices must be a pair", lambda: approximate(POINTS, 5)),
         ("kept", "two loci", lambda: approximate(POINTS, (5, 5), kept=[((1, 0), SIDE)] * 2)),
         ("plane", "not zero", lambda: Plane((0, 0, 0), (0, 0, 0))),
         ("no-data", "made of vertices", lambda: BSplineSurface(POINTS).parameters),

@@ -26,7 +26,7 @@ def approximated(
     spaces: Spaces, points: Array, parameters: Pair, steps: int, kept: Sequence[tuple[Any, Any]]
 ) -> tuple[Array, SplineFit]:
     """The net that fits best, then with its kept vertices in place, then with corrected parameters."""
-    if isinstance(steps, bool) or not isinstance(steps, int) or steps < 0:
+    if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or steps < 0:
         raise RsymError(f"corrections is a number >= 0, got {steps!r}", code="corrections")
     loci = kept_vertices(kept, (spaces[0].count, spaces[1].count))
     settled = True
