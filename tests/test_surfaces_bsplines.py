@@ -13,9 +13,10 @@ from scipy.interpolate import NdBSpline, make_interp_spline, make_lsq_spline
 
 from rsym.errors import RsymError
 from rsym.surfaces import symbols
-from rsym.surfaces.bspline_loci import Plane
+from rsym.surfaces.bspline_loci import Along, Plane
 from rsym.surfaces.bsplines import BSplineSurface
 from rsym.surfaces.curves import as_curve
+from rsym.surfaces.parameter_correction import moved
 from rsym.surfaces.symbols import t
 
 RANDOM = np.random.default_rng(7)
@@ -27,10 +28,11 @@ def wave(rows, columns, warp=0.1):
     return np.stack([x + warp * np.sin(5 * y), y + warp * x**2, np.sin(x) * np.cos(y)], axis=-1)
 
 
-def sphere(rows, columns):
+def sphere(rows, columns, dent=0.0):
     """Points that go round in u; the first and the last column are poles."""
     turn, height = 2 * np.pi * np.arange(rows)[:, None] / rows, np.linspace(0, np.pi, columns)
-    return np.stack([np.cos(turn) * np.sin(height), np.sin(turn) * np.sin(height), np.cos(height) + 0 * turn], axis=-1)
+    radius = np.sin(height) * (1 + dent * np.cos(turn + 3 * height))
+    return np.stack([radius * np.cos(turn), radius * np.sin(turn), np.cos(height) + 0 * turn], axis=-1)
 
 
 def basis(order, knots, number, place):
@@ -138,6 +140,14 @@ def test_crowded_data_are_met_by_averaged_knots_and_refused_by_uniform_ones():
     refused("singular", "vertex (6, ", lambda: BSplineSurface.interpolate(points, knots="uniform", per_point=True))
 
 
+@pytest.mark.parametrize("order", [(4, 4), (7, 3)])
+def test_averaged_knots_follow_data_however_crowded(order):
+    x, y = np.linspace(0, 1, 12)[:, None] ** 8, np.linspace(0, 2, 6)
+    points = np.stack([x + 0 * y, y + 0 * x, np.sin(x + y)], axis=-1)
+    surface = BSplineSurface.interpolate(points, order)
+    assert_close(surface.grid(*surface.parameters), points, atol=1e-12)
+
+
 def test_a_system_that_rounding_spoils_is_refused():
     refused("ill-conditioned", "misses data", lambda: BSplineSurface.interpolate(wave(42, 42), per_point=True))
     refused("ill-conditioned", "reach to", lambda: BSplineSurface.interpolate(wave(46, 46), per_point=True))
@@ -149,7 +159,7 @@ def test_a_system_that_rounding_spoils_is_refused():
 @pytest.mark.parametrize("order", range(2, 7))
 def test_closed_spheres_with_poles(order, rows, knots, per_point):
     """Data met, poles too; the seam is as smooth as the rest, for even degrees and even numbers of points as well."""
-    points = sphere(rows, 7)
+    points = sphere(rows, 7, dent=0.3)
     surface = BSplineSurface.interpolate(points, (order, 4), closed=(True, False), knots=knots, per_point=per_point)
     u, v = np.broadcast_arrays(*surface.parameters) if per_point else np.meshgrid(*surface.parameters, indexing="ij")
     assert_close(surface(u, v), points, atol=1e-12)
@@ -179,12 +189,14 @@ def test_even_degree_even_number_and_data_at_knots_is_refused():
         "move the parameters of the closed direction by half a span",
         lambda: BSplineSurface.interpolate(points, (3, 4), knots="uniform", **at_knots),
     )
-    surface = BSplineSurface.interpolate(points, (3, 4), **at_knots)
-    assert_close(surface.grid(*surface.parameters), points, atol=1e-12)
+    for knots in ("averaged", (np.arange(9) + 2.5, "averaged")):
+        surface = BSplineSurface.interpolate(points, (3, 4), knots=knots, **at_knots)
+        assert_close(surface.grid(range(8), range(7)), points, atol=1e-12)
 
 
 def test_poles_do_not_count_when_parameters_are_averaged():
-    points = sphere(8, 9)
+    """A pole is one where coordinates of another size leave nothing but rounding of it, too."""
+    points = sphere(8, 9) + np.array([1, 2, 3])
     u, _ = BSplineSurface.interpolate(points, (2, 2), closed=(True, False)).parameters
     assert_close(u, np.arange(8.0), atol=1e-13)
     refused("parameters", "along v coincide", lambda: BSplineSurface.interpolate(points[:, 3:4].repeat(5, axis=1)))
@@ -248,6 +260,20 @@ def test_the_report_names_the_worst_datum():
     assert "worst at datum (4, 7)" in str(residual)
 
 
+def test_a_correction_finds_the_place_of_a_point_to_the_second_order():
+    skew = BSplineSurface(wave(6, 6) @ [[1, 0, 0], [0.8, 1, 0], [0, 0, 1]])
+    truth = np.stack(np.meshgrid(np.linspace(0, 3, 9), np.linspace(0, 3, 8), indexing="ij"))
+    inner = truth[:, 1:-1, 1:-1]
+    points = skew(*inner)
+
+    def error(step):
+        u, v = moved(skew.spaces, skew.net, points, (inner[0] + step, inner[1] - step))
+        return max(np.abs(u - inner[0]).max(), np.abs(v - inner[1]).max())
+
+    assert error(1e-3) < 2e-5
+    assert 80 < error(1e-3) / error(1e-4) < 120
+
+
 def test_corrected_parameters_fit_better():
     """Points of a surface with few vertices, at places that chord lengths do not guess."""
     truth = BSplineSurface(wave(5, 5) + RANDOM.normal(scale=0.2, size=(5, 5, 3)))
@@ -267,21 +293,45 @@ def test_corrected_parameters_fit_better():
     assert_close(surface.residual.maximum, gaps.max(), rtol=1e-12)
 
 
-def test_vertices_kept_on_a_plane_are_where_the_constrained_fit_wants_them():
-    points, normal = wave(15, 13), np.array([1, 0.2, 0.3])
-    surface = BSplineSurface.least_squares(points, (7, 6), kept=[(np.s_[3, :], Plane((1.5, 0, 0), normal))])
-    assert_close((surface.net[3] - [1.5, 0, 0]) @ normal, np.zeros(6), atol=1e-14)
+def test_vertices_kept_on_planes_are_where_the_constrained_fit_wants_them():
+    points, normals = wave(15, 13), np.array([[1, 0.2, 0.3], [0.1, 1, 0.9]])
+    loci = [Plane((1.5, 0, 0), normal) for normal in normals]
+    surface = BSplineSurface.least_squares(points, (7, 6), kept=[(np.s_[3, :], loci[0]), (np.s_[4, 1:4], loci[1])])
+    numbers = [*range(18, 24), *range(25, 28)]
+    each = normals[[0] * 6 + [1] * 3]
+    heights = np.einsum("ij,ij->i", surface.net.reshape(-1, 3)[numbers] - [1.5, 0, 0], each)
+    assert_close(heights, np.zeros(9), atol=1e-14)
     assert surface.fit.converged
     assert surface.fit.history[1].rms > surface.fit.history[0].rms
     # Lagrange's equations of the same problem.
     n, m = (space.matrix(place) for space, place in zip(surface.spaces, surface.parameters, strict=True))
     c = np.kron(np.kron(n, m), np.eye(3))
-    rows = np.zeros((6, 126))
-    for j in range(6):
-        rows[j, 3 * (18 + j) : 3 * (19 + j)] = normal
-    system = np.block([[c.T @ c, rows.T], [rows, np.zeros((6, 6))]])
-    right = np.concatenate([c.T @ points.ravel(), np.full(6, 1.5)])
+    rows = np.zeros((9, 126))
+    for row, (number, normal) in enumerate(zip(numbers, each, strict=True)):
+        rows[row, 3 * number : 3 * number + 3] = normal
+    system = np.block([[c.T @ c, rows.T], [rows, np.zeros((9, 9))]])
+    right = np.concatenate([c.T @ points.ravel(), each @ [1.5, 0, 0]])
     assert_close(surface.net.ravel(), np.linalg.solve(system, right)[:126], atol=1e-10)
+
+
+def test_all_vertices_may_be_kept():
+    points = wave(9, 8) * [1, 1, 0.1]
+    surface = BSplineSurface.least_squares(points, (6, 5), kept=[(np.s_[:, :], Plane((0, 0, 0), (0, 0, 1)))])
+    flat = BSplineSurface.least_squares(points, (6, 5)).net * [1, 1, 0]
+    assert_close(surface.net, flat, atol=1e-12)
+
+
+def test_the_foot_on_a_curve_is_its_nearest_point():
+    curve = as_curve((2 * sp.cos(t), sp.sin(t), t / 4), domain=(0, 6))
+    places = RANDOM.uniform(-3, 3, (30, 3))
+    feet, tangents, ends = Along(curve).frames(places)
+    fine = curve(np.linspace(0, 6, 20001))
+    distances = np.linalg.norm(fine - places[:, None], axis=-1).min(axis=1)
+    assert_close(np.linalg.norm(feet - places, axis=-1), distances, atol=1e-6)
+    slopes = np.einsum("ni,ni->n", tangents[:, :, 0], places - feet)
+    assert_close(slopes[ends == 0], np.zeros((ends == 0).sum()), atol=1e-12)
+    assert (slopes * ends >= 0).all()
+    assert (ends != 0).any()
 
 
 def test_vertices_kept_along_a_curve_cannot_slide_to_a_better_place():
@@ -341,6 +391,7 @@ def test_formulas_are_the_surface():
     u, v = np.linspace(0, 6, 7), np.linspace(0, 2, 5)
     formula = sp.lambdify((symbols.u, symbols.v), list(surface.expression()))
     assert_close(surface.grid(u, v), [[formula(a, b) for b in v] for a in u], atol=1e-13)
+    assert r"\sum_{j=1}^{4} \mathbf{B}_{i,j}\, N_{i,4}(u)\, M_{j,3}(v)$" in surface._repr_latex_()
     refused("no-formula", "fewer vertices", BSplineSurface.interpolate(wave(30, 30)).expression)
 
 
@@ -419,6 +470,9 @@ HOLE = np.where(np.arange(189).reshape(9, 7, 3) == 50, np.nan, POINTS)
         ("closed", "last row", lambda: interpolate(TWICE[[*range(9), 0]], closed=(True, False))),
         ("corrections", "number >= 0", lambda: approximate(POINTS, (5, 5), corrections=-1)),
         ("kept", "no vertices", lambda: approximate(POINTS, (5, 5), kept=[((7, 0), SIDE)])),
+        ("kept", "no vertices", lambda: approximate(POINTS, (5, 5), kept=[(np.s_[3:3], SIDE)])),
+        ("pair", "closed must be a pair", lambda: interpolate(POINTS, closed=True)),
+        ("pair", "vertices must be a pair", lambda: approximate(POINTS, 5)),
         ("kept", "two loci", lambda: approximate(POINTS, (5, 5), kept=[((1, 0), SIDE)] * 2)),
         ("plane", "not zero", lambda: Plane((0, 0, 0), (0, 0, 0))),
         ("no-data", "made of vertices", lambda: BSplineSurface(POINTS).parameters),

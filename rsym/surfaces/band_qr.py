@@ -11,6 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[np.float64]
+Rows: TypeAlias = NDArray[np.intp]
+
+# Rows are made a triangle when they are this many times as many as their columns: 2 to 8 take the same time.
+TALL = 4
 
 # A column whose part outside the span of those before it is smaller than this many roundings for each row is dependent:
 # singular collocation matrices of up to 60 rows end at 0.2 to 3 roundings of the column, regular ones stay above 1e-9.
@@ -20,7 +24,8 @@ DEPENDENT = 8 * np.finfo(float).eps
 class BandQR:
     """A = QR for a matrix with at least as many rows as columns; the zeros outside its band cost nothing.
 
-    `dependent` is the number of a column that depends on those before it, or None.
+    `dependent` is the number of a column that depends on those before it, or None; `rounding` tells from how small a
+    rest on, as a share of the column for each row.
 
     Examples
     --------
@@ -29,50 +34,76 @@ class BandQR:
     ([1.0, 2.0], None)
     """
 
-    def __init__(self, matrix: Array) -> None:
+    def __init__(self, matrix: Array, rounding: float = DEPENDENT) -> None:
         filled, columns = matrix != 0, np.arange(matrix.shape[1])
         first = np.where(filled, columns, len(columns)).min(axis=1, initial=len(columns))
-        last = np.where(filled, columns + 1, 0).max(axis=1, initial=0)
-        self.order = np.argsort(first, kind="stable")
-        self.upper = np.ascontiguousarray(matrix[self.order])
-        self.ends = np.searchsorted(first[self.order], columns, side="right")
-        self.widths = np.maximum.accumulate(last[self.order])[np.maximum(self.ends - 1, 0)]
-        self.reflections: list[tuple[Array, float]] = []
+        self._last = np.where(filled, columns + 1, 0).max(axis=1, initial=0)
+        order = np.argsort(first, kind="stable")
+        starts = np.searchsorted(first[order], np.arange(len(columns) + 1))
+        self._entries = np.array(matrix, np.float64)
+        self._reflections: list[tuple[Rows, Array]] = []
+        self._pivots, self._widths = np.empty_like(columns), np.empty_like(columns)
         self.dependent: int | None = None
         sizes = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
-        for column in range(matrix.shape[1]):
-            if not self._reflect(column) > DEPENDENT * len(matrix) * sizes[column]:
+        rows = order[:0]
+        for column in range(len(columns)):
+            rows = np.concatenate([self._shortened(rows, column), order[starts[column] : starts[column + 1]]])
+            if not self._reflect(rows, column) > rounding * len(matrix) * sizes[column]:
                 self.dependent = column
                 break
+            self._pivots[column], self._widths[column] = rows[0], self._last[rows[0]]
+            rows = rows[1:]
 
-    def _reflect(self, column: int) -> float:
-        """Zeros below the diagonal of a column; the size of the diagonal."""
-        end, width = self.ends[column], self.widths[column]
-        block = self.upper[column:end, column:width]
-        if not block.size:
+    def _shortened(self, rows: Rows, column: int) -> Rows:
+        """The rows from this column on, without those that a triangle of reflections makes zero, if these are many."""
+        width = int(self._last[rows].max(initial=column))
+        if len(rows) <= TALL * (width - column):
+            return rows
+        for inner in range(column, width):
+            self._reflect(rows[inner - column :], inner)
+        return rows[: width - column]
+
+    def _reflect(self, rows: Rows, column: int) -> float:
+        """Zeros in a column below the first of the rows; the size of that."""
+        if not len(rows):
             return 0.0
+        width = int(self._last[rows].max())
+        self._last[rows] = width
+        block = self._entries[rows, column:width]
         mirror = block[:, 0].copy()
         length = float(np.sqrt(np.einsum("i,i->", mirror, mirror)))
         mirror[0] += np.copysign(length, mirror[0])
-        size = float(np.einsum("i,i->", mirror, mirror))
-        scale = 2 / size if size else 0.0
-        block -= mirror[:, None] * (scale * np.einsum("i,ij->j", mirror, block))
-        self.reflections.append((mirror, scale))
+        size = float(np.sqrt(np.einsum("i,i->", mirror, mirror)))
+        if size:
+            mirror /= size
+            block -= mirror[:, None] * (2 * np.einsum("i,ij->j", mirror, block))
+            self._entries[rows, column:width] = block
+            self._reflections.append((rows, mirror))
         return length
 
+    @property
+    def upper(self) -> Array:
+        """R."""
+        return np.triu(self._entries[self._pivots])
+
     def turned(self, right: Array) -> Array:
-        """Q^T right, (rows, numbers in a row)."""
-        y = np.array(right, np.float64)[self.order].reshape(len(self.order), -1)
-        for column, (mirror, scale) in enumerate(self.reflections):
-            part = y[column : self.ends[column]]
-            part -= mirror[:, None] * (scale * np.einsum("i,ij->j", mirror, part))
-        return y
+        """Q^T right, (rows, numbers in a row), the rows of R first."""
+        y = self._turned(right)
+        return np.concatenate([y[self._pivots], np.delete(y, self._pivots, axis=0)])
 
     def solve(self, right: Array) -> Array:
         """The x with the smallest |A x - right|, along the first axis."""
-        y = self.turned(right)
-        x = np.zeros((self.upper.shape[1], y.shape[1]))
+        y = self._turned(right)
+        x = np.zeros((len(self._pivots), y.shape[1]))
         for row in reversed(range(len(x))):
-            beyond = slice(row + 1, self.widths[row])
-            x[row] = (y[row] - np.einsum("j,jk->k", self.upper[row, beyond], x[beyond])) / self.upper[row, row]
+            pivot, width = self._pivots[row], self._widths[row]
+            rest = np.einsum("j,jk->k", self._entries[pivot, row + 1 : width], x[row + 1 : width])
+            x[row] = (y[pivot] - rest) / self._entries[pivot, row]
         return x.reshape(-1, *right.shape[1:])
+
+    def _turned(self, right: Array) -> Array:
+        y = np.array(right, np.float64).reshape(len(self._entries), -1)
+        for rows, mirror in self._reflections:
+            part = y[rows]
+            y[rows] = part - mirror[:, None] * (2 * np.einsum("i,ij->j", mirror, part))
+        return y

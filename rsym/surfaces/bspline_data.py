@@ -44,14 +44,21 @@ def pair_of(given: Any, what: str) -> Both:
     return first, second
 
 
+def directions(closed: Any) -> tuple[bool, bool]:
+    """Whether u and v are closed."""
+    first, second = pair_of(closed, "closed")
+    return bool(first), bool(second)
+
+
 def spaces_for_data(
-    points: Array, counts: Both, order: Both, parameters: Any, per_point: bool, knots: Any, closed: tuple[bool, bool]
+    points: Array, vertices: Any, order: Any, parameters: Any, per_point: bool, knots: Any, closed: Any
 ) -> tuple[Spaces, Pair]:
     """The spline spaces of a fit, and the parameters of its data."""
+    counts, orders, turns = pair_of(vertices, "vertices"), pair_of(order, "order"), directions(closed)
     rules = (parameters, parameters) if isinstance(parameters, str) else pair_of(parameters, "parameters")
     wishes = (knots, knots) if isinstance(knots, str) else pair_of(knots, "knots")
     found = [
-        _direction(points, axis, counts[axis], order[axis], rules[axis], per_point, wishes[axis], closed[axis])
+        _direction(points, axis, counts[axis], orders[axis], rules[axis], per_point, wishes[axis], turns[axis])
         for axis in (0, 1)
     ]
     (first, u), (second, v) = found

@@ -103,11 +103,12 @@ class Along:
             square = np.einsum("ni,ni->n", speed, speed)
             rise = square + np.einsum("ni,ni->n", bend, gap)
             # Where Newton's step would climb, that of Gauss and Newton does not.
-            t = self._inside(t - slope / np.where(rise > 0.1 * square, rise, square))
+            t = self._inside(t - slope / np.where(rise > 0.1 * square, rise, np.where(square > 0, square, 1.0)))
         place, speed = self.curve.evaluate(t, [0, 1])
         lengths = np.sqrt(np.einsum("ni,ni->n", speed, speed))
         ends = np.zeros(len(t)) if self.curve.closed else (t == high) * 1.0 - (t == low)
-        return Frames(place, (speed / lengths[:, None])[:, :, None], ends)
+        # Where a curve stands still it has no tangent, and a vertex stays.
+        return Frames(place, (speed / np.where(lengths > 0, lengths, 1.0)[:, None])[:, :, None], ends)
 
     def _inside(self, t: Array) -> Array:
         low, high = self.curve.domain
@@ -129,9 +130,11 @@ def kept_vertices(given: Sequence[tuple[Any, Any]], shape: tuple[int, int]) -> l
     result = []
     for index, locus in given:
         try:
-            vertices = np.atleast_1d(numbers[index]).ravel()
-        except IndexError as error:
-            raise RsymError(f"no vertices {index!r} in a net of {shape[0]} x {shape[1]}", code="kept") from error
+            vertices = np.unique(numbers[index])
+        except IndexError:
+            vertices = numbers[:0, 0]
+        if not len(vertices):
+            raise RsymError(f"no vertices {index!r} in a net of {shape[0]} x {shape[1]}", code="kept")
         twice = taken.intersection(vertices.tolist())
         if twice:
             vertex = divmod(min(twice), shape[1])
@@ -154,12 +157,11 @@ def constrained_net(
     free = np.setdiff1d(np.arange(matrix.shape[1]), numbers)
     system = BandQR(matrix[:, free])
     rest = system.turned(matrix[:, numbers])[len(free) :]
-    cost = np.triu(BandQR(rest).upper[: len(numbers)])
+    cost = BandQR(rest).upper
     flat = free_fit.reshape(-1, 3).copy()
     flat[numbers], converged = _settled(cost, flat[numbers], kept)
-    for _ in range(2 if len(free) else 0):
-        gaps = points - tensor_values(spaces, flat.reshape(free_fit.shape), *broadcast(parameters))
-        flat[free] += system.solve(gaps.reshape(-1, 3))
+    gaps = points - tensor_values(spaces, flat.reshape(free_fit.shape), *broadcast(parameters))
+    flat[free] += system.solve(gaps.reshape(-1, 3))
     return flat.reshape(free_fit.shape), converged
 
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
 from rsym.surfaces import symbols
-from rsym.surfaces.bspline_data import checked_points, pair_of, spaces_for_data
+from rsym.surfaces.bspline_data import checked_points, directions, pair_of, spaces_for_data
 from rsym.surfaces.bspline_fitting import Pair, Residual, SplineFit, check_met, fitted_net, residual_of
 from rsym.surfaces.entries import exact
 from rsym.surfaces.parameter_correction import approximated
@@ -69,7 +69,8 @@ class BSplineSurface(Patch):
     ) -> None:
         self.net = checked_points(net, "the net of vertices")
         self.net.setflags(write=False)
-        wishes = zip(pair_of(order, "order"), knots or (None, None), self.net.shape, closed, "uv", strict=False)
+        orders, given = pair_of(order, "order"), (None, None) if knots is None else pair_of(knots, "knots")
+        wishes = zip(orders, given, self.net.shape[:2], directions(closed), "uv", strict=True)
         first, second = (checked_space(*wish) for wish in wishes)
         self.spaces: Spaces = (first, second)
         self.fit: SplineFit | None = None
@@ -119,7 +120,7 @@ class BSplineSurface(Patch):
         True
         """
         data = checked_points(points, "the points")
-        spaces, found = spaces_for_data(data, data.shape, pair_of(order, "order"), parameters, per_point, knots, closed)
+        spaces, found = spaces_for_data(data, data.shape[:2], order, parameters, per_point, knots, closed)
         net = fitted_net(spaces, data, found)
         residual = residual_of(spaces, net, data, found)
         check_met(residual, data)
@@ -162,8 +163,7 @@ class BSplineSurface(Patch):
         ((4, 3, 3), True)
         """
         data = checked_points(points, "the points")
-        counts = pair_of(vertices, "vertices")
-        spaces, found = spaces_for_data(data, counts, pair_of(order, "order"), parameters, per_point, knots, closed)
+        spaces, found = spaces_for_data(data, vertices, order, parameters, per_point, knots, closed)
         return cls._fitted(spaces, *approximated(spaces, data, found, corrections, kept))
 
     @property
@@ -204,6 +204,12 @@ class BSplineSurface(Patch):
     def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
         """The derivatives, by SciPy's B-splines: one direction after the other where u and v span a grid."""
         return [tensor_values(self.spaces, self.net, u, v, order) for order in orders]
+
+    def _repr_latex_(self) -> str:
+        """The sum for a notebook: as a polynomial of each span it would fill pages."""
+        (n, m), (k, j) = self.net.shape[:2], self.order
+        terms = rf"\mathbf{{B}}_{{i,j}}\, N_{{i,{k}}}(u)\, M_{{j,{j}}}(v)"
+        return rf"$\displaystyle \mathbf{{p}}(u, v) = \sum_{{i=1}}^{{{n}}} \sum_{{j=1}}^{{{m}}} {terms}$"
 
     def expression(self) -> sp.ImmutableMatrix:
         """The point as SymPy expressions, piecewise where there are inner knots."""

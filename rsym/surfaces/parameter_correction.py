@@ -26,7 +26,7 @@ def approximated(
     spaces: Spaces, points: Array, parameters: Pair, steps: int, kept: Sequence[tuple[Any, Any]]
 ) -> tuple[Array, SplineFit]:
     """The net that fits best, then with its kept vertices in place, then with corrected parameters."""
-    if isinstance(steps, bool) or not isinstance(steps, int) or steps < 0:
+    if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or steps < 0:
         raise RsymError(f"corrections is a number >= 0, got {steps!r}", code="corrections")
     loci = kept_vertices(kept, (spaces[0].count, spaces[1].count))
     settled = True
@@ -53,21 +53,21 @@ def corrected(
     history: list[Residual] = []
     rms = residual_of(spaces, net, points, parameters).rms
     for _ in range(steps):
-        moved = _moved(spaces, net, points, parameters)
+        nearer = moved(spaces, net, points, parameters)
         try:
-            candidate = fit(moved)
+            candidate = fit(nearer)
         except RsymError:
             # The data have crowded where they determine too little.
             break
-        residual = residual_of(spaces, candidate, points, moved)
+        residual = residual_of(spaces, candidate, points, nearer)
         if residual.rms >= rms:
             break
-        net, parameters, rms = candidate, moved, residual.rms
+        net, parameters, rms = candidate, nearer, residual.rms
         history.append(residual)
     return net, parameters, history
 
 
-def _moved(spaces: Spaces, net: Array, points: Array, parameters: Pair) -> Pair:
+def moved(spaces: Spaces, net: Array, points: Array, parameters: Pair) -> Pair:
     """Parameters of places on the surface that are nearer to the points; where no step helps, the same."""
     u, v = (np.array(one) for one in np.broadcast_arrays(*broadcast(parameters)))
     steps = _steps(spaces, net, points, (u, v))
