@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 import sympy as sp
 from closeness import assert_close
-from scipy.interpolate import CubicSpline, lagrange
+from scipy.interpolate import CubicSpline, PPoly, lagrange
 
 from rsym.errors import RsymError
 from rsym.surfaces.gordon import GordonSurface
+from rsym.surfaces.polynomials import Polynomials
+from rsym.surfaces.reparametrisation import Composed
 from rsym.surfaces.symbols import t, u, v
 from rsym.surfaces.univariate import Formula
 
@@ -102,6 +104,17 @@ def test_derivatives_of_curves_at_another_pace_are_those_of_the_composition():
         stencil = [surface.derivative(places + k * h, v1, (order - 1, 0)) for k in (-2, -1, 1, 2)]
         expected = (stencil[0] - 8 * stencil[1] + 8 * stencil[2] - stencil[3]) / (12 * h)
         assert_close(surface.derivative(places, v1, (order, 0)), expected, atol=1e-9)
+
+
+def test_a_curve_at_another_pace_has_the_derivatives_of_the_composition_to_order_four():
+    point, pace = (sp.sin(2 * t), sp.exp(t), t**4), t / 3 + t**2 / 5 + t**3 / 7
+    coefficients = np.array([[1 / 7], [1 / 5], [1 / 3], [0]])
+    curve = Composed(Formula(point), Polynomials(PPoly(coefficients, [0, 1])))
+    exact = [sp.sympify(one).subs(t, pace) for one in point]
+    for order in range(5):
+        expected = [one.diff(t, order).subs(t, 0.6) for one in exact]
+        assert_close(curve(0.6, order), np.array(expected, float), atol=1e-12)
+    assert_close(np.array([one.subs(t, 0.6) for one in curve.expressions()], float), curve(0.6), atol=1e-14)
 
 
 def test_without_another_pace_the_worst_pair_is_named():
@@ -214,6 +227,11 @@ def test_a_last_curve_that_is_the_first_again_is_left_out():
     surface = GordonSurface(rings, over)
     assert surface.closed == (True, False)
     assert surface.network.v_curves.shape[0] == 3
+    # An open surface once around: the first and last curve meet every ring at both of its ends.
+    seamed = GordonSurface(rings, over, closed=(False, False))
+    assert seamed.closed == (False, False)
+    assert_close(seamed.network.u_knots, np.arange(4) / 3, atol=1e-14)
+    assert_close(seamed.grid([0, 1], [0.5])[:, 0], [[1, 0, 0.5]] * 2, atol=1e-14)
     with pytest.raises(RsymError, match=r"the u-curve 0 is not closed: it starts at \(0.0, 0.0, 0.0\) and ends at"):
         GordonSurface([(t, 0, 0), (t, 1, 0)], [(0, t, 0), (1, t, 0)], closed=(True, False))
 
