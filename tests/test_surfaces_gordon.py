@@ -152,6 +152,11 @@ def test_a_pair_that_does_not_meet_is_named_with_distance_and_parameters():
             [(0.3 * t, 2 * t**2 - t, 0), (1, t, 0)],
             r"meet 2 times: .* and \(u, v\) = \(0.15, 0.5\)",
         ),
+        (
+            [(sp.cos(2 * sp.pi * t), sp.sin(2 * sp.pi * t), z) for z in (0, 1)],
+            [(1, 0, t), (-1, 0, t)],
+            "the u-curves are closed; three v-curves across them are the least, got 2",
+        ),
         ([(t, 0, 0)], [(0, t, 0), (1, t, 0)], "the u-curves: expected a sequence of 2 or more, got 1"),
     ],
 )
@@ -220,6 +225,28 @@ def test_closed_curves_at_uneven_paces_close_c1():
         assert_close(found, torus(full * number / 5, b), atol=1e-12)
 
 
+@pytest.mark.parametrize("pace", [t, t + sp.sin(2 * sp.pi * t) / 20])
+def test_closed_families_of_formulas_are_formulas_wherever_they_start(pace):
+    a = 2 * sp.pi * pace
+    rings = [(sp.cos(2 * sp.pi * t), sp.sin(2 * sp.pi * t), 0), (2 * sp.cos(a), 2 * sp.sin(a), 1)]
+    over = [((1 + t) * sp.cos(b), (1 + t) * sp.sin(b), t) for b in (1, 3, 5)]
+    surface = GordonSurface(rings, over)
+    assert surface.closed == (True, False)
+    point = sp.lambdify((u, v), list(surface.expression()))
+    for place in ((0.2, 0.3), (0.7, 0.5), (1.1, 0.9)):
+        assert_close(surface(*place), point(*place), atol=1e-12)
+
+
+def test_data_that_meet_roughly_are_met_within_the_tolerance():
+    along = [(t, y, sp.Rational(y, 10**5)) for y in (0, 1)]
+    over = [(x, t, 0) for x in (0, 1)]
+    with pytest.raises(RsymError, match="smallest distance is 1e-05"):
+        GordonSurface(along, over)
+    surface = GordonSurface(along, over, tolerance=1e-4, reparametrise="refuse")
+    assert_close(surface.grid([0, 1], DENSE)[..., 2], np.zeros((2, 41)), atol=1e-15)
+    assert_close(surface(DENSE, 1)[:, 2], np.zeros(41), atol=1.1e-5)
+
+
 def test_a_last_curve_that_is_the_first_again_is_left_out():
     full = 2 * np.pi
     rings = [(sp.cos(full * t), sp.sin(full * t), z) for z in (0, 1)]
@@ -237,14 +264,14 @@ def test_a_last_curve_that_is_the_first_again_is_left_out():
 
 
 def test_poles_are_curves_of_one_point():
-    parallels = [(sp.cos(b) * sp.cos(t), sp.cos(b) * sp.sin(t), sp.sin(b)) for b in (0, 0.6, 1.1)]
-    parallels.append((0, 0, 1))
+    parallels = [(sp.cos(b) * sp.cos(t), sp.cos(b) * sp.sin(t), sp.sin(b)) for b in (-0.8, 0, 0.7)]
+    parallels = [(0, 0, -1), *parallels, (0, 0, 1)]
     meridians = [(sp.cos(t) * sp.cos(a), sp.cos(t) * sp.sin(a), sp.sin(t)) for a in 2 * sp.pi * np.arange(6) / 6]
     parallels = [Formula(one, domain=(0, 2 * np.pi)) for one in parallels]
-    meridians = [Formula(one, domain=(0, np.pi / 2)) for one in meridians]
+    meridians = [Formula(one, domain=(-np.pi / 2, np.pi / 2)) for one in meridians]
     surface = GordonSurface(parallels, meridians)
-    points = surface.grid(np.linspace(0, 2 * np.pi, 30), np.linspace(0, np.pi / 2, 20))
-    assert_close(points[:, -1], np.tile([0.0, 0.0, 1.0], (30, 1)), atol=1e-14)
+    points = surface.grid(np.linspace(0, 2 * np.pi, 30), np.linspace(-np.pi / 2, np.pi / 2, 20))
+    assert_close(points[:, [0, -1]], np.tile([[0.0, 0, -1], [0, 0, 1]], (30, 1, 1)), atol=1e-14)
     assert_close(np.linalg.norm(points, axis=-1), np.ones((30, 20)), atol=2e-3)
     assert_close(surface.normal(0.4, np.pi / 2), [0, 0, 1], atol=1e-6)
 

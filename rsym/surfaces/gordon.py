@@ -38,7 +38,8 @@ class GordonSurface(BooleanSum):
         What to do with curves that do not fit: r_j(f_j(u)) with the increasing C1 cubic f_j that leads u_i to the
         curve's own parameter there (PCHIP); an exact composition, no curve is fitted. Or raise.
     tolerance : float
-        By which share of the size of the network curves may miss one another.
+        By which share of the size of the network curves may miss one another; v-curves are met all the same, u-curves
+        are missed by as much.
     letters : mapping, optional
         Symbols or names to numbers or `rsym.Letter`; the intersections are found for the values given here.
 

@@ -11,6 +11,7 @@ import sympy as sp
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
+from rsym.surfaces.entries import exact
 from rsym.surfaces.parameters import Interval, inside
 from rsym.surfaces.polynomials import Polynomials
 from rsym.surfaces.symbols import t as parameter
@@ -33,16 +34,17 @@ class Part(Curve):
     @property
     def is_smooth_formula(self) -> bool:
         """Whether the curve is, and does not start anew inside."""
+        return self.curve.is_smooth_formula and self._stays
+
+    @property
+    def _stays(self) -> bool:
         (a, b), (c, d) = self.domain, self.curve.domain
-        return self.curve.is_smooth_formula and c <= a and b <= d
+        return c <= a and b <= d
 
     def expressions(self) -> sp.ImmutableDenseNDimArray | None:
         """The formula of the curve, with a jump of the parameter where a turn ends."""
-        whole, end = self.curve.expressions(), sp.nsimplify(self.curve.domain[1], rational=True)
-        if whole is None or self.domain[1] <= self.curve.domain[1]:
-            return whole
-        length = end - sp.nsimplify(self.curve.domain[0], rational=True)
-        return whole.xreplace({parameter: sp.Piecewise((parameter, parameter <= end), (parameter - length, True))})
+        whole = self.curve.expressions()
+        return whole if whole is None or self._stays else whole.xreplace({parameter: _turned(parameter, self.curve)})
 
 
 class Composed(Curve):
@@ -68,9 +70,16 @@ class Composed(Curve):
     def expressions(self) -> sp.ImmutableDenseNDimArray | None:
         """The formula of the curve at the pace."""
         whole, pace = self.curve.expressions(), self.pace.expressions()
-        if whole is None or pace is None or self.closed:
+        if whole is None or pace is None:
             return None
-        return whole.xreplace({parameter: pace[()]})
+        return whole.xreplace({parameter: _turned(pace[()], self.curve) if self.closed else pace[()]})
+
+
+def _turned(place: sp.Expr, curve: Curve) -> sp.Expr:
+    """A parameter up to one turn off the interval of a curve, brought back to it."""
+    low, high = map(exact, curve.domain)
+    length = high - low
+    return sp.Piecewise((place + length, place < low), (place - length, place > high), (place, True))
 
 
 def _bell(pace: Sequence[Array], top: int) -> list[list[Array]]:
