@@ -15,7 +15,7 @@ from rsym.surfaces.cardinals import checked_knots
 from rsym.surfaces.families import family
 from rsym.surfaces.intersections import QUOTIENT, polygon
 from rsym.surfaces.network_parameters import meeting_parameters
-from rsym.surfaces.reparametrisation import Composed, Part, monotone
+from rsym.surfaces.reparametrisation import Composed, Part, increasing
 from rsym.surfaces.univariate import Curve, LetterValues, Sampled, Stack, on_interval
 
 Array: TypeAlias = NDArray[np.float64]
@@ -217,8 +217,10 @@ def _placed(curve: Curve, knots: tuple[float, ...], own: Array | None, closed: b
     if own is None or same:
         return curve if (interval, closed) == (curve.domain, curve.closed) else Part(curve, interval, closed=closed)
     if closed:
-        return Composed(curve, monotone(np.array(knots), np.append(own, own[0] + high - low), closed=True), closed=True)
-    return Composed(curve, monotone(grid, own))
+        return Composed(
+            curve, increasing(np.array(knots), np.append(own, own[0] + high - low), closed=True), closed=True
+        )
+    return Composed(curve, increasing(grid, own))
 
 
 def _at_knots(curves: Stack, knots: tuple[float, ...], count: int) -> Sampled:
