@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 import sympy as sp
 from closeness import assert_close
-from scipy.interpolate import CubicSpline, lagrange
+from scipy.interpolate import CubicSpline, PPoly, lagrange
 
 from rsym.errors import RsymError
 from rsym.surfaces.gordon import GordonSurface
+from rsym.surfaces.polynomials import Polynomials
+from rsym.surfaces.reparametrisation import Composed, increasing
 from rsym.surfaces.symbols import t, u, v
 from rsym.surfaces.univariate import Formula
 
@@ -104,6 +106,37 @@ def test_derivatives_of_curves_at_another_pace_are_those_of_the_composition():
         assert_close(surface.derivative(places, v1, (order, 0)), expected, atol=1e-9)
 
 
+def test_a_curve_at_another_pace_has_the_derivatives_of_the_composition_to_order_four():
+    point, pace = (sp.sin(2 * t), sp.exp(t), t**4), t / 3 + t**2 / 5 + t**3 / 7
+    coefficients = np.array([[1 / 7], [1 / 5], [1 / 3], [0]])
+    curve = Composed(Formula(point), Polynomials(PPoly(coefficients, [0, 1])))
+    exact = [sp.sympify(one).subs(t, pace) for one in point]
+    for order in range(5):
+        expected = [one.diff(t, order).subs(t, 0.6) for one in exact]
+        assert_close(curve(0.6, order), np.array(expected, float), atol=1e-12)
+    assert_close(np.array([one.subs(t, 0.6) for one in curve.expressions()], float), curve(0.6), atol=1e-14)
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_paces_increase_through_their_values_and_are_as_smooth_as_they_can(closed):
+    random = np.random.default_rng(4)
+    smooth = 0
+    for roughness in np.linspace(0.1, 6, 60):
+        knots, values = (np.cumsum(np.exp(roughness * random.uniform(size=7))) for _ in range(2))
+        knots = (knots - knots[0]) / (knots[-1] - knots[0])
+        pace = increasing(knots, values, closed=closed)
+        assert_close(pace(knots), values, rtol=1e-14)
+        below, dense = np.nextafter(knots[1:], 0), np.linspace(0, 1, 2001)
+        starts = np.append(knots[1:-1], knots[0] if closed else knots[-1])
+        scale = np.abs(pace(dense, 1)).max()
+        assert_close(pace(below, 1), pace(starts, 1), atol=1e-11 * scale)
+        assert (pace(dense, 1) > 0).all()
+        jump = np.abs(pace(below, 2) - pace(starts, 2)).max() / np.abs(pace(dense, 2)).max()
+        assert jump < 1e-12 or jump > 1e-3
+        smooth += jump < 1e-12
+    assert 10 < smooth < 50
+
+
 def test_without_another_pace_the_worst_pair_is_named():
     along, over = graph_network(uneven)
     with pytest.raises(RsymError) as caught:
@@ -138,6 +171,11 @@ def test_a_pair_that_does_not_meet_is_named_with_distance_and_parameters():
             [(t, 0, 0), (t, 1, 0)],
             [(0.3 * t, 2 * t**2 - t, 0), (1, t, 0)],
             r"meet 2 times: .* and \(u, v\) = \(0.15, 0.5\)",
+        ),
+        (
+            [(sp.cos(2 * sp.pi * t), sp.sin(2 * sp.pi * t), z) for z in (0, 1)],
+            [(1, 0, t), (-1, 0, t)],
+            "the u-curves are closed; three v-curves across them are the least, got 2",
         ),
         ([(t, 0, 0)], [(0, t, 0), (1, t, 0)], "the u-curves: expected a sequence of 2 or more, got 1"),
     ],
@@ -192,19 +230,41 @@ def test_closed_families_close_twice_smoothly(shift):
         assert_close(surface.derivative(DENSE, v1, back), surface.derivative(DENSE, v0, back), atol=size)
 
 
-def test_closed_curves_at_uneven_paces_close_c1():
+def test_closed_curves_at_uneven_paces_close_c2():
     full = 2 * np.pi
     rings = [lambda s, j=j: torus(full * (s + 0.1 * j + 0.02 * j * np.sin(full * s)), 0.5 + j) for j in range(3)]
     over = [lambda s, a=a: torus(a, 0.5 + 2 * s) for a in full * np.arange(5) / 5]
     surface = GordonSurface(rings, over)
     assert surface.closed == (True, False)
     (u0, u1), _ = surface.domain
-    for order, size in (((0, 0), 1e-12), ((1, 0), 1e-8), ((0, 1), 1e-9)):
+    for order, size in (((0, 0), 1e-12), ((1, 0), 1e-8), ((0, 1), 1e-9), ((2, 0), 1e-6)):
         assert_close(surface.derivative(u1, DENSE, order), surface.derivative(u0, DENSE, order), atol=size)
     for number in range(5):
         found = surface(surface.network.u_knots[number], DENSE)
         b = np.arctan2(found[:, 2] - np.cos(4 * np.pi * number / 5), np.hypot(found[:, 0], found[:, 1]) - 3)
         assert_close(found, torus(full * number / 5, b), atol=1e-12)
+
+
+@pytest.mark.parametrize("pace", [t, t + sp.sin(2 * sp.pi * t) / 20])
+def test_closed_families_of_formulas_are_formulas_wherever_they_start(pace):
+    a = 2 * sp.pi * pace
+    rings = [(sp.cos(2 * sp.pi * t), sp.sin(2 * sp.pi * t), 0), (2 * sp.cos(a), 2 * sp.sin(a), 1)]
+    over = [((1 + t) * sp.cos(b), (1 + t) * sp.sin(b), t) for b in (1, 3, 5)]
+    surface = GordonSurface(rings, over)
+    assert surface.closed == (True, False)
+    point = sp.lambdify((u, v), list(surface.expression()))
+    for place in ((0.2, 0.3), (0.7, 0.5), (1.1, 0.9)):
+        assert_close(surface(*place), point(*place), atol=1e-12)
+
+
+def test_data_that_meet_roughly_are_met_within_the_tolerance():
+    along = [(t, y, sp.Rational(y, 10**5)) for y in (0, 1)]
+    over = [(x, t, 0) for x in (0, 1)]
+    with pytest.raises(RsymError, match="smallest distance is 1e-05"):
+        GordonSurface(along, over)
+    surface = GordonSurface(along, over, tolerance=1e-4, reparametrise="refuse")
+    assert_close(surface.grid([0, 1], DENSE)[..., 2], np.zeros((2, 41)), atol=1e-15)
+    assert_close(surface(DENSE, 1)[:, 2], np.zeros(41), atol=1.1e-5)
 
 
 def test_a_last_curve_that_is_the_first_again_is_left_out():
@@ -214,19 +274,24 @@ def test_a_last_curve_that_is_the_first_again_is_left_out():
     surface = GordonSurface(rings, over)
     assert surface.closed == (True, False)
     assert surface.network.v_curves.shape[0] == 3
+    # An open surface once around: the first and last curve meet every ring at both of its ends.
+    seamed = GordonSurface(rings, over, closed=(False, False))
+    assert seamed.closed == (False, False)
+    assert_close(seamed.network.u_knots, np.arange(4) / 3, atol=1e-14)
+    assert_close(seamed.grid([0, 1], [0.5])[:, 0], [[1, 0, 0.5]] * 2, atol=1e-14)
     with pytest.raises(RsymError, match=r"the u-curve 0 is not closed: it starts at \(0.0, 0.0, 0.0\) and ends at"):
         GordonSurface([(t, 0, 0), (t, 1, 0)], [(0, t, 0), (1, t, 0)], closed=(True, False))
 
 
 def test_poles_are_curves_of_one_point():
-    parallels = [(sp.cos(b) * sp.cos(t), sp.cos(b) * sp.sin(t), sp.sin(b)) for b in (0, 0.6, 1.1)]
-    parallels.append((0, 0, 1))
+    parallels = [(sp.cos(b) * sp.cos(t), sp.cos(b) * sp.sin(t), sp.sin(b)) for b in (-0.8, 0, 0.7)]
+    parallels = [(0, 0, -1), *parallels, (0, 0, 1)]
     meridians = [(sp.cos(t) * sp.cos(a), sp.cos(t) * sp.sin(a), sp.sin(t)) for a in 2 * sp.pi * np.arange(6) / 6]
     parallels = [Formula(one, domain=(0, 2 * np.pi)) for one in parallels]
-    meridians = [Formula(one, domain=(0, np.pi / 2)) for one in meridians]
+    meridians = [Formula(one, domain=(-np.pi / 2, np.pi / 2)) for one in meridians]
     surface = GordonSurface(parallels, meridians)
-    points = surface.grid(np.linspace(0, 2 * np.pi, 30), np.linspace(0, np.pi / 2, 20))
-    assert_close(points[:, -1], np.tile([0.0, 0.0, 1.0], (30, 1)), atol=1e-14)
+    points = surface.grid(np.linspace(0, 2 * np.pi, 30), np.linspace(-np.pi / 2, np.pi / 2, 20))
+    assert_close(points[:, [0, -1]], np.tile([[0.0, 0, -1], [0, 0, 1]], (30, 1, 1)), atol=1e-14)
     assert_close(np.linalg.norm(points, axis=-1), np.ones((30, 20)), atol=2e-3)
     assert_close(surface.normal(0.4, np.pi / 2), [0, 0, 1], atol=1e-6)
 

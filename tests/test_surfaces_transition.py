@@ -83,8 +83,10 @@ def test_derivatives_along_lines_are_those_of_the_formulas():
 def test_the_surface_is_a_formula_where_the_patches_are():
     one, two = surfaces()
     surface = TransitionSurface(one, LINE, two, "u0", k1=1 + t)
-    point = surface.expression().subs({u: sp.Rational(1, 3), v: sp.Rational(1, 4)}).evalf()
-    assert_close(surface(1 / 3, 0.25), np.array(point, float).ravel(), atol=1e-14)
+    place = {u: sp.Rational(1, 3), v: sp.Rational(1, 4)}
+    for order in ((0, 0), (3, 1)):
+        expected = surface.expression().diff(u, order[0]).diff(v, order[1]).subs(place).evalf()
+        assert_close(surface.derivative(1 / 3, 0.25, order), np.array(expected, float).ravel(), atol=1e-12)
 
 
 def test_a_closed_line_makes_a_tube_that_closes():

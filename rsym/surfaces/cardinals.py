@@ -126,7 +126,6 @@ class LagrangeCardinals(Curve):
         # Scaled by the length of the interval, so that the products neither overflow nor vanish.
         self._weights: Array = 1 / np.prod(4 * gaps / (places[-1] - places[0]), axis=1)
         slopes = self._weights / self._weights[:, None] / gaps
-        np.fill_diagonal(slopes, 0)
         self._slopes: Array = slopes - np.diag(slopes.sum(axis=1))
 
     def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:

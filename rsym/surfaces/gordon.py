@@ -35,10 +35,12 @@ class GordonSurface(BooleanSum):
         Whether the surface closes in u, in v. By default it does where all curves along it close smoothly; a last curve
         across that is the first again is then left out. Three curves across are the least.
     reparametrise : "auto" or "refuse"
-        What to do with curves that do not fit: r_j(f_j(u)) with the increasing C1 cubic f_j that leads u_i to the
-        curve's own parameter there (PCHIP); an exact composition, no curve is fitted. Or raise.
+        What to do with curves that do not fit: r_j(f_j(u)) with an increasing cubic f_j that leads u_i to the curve's
+        own parameter there, an exact composition: no curve is fitted. f_j is a C2 spline where that increases enough,
+        and C1 (PCHIP) where the paces differ much. Or raise.
     tolerance : float
-        By which share of the size of the network curves may miss one another.
+        By which share of the size of the network curves may miss one another; v-curves are met all the same, u-curves
+        are missed by as much.
     letters : mapping, optional
         Symbols or names to numbers or `rsym.Letter`; the intersections are found for the values given here.
 

@@ -17,11 +17,11 @@ Table: TypeAlias = list[list[list[Intersection]]]
 
 def meeting_parameters(
     u_polygons: Sequence[Polygon], v_polygons: Sequence[Polygon], tolerance: float
-) -> tuple[Array, Array]:
-    """Arrays u_ij and v_ij: the v-curve i meets the u-curve j at u_ij on the u-curve and v_ij on the v-curve.
+) -> tuple[Array, Array, Array]:
+    """Arrays u_ij, v_ij and gaps: the v-curve i meets the u-curve j at u_ij on the u-curve and v_ij on the v-curve.
 
-    They increase with i and with j; along curves whose ends meet they go on beyond the end. NaN on curves that are
-    points, where any parameter does.
+    Parameters increase with i and with j; along curves whose ends meet they go on beyond the end. They are NaN on
+    curves that are points, where any parameter does.
 
     Raises
     ------
@@ -37,10 +37,10 @@ def meeting_parameters(
         for j, found in enumerate(row):
             if len(found) != 1:
                 raise _several(i, j, found)
-    of_u, of_v = (np.array([[found[0][axis] for found in row] for row in table]) for axis in (0, 1))
+    of_u, of_v, gaps = (np.array([[found[0][part] for found in row] for row in table]) for part in range(3))
     _order(of_u, u_polygons, "u", "v")
     _order(of_v.T, v_polygons, "v", "u")
-    return of_u, of_v
+    return of_u, of_v, gaps
 
 
 def _meeting(i: int, j: int, one: Polygon, other: Polygon, tolerance: float) -> list[Intersection]:
@@ -100,11 +100,12 @@ def _several(i: int, j: int, found: list[Intersection]) -> RsymError:
 
 def _order(values: Array, polygons: Sequence[Polygon], along: str, over: str) -> None:
     """Check in place that the parameters on each curve (column) increase; where its ends meet, turn them first."""
+    known = values[0, ~np.isnan(values[0])]
     for j, part in enumerate(polygons):
         column = values[:, j]
         length = part.curve.domain[1] - part.curve.domain[0]
         if part.closes:
-            column -= length * np.round((column[0] - values[0, 0]) / length)
+            column -= length * np.round((column[0] - known[0]) / length) if known.size else 0.0
             column[1:] = column[0] + np.mod(column[1:] - column[0], length)
         bad = np.flatnonzero(np.diff(column) <= 0)
         if len(bad):

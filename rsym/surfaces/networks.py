@@ -15,7 +15,7 @@ from rsym.surfaces.cardinals import checked_knots
 from rsym.surfaces.families import family
 from rsym.surfaces.intersections import QUOTIENT, polygon
 from rsym.surfaces.network_parameters import meeting_parameters
-from rsym.surfaces.reparametrisation import Composed, Part, monotone
+from rsym.surfaces.reparametrisation import Composed, Part, increasing
 from rsym.surfaces.univariate import Curve, LetterValues, Sampled, Stack, on_interval
 
 Array: TypeAlias = NDArray[np.float64]
@@ -92,22 +92,22 @@ def network(
         [polygon(curve, size, ends) for curve in one.curves]
         for one, ends in zip(families, (round_u, round_v), strict=True)
     ]
-    own = meeting_parameters(polygons[0], polygons[1], tolerance * size)
-    own_v = np.ascontiguousarray(own[1].T)
-    knots = (
-        _knots(own[0], u_knots, families[0], round_u, "v-curves"),
-        _knots(own_v, v_knots, families[1], round_v, "u-curves"),
-    )
+    own_u, own_v, left = meeting_parameters(polygons[0], polygons[1], tolerance * size)
+    own = (own_u, np.ascontiguousarray(own_v.T))
     rounds = (round_u, round_v)
+    knots = (
+        _knots(own[0], u_knots, families[0], round_u, ("u", "v")),
+        _knots(own[1], v_knots, families[1], round_v, ("v", "u")),
+    )
     outside = [not _fits(at, one.domain, ends) for at, one, ends in zip(knots, families, rounds, strict=True)]
     if not any(outside):
-        plain = _network(families, knots, rounds, (None, None), tolerance * size)
+        plain = _network(families, knots, rounds, (None, None), 2 * tolerance * size)
         gaps = plain.gaps()
-        if gaps.max() <= COMPATIBLE * size:
+        if (gaps <= COMPATIBLE * size + 2 * left).all():
             return plain
     if reparametrise == "refuse":
-        raise _unfit("uv"[outside.index(True)]) if any(outside) else _incompatible(gaps, own, knots)
-    return _network(families, knots, rounds, (own[0], own_v), tolerance * size)
+        raise _unfit("uv"[outside.index(True)]) if any(outside) else _incompatible(gaps, (own_u, own_v), knots)
+    return _network(families, knots, rounds, own, 2 * tolerance * size)
 
 
 def _closed(families: tuple[Stack, Stack], asked: tuple[bool, bool] | None, size: float) -> tuple[bool, bool]:
@@ -152,14 +152,23 @@ def _without_the_last_again(one: Stack, cyclic: bool, size: float) -> Stack:
     return one
 
 
-def _knots(own: Array, given: Sequence[Any] | None, one: Stack, closed: bool, what: str) -> tuple[float, ...]:
+def _knots(
+    own: Array, given: Sequence[Any] | None, one: Stack, closed: bool, names: tuple[str, str]
+) -> tuple[float, ...]:
     """The parameters of the grid: those given, or the means of the curves' own."""
+    along, over = names
     low, high = one.domain
+    if closed and len(own) < 3:
+        raise RsymError(
+            f"the {along}-curves are closed; three {over}-curves across them are the least, got {len(own)}",
+            code="closed",
+            remedy=f"give more, or with closed= leave the surface open in {along}, between those given",
+        )
     if given is not None:
         if len(given) != len(own) + closed:
             again = ", and one for the first again" if closed else ""
             raise RsymError(
-                f"{len(own)} {what} need as many knots{again}: {len(own) + closed}, got {len(given)}",
+                f"{len(own)} {over}-curves need as many {along}_knots{again}: {len(own) + closed}, got {len(given)}",
                 code="knots",
                 remedy="one knot for each curve across, in their order",
             )
@@ -208,8 +217,10 @@ def _placed(curve: Curve, knots: tuple[float, ...], own: Array | None, closed: b
     if own is None or same:
         return curve if (interval, closed) == (curve.domain, curve.closed) else Part(curve, interval, closed=closed)
     if closed:
-        return Composed(curve, monotone(np.array(knots), np.append(own, own[0] + high - low), closed=True), closed=True)
-    return Composed(curve, monotone(grid, own))
+        return Composed(
+            curve, increasing(np.array(knots), np.append(own, own[0] + high - low), closed=True), closed=True
+        )
+    return Composed(curve, increasing(grid, own))
 
 
 def _at_knots(curves: Stack, knots: tuple[float, ...], count: int) -> Sampled:

@@ -9,14 +9,18 @@ from typing import TypeAlias
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 
+from rsym.surfaces.entries import exact
 from rsym.surfaces.parameters import Interval, inside
 from rsym.surfaces.polynomials import Polynomials
 from rsym.surfaces.symbols import t as parameter
 from rsym.surfaces.univariate import Curve, LetterValues
 
 Array: TypeAlias = NDArray[np.float64]
+
+# A pace that slows down to less than this share of its mean crowds the lines of a surface, and bends it.
+SLOWEST = 0.25
 
 
 class Part(Curve):
@@ -33,16 +37,17 @@ class Part(Curve):
     @property
     def is_smooth_formula(self) -> bool:
         """Whether the curve is, and does not start anew inside."""
+        return self.curve.is_smooth_formula and self._stays
+
+    @property
+    def _stays(self) -> bool:
         (a, b), (c, d) = self.domain, self.curve.domain
-        return self.curve.is_smooth_formula and c <= a and b <= d
+        return c <= a and b <= d
 
     def expressions(self) -> sp.ImmutableDenseNDimArray | None:
         """The formula of the curve, with a jump of the parameter where a turn ends."""
-        whole, end = self.curve.expressions(), sp.nsimplify(self.curve.domain[1], rational=True)
-        if whole is None or self.domain[1] <= self.curve.domain[1]:
-            return whole
-        length = end - sp.nsimplify(self.curve.domain[0], rational=True)
-        return whole.xreplace({parameter: sp.Piecewise((parameter, parameter <= end), (parameter - length, True))})
+        whole = self.curve.expressions()
+        return whole if whole is None or self._stays else whole.xreplace({parameter: _turned(parameter, self.curve)})
 
 
 class Composed(Curve):
@@ -68,9 +73,16 @@ class Composed(Curve):
     def expressions(self) -> sp.ImmutableDenseNDimArray | None:
         """The formula of the curve at the pace."""
         whole, pace = self.curve.expressions(), self.pace.expressions()
-        if whole is None or pace is None or self.closed:
+        if whole is None or pace is None:
             return None
-        return whole.xreplace({parameter: pace[()]})
+        return whole.xreplace({parameter: _turned(pace[()], self.curve) if self.closed else pace[()]})
+
+
+def _turned(place: sp.Expr, curve: Curve) -> sp.Expr:
+    """A parameter up to one turn off the interval of a curve, brought back to it."""
+    low, high = map(exact, curve.domain)
+    length = high - low
+    return sp.Piecewise((place + length, place < low), (place - length, place > high), (place, True))
 
 
 def _bell(pace: Sequence[Array], top: int) -> list[list[Array]]:
@@ -85,26 +97,45 @@ def _bell(pace: Sequence[Array], top: int) -> list[list[Array]]:
     return table
 
 
-def monotone(knots: Array, values: Array, *, closed: bool = False) -> Polynomials:
-    """The increasing C1 cubic with these increasing values at the knots; if closed, smooth across the last one too.
+def increasing(knots: Array, values: Array, *, closed: bool = False) -> Polynomials:
+    """An increasing cubic with these increasing values at the knots; if closed, smooth across the last one too.
 
-    The slopes are Fritsch and Butland's (PCHIP), which never vanish inside; those at the ends are held at a third of
-    the chord's or above, where a vanishing one would make a surface singular along its edge.
+    The natural or periodic spline, C2, if it nowhere rises less than a quarter as fast as the chord there. Otherwise
+    the C1 interpolant of Fritsch and Butland (PCHIP), whose slopes never vanish inside; those at the ends are held at a
+    third of the chord's or above, where a vanishing one would make a surface singular along its edge.
 
     Examples
     --------
-    >>> pace = monotone(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 4.0]))
-    >>> pace([0.0, 1.0, 2.0]).tolist(), pace([0.0, 1.0, 2.0], 1).tolist()
-    ([0.0, 1.0, 4.0], [0.3333333333333333, 1.5, 4.0])
+    >>> smooth = increasing(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 3.0]))
+    >>> smooth([0.0, 1.0, 2.0], 1).tolist(), smooth([0.0, 2.0], 2).tolist()
+    ([0.75, 1.5, 2.25], [0.0, 0.0])
+    >>> steep = increasing(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 8.0]))
+    >>> steep([0.0, 1.0, 2.0]).tolist(), steep([0.0, 1.0, 2.0], 1).tolist()
+    ([0.0, 1.0, 8.0], [0.3333333333333333, 1.75, 10.0])
     """
-    if closed:
-        around = [
-            np.concatenate([one[-3:-1] - (one[-1] - one[0]), one, one[1:3] + (one[-1] - one[0])])
-            for one in (knots, values)
-        ]
-        slopes = PchipInterpolator(*around).derivative()(knots)
-    else:
-        chords = (values[1:] - values[:-1]) / (knots[1:] - knots[:-1])
-        slopes = PchipInterpolator(knots, values).derivative()(knots)
-        slopes[0], slopes[-1] = max(slopes[0], chords[0] / 3), max(slopes[-1], chords[-1] / 3)
+    chords = np.diff(values) / np.diff(knots)
+    # A closed pace is a turn at the mean speed and what repeats itself.
+    mean = (values[-1] - values[0]) / (knots[-1] - knots[0]) if closed else 0.0
+    rest = values - mean * (knots - knots[0])
+    rest[-1] = rest[0] if closed else rest[-1]
+    spline = CubicSpline(knots, rest, bc_type="periodic" if closed else "natural")
+    slopes = spline(knots, 1) + mean
+    third, second, first = spline.c[:3]
+    turns = np.clip(-second / np.where(third == 0, 1.0, 3 * third), 0, np.diff(knots))
+    slowest = np.minimum.reduce([slopes[:-1], slopes[1:], first + mean + turns * (2 * second + 3 * third * turns)])
+    if (slowest < SLOWEST * chords).any():
+        slopes = _local_slopes(knots, values, closed)
     return Polynomials(CubicHermiteSpline(knots, values, slopes))
+
+
+def _local_slopes(knots: Array, values: Array, closed: bool) -> Array:
+    """Slopes of PCHIP, with those of the ends mended."""
+    if closed:
+        turn = knots[-1] - knots[0], values[-1] - values[0]
+        pairs = zip((knots, values), turn, strict=True)
+        around = [np.concatenate([one[-3:-1] - whole, one, one[1:3] + whole]) for one, whole in pairs]
+        return np.asarray(PchipInterpolator(*around).derivative()(knots))
+    chords = np.diff(values) / np.diff(knots)
+    slopes = PchipInterpolator(knots, values).derivative()(knots)
+    slopes[0], slopes[-1] = max(slopes[0], chords[0] / 3), max(slopes[-1], chords[-1] / 3)
+    return np.asarray(slopes)
