@@ -199,6 +199,19 @@ def test_seams_and_poles_of_one_patch():
     assert pole.continuity == "G1"
 
 
+def test_normals_at_a_pole_are_turned_to_one_side_patch_by_patch():
+    """The normals of opposite pieces of a steep cone differ by more than a right angle."""
+    turns = [(k * QUARTER, (k + 1) * QUARTER)[::way] for k, way in enumerate((1, -1, -1, 1))]
+    angles = [a + (b - a) * u for a, b in turns]
+    pieces = [Lambdified((v * sp.cos(angle), v * sp.sin(angle), 2 * v)) for angle in angles]
+    report = continuity_report(pieces)
+    assert {edge.flipped for edge in report.edges} == {False, True}
+    assert {edge.continuity for edge in report.edges} == {"G2"}
+    (pole,) = report.poles
+    assert (pole.continuity, pole.patches) == ("G0", (0, 1, 2, 3))
+    assert_close(pole.angle.value, 180 - 2 * math.degrees(math.atan(0.5)), rtol=1e-9)
+
+
 def test_a_moebius_band_is_smooth_and_one_sided():
     angle = 2 * sp.pi * u
     out = 1 + (v - 0.5) * sp.cos(angle / 2) / 2

@@ -104,7 +104,8 @@ def _amount(extreme: Extreme, room: float) -> str:
         return "unknown"
     if extreme.at_most < 1e-2 * room:
         return f"{extreme.value:.1e}" if extreme.value else "0"
-    return measured(float(f"{extreme.value:.{DIGITS}g}"), extreme.error)
+    shown = f"{extreme.value:.{DIGITS}g}"
+    return shown if extreme.error < 10.0**-DIGITS * extreme.value else measured(extreme.value, extreme.error)
 
 
 def _point(point: tuple[float, ...]) -> str:
