@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 # Doubles leave 1e-16 of the size in points, 1e-8 of that in the second derivatives of what is computed by limits at
 # poles; data met "to 1e-8", as networks are after reparametrisation, must pass. A kink of 1e-3 degrees must not.
-GAP, ANGLE, CURVATURE = 1e-7, 1e-4, 1e-4
+GAP, ANGLE, CURVATURE = 1e-7, 1e-4, 1e-5
 # Edges nearer than this share of the patches are taken as meant to meet.
 REACH = 0.01
 # Coordinates far from the origin carry rounding of their own size.

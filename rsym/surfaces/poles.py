@@ -14,7 +14,7 @@ from rsym.surfaces.forms import dot, limit_forms
 
 Array = NDArray[np.float64]
 
-SAMPLES = (9, 17)
+SAMPLES = (17, 33)
 
 
 @dataclass(frozen=True, eq=False)
