@@ -68,6 +68,7 @@ def test_an_octant_out_of_place_leaves_a_crack_that_is_measured():
     broken = [one for one in report.edges if one.continuity == "broken"]
     assert {names(one) for one in broken} == {("1 u1", "2 u0"), ("2 u1", "3 u0"), ("2 v0", "6 v0")}
     assert len(report.edges) == 12
+    assert report.free == ()
     for one in broken:
         # Lifted by 1e-3: at the equator by as much, on meridians less, as the lifted one is also met further down.
         assert_close(one.gap.value, 1e-3, rtol=1e-3)

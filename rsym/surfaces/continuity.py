@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
+from rsym.surfaces.borders import Border
 from rsym.surfaces.edge_comparison import Comparison, flipped, survey
-from rsym.surfaces.edge_matching import Border, Stretch, covered, free_intervals, shared_stretches
+from rsym.surfaces.edge_matching import Stretch, covered, free_intervals, shared_stretches
 from rsym.surfaces.edge_report import CommonEdge, EdgeReport, FreeEdge, Greatest, Pole, Tolerances, badness, extreme
 from rsym.surfaces.edges import edges_of
 from rsym.surfaces.patch import LetterValues, Patch

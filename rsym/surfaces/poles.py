@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.surfaces.edge_matching import Border
+from rsym.surfaces.borders import Border
 from rsym.surfaces.edges import Edge
 from rsym.surfaces.forms import dot, limit_forms
 
