@@ -68,6 +68,7 @@ def test_an_octant_out_of_place_leaves_a_crack_that_is_measured():
     broken = [one for one in report.edges if one.continuity == "broken"]
     assert {names(one) for one in broken} == {("1 u1", "2 u0"), ("2 u1", "3 u0"), ("2 v0", "6 v0")}
     assert len(report.edges) == 12
+    assert report.free == ()
     for one in broken:
         # Lifted by 1e-3: at the equator by as much, on meridians less, as the lifted one is also met further down.
         assert_close(one.gap.value, 1e-3, rtol=1e-3)
@@ -197,6 +198,19 @@ def test_seams_and_poles_of_one_patch():
     tip = Lambdified((v * sp.cos(u), v * sp.sin(u), v**2 * (1 + sp.sin(2 * u) ** 2)), cone.domain, (True, False))
     (pole,) = continuity_report(tip).poles
     assert pole.continuity == "G1"
+
+
+def test_normals_at_a_pole_are_turned_to_one_side_patch_by_patch():
+    """The normals of opposite pieces of a steep cone differ by more than a right angle."""
+    turns = [(k * QUARTER, (k + 1) * QUARTER)[::way] for k, way in enumerate((1, -1, -1, 1))]
+    angles = [a + (b - a) * u for a, b in turns]
+    pieces = [Lambdified((v * sp.cos(angle), v * sp.sin(angle), 2 * v)) for angle in angles]
+    report = continuity_report(pieces)
+    assert {edge.flipped for edge in report.edges} == {False, True}
+    assert {edge.continuity for edge in report.edges} == {"G2"}
+    (pole,) = report.poles
+    assert (pole.continuity, pole.patches) == ("G0", (0, 1, 2, 3))
+    assert_close(pole.angle.value, 180 - 2 * math.degrees(math.atan(0.5)), rtol=1e-9)
 
 
 def test_a_moebius_band_is_smooth_and_one_sided():

@@ -10,6 +10,7 @@ from rsym.errors import RsymError
 from rsym.surfaces.blending import HermiteBlend
 from rsym.surfaces.continuity import continuity_report
 from rsym.surfaces.coons import BicubicCoons
+from rsym.surfaces.exact import sphere as sphere_patches
 from rsym.surfaces.joining import join
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v
@@ -204,3 +205,17 @@ def test_what_cannot_be_joined_is_refused(pair):
         join(sphere((0, 1), (0, sp.pi / 2)), "v1", q, "u0")
     with pytest.raises(RsymError, match="needs a blend of class 3"):
         join(p, "u1", q, "u0", continuity="G2", transfinite=True, blend=HermiteBlend.cubic())
+
+
+def test_octants_continue_one_another_as_the_ratio_says():
+    p, q = sphere_patches(2, pieces=(4, 2))[0::2][:2]
+    assert_close(p(1, 0.3), q(0, 0.3), atol=1e-15)
+    same = join(p, "u1", q, "u0")
+    assert_close(same.matrix, q.matrix, atol=1e-14)
+    noise = 1e-12 * np.random.default_rng(0).normal(size=q.matrix.shape)
+    assert continuity_report([p, same.with_matrix(q.matrix + noise)]).continuity == "G2"
+    stretched = join(p, "u1", q, "u0", k=1.7)
+    report = continuity_report([p, stretched])
+    assert [one.continuity for one in report.edges] == ["G1"]
+    (pole,) = report.poles
+    assert pole.continuity == "G1"

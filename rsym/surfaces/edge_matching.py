@@ -4,81 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.surfaces.edges import Edge
-from rsym.surfaces.forms import dot
+from rsym.surfaces.borders import SAMPLES, Border, closest, projected
 from rsym.surfaces.parameters import Interval
 
 Array = NDArray[np.float64]
 
-SAMPLES = 129
-# Newton's method doubles the digits at each step from a start that is off by less than one sample.
-NEWTON_STEPS = 12
 # Steps of a bisection from one sample to double precision.
 BISECTIONS = 40
 # A stretch shorter than this many gaps that count as closed is a point in which the edges touch.
 TOUCH = 20.0
 # Samples in a row that make a stretch if neither edge ends there; curves in contact of high order have fewer.
 LEAST_RUN = 8
-
-
-@dataclass(frozen=True, eq=False)
-class Border:
-    """An edge with samples; index and size are those of its patch.
-
-    Edges that are closer than `gap` are together; those within `reach` are meant to be.
-    """
-
-    index: int
-    edge: Edge
-    size: float
-    gap: float
-    reach: float
-    is_point: bool = False
-
-    @cached_property
-    def t(self) -> Array:
-        """Parameters of the samples."""
-        return np.linspace(*self.edge.interval, SAMPLES)
-
-    @cached_property
-    def points(self) -> Array:
-        """The samples (SAMPLES, 3)."""
-        return self.edge.position(self.t)
-
-    @cached_property
-    def box(self) -> Array:
-        """Lowest and highest coordinates (2, 3) of the samples, widened by what lies between them."""
-        step = np.abs(np.diff(self.points, axis=0)).max()
-        return np.stack([self.points.min(axis=0) - step, self.points.max(axis=0) + step])
-
-    @cached_property
-    def bulge(self) -> float:
-        """How far the edge can be from the polygon through the samples, twice over."""
-        return float(np.linalg.norm(np.diff(self.points, 2, axis=0), axis=-1).max()) / 4
-
-    def roughly(self, points: Array) -> tuple[NDArray[np.int64], Array]:
-        """For each point the closest sample, and a distance that the edge is not nearer than."""
-        # |p|^2 - 2 p.q is least where |p - q| is; near the origin, so that rounding does not choose.
-        places, others = self.points - self.points[0], points - self.points[0]
-        nearest = np.argmin(dot(places, places) - 2 * others @ places.T, axis=1)
-        least = np.full(len(points), np.inf)
-        for beside in (np.maximum(nearest - 1, 0), np.minimum(nearest + 1, SAMPLES - 1)):
-            start, way = self.points[nearest], self.points[beside] - self.points[nearest]
-            square = dot(way, way)
-            share = np.clip(dot(points - start, way) / np.where(square > 0, square, 1), 0, 1)
-            least = np.minimum(least, np.linalg.norm(points - start - share[:, None] * way, axis=-1))
-        return nearest, least - self.bulge
-
-    @property
-    def loop(self) -> bool:
-        """Whether the edge ends where it begins."""
-        return bool(np.abs(self.points[0] - self.points[-1]).max() <= 1e-6 * np.ptp(self.points, axis=0).max())
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,40 +55,6 @@ class Stretch:
         room = 2 * np.abs(np.diff(self.s)).max()
         bounds = np.maximum(guess - room, low), np.minimum(guess + room, high)
         return closest(second.edge, first.edge.position(t), guess, *bounds)
-
-
-def closest(edge: Edge, points: Array, guess: Array, low: Array, high: Array) -> Array:
-    """Parameters of the points of an edge closest to points in space, by Newton's method between bounds.
-
-    Zero of (c(s) - p) . c'(s), where c is the edge. Far from the point its derivative may have the wrong sign: there
-    |c'|^2 takes its place.
-    """
-    s = np.clip(guess, low, high)
-    rounding = 4 * np.finfo(np.float64).eps * max(map(abs, edge.interval))
-    for _ in range(NEWTON_STEPS):
-        position, first, second = edge.derivatives(s, ((0, 0), (1, 0), (2, 0)))
-        away, speed = position - points, dot(first, first)
-        slope = speed + dot(away, second)
-        slope = np.where(slope > 0.1 * speed, slope, speed)
-        with np.errstate(all="ignore"):
-            step = np.where(slope > 0, dot(away, first) / slope, 0.0)
-        before, s = s, np.clip(s - step, low, high)
-        if np.abs(s - before).max() <= rounding:
-            break
-    return s
-
-
-def projected(border: Border, points: Array, room: float) -> tuple[Array, Array]:
-    """For each point the parameter of the closest point of an edge, and the distance; infinite where beyond `room`."""
-    nearest, least = border.roughly(points)
-    s, away = border.t[nearest], np.full(len(points), np.inf)
-    near = least <= room
-    if near.any():
-        places = nearest[near]
-        low, high = border.t[np.maximum(places - 1, 0)], border.t[np.minimum(places + 1, SAMPLES - 1)]
-        s[near] = closest(border.edge, points[near], s[near], low, high)
-        away[near] = np.linalg.norm(border.edge.position(s[near]) - points[near], axis=-1)
-    return s, away
 
 
 def shared_stretches(borders: Sequence[Border]) -> list[Stretch]:
@@ -231,7 +138,7 @@ def _stretches(pair: tuple[Border, Border], room: float) -> Iterator[Stretch]:
         for places, partners in runs:
             if np.ptp(first.edge.position(places), axis=0).max() > least:
                 interval = (float(places[0]), float(places[-1]))
-                yield Stretch(pair, interval, places, _unwound(second, partners))
+                yield Stretch(pair, interval, places, _to_ends(second, _unwound(second, partners), least))
 
 
 def _could_meet(one: Border, other: Border, room: float) -> bool:
@@ -274,6 +181,16 @@ def _border_of_run(pair: tuple[Border, Border], inside: float, outside: float, r
         together = projected(pair[1], pair[0].edge.position(np.array([middle])), room)[1][0] <= room
         inside, outside = (middle, outside) if together else (inside, middle)
     return inside
+
+
+def _to_ends(border: Border, s: Array, least: float) -> Array:
+    """The parameters, the first and last moved to the ends of the edge if less than `least` is left over there."""
+    ends = np.array(border.edge.interval)
+    for place in (0, -1):
+        nearest = int(np.argmin(np.abs(ends - s[place])))
+        left = np.linalg.norm(border.edge.position(s[place]) - border.points[-nearest])
+        s[place] = ends[nearest] if left <= least else s[place]
+    return s
 
 
 def _unwound(border: Border, s: Array) -> Array:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 COLOURS: Mapping[str, str] = {"broken": "#d55e00", "G0": "#e69f00", "G1": "#56b4e9", "G2": "#0072b2"}
 NUMERICAL = "Numerical: decided by samples, not proved"
 HEADER = ("", "patches", "class", "gap", "angle", "curvature jump", "worst at", "parameters")
+# Lines and names beyond these are counted, not shown: the report has them all.
+LINES, NAMES = 20, 12
 # Digits of a place that a reader looks up; the report has them all.
 DIGITS = 6
 
@@ -24,8 +26,9 @@ DIGITS = 6
 def report_text(report: EdgeReport) -> str:
     """A paragraph, then a line for each meeting that is less than G2, the worst first."""
     lines = [" ".join(_sentences(report))]
-    lines += [f"  {place}. {meeting_text(one)}" for place, one in enumerate(report.defects, 1)]
-    return "\n".join(lines)
+    lines += [f"  {place}. {meeting_text(one)}" for place, one in enumerate(report.defects[:LINES], 1)]
+    more = len(report.defects) - LINES
+    return "\n".join([*lines, f"  and {more} more"] if more > 0 else lines)
 
 
 def meeting_text(meeting: Meeting) -> str:
@@ -71,14 +74,10 @@ def _sentences(report: EdgeReport) -> Iterator[str]:
             names = ("gap", "angle", "curvature_jump")
             gap, angle, jump = (max(getattr(one, name).at_most for one in smooth) for name in names)
             yield f"Where G2, gaps are at most {gap:.1e}, angles {angle:.1e} degrees, jumps of curvature {jump:.1e}."
-    free = ", ".join(_free_names(report))
-    yield f"Free: {free}." if free else "No edge is free."
+    free = [f"{one.patch} {one.edge}" for one in report.free]
+    shown = ", ".join(free[:NAMES]) + (f" and {len(free) - NAMES} more" if len(free) > NAMES else "")
+    yield f"Free: {shown}." if free else "No edge is free."
     yield f"{NUMERICAL}; size {number(float(f'{report.size:.4g}'))}."
-
-
-def _free_names(report: EdgeReport) -> Iterator[str]:
-    for one in report.free:
-        yield f"{one.patch} {one.edge}"
 
 
 def _row(place: int, meeting: Meeting) -> str:
@@ -104,7 +103,8 @@ def _amount(extreme: Extreme, room: float) -> str:
         return "unknown"
     if extreme.at_most < 1e-2 * room:
         return f"{extreme.value:.1e}" if extreme.value else "0"
-    return measured(float(f"{extreme.value:.{DIGITS}g}"), extreme.error)
+    shown = f"{extreme.value:.{DIGITS}g}"
+    return shown if extreme.error < 10.0**-DIGITS * extreme.value else measured(extreme.value, extreme.error)
 
 
 def _point(point: tuple[float, ...]) -> str:

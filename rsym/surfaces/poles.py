@@ -8,26 +8,25 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.surfaces.edge_matching import Border
+from rsym.surfaces.borders import Border
 from rsym.surfaces.edges import Edge
 from rsym.surfaces.forms import dot, limit_forms
 
 Array = NDArray[np.float64]
 
-SAMPLES = (9, 17)
+SAMPLES = (17, 33)
 
 
 @dataclass(frozen=True, eq=False)
 class Fan:
     """The directions in which patches leave a pole: place, normal and curvature tensor (3, 3) of each of n.
 
-    The tensor T gives the normal curvature T w . w of a unit tangent w. border says which edge a direction is of.
+    The tensor T gives the normal curvature T w . w of a unit tangent w.
     """
 
     points: Array
     normals: Array
     tensors: Array
-    border: NDArray[np.int64]
     parameters: Array
 
 
@@ -43,15 +42,32 @@ def clusters(borders: Sequence[Border]) -> list[list[Border]]:
 
 def fan(group: Sequence[Border], count: int) -> Fan:
     """What the patches of a pole are in `count` directions each, their normals turned to one side."""
-    parts: list[tuple[Array, Array, Array, NDArray[np.int64], Array]] = []
-    for number, border in enumerate(group):
+    parts = []
+    for border in group:
         t = np.linspace(*border.edge.interval, count)
-        points, normals, tensors = _directions(border.edge, t)
-        if parts and np.nansum(dot(np.nanmean(normals, axis=0), parts[0][1])) < 0:
-            normals, tensors = -normals, -tensors
-        parameters = np.stack(border.edge.parameters(t), axis=-1)
-        parts.append((points, normals, tensors, np.full(count, number), parameters))
-    return Fan(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+        parts.append((*_directions(border.edge, t), np.stack(border.edge.parameters(t), axis=-1)))
+    points, leaving, normals, tensors, parameters = (np.stack(column) for column in zip(*parts, strict=True))
+    signs = _sides(leaving, normals)[:, None, None]
+    normals, tensors = signs * normals, signs[..., None] * tensors
+    return Fan(*(one.reshape(-1, *one.shape[2:]) for one in (points, normals, tensors, parameters)))
+
+
+def _sides(leaving: Array, normals: Array) -> Array:
+    """A sign for each patch that turns all normals to one side: along edges that two of them share they agree.
+
+    Patches are taken one after the other, always the one with the edge nearest to an edge of those taken before.
+    """
+    ends, there = leaving[:, [0, -1]], normals[:, [0, -1]]
+    near = np.einsum("aid,bjd->abij", ends, ends)
+    same = np.einsum("aid,bjd->abij", there, there)
+    signs = np.zeros(len(ends))
+    signs[0] = 1.0
+    while (signs == 0).any():
+        open_pairs = (signs[:, None] != 0) & (signs[None] == 0)
+        nearest = np.where(open_pairs[..., None, None], np.nan_to_num(near, nan=-1.0), -np.inf)
+        a, b, i, j = np.unravel_index(int(np.argmax(nearest)), near.shape)
+        signs[b] = signs[a] * (-1.0 if same[a, b, i, j] < 0 else 1.0)
+    return signs
 
 
 def spread(fan: Fan) -> tuple[Array, Array, Array]:
@@ -66,8 +82,8 @@ def spread(fan: Fan) -> tuple[Array, Array, Array]:
     return gaps, angles, jumps
 
 
-def _directions(edge: Edge, t: Array) -> tuple[Array, Array, Array]:
-    """Points, normals and curvature tensors; the basis at a pole is p_uv and the derivative out of the edge."""
+def _directions(edge: Edge, t: Array) -> tuple[Array, Array, Array, Array]:
+    """Points, unit directions, normals and curvature tensors; the basis at a pole is p_uv and the derivative across."""
     u, v = edge.parameters(t)
     forms = limit_forms(edge.patch, u, v, edge.letters)
     orders = ((0, 0), (1, 1), (0, 1) if edge.across == 1 else (1, 0))
@@ -77,9 +93,10 @@ def _directions(edge: Edge, t: Array) -> tuple[Array, Array, Array]:
     with np.errstate(all="ignore"):
         area = forms.E * forms.G - forms.F**2
         rows = [np.stack([forms.G, -forms.F], axis=-1), np.stack([-forms.F, forms.E], axis=-1)]
+        direction = leaving / np.sqrt(dot(leaving, leaving))[:, None]
         dual = basis @ (np.stack(rows, axis=-2) / area[:, None, None])
     form = np.stack([np.stack([forms.L, forms.M], axis=-1), np.stack([forms.M, forms.N], axis=-1)], axis=-2)
-    return points, forms.normal, dual @ form @ np.swapaxes(dual, -1, -2)
+    return points, direction, forms.normal, dual @ form @ np.swapaxes(dual, -1, -2)
 
 
 def _near(one: Border, other: Border) -> bool:
