@@ -29,9 +29,12 @@ from .model.shape import Shape
 from .model.symbols import x, y, z
 from .model.systems import R0, R1, R0m, RAlpha, Rp
 from .output.combs import plot_curvature_comb
-from .output.explore import explore
+from .output.comparison import compare_patches
+from .output.explore import explore, explore_patches
 from .output.fields import plot_field, plot_fields
 from .output.files import write, write_features
+from .output.joins import plot_continuity
+from .output.patches import plot_patches
 from .output.presets import load_letters, save_letters
 from .output.sections import plot_sections, write_sections
 from .output.surfaces import plot_mesh
@@ -75,6 +78,7 @@ __all__ = [
     "Shape",
     "SmoothnessReport",
     "Threshold",
+    "compare_patches",
     "compile",
     "conjunction",
     "continuity",
@@ -85,6 +89,7 @@ __all__ = [
     "equivalence",
     "exclusive_or",
     "explore",
+    "explore_patches",
     "extent",
     "gaussian_curvature",
     "gradient",
@@ -102,10 +107,12 @@ __all__ = [
     "negation",
     "normalise",
     "paper",
+    "plot_continuity",
     "plot_curvature_comb",
     "plot_field",
     "plot_fields",
     "plot_mesh",
+    "plot_patches",
     "plot_sections",
     "plot_sweep",
     "plot_verdict",

@@ -20,6 +20,7 @@ def test_the_notebooks_are_there():
         "03_r_systems.ipynb",
         "04_meshes.ipynb",
         "05_is_it_smooth.ipynb",
+        "06_surfaces.ipynb",
     ]
 
 

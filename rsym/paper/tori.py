@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from rsym.output.gallery import Gallery
 from rsym.output.patches import map_range, plot_patches
@@ -13,6 +15,8 @@ from rsym.paper.drawing import Drawing, Table
 from rsym.surfaces.blending import HermiteBlend
 from rsym.surfaces.coons import BicubicCoons
 from rsym.surfaces.exact import torus
+
+Floats = NDArray[np.float64]
 
 R, TUBE = 3.0, 1.0
 PIECES, SPAN = 3, 2 * math.pi / 3  # around either circle
@@ -39,12 +43,14 @@ def ring(blend: HermiteBlend, swelling: float = 1.0) -> list[BicubicCoons]:
     >>> abs(distance(patch)) < 1e-14, abs(distance(ring(BLENDS["bicubic"])[0])) > 0.1
     (True, True)
     """
-    found = []
-    for piece in torus(R, TUBE, pieces=(PIECES, PIECES)):
-        matrix = piece.matrix
-        matrix[:, 2:] *= swelling
-        found.append(BicubicCoons(matrix, blend, blend))
-    return found
+    along = np.array([1.0, 1.0, swelling, swelling])[:, None]
+    return [BicubicCoons(matrix * along, blend, blend) for matrix in corner_information()]
+
+
+@cache
+def corner_information() -> tuple[Floats, ...]:
+    """The matrices (4, 4, 3) of the pieces of the torus."""
+    return tuple(piece.matrix for piece in torus(R, TUBE, pieces=(PIECES, PIECES)))
 
 
 def distance(patch: BicubicCoons) -> float:
