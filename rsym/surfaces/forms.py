@@ -11,7 +11,7 @@ apex of a cone n . p_uuv is not 0, and there is no curvature.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
@@ -23,12 +23,15 @@ Array: TypeAlias = NDArray[np.float64]
 Flags: TypeAlias = NDArray[np.bool_]
 LetterValues: TypeAlias = Mapping[Any, float] | None
 
-# Share d of the way to a pole below which its own value is used. The limit is off by about d; p_u x p_v by eps/d in
-# the normal and eps/d**2 in the curvature: so both ways cost the same at eps**(1/2) and eps**(1/3).
+# Share d of a length below which the value at the pole is used. The limit is off by about d; p_u x p_v by eps/d in
+# the normal and eps/d**2 in the curvature: so both ways cost the same at eps**(1/2) and eps**(1/3). The length is the
+# interval, for curvatures at most that on which p_v turns: a blunt tip far smaller than the surface has its own.
 NORMAL_LIMIT, CURVATURE_LIMIT = 1.5e-8, 6e-6
 
-# At a regular pole n . p_uuv is 0, this close to it at most the distance; at the apex of a cone it is not small.
+# At a regular pole n . p_uuv is 0, at the apex of a cone it is not small.
 APEX = 1e-3
+# Share of the interval from its end within which a pole is that end.
+AT_END = 1e-5
 
 SECOND = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 POLE = ((1, 1), (0, 1), (0, 2), (1, 2), (2, 1), (2, 2))
@@ -66,11 +69,11 @@ def normals(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues 
     """Unit normals (..., 3); NaN where the surface has none."""
     p_u, p_v, p_uv = surface.derivatives(u, v, ((1, 0), (0, 1), (1, 1)), letters=letters)
     result = _unit(np.cross(p_u, p_v))
-    for axis, at_pole in enumerate(_poles(surface, p_u, p_v, p_uv, NORMAL_LIMIT)):
+    for axis, at_pole in enumerate(_poles((p_u, p_v), p_uv, [NORMAL_LIMIT * size for size in _lengths(surface)])):
         if at_pole.any():
-            side = _side(surface, (u, v)[1 - axis], 1 - axis, result.shape[:-1])[at_pole][:, None]
-            first, second = (side * p_uv[at_pole], p_v[at_pole]) if axis == 0 else (p_u[at_pole], side * p_uv[at_pole])
-            result[at_pole] = _unit(np.cross(first, second))
+            places = _places(u, v, at_pole)
+            side = _side(surface, places[1 - axis], axis, (p_u, p_v)[axis][at_pole], p_uv[at_pole])
+            result[at_pole] = _limit_normal(axis, side, p_u[at_pole], p_v[at_pole], p_uv[at_pole])
     return result
 
 
@@ -108,19 +111,26 @@ def limit_forms(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterVal
     p_u, p_v, p_uu, p_uv, p_vv = surface.derivatives(u, v, SECOND, letters=letters)
     n = normals(surface, u, v, letters)
     found = [dot(p_u, p_u), dot(p_u, p_v), dot(p_v, p_v), dot(n, p_uu), dot(n, p_uv), dot(n, p_vv)]
-    for axis, at_pole in enumerate(_poles(surface, p_u, p_v, p_uv, CURVATURE_LIMIT)):
+    turns = [
+        np.minimum(size, np.maximum(_turning_length(first, second), np.abs(np.asarray(place, np.float64))))
+        for first, second, place, size in zip((p_u, p_v), (p_uu, p_vv), (u, v), _lengths(surface), strict=True)
+    ]
+    for axis, at_pole in enumerate(_poles((p_u, p_v), p_uv, [CURVATURE_LIMIT * one for one in turns])):
         if at_pole.any():
-            places = [np.broadcast_to(np.asarray(one, np.float64), at_pole.shape)[at_pole] for one in (u, v)]
-            limits = _pole_forms(surface, places, axis, n[at_pole], letters)
+            places, gone = _places(u, v, at_pole), (p_u, p_v)[axis][at_pole]
+            side = _side(surface, places[1 - axis], axis, gone, p_uv[at_pole])
+            places[1 - axis] = _at_pole(surface, places[1 - axis], axis, gone, p_uv[at_pole])
+            limits = _pole_forms(surface, places, axis, side, letters)
             for known, limit in zip(found, limits, strict=True):
                 known[at_pole] = limit
     return Forms(n, *found)
 
 
-def _pole_forms(surface: Surface, places: list[Array], axis: int, n: Array, letters: LetterValues) -> list[Array]:
+def _pole_forms(surface: Surface, places: list[Array], axis: int, side: Array, letters: LetterValues) -> list[Array]:
     """E, F, G, L, M, N at poles where the derivative along the axis vanishes."""
     orders = [order if axis == 0 else order[::-1] for order in POLE]
     p_uv, p_v, p_vv, p_uvv, p_uuv, p_uuvv = surface.derivatives(places[0], places[1], orders, letters=letters)
+    n = _limit_normal(axis, side, p_v, p_v, p_uv)
     E, F, G = dot(p_uv, p_uv), dot(p_uv, p_v), dot(p_v, p_v)
     M, N = dot(n, p_uvv) / 2, dot(n, p_vv)
     with np.errstate(all="ignore"):
@@ -131,20 +141,53 @@ def _pole_forms(surface: Surface, places: list[Array], axis: int, n: Array, lett
     return [E, F, G, L, M, N] if axis == 0 else [G, F, E, N, M, L]
 
 
-def _poles(surface: Surface, p_u: Array, p_v: Array, p_uv: Array, share: float) -> tuple[Flags, Flags]:
-    """Where p_u vanishes beside p_uv, and where p_v does."""
-    (u0, u1), (v0, v1) = surface.domain
-    turning = np.sqrt(dot(p_uv, p_uv))
-    sizes = [np.sqrt(dot(one, one)) for one in (p_u, p_v)]
-    at_u, at_v = sizes[0] < share * turning * (v1 - v0), sizes[1] < share * turning * (u1 - u0)
+def _poles(tangents: tuple[Array, Array], p_uv: Array, near: Sequence[Any]) -> tuple[Flags, Flags]:
+    """Where p_u vanishes beside p_uv, nearer in v than the second of two distances, and where p_v does."""
+    turning = _size(p_uv)
+    at_u, at_v = (_size(one) < distance * turning for one, distance in zip(tangents, near[::-1], strict=True))
     return at_u & ~at_v, at_v & ~at_u
 
 
-def _side(surface: Surface, values: ArrayLike, axis: int, shape: tuple[int, ...]) -> Array:
-    """1 at the lower half of the interval and -1 at the upper: the sign of the way inwards."""
-    low, high = surface.domain[axis]
-    given = np.broadcast_to(np.asarray(values, np.float64), shape)
-    return np.where(given > (low + high) / 2, -1.0, 1.0)
+def _lengths(surface: Surface) -> list[float]:
+    """The lengths of both intervals."""
+    return [high - low for low, high in surface.domain]
+
+
+def _turning_length(first: Array, second: Array) -> Array:
+    """The change of the parameter in which the tangent changes by itself; infinite along a line."""
+    with np.errstate(all="ignore"):
+        length = _size(first) / _size(second)
+    return np.where(np.isfinite(length), length, np.inf)
+
+
+def _places(u: ArrayLike, v: ArrayLike, where: Flags) -> list[Array]:
+    return [np.broadcast_to(np.asarray(one, np.float64), where.shape)[where] for one in (u, v)]
+
+
+def _at_pole(surface: Surface, values: Array, axis: int, gone: Array, p_uv: Array) -> Array:
+    """The parameter of the pole near each place, where `gone`, the derivative along the axis, vanishes."""
+    low, high = surface.domain[1 - axis]
+    room = AT_END * (high - low)
+    moved = np.clip(values - dot(gone, p_uv) / dot(p_uv, p_uv), low, high)
+    return np.where(moved < low + room, low, np.where(moved > high - room, high, moved))
+
+
+def _side(surface: Surface, values: Array, axis: int, gone: Array, p_uv: Array) -> Array:
+    """1 where the place is above its pole and -1 where it is below: the sign of the way inwards at an end."""
+    low, high = surface.domain[1 - axis]
+    pole = _at_pole(surface, values, axis, gone, p_uv)
+    inner = (pole > low) & (pole < high)
+    return np.where(inner, np.where(dot(gone, p_uv) < 0, -1.0, 1.0), np.where(pole == high, -1.0, 1.0))
+
+
+def _limit_normal(axis: int, side: Array, p_u: Array, p_v: Array, p_uv: Array) -> Array:
+    """The normal at poles where the derivative along the axis is side p_uv times a distance that vanishes."""
+    limit = side[:, None] * p_uv
+    return _unit(np.cross(limit, p_v) if axis == 0 else np.cross(p_u, limit))
+
+
+def _size(vectors: Array) -> Array:
+    return np.sqrt(dot(vectors, vectors))
 
 
 def _matrix(a: Array, b: Array, c: Array) -> Array:
@@ -153,5 +196,5 @@ def _matrix(a: Array, b: Array, c: Array) -> Array:
 
 def _unit(vectors: Array) -> Array:
     with np.errstate(all="ignore"):
-        lengths = np.sqrt(dot(vectors, vectors))[..., None]
+        lengths = _size(vectors)[..., None]
         return np.where(lengths > 0, vectors / lengths, np.nan)
