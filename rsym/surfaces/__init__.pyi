@@ -1,5 +1,6 @@
 from . import projections
 from .blending import HermiteBlend
+from .blending_checks import Answer
 from .bsplines import BSplineSurface
 from .callables import Called
 from .composite import CompositeCoons
@@ -23,17 +24,21 @@ from .ferguson import with_twists
 from .gordon import GordonSurface
 from .joining import join
 from .lofts import HermiteSurface, LagrangeSurface, SplineLoft
+from .meridians import Arc, Segment
 from .meshes import mesh_patches
 from .nurbs import Nurbs
 from .optimal import Optimum, optimal_parameters
 from .parametric import ParametricSurface
 from .patch import Patch
+from .revolution import Revolution
 from .tensor import TensorProductSurface
 from .transition import TransitionSurface
 from .twists import estimate_twists
 from .univariate import Formula
 
 __all__ = [
+    "Answer",
+    "Arc",
     "BSplineSurface",
     "BicubicCoons",
     "Called",
@@ -49,6 +54,8 @@ __all__ = [
     "Optimum",
     "ParametricSurface",
     "Patch",
+    "Revolution",
+    "Segment",
     "SplineLoft",
     "TensorProductSurface",
     "TransitionSurface",
