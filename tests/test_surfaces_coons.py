@@ -216,3 +216,7 @@ def test_a_blend_of_a_higher_class_serves_a_lower_one():
     assert_close(smooth(0.25, s)[:, 2], (1 - 0.103515625) * s**2 + (0.75 - (1 - 0.103515625)) * s, atol=1e-14)
     with pytest.raises(rsym.RsymError, match="class 2 or higher in v, got one of class 1"):
         CoonsPatch(*edges, order=2, blend_v=HermiteBlend.linear())
+
+
+def test_no_orders_are_no_derivatives():
+    assert CoonsPatch((0, t, 0), (1, t, 0), (t, 0, 0), (t, 1, 0)).derivatives(0.5, 0.5, []) == []

@@ -106,7 +106,7 @@ class Patch(ABC):
             self.letters.values_with(letters)
         rows, columns = parameter_arrays(u, v)
         placed = [inside(one, *which) for one, which in zip((rows, columns), self._axes, strict=True)]
-        return self.evaluate(placed[0], placed[1], whole, letters)
+        return self.evaluate(placed[0], placed[1], whole, letters) if whole else []
 
     @property
     def _axes(self) -> tuple[tuple[Interval, bool, str], tuple[Interval, bool, str]]:
