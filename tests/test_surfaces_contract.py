@@ -47,6 +47,10 @@ def called(s):
     return np.stack([s, 0 * s + 2, np.exp(s) - 1], axis=-1)
 
 
+def called_slowly(s):
+    return np.stack([0 * s, s / 3, np.sin(s / 3)], axis=-1)
+
+
 def called_one_by_one(s):
     return (1.0, s, (np.e - 1) * s) if 0 <= s <= 1 else (np.nan,) * 3
 
@@ -67,6 +71,7 @@ def make():
     )
     yield "Coons, class 1", CoonsPatch(*SQUARE)
     yield "Coons, class 2", CoonsPatch(*SQUARE, order=2)
+    yield "Coons, a slow function", CoonsPatch(Called(called_slowly, domain=(0, 3)), *SQUARE[1:], order=2)
     yield "Coons, class 3", CoonsPatch.of_surface((u, v, sp.exp(u * v)), order=3)
     yield "Coons, a function and points", CoonsPatch(*flat)
     yield "Hermite, a function", HermiteSurface([(t, 0, 0), (t, 1, t), called])
@@ -188,18 +193,25 @@ def test_normals_and_curvatures_follow_from_the_derivatives(patch):
     assert_close(patch.mean_curvature(*at), np.trace(shape, axis1=-2, axis2=-1) / 2, atol=1e-10 * size)
 
 
-def test_closed_directions_close_and_repeat(patch):
-    (u0, u1), (v0, v1) = patch.domain
-    if patch.closed[0]:
-        assert_close(patch(u0, v0), patch(u1, v0), atol=1e-12)
-        assert_close(patch.derivative(u0, v1, (1, 0)), patch.derivative(u1, v1, (1, 0)), atol=1e-9)
-        assert_close(patch(u0 + 0.25, v0), patch(u0 + 0.25 + u1 - u0, v0), atol=1e-12)
+@pytest.mark.parametrize("axis", [0, 1])
+def test_closed_directions_close_and_repeat_and_others_end(patch, axis):
+    low, high = patch.domain[axis]
+    middle = np.mean(patch.domain[1 - axis])
+
+    def at(place, order=(0, 0)):
+        return patch.derivative(*((place, middle) if axis == 0 else (middle, place)), order)
+
+    if patch.closed[axis]:
+        along = (1 - axis, axis)
+        assert_close(at(low), at(high), atol=1e-12)
+        assert_close(at(low, along), at(high, along), atol=1e-9)
+        for turns in (-2, 1, 3):
+            assert_close(at(low + 0.25 + turns * (high - low)), at(low + 0.25), atol=1e-12)
     else:
-        with pytest.raises(rsym.RsymError, match=r"u must lie in \[.*remedy: the ends are patch.domain"):
-            patch(u1 + 0.1, v0)
-    if not patch.closed[1]:
-        with pytest.raises(rsym.RsymError, match="v must lie in"):
-            patch(u0, v0 - 0.1)
+        with pytest.raises(rsym.RsymError, match=rf"{'uv'[axis]} must lie in \[.*remedy: the ends are patch.domain"):
+            at(high + 0.1)
+        with pytest.raises(rsym.RsymError, match="must lie in"):
+            at(low - 0.1)
 
 
 def test_nothing_that_is_given_changes_and_nan_stays(patch):
