@@ -128,6 +128,36 @@ def test_the_commands_about_smoothness(capsys, monkeypatch):
     assert {name: int(code) for name, code in codes.items()} == CODES
 
 
+def test_the_lines_about_patches():
+    (code,) = [code for code in PYTHON if "CoonsPatch" in code]
+    space = {"rsym": rsym, "x": rsym.x, "y": rsym.y, "sp": sp}
+    for line in filter(None, code.splitlines()):
+        statement, _, comment = line.partition("  # ")
+        if " = " in statement.partition("(")[0] or re.match(r"from|rsym.write", statement):
+            exec(statement, space)
+        else:
+            assert comment.startswith(repr(eval(statement, space)))
+    assert len(space["ball"]) == 8
+    radii = np.linalg.norm([one.grid([0, 0.3, 1], [0.2, 0.9], letters={"mu": -9}) for one in space["ball"]], axis=-1)
+    assert_close(radii, np.full(radii.shape, 2), atol=1e-14)
+    assert len(trimesh.load_mesh("wave.stl").faces) == 2 * 2 * 32**2
+
+
+def test_the_table_of_patches_names_them():
+    table = TEXT.partition("| made from |")[2].partition("\n\n")[0]
+    for name in re.findall(r"`([\w.]+)`", table):
+        item = rsym.surfaces
+        for part in name.split("."):
+            item = getattr(item, part) if part != "Shape" else rsym.Shape
+        assert callable(item)
+    pictures = re.findall(r"`rsym\.((?:plot|compare)_(?:patches|continuity))`", TEXT)
+    assert len(pictures) == 3
+    assert all(callable(getattr(rsym, name)) for name in pictures)
+    named = set(re.findall(r"`(\w+)", table))
+    patches = {name for name in rsym.surfaces.__all__ if name.endswith(("Patch", "Surface", "Coons"))}
+    assert patches <= named | {"Patch"}
+
+
 def test_the_model_file_and_the_commands(capsys):
     (model,) = [code for code in PLAIN if code.startswith("letter")]
     Path("ball.rf").write_text(model)
