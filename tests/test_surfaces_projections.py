@@ -166,6 +166,8 @@ def test_functions_integrals_and_names_of_nodes():
     integrals = [float(one) * length for one, length in zip(written.means, lengths, strict=True)]
     values = dict(reversed(list(written.values.items())))
     assert_close(operator.of_data(values, integrals=integrals)(px, py), written(px, py), atol=1e-13)
+    points = [(sp.Point(0, 0), sp.Point(1, 0)), ((0, 0), (0, 2)), sp.Eq(x + y, 1)]
+    assert ProjectionOperator(points, [sp.Point(*one) for one in UNIT]).nodes == operator.nodes
 
 
 def test_the_graph_is_a_patch():
@@ -235,7 +237,7 @@ def test_data_that_are_refused():
         operator.of_data([1, 2, 3], [1, 2])
     with pytest.raises(rsym.RsymError, match="either the means"):
         operator.of_data([1, 2, 3])
-    with pytest.raises(rsym.RsymError, match=r"the value at \(0, 2\) depends on x or y"):
+    with pytest.raises(rsym.RsymError, match=r"the value where lines\[0\] and lines\[2\] cross depends on x or y"):
         operator.of_data([1, x, 3], [1, 2, 3])
     with pytest.raises(rsym.RsymError, match="with a in it; remedy: put numbers"):
         operator(sp.sin(sp.Symbol("a") * x + y))

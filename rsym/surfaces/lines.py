@@ -157,7 +157,7 @@ def real_constant(value: Any, what: str) -> sp.Expr:
 
 def point_of(given: Sequence[Any], what: str) -> Point:
     """A point of the plane as two numbers."""
-    if not isinstance(given, list | tuple | np.ndarray) or len(given) != 2:
+    if not isinstance(given, list | tuple | np.ndarray | sp.Point) or len(given) != 2:
         raise RsymError(f"{what} must be a point (x, y), got {given!r}", code="point")
     return real_constant(given[0], what), real_constant(given[1], what)
 

@@ -149,7 +149,7 @@ class ProjectionOperator:
                 code="projection",
                 remedy=f"the nodes are {', '.join(map(str, pairs))}",
             )
-        data = {ij: _datum(values[ij], f"the value at {ij}") for ij in pairs}
+        data = {ij: _datum(values[ij], f"the value where lines[{ij[0]}] and lines[{ij[1]}] cross") for ij in pairs}
         numbers = [_datum(one, f"the projection along lines[{k}]") for k, one in enumerate(given)]
         if integrals is not None:
             numbers = [one / chord.length for one, chord in zip(numbers, self.chords, strict=True)]
