@@ -36,8 +36,8 @@ class CoonsPatch(BooleanSum):
         p(u, v) = -[-1, f(u)] M [-1, f(v)]^T,
 
     where M holds the edges in its first row and column and the corner data in the rest, so that position, first
-    and second derivative across every edge are those given (Coons 1967; the thesis of `seeds`' third document, (2.1.7),
-    (2.2.7), (2.3.3)).
+    and second derivative across every edge are those given (Coons 1967; in a thesis on Coons patches with shape
+    parameters, Central South University, 2009: (2.1.7), (2.2.7), (2.3.3)).
 
     Parameters
     ----------
@@ -156,8 +156,8 @@ class BicubicCoons(BooleanSum):
 
     Notes
     -----
-    The matrix form of `seeds`' first document, and (2.4.2) of the thesis. With the default blends this is the
-    bicubic Hermite patch, with zero twists Ferguson's (1964).
+    The form of the program `test1` of "Modelling of composite surfaces in MATLAB", and (2.4.2) of the thesis that
+    `CoonsPatch` names. With the default blends this is the bicubic Hermite patch, with zero twists Ferguson's (1964).
 
     Examples
     --------

@@ -67,7 +67,8 @@ def join(
 
     Notes
     -----
-    Derived for rsym from the two patch systems of the thesis (the third of `seeds`), whose own rules are lost.
+    Derived for rsym from the two patch systems of a thesis on Coons patches with shape parameters (Central South
+    University, 2009), whose own rules are lost.
 
     Examples
     --------
