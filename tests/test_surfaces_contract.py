@@ -173,7 +173,9 @@ def test_the_formula_is_the_surface(patch):
     values = [float(letter.default) for letter in patch.letters.values()]
     expected = np.stack([one + 0 * at_u for one in function(at_u, at_v, *values)], axis=-1)
     assert_close(patch(at_u, at_v), expected, atol=1e-12 * (1 + np.abs(expected).max()))
-    assert "p(u, v)" in patch._repr_latex_() or r"\left" in patch._repr_latex_()
+    printed = patch._repr_latex_()
+    assert printed.startswith(r"$\displaystyle ")
+    assert printed.count("{") == printed.count("}") > 0
 
 
 def test_normals_and_curvatures_follow_from_the_derivatives(patch):
