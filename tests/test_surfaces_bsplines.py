@@ -140,11 +140,12 @@ def test_crowded_data_are_met_by_averaged_knots_and_refused_by_uniform_ones():
     refused("singular", "vertex (6, ", lambda: BSplineSurface.interpolate(points, knots="uniform", per_point=True))
 
 
+@pytest.mark.parametrize("closed", [False, True])
 @pytest.mark.parametrize("order", [(4, 4), (7, 3)])
-def test_averaged_knots_follow_data_however_crowded(order):
-    x, y = np.linspace(0, 1, 12)[:, None] ** 8, np.linspace(0, 2, 6)
-    points = np.stack([x + 0 * y, y + 0 * x, np.sin(x + y)], axis=-1)
-    surface = BSplineSurface.interpolate(points, order)
+def test_averaged_knots_follow_data_however_crowded(order, closed):
+    turn, y = 5 * np.linspace(0, 1, 12)[:, None] ** 8, np.linspace(0, 2, 6)
+    points = np.stack([np.cos(turn) + 0 * y, y + 0 * turn, np.sin(turn) + y], axis=-1)
+    surface = BSplineSurface.interpolate(points, order, closed=(closed, False))
     assert_close(surface.grid(*surface.parameters), points, atol=1e-12)
 
 
