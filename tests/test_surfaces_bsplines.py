@@ -240,6 +240,20 @@ def test_least_squares_are_no_worse_than_those_of_scipy(knots):
     assert_close(surface.residual.rms, rms(surface.net), rtol=1e-12)
 
 
+@pytest.mark.parametrize("order", [3, 4])
+def test_closed_least_squares_are_those_of_the_cyclic_system(order):
+    """Basis functions of all turns, added."""
+    points = sphere(20, 9, dent=0.3)
+    surface = BSplineSurface.least_squares(points, (8, 9), (order, 4), closed=(True, False))
+    knots, (u, v) = surface.knots[0], surface.parameters
+    all_turns = np.array([[basis(order, knots, i, at) for i in range(8 + order - 1)] for at in u])
+    cyclic = all_turns[:, :8]
+    cyclic[:, : order - 1] += all_turns[:, 8:]
+    rows = np.linalg.lstsq(cyclic, points.reshape(20, -1), rcond=None)[0].reshape(8, 9, 3)
+    values = np.einsum("ai,ijx->ajx", cyclic, rows)
+    assert_close(surface.grid(u, v), values, atol=1e-12)
+
+
 def test_least_squares_keep_digits_that_normal_equations_lose():
     """A polynomial in knots so uneven that its squared system has the condition 1e15."""
     u = np.concatenate([np.geomspace(1e-7, 1, 40), [0.0]])
