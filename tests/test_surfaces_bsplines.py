@@ -140,11 +140,12 @@ def test_crowded_data_are_met_by_averaged_knots_and_refused_by_uniform_ones():
     refused("singular", "vertex (6, ", lambda: BSplineSurface.interpolate(points, knots="uniform", per_point=True))
 
 
+@pytest.mark.parametrize("closed", [False, True])
 @pytest.mark.parametrize("order", [(4, 4), (7, 3)])
-def test_averaged_knots_follow_data_however_crowded(order):
-    x, y = np.linspace(0, 1, 12)[:, None] ** 8, np.linspace(0, 2, 6)
-    points = np.stack([x + 0 * y, y + 0 * x, np.sin(x + y)], axis=-1)
-    surface = BSplineSurface.interpolate(points, order)
+def test_averaged_knots_follow_data_however_crowded(order, closed):
+    turn, y = 5 * np.linspace(0, 1, 12)[:, None] ** 8, np.linspace(0, 2, 6)
+    points = np.stack([np.cos(turn) + 0 * y, y + 0 * turn, np.sin(turn) + y], axis=-1)
+    surface = BSplineSurface.interpolate(points, order, closed=(closed, False))
     assert_close(surface.grid(*surface.parameters), points, atol=1e-12)
 
 
@@ -237,6 +238,20 @@ def test_least_squares_are_no_worse_than_those_of_scipy(knots):
 
     assert rms(surface.net) <= rms(theirs) * (1 + 1e-14)
     assert_close(surface.residual.rms, rms(surface.net), rtol=1e-12)
+
+
+@pytest.mark.parametrize("order", [3, 4])
+def test_closed_least_squares_are_those_of_the_cyclic_system(order):
+    """Basis functions of all turns, added."""
+    points = sphere(20, 9, dent=0.3)
+    surface = BSplineSurface.least_squares(points, (8, 9), (order, 4), closed=(True, False))
+    knots, (u, v) = surface.knots[0], surface.parameters
+    all_turns = np.array([[basis(order, knots, i, at) for i in range(8 + order - 1)] for at in u])
+    cyclic = all_turns[:, :8]
+    cyclic[:, : order - 1] += all_turns[:, 8:]
+    rows = np.linalg.lstsq(cyclic, points.reshape(20, -1), rcond=None)[0].reshape(8, 9, 3)
+    values = np.einsum("ai,ijx->ajx", cyclic, rows)
+    assert_close(surface.grid(u, v), values, atol=1e-12)
 
 
 def test_least_squares_keep_digits_that_normal_equations_lose():

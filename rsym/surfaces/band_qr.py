@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 Array: TypeAlias = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.intp]
 
-# Rows are made a triangle when they are this many times as many as their columns: 2 to 8 take the same time.
-TALL = 4
+# Rows are made a triangle when they are this many times as many as their columns. 10 000 points and 20 x 20 vertices
+# take 0.25 s with 4, 0.21 s with 8, 0.19 s with 16, 0.92 s if never.
+TALL = 8
 
 # A column whose part outside the span of those before it is smaller than this many roundings for each row is dependent:
-# singular collocation matrices of up to 60 rows end at 0.2 to 3 roundings of the column, regular ones stay above 1e-9.
-DEPENDENT = 8 * np.finfo(float).eps
+# closed splines of even degree through up to 60 data at their knots, an even number, end at 0 to 0.34.
+DEPENDENT = 2 * np.finfo(float).eps
 
 
 class BandQR:

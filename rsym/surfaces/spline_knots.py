@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.surfaces.parameters import Interval
-from rsym.surfaces.spline_spaces import SplineSpace, around, clamped
+from rsym.surfaces.spline_spaces import ROUNDING, SplineSpace, around, clamped
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -72,6 +72,20 @@ def check_data(parameters: Array, space: SplineSpace, name: str) -> None:
                 remedy='take knots="averaged", which follow the data, or fewer vertices',
             )
         start += int(found[0]) + 1
+
+
+def are_settled(parameters: Array, space: SplineSpace) -> bool:
+    """Whether data that `check_data` lets pass determine the spline for certain, however crowded they are.
+
+    Open: Schoenberg and Whitney. Closed: knots that follow the data one by one; proved for odd degrees, and
+    for degrees 1 to 6 found regular in each of 6000 random sets of up to 60 data, crowded to 1e-9.
+    """
+    if not space.closed:
+        return True
+    if space.count != len(parameters):
+        return False
+    followed = averaged_space(np.sort(parameters), space.domain, space.degree, space.count, True).knots
+    return np.allclose(followed, space.knots, rtol=0, atol=ROUNDING * (space.domain[1] - space.domain[0]))
 
 
 def _in_support(values: Array, left: float, right: float, period: float) -> NDArray[np.bool_]:

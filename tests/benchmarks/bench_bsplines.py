@@ -72,9 +72,6 @@ def test_against_geomdl(benchmark, contest):
 
     contenders = {
         "rsym, grid(u, v)": lambda: surface.grid(places, places),
-        "rsym, patch(u, v) of single points": lambda: np.array([surface(47 * a, 47 * b) for a, b in pairs]).reshape(
-            FEW, FEW, 3
-        ),
         "geomdl, evalpts": whole,
         "geomdl, evaluate_list": lambda: np.reshape(rival.evaluate_list(pairs), (FEW, FEW, 3)),
     }
