@@ -19,7 +19,7 @@ from rsym.surfaces.univariate import Curve, LetterValues
 
 Array: TypeAlias = NDArray[np.float64]
 
-# A pace that slows down to less than this share of its mean crowds the lines of a surface, and bends it.
+# A spline that slows down to less than this share of a chord's slope crowds the lines of a surface and bends it.
 SLOWEST = 0.25
 
 
