@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rsym.output.gallery import Gallery
 from rsym.output.patches import map_range, plot_patches
-from rsym.paper.drawing import Drawing, Table
+from rsym.paper.drawing import Drawing, Table, triangles_in
 from rsym.surfaces.blending import HermiteBlend
 from rsym.surfaces.coons import BicubicCoons
 from rsym.surfaces.exact import torus
@@ -84,4 +84,4 @@ def draw_torus() -> Drawing:
         f"with tangents along the meridians {SWELLING:g} times as long, where μ is a handle on the shape."
     )
     table = Table(("blend", "distance from the torus", "with longer tangents"), rows)
-    return Drawing(gallery.figure, "", 0, remark, table)
+    return Drawing(gallery.figure, "", triangles_in(gallery.figure), remark, table)
