@@ -121,3 +121,5 @@ def test_every_figure_says_what_it_shows():
     assert {len(row) for row in drawing.table.rows} == {len(drawing.table.header)}
     assert [row[1] for row in drawing.table.rows] == ["G0", "G1", "G2"]
     assert "k = 1.7" in drawing.remark
+    # Three panels of two patches with 8 times 16 cells a side between parameter lines, and three without lines.
+    assert drawing.triangles == 3 * 2 * 2 * (128**2 + 126**2)

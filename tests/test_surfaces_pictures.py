@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import proj3d
 
+import rsym
 from rsym import RsymError
 from rsym.output.comparison import compare_patches
 from rsym.output.joins import plot_continuity
@@ -121,7 +122,7 @@ def test_parameter_lines_are_drawn_where_asked_and_hidden_behind_the_surface():
 
 
 def test_edges_are_those_of_open_directions_and_none_at_a_pole():
-    (part,) = tessellations({"dome": Dome()}, 4, 40, None)
+    (part,) = tessellations({"dome": Dome()}, 4, 30, None)
     edges = part.edges()
     assert_close(np.linalg.norm(edges[..., :2], axis=-1), np.ones((len(edges), 2)), atol=1e-12)
     assert_close(edges[..., 2], np.zeros((len(edges), 2)), atol=1e-15)
@@ -241,13 +242,47 @@ def test_edges_have_the_colour_of_their_class_and_the_legend_counts_them():
 
 
 def test_the_worst_place_of_a_broken_edge_is_marked_and_an_alien_report_is_drawn_as_given():
-    floors = [Parabola(), Parabola(1, 2, height=1e-3)]
+    u, v = sp.symbols("u v", real=True)
+    floors = [Parabola(), ParametricSurface((1 + u, v, v * (2 - v) / 1000))]
     report = continuity_report(floors)
     figure = Figure()
     artist = plot_continuity(floors, report, ax=figure.add_subplot(projection="3d"), resolution=8)
     assert dict(artist.parts) == {"broken: 1": "#d55e00"}
     dots = [stroke.pieces for stroke in artist.strokes if (stroke.pieces[:, 0] == stroke.pieces[:, 1]).all()]
-    assert_close(dots[-1][0, 0], report.edges[0].gap.point, atol=1e-12)
+    assert_close(dots[-1][0, 0], [1.0, 1.0, 0.0005], atol=6e-4)
+
+
+def test_an_exploration_follows_the_letters_of_all_patches_in_one_box():
+    pytest.importorskip("ipywidgets")
+    u, v, k, m = sp.symbols("u v k m", real=True)
+    slopes = [
+        ParametricSurface((u, v, k * u), letters={k: rsym.Letter(1, minimum=0, maximum=2)}),
+        ParametricSurface((u + 1, v, k + m * u), letters={k: rsym.Letter(1, minimum=0, maximum=2), m: 0.5}),
+    ]
+    widget = rsym.explore_patches(slopes, resolution=6)
+    assert list(widget.letters) == ["k", "m"]
+    (body,) = widget.figure.axes[0].artists
+    assert_close(body.high, [2, 1, 1.5], atol=1e-12)
+    widget.set_letters({"k": 2, "m": 0})
+    widget.colours.value = "zebra"
+    (body,) = widget.figure.axes[0].artists
+    assert_close(body.high, [2, 1, 2], atol=1e-12)
+    first, picture = widget.figure.axes[0].get_zlim(), widget.picture.value
+    widget.letters["k"].value = 0.5
+    assert widget.figure.axes[0].get_zlim() == first  # the box of what was drawn before
+    assert widget.picture.value != picture
+    assert widget.message.value == ""
+    with pytest.raises(RsymError, match="no letter 'n'"):
+        widget.set_letters({"n": 1})
+
+
+def test_letters_reach_the_patches_that_have_them():
+    u, v, k = sp.symbols("u v k", real=True)
+    patches = [ParametricSurface((u, v, k * u), letters={k: 1}), Parabola()]
+    artist = plot_patches(patches, ax=Figure().add_subplot(projection="3d"), letters={"k": 3}, resolution=4)
+    assert artist.high[2] == 3
+    with pytest.raises(RsymError, match="no letter 'n'"):
+        plot_patches(patches, ax=Figure().add_subplot(projection="3d"), letters={"n": 3})
 
 
 def test_a_comparison_has_one_scale_for_each_row_and_one_column_for_each_surface():

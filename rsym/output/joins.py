@@ -12,6 +12,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
 from rsym.output.ink import INK, Stroke
+from rsym.output.paints import MAPS
 from rsym.output.patches import Lines, coat_of_patches, dots, shaded, tessellations
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import pieces
@@ -73,7 +74,7 @@ def plot_continuity(
     """
     several = [surfaces] if isinstance(surfaces, Patch) else list(surfaces)
     found = continuity_report(several, letters=letters) if report is None else report
-    parts = tessellations(several, lines, resolution, letters)
+    parts = tessellations(several, lines, resolution, letters, curved=colour_by in MAPS)
     coat = replace(coat_of_patches(parts, colour, colour_by), parts=_legend(found))
     return show(shaded(parts, coat, lines, False, _strokes(found)), ax, elevation, azimuth)
 

@@ -49,7 +49,8 @@ class PatchExplorer(LetterSliders):
     def draw(self) -> Figure:
         """The surface, in a box that holds all that were drawn before: so one sees what a letter does."""
         elevation, azimuth = (slider.value for slider in self.camera)
-        parts = tessellations(self._patches, self._lines, self._resolution, self.values)
+        curved = self.colours.value in MAPS
+        parts = tessellations(self._patches, self._lines, self._resolution, self.values, curved=curved)
         artist = shaded(parts, coat_of_patches(parts, BODY, self.colours.value), self._lines, True, ())
         corners = np.concatenate([self._box, [artist.low, artist.high]])
         low, high = corners.min(axis=0), corners.max(axis=0)

@@ -17,6 +17,7 @@ from rsym.output.paints import MAPS, Coat, between_corners, one_colour, part_coa
 from rsym.output.shading import BODY
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import Tessellation, cells_of, joined, line_parameters, pieces, tessellate
+from rsym.surfaces import forms
 from rsym.surfaces.patch import Patch
 from rsym.surfaces.univariate import Curve as SpaceCurve
 
@@ -108,7 +109,7 @@ def plot_patches(
         *([] if net is None else _net(_checked(net, 3, "a net"))),
         *([] if points is None else dots(_checked(points, None, "points").reshape(-1, 3), POINT)),
     ]
-    parts = tessellations(patches, lines, resolution, letters)
+    parts = tessellations(patches, lines, resolution, letters, curved=colour_by in MAPS)
     coat = coat_of_patches(parts, colour, colour_by, limits)
     return show(shaded(parts, coat, lines, edges, strokes), ax, elevation, azimuth)
 
@@ -127,16 +128,20 @@ def shaded(
 
 
 def tessellations(
-    patches: Patches, lines: Lines, resolution: int | None, letters: Mapping[Any, float] | None
+    patches: Patches,
+    lines: Lines,
+    resolution: int | None,
+    letters: Mapping[Any, float] | None,
+    *,
+    curved: bool = False,
 ) -> list[Tessellation]:
-    """The patches over grids that hold the parameters of their lines."""
+    """The patches over grids that hold the parameters of their lines; `curved` if curvatures will be asked for."""
     named = _named(patches)
     values = merged_letters(patches).values_with(letters)
     cells = cells_of(len(named)) if resolution is None else resolution
+    own = {name: {letter: values[letter] for letter in patch.letters} for name, patch in named.items()}
     return [
-        tessellate(
-            name, patch, cells, line_parameters(patch, lines), {letter: values[letter] for letter in patch.letters}
-        )
+        tessellate(name, patch, cells, line_parameters(patch, lines), own[name], curved=curved)
         for name, patch in named.items()
     ]
 
@@ -149,14 +154,13 @@ def merged_letters(patches: Patches) -> Letters:
 def map_values(parts: Sequence[Tessellation], name: str) -> Floats:
     """A map of `MAPS` at the corners of the faces of the joined mesh, (m, 3)."""
     field, component, _, _ = MAPS[name]
-    rule = {
-        "mean_curvature": Patch.mean_curvature,
-        "gaussian_curvature": Patch.gaussian_curvature,
-        "principal_curvatures": Patch.principal_curvatures,
-    }[field]
-    found = [part.values(lambda u, v, letters, p=part.patch: rule(p, u, v, letters=letters)) for part in parts]
-    chosen = [one if component is None else one[..., component] for one in found]
-    return np.concatenate([one.ravel() for one in chosen])[joined(parts).faces]
+    pairs = zip(*(part.curvatures() for part in parts), strict=True)
+    gaussian, mean = (np.concatenate([one.ravel() for one in several]) for several in pairs)
+    if component is not None:
+        values = forms.principal(gaussian, mean)[:, component]
+    else:
+        values = mean if field == "mean_curvature" else gaussian
+    return np.asarray(values[joined(parts).faces])
 
 
 def _named(patches: Patches) -> dict[str, Patch]:
@@ -193,7 +197,7 @@ def map_range(
     surfaces: Sequence[Patches], name: str, resolution: int | None, letters: Mapping[Any, float] | None
 ) -> tuple[float, float]:
     """The ends of a scale of curvature that several surfaces share."""
-    several = [tessellations(patches, 0, resolution, letters) for patches in surfaces]
+    several = [tessellations(patches, 0, resolution, letters, curved=True) for patches in surfaces]
     values = [map_values(parts, name).ravel() for parts in several]
     points = [part.points.reshape(-1, 3) for parts in several for part in parts]
     return _limits(np.concatenate(points), np.concatenate(values), name)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
 from rsym.sampling.mesh import Mesh
-from rsym.surfaces.patch import Patch
+from rsym.surfaces import forms
+from rsym.surfaces.patch import LetterValues, Orders, Patch
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -22,6 +22,22 @@ LEAST = 12  # cells along a side of a patch, of however many
 NOTHING = 1e-12  # of the size: a piece so short is rounding at a pole
 
 
+class OnGrid:
+    """A patch that has its derivatives on one grid of parameters at hand: they are computed together, by one kernel."""
+
+    def __init__(self, patch: Patch, u: Floats, v: Floats, orders: Orders, letters: LetterValues) -> None:
+        self.patch, self.u, self.v, self.letters = patch, u[:, None], v[None, :], letters
+        self.domain = patch.domain
+        found = patch.derivatives(self.u, self.v, orders, letters=letters)
+        self._known = dict(zip(map(tuple, orders), found, strict=True))
+
+    def derivatives(self, u: ArrayLike, v: ArrayLike, orders: Orders, *, letters: LetterValues = None) -> list[Floats]:
+        """Several derivatives, anew where they are not at hand."""
+        if u is self.u and v is self.v and all(tuple(order) in self._known for order in orders):
+            return [self._known[tuple(order)] for order in orders]
+        return self.patch.derivatives(u, v, orders, letters=letters)
+
+
 @dataclass(frozen=True)
 class Tessellation:
     """One patch over a grid: parameters u (r,) and v (s,), points (r, s, 3), normals (r, s, 3)."""
@@ -30,13 +46,13 @@ class Tessellation:
     patch: Patch
     u: Floats
     v: Floats
+    on_grid: OnGrid
     points: Floats
     normals: Floats
-    letters: Mapping[Any, float] | None
 
-    def values(self, function: Callable[..., Floats]) -> Floats:
-        """A function of (u, v) with `letters` on the grid, (r, s)."""
-        return function(self.u[:, None], self.v[None, :], letters=self.letters)
+    def curvatures(self) -> tuple[Floats, Floats]:
+        """The Gaussian and the mean curvature on the grid, (r, s)."""
+        return forms.curvatures(self.on_grid, self.on_grid.u, self.on_grid.v, self.on_grid.letters)
 
     def lines(self, axis: int, parameters: Floats) -> Floats:
         """The pieces (n, 2, 3) of the lines u = const (axis 0) or v = const (axis 1) at parameters of the grid."""
@@ -52,13 +68,22 @@ class Tessellation:
 
 
 def tessellate(
-    name: str, patch: Patch, cells: int, lines: Sequence[Floats], letters: Mapping[Any, float] | None = None
+    name: str,
+    patch: Patch,
+    cells: int,
+    lines: Sequence[Floats],
+    letters: LetterValues = None,
+    *,
+    curved: bool = False,
 ) -> Tessellation:
-    """A patch over about so many cells along each direction, with the parameters of lines in u and v among them."""
+    """A patch over about so many cells along each direction, with the parameters of lines in u and v among them.
+
+    `curved` says that curvatures will be asked for.
+    """
     u, v = (_grid(interval, cells, chosen) for interval, chosen in zip(patch.domain, lines, strict=True))
-    places = u[:, None], v[None, :]
-    points, normals = patch(*places, letters=letters), patch.normal(*places, letters=letters)
-    return Tessellation(name, patch, u, v, points, normals, letters)
+    on_grid = OnGrid(patch, u, v, ((0, 0), *(forms.SECOND if curved else forms.SECOND[:2]), (1, 1)), letters)
+    (points,) = on_grid.derivatives(on_grid.u, on_grid.v, ((0, 0),))
+    return Tessellation(name, patch, u, v, on_grid, points, forms.normals(on_grid, on_grid.u, on_grid.v, letters))
 
 
 def cells_of(count: int) -> int:

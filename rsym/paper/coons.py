@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rsym.output.comparison import compare_patches
 from rsym.output.gallery import Gallery
 from rsym.output.patches import plot_patches
-from rsym.paper.drawing import Drawing, Table
+from rsym.paper.drawing import Drawing, Table, triangles_in
 from rsym.surfaces.coons import BicubicCoons, CoonsPatch
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v
@@ -86,7 +86,7 @@ def draw_paraboloid() -> Drawing:
         "same corners. Arrows are a fifth of the derivatives."
     )
     table = Table(("from", "greatest error in z"), rows)
-    return Drawing(gallery.figure, "", 0, remark, table)
+    return Drawing(gallery.figure, "", triangles_in(gallery.figure), remark, table)
 
 
 def _tangents(matrix: Floats) -> list[Floats]:
@@ -143,7 +143,7 @@ def draw_twists() -> Drawing:
         "neither ridge nor plane."
     )
     table = Table(("twists", "greatest distance in z", "greatest angle of normals, degrees"), rows)
-    return Drawing(figure, "", 0, remark, table)
+    return Drawing(figure, "", triangles_in(figure), remark, table)
 
 
 def _errors(patches: list[BicubicCoons]) -> tuple[float, float]:

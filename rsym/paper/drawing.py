@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from rsym.errors import RsymWarning
 from rsym.model.letters import Letter
 from rsym.model.shape import Shape
+from rsym.output.surfaces import ShadedMesh
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 
@@ -77,6 +78,12 @@ def figure_of(artist: Artist) -> Figure:
     figure = artist.get_figure()
     assert isinstance(figure, Figure)
     return figure
+
+
+def triangles_in(figure: Figure) -> int:
+    """The triangles of all bodies that a figure shows."""
+    bodies = [artist for ax in figure.axes for artist in ax.artists if isinstance(artist, ShadedMesh)]
+    return sum(len(body.mesh.faces) for body in bodies)
 
 
 def letters_text(letters: Mapping[str, Letter]) -> str:

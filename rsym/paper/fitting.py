@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rsym.output.gallery import Gallery
 from rsym.output.patches import plot_patches
-from rsym.paper.drawing import Drawing, Table
+from rsym.paper.drawing import Drawing, Table, triangles_in
 from rsym.surfaces.bsplines import BSplineSurface
 
 Floats = NDArray[np.float64]
@@ -66,5 +66,9 @@ def draw_fitting() -> Drawing:
         "their errors, which a picture hardly shows and the stripes do."
     )
     return Drawing(
-        gallery.figure, "", 0, remark, Table(("vertices", "rms from the data", "rms from the truth"), tuple(rows))
+        gallery.figure,
+        "",
+        triangles_in(gallery.figure),
+        remark,
+        Table(("vertices", "rms from the data", "rms from the truth"), tuple(rows)),
     )

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rsym.output.gallery import Gallery
 from rsym.output.patches import map_range, plot_patches
-from rsym.paper.drawing import Drawing, Table
+from rsym.paper.drawing import Drawing, Table, triangles_in
 from rsym.surfaces.lofts import HermiteSurface, SplineLoft
 from rsym.surfaces.patch import Patch
 
@@ -86,7 +86,7 @@ def draw_hull() -> Drawing:
         "functions of natural cubic splines are C2."
     )
     table = Table(("functions across", "distance from the points", "greatest jump of the mean curvature"), rows)
-    return Drawing(gallery.figure, "", 0, remark, table)
+    return Drawing(gallery.figure, "", triangles_in(gallery.figure), remark, table)
 
 
 def _fairness(side: Patch) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rsym.output.gallery import Gallery
 from rsym.output.joins import plot_continuity
 from rsym.output.patches import plot_patches
-from rsym.paper.drawing import Drawing, Table
+from rsym.paper.drawing import Drawing, Table, triangles_in
 from rsym.surfaces.continuity import continuity_report
 from rsym.surfaces.coons import BicubicCoons
 from rsym.surfaces.joining import join
@@ -76,4 +76,4 @@ def draw_joints() -> Drawing:
         "curvature, and pass smoothly where it is continuous. The report is numerical."
     )
     table = Table(("patches", "class", "gap", "greatest angle, degrees", "greatest jump of the curvature"), tuple(rows))
-    return Drawing(gallery.figure, "", 0, remark, table)
+    return Drawing(gallery.figure, "", triangles_in(gallery.figure), remark, table)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rsym.output.gallery import Gallery
 from rsym.output.patches import plot_patches
-from rsym.paper.drawing import Drawing, Table
+from rsym.paper.drawing import Drawing, Table, triangles_in
 from rsym.surfaces.gordon import GordonSurface
 from rsym.surfaces.patch import Patch
 from rsym.surfaces.transfinite import BooleanSum
@@ -98,4 +98,4 @@ def draw_network() -> Drawing:
         f"{np.abs(z - height(x, y)).max():.2g} from that on which they were drawn, measured in z."
     )
     table = Table(("surface", "distance from the u-curves", "from the v-curves"), rows)
-    return Drawing(gallery.figure, "", 0, remark, table)
+    return Drawing(gallery.figure, "", triangles_in(gallery.figure), remark, table)
