@@ -60,13 +60,16 @@ class Stretch:
 def shared_stretches(borders: Sequence[Border]) -> list[Stretch]:
     """All stretches on which two edges are together, then those within reach that nothing else joins."""
     pairs = list(_near_pairs(borders))
-    found = [stretch for pair in pairs for stretch in _stretches(pair, min(one.gap for one in pair))]
-    joined = covered(found, borders)
+    joins = [stretch for pair in pairs for stretch in _stretches(pair, min(one.gap for one in pair))]
+    found, joined = list(joins), covered(joins, borders)
     open_edges = {border for border in borders if free_intervals(border, joined[border])}
     for pair in pairs:
         if not open_edges.issuperset(pair):
             continue
-        found += [one for one in _stretches(pair, min(one.reach for one in pair)) if _is_free(one, joined)]
+        elsewhere = covered([one for one in joins if one.borders != pair], pair)
+        for stretch in _stretches(pair, min(one.reach for one in pair)):
+            if all(_overlap(*one) <= 0.5 for one in zip(stretch.intervals, elsewhere.values(), strict=True)):
+                found += _loose_parts(stretch, joined)
     return found
 
 
@@ -75,7 +78,8 @@ def covered(stretches: Sequence[Stretch], borders: Sequence[Border]) -> dict[Bor
     joined: dict[Border, list[Interval]] = {border: [] for border in borders}
     for stretch in stretches:
         for border, interval in zip(stretch.borders, stretch.intervals, strict=True):
-            joined[border].append(interval)
+            if border in joined:
+                joined[border].append(interval)
     return joined
 
 
@@ -98,13 +102,22 @@ def free_intervals(border: Border, joined: Sequence[Interval]) -> list[Interval]
     return left
 
 
-def _is_free(stretch: Stretch, joined: dict[Border, list[Interval]]) -> bool:
-    """Whether most of the stretch is joined to nothing else on either edge."""
-    for border, (low, high) in zip(stretch.borders, stretch.intervals, strict=True):
-        overlap = sum(max(0.0, min(high, stop) - max(low, start)) for start, stop in joined[border])
-        if overlap > 0.5 * (high - low):
-            return False
-    return True
+def _loose_parts(stretch: Stretch, joined: dict[Border, list[Interval]]) -> Iterator[Stretch]:
+    """What of a stretch is joined to nothing on the first edge, nor for the most part on the second."""
+    first, second = stretch.borders
+    for low, high in free_intervals(first, joined[first]):
+        start, stop = max(low, stretch.interval[0]), min(high, stretch.interval[1])
+        t = np.linspace(start, max(start, stop), SAMPLES)
+        part = Stretch(stretch.borders, (start, stop), t, stretch.partner(t))
+        wide = np.ptp(first.edge.position(t), axis=0).max() > TOUCH * min(first.gap, second.gap)
+        if wide and _overlap(part.intervals[1], joined[second]) <= 0.5:
+            yield part
+
+
+def _overlap(interval: Interval, others: Sequence[Interval]) -> float:
+    """The share of an interval that others cover, which do not cover one another."""
+    low, high = interval
+    return sum(max(0.0, min(high, stop) - max(low, start)) for start, stop in others) / max(high - low, 1e-300)
 
 
 def _near_pairs(borders: Sequence[Border]) -> Iterator[tuple[Border, Border]]:
@@ -142,9 +155,9 @@ def _stretches(pair: tuple[Border, Border], room: float) -> Iterator[Stretch]:
 
 
 def _could_meet(one: Border, other: Border, room: float) -> bool:
-    """Whether some neighbouring samples of one edge may all be within `room` of the other."""
+    """Whether some neighbouring samples of one edge, at its ends two, may all be within `room` of the other."""
     near = other.roughly(one.points)[1] <= room
-    return bool((near[2:] & near[1:-1] & near[:-2]).any())
+    return bool((near[2:] & near[1:-1] & near[:-2]).any() or near[:2].all() or near[-2:].all())
 
 
 def _cuts(border: Border, places: Sequence[float], least: float) -> list[float]:
