@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.surfaces.cardinals import CubicCardinals, SlopeFunctions, hermite_cardinals
-from rsym.surfaces.networks import MEETING, Network, network
+from rsym.surfaces.networks import MEETING, Network, network, network_latex
 from rsym.surfaces.patch import Array, LetterValues, Orders
 from rsym.surfaces.transfinite import BooleanSum, Loft
 from rsym.surfaces.univariate import Constant, Curve, Sampled
@@ -99,6 +99,11 @@ class CompositeCoons(BooleanSum):
     def expression(self) -> sp.ImmutableMatrix:
         """The point as expressions in u, v and the letters."""
         return super().expression() - self._correction.expression()
+
+    def _repr_latex_(self) -> str:
+        """The sums, their functions and curves by name; `expression` writes them out."""
+        twists = r"\sum_i \sum_j \beta_i(u)\, \gamma_j(v) (\tau_{ij} - \tau^0_{ij})"
+        return rf"$\displaystyle {network_latex(self.network)} - {twists}$"
 
 
 class TwistCorrection(Curve):

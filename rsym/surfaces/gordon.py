@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rsym.surfaces.cardinals import named_cardinals
-from rsym.surfaces.networks import MEETING, Network, network
+from rsym.surfaces.networks import MEETING, Network, network, network_latex
 from rsym.surfaces.patch import Array, LetterValues, Orders
 from rsym.surfaces.transfinite import BooleanSum, Loft
 
@@ -98,3 +98,7 @@ class GordonSurface(BooleanSum):
         if letters:
             self.network.check(self.letters.values_with(letters))
         return super().evaluate(u, v, orders, letters)
+
+    def _repr_latex_(self) -> str:
+        """The three sums, their functions and curves by name; `expression` writes them out."""
+        return f"$\\displaystyle {network_latex(self.network)}$"

@@ -63,6 +63,10 @@ class HermiteSurface(BooleanSum):
         self.cardinals: CubicCardinals = hermite_cardinals(across(self.curves, knots, closed), closed=closed)
         super().__init__(along_v=Loft(self.cardinals, self.curves))
 
+    def _repr_latex_(self) -> str:
+        """The sum, its functions and curves by name; `expression` writes them out."""
+        return _latex(self.curves, r"\varphi_j")
+
 
 class SplineLoft(BooleanSum):
     """The C2 surface through curves that is a natural cubic spline across them, or a periodic one.
@@ -92,6 +96,10 @@ class SplineLoft(BooleanSum):
         self.cardinals: CubicCardinals = spline_cardinals(across(self.curves, knots, closed), closed=closed)
         super().__init__(along_v=Loft(self.cardinals, self.curves))
 
+    def _repr_latex_(self) -> str:
+        """The sum, its functions and curves by name; `expression` writes them out."""
+        return _latex(self.curves, r"\varphi_j")
+
 
 class LagrangeSurface(BooleanSum):
     """The polynomial across its curves: p(u, v) = sum_j L_j(v) r_j(u).
@@ -117,3 +125,11 @@ class LagrangeSurface(BooleanSum):
         self.curves: Stack = family(curves, letters, "the curve")
         self.cardinals: LagrangeCardinals = lagrange_cardinals(across(self.curves, knots, False))
         super().__init__(along_v=Loft(self.cardinals, self.curves))
+
+    def _repr_latex_(self) -> str:
+        """The sum, its functions and curves by name; `expression` writes them out."""
+        return _latex(self.curves, r"L_j")
+
+
+def _latex(curves: Stack, function: str) -> str:
+    return rf"$\displaystyle p(u, v) = \sum_{{j=0}}^{{{len(curves.curves) - 1}}} {function}(v)\, r_j(u)$"

@@ -110,6 +110,15 @@ def network(
     return _network(families, knots, rounds, own, 2 * tolerance * size)
 
 
+def network_latex(net: Network) -> str:
+    """The Boolean sum of the curves of a network."""
+    i, j = (rf"_{{{index}=0}}^{{{len(one.curves) - 1}}}" for index, one in (("i", net.v_curves), ("j", net.u_curves)))
+    return (
+        rf"p(u, v) = \sum{j} \psi_j(v)\, r_j(u) + \sum{i} \varphi_i(u)\, s_i(v) "
+        rf"- \sum{i} \sum{j} \varphi_i(u)\, \psi_j(v)\, p_{{ij}}"
+    )
+
+
 def _closed(families: tuple[Stack, Stack], asked: tuple[bool, bool] | None, size: float) -> tuple[bool, bool]:
     """Whether each family runs along closed curves: as asked, or if all of them close smoothly."""
     found = []

@@ -73,3 +73,9 @@ class TensorProductSurface(BooleanSum):
             basis.append(named_cardinals(cardinals, knots, ends, name))
         super().__init__(corners=Constant(grid, basis[0].domain), basis=(basis[0], basis[1]))
         self.points = grid
+
+    def _repr_latex_(self) -> str:
+        """The sum, its functions and points by name; `expression` writes them out."""
+        rows, columns, _ = self.points.shape
+        sums = rf"\sum_{{i=0}}^{{{rows - 1}}} \sum_{{j=0}}^{{{columns - 1}}}"
+        return rf"$\displaystyle p(u, v) = {sums} \varphi_i(u)\, \psi_j(v)\, p_{{ij}}$"

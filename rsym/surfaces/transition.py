@@ -102,6 +102,13 @@ class TransitionSurface(BooleanSum):
                     curve = Weighted(weights[number], curve)
                 rows.append(curve)
         super().__init__(along_v=Loft(functions.curve, Stack(rows)))
+        self.order = order
+
+    def _repr_latex_(self) -> str:
+        """The sum, its functions and lines by name; `expression` writes them out."""
+        terms = ["F_0(v)\\, r_1(u) + F_1(v)\\, r_2(u)", "k_1 G_0(v)\\, q_1(u) + k_2 G_1(v)\\, q_2(u)"]
+        terms += ["k_1^2 H_0(v)\\, q_1'(u) + k_2^2 H_1(v)\\, q_2'(u)"] if self.order == 3 else []
+        return f"$\\displaystyle p(u, v) = {' + '.join(terms)}$"
 
 
 def _blend(order: int, given: HermiteBlend | None) -> HermiteBlend:
