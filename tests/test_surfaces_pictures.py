@@ -195,6 +195,13 @@ def test_what_hides_a_net_leaves_it_pale():
     assert_close(bare(net[0, 0]), rgb(POINT), atol=0.02)
 
 
+def test_the_net_of_a_closed_patch_goes_round():
+    ring = np.array([[[np.cos(a), np.sin(a), z] for z in (0, 1)] for a in np.arange(4) * np.pi / 2])
+    for patch, count in ((Dome(), 4 + 8), (Parabola(), 4 + 6)):
+        artist = plot_patches(patch, ax=Figure().add_subplot(projection="3d"), net=ring, lines=0, edges=False)
+        assert len(artist.strokes[0].pieces) == count
+
+
 def test_curves_are_polylines_or_curves_over_their_interval():
     from rsym.surfaces.symbols import t
     from rsym.surfaces.univariate import Formula

@@ -24,7 +24,7 @@ from rsym.surfaces.patch import Patch
 Floats = NDArray[np.float64]
 
 PALE = "#d5d9e0"  # of the surface: the colours of the edges are what is to be seen
-WIDTH, FREE_WIDTH, HIDDEN = 2.6, 0.8, 0.35
+WIDTH, FREE_WIDTH, MARK, HIDDEN = 2.6, 0.8, 5.5, 0.35
 
 
 def plot_continuity(
@@ -91,10 +91,10 @@ def _strokes(report: EdgeReport) -> list[Stroke]:
     for edge in sorted(report.edges, key=_rank, reverse=True):
         drawn.append(Stroke(pieces(edge.points), COLOURS[edge.continuity], WIDTH, HIDDEN))
     for pole in sorted(report.poles, key=_rank, reverse=True):
-        drawn += dots(np.array([pole.point]), COLOURS[pole.continuity])
+        drawn += dots(np.array([pole.point]), COLOURS[pole.continuity], MARK)
     if report.defects:
         worst = report.defects[0]
-        drawn += dots(np.array([worst.worst.point]), COLOURS[worst.continuity])
+        drawn += dots(np.array([worst.worst.point]), COLOURS[worst.continuity], MARK)
     return drawn
 
 

@@ -72,7 +72,7 @@ def plot_patches(
     edges : bool
         Whether to draw the edges of the patches.
     net : (r, s, 3) array, optional
-        A control net: its vertices and legs, paler where the surface hides them.
+        A control net: its vertices and legs, paler where the surface hides them; of one closed patch closed too.
     curves : sequence of Curve or (k, 3) arrays
         Lines in space, such as those of a network.
     points : (..., 3) array, optional
@@ -106,7 +106,7 @@ def plot_patches(
     """
     strokes = [
         *[Stroke(pieces(_polyline(curve, letters)), CURVE, CURVE_WIDTH, HIDDEN) for curve in curves],
-        *([] if net is None else _net(_checked(net, 3, "a net"))),
+        *([] if net is None else _net(_checked(net, 3, "a net"), patches)),
         *([] if points is None else dots(_checked(points, None, "points").reshape(-1, 3), POINT)),
     ]
     parts = tessellations(patches, lines, resolution, letters, curved=colour_by in MAPS)
@@ -208,15 +208,19 @@ def _limits(points: Floats, values: Floats, name: str) -> tuple[float, float]:
     return robust_limits(values, (2 / size) ** MAPS[name][2])
 
 
-def _net(net: Floats) -> list[Stroke]:
-    legs = np.concatenate([pieces(net), pieces(net.swapaxes(0, 1))])
+def _net(net: Floats, patches: Patches) -> list[Stroke]:
+    """Legs and vertices; legs go round where one closed patch does."""
+    round_u, round_v = patches.closed if isinstance(patches, Patch) else (False, False)
+    along_u = np.concatenate([net, net[:1]]) if round_u else net
+    along_v = np.concatenate([net, net[:, :1]], axis=1) if round_v else net
+    legs = np.concatenate([pieces(along_v), pieces(along_u.swapaxes(0, 1))])
     return [Stroke(legs, NET, NET_WIDTH, HIDDEN), *dots(net.reshape(-1, 3), NET)]
 
 
-def dots(points: Floats, colour: str) -> list[Stroke]:
+def dots(points: Floats, colour: str, size: float = DOT) -> list[Stroke]:
     """Round dots with a white rim, so that they stand out from lines and dark surfaces."""
     twice = np.stack([points, points], axis=1)
-    return [Stroke(twice, "white", DOT + RIM), Stroke(twice, colour, DOT, HIDDEN)]
+    return [Stroke(twice, "white", size + RIM), Stroke(twice, colour, size, HIDDEN)]
 
 
 def _polyline(curve: SpaceCurve | ArrayLike, letters: Mapping[Any, float] | None) -> Floats:
