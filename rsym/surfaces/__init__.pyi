@@ -1,6 +1,7 @@
 from . import projections
 from .blending import HermiteBlend
 from .blending_checks import Answer
+from .bspline_loci import Plane
 from .bsplines import BSplineSurface
 from .callables import Called
 from .composite import CompositeCoons
@@ -54,6 +55,7 @@ __all__ = [
     "Optimum",
     "ParametricSurface",
     "Patch",
+    "Plane",
     "Revolution",
     "Segment",
     "SplineLoft",

@@ -208,8 +208,8 @@ class BSplineSurface(Patch):
     def _repr_latex_(self) -> str:
         """The sum for a notebook: as a polynomial of each span it would fill pages."""
         (n, m), (k, j) = self.net.shape[:2], self.order
-        terms = rf"\mathbf{{B}}_{{i,j}}\, N_{{i,{k}}}(u)\, M_{{j,{j}}}(v)"
-        return rf"$\displaystyle \mathbf{{p}}(u, v) = \sum_{{i=1}}^{{{n}}} \sum_{{j=1}}^{{{m}}} {terms}$"
+        terms = rf"B_{{i,j}}\, N_{{i,{k}}}(u)\, M_{{j,{j}}}(v)"
+        return rf"$\displaystyle p(u, v) = \sum_{{i=1}}^{{{n}}} \sum_{{j=1}}^{{{m}}} {terms}$"
 
     def expression(self) -> sp.ImmutableMatrix:
         """The point as SymPy expressions, piecewise where there are inner knots."""
