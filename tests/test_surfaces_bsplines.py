@@ -406,7 +406,7 @@ def test_formulas_are_the_surface():
     u, v = np.linspace(0, 6, 7), np.linspace(0, 2, 5)
     formula = sp.lambdify((symbols.u, symbols.v), list(surface.expression()))
     assert_close(surface.grid(u, v), [[formula(a, b) for b in v] for a in u], atol=1e-13)
-    assert r"\sum_{j=1}^{4} \mathbf{B}_{i,j}\, N_{i,4}(u)\, M_{j,3}(v)$" in surface._repr_latex_()
+    assert r"\sum_{j=1}^{4} B_{i,j}\, N_{i,4}(u)\, M_{j,3}(v)$" in surface._repr_latex_()
     refused("no-formula", "fewer vertices", BSplineSurface.interpolate(wave(30, 30)).expression)
 
 

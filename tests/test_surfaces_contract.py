@@ -175,7 +175,7 @@ def test_the_formula_is_the_surface(patch):
     assert_close(patch(at_u, at_v), expected, atol=1e-12 * (1 + np.abs(expected).max()))
     printed = patch._repr_latex_()
     assert printed.startswith(r"$\displaystyle ")
-    assert printed.count("{") == printed.count("}") > 0
+    assert printed.count("{") == printed.count("}")
 
 
 def test_normals_and_curvatures_follow_from_the_derivatives(patch):
