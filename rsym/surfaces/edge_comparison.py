@@ -20,9 +20,6 @@ GOLDEN = (5**0.5 - 1) / 2
 # A greatest value that moves by less than this share of itself, or of what is tolerated, is found.
 SETTLED, NEGLIGIBLE = 1e-3, 1e-2
 PEAKS, INNER, ROUNDS = 3, 15, 3
-# Nearer to an end than this share of the stretch only the end itself is looked at: beside a pole, at the distance d,
-# data that are off by e give curvatures that are off by e/d^2.
-MARGIN = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +62,9 @@ def compare(stretch: Stretch, t: Array) -> Comparison:
     first, second = (border.edge for border in stretch.borders)
     s = stretch.partner(t)
     points, others = first.position(t), second.position(s)
-    (n1, out1, k1), (n2, out2, k2) = first.bend(t), second.bend(s)
+    (n1, out1, k1), (n2, out2, k2) = (
+        edge.bend(at) for edge, at in zip((first, second), stretch.calm(t, s), strict=True)
+    )
     tilt = np.degrees(np.arctan2(_length(np.cross(n1, n2)), np.abs(dot(n1, n2))))
     angles = np.where(dot(out1, out2) > 0, 180 - tilt, tilt)
     k2 = -k2 if flipped(stretch) else k2
@@ -130,9 +129,7 @@ def _climbed(stretch: Stretch, found: Comparison, tolerated: Array) -> Compariso
         low, high = found.t[np.maximum(peaks - 1, 0)], found.t[np.minimum(peaks + 1, last)]
         shares = np.arange(1, INNER + 1) / (INNER + 1)
         new = np.setdiff1d(low[:, None] + (high - low)[:, None] * shares, found.t)
-        start, stop = stretch.interval
-        room = MARGIN * (stop - start)
-        found = found + compare(stretch, new[(new >= start + room) & (new <= stop - room)])
+        found = found + compare(stretch, new)
     return found
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -20,6 +21,11 @@ BISECTIONS = 40
 TOUCH = 20.0
 # Samples in a row that make a stretch if neither edge ends there; curves in contact of high order have fewer.
 LEAST_RUN = 8
+# At the distance d from a pole, data that are off by e give curvatures that are off by e/d^2, but their limit is well
+# known: nearer than this share of the stretch it is taken, and 1e-12 does no harm.
+BESIDE_POLE = 2e-3
+# The derivative across an edge is zero at a pole; so small a share of its greatest value is zero.
+POLE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +61,21 @@ class Stretch:
         room = 2 * np.abs(np.diff(self.s)).max()
         bounds = np.maximum(guess - room, low), np.minimum(guess + room, high)
         return closest(second.edge, first.edge.position(t), guess, *bounds)
+
+    @cached_property
+    def poles(self) -> tuple[int, ...]:
+        """Which ends, 0 and -1, are at a pole of one of the patches."""
+        sides = zip(self.borders, (self.t, self.s), strict=True)
+        sizes = [np.linalg.norm(border.edge.outward(places), axis=-1) for border, places in sides]
+        return tuple(end for end in (0, -1) if any(size[end] < POLE * size.max() for size in sizes))
+
+    def calm(self, t: Array, s: Array) -> tuple[Array, Array]:
+        """The pairs of parameters, those beside a pole moved to it."""
+        room = BESIDE_POLE * (self.t[-1] - self.t[0])
+        for end in self.poles:
+            beside = np.abs(t - self.t[end]) < room
+            t, s = np.where(beside, self.t[end], t), np.where(beside, self.s[end], s)
+        return t, s
 
 
 def shared_stretches(borders: Sequence[Border]) -> list[Stretch]:
