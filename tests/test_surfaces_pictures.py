@@ -327,5 +327,8 @@ def test_what_is_no_patch_is_refused():
     for given in ([], {}, [Parabola(), 3]):
         with pytest.raises(RsymError, match="expected a patch or several"):
             plot_patches(given)
+    u, v = sp.symbols("u v", real=True)
+    with pytest.raises(RsymError, match="patch 2 is not finite"):
+        plot_patches([Parabola(), ParametricSurface((u, v, 1 / u))])
     with pytest.raises(RsymError, match="3D axes"):
         plot_patches(Parabola(), ax=Figure().add_subplot())

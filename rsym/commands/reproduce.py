@@ -1,4 +1,4 @@
-"""`rsym reproduce`: the figures of the source paper."""
+"""`rsym reproduce`: the figures of the source paper and of parametric surfaces."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def add(commands: Commands) -> None:
     parser = add_command(
         commands,
         "reproduce",
-        "draw the figures of the source paper and a page that shows them",
+        "draw the figures of the source paper and of parametric surfaces, and a page that shows them",
         "rsym reproduce --only fig11 --out figures",
         run,
     )

@@ -83,6 +83,8 @@ def tessellate(
     u, v = (_grid(interval, cells, chosen) for interval, chosen in zip(patch.domain, lines, strict=True))
     on_grid = OnGrid(patch, u, v, ((0, 0), *(forms.SECOND if curved else forms.SECOND[:2]), (1, 1)), letters)
     (points,) = on_grid.derivatives(on_grid.u, on_grid.v, ((0, 0),))
+    if not np.isfinite(points).all():
+        raise RsymError(f"patch {name} is not finite everywhere", code="patch", remedy="look at its curves and letters")
     return Tessellation(name, patch, u, v, on_grid, points, forms.normals(on_grid, on_grid.u, on_grid.v, letters))
 
 

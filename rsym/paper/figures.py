@@ -1,4 +1,4 @@
-"""The figures of the source paper as recipes: what to draw, from which letters."""
+"""The figures as recipes: what to draw, from which letters."""
 
 from __future__ import annotations
 

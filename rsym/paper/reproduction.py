@@ -23,7 +23,7 @@ def reproduce(
     only: Sequence[str] = (),
     progress: Callable[[int, int, str], Any] | None = None,
 ) -> list[Reproduced]:
-    """Draw the figures of the source paper into a folder, with an `index.html` that shows them.
+    """Draw the figures of the source paper and of parametric surfaces into a folder, with a page `index.html`.
 
     Parameters
     ----------
