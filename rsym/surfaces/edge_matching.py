@@ -108,7 +108,10 @@ def _loose_parts(stretch: Stretch, joined: dict[Border, list[Interval]]) -> Iter
     for low, high in free_intervals(first, joined[first]):
         start, stop = max(low, stretch.interval[0]), min(high, stretch.interval[1])
         t = np.linspace(start, max(start, stop), SAMPLES)
-        part = Stretch(stretch.borders, (start, stop), t, stretch.partner(t))
+        s = stretch.partner(t)
+        for end in (0, -1):
+            s[end] = stretch.s[end] if t[end] == stretch.t[end] else s[end]
+        part = Stretch(stretch.borders, (start, stop), t, s)
         wide = np.ptp(first.edge.position(t), axis=0).max() > TOUCH * min(first.gap, second.gap)
         if wide and _overlap(part.intervals[1], joined[second]) <= 0.5:
             yield part
