@@ -5,9 +5,21 @@ import pytest
 import sympy as sp
 from closeness import assert_close
 
+from rsym.errors import RsymError
+from rsym.surfaces.blending import HermiteBlend
+from rsym.surfaces.bsplines import BSplineSurface
+from rsym.surfaces.composite import CompositeCoons
 from rsym.surfaces.continuity import continuity_report
+from rsym.surfaces.coons import BicubicCoons
+from rsym.surfaces.curves import as_curve
+from rsym.surfaces.ferguson import with_twists
+from rsym.surfaces.joining import join
+from rsym.surfaces.lofts import LagrangeSurface
+from rsym.surfaces.meshes import mesh_patches
 from rsym.surfaces.parametric import ParametricSurface
-from rsym.surfaces.symbols import u, v
+from rsym.surfaces.symbols import t, u, v
+from rsym.surfaces.tensor import TensorProductSurface
+from rsym.surfaces.twists import estimate_twists
 
 
 def paraboloid(steepness, radius):
@@ -64,3 +76,65 @@ def test_edges_that_overlap_by_a_hundredth_are_found():
     report = side_by_side(lambda y: 0, v + sp.Rational(99, 100))
     assert report.continuity == "G2"
     assert_close(report.edges[0].intervals[0], [0.99, 1.0], atol=1e-9)
+
+
+SADDLE = ParametricSurface((u, v, u * v))
+GRID = np.stack([*np.meshgrid(np.arange(4.0), np.arange(5.0), indexing="ij"), np.zeros((4, 5))], axis=-1)
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        lambda: SADDLE(np.array([0.5 + 1j]), 0.5),
+        lambda: SADDLE.grid("a", [0.5]),
+        lambda: as_curve((t, t**2, 0))(0.5, -1),
+        lambda: as_curve((t, t**2, 0))("a"),
+        lambda: as_curve(np.ones((3, 3)) * 1j),
+        lambda: BicubicCoons(np.ones((4, 4, 3)) * 1j),
+        lambda: TensorProductSurface("abc"),
+        lambda: TensorProductSurface(GRID * 1j),
+        lambda: BSplineSurface.interpolate(GRID * 1j),
+        lambda: ParametricSurface((u, v, 0), closed=True),
+        lambda: ParametricSurface((u, v, sp.Symbol("u") * v), letters={"u": 2})(0.5, 0.5),
+        lambda: estimate_twists(GRID, ["bessel"]),
+        lambda: estimate_twists(GRID, u=[0, 1, 2, np.inf]),
+        lambda: estimate_twists(GRID, u="abcd"),
+        lambda: with_twists(SADDLE, "zero"),
+        lambda: mesh_patches(None),
+        lambda: HermiteBlend.class1(1, float("nan")),
+        lambda: HermiteBlend.class2(float("inf"), 1),
+        lambda: HermiteBlend.class2(0, 1j),
+        lambda: continuity_report([SADDLE], gap="a"),
+        lambda: continuity_report([ParametricSurface((u, v, sp.log(u)))]),
+        lambda: continuity_report([ParametricSurface((1, 1, 1)), SADDLE]),
+    ],
+)
+def test_what_is_no_number_or_no_patch_is_refused_with_a_remedy(made):
+    with pytest.raises(RsymError) as error:
+        made()
+    assert error.value.remedy
+
+
+def test_a_network_with_an_infinitely_fast_curve_is_refused_by_name():
+    speeds = (t, sp.sqrt(t), t)
+    across = [(x, t, 0) for x in (0, sp.Rational(1, 3), 1)]
+    along = [(speed, sp.Rational(j, 2), 0) for j, speed in enumerate(speeds)]
+    with pytest.raises(RsymError, match="the u-curve 1 has no finite tangent where it meets the v-curve 0"):
+        CompositeCoons(along, across)
+    assert_close(CompositeCoons(along, across, twists="zero")(0.7, 0.2)[1:], [0.2, 0], atol=1e-14)
+
+
+def test_lagrange_surfaces_meet_their_curves_far_from_the_origin_of_the_parameter():
+    knots = 1e8 + np.arange(5)
+    surface = LagrangeSurface([(sp.cos(t) * (j + 1), sp.sin(t), j**2) for j in range(5)], knots)
+    s = np.linspace(0, 1, 7)
+    expected = np.stack([np.stack([(j + 1) * np.cos(s), np.sin(s), 0 * s + j**2], -1) for j in range(5)], axis=1)
+    assert_close(surface.grid(s, knots), expected, atol=1e-14)
+
+
+def test_matrices_of_class_three_are_joined_to_second_order_in_whatever_way():
+    p, q = (BicubicCoons(np.random.default_rng(seed).normal(size=(6, 6, 3))) for seed in (0, 1))
+    s = np.linspace(0, 1, 5)
+    for k, options in ((2, {}), (2, {"transfinite": True}), (2 + 0 * t, {}), (lambda w: 2 + 0 * w, {})):
+        found = join(p, "u1", q, "u0", k, **options)
+        assert_close(found.derivative(0.0, s, (2, 0)), 4 * p.derivative(1.0, s, (2, 0)), atol=1e-9)

@@ -271,9 +271,9 @@ def _angle(value: Any, letters: Letters, family: str) -> sp.Expr:
     """The angle, a float near a simple part of pi as that part; of a letter the default is looked at."""
     angle = part_of_pi(value) if isinstance(value, float) else _parameter(value)
     size = angle.xreplace({real_symbol(name): as_expression(letter.default) for name, letter in letters.items()})
-    if size.is_number and not 0 <= size < END_OF_ALPHA[family]:
+    if size.is_number and not (size.is_real and 0 <= size < END_OF_ALPHA[family]):
         raise RsymError(
-            f"the angle of {family} must lie in [0, {END_OF_ALPHA[family]}), got {float(size):g}",
+            f"the angle of {family} must lie in [0, {END_OF_ALPHA[family]}), got {sp.N(size, 6)}",
             code="angle",
             remedy="use shorter pieces" + (", or class1(1, alpha)" if family == "class II" else ""),
         )
@@ -288,6 +288,7 @@ def part_of_pi(value: float) -> sp.Expr:
     >>> part_of_pi(1.5707963267948966), part_of_pi(1.5)
     (pi/2, 3/2)
     """
+    decimal = exact(value)
     share = Fraction(value / pi).limit_denominator(360)
     near = float(share) * pi
-    return sp.Rational(share) * sp.pi if value and abs(near - value) <= 4e-16 * abs(value) else exact(value)
+    return sp.Rational(share) * sp.pi if value and abs(near - value) <= 4e-16 * abs(value) else decimal

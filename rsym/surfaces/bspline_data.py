@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from rsym.errors import RsymError
 from rsym.surfaces.bspline_fitting import Pair, broadcast
 from rsym.surfaces.data_parameters import EXPONENTS, DataParameters, chord_parameters, given_parameters
+from rsym.surfaces.parameters import real_array
 from rsym.surfaces.spline_knots import averaged_space
 from rsym.surfaces.spline_spaces import Spaces, SplineSpace, checked_order, checked_space, uniform_space
 
@@ -20,9 +21,13 @@ Both: TypeAlias = tuple[Any, Any]
 def checked_points(points: ArrayLike, what: str) -> Array:
     """A net of finite points (r, s, 3), r and s at least 2."""
     try:
-        net = np.array(points, np.float64)
+        net = np.array(real_array(points))
     except (TypeError, ValueError) as error:
-        raise RsymError(f"{what} must be an array of numbers (r, s, 3): {error}", code="points") from error
+        raise RsymError(
+            f"{what} must be an array of numbers (r, s, 3): {error}",
+            code="points",
+            remedy="np.stack([x, y, z], axis=-1)",
+        ) from error
     if net.ndim != 3 or net.shape[2] != 3 or min(net.shape[:2]) < 2:
         raise RsymError(
             f"{what} must have the shape (r, s, 3) with r and s at least 2, got {net.shape}",

@@ -145,11 +145,10 @@ class LagrangeCardinals(Curve):
     def expressions(self) -> sp.ImmutableDenseNDimArray:
         """The products."""
         knots = [exact(knot) for knot in self.knots]
+        # One number before factors t - t_j, which are exact near the knots; (t - t_j)/h would become t/h - t_j/h.
+        factors = [[(parameter - other, own - other) for other in knots if other != own] for own in knots]
         return sp.ImmutableDenseNDimArray(
-            [
-                sp.prod([(parameter - other) / (own - other) for j, other in enumerate(knots) if j != i])
-                for i, own in enumerate(knots)
-            ]
+            [sp.Mul(1 / sp.prod([h for _, h in pairs]), *(factor for factor, _ in pairs)) for pairs in factors]
         )
 
 

@@ -86,7 +86,9 @@ class CompositeCoons(BooleanSum):
         of_v = hermite_cardinals(net.v_knots, closed=round_v)
         super().__init__(Loft(of_u, net.v_curves), Loft(of_v, net.u_curves), net.points)
         slopes = SlopeFunctions(net.u_knots, closed=round_u), SlopeFunctions(net.v_knots, closed=round_v)
-        self._correction = BooleanSum(corners=TwistCorrection(net, of_u, of_v, twists), basis=slopes)
+        correction = TwistCorrection(net, of_u, of_v, twists)
+        correction.check()
+        self._correction = BooleanSum(corners=correction, basis=slopes)
 
     def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
         """The derivatives of these orders."""
@@ -126,6 +128,21 @@ class TwistCorrection(Curve):
         p, r_u, s_v = parts
         values = _combined(p, r_u, s_v, self.of_u.slopes, self.of_v.slopes, given)
         return [np.broadcast_to(values * float(order == 0), (*t.shape, *self.shape)) for order in orders]
+
+    def check(self) -> None:
+        """Refuse curves that are infinitely fast at a point of the network."""
+        if self.given is not None:
+            return
+        for curves, name, other in ((self.along, "u", "v"), (self.over, "v", "u")):
+            wrong = np.argwhere(~np.isfinite(curves(curves.domain[0])).all(axis=-1))
+            if len(wrong):
+                across, own = map(int, wrong[0])
+                raise RsymError(
+                    f"the {name}-curve {own} has no finite tangent where it meets the {other}-curve {across}",
+                    code="twist",
+                    where=f"the {name}-curve {own} at {name} = {curves.places[across]:.6g}",
+                    remedy='write it in another parameter, or give twists, such as twists="zero"',
+                )
 
     def expressions(self) -> sp.ImmutableDenseNDimArray | None:
         """The numbers, if the curves are formulas."""

@@ -88,7 +88,7 @@ not proved; size 2.288.
       1. 0 v0 - 1 v0: G1; the curvature across jumps by 2; worst at (0, 0, 0), (u, v) = (0, 0) and (0, 0); \
 normals to different sides
     """
-    patches = (surfaces,) if isinstance(surfaces, Patch) else tuple(surfaces)
+    patches = (surfaces,) if isinstance(surfaces, Patch) else tuple(surfaces or ())
     _check(patches, {"gap": gap, "angle": angle, "curvature": curvature, "reach": reach})
     values = _values(patches, letters)
     grids = [_grid(patch, own) for patch, own in zip(patches, values, strict=True)]
@@ -111,8 +111,8 @@ def _check(patches: Sequence[object], tolerances: dict[str, float]) -> None:
                 remedy="meshes and shapes have no edges; give patches of rsym.surfaces",
             )
     for name, value in tolerances.items():
-        if not value > 0:
-            raise RsymError(f"{name} must be positive, got {value!r}", code="tolerance")
+        if not isinstance(value, int | float | np.number) or not value > 0:
+            raise RsymError(f"{name} must be positive, got {value!r}", code="tolerance", remedy="leave it out")
 
 
 def _values(patches: Sequence[Patch], letters: LetterValues) -> list[LetterValues]:
@@ -124,7 +124,13 @@ def _values(patches: Sequence[Patch], letters: LetterValues) -> list[LetterValue
 
 def _grid(patch: Patch, letters: LetterValues) -> Array:
     """Points (GRID, GRID, 3) of the whole patch."""
-    return patch.grid(*(np.linspace(*interval, GRID) for interval in patch.domain), letters=letters)
+    with np.errstate(all="ignore"):
+        points = patch.grid(*(np.linspace(*interval, GRID) for interval in patch.domain), letters=letters)
+    if not np.isfinite(points).all():
+        raise RsymError(f"{patch!r} is not finite everywhere", code="patch", remedy="leave its singular edge out")
+    if not np.ptp(points.reshape(-1, 3), axis=0).any():
+        raise RsymError(f"{patch!r} is a point, not a surface", code="patch", remedy="leave it out")
+    return points
 
 
 def _extent(*grids: Array) -> float:

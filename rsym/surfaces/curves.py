@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline, PPoly
 
 from rsym.errors import RsymError
 from rsym.surfaces.callables import Called
-from rsym.surfaces.parameters import Interval
+from rsym.surfaces.parameters import Interval, real_array
 from rsym.surfaces.polynomials import Polynomials
 from rsym.surfaces.univariate import Curve, Formula
 
@@ -55,7 +55,7 @@ def as_curve(
     if len(given) == 3 and all(np.ndim(part) == 0 for part in given):
         return Formula(given, letters, domain, what=what)
     try:
-        points = np.array(given, np.float64)
+        points = real_array(given)
     except (TypeError, ValueError) as error:
         raise _not_a_curve(given, what) from error
     return through_points(points, domain, what=what)

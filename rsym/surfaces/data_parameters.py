@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
-from rsym.surfaces.parameters import Interval
+from rsym.surfaces.parameters import Interval, real_array
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ def given_parameters(given: Any, axis: int, shape: tuple[int, ...], closed: bool
     """Parameters as the user gives them: for each row, or for each point; closed: one more, where the period ends."""
     name, turn = "uv"[axis], int(closed)
     try:
-        values = np.array(given, np.float64)
+        values = np.array(real_array(given))
     except (TypeError, ValueError) as error:
         raise RsymError(f"the parameters {name} must be numbers", code="parameters") from error
     full = list(shape[:2])

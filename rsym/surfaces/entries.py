@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from rsym.errors import RsymError
 from rsym.model.symbols import as_expression
 
 
@@ -18,6 +19,8 @@ def exact(value: float) -> sp.Expr:
     >>> exact(0.1), exact(3.0)
     (1/10, 3)
     """
+    if not np.isfinite(value):
+        raise RsymError(f"a finite number is expected, got {value!r}", code="number", remedy="mend the number")
     return sp.Rational(repr(float(value)))
 
 

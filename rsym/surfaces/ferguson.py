@@ -36,6 +36,12 @@ def with_twists(patch: BicubicCoons, kind: str) -> BicubicCoons:
     >>> with_twists(BicubicCoons(matrix), "adini")(0.5, 0.5).round(12).tolist()
     [0.5, 0.5, 0.25]
     """
+    if not isinstance(patch, BicubicCoons):
+        raise RsymError(
+            f"twists are chosen for a BicubicCoons, got {type(patch).__name__}",
+            code="twist",
+            remedy="estimate_twists takes a grid of points",
+        )
     matrix = patch.matrix
     if kind not in PATCH_KINDS or matrix.shape != (4, 4, 3):
         raise RsymError(

@@ -50,6 +50,13 @@ class CompiledFormulas:
         self.letters = letters
         self.domain = tuple(domain)
         self._functions: dict[tuple[Order, ...], tuple[Program, CompiledFunction]] = {}
+        taken = sorted(set(parameters) & set(letters))
+        if taken:
+            raise RsymError(
+                f"{taken[0]!r} is the name of a letter and of a parameter of the surface",
+                code="letter",
+                remedy="give the letter another name",
+            )
 
     def __getstate__(self) -> dict[str, Any]:
         """Without machine code, which another process compiles anew."""
@@ -110,6 +117,8 @@ def real_expressions(
     free = {symbol.name for symbol in symbols_of(*expressions)}
     used = sorted(name for name in free if name in names and name not in letters)
     unknown = sorted(free - set(used) - set(letters))
+    if any(expression.has(sp.I) for expression in expressions):
+        raise RsymError(f"{what} must be real, it has the imaginary unit", code="real", remedy="take its real part")
     if unknown or len(used) > 1:
         found = f"the unknown symbol {unknown[0]!r}" if unknown else f"the parameters {' and '.join(used)}"
         raise RsymError(

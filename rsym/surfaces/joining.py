@@ -103,9 +103,14 @@ def join(
             )
     constant = all(isinstance(one, int | float | np.number) for one in (k, h))
     if isinstance(p, BicubicCoons) and isinstance(q, BicubicCoons) and constant and not h and not transfinite:
-        depth = DEPTHS[continuity] if continuity else len(q.matrix) // 2 - 1
+        depth = DEPTHS[continuity] if continuity else _own_depth(p, q)
         return joined_matrix(p, first, q, second, float(k), depth)
-    return JoinedPatch(first, second, k, h, DEPTHS[continuity or "G1"], blend)
+    return JoinedPatch(first, second, k, h, DEPTHS[continuity] if continuity else _own_depth(p, q), blend)
+
+
+def _own_depth(p: Patch, q: Patch) -> int:
+    """What matrices hold: two derivatives across their edges in class 3, otherwise one."""
+    return 2 if all(isinstance(one, BicubicCoons) and len(one.matrix) == 6 for one in (p, q)) else 1
 
 
 def nearest_edges(p: Patch, q: Patch) -> tuple[str, str, bool]:

@@ -59,7 +59,7 @@ def mesh_patches(
     >>> mesh.status.closed, mesh.status.euler_characteristic, len(mesh.vertices)
     (True, 0, 512)
     """
-    several = [patches] if isinstance(patches, Patch) else list(patches)
+    several = [patches] if isinstance(patches, Patch) else list(patches or ())
     if not several or not all(isinstance(patch, Patch) for patch in several):
         raise RsymError("expected patches", code="patch", remedy="give a patch or a list of patches")
     cells = _cells(resolution)

@@ -19,6 +19,7 @@ from scipy.interpolate import PPoly
 
 from rsym.errors import RsymError
 from rsym.surfaces.entries import entries_of
+from rsym.surfaces.parameters import real_array
 from rsym.surfaces.polynomials import Polynomials
 from rsym.surfaces.spline_spaces import checked_space, inner_pieces
 from rsym.surfaces.univariate import Curve, LetterValues
@@ -144,7 +145,7 @@ def _checked_weights(weights: ArrayLike | None, count: int) -> Array:
 
 def _numbers(given: Any, what: str) -> Array:
     try:
-        array = np.array(given, np.float64)
+        array = np.array(real_array(given))
     except (TypeError, ValueError) as error:
         raise RsymError(f"the {what} of a Nurbs must be an array of numbers: {error}", code=what) from error
     if not np.isfinite(array).all():

@@ -17,12 +17,28 @@ Interval: TypeAlias = tuple[float, float]
 ROUNDING = 1e-12
 
 
+def real_array(given: ArrayLike) -> Array:
+    """Float64 numbers, a copy of none that are. TypeError or ValueError for others: NumPy only warns of complex ones.
+
+    Examples
+    --------
+    >>> real_array([1, 2]).tolist()
+    [1.0, 2.0]
+    """
+    array = np.asarray(given)
+    if np.iscomplexobj(array):
+        raise TypeError("complex numbers")
+    return array.astype(np.float64, copy=False)
+
+
 def parameter_arrays(*given: ArrayLike) -> list[Array]:
     """Float64 arrays that broadcast against each other, in the shapes given."""
     try:
-        arrays = [np.asarray(one, np.float64) for one in given]
+        arrays = [real_array(one) for one in given]
     except (TypeError, ValueError) as error:
-        raise RsymError("parameters must be real arrays", code="array") from error
+        raise RsymError(
+            "parameters must be real arrays", code="array", remedy="give numbers, or arrays of one shape"
+        ) from error
     try:
         np.broadcast_shapes(*(one.shape for one in arrays))
     except ValueError as error:

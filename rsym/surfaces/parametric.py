@@ -62,7 +62,11 @@ class ParametricSurface(Patch):
             )
         replacements = real_replacements(entries)
         self._point = sp.ImmutableMatrix([entry.xreplace(replacements) for entry in entries])
-        self._letters, self._closed = known, closed
+        if not isinstance(closed, tuple | list) or len(closed) != 2:
+            raise RsymError(
+                f"closed says it of u and of v, got {closed!r}", code="closed", remedy="closed=(True, False)"
+            )
+        self._letters, self._closed = known, (bool(closed[0]), bool(closed[1]))
         if not isinstance(domain, Sequence | np.ndarray) or len(domain) != 2:
             raise RsymError(
                 f"a domain is a pair of the intervals of u and v, got {domain!r}",

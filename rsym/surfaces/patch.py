@@ -84,7 +84,7 @@ class Patch(ABC):
 
     def grid(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
         """Points (len u, len v, 3) at all pairs of two vectors."""
-        rows, columns = (np.atleast_1d(np.asarray(one, np.float64)) for one in (u, v))
+        rows, columns = (np.atleast_1d(parameter_arrays(one)[0]) for one in (u, v))
         if rows.ndim != 1 or columns.ndim != 1:
             raise RsymError(
                 f"a grid is spanned by two vectors, got arrays of the shapes {rows.shape} and {columns.shape}",

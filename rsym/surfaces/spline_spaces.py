@@ -16,7 +16,7 @@ from scipy.interpolate import BSpline, NdBSpline, PPoly
 
 from rsym.errors import RsymError
 from rsym.surfaces.entries import entries_of
-from rsym.surfaces.parameters import Interval
+from rsym.surfaces.parameters import Interval, real_array
 from rsym.surfaces.polynomials import Polynomials
 
 Array: TypeAlias = NDArray[np.float64]
@@ -199,7 +199,7 @@ def _room(knots: Array) -> float:
 
 def _finite_knots(knots: ArrayLike, name: str) -> Array:
     try:
-        given = np.array(knots, np.float64)
+        given = np.array(real_array(knots))
     except (TypeError, ValueError) as error:
         raise RsymError(f"the knots along {name} must be numbers", code="knots") from error
     if given.ndim != 1 or not np.isfinite(given).all():

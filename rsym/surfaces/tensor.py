@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from rsym.errors import RsymError
 from rsym.surfaces.cardinals import named_cardinals
+from rsym.surfaces.parameters import real_array
 from rsym.surfaces.transfinite import BooleanSum
 from rsym.surfaces.univariate import Constant
 
@@ -54,7 +55,12 @@ class TensorProductSurface(BooleanSum):
         closed: tuple[bool, bool] = (False, False),
         cardinals: str = "hermite",
     ) -> None:
-        grid = np.array(points, np.float64)
+        try:
+            grid = np.array(real_array(points))
+        except (TypeError, ValueError) as error:
+            raise RsymError(
+                "points are an array of real numbers (r, s, 3)", code="points", remedy="np.stack([x, y, z], axis=-1)"
+            ) from error
         if grid.ndim != 3 or grid.shape[2] != 3 or min(grid.shape) < 2 or not np.isfinite(grid).all():
             raise RsymError(
                 f"expected finite points of the shape (r, s, 3), r and s at least 2, got the shape {grid.shape}",

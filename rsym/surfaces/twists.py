@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
+from rsym.surfaces.parameters import real_array
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -62,7 +63,7 @@ def estimate_twists(
     """
     nodes = _grid(points, "points")
     known = [_knots(given, count, name) for given, count, name in zip((u, v), nodes.shape[:2], "uv", strict=True)]
-    if kind not in KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise RsymError(f"no twist estimator {kind!r}", code="twist", remedy=f"choose from {', '.join(KINDS)}")
     if kind == "bessel" or (kind == "adini" and (u_tangents is None or v_tangents is None)):
         _need_three(nodes, kind)
@@ -147,7 +148,7 @@ KINDS: dict[str, Callable[[Array, Array, Array, list[Array | None]], Array]] = {
 
 def _grid(given: Any, name: str) -> Array:
     try:
-        nodes = np.array(given, np.float64)
+        nodes = np.array(real_array(given))
     except (TypeError, ValueError) as error:
         raise RsymError(f"{name} must be an array of numbers (r, s, 3)", code="array") from error
     if nodes.ndim != 3 or nodes.shape[2] != 3 or min(nodes.shape[:2]) < 2 or not np.isfinite(nodes).all():
@@ -166,9 +167,14 @@ def _fit(given: Any, shape: tuple[int, ...], name: str) -> Array:
 
 
 def _knots(given: ArrayLike | None, count: int, name: str) -> Array:
-    knots = np.arange(float(count)) if given is None else np.asarray(given, np.float64)
-    if knots.shape != (count,) or not (np.diff(knots) > 0).all():
-        raise RsymError(f"{name} must be {count} increasing numbers, got {given!r}", code="knots")
+    try:
+        knots = np.arange(float(count)) if given is None else real_array(given)
+    except (TypeError, ValueError):
+        knots = np.zeros(0)
+    if knots.shape != (count,) or not np.isfinite(knots).all() or not (np.diff(knots) > 0).all():
+        raise RsymError(
+            f"{name} must be {count} finite increasing numbers, got {given!r}", code="knots", remedy="one for each row"
+        )
     return knots
 
 

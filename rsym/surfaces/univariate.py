@@ -20,7 +20,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.surfaces.entries import entries_and_shape, entries_of, exact
 from rsym.surfaces.formulas import CompiledFormulas, real_expressions
-from rsym.surfaces.parameters import Interval, as_interval, inside
+from rsym.surfaces.parameters import Interval, as_interval, inside, parameter_arrays, real_array
 from rsym.surfaces.symbols import t
 
 Array: TypeAlias = NDArray[np.float64]
@@ -58,7 +58,10 @@ class Curve(ABC):
     def __call__(self, t: ArrayLike, order: int = 0, *, letters: LetterValues = None) -> Array:
         """The derivative of this order, (*t.shape, *shape)."""
         values = self.letters.values_with(letters) if letters else None
-        return self.evaluate(inside(np.asarray(t, np.float64), self.domain, self.closed, "t"), [order], values)[0]
+        if isinstance(order, bool) or not isinstance(order, int | np.integer) or order < 0:
+            raise RsymError(f"an order of derivative is an integer >= 0, got {order!r}", code="order", remedy="order=1")
+        (places,) = parameter_arrays(t)
+        return self.evaluate(inside(places, self.domain, self.closed, "t"), [int(order)], values)[0]
 
 
 class Formula(Curve):
@@ -110,7 +113,7 @@ class Constant(Curve):
     """A value that does not depend on the parameter: an array of numbers."""
 
     def __init__(self, values: ArrayLike, domain: Interval = (0.0, 1.0)) -> None:
-        self.values = np.array(values, np.float64)
+        self.values = np.array(real_array(values))
         self.shape = self.values.shape
         self.domain = domain
         given = np.array(values, object).reshape(-1)
