@@ -19,6 +19,7 @@ from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import LetterValues, Orders
 from rsym.surfaces.patch_latex import bicubic_latex, coons_latex
 from rsym.surfaces.ribbons import EDGES, ribbons_of, unit_curve
+from rsym.surfaces.shared_kernels import corner_values, formulas_of_blends
 from rsym.surfaces.symbols import t, u, v
 from rsym.surfaces.transfinite import BooleanSum, Loft
 from rsym.surfaces.univariate import Constant, Curve, Formula, Stack
@@ -182,6 +183,13 @@ class BicubicCoons(BooleanSum):
         self.blend_u, self.blend_v = (_blend(one, order, name) for one, name in ((blend_u, "u"), (blend_v, "v")))
         super().__init__(corners=data, basis=(self.blend_u.curve, self.blend_v.curve))
         self.data = data
+
+    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
+        """The derivatives of these orders."""
+        if not isinstance(self.data, Constant):
+            return super().evaluate(u, v, orders, letters)
+        values = self.letters.values_with(letters) | corner_values(self.data.values)
+        return formulas_of_blends(self.blend_u, self.blend_v).points(u, v, orders, values)
 
     @property
     def matrix(self) -> Array:
