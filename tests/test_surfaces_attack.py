@@ -5,7 +5,9 @@ import pytest
 import sympy as sp
 from closeness import assert_close
 
+from rsym.codegen.kernel import compiled
 from rsym.errors import RsymError
+from rsym.surfaces import formulas
 from rsym.surfaces.blending import HermiteBlend
 from rsym.surfaces.bsplines import BSplineSurface
 from rsym.surfaces.composite import CompositeCoons
@@ -138,3 +140,15 @@ def test_matrices_of_class_three_are_joined_to_second_order_in_whatever_way():
     for k, options in ((2, {}), (2, {"transfinite": True}), (2 + 0 * t, {}), (lambda w: 2 + 0 * w, {})):
         found = join(p, "u1", q, "u0", k, **options)
         assert_close(found.derivative(0.0, s, (2, 0)), 4 * p.derivative(1.0, s, (2, 0)), atol=1e-9)
+
+
+def test_patches_with_the_same_blends_share_one_kernel(monkeypatch):
+    blends = HermiteBlend.class2(sp.Rational(1, 7), sp.pi / 3), HermiteBlend.cubic()
+    made = []
+    monkeypatch.setattr(formulas, "compiled", lambda *args: made.append(args) or compiled(*args))
+    generator = np.random.default_rng(5)
+    for _ in range(4):
+        matrix = generator.normal(size=(4, 4, 3))
+        point = BicubicCoons(matrix, *blends)(0.3, 0.8)
+        assert_close(point, np.einsum("a,abc,b->c", blends[0](0.3), matrix, blends[1](0.8)), atol=1e-14)
+    assert sum(len(program.letters) == 48 for program, *_ in made) == 1
