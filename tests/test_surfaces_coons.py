@@ -6,7 +6,6 @@ import sympy as sp
 from closeness import assert_close
 
 import rsym
-from rsym.codegen import kernel
 from rsym.surfaces.blending import HermiteBlend
 from rsym.surfaces.coons import BicubicCoons, CoonsPatch
 from rsym.surfaces.parametric import ParametricSurface
@@ -221,12 +220,3 @@ def test_a_blend_of_a_higher_class_serves_a_lower_one():
 
 def test_no_orders_are_no_derivatives():
     assert CoonsPatch((0, t, 0), (1, t, 0), (t, 0, 0), (t, 1, 0)).derivatives(0.5, 0.5, []) == []
-
-
-def test_patches_of_the_same_blends_share_their_kernels():
-    rng = np.random.default_rng(3)
-    first, second = (BicubicCoons(rng.normal(size=(4, 4, 3)), HermiteBlend.class1(1, 1)) for _ in range(2))
-    first.mean_curvature(0.3, 0.4)
-    before = set(kernel._CACHE)
-    second.mean_curvature(0.3, 0.4)
-    assert set(kernel._CACHE) == before

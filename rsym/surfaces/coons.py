@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -15,7 +14,6 @@ from rsym.model.letters import as_letters
 from rsym.surfaces.blending import HermiteBlend
 from rsym.surfaces.corners import Corners
 from rsym.surfaces.entries import entries_and_shape
-from rsym.surfaces.formulas import CompiledFormulas
 from rsym.surfaces.gregory import Gregory
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import LetterValues, Orders
@@ -198,14 +196,6 @@ class BicubicCoons(BooleanSum):
         """The corner information matrix at the defaults of the letters."""
         return np.array(self.data(self.data.domain[0]))
 
-    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
-        """The derivatives of these orders."""
-        if not isinstance(self.data, Constant):
-            return super().evaluate(u, v, orders, letters)
-        entries = dict(zip(_names(self.data.shape), self.data.values.ravel().tolist(), strict=True))
-        formulas = _for_any_matrix(self.blend_u, self.blend_v)
-        return formulas.points(u, v, orders, self.letters.values_with(letters) | entries)
-
     def _repr_latex_(self) -> str:
         """P = f(u)^T Q f(v) with Q and f."""
         return bicubic_latex(self.data, self.blend_u, self.blend_v)
@@ -213,23 +203,6 @@ class BicubicCoons(BooleanSum):
     def with_matrix(self, matrix: Any) -> BicubicCoons:
         """The patch of another matrix with the same blends."""
         return BicubicCoons(matrix, self.blend_u, self.blend_v)
-
-
-# A surface may consist of hundreds of patches with the same blends; a kernel takes about 50 ms to compile.
-@lru_cache(maxsize=64)
-def _for_any_matrix(blend_u: HermiteBlend, blend_v: HermiteBlend) -> CompiledFormulas:
-    """The formulas of all patches with these blends: the entries of the matrix are letters, which compile nothing."""
-    shape = (2 * blend_u.order, 2 * blend_v.order, 3)
-    # Not all alike, since kernels are checked with the defaults.
-    defaults = {name: 1 + place / 8 for place, name in enumerate(_names(shape))}
-    symbolic = np.array([sp.Symbol(name, real=True) for name in defaults]).reshape(shape)
-    formulas = BicubicCoons(symbolic, blend_u, blend_v, letters=defaults)._compiled
-    assert formulas is not None
-    return formulas
-
-
-def _names(shape: tuple[int, ...]) -> list[str]:
-    return [f"Q{list(place)}" for place in np.ndindex(*shape)]
 
 
 def _matrix(matrix: Any, letters: Mapping[Any, Any] | None) -> Curve:

@@ -32,7 +32,9 @@ def formulas_of_blends(blend_u: HermiteBlend, blend_v: HermiteBlend) -> Compiled
         sp.Add(*(f[a] * sp.Add(*(real_symbol(names[a][b][c]) * g[b] for b in range(len(g)))) for a in range(len(f))))
         for c in range(3)
     ]
-    corners = Letters({name: Letter(1.0) for row in names for cell in row for name in cell})
+    flat = [name for row in names for cell in row for name in cell]
+    # Not all alike, since kernels are checked with the defaults.
+    corners = Letters({name: Letter(1 + place / 8) for place, name in enumerate(flat)})
     return CompiledFormulas(point, ("u", "v"), blend_u.letters.merge(blend_v.letters).merge(corners), UNIT)
 
 
