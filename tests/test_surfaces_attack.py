@@ -8,20 +8,20 @@ from closeness import assert_close
 from rsym.codegen.kernel import compiled
 from rsym.errors import RsymError
 from rsym.surfaces import formulas
-from rsym.surfaces.blending import HermiteBlend
-from rsym.surfaces.bsplines import BSplineSurface
-from rsym.surfaces.composite import CompositeCoons
-from rsym.surfaces.continuity import continuity_report
-from rsym.surfaces.coons import BicubicCoons
-from rsym.surfaces.curves import as_curve
-from rsym.surfaces.ferguson import with_twists
-from rsym.surfaces.joining import join
-from rsym.surfaces.lofts import LagrangeSurface
+from rsym.surfaces.blends.blending import HermiteBlend
+from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
+from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.ferguson import with_twists
+from rsym.surfaces.coons.twists import estimate_twists
+from rsym.surfaces.functions.curves import as_curve
+from rsym.surfaces.joints.continuity import continuity_report
+from rsym.surfaces.joints.joining import join
 from rsym.surfaces.meshes import mesh_patches
+from rsym.surfaces.networks.composite import CompositeCoons
+from rsym.surfaces.networks.lofts import LagrangeSurface
+from rsym.surfaces.networks.tensor import TensorProductSurface
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v
-from rsym.surfaces.tensor import TensorProductSurface
-from rsym.surfaces.twists import estimate_twists
 
 
 def paraboloid(steepness, radius):

@@ -13,9 +13,9 @@ from scipy.interpolate import CubicHermiteSpline
 from rsym.errors import RsymError
 from rsym.model.letters import Letter
 from rsym.model.symbols import real_symbol
-from rsym.surfaces.blend_families import resolved
-from rsym.surfaces.blending import HermiteBlend, part_of_pi
-from rsym.surfaces.blending_checks import TOLERANCE, is_zero, never_negative
+from rsym.surfaces.blends.blend_families import resolved
+from rsym.surfaces.blends.blending import HermiteBlend, part_of_pi
+from rsym.surfaces.blends.blending_checks import TOLERANCE, is_zero, never_negative
 from rsym.surfaces.symbols import t
 
 LAM, MU, NU, ALPHA = sp.symbols("lambda mu nu alpha")

@@ -13,10 +13,10 @@ from scipy.interpolate import NdBSpline, make_interp_spline, make_lsq_spline
 
 from rsym.errors import RsymError
 from rsym.surfaces import symbols
-from rsym.surfaces.bspline_loci import Along, Plane
-from rsym.surfaces.bsplines import BSplineSurface
-from rsym.surfaces.curves import as_curve
-from rsym.surfaces.parameter_correction import moved
+from rsym.surfaces.bsplines.bspline_loci import Along, Plane
+from rsym.surfaces.bsplines.parameter_correction import moved
+from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
+from rsym.surfaces.functions.curves import as_curve
 from rsym.surfaces.symbols import t
 
 RANDOM = np.random.default_rng(7)

@@ -7,14 +7,14 @@ from closeness import assert_close
 from scipy.interpolate import CubicSpline, PPoly
 
 from rsym.errors import RsymError
-from rsym.surfaces.callables import Called
-from rsym.surfaces.cardinals import hermite_cardinals
-from rsym.surfaces.composite import CompositeCoons
-from rsym.surfaces.gordon import GordonSurface
-from rsym.surfaces.polynomials import Polynomials
+from rsym.surfaces.functions.callables import Called
+from rsym.surfaces.functions.cardinals import hermite_cardinals
+from rsym.surfaces.functions.polynomials import Polynomials
+from rsym.surfaces.functions.univariate import Formula
+from rsym.surfaces.networks.composite import CompositeCoons
+from rsym.surfaces.networks.gordon import GordonSurface
+from rsym.surfaces.networks.tensor import TensorProductSurface
 from rsym.surfaces.symbols import t, u, v
-from rsym.surfaces.tensor import TensorProductSurface
-from rsym.surfaces.univariate import Formula
 
 UNIFORM, GENERAL = (range(5), range(4)), ((0, 0.7, 2, 2.5, 4), (0, 1.3, 1.9, 3))
 STEP = 1e-3

@@ -8,7 +8,7 @@ from closeness import assert_close
 from hermite_doubles import Corners, Lambdified, sheet, sphere
 
 from rsym.errors import RsymError
-from rsym.surfaces.continuity import continuity_report
+from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import u, v
 

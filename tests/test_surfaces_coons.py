@@ -6,8 +6,8 @@ import sympy as sp
 from closeness import assert_close
 
 import rsym
-from rsym.surfaces.blending import HermiteBlend
-from rsym.surfaces.coons import BicubicCoons, CoonsPatch
+from rsym.surfaces.blends.blending import HermiteBlend
+from rsym.surfaces.coons.coons_patches import BicubicCoons, CoonsPatch
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v
 from rsym.surfaces.transfinite import _Separable

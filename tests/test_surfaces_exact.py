@@ -8,9 +8,9 @@ from closeness import assert_close
 import rsym
 from rsym.errors import RsymError
 from rsym.model.letters import Letter
-from rsym.surfaces.blending import HermiteBlend
-from rsym.surfaces.coons import BicubicCoons
-from rsym.surfaces.exact import (
+from rsym.surfaces.blends.blending import HermiteBlend
+from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.exact import (
     cone,
     cone_quarter,
     cylinder,
@@ -22,9 +22,9 @@ from rsym.surfaces.exact import (
     torus,
     torus_quarter,
 )
-from rsym.surfaces.meridians import Arc, Segment
+from rsym.surfaces.coons.meridians import Arc, Segment
+from rsym.surfaces.coons.revolution import Revolution
 from rsym.surfaces.parametric import ParametricSurface
-from rsym.surfaces.revolution import Revolution
 from rsym.surfaces.symbols import t, u, v
 
 QUARTER = np.pi / 2

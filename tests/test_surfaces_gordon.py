@@ -7,11 +7,11 @@ from closeness import assert_close
 from scipy.interpolate import CubicSpline, PPoly, lagrange
 
 from rsym.errors import RsymError
-from rsym.surfaces.gordon import GordonSurface
-from rsym.surfaces.polynomials import Polynomials
-from rsym.surfaces.reparametrisation import Composed, increasing
+from rsym.surfaces.functions.polynomials import Polynomials
+from rsym.surfaces.functions.univariate import Formula
+from rsym.surfaces.networks.gordon import GordonSurface
+from rsym.surfaces.networks.reparametrisation import Composed, increasing
 from rsym.surfaces.symbols import t, u, v
-from rsym.surfaces.univariate import Formula
 
 U, V = (0, 0.3, 0.8, 1), (0, 0.45, 1)
 DENSE = np.linspace(0, 1, 41)

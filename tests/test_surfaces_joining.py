@@ -7,11 +7,11 @@ from closeness import assert_close
 from hermite_doubles import Corners, Lambdified, sheet, sphere
 
 from rsym.errors import RsymError
-from rsym.surfaces.blending import HermiteBlend
-from rsym.surfaces.continuity import continuity_report
-from rsym.surfaces.coons import BicubicCoons
-from rsym.surfaces.exact import sphere as sphere_patches
-from rsym.surfaces.joining import join
+from rsym.surfaces.blends.blending import HermiteBlend
+from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.exact import sphere as sphere_patches
+from rsym.surfaces.joints.continuity import continuity_report
+from rsym.surfaces.joints.joining import join
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v
 

@@ -10,11 +10,11 @@ from closeness import assert_close
 from scipy.interpolate import CubicSpline
 
 from rsym.errors import RsymError, RsymWarning
-from rsym.surfaces.cardinals import SlopeFunctions, hermite_cardinals, lagrange_cardinals, spline_cardinals
-from rsym.surfaces.lofts import HermiteSurface, LagrangeSurface, SplineLoft
-from rsym.surfaces.nurbs import Nurbs
+from rsym.surfaces.functions.cardinals import SlopeFunctions, hermite_cardinals, lagrange_cardinals, spline_cardinals
+from rsym.surfaces.functions.nurbs import Nurbs
+from rsym.surfaces.functions.univariate import Formula
+from rsym.surfaces.networks.lofts import HermiteSurface, LagrangeSurface, SplineLoft
 from rsym.surfaces.symbols import t, u, v
-from rsym.surfaces.univariate import Formula
 
 KNOTS = (0, 1, sp.Rational(5, 2), 3, sp.Rational(21, 5))
 ROUND = (*KNOTS, 6)

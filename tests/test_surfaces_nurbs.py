@@ -10,8 +10,8 @@ from closeness import assert_close
 from geomdl import NURBS
 
 from rsym.errors import RsymError
-from rsym.surfaces.curves import as_curve
-from rsym.surfaces.nurbs import Nurbs
+from rsym.surfaces.functions.curves import as_curve
+from rsym.surfaces.functions.nurbs import Nurbs
 from rsym.surfaces.symbols import t
 
 HALF = 0.5**0.5

@@ -20,7 +20,7 @@ from rsym.output.patches import CURVE, NET, POINT, map_values, plot_patches, tes
 from rsym.output.surfaces import ShadedMesh, plot_mesh
 from rsym.output.tessellation import joined
 from rsym.sampling.mesh import Mesh
-from rsym.surfaces.continuity import continuity_report
+from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.meshes import mesh_patches
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import Patch
@@ -203,8 +203,8 @@ def test_the_net_of_a_closed_patch_goes_round():
 
 
 def test_curves_are_polylines_or_curves_over_their_interval():
+    from rsym.surfaces.functions.univariate import Formula
     from rsym.surfaces.symbols import t
-    from rsym.surfaces.univariate import Formula
 
     arc = Formula((t, t * 0 + 0.5, 0.4 - (t - 0.5) ** 2), domain=(0, 1))
     _, at, _ = picture(Parabola(), curves=[arc, [[0, 0.1, 0.1], [1, 0.1, 0.1]]], lines=0)

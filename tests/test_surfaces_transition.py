@@ -6,12 +6,12 @@ import sympy as sp
 from closeness import assert_close
 
 from rsym.errors import RsymError
-from rsym.surfaces.blending import HermiteBlend
+from rsym.surfaces.blends.blending import HermiteBlend
+from rsym.surfaces.functions.univariate import Formula
+from rsym.surfaces.networks.transition import TransitionSurface
+from rsym.surfaces.networks.trimmed import Across, as_line
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v
-from rsym.surfaces.transition import TransitionSurface
-from rsym.surfaces.trimmed import Across, as_line
-from rsym.surfaces.univariate import Formula
 
 ONE = (u, v, sp.sin(u + v) / 2)
 TWO = (2 + u * sp.cos(v / 2), v + u**2 / 3, 1 + sp.exp(u * v / 2))

@@ -16,9 +16,9 @@ from rsym.output.paints import MAPS
 from rsym.output.patches import Lines, coat_of_patches, dots, shaded, tessellations
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import pieces
-from rsym.surfaces.continuity import continuity_report
-from rsym.surfaces.edge_report import EdgeReport, Meeting
-from rsym.surfaces.edge_wording import COLOURS
+from rsym.surfaces.joints.continuity import continuity_report
+from rsym.surfaces.joints.edge_report import EdgeReport, Meeting
+from rsym.surfaces.joints.edge_wording import COLOURS
 from rsym.surfaces.patch import Patch
 
 Floats = NDArray[np.float64]

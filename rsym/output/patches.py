@@ -18,8 +18,8 @@ from rsym.output.shading import BODY
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import Tessellation, cells_of, joined, line_parameters, pieces, tessellate
 from rsym.surfaces import forms
+from rsym.surfaces.functions.univariate import Curve as SpaceCurve
 from rsym.surfaces.patch import Patch
-from rsym.surfaces.univariate import Curve as SpaceCurve
 
 Floats = NDArray[np.float64]
 Patches: TypeAlias = Patch | Sequence[Patch] | Mapping[str, Patch]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rsym.output.gallery import Gallery
 from rsym.output.patches import plot_patches
 from rsym.paper.drawing import Drawing, Table, triangles_in
-from rsym.surfaces.bsplines import BSplineSurface
+from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 
 Floats = NDArray[np.float64]
 

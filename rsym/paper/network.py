@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rsym.output.gallery import Gallery
 from rsym.output.patches import plot_patches
 from rsym.paper.drawing import Drawing, Table, triangles_in
-from rsym.surfaces.gordon import GordonSurface
+from rsym.surfaces.networks.gordon import GordonSurface
 from rsym.surfaces.patch import Patch
 from rsym.surfaces.transfinite import BooleanSum
 

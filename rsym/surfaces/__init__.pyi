@@ -1,15 +1,11 @@
 from . import projections
-from .blending import HermiteBlend
-from .blending_checks import Answer
-from .bspline_loci import Plane
-from .bsplines import BSplineSurface
-from .callables import Called
-from .composite import CompositeCoons
-from .continuity import continuity_report
-from .coons import BicubicCoons, CoonsPatch
-from .edge_report import EdgeReport
-from .energies import energy
-from .exact import (
+from .blends.blending import HermiteBlend
+from .blends.blending_checks import Answer
+from .bsplines.bspline_loci import Plane
+from .bsplines.spline_surfaces import BSplineSurface
+from .coons.coons_patches import BicubicCoons, CoonsPatch
+from .coons.energies import energy
+from .coons.exact import (
     cone,
     cone_quarter,
     cylinder,
@@ -21,21 +17,25 @@ from .exact import (
     torus,
     torus_quarter,
 )
-from .ferguson import with_twists
-from .gordon import GordonSurface
-from .joining import join
-from .lofts import HermiteSurface, LagrangeSurface, SplineLoft
-from .meridians import Arc, Segment
+from .coons.ferguson import with_twists
+from .coons.meridians import Arc, Segment
+from .coons.optimal import Optimum, optimal_parameters
+from .coons.revolution import Revolution
+from .coons.twists import estimate_twists
+from .functions.callables import Called
+from .functions.nurbs import Nurbs
+from .functions.univariate import Formula
+from .joints.continuity import continuity_report
+from .joints.edge_report import EdgeReport
+from .joints.joining import join
 from .meshes import mesh_patches
-from .nurbs import Nurbs
-from .optimal import Optimum, optimal_parameters
+from .networks.composite import CompositeCoons
+from .networks.gordon import GordonSurface
+from .networks.lofts import HermiteSurface, LagrangeSurface, SplineLoft
+from .networks.tensor import TensorProductSurface
+from .networks.transition import TransitionSurface
 from .parametric import ParametricSurface
 from .patch import Patch
-from .revolution import Revolution
-from .tensor import TensorProductSurface
-from .transition import TransitionSurface
-from .twists import estimate_twists
-from .univariate import Formula
 
 __all__ = [
     "Answer",

@@ -13,8 +13,8 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.model.symbols import real_replacements
 from rsym.model.traversal import symbols_of
-from rsym.surfaces.entries import entries_and_shape
-from rsym.surfaces.formulas import CompiledFormulas
+from rsym.surfaces.functions.entries import entries_and_shape
+from rsym.surfaces.functions.formulas import CompiledFormulas
 from rsym.surfaces.parameters import as_interval
 from rsym.surfaces.patch import Array, Domain, LetterValues, Orders, Patch
 

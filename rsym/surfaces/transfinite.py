@@ -21,10 +21,10 @@ from rsym.codegen.kernel import blocks_of
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces import symbols
-from rsym.surfaces.entries import entries_of
-from rsym.surfaces.formulas import CompiledFormulas
+from rsym.surfaces.functions.entries import entries_of
+from rsym.surfaces.functions.formulas import CompiledFormulas
+from rsym.surfaces.functions.univariate import NO_LETTERS, Curve
 from rsym.surfaces.patch import Array, Domain, LetterValues, Orders, Patch
-from rsym.surfaces.univariate import NO_LETTERS, Curve
 
 # Points combined at once: their factors stay in the cache of a core.
 BLOCK = 4096
@@ -62,7 +62,7 @@ class BooleanSum(Patch):
     Examples
     --------
     >>> from rsym.surfaces.symbols import t
-    >>> from rsym.surfaces.univariate import Formula, Stack
+    >>> from rsym.surfaces.functions.univariate import Formula, Stack
     >>> ruled = BooleanSum(along_u=Loft(Formula((1 - t, t)), Formula([[0, t, 0], [1, t, t]])))
     >>> ruled(0.5, [0.0, 1.0]).tolist()
     [[0.5, 0.0, 0.0], [0.5, 1.0, 0.5]]

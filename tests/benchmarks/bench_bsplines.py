@@ -4,7 +4,7 @@ import numpy as np
 from geomdl import BSpline, fitting
 from scipy.interpolate import NdBSpline, RectBivariateSpline, make_interp_spline
 
-from rsym.surfaces.bsplines import BSplineSurface
+from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 
 COUNT, CELLS, FEW = 50, 1000, 100
 X, Y = np.meshgrid(np.linspace(0, 3, COUNT), np.linspace(0, 2, COUNT), indexing="ij")

@@ -1,0 +1,1 @@
+"""Blending functions with shape parameters."""

@@ -1,0 +1,1 @@
+"""B-spline surfaces through data."""

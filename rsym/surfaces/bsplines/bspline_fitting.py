@@ -1,0 +1,178 @@
+"""Nets of vertices for data: D = C B with C_(pq),(ij) = N_i(u_pq) M_j(w_pq), solved by orthogonal reflections.
+
+Source: Rogers and Adams (1990), equations 6-83 (as many vertices as data) and 6-84 (fewer). The book inverts C or
+C^T C; here C is never squared. Parameters that are alike in all rows and columns give C = N x M and two small systems.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.surfaces.bsplines.band_qr import DEPENDENT, BandQR
+from rsym.surfaces.bsplines.spline_knots import are_settled, check_data
+from rsym.surfaces.bsplines.spline_spaces import Spaces, tensor_values
+
+Array: TypeAlias = NDArray[np.float64]
+Pair: TypeAlias = tuple[Array, Array]
+
+# Share of the size of the data by which an interpolating surface may miss them: regular systems stay below 1e-14, nets
+# over averaged knots through crowded random points below 1e-11.
+MET = 1e-11
+# Vertices this many times as far out as the data have lost as many digits; order 7 through points crowded by 1e-9 takes
+# nets over averaged knots to 7e7 times, and still meets the data to 1e-13.
+FAR = 1e8
+
+
+@dataclass(frozen=True)
+class Residual:
+    """How far a surface passes from its data, each point against its own parameters.
+
+    Parameters
+    ----------
+    maximum, rms : float
+        The largest distance, and the root of the mean square.
+    worst : pair of int
+        The row and column of the datum with the largest distance.
+    place : pair of float
+        Its parameters.
+
+    Examples
+    --------
+    >>> print(Residual(0.25, 0.1, (2, 3), (0.5, 1.0)))
+    at most 0.25, rms 0.1; worst at datum (2, 3), u = 0.5, v = 1
+    """
+
+    maximum: float
+    rms: float
+    worst: tuple[int, int]
+    place: tuple[float, float]
+
+    def __str__(self) -> str:
+        u, v = self.place
+        return f"at most {self.maximum:.3g}, rms {self.rms:.3g}; worst at datum {self.worst}, u = {u:.6g}, v = {v:.6g}"
+
+
+@dataclass(frozen=True, eq=False)
+class SplineFit:
+    """The data of a surface, and how it came to them.
+
+    Parameters
+    ----------
+    points : array (r, s, 3)
+        The data.
+    parameters : pair of arrays
+        Of the rows and of the columns; or of each point, (r, s) both.
+    history : tuple of Residual
+        Before the corrections of parameters and constraints, and after each step that was kept; the last one holds.
+    converged : bool
+        False where vertices kept on planes or curves were still moving at the last step.
+
+    Examples
+    --------
+    >>> from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
+    >>> points = [[[i, j, abs(i - 3) * j] for j in range(5)] for i in range(7)]
+    >>> fit = BSplineSurface.least_squares(points, (5, 4), corrections=3).fit
+    >>> len(fit.history), fit.history[0].rms > fit.residual.rms
+    (4, True)
+    """
+
+    points: Array
+    parameters: Pair
+    history: tuple[Residual, ...]
+    converged: bool = True
+
+    @property
+    def residual(self) -> Residual:
+        """The residual of the surface."""
+        return self.history[-1]
+
+
+def broadcast(parameters: Pair) -> Pair:
+    """Parameters that broadcast to the net of data."""
+    u, v = parameters
+    return (u[:, None] if u.ndim == 1 else u), (v[None, :] if v.ndim == 1 else v)
+
+
+def residual_of(spaces: Spaces, net: Array, points: Array, parameters: Pair) -> Residual:
+    """The distances of the points from the surface at their parameters."""
+    u, v = broadcast(parameters)
+    gaps = points - tensor_values(spaces, net, u, v)
+    distances = np.sqrt(np.einsum("abi,abi->ab", gaps, gaps))
+    worst = np.unravel_index(int(distances.argmax()), distances.shape)
+    place = tuple(float(np.broadcast_to(one, distances.shape)[worst]) for one in (u, v))
+    rms = float(np.sqrt((distances**2).mean()))
+    return Residual(float(distances[worst]), rms, (int(worst[0]), int(worst[1])), (place[0], place[1]))
+
+
+def fitted_net(spaces: Spaces, points: Array, parameters: Pair) -> Array:
+    """The net whose surface passes the points nearest in the sense of least squares."""
+    solve = _tensor_solver(spaces, parameters) if parameters[0].ndim == 1 else _solver(spaces, parameters)
+    net = solve(points)
+    size = float(np.abs(points).max())
+    if not np.abs(net).max() <= FAR * size:
+        raise _spoilt(f"these reach to {np.abs(net).max():.2g}, data of the size {size:.2g}")
+    return net
+
+
+def check_met(residual: Residual, points: Array) -> None:
+    """Refuse a surface that should pass its data and, for rounding, does not."""
+    size = float(np.abs(points).max())
+    if not residual.maximum <= MET * size:
+        raise _spoilt(f"the surface misses data of the size {size:.2g} by {residual.maximum:.2g}")
+
+
+def _spoilt(what: str) -> RsymError:
+    return RsymError(
+        f"the data hardly determine the vertices: {what}",
+        code="ill-conditioned",
+        remedy='take parameters alike in all rows (per_point=False) and knots="averaged", or fewer vertices',
+    )
+
+
+def collocation_matrix(spaces: Spaces, parameters: Pair) -> Array:
+    """C: a row for each point, column i*(m+1) + j with N_i(u) M_j(v)."""
+    u, v = (one.ravel() for one in np.broadcast_arrays(*broadcast(parameters)))
+    (rows, n), (columns, m) = (space.local(values) for space, values in zip(spaces, (u, v), strict=True))
+    matrix = np.zeros((len(u), spaces[0].count * spaces[1].count))
+    numbers = rows[:, :, None] * spaces[1].count + columns[:, None, :]
+    matrix[np.arange(len(u))[:, None, None], numbers] = n[:, :, None] * m[:, None, :]
+    return matrix
+
+
+def _tensor_solver(spaces: Spaces, parameters: Pair) -> Callable[[Array], Array]:
+    """B = N^+ D (M^+)^T."""
+    systems = []
+    for space, values, name in zip(spaces, parameters, "uv", strict=True):
+        check_data(values, space, name)
+        systems.append(BandQR(space.matrix(values), 0.0 if are_settled(values, space) else DEPENDENT))
+        if systems[-1].dependent is not None:
+            raise singular(spaces, f"the vertex {systems[-1].dependent} along {name}")
+    along, across = systems
+    return lambda right: across.solve(along.solve(right).swapaxes(0, 1)).swapaxes(0, 1)
+
+
+def _solver(spaces: Spaces, parameters: Pair) -> Callable[[Array], Array]:
+    """The one system of all points."""
+    shape = (spaces[0].count, spaces[1].count)
+    system = BandQR(collocation_matrix(spaces, parameters))
+    if system.dependent is not None:
+        row, column = divmod(system.dependent, shape[1])
+        raise singular(spaces, f"the vertex ({row}, {column})")
+    return lambda right: system.solve(right.reshape(-1, 3)).reshape(*shape, 3)
+
+
+def singular(spaces: Spaces, vertex: str) -> RsymError:
+    """The refusal of a system without a unique solution."""
+    halved = any(space.closed for space in spaces)
+    return RsymError(
+        f"the data do not determine {vertex}: it depends on those before it",
+        code="singular",
+        remedy='take fewer vertices or knots="averaged"'
+        + (", or move the parameters of the closed direction by half a span" if halved else ""),
+    )

@@ -1,0 +1,242 @@
+"""B-spline surfaces: nets of vertices, and nets for data.
+
+p(u, v) = sum_ij B_ij N_(i,k)(u) M_(j,l)(v)
+
+Source: Rogers and Adams, Mathematical Elements for Computer Graphics (1990), section 6-9 and equations 6-83 and 6-84.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike, NDArray
+
+from rsym.errors import RsymError
+from rsym.surfaces import symbols
+from rsym.surfaces.bsplines.bspline_data import checked_points, directions, pair_of, spaces_for_data
+from rsym.surfaces.bsplines.bspline_fitting import Pair, Residual, SplineFit, check_met, fitted_net, residual_of
+from rsym.surfaces.bsplines.parameter_correction import approximated
+from rsym.surfaces.bsplines.spline_spaces import Spaces, checked_space, tensor_values
+from rsym.surfaces.functions.entries import exact
+from rsym.surfaces.parameters import Interval
+from rsym.surfaces.patch import LetterValues, Orders, Patch
+
+Array: TypeAlias = NDArray[np.float64]
+Both: TypeAlias = tuple[Any, Any]
+
+# Polynomial pieces up to which a formula is given: SymPy takes about 5 ms for each of them.
+PIECES = 400
+
+
+class BSplineSurface(Patch):
+    """A B-spline surface of orders (k, l) over a net of vertices.
+
+    p(u, v) = sum_ij B_ij N_(i,k)(u) M_(j,l)(v); the surface is C^(k-2) in u and C^(l-2) in v where no knot is repeated.
+
+    Parameters
+    ----------
+    net : array (n + 1, m + 1, 3)
+        The vertices B.
+    order : pair of int
+        One more than the degrees, 2 <= k <= n + 1.
+    knots : pair of arrays, optional
+        For u and for v; None, or None for one of them: uniform, open ends k times, as the source has them, so that
+        u runs from 0 to n - k + 2. A closed direction takes the knots of one period, or all.
+    closed : pair of bool
+        Whether the vertices go round in u, and in v; the first is not repeated.
+
+    Examples
+    --------
+    >>> ridge = BSplineSurface([[[i, j, j == 1] for j in range(3)] for i in range(2)], order=(2, 3))
+    >>> ridge(0.5, [0.0, 0.5, 1.0]).tolist()
+    [[0.5, 0.0, 0.0], [0.5, 1.0, 0.5], [0.5, 2.0, 0.0]]
+    >>> ridge.expression()
+    Matrix([
+    [                                          u],
+    [                        2*u*v + 2*v*(1 - u)],
+    [u*(-2*v**2 + 2*v) + (1 - u)*(-2*v**2 + 2*v)]])
+    """
+
+    def __init__(
+        self,
+        net: ArrayLike,
+        order: tuple[int, int] = (4, 4),
+        knots: Both | None = None,
+        closed: tuple[bool, bool] = (False, False),
+    ) -> None:
+        self.net = checked_points(net, "the net of vertices")
+        self.net.setflags(write=False)
+        orders, given = pair_of(order, "order"), (None, None) if knots is None else pair_of(knots, "knots")
+        wishes = zip(orders, given, self.net.shape[:2], directions(closed), "uv", strict=True)
+        first, second = (checked_space(*wish) for wish in wishes)
+        self.spaces: Spaces = (first, second)
+        self.fit: SplineFit | None = None
+
+    @classmethod
+    def _fitted(cls, spaces: Spaces, net: Array, fit: SplineFit) -> BSplineSurface:
+        surface = cls(net, *_description(spaces))
+        surface.fit = fit
+        return surface
+
+    @classmethod
+    def interpolate(
+        cls,
+        points: ArrayLike,
+        order: tuple[int, int] = (4, 4),
+        *,
+        parameters: str | Both = "chord-length",
+        per_point: bool = False,
+        knots: str | Both = "averaged",
+        closed: tuple[bool, bool] = (False, False),
+    ) -> BSplineSurface:
+        """The surface through a net of points, equation 6-83, with as many vertices.
+
+        Parameters
+        ----------
+        points : array (r, s, 3)
+            The data; u goes along the first axis. A row whose points coincide is a pole.
+        order : pair of int
+            The orders in u and in v.
+        parameters : "chord-length", "centripetal" or pair
+            Of the data: shares of the chord length of the columns and rows, of the roots of the chords, or given:
+            r and s numbers, or (r, s) for each point. A closed direction has one more, which ends the period.
+        per_point : bool
+            Whether each point has its own chord-length parameters, as the source prints them, in one system for all;
+            otherwise the means over columns and rows, which gives two small systems.
+        knots : "averaged", "uniform" or pair
+            Means of neighbouring parameters, which always determine the surface; the uniform ones of the source,
+            which do not where data are crowded; or given for u and v.
+        closed : pair of bool
+            Whether the points go round in u, and in v; the first is not repeated.
+
+        Examples
+        --------
+        >>> points = [[[i, j, i * i - j * j] for j in range(5)] for i in range(6)]
+        >>> surface = BSplineSurface.interpolate(points)
+        >>> surface.residual.maximum < 1e-13
+        True
+        """
+        data = checked_points(points, "the points")
+        spaces, found = spaces_for_data(data, data.shape[:2], order, parameters, per_point, knots, closed)
+        net = fitted_net(spaces, data, found)
+        residual = residual_of(spaces, net, data, found)
+        check_met(residual, data)
+        return cls._fitted(spaces, net, SplineFit(data, found, (residual,)))
+
+    @classmethod
+    def least_squares(
+        cls,
+        points: ArrayLike,
+        vertices: tuple[int, int],
+        order: tuple[int, int] = (4, 4),
+        *,
+        parameters: str | Both = "chord-length",
+        per_point: bool = False,
+        knots: str | Both = "averaged",
+        closed: tuple[bool, bool] = (False, False),
+        corrections: int = 0,
+        kept: Sequence[tuple[Any, Any]] = (),
+    ) -> BSplineSurface:
+        """The surface with fewer vertices that passes a net of points nearest, equation 6-84.
+
+        Parameters
+        ----------
+        vertices : pair of int
+            Their numbers n + 1 and m + 1. The fewer, the smoother.
+        corrections : int
+            Hoschek's corrections of the parameters, at most; afterwards each point has its own. `fit.history` tells
+            the residual after each.
+        kept : sequence of pairs
+            Vertices, as an index into the net, and the plane or curve that they are kept on: ``(numpy.s_[0, :],
+            Plane(point, normal))``, or a curve in any form that a patch takes.
+
+        Others as in `interpolate`.
+
+        Examples
+        --------
+        >>> points = [[[i, j, i * i - j * j] for j in range(5)] for i in range(6)]
+        >>> surface = BSplineSurface.least_squares(points, (4, 3), (4, 3), parameters=(range(6), range(5)))
+        >>> surface.net.shape, surface.residual.maximum < 1e-13
+        ((4, 3, 3), True)
+        """
+        data = checked_points(points, "the points")
+        spaces, found = spaces_for_data(data, vertices, order, parameters, per_point, knots, closed)
+        return cls._fitted(spaces, *approximated(spaces, data, found, corrections, kept))
+
+    @property
+    def order(self) -> tuple[int, int]:
+        """The orders (k, l)."""
+        return self.spaces[0].degree + 1, self.spaces[1].degree + 1
+
+    @property
+    def knots(self) -> Pair:
+        """All knots of u and of v."""
+        return self.spaces[0].knots, self.spaces[1].knots
+
+    @property
+    def domain(self) -> tuple[Interval, Interval]:
+        """The intervals of u and v."""
+        return self.spaces[0].domain, self.spaces[1].domain
+
+    @property
+    def closed(self) -> tuple[bool, bool]:
+        """Whether the vertices go round in u, and in v."""
+        return self.spaces[0].closed, self.spaces[1].closed
+
+    @property
+    def parameters(self) -> Pair:
+        """Those of the data: of rows and columns, or of each point, (r, s) both."""
+        return self._data().parameters
+
+    @property
+    def residual(self) -> Residual:
+        """How far the surface passes from its data."""
+        return self._data().residual
+
+    def _data(self) -> SplineFit:
+        if self.fit is None:
+            raise RsymError("this surface was made of vertices, not of data", code="no-data")
+        return self.fit
+
+    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
+        """The derivatives, by SciPy's B-splines: one direction after the other where u and v span a grid."""
+        return [tensor_values(self.spaces, self.net, u, v, order) for order in orders]
+
+    def _repr_latex_(self) -> str:
+        """The sum for a notebook: as a polynomial of each span it would fill pages."""
+        (n, m), (k, j) = self.net.shape[:2], self.order
+        terms = rf"B_{{i,j}}\, N_{{i,{k}}}(u)\, M_{{j,{j}}}(v)"
+        return rf"$\displaystyle p(u, v) = \sum_{{i=1}}^{{{n}}} \sum_{{j=1}}^{{{m}}} {terms}$"
+
+    def expression(self) -> sp.ImmutableMatrix:
+        """The point as SymPy expressions, piecewise where there are inner knots."""
+        pieces = self.spaces[0].pieces * self.spaces[1].pieces
+        if pieces > PIECES:
+            raise RsymError(
+                f"a formula of {pieces} polynomial pieces is of no use; the limit is {PIECES}",
+                code="no-formula",
+                remedy="fit with fewer vertices",
+            )
+        bases = [
+            [entry.subs(symbols.t, letter) for entry in space.expressions()]
+            for space, letter in zip(self.spaces, (symbols.u, symbols.v), strict=True)
+        ]
+        rows = [
+            sum(
+                (
+                    n * sum((exact(x) * m for x, m in zip(line, bases[1], strict=True)), sp.S.Zero)
+                    for n, line in zip(bases[0], self.net[:, :, axis], strict=True)
+                ),
+                sp.S.Zero,
+            )
+            for axis in range(3)
+        ]
+        return sp.ImmutableMatrix(rows)
+
+
+def _description(spaces: Spaces) -> tuple[tuple[int, int], Pair, tuple[bool, bool]]:
+    first, second = spaces
+    return (first.degree + 1, second.degree + 1), (first.knots, second.knots), (first.closed, second.closed)

@@ -1,0 +1,1 @@
+"""Lines over a domain: what the operators of `rsym.surfaces.projections` stand on."""

@@ -1,0 +1,1 @@
+"""Functions of one parameter: curves, ribbons, cardinal functions, and what evaluates them."""

@@ -1,0 +1,1 @@
+"""Where patches meet: joining them, and how smooth their joints are."""

@@ -1,0 +1,217 @@
+"""How smoothly patches meet: every common edge found and measured, numerically and with an error estimate."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.model.letters import Letters
+from rsym.surfaces.joints.borders import Border
+from rsym.surfaces.joints.edge_comparison import Comparison, flipped, survey
+from rsym.surfaces.joints.edge_matching import Stretch, covered, free_intervals, shared_stretches
+from rsym.surfaces.joints.edge_report import (
+    CommonEdge,
+    EdgeReport,
+    FreeEdge,
+    Greatest,
+    Pole,
+    Tolerances,
+    badness,
+    extreme,
+)
+from rsym.surfaces.joints.edges import edges_of
+from rsym.surfaces.joints.poles import SAMPLES, clusters, fan, spread
+from rsym.surfaces.patch import LetterValues, Patch
+
+Array = NDArray[np.float64]
+
+# Doubles leave 1e-16 of the size in points, 1e-8 of that in the second derivatives of what is computed by limits at
+# poles; data met "to 1e-8", as networks are after reparametrisation, must pass. A kink of 1e-3 degrees must not.
+GAP, ANGLE, CURVATURE = 1e-7, 1e-4, 1e-5
+# Edges nearer than this share of the patches are taken as meant to meet.
+REACH = 0.01
+# Coordinates far from the origin carry rounding of their own size.
+ROUNDING = 1e-14
+GRID = 9
+FREE_POINTS = 65
+
+
+def continuity_report(
+    surfaces: Patch | Sequence[Patch],
+    *,
+    gap: float = GAP,
+    angle: float = ANGLE,
+    curvature: float = CURVATURE,
+    reach: float = REACH,
+    letters: LetterValues = None,
+) -> EdgeReport:
+    """Every place where patches meet, how far it is from smooth, and where it is worst.
+
+    Edges are matched by closest points, so parameters may run at any speed and in either direction, and one edge may
+    meet several others; seams of one patch with itself and poles are found too. Along each common edge the gap, the
+    angle between the normals (whichever side they point to) and the jump of the normal curvature across the edge are
+    sampled until the greatest values stay. G1 surfaces whose normal curvatures agree in one direction other than
+    the edge's are G2 (Pegna and Wolter 1992).
+
+    Parameters
+    ----------
+    surfaces : Patch or sequence of Patch
+        What is looked at.
+    gap, curvature : float
+        What counts as none, as shares: of the size of the smaller patch; of the greatest curvature along the edge, or
+        one over the size if that is more.
+    angle : float
+        What counts as none, in degrees.
+    reach : float
+        Edges that are apart, but nearer than this share of the length of either and of the breadth of either patch,
+        are reported as broken.
+    letters : mapping, optional
+        Values of letters by name.
+
+    Returns
+    -------
+    EdgeReport
+        `.edges`, `.poles`, `.free`, `.continuity` (the lowest), and `str()`. Numerical, not proved.
+
+    Raises
+    ------
+    RsymError
+        What is given is not patches, or a tolerance is not positive.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from rsym.surfaces.parametric import ParametricSurface
+    >>> from rsym.surfaces.symbols import u, v
+    >>> floor = ParametricSurface((u, v, 0))
+    >>> ramp = ParametricSurface((u, -sp.sin(v), 2 - 2 * sp.cos(v)), ((0, 1), (0, 1)))
+    >>> report = continuity_report([floor, ramp])
+    >>> report.continuity, round(report.edges[0].curvature_jump.value, 9)
+    ('G1', 2.0)
+    >>> print(report)
+    2 patches, 1 common edge: G1 (1 G1). Free: 0 u0, 0 u1, 0 v1, 1 u0, 1 u1, 1 v1. Numerical: decided by samples, \
+not proved; size 2.288.
+      1. 0 v0 - 1 v0: G1; the curvature across jumps by 2; worst at (0, 0, 0), (u, v) = (0, 0) and (0, 0); \
+normals to different sides
+    """
+    patches = (surfaces,) if isinstance(surfaces, Patch) else tuple(surfaces or ())
+    _check(patches, {"gap": gap, "angle": angle, "curvature": curvature, "reach": reach})
+    values = _values(patches, letters)
+    grids = [_grid(patch, own) for patch, own in zip(patches, values, strict=True)]
+    borders = [one for k, patch in enumerate(patches) for one in _borders(k, patch, grids[k], gap, reach, values[k])]
+    lines, points = ([one for one in borders if one.is_point == which] for which in (False, True))
+    stretches = shared_stretches(lines)
+    joined = covered(stretches, lines)
+    free = [_free_edge(border, one) for border in lines for one in free_intervals(border, joined[border])]
+    edges = sorted((_common_edge(one, angle, curvature) for one in stretches), key=badness)
+    poles = sorted((_pole(group, angle, curvature) for group in clusters(points)), key=badness)
+    return EdgeReport(tuple(edges), tuple(poles), tuple(free), len(patches), _extent(*grids) if grids else 0.0)
+
+
+def _check(patches: Sequence[object], tolerances: dict[str, float]) -> None:
+    for place, patch in enumerate(patches):
+        if not isinstance(patch, Patch):
+            raise RsymError(
+                f"surfaces are patches, got {type(patch).__name__} at place {place}",
+                code="type",
+                remedy="meshes and shapes have no edges; give patches of rsym.surfaces",
+            )
+    for name, value in tolerances.items():
+        if not isinstance(value, int | float | np.number) or not value > 0:
+            raise RsymError(f"{name} must be positive, got {value!r}", code="tolerance", remedy="leave it out")
+
+
+def _values(patches: Sequence[Patch], letters: LetterValues) -> list[LetterValues]:
+    """For each patch the values of its own letters; a letter of none of them is refused."""
+    Letters({name: item for patch in patches for name, item in patch.letters.items()}).values_with(letters)
+    given = {str(key): value for key, value in (letters or {}).items()}
+    return [{name: given[name] for name in patch.letters if name in given} for patch in patches]
+
+
+def _grid(patch: Patch, letters: LetterValues) -> Array:
+    """Points (GRID, GRID, 3) of the whole patch."""
+    with np.errstate(all="ignore"):
+        points = patch.grid(*(np.linspace(*interval, GRID) for interval in patch.domain), letters=letters)
+    if not np.isfinite(points).all():
+        raise RsymError(f"{patch!r} is not finite everywhere", code="patch", remedy="leave its singular edge out")
+    if not np.ptp(points.reshape(-1, 3), axis=0).any():
+        raise RsymError(f"{patch!r} is a point, not a surface", code="patch", remedy="leave it out")
+    return points
+
+
+def _extent(*grids: Array) -> float:
+    """The diagonal of the box round some points."""
+    return float(np.linalg.norm(np.ptp(np.concatenate([grid.reshape(-1, 3) for grid in grids]), axis=0)))
+
+
+def _borders(
+    index: int, patch: Patch, grid: Array, gap: float, reach: float, letters: LetterValues
+) -> Iterator[Border]:
+    """The edges of a patch, with the gaps that count as none and as meant to be none."""
+    size = _extent(grid)
+    none = max(gap * size, ROUNDING * float(np.abs(grid).max()))
+    breadths = [np.linalg.norm(np.diff(grid, axis=axis), axis=-1).sum(axis=axis) for axis in (0, 1)]
+    for edge in edges_of(patch, letters):
+        length, breadth = float(breadths[1 - edge.across][-1 if edge.upper else 0]), float(breadths[edge.across].mean())
+        is_point = edge.is_point(size)
+        near = reach * (breadth if is_point else min(length, breadth))
+        yield Border(index, edge, size, none, near, is_point)
+
+
+def _common_edge(stretch: Stretch, angle: float, curvature: float) -> CommonEdge:
+    first, second = stretch.borders
+    gap, size = min(first.gap, second.gap), min(first.size, second.size)
+
+    def room(samples: Comparison) -> Array:
+        strongest = float(np.nanmax(samples.curvatures, initial=0.0))
+        return np.array([gap, angle, curvature * max(1 / size, strongest)])
+
+    found = survey(stretch, room)
+    samples = found.samples
+    places = (first.edge.parameters(samples.t), second.edge.parameters(samples.s))
+    measured = zip(samples.values, found.errors, strict=True)
+    apart, kink, jump = (extreme(values, error, samples.points, places) for values, error in measured)
+    tolerances = Tolerances(*room(samples))
+    return CommonEdge(
+        (first.index, second.index),
+        (first.edge.name, second.edge.name),
+        Greatest(apart, kink, jump, tolerances),
+        int(np.isnan(samples.angles).sum()),
+        (stretch.interval, (float(samples.s[0]), float(samples.s[-1]))),
+        flipped(stretch),
+        samples.points,
+        samples.gaps,
+        samples.angles,
+        samples.curvature_jumps,
+        np.stack([np.stack(place, axis=-1) for place in places], axis=1),
+    )
+
+
+def _pole(group: Sequence[Border], angle: float, curvature: float) -> Pole:
+    """The patches of a pole compared in all directions, with twice as many for the error."""
+    coarse, fine = (fan(group, count) for count in SAMPLES)
+    strongest = float(np.nanmax(np.abs(fine.tensors), initial=0.0))
+    size = min(border.size for border in group)
+    tolerances = Tolerances(min(border.gap for border in group), angle, curvature * max(1 / size, strongest))
+    extremes = []
+    for before, now in zip(spread(coarse), spread(fine), strict=True):
+        moved = abs(float(np.nanmax(now, initial=0.0)) - float(np.nanmax(before, initial=0.0)))
+        one, other = (index.ravel() for index in np.indices(now.shape))
+        places = tuple((fine.parameters[index, 0], fine.parameters[index, 1]) for index in (one, other))
+        extremes.append(extreme(now.ravel(), moved, fine.points[one], places))
+    apart, kink, jump = extremes
+    return Pole(
+        tuple(border.index for border in group),
+        tuple(border.edge.name for border in group),
+        Greatest(apart, kink, jump, tolerances),
+        int(np.isnan(fine.normals).any(axis=-1).sum()),
+        tuple(map(float, fine.points[0])),
+    )
+
+
+def _free_edge(border: Border, interval: tuple[float, float]) -> FreeEdge:
+    points = border.edge.position(np.linspace(*interval, FREE_POINTS))
+    return FreeEdge(border.index, border.edge.name, interval, points)

@@ -1,0 +1,143 @@
+"""Joining patches: one is changed along an edge so that it continues another."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rsym.errors import RsymError
+from rsym.surfaces.blends.blending import HermiteBlend
+from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.joints.edges import NAMES, Edge
+from rsym.surfaces.joints.joined import JoinedPatch
+from rsym.surfaces.joints.joined_matrices import joined_matrix
+from rsym.surfaces.patch import Patch
+
+DEPTHS = {"G1": 1, "G2": 2}
+SAMPLES = 17
+
+
+def join(
+    p: Patch,
+    edge_p: str | None,
+    q: Patch,
+    edge_q: str | None,
+    k: Any = 1.0,
+    *,
+    h: Any = 0.0,
+    reverse: bool = False,
+    continuity: str | None = None,
+    transfinite: bool = False,
+    blend: HermiteBlend | None = None,
+) -> BicubicCoons | JoinedPatch:
+    """The patch q, changed so that it continues p across a common edge; what it is along the opposite edge stays.
+
+    Along the edge of q, with the parameter t that runs along it, n the way out of p and into q,
+
+        q = p,   q_n = k p_n + h p_t,   for G2 also   q_nn = k^2 p_nn + 2 k h p_nt + h^2 p_tt.
+
+    k = 1, h = 0 makes all these derivatives equal: C1 or C2, if both edges have intervals of one length. Two
+    `BicubicCoons` with the same blend along the edge give one again: in its matrix the rows of the edge are those of
+    p, times 1, k, k^2, whichever two of the sixteen pairs of edges and in either direction. Everything else gives a
+    `JoinedPatch`: q and a loft of what is missing (the class-2 transfinite form, class 3 for G2).
+
+    Parameters
+    ----------
+    p, q : Patch
+        p stays as it is.
+    edge_p, edge_q : {"u0", "u1", "v0", "v1"} or None
+        None for both: the two edges that are nearest, and the direction in which they are.
+    k, h : number, SymPy expression or function of t
+        k must be positive. Where four patches meet, k must be the same along each whole line of edges.
+    reverse : bool
+        Whether the parameter of q's edge runs against that of p's.
+    continuity : {"G1", "G2"}, optional
+        Default: G2 for matrices of class 3, otherwise G1.
+    transfinite : bool
+        Take a `JoinedPatch` in any case.
+    blend : HermiteBlend, optional
+        What fades from the edge into a `JoinedPatch`; the default is q's own, or the cubic (G1) or quintic (G2) one.
+
+    Raises
+    ------
+    RsymError
+        For k that is not positive, an edge that is a point, and matrices whose blends along the edge differ: what one
+        can be there the other cannot.
+
+    Notes
+    -----
+    Derived for rsym from the two patch systems of a thesis on Coons patches with shape parameters (Central South
+    University, 2009), whose own rules are lost.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> p = BicubicCoons(np.random.default_rng(0).normal(size=(4, 4, 3)))
+    >>> q = BicubicCoons(np.random.default_rng(1).normal(size=(4, 4, 3)))
+    >>> r = join(p, "u1", q, "v0", k=2.0, reverse=True)
+    >>> bool(np.allclose(r(0.25, 0), p(1, 0.75)))
+    True
+    >>> bool(np.allclose(r.derivative(0.25, 0, (0, 1)), 2 * p.derivative(1, 0.75)))
+    True
+    """
+    if not isinstance(p, Patch) or not isinstance(q, Patch):
+        raise RsymError(
+            f"expected two patches, got {type(p).__name__} and {type(q).__name__}",
+            code="patch",
+            remedy="a list of patches is joined one by one",
+        )
+    if continuity not in (None, *DEPTHS):
+        raise RsymError(f"patches are joined G1 or G2, got {continuity!r}", code="continuity", remedy='continuity="G1"')
+    if edge_p is None and edge_q is None:
+        edge_p, edge_q, reverse = nearest_edges(p, q)
+    elif edge_p is None or edge_q is None:
+        raise RsymError("one edge is given and the other is not", code="edge", remedy="give both, or None for both")
+    first, second = Edge(p, edge_p, reverse), Edge(q, edge_q)
+    for edge in (first, second):
+        if edge.is_point():
+            raise RsymError(
+                f"the edge {edge.name} is a point, and nothing is joined along it",
+                code="pole",
+                remedy="join the edges that meet in it",
+            )
+    constant = all(isinstance(one, int | float | np.number) for one in (k, h))
+    if isinstance(p, BicubicCoons) and isinstance(q, BicubicCoons) and constant and not h and not transfinite:
+        depth = DEPTHS[continuity] if continuity else _own_depth(p, q)
+        return joined_matrix(p, first, q, second, float(k), depth)
+    return JoinedPatch(first, second, k, h, DEPTHS[continuity] if continuity else _own_depth(p, q), blend)
+
+
+def _own_depth(p: Patch, q: Patch) -> int:
+    """What matrices hold: two derivatives across their edges in class 3, otherwise one."""
+    return 2 if all(isinstance(one, BicubicCoons) and len(one.matrix) == 6 for one in (p, q)) else 1
+
+
+def nearest_edges(p: Patch, q: Patch) -> tuple[str, str, bool]:
+    """The pair of edges of two patches that are nearest to one another, and whether their parameters run oppositely.
+
+    Raises
+    ------
+    RsymError
+        If two pairs are equally near.
+    """
+    shares = np.linspace(0, 1, SAMPLES)
+    found = []
+    for name in NAMES:
+        for other in NAMES:
+            for reverse in (False, True):
+                edges = Edge(p, name, reverse), Edge(q, other)
+                first, second = (edge.position(low + shares * (high - low)) for edge, low, high in _ends(edges))
+                found.append((float(np.linalg.norm(first - second, axis=-1).max()), name, other, reverse))
+    best, second_best = sorted(found)[:2]
+    if second_best[0] <= 1.01 * best[0]:
+        raise RsymError(
+            f"the edges {best[1]} and {best[2]} are no nearer than {second_best[1]} and {second_best[2]}",
+            code="edge",
+            remedy="say which edges are to be joined, and whether one is reversed",
+        )
+    return best[1:]
+
+
+def _ends(edges: tuple[Edge, Edge]) -> list[tuple[Edge, float, float]]:
+    return [(edge, *edge.interval) for edge in edges]

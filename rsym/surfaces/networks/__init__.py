@@ -1,0 +1,1 @@
+"""Surfaces through families and networks of curves."""
