@@ -8,6 +8,7 @@ from closeness import assert_close
 import rsym
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.coons_patches import BicubicCoons, CoonsPatch
+from rsym.surfaces.functions.univariate import Formula
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v
 from rsym.surfaces.transfinite import _Separable
@@ -220,3 +221,10 @@ def test_a_blend_of_a_higher_class_serves_a_lower_one():
 
 def test_no_orders_are_no_derivatives():
     assert CoonsPatch((0, t, 0), (1, t, 0), (t, 0, 0), (t, 1, 0)).derivatives(0.5, 0.5, []) == []
+
+
+def test_functions_have_values_of_any_shape():
+    scalar = Formula(t**2)
+    assert scalar(0.5) == 0.25
+    assert scalar([0.5, 1.0]).tolist() == [0.25, 1.0]
+    assert Formula([[t, 1], [0, t]])(2 / 4).tolist() == [[0.5, 1.0], [0.0, 0.5]]

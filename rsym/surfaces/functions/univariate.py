@@ -97,7 +97,7 @@ class Formula(Curve):
         """The derivatives of these orders."""
         values = letters or self.letters.values_with(None)
         parts = self._compiled.evaluate([t], [(order,) for order in orders], values)
-        return [np.moveaxis(part, 0, -1).reshape(*t.shape, *self.shape) for part in parts]
+        return [np.moveaxis(part, 0, -1).reshape((*t.shape, *self.shape)) for part in parts]
 
     @property
     def is_smooth_formula(self) -> bool:
