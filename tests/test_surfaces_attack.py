@@ -1,5 +1,6 @@
 """What once went wrong with patches, each with an oracle of its own."""
 
+import mpmath
 import numpy as np
 import pytest
 import sympy as sp
@@ -7,12 +8,13 @@ from closeness import assert_close
 
 from rsym.codegen.kernel import compiled
 from rsym.errors import RsymError
-from rsym.surfaces import formulas
+from rsym.surfaces import sphere, sphere_octant
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 from rsym.surfaces.coons.coons_patches import BicubicCoons
 from rsym.surfaces.coons.ferguson import with_twists
 from rsym.surfaces.coons.twists import estimate_twists
+from rsym.surfaces.functions import formulas
 from rsym.surfaces.functions.curves import as_curve
 from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.joints.joining import join
@@ -46,6 +48,37 @@ def test_a_sphere_has_one_curvature_all_the_way_to_its_pole():
     globe = ParametricSurface(point, ((0, 2 * sp.pi), (-sp.pi / 2, sp.pi / 2)), closed=(True, False))
     latitudes = np.pi / 2 - 10.0 ** -np.arange(4, 17)
     assert_close(globe.mean_curvature(1.0, latitudes), -np.ones(13), atol=1e-12)
+    shares = 1 - 10.0 ** -np.arange(1, 17)
+    assert_close(sphere_octant(1)(0.3, 1.0), [0, 0, 1], atol=1e-15)
+    assert_close(sphere_octant(1).gaussian_curvature(0.3, shares), np.ones(16), atol=1e-11)
+
+
+def test_curvatures_near_a_pole_of_no_symmetry_agree_with_fifty_digits():
+    point = sp.Matrix([u * sp.cos(v) * (1 + u), u * sp.sin(v) / (1 + u * u), u * u * (1 + u * sp.cos(v))])
+    tip = ParametricSurface(point, ((0, 1), (0, 6)))
+    n = point.diff(u).cross(point.diff(v))
+    (e, f, g), second = (
+        (point.diff(a).dot(point.diff(b)) for a, b in ((u, u), (u, v), (v, v))),
+        [n.dot(point.diff(a, b)) for a, b in ((u, u), (u, v), (v, v))],
+    )
+    gauss = sp.lambdify((u, v), (second[0] * second[2] - second[1] ** 2) / (e * g - f**2) ** 2, "mpmath")
+    r = [1e-14, 1e-9, 1e-7, 5e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2]
+    with mpmath.workdps(60):
+        expected = [float(gauss(mpmath.mpf(one), mpmath.mpf(0.7))) for one in r]
+    assert_close(tip.gaussian_curvature(r, 0.7), expected, rtol=2e-10)
+
+
+def test_a_flat_corner_has_no_curvature_and_the_tip_of_a_cone_none_that_is_finite():
+    frame = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
+    matrix = np.zeros((4, 4, 3))
+    matrix[1, 1, 0] = matrix[0, 1, 1] = matrix[1, 2:, 0] = matrix[0, 2:, 1] = 1
+    matrix[2:, 1] = matrix[2:, 2:] = matrix[1, 1] - matrix[0, 1]
+    corner = BicubicCoons(matrix @ frame)
+    assert_close(corner.mean_curvature(0.3, [0.0, 1e-9, 1e-3, 0.5]), np.zeros(4), atol=1e-9)
+    cone = ParametricSurface((u * sp.cos(v), u * sp.sin(v), u), ((0, 1), (0, 6)))
+    r = 10.0 ** -np.arange(1, 12)
+    assert_close(cone.mean_curvature(r, 1.0) * r, np.full(11, np.sqrt(1 / 8)), atol=1e-12)
+    assert np.isnan(cone.mean_curvature(0, 1.0))
 
 
 def side_by_side(opening, beyond=v):
@@ -152,3 +185,16 @@ def test_patches_with_the_same_blends_share_one_kernel(monkeypatch):
         point = BicubicCoons(matrix, *blends)(0.3, 0.8)
         assert_close(point, np.einsum("a,abc,b->c", blends[0](0.3), matrix, blends[1](0.8)), atol=1e-14)
     assert sum(len(program.letters) == 48 for program, *_ in made) == 1
+
+
+def test_meshes_close_far_from_the_origin():
+    turn = np.linalg.qr(np.random.default_rng(8).normal(size=(3, 3)))[0]
+    pieces = [BicubicCoons(_moved(one.matrix @ turn, 1e8)) for one in sphere(1)]
+    whole = mesh_patches(pieces, 12)
+    assert whole.status.closed
+    assert len(whole.vertices) == len(mesh_patches(sphere(1), 12).vertices)
+
+
+def _moved(matrix, far):
+    matrix[:2, :2] += [far, far / 3, -far / 7]
+    return matrix

@@ -142,7 +142,7 @@ def test_the_sphere_has_one_curvature_poles_included():
         for patch in sphere(2, blend_u=blend, blend_v=blend)[number : number + 1]:
             assert_close(patch.gaussian_curvature(u, v), np.full(u.shape, 0.25), atol=1e-10)
             assert_close(patch.mean_curvature(u, v), np.full(u.shape, -0.5), atol=1e-10)
-            assert_close(patch.normal(u, v), patch(u, v) / 2, atol=2e-15)
+            assert_close(patch.normal(u, v), patch(u, v) / 2, atol=5e-15)
 
 
 def test_curvatures_of_ellipsoid_torus_and_cone_in_closed_form():

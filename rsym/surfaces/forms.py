@@ -1,12 +1,13 @@
 """Fundamental forms, normals and curvatures of patches, at poles too.
 
-At a pole one derivative vanishes along an edge, p_u = 0 say. With d the distance in v to the pole, p_u/d tends to
-p_uv: so normal and first form are those of the basis (p_uv, p_v). The second form in that basis is
+At a pole one derivative vanishes along an edge, p_u = 0 say. At the distance d from it in v, with means over the way
+s d, 0 <= s <= 1, the forms in the basis (a, p_v) are those of
 
-    L = n_v . p_uuv + n . p_uuvv/2,   M = n . p_uvv/2,   N = n . p_vv,
+    a = p_u/d = mean of p_uv,   M/d = n . mean of s p_uvv,   L/d**2 = n . w/d + n . mean of (1 - s) p_uuvv,
 
-where n_v lies in the tangent plane and n_v . p_v = -N, n_v . p_uv = -M (from n . p_v = 0 and n . p_u = 0). At the
-apex of a cone n . p_uuv is not 0, and there is no curvature.
+with w = p_uuv at the pole. There w lies in the tangent plane, w = alpha a + beta p_v, and as n is perpendicular to a
+and p_v, n . w/d = -n . (alpha mean of (1 - s) p_uvv + beta mean of p_vv). So nothing is divided by d, which may be 0.
+At the apex of a cone w is not in that plane: the curvature grows as 1/d, and at the apex there is none.
 """
 
 from __future__ import annotations
@@ -23,18 +24,22 @@ Array: TypeAlias = NDArray[np.float64]
 Flags: TypeAlias = NDArray[np.bool_]
 LetterValues: TypeAlias = Mapping[Any, float] | None
 
-# Share d of a length below which the value at the pole is used. The limit is off by about d; p_u x p_v by eps/d in
-# the normal and eps/d**2 in the curvature: so both ways cost the same at eps**(1/2) and eps**(1/3). The length is the
-# interval, for curvatures at most that on which p_v turns: a blunt tip far smaller than the surface has its own.
-NORMAL_LIMIT, CURVATURE_LIMIT = 1.5e-8, 6e-6
+# Share d of a length below which a place is taken for one at a pole. At an end of the interval means with three nodes
+# are off by d**6, p_u x p_v by eps/d**2. At a pole inside, whose place is not known so well, its own value is taken,
+# and the normal is so at any: that is off by d, p_u x p_v by eps/d in the normal. The length is the interval, for
+# curvatures at most that on which p_v turns: a blunt tip far smaller than the surface has its own.
+AT_POLE, INNER_POLE, NORMAL_LIMIT = 2e-3, 6e-6, 1.5e-8
 
-# At a regular pole n . p_uuv is 0, at the apex of a cone it is not small.
-APEX = 1e-3
-# Share of the interval from its end within which a pole is that end.
-AT_END = 1e-5
+# At a regular pole n . p_uuv is 0, at the apex of a cone it is not small beside p_uuv and p_uv over the interval of u.
+APEX = 1e-9
+# Share of the interval from its end within which a pole is that end, if p_u there is not more than VANISHED of p_uv
+# times the length.
+AT_END, VANISHED = 1e-5, 1e-9
+# Gauss's rule on [0, 1].
+NODES, WEIGHTS = (0.5 - 0.15**0.5, 0.5, 0.5 + 0.15**0.5), (5 / 18, 8 / 18, 5 / 18)
 
 SECOND = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
-POLE = ((1, 1), (0, 1), (0, 2), (1, 2), (2, 1), (2, 2))
+POLE = ((1, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 1), (2, 2))
 
 
 class Surface(Protocol):
@@ -69,11 +74,11 @@ def normals(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues 
     """Unit normals (..., 3); NaN where the surface has none."""
     p_u, p_v, p_uv = surface.derivatives(u, v, ((1, 0), (0, 1), (1, 1)), letters=letters)
     result = _unit(np.cross(p_u, p_v))
-    for axis, at_pole in enumerate(_poles((p_u, p_v), p_uv, [NORMAL_LIMIT * size for size in _lengths(surface)])):
-        if at_pole.any():
-            places = _places(u, v, at_pole)
-            side = _side(surface, places[1 - axis], axis, (p_u, p_v)[axis][at_pole], p_uv[at_pole])
-            result[at_pole] = _limit_normal(axis, side, p_u[at_pole], p_v[at_pole], p_uv[at_pole])
+    at_u, at_v = _poles((p_u, p_v), p_uv, [AT_POLE * size for size in _lengths(surface)])
+    near = at_u | at_v
+    if near.any():
+        rows, columns = _places(u, v, near)
+        result[near] = limit_forms(surface, rows, columns, letters).normal
     return result
 
 
@@ -109,36 +114,71 @@ def principal(gaussian: Array, mean: Array) -> Array:
 def limit_forms(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Forms:
     """Both forms in the basis (p_u, p_v); at a pole in the basis that p_u over the distance to it tends to."""
     p_u, p_v, p_uu, p_uv, p_vv = surface.derivatives(u, v, SECOND, letters=letters)
-    n = normals(surface, u, v, letters)
+    n = _unit(np.cross(p_u, p_v))
     found = [dot(p_u, p_u), dot(p_u, p_v), dot(p_v, p_v), dot(n, p_uu), dot(n, p_uv), dot(n, p_vv)]
     turns = [
         np.minimum(size, np.maximum(_turning_length(first, second), np.abs(np.asarray(place, np.float64))))
         for first, second, place, size in zip((p_u, p_v), (p_uu, p_vv), (u, v), _lengths(surface), strict=True)
     ]
-    for axis, at_pole in enumerate(_poles((p_u, p_v), p_uv, [CURVATURE_LIMIT * one for one in turns])):
-        if at_pole.any():
-            places, gone = _places(u, v, at_pole), (p_u, p_v)[axis][at_pole]
-            side = _side(surface, places[1 - axis], axis, gone, p_uv[at_pole])
-            places[1 - axis] = _at_pole(surface, places[1 - axis], axis, gone, p_uv[at_pole])
-            limits = _pole_forms(surface, places, axis, side, letters)
+    for axis, near in enumerate(_poles((p_u, p_v), p_uv, [AT_POLE * one for one in turns])):
+        if near.any():
+            places, gone = _places(u, v, near), (p_u, p_v)[axis][near]
+            inner = np.broadcast_to(INNER_POLE * turns[1 - axis], near.shape)[near]
+            (sure, used), normal, limits = _pole_forms(surface, places, axis, gone, p_uv[near], inner, letters)
+            n[near] = np.where(sure[:, None], normal, n[near])
             for known, limit in zip(found, limits, strict=True):
-                known[at_pole] = limit
+                known[near] = np.where(used, limit, known[near])
     return Forms(n, *found)
 
 
-def _pole_forms(surface: Surface, places: list[Array], axis: int, side: Array, letters: LetterValues) -> list[Array]:
-    """E, F, G, L, M, N at poles where the derivative along the axis vanishes."""
+def _pole_forms(
+    surface: Surface, places: list[Array], axis: int, gone: Array, p_uv: Array, inner: Array, letters: LetterValues
+) -> tuple[tuple[Flags, Flags], Array, list[Array]]:
+    """Where normal and forms near poles hold, and what they are; `gone` is the derivative that vanishes."""
+    low, high = surface.domain[1 - axis]
+    pole = _at_pole(surface, places[1 - axis], axis, gone, p_uv)
+    at_end = (pole == low) | (pole == high)
+    distance = np.where(at_end, places[1 - axis] - pole, 0.0)
+    way = pole + np.array([0.0, *NODES, 1.0])[:, None] * distance
+    along = np.broadcast_to(places[axis], way.shape)
     orders = [order if axis == 0 else order[::-1] for order in POLE]
-    p_uv, p_v, p_vv, p_uvv, p_uuv, p_uuvv = surface.derivatives(places[0], places[1], orders, letters=letters)
-    n = _limit_normal(axis, side, p_v, p_v, p_uv)
-    E, F, G = dot(p_uv, p_uv), dot(p_uv, p_v), dot(p_v, p_v)
-    M, N = dot(n, p_uvv) / 2, dot(n, p_vv)
+    u, v = (along, way) if axis == 0 else (way, along)
+    p_u, p_v, p_vv, p_uv, p_uvv, p_uuv, p_uuvv = surface.derivatives(u, v, orders, letters=letters)
+    side = _side(surface, places[1 - axis], axis, gone, p_uv[0])
+    normal, forms = _forms_by_means(
+        axis, side, distance, _lengths(surface)[axis], (p_v, p_vv, p_uv, p_uvv, p_uuv, p_uuvv)
+    )
+    vanished = _size(p_u[0]) <= VANISHED * (high - low) * _size(p_uv[0])
+    vanished &= np.isfinite(forms).all(axis=0) | (distance == 0)  # derivatives of high order may not exist
+    away = np.abs(places[1 - axis] - pole)
+    hold = [np.where(at_end, vanished, away < room) for room in (NORMAL_LIMIT * (high - low), inner)]
+    return (hold[0], hold[1]), normal, forms if axis == 0 else [forms[k] for k in (2, 1, 0, 5, 4, 3)]
+
+
+def _forms_by_means(
+    axis: int, side: Array, distance: Array, length: float, derivatives: Sequence[Array]
+) -> tuple[Array, list[Array]]:
+    """Normal and forms in the basis (p_u/d, p_v), from derivatives at the pole, on the way from it and at its end."""
+    p_v, p_vv, p_uv, p_uvv, p_uuv, p_uuvv = derivatives
+    back = [1 - share for share in NODES]
+    a, n = _mean(p_uv), _limit_normal(axis, side, p_v[-1], p_v[-1], _mean(p_uv))
+    E, F, G = dot(a, a), dot(a, p_v[-1]), dot(p_v[-1], p_v[-1])
+    w, pole_a, pole_v = p_uuv[0], p_uv[0], p_v[0]
+    out = dot(w, _limit_normal(axis, side, pole_v, pole_v, pole_a))
     with np.errstate(all="ignore"):
-        area = E * G - F**2
-        n_v = ((F * N - G * M) / area)[..., None] * p_uv + ((F * M - E * N) / area)[..., None] * p_v
-    L = dot(n_v, p_uuv) + dot(n, p_uuvv) / 2
-    L[np.abs(dot(n, p_uuv)) > APEX * np.sqrt(dot(p_uuv, p_uuv))] = np.nan
-    return [E, F, G, L, M, N] if axis == 0 else [G, F, E, N, M, L]
+        e, f, g = dot(pole_a, pole_a), dot(pole_a, pole_v), dot(pole_v, pole_v)
+        in_a, in_v = dot(w, pole_a) / (e * g - f**2), dot(w, pole_v) / (e * g - f**2)
+        alpha, beta = g * in_a - f * in_v, e * in_v - f * in_a
+        steep = np.where(distance == 0, np.nan, out / distance)
+    L = dot(n, _mean(p_uuvv, back) - alpha[:, None] * _mean(p_uvv, back) - beta[:, None] * _mean(p_vv))
+    L += np.where(np.abs(out) > APEX * (_size(w) + _size(pole_a) / length), steep, 0.0)
+    return n, [E, F, G, L, dot(n, _mean(p_uvv, NODES)), dot(n, p_vv[-1])]
+
+
+def _mean(values: Array, weights: Sequence[float] = (1.0, 1.0, 1.0)) -> Array:
+    """The mean over the way of values at its start, the nodes and its end, times weights at the nodes."""
+    terms = [w * one * value for w, one, value in zip(WEIGHTS, weights, values[1:-1], strict=True)]
+    return np.asarray(np.add.reduce(terms))
 
 
 def _poles(tangents: tuple[Array, Array], p_uv: Array, near: Sequence[Any]) -> tuple[Flags, Flags]:

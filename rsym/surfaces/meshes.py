@@ -18,8 +18,9 @@ from rsym.surfaces.patch import Array, LetterValues, Patch
 
 Ints: TypeAlias = NDArray[np.int64]
 
-# Points of neighbouring patches this share of the whole apart are one vertex: far below a cell, far above rounding.
-WELDING = 1e-9
+# Points of neighbouring patches this share of the whole apart are one vertex: far below a cell, far above rounding,
+# unless the whole is far from the origin: coordinates of different formulas differ by some roundings of their size.
+WELDING, ROUNDING = 1e-9, 16 * np.finfo(float).eps
 
 
 def mesh_patches(
@@ -131,7 +132,8 @@ def _triangles(rows: int, columns: int) -> Ints:
 def _welded(points: Array) -> tuple[Array, Ints]:
     """Vertices without repetition, and which of them each point is."""
     size = float(np.ptp(points, axis=0).max())
-    pairs = cKDTree(points).query_pairs(WELDING * size, output_type="ndarray")
+    room = max(WELDING * size, ROUNDING * float(np.abs(points).max()))
+    pairs = cKDTree(points).query_pairs(room, output_type="ndarray")
     links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
     _, labels = connected_components(links, directed=False)
     _, first, names = np.unique(labels, return_index=True, return_inverse=True)
