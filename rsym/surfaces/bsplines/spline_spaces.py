@@ -95,6 +95,16 @@ class SplineSpace:
         return len(np.unique(self.knots[(self.knots >= low) & (self.knots <= high)])) - 1
 
 
+def derivative(spline: BSpline, t: Array, order: int) -> Array:
+    """The derivative of a spline; of an order above the degree 0 in every span.
+
+    There SciPy 1.13 writes beyond its arrays.
+    """
+    if order <= spline.k:
+        return np.asarray(spline(t, order))
+    return np.zeros(spline.c.shape[1:]) * t.reshape((*t.shape, *(1,) * (spline.c.ndim - 1)))
+
+
 def inner_pieces(each: list[PPoly], domain: Interval) -> PPoly:
     """Splines over the same knots as one piecewise polynomial without empty pieces, on the interval alone."""
     low, high = domain
@@ -110,6 +120,8 @@ def tensor_values(spaces: Spaces, net: Array, u: Array, v: Array, order: tuple[i
     """
     shape = np.broadcast_shapes(u.shape, v.shape)
     rows, columns = (_padded(one, len(shape)) for one in (u, v))
+    if any(k > one.degree for k, one in zip(order, spaces, strict=True)):
+        return np.zeros(3) * (u + v)[..., None]
     if all(m == 1 or n == 1 for m, n in zip(rows, columns, strict=True)):
         return _separable(spaces, net, u.reshape(rows), v.reshape(columns), order)
     control = spaces[1].unrolled(spaces[0].unrolled(net).swapaxes(0, 1)).swapaxes(0, 1)

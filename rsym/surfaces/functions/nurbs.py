@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PPoly
 
 from rsym.errors import RsymError
-from rsym.surfaces.bsplines.spline_spaces import checked_space, inner_pieces
+from rsym.surfaces.bsplines.spline_spaces import checked_space, derivative, inner_pieces
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.polynomials import Polynomials
 from rsym.surfaces.functions.univariate import Curve, LetterValues
@@ -90,11 +90,11 @@ class Nurbs(Curve):
     def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
         """The derivatives of these orders; at a knot those of the span that begins there."""
         if self._below is None:
-            return [self._above(t, order) / self.weights[0] for order in orders]
+            return [derivative(self._above, t, order) / self.weights[0] for order in orders]
         found: list[Array] = []
-        weights = [self._below(t, order) for order in range(max(orders, default=-1) + 1)]
+        weights = [derivative(self._below, t, order) for order in range(max(orders, default=-1) + 1)]
         for n in range(len(weights)):
-            rest = self._above(t, n)
+            rest = derivative(self._above, t, n)
             for i in range(1, n + 1):
                 rest = rest - comb(n, i) * weights[i] * found[n - i]
             found.append(rest / weights[0])
