@@ -160,10 +160,7 @@ class _Separable:
         along_u, along_v = patch.lofts
         self.of_u = [patch.basis[0], along_v.curves if along_v else None]
         self.of_v = [patch.basis[1], along_u.curves if along_u else None]
-        self.corners = None
-        if patch.corners is not None:
-            origin = np.array(patch.corners.domain[0])
-            (self.corners,) = patch.corners.evaluate(origin, [0], letters)
+        self.corners = None if patch.corners is None else patch.corners.at_start(letters)
         self.width = sum(prod(one.shape) for one in (*self.of_u, *self.of_v) if one is not None)
 
     def evaluate(self, u: Array, v: Array) -> list[Array]:

@@ -38,7 +38,7 @@ def roots_between(expression: sp.Expr, low: float, high: float) -> tuple[list[sp
     formulas = CompiledFormulas([expression], (t.name,), Letters({}), ((low, high),))
 
     def value(place: float) -> float:
-        return float(formulas.evaluate([np.array([place])], [(0,)], {})[0, 0, 0])
+        return float(formulas.evaluate([np.array([place])], [(0,)], {})[0][0, 0])
 
     function = IntervalFunction(formulas.program([(0,), (1,)]))
     edges = np.linspace(low, high, PIECES + 1)

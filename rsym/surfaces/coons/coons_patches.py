@@ -194,7 +194,7 @@ class BicubicCoons(BooleanSum):
     @property
     def matrix(self) -> Array:
         """The corner information matrix at the defaults of the letters."""
-        return np.array(self.data(self.data.domain[0]))
+        return np.array(self.data.at_start())
 
     def _repr_latex_(self) -> str:
         """P = f(u)^T Q f(v) with Q and f."""

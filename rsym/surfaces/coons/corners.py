@@ -6,7 +6,6 @@ edges u = i know it as the l-th derivative of their ribbon of order k, the edges
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.surfaces.functions.entries import entries_of
-from rsym.surfaces.functions.univariate import Curve, LetterValues, Sampled
+from rsym.surfaces.functions.univariate import Curve, LetterValues, Sampled, Unvarying
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -29,7 +28,7 @@ def ends(order: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
     return (0, 1) * order, tuple(k for k in range(order) for _ in (0, 1))
 
 
-class Corners(Curve):
+class Corners(Unvarying):
     """The corner data (n, n, 3) of ribbons C (n, 3) of v and E (n, 3) of u; twists are the mean of what both say."""
 
     def __init__(self, across_u: Curve, across_v: Curve) -> None:
@@ -43,16 +42,13 @@ class Corners(Curve):
 
     def both(self, letters: LetterValues = None) -> tuple[Array, Array]:
         """The data [a, b] by the edges u = 0, 1 and by the edges v = 0, 1."""
-        start = np.array(self.domain[0])
-        (by_u,), (by_v,) = (one.evaluate(start, [0], letters) for one in (self.by_u, self.by_v))
-        return np.swapaxes(by_u, 0, 1), by_v
+        return np.swapaxes(self.by_u.value(letters), 0, 1), self.by_v.value(letters)
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
-        """The data, and zero for every derivative."""
+    def value(self, letters: LetterValues = None) -> Array:
+        """The data."""
         by_u, by_v = self.both(letters)
         # Half of each, so that two infinite tangents do not make a NaN.
-        values = np.where(by_u == by_v, by_v, by_u / 2 + by_v / 2)
-        return [np.broadcast_to(values * float(order == 0), (*t.shape, *self.shape)) for order in orders]
+        return np.where(by_u == by_v, by_v, by_u / 2 + by_v / 2)
 
     @property
     def is_smooth_formula(self) -> bool:

@@ -41,10 +41,8 @@ class Gregory:
         by_u, by_v = self.corners.both(letters)
         jumps = (by_u - by_v)[2:, 2:].reshape(4, 3)
         values = {name: (letters or {})[name] for name in self.letters}
-        distinct = tuple(dict.fromkeys((int(i), int(j)) for i, j in orders))
-        parts = self._compiled.evaluate([u, v], distinct, values)
-        sums = [np.add.reduce([part[k][..., None] * jumps[k] for k in range(4)]) for part in parts]
-        return [sums[distinct.index((i, j))] for i, j in orders]
+        parts = self._compiled.evaluate([u, v], orders, values)
+        return [np.add.reduce([part[k][..., None] * jumps[k] for k in range(4)]) for part in parts]
 
     def expression(self) -> sp.ImmutableMatrix:
         """The correction as expressions in u, v and the letters."""

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import prod
 from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike
 
 from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.functions.curves import as_curve
-from rsym.surfaces.functions.entries import entries_of
-from rsym.surfaces.functions.univariate import Array, Combination, Curve, LetterValues, Sampled, Stack, on_interval
+from rsym.surfaces.functions.entries import entries_of, exact
+from rsym.surfaces.functions.univariate import Array, Curve, LetterValues, Sampled, Stack, Unvarying, on_interval
 
 EDGES = ("u0", "u1", "v0", "v1")
 
@@ -27,7 +29,7 @@ class Blended(Curve):
 
     def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
         """The derivatives of these orders."""
-        (data,) = self.data.evaluate(np.array(self.data.domain[0]), [0], letters)
+        data = self.data.at_start(letters)
         parts = self.functions.evaluate(t, orders, letters)
         return [np.add.reduce([part[..., row, None] * one for row, one in enumerate(data)]) for part in parts]
 
@@ -45,6 +47,39 @@ class Blended(Curve):
         return sp.ImmutableDenseNDimArray(
             [sum((f * flat[3 * row + c] for row, f in enumerate(rows)), sp.S.Zero) for c in range(3)], (3,)
         )
+
+
+class Combination(Curve):
+    """A sum of functions of one shape with constant weights, numbers or arrays that broadcast to the shape."""
+
+    def __init__(self, curves: Sequence[Curve], weights: Sequence[ArrayLike]) -> None:
+        self.stack = Stack(curves)
+        self.shape, self.domain = self.stack.shape[1:], self.stack.domain
+        self.closed, self.letters = self.stack.closed, self.stack.letters
+        self.weights = [np.broadcast_to(np.asarray(weight, np.float64), self.shape) for weight in weights]
+
+    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+        """The derivatives of these orders."""
+        each = [curve.evaluate(t, orders, letters) for curve in self.stack.curves]
+        terms = [[weight * part for part in parts] for weight, parts in zip(self.weights, each, strict=True)]
+        return [np.add.reduce(parts) for parts in zip(*terms, strict=True)]
+
+    @property
+    def is_smooth_formula(self) -> bool:
+        """Whether what it is made of is."""
+        return self.stack.is_smooth_formula
+
+    def expressions(self) -> sp.ImmutableDenseNDimArray | None:
+        """The sum, if all are formulas."""
+        inner = self.stack.expressions()
+        if inner is None:
+            return None
+        flat, size = entries_of(inner), prod(self.shape)
+        entries = [
+            sum((exact(w.flat[k]) * flat[row * size + k] for row, w in enumerate(self.weights)), sp.Integer(0))
+            for k in range(size)
+        ]
+        return sp.ImmutableDenseNDimArray(entries, self.shape)
 
 
 def tangent_ribbons(edges: Mapping[str, Curve]) -> dict[str, Curve]:
@@ -75,16 +110,16 @@ def _at(curve: Curve, place: int, order: int) -> Curve:
     return Row(Sampled(curve, [float(place)], [order]))
 
 
-class Row(Curve):
+class Row(Unvarying):
     """The first row of a constant (1, 3), as a constant (3,)."""
 
-    def __init__(self, rows: Curve) -> None:
+    def __init__(self, rows: Unvarying) -> None:
         self.rows, self.shape = rows, rows.shape[1:]
         self.domain, self.letters = rows.domain, rows.letters
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
-        """The row, and zero for every derivative."""
-        return [part[..., 0, :] for part in self.rows.evaluate(t, orders, letters)]
+    def value(self, letters: LetterValues = None) -> Array:
+        """The row."""
+        return np.asarray(self.rows.value(letters)[0])
 
     @property
     def is_smooth_formula(self) -> bool:

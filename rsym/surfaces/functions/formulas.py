@@ -34,7 +34,8 @@ class CompiledFormulas:
     --------
     >>> from rsym.surfaces.symbols import u, v
     >>> formulas = CompiledFormulas([u * v**2, u + v], ("u", "v"), Letters({}), ((0.0, 1.0), (0.0, 1.0)))
-    >>> formulas.evaluate([np.array([2.0, 3.0]), np.array([1.0, 1.0])], [(0, 0), (0, 1)], {}).tolist()
+    >>> places = [np.array([2.0, 3.0]), np.array([1.0, 1.0])]
+    >>> [part.tolist() for part in formulas.evaluate(places, [(0, 0), (0, 1)], {})]
     [[[2.0, 3.0], [3.0, 4.0]], [[4.0, 6.0], [1.0, 1.0]]]
     """
 
@@ -75,9 +76,10 @@ class CompiledFormulas:
                 outputs[f"{number}{''.join(f'_{times}' for times in order)}"] = node
         return builder.program(outputs)
 
-    def evaluate(self, arrays: Sequence[Array], orders: Sequence[Order], letters: Mapping[str, float]) -> Array:
-        """The derivatives (len orders, len expressions, *shape) at arrays that broadcast; the orders are distinct."""
-        asked = tuple(orders)
+    def evaluate(self, arrays: Sequence[Array], orders: Sequence[Order], letters: Mapping[str, float]) -> list[Array]:
+        """The derivatives (len expressions, *shape) of each order, which may be asked for twice; arrays broadcast."""
+        wanted = [tuple(order) for order in orders]
+        asked = tuple(dict.fromkeys(wanted))
         if asked not in self._functions:
             self._functions[asked] = self._compile(asked)
         program, function = self._functions[asked]
@@ -86,13 +88,12 @@ class CompiledFormulas:
         out = np.empty((*full[0].shape, len(asked), len(self.expressions)))
         lines = np.moveaxis(out.reshape(*full[0].shape, len(program.outputs)), -1, 0)
         run_in_blocks(function, full, [letters[name] for name in program.letters], lines, checked_threads(None))
-        return np.moveaxis(out, (-2, -1), (0, 1))
+        parts = dict(zip(asked, np.moveaxis(out, (-2, -1), (0, 1)), strict=True))
+        return [parts[order] for order in wanted]
 
     def points(self, u: Array, v: Array, orders: Sequence[Order], letters: Mapping[str, float]) -> list[Array]:
-        """The derivatives of three coordinates, (..., 3) each; an order may be asked for twice."""
-        distinct = tuple(dict.fromkeys((int(i), int(j)) for i, j in orders))
-        parts = [np.ascontiguousarray(np.moveaxis(part, 0, -1)) for part in self.evaluate([u, v], distinct, letters)]
-        return [parts[distinct.index((i, j))] for i, j in orders]
+        """The derivatives of three coordinates, (..., 3) each."""
+        return [np.ascontiguousarray(np.moveaxis(part, 0, -1)) for part in self.evaluate([u, v], orders, letters)]
 
     def _compile(self, orders: tuple[Order, ...]) -> tuple[Program, CompiledFunction]:
         program = self.program(orders)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from math import prod
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -49,6 +48,10 @@ class Curve(ABC):
     def expressions(self) -> sp.ImmutableDenseNDimArray | None:
         """The value in `rsym.surfaces.symbols.t` and the letters; None where it is not one formula."""
         return None
+
+    def at_start(self, letters: LetterValues = None) -> Array:
+        """The value at the lower end of the interval: of a function that does not vary, its value."""
+        return self.evaluate(np.array(self.domain[0]), [0], letters)[0]
 
     @property
     def is_smooth_formula(self) -> bool:
@@ -109,8 +112,21 @@ class Formula(Curve):
         return sp.ImmutableDenseNDimArray(self._entries, self.shape)
 
 
-class Constant(Curve):
-    """A value that does not depend on the parameter: an array of numbers."""
+class Unvarying(Curve):
+    """A function that does not depend on its parameter, though perhaps on letters."""
+
+    @abstractmethod
+    def value(self, letters: LetterValues = None) -> Array:
+        """What it is everywhere, in the shape."""
+
+    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+        """The value, and zero for every derivative."""
+        value = self.value(letters)
+        return [np.broadcast_to(value * float(order == 0), (*t.shape, *self.shape)) for order in orders]
+
+
+class Constant(Unvarying):
+    """An array of numbers."""
 
     def __init__(self, values: ArrayLike, domain: Interval = (0.0, 1.0)) -> None:
         self.values = np.array(real_array(values))
@@ -119,9 +135,9 @@ class Constant(Curve):
         given = np.array(values, object).reshape(-1)
         self._given = tuple(one if isinstance(one, sp.Expr) else None for one in given)
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
-        """The value, and zero for every derivative."""
-        return [np.broadcast_to(self.values * float(order == 0), (*t.shape, *self.shape)) for order in orders]
+    def value(self, letters: LetterValues = None) -> Array:
+        """The numbers."""
+        return self.values
 
     @property
     def is_smooth_formula(self) -> bool:
@@ -218,7 +234,7 @@ def backwards(curve: Curve) -> Curve:
     return Resized(curve, curve.domain, backwards=True)
 
 
-class Sampled(Curve):
+class Sampled(Unvarying):
     """Values and derivatives of a function at some places, as a constant: (n, *shape)."""
 
     def __init__(self, curve: Curve, places: Sequence[float], orders: Sequence[int]) -> None:
@@ -227,12 +243,11 @@ class Sampled(Curve):
         self.shape = (len(self.places), *curve.shape)
         self.domain, self.letters = curve.domain, curve.letters
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
-        """The samples, and zero for every derivative."""
+    def value(self, letters: LetterValues = None) -> Array:
+        """The samples."""
         wanted = sorted(set(self.orders))
         parts = self.curve.evaluate(np.array(self.places), wanted, letters)
-        values = np.stack([parts[wanted.index(order)][row] for row, order in enumerate(self.orders)])
-        return [np.broadcast_to(values * float(order == 0), (*t.shape, *self.shape)) for order in orders]
+        return np.stack([parts[wanted.index(order)][row] for row, order in enumerate(self.orders)])
 
     @property
     def is_smooth_formula(self) -> bool:
@@ -250,36 +265,3 @@ class Sampled(Curve):
             for entry in entries_of(inner)
         ]
         return sp.ImmutableDenseNDimArray(rows, self.shape)
-
-
-class Combination(Curve):
-    """A sum of functions of one shape with constant weights, numbers or arrays that broadcast to the shape."""
-
-    def __init__(self, curves: Sequence[Curve], weights: Sequence[ArrayLike]) -> None:
-        self.stack = Stack(curves)
-        self.shape, self.domain = self.stack.shape[1:], self.stack.domain
-        self.closed, self.letters = self.stack.closed, self.stack.letters
-        self.weights = [np.broadcast_to(np.asarray(weight, np.float64), self.shape) for weight in weights]
-
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
-        """The derivatives of these orders."""
-        each = [curve.evaluate(t, orders, letters) for curve in self.stack.curves]
-        terms = [[weight * part for part in parts] for weight, parts in zip(self.weights, each, strict=True)]
-        return [np.add.reduce(parts) for parts in zip(*terms, strict=True)]
-
-    @property
-    def is_smooth_formula(self) -> bool:
-        """Whether what it is made of is."""
-        return self.stack.is_smooth_formula
-
-    def expressions(self) -> sp.ImmutableDenseNDimArray | None:
-        """The sum, if all are formulas."""
-        inner = self.stack.expressions()
-        if inner is None:
-            return None
-        flat, size = entries_of(inner), prod(self.shape)
-        entries = [
-            sum((exact(w.flat[k]) * flat[row * size + k] for row, w in enumerate(self.weights)), sp.Integer(0))
-            for k in range(size)
-        ]
-        return sp.ImmutableDenseNDimArray(entries, self.shape)

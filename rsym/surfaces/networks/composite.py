@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.surfaces.functions.cardinals import CubicCardinals, SlopeFunctions, hermite_cardinals
-from rsym.surfaces.functions.univariate import Constant, Curve, Sampled
+from rsym.surfaces.functions.univariate import Constant, Sampled, Unvarying
 from rsym.surfaces.networks.curve_networks import MEETING, Network, network, network_latex
 from rsym.surfaces.patch import Array, LetterValues, Orders
 from rsym.surfaces.transfinite import BooleanSum, Loft
@@ -108,7 +108,7 @@ class CompositeCoons(BooleanSum):
         return rf"$\displaystyle {network_latex(self.network)} - {twists}$"
 
 
-class TwistCorrection(Curve):
+class TwistCorrection(Unvarying):
     """Twists less those of the tensor product of the points, as a constant (number of v-curves, of u-curves, 3)."""
 
     def __init__(self, net: Network, of_u: CubicCardinals, of_v: CubicCardinals, twists: Any) -> None:
@@ -120,14 +120,11 @@ class TwistCorrection(Curve):
         self.letters = net.points.letters.merge(self.along.letters).merge(self.over.letters)
         self.given = None if isinstance(twists, str) and twists == "mean" else _given(twists, self.shape)
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
-        """The numbers, and zero for every derivative."""
-        start = np.zeros(())
-        parts = [one.evaluate(start, [0], letters)[0] for one in (self.points, self.along, self.over)]
+    def value(self, letters: LetterValues = None) -> Array:
+        """The numbers."""
+        p, r_u, s_v = (one.at_start(letters) for one in (self.points, self.along, self.over))
         given = None if self.given is None else self.given.values
-        p, r_u, s_v = parts
-        values = _combined(p, r_u, s_v, self.of_u.slopes, self.of_v.slopes, given)
-        return [np.broadcast_to(values * float(order == 0), (*t.shape, *self.shape)) for order in orders]
+        return _combined(p, r_u, s_v, self.of_u.slopes, self.of_v.slopes, given)
 
     def check(self) -> None:
         """Refuse curves that are infinitely fast at a point of the network."""
