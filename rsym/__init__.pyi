@@ -8,7 +8,7 @@ from .codegen.kernel import Kernel, compile
 from .codegen.plain import lambdify
 from .codegen.source import source
 from .errors import RsymError, RsymWarning
-from .model.language.loading import load, loads
+from .language.loading import load, loads
 from .model.letters import Letter
 from .model.motions import revolve
 from .model.operations import (

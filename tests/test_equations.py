@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rsym import RsymError
-from rsym.model.language.listing import definitions
+from rsym.language.listing import definitions
 from rsym.output.equations import _for_mathtext, equation
 from rsym.paper import MODELS, model_path
 

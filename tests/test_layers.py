@@ -14,6 +14,7 @@ LAYERS = {
     "errors": set(),
     "model": {"sympy"},
     "analysis": {"sympy"},
+    "language": {"sympy"},
     "codegen": {"sympy", "numpy", "llvmlite", "flint"},
     "sampling": {"numpy", "scipy", "skimage", "numba"},
     "verify": {"sympy", "numpy", "scipy", "mpmath", "flint"},

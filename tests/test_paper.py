@@ -9,7 +9,7 @@ from closeness import assert_close
 
 import rsym
 from rsym import RsymError
-from rsym.model.language.listing import definitions
+from rsym.language.listing import definitions
 from rsym.paper import MODELS
 from rsym.paper.drawing import Reproduced, Table, mesh_quietly
 from rsym.paper.figures import BODIES, RECIPES

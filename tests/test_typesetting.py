@@ -2,9 +2,9 @@ import pytest
 import sympy as sp
 
 from rsym import RsymError
-from rsym.model.language.listing import definitions
-from rsym.model.language.loading import loads
-from rsym.model.language.vocabulary import ARITIES
+from rsym.language.listing import definitions
+from rsym.language.loading import loads
+from rsym.language.vocabulary import ARITIES
 from rsym.model.names import typeset_name
 from rsym.model.shape import Shape, latex
 from rsym.model.symbols import x, y

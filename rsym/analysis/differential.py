@@ -12,6 +12,7 @@ from typing import TypeAlias
 import sympy as sp
 
 from rsym.errors import RsymError
+from rsym.model.nodes import written_out
 from rsym.model.shape import Shape
 from rsym.model.traversal import postorder
 
@@ -29,6 +30,7 @@ def derivative(expression: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
     >>> derivative(conjunction(x, y), y)
     -y/sqrt(x**2 + y**2) + 1
     """
+    expression = written_out(expression)
     known: dict[int, sp.Expr] = {}
     for part in postorder(expression):
         known[id(part)] = _rule(part, [known[id(argument)] for argument in part.args], symbol)

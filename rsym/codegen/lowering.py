@@ -19,7 +19,7 @@ from rsym.codegen.quadratics import sum_with_squares_completed, two_linear_facto
 from rsym.errors import RsymError
 from rsym.model import equivalences, powers, rnodes
 from rsym.model.folds import Fold
-from rsym.model.nodes import Ahead, Held, Trimming
+from rsym.model.nodes import Ahead, Held, Trimming, written_out
 from rsym.model.traversal import postorder
 
 Lowered = Sequence[int]
@@ -38,6 +38,7 @@ def lower(builder: Builder, expression: sp.Expr) -> int:
 
 def lower_all(builder: Builder, expressions: Sequence[sp.Expr]) -> list[int]:
     """The nodes that compute the expressions; what they share is walked once."""
+    expressions = [written_out(expression) for expression in expressions]
     done: dict[int, int] = {}
     for part in postorder(*expressions):
         if isinstance(part, Relational | BooleanFunction | BooleanAtom | ExprCondPair):

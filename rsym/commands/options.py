@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from rsym.errors import RsymError
 
 if TYPE_CHECKING:
-    from rsym.model.language.model import Model
+    from rsym.language.model import Model
     from rsym.model.letters import Letters
     from rsym.model.shape import Shape
 
@@ -167,7 +167,7 @@ def ranges(texts: Sequence[str], option: str) -> tuple[list[str], dict[str, tupl
 
 def model_file(name: str) -> Path:
     """The file of a model that is named by its path or, if it comes with rsym, by its name."""
-    from rsym.model.language.vocabulary import proposal
+    from rsym.model.wording import proposal
     from rsym.paper.models import MODELS, model_path
 
     if name in MODELS:
@@ -193,9 +193,9 @@ def load_model(options: argparse.Namespace) -> Chosen:
 
     A preset may set letters that the chosen shape does not need: it was written for the whole model.
     """
-    from rsym.model.language.loading import loads, read_text
-    from rsym.model.language.model import collect
-    from rsym.model.language.parser import parse
+    from rsym.language.loading import loads, read_text
+    from rsym.language.model import collect
+    from rsym.language.parser import parse
     from rsym.model.letters import Letters
     from rsym.output.presets import load_letters
 

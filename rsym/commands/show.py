@@ -10,7 +10,7 @@ from rsym.commands.letters import written
 from rsym.commands.options import Chosen, Commands, add_command, add_model, load_model
 
 if TYPE_CHECKING:
-    from rsym.model.language.listing import Definition
+    from rsym.language.listing import Definition
 
 WIDTH = 100  # characters in a line
 DOCUMENT = r"""\documentclass{article}
@@ -40,7 +40,7 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Print the model."""
-    from rsym.model.language.listing import definitions
+    from rsym.language.listing import definitions
 
     chosen = load_model(options)
     formulas = definitions(chosen.path, shape=options.shape)
@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _text(chosen: Chosen, formulas: tuple[Definition, ...]) -> str:
-    from rsym.model.language.functions import written_system
+    from rsym.language.functions import written_system
 
     shape = chosen.shape
     names = [symbol.name for symbol in shape.coordinates]

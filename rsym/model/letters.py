@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.language.vocabulary import listing, proposal
+from rsym.model.wording import listing, proposal
 
 Number: TypeAlias = int | float | Fraction
 

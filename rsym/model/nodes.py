@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
-from rsym.model.traversal import rebuild
+from rsym.model.traversal import postorder, rebuild
 
 _RUNTIME = "rsym.codegen.runtime."
 
@@ -66,6 +66,35 @@ class RealNode(sp.Function):  # type: ignore[misc]
     def _runtime_call(self, printer: Any) -> str:
         function = printer._module_format(_RUNTIME + self.runtime_name)
         return f"{function}({', '.join(printer._print(argument) for argument in self.args)})"
+
+    _numpycode = _pythoncode = _mpmathcode = _jaxcode = _torchcode = _cupycode = _runtime_call
+
+
+class Composition(RealNode):
+    """A node that stands for a formula in other nodes, kept whole for people and for its contract.
+
+    `written_out` is what is lowered, differentiated and evaluated; a subclass says it once, in `composition`.
+    """
+
+    def composition(self) -> sp.Expr:
+        """The formula."""
+        raise NotImplementedError
+
+    def as_roots(self) -> sp.Expr:
+        """The formula, its own nodes in plain arithmetic."""
+        return expand_nodes(written_out(self.composition()))
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """Not asked for: derivatives are those of the formula."""
+        raise NotImplementedError("differentiate written_out(expression)")
+
+    def numeric(self, arguments: list[sp.Float]) -> sp.Expr:
+        """The formula at high precision."""
+        return written_out(self.func(*arguments).composition()).evalf(arguments[0]._prec // 3)
+
+    def _runtime_call(self, printer: Any) -> str:
+        text: str = printer._print(self.composition())
+        return f"({text})"
 
     _numpycode = _pythoncode = _mpmathcode = _jaxcode = _torchcode = _cupycode = _runtime_call
 
@@ -171,6 +200,13 @@ class Held(RealNode):
 def _evaluated(argument: sp.Expr, precision: int) -> sp.Expr:
     value = argument._eval_evalf(precision)
     return argument if value is None else value
+
+
+def written_out(expression: sp.Expr) -> sp.Expr:
+    """Replace every composition by its formula; other R-nodes stay."""
+    while any(isinstance(part, Composition) for part in postorder(expression)):
+        expression = rebuild(expression, lambda part: part.composition() if isinstance(part, Composition) else None)
+    return expression
 
 
 def expand_nodes(expression: sp.Expr) -> sp.Expr:

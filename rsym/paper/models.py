@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from rsym.errors import RsymError
-from rsym.model.language.loading import load
+from rsym.language.loading import load
 from rsym.model.shape import Shape
 
 MODELS: tuple[str, ...] = ("car", "skeleton", "valve", "streamlined")

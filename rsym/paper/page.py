@@ -6,7 +6,7 @@ import html
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
 
-from rsym.model.language.listing import definitions
+from rsym.language.listing import definitions
 from rsym.output.equations import equation
 from rsym.paper.drawing import Reproduced, Table
 from rsym.paper.models import model_path

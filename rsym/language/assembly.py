@@ -8,17 +8,17 @@ from collections.abc import Mapping
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.language.building import Builder
-from rsym.model.language.extent import Extent
-from rsym.model.language.functions import operations
-from rsym.model.language.model import Model
-from rsym.model.language.parts import Part, symbol_part
-from rsym.model.language.syntax import Assignment, Name, names_in
-from rsym.model.language.vocabulary import listing, proposal
+from rsym.language.building import Builder
+from rsym.language.extent import Extent
+from rsym.language.functions import operations
+from rsym.language.model import Model
+from rsym.language.parts import Part, symbol_part
+from rsym.language.syntax import Assignment, Name, names_in
 from rsym.model.letters import Letter
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol
 from rsym.model.traversal import symbols_of
+from rsym.model.wording import listing, proposal
 
 
 def assemble(model: Model, shape: str | None, variant: str | None) -> Shape:

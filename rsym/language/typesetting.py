@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from rsym.model.language.syntax import Call, Expression, Name, Number, Power, Product, Sum, postorder
+from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Sum, postorder
 from rsym.model.names import typeset_name
 from rsym.model.systems import RSystem
 
@@ -35,7 +35,7 @@ def typeset(expression: Expression, system: RSystem) -> str:
 
     Examples
     --------
-    >>> from rsym.model.language.parser import parse
+    >>> from rsym.language.parser import parse
     >>> from rsym.model.systems import R0
     >>> (statement,) = parse("f = rfAND(-y*(y + y2)/y2, rfNOT(g))")
     >>> print(typeset(statement.value, R0))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from rsym.model.language.declarations import bounds, letter, system, variant
-from rsym.model.language.syntax import (
+from rsym.language.declarations import bounds, letter, system, variant
+from rsym.language.syntax import (
     Assignment,
     BoundsStatement,
     CoordinatesStatement,
@@ -17,7 +17,7 @@ from rsym.model.language.syntax import (
     VariantStatement,
     names_in,
 )
-from rsym.model.language.vocabulary import ARITIES, RESERVED
+from rsym.language.vocabulary import ARITIES, RESERVED
 from rsym.model.letters import Letter
 from rsym.model.shape import Bounds
 from rsym.model.systems import R0, RSystem

@@ -15,11 +15,11 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.model.language import exact
-from rsym.model.language.extent import Budget, joined
-from rsym.model.language.functions import Operation
-from rsym.model.language.parts import Part, constant_part, exact_part, open_part
-from rsym.model.language.syntax import Call, Expression, Name, Number, Place, Power, Product, Sum, postorder
+from rsym.language import exact
+from rsym.language.extent import Budget, joined
+from rsym.language.functions import Operation
+from rsym.language.parts import Part, constant_part, exact_part, open_part
+from rsym.language.syntax import Call, Expression, Name, Number, Place, Power, Product, Sum, postorder
 
 
 class Builder:

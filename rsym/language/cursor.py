@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rsym.model.language.scanner import Kind, Token
-from rsym.model.language.syntax import Place
+from rsym.language.scanner import Kind, Token
+from rsym.language.syntax import Place
 
 
 class Cursor:

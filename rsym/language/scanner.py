@@ -11,7 +11,7 @@ import unicodedata
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from rsym.model.language.syntax import Place
+from rsym.language.syntax import Place
 
 LONGEST_TEXT = 200_000  # characters
 MOST_TOKENS = 20_000

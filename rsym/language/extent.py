@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from rsym.model.language.syntax import Place
+from rsym.language.syntax import Place
 
 LARGEST_SIZE = 100_000  # nodes of one formula with every name written out
 DEEPEST = 1_000  # levels of one formula with every name written out

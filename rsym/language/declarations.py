@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from rsym.errors import RsymError
-from rsym.model.language.building import Builder
-from rsym.model.language.functions import FAMILIES, SYSTEMS, operations
-from rsym.model.language.syntax import (
+from rsym.language.building import Builder
+from rsym.language.functions import FAMILIES, SYSTEMS, operations
+from rsym.language.syntax import (
     BoundsStatement,
     Expression,
     Interval,
@@ -19,11 +19,11 @@ from rsym.model.language.syntax import (
     VariantStatement,
     names_in,
 )
-from rsym.model.language.vocabulary import listing, proposal
 from rsym.model.letters import Letter, Number
 from rsym.model.shape import Bounds
 from rsym.model.symbols import real_symbol
 from rsym.model.systems import R0, RSystem
+from rsym.model.wording import listing, proposal
 
 
 def letter(statement: LetterStatement) -> Letter:

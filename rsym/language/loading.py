@@ -7,11 +7,11 @@ from os import PathLike
 from pathlib import Path
 
 from rsym.errors import RsymError
-from rsym.model.language.assembly import assemble
-from rsym.model.language.model import collect
-from rsym.model.language.parser import parse
-from rsym.model.language.scanner import LONGEST_TEXT
-from rsym.model.language.syntax import Place
+from rsym.language.assembly import assemble
+from rsym.language.model import collect
+from rsym.language.parser import parse
+from rsym.language.scanner import LONGEST_TEXT
+from rsym.language.syntax import Place
 from rsym.model.shape import Shape
 
 _LONGEST_FILE = 4 * LONGEST_TEXT + len(codecs.BOM_UTF8)  # bytes; UTF-8 needs at most four for a character

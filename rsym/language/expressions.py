@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from rsym.model.language.cursor import Cursor
-from rsym.model.language.exact import literal
-from rsym.model.language.scanner import Token
-from rsym.model.language.syntax import Call, Expression, Name, Number, Power, Product, Sum
-from rsym.model.language.vocabulary import ARITIES, KEYWORDS, listing, proposal
+from rsym.language.cursor import Cursor
+from rsym.language.exact import literal
+from rsym.language.scanner import Token
+from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Sum
+from rsym.language.vocabulary import ARITIES, KEYWORDS
+from rsym.model.wording import listing, proposal
 
 DEEPEST_NESTING = 100
 _HALF = Fraction(1, 2)

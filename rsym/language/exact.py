@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from rsym.model.language.syntax import Place
+from rsym.language.syntax import Place
 
 LARGEST = Fraction(10) ** 300
 MOST_BITS = 4096  # of a numerator or a denominator; about 1200 decimal digits

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rsym.model.language.cursor import Cursor
-from rsym.model.language.expressions import ExpressionParser
-from rsym.model.language.scanner import Token, scan
-from rsym.model.language.syntax import (
+from rsym.language.cursor import Cursor
+from rsym.language.expressions import ExpressionParser
+from rsym.language.scanner import Token, scan
+from rsym.language.syntax import (
     Assignment,
     BoundsStatement,
     CoordinatesStatement,
@@ -19,7 +19,7 @@ from rsym.model.language.syntax import (
     SystemStatement,
     VariantStatement,
 )
-from rsym.model.language.vocabulary import KEYWORDS
+from rsym.language.vocabulary import KEYWORDS
 
 
 def parse(text: str) -> tuple[Statement, ...]:

@@ -7,11 +7,11 @@ from os import PathLike
 
 import sympy as sp
 
-from rsym.model.language.assembly import assemble
-from rsym.model.language.loading import read_text
-from rsym.model.language.model import collect
-from rsym.model.language.parser import parse
-from rsym.model.language.typesetting import typeset
+from rsym.language.assembly import assemble
+from rsym.language.loading import read_text
+from rsym.language.model import collect
+from rsym.language.parser import parse
+from rsym.language.typesetting import typeset
 from rsym.model.names import typeset_name
 
 

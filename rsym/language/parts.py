@@ -10,9 +10,9 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.model.language.exact import checked, division_by_zero
-from rsym.model.language.extent import Extent
-from rsym.model.language.syntax import Place
+from rsym.language.exact import checked, division_by_zero
+from rsym.language.extent import Extent
+from rsym.language.syntax import Place
 from rsym.model.nodes import Held, RealNode
 from rsym.model.symbols import real_symbol
 

@@ -1,0 +1,110 @@
+"""What pieces of shapes are given: numbers, points and directions, each a number or an expression in letters.
+
+Bounds and decisions (is this corner reflex, is this radius positive) are made at
+the default values of the letters; formulas keep the letters.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.letters import Letter, as_letters
+from rsym.model.symbols import as_expression, real_replacements, real_symbol
+from rsym.model.traversal import substitute, symbols_of
+
+LetterMapping: TypeAlias = Mapping[Any, Letter | float] | None
+Point: TypeAlias = tuple[sp.Expr, ...]
+
+
+def number(value: Any, what: str) -> sp.Expr:
+    """A finite real number or an expression in letters, symbols real.
+
+    Examples
+    --------
+    >>> number(2, "the radius")
+    2
+    """
+    try:
+        expression = as_expression(value)
+    except RsymError as error:
+        raise RsymError(f"{what} must be a number or an expression in letters, got {value!r}", code="number") from error
+    real = real_replacements([expression])
+    expression = substitute(expression, real) if real else expression
+    if not isinstance(expression, sp.Expr) or expression.has(sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I):
+        raise RsymError(f"{what} must be finite and real, got {value!r}", code="number")
+    return expression
+
+
+def default(expression: sp.Expr, letters: LetterMapping, what: str = "a parameter") -> float:
+    """The value of an expression where every letter has its default.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> r = sp.Symbol("r", real=True)
+    >>> default(2 * r, {r: 1.5})
+    3.0
+    """
+    known = as_letters(letters)
+    unknown = [symbol.name for symbol in symbols_of(expression) if symbol.name not in known]
+    if unknown:
+        raise RsymError(
+            f"{what} contains {', '.join(unknown)}, which has no value",
+            code="unknown-letter",
+            remedy=f"give letters={{{unknown[0]}: value}}",
+        )
+    values = {real_symbol(name): sp.sympify(letter.default) for name, letter in known.items()}
+    value = sp.N(substitute(expression, values))
+    if (not value.is_Float and not value.is_Rational) or not math.isfinite(value):
+        raise RsymError(f"{what} must be finite and real, got {expression}", code="number")
+    return float(value)
+
+
+def positive(value: Any, what: str, letters: LetterMapping = None) -> sp.Expr:
+    """A number that is above zero where letters have their defaults."""
+    expression = number(value, what)
+    if default(expression, letters, what) <= 0:
+        raise RsymError(f"{what} must be positive, got {value}", code="positive")
+    return expression
+
+
+def whole(value: Any, what: str, least: int) -> int:
+    """An integer, at least `least`."""
+    given = sp.sympify(value) if isinstance(value, int | float | sp.Number) and not isinstance(value, bool) else None
+    if given is None or given != int(given) or given < least:
+        raise RsymError(f"{what} must be an integer from {least} on, got {value!r}", code="integer")
+    return int(given)
+
+
+def point(value: Any, dimension: int, what: str) -> Point:
+    """As many numbers as there are coordinates.
+
+    Examples
+    --------
+    >>> point((1, 2), 2, "the centre")
+    (1, 2)
+    """
+    items = list(value) if isinstance(value, Sequence | sp.MatrixBase | sp.Tuple) or hasattr(value, "tolist") else []
+    if isinstance(value, str) or len(items) != dimension:
+        raise RsymError(f"{what} needs {dimension} numbers, got {value!r}", code="point")
+    return tuple(number(item, what) for item in items)
+
+
+def direction(value: Any, dimension: int, what: str, letters: LetterMapping = None) -> Point:
+    """A unit vector: the given one over its length, which must not be zero.
+
+    Examples
+    --------
+    >>> direction((3, 4), 2, "the normal")
+    (3/5, 4/5)
+    """
+    given = point(value, dimension, what)
+    if all(default(component, letters, what) == 0 for component in given):
+        raise RsymError(f"{what} must not be the zero vector", code="direction")
+    length = sp.sqrt(sp.Add(*(component**2 for component in given)))
+    return tuple(component / length for component in given)

@@ -1,0 +1,27 @@
+"""What a message proposes instead of an unknown word, and how it lists the known ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+def proposal(name: object, known: Iterable[str], otherwise: str) -> str:
+    """A remedy that names the closest known words, or `otherwise` if none is close.
+
+    Examples
+    --------
+    >>> proposal("rfand", ["rfAND", "rfOR"], "see the list of functions")
+    "did you mean 'rfAND'?"
+    """
+    by_lower = {word.lower(): word for word in known}
+    lower = str(name).lower()[:40]
+    close = [lower] if lower in by_lower else get_close_matches(lower, by_lower, n=3, cutoff=0.6)
+    return f"did you mean {' or '.join(repr(by_lower[word]) for word in close)}?" if close else otherwise
+
+
+def listing(known: Iterable[str]) -> str:
+    """The known words for a message, the first thirty."""
+    words = list(known)
+    more = f" and {len(words) - 30} more" if len(words) > 30 else ""
+    return (", ".join(words[:30]) or "none") + more
