@@ -49,6 +49,8 @@ from .sampling.sections import Section, sections
 from .sampling.sharp.features import Feature
 from .verify.continuity import ContinuityReport, continuity
 from .verify.curves import Curve
+from .verify.lint.linting import lint
+from .verify.lint.report import Finding, LintReport
 from .verify.normalisation import verify_normalisation
 from .verify.normalisation_report import NormalisationReport
 from .verify.report import Joint, SmoothnessReport
@@ -62,10 +64,12 @@ __all__ = [
     "ContinuityReport",
     "Curve",
     "Feature",
+    "Finding",
     "Joint",
     "Kernel",
     "Letter",
     "LevelLines",
+    "LintReport",
     "Mesh",
     "Mesher",
     "NormalisationReport",
@@ -99,6 +103,7 @@ __all__ = [
     "lambdify",
     "laplacian",
     "level_lines",
+    "lint",
     "load",
     "load_letters",
     "loads",
