@@ -2,6 +2,7 @@ from . import paper, surfaces
 from .analysis.curvature import curvature, gaussian_curvature, mean_curvature, principal_curvatures
 from .analysis.differential import gradient, hessian, laplacian
 from .analysis.normalisation import normalise
+from .analysis.transformations import transform
 from .codegen.enclosures import enclose
 from .codegen.fields import SIX
 from .codegen.kernel import Kernel, compile
@@ -9,8 +10,8 @@ from .codegen.plain import lambdify
 from .codegen.source import source
 from .errors import RsymError, RsymWarning
 from .language.loading import load, loads
+from .model.constructions import extrude, product, revolve, section, sweep
 from .model.letters import Letter
-from .model.motions import revolve
 from .model.operations import (
     conjunction,
     difference,
@@ -28,6 +29,7 @@ from .model.operations import (
 from .model.shape import Shape
 from .model.symbols import x, y, z
 from .model.systems import R0, R1, R0m, RAlpha, Rp
+from .model.thickness import offset, shell
 from .output.combs import plot_curvature_comb
 from .output.comparison import compare_patches
 from .output.explore import explore, explore_patches
@@ -91,6 +93,7 @@ __all__ = [
     "explore",
     "explore_patches",
     "extent",
+    "extrude",
     "gaussian_curvature",
     "gradient",
     "hessian",
@@ -106,6 +109,7 @@ __all__ = [
     "mesh",
     "negation",
     "normalise",
+    "offset",
     "paper",
     "plot_continuity",
     "plot_curvature_comb",
@@ -117,15 +121,20 @@ __all__ = [
     "plot_sweep",
     "plot_verdict",
     "principal_curvatures",
+    "product",
     "revolve",
     "rfAND",
     "rfNOT",
     "rfOR",
     "save_letters",
+    "section",
     "sections",
+    "shell",
     "smoothness_threshold",
     "source",
     "surfaces",
+    "sweep",
+    "transform",
     "trimming",
     "verify_normalisation",
     "verify_smoothness",
