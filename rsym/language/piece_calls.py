@@ -57,10 +57,10 @@ class Calls:
 
     def _made(self, piece: Piece, bound: inspect.BoundArguments) -> Shape:
         """The shape; formulas without the third coordinate may be plane shapes, if they do not fit as bodies."""
-        rest, shared = bound.args[piece.shapes :], self._shared(piece)
+        rest, shared, letters = bound.args[piece.shapes :], self._shared(piece), self._own_letters()
 
         def made(dimension: int) -> Shape:
-            shapes = [Shape(value, (x, y, z)[:dimension], letters=self.letters) for value in bound.args[: piece.shapes]]
+            shapes = [Shape(value, (x, y, z)[:dimension], letters=letters) for value in bound.args[: piece.shapes]]
             result: Shape = piece.function(*shapes, *rest, **bound.kwargs, **shared)
             return result
 
@@ -74,8 +74,9 @@ class Calls:
 
     def _names(self, back: bool = False) -> dict[sp.Symbol, sp.Symbol]:
         """Python's coordinates for those of the model, or the other way round."""
-        pairs = zip(map(real_symbol, self.coordinates), (x, y, z), strict=False)
-        return {(there if back else here): (here if back else there) for here, there in pairs if here != there}
+        pairs = [*zip(self.coordinates, "xyz", strict=False), *((name, _apart(name)) for name in self.letters)]
+        names = ((there, here) if back else (here, there) for here, there in pairs if here != there)
+        return {real_symbol(old): real_symbol(new) for old, new in names}
 
     def _argument(self, part: Part) -> Any:
         if part.text is not None:
@@ -84,10 +85,21 @@ class Calls:
             return tuple(map(self._argument, part.items))
         if part.exact is None and part.number is not None:
             return _turn(part.expression) or part.outer
+        if part.exact is not None and part.exact.denominator == 1:
+            return int(part.exact)
         return substitute(part.expression, self._names())
 
     def _shared(self, piece: Piece) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in ("letters", "system") if piece.takes(name)}
+        shared = {"letters": self._own_letters(), "system": self.system}
+        return {name: value for name, value in shared.items() if piece.takes(name)}
+
+    def _own_letters(self) -> dict[str, Letter]:
+        return {_apart(name): letter for name, letter in self.letters.items()}
+
+
+def _apart(letter: str) -> str:
+    """The name of a letter; one called x, y or z in a model of other coordinates must not become a coordinate."""
+    return f"{letter} (letter)" if letter in ("x", "y", "z") else letter
 
 
 def _bound(piece: Piece, node: Call, given: list[Any], named: dict[str, Any]) -> inspect.BoundArguments:
