@@ -11,6 +11,7 @@ import sympy as sp
 from rsym.model.arguments import Point
 from rsym.model.nodes import Composition, Trimming
 from rsym.model.powers import absolute_power
+from rsym.model.traversal import substitute
 
 PARAMETER: sp.Symbol = sp.Dummy("s", real=True)
 
@@ -23,6 +24,11 @@ class Path:
     low: sp.Expr
     high: sp.Expr
     ends: tuple[Point, Point]
+
+    def at(self, share: sp.Expr) -> Point:
+        """The point that divides the range of PARAMETER so."""
+        value = self.low + share * (self.high - self.low)
+        return tuple(substitute(component, {PARAMETER: value}) for component in self.point)
 
 
 class Curve(Composition):
