@@ -53,6 +53,57 @@ CALLS = {
     ],
     "section": [("section(h, y, b + x)", lambda: rsym.section(BODY, y, b + x))],
     "offset": [("offset(f, b)", lambda: rsym.offset(PLANE, b))],
+    "segment": [
+        ("segment([0, b], [a, 1])", lambda: rsym.segment((0, b), (a, 1), letters=LETTERS)),
+        ("segment([0, b, 1], [a, 1, 0])", lambda: rsym.segment((0, b, 1), (a, 1, 0), letters=LETTERS)),
+    ],
+    "polyline": [
+        (
+            "polyline([[0, 0], [a, 1], [2, b]], closed = 1, order = 4)",
+            lambda: rsym.polyline([(0, 0), (a, 1), (2, b)], True, 4, letters=LETTERS),
+        )
+    ],
+    "graph": [
+        (
+            "graph([[0, 0, a], [1, 1, 1], [2, 0, b]], [[0, 1], [0, 2]])",
+            lambda: rsym.graph([(0, 0, a), (1, 1, 1), (2, 0, b)], [(0, 1), (0, 2)], letters=LETTERS),
+        )
+    ],
+    "circle": [("circle([b, 0], a)", lambda: rsym.circle((b, 0), a, letters=LETTERS))],
+    "arc": [
+        ("arc([0, b], a, 0, pi/3)", lambda: rsym.arc((0, b), a, 0, sp.pi / 3, letters=LETTERS)),
+        (
+            "arc([0, b, 0], a, 0.5, 2, axis = [0, 3, 4])",
+            lambda: rsym.arc((0, b, 0), a, HALF, 2, (0, 3, 4), letters=LETTERS),
+        ),
+    ],
+    "helix": [("helix(2, a, turns = 3)", lambda: rsym.helix(2, a, 3, letters=LETTERS))],
+    "space_curve": [("space_curve(h, x - a)", lambda: rsym.space_curve(BODY, x - a, letters=LETTERS))],
+    "blend_on_skeleton": [
+        (
+            "blend_on_skeleton(segment([-a, 0], [a, 0]), 1 - x^2*b)",
+            lambda: rsym.blend_on_skeleton(rsym.segment((-a, 0), (a, 0), letters=LETTERS), 1 - x**2 * b),
+        )
+    ],
+    "displacement_blend": [
+        (
+            'displacement_blend(f, g, a, 0.5, operation = "intersection")',
+            lambda: rsym.displacement_blend(PLANE, OTHER, a, HALF, operation="intersection"),
+        )
+    ],
+    "bounded_blend": [
+        (
+            "bounded_blend(f, g, 4 - x^2 - y^2, a, a3 = 2)",
+            lambda: rsym.bounded_blend(PLANE, OTHER, Shape(4 - x**2 - y**2, (x, y)), a, a3=2),
+        )
+    ],
+    "fillet": [
+        ("fillet(f, g, b)", lambda: rsym.fillet(PLANE, OTHER, b)),
+        (
+            'fillet(f, g, b, "G2", "difference", angle = pi/3)',
+            lambda: rsym.fillet(PLANE, OTHER, b, "G2", "difference", sp.pi / 3),
+        ),
+    ],
     "shell": [("shell(h, b)", lambda: rsym.shell(BODY, b))],
     "transform": [
         (

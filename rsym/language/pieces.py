@@ -10,8 +10,14 @@ from typing import Any
 
 from rsym.analysis.normalisation import normalise
 from rsym.analysis.transformations import transform
+from rsym.model.blends.displacement import bounded_blend, displacement_blend
+from rsym.model.blends.fillets import fillet
 from rsym.model.constructions import extrude, product, revolve, section, sweep
+from rsym.model.primitives.arcs import arc, circle
+from rsym.model.primitives.curves import graph, polyline, segment
+from rsym.model.primitives.space_curves import helix, space_curve
 from rsym.model.shape import Shape
+from rsym.model.skeletons import blend_on_skeleton
 from rsym.model.thickness import offset, shell
 
 # Given by the model as a whole, not by a call.
@@ -60,6 +66,10 @@ PIECES: Mapping[str, Piece] = dict(
         ),
         *_named(*(Piece(function, shapes=1) for function in (offset, shell, transform, normalise))),
         *_named(Piece(section, shapes=1, space=True)),
+        *_named(*(Piece(function) for function in (arc, circle, graph, polyline, segment))),
+        *_named(Piece(helix, space=True), Piece(space_curve, shapes=2, space=True)),
+        *_named(*(Piece(function, shapes=2) for function in (blend_on_skeleton, displacement_blend, fillet))),
+        *_named(Piece(bounded_blend, shapes=3)),
     )
 )
 # Those whose mention makes a model one of space.
