@@ -37,8 +37,8 @@ def gyroid(period: Any = 1, level: Any = 0, thickness: Any = None, letters: Lett
     Examples
     --------
     >>> import rsym
-    >>> rsym.compile(gyroid())(0.25, 0.0, 0.0)["value"].round(12)
-    np.float64(0.159154943092)
+    >>> rsym.compile(gyroid())([0.0, 0.125], [0.0, 0.125], [0.0, 0.125])["value"].round(12).tolist()
+    [0.0, 0.159154943092]
     """
     return _periodic(_gyroid, period, level, thickness, letters)
 
@@ -84,8 +84,8 @@ def neovius(period: Any = 1, level: Any = 0, thickness: Any = None, letters: Let
     Examples
     --------
     >>> import rsym
-    >>> rsym.compile(neovius())(0.25, 0.25, 0.25)["value"].round(12)
-    np.float64(0.0)
+    >>> rsym.compile(neovius())([0.0, 0.25], [0.0, 0.25], [0.0, 0.25])["value"].round(12).tolist()
+    [0.159154943092, 0.0]
     """
     return _periodic(_neovius, period, level, thickness, letters)
 
