@@ -21,6 +21,7 @@ from rsym.verify.lint.report import COINCIDENT, LONE_SHEET, ZERO_SHEET
 from rsym.verify.lint.zeros import CONVERGED, Zeros, onto, tangents
 
 BESIDE = 1e-5  # of the diagonal: where signs ahead of and behind a face are taken
+THIN = 0.1  # of its values beside it is the most that omega may have on a face
 AROUND = 1e-3  # of the diagonal: so far around a point on a common face there is more of it
 SHARE = 0.75  # of the points around must lie on it
 FEWEST = 3  # points on a common face; of a curve where two surfaces touch there is hardly one
@@ -28,11 +29,15 @@ ASKED = 12  # points of a face around which more of it is sought
 
 
 class Local(NamedTuple):
-    """The signs (steps, n) of each step at points, ahead of them and behind."""
+    """The signs (steps, n) of each step at points, ahead of them and behind; whether omega is zero there and these hold.
+
+    A blend may have another sign beside an edge than the operation that it blends.
+    """
 
     at: NDArray[np.int8]
     ahead: NDArray[np.int8]
     behind: NDArray[np.int8]
+    confirmed: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -67,7 +72,7 @@ def _faces(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> Ite
         if not isinstance(gate, Gate):
             continue
         for kind, here in _kinds(gate, local).items():
-            columns = np.flatnonzero(here & active).tolist()
+            columns = np.flatnonzero(here & active & local.confirmed).tolist()
             pairs = [tuple(_leaf_at(logic, local, operand, k) for operand in gate[1:3]) for k in columns]
             for first, second in dict.fromkeys(pairs):
                 part = zeros[[k for k, pair in zip(columns, pairs, strict=True) if pair == (first, second)]]
@@ -99,9 +104,14 @@ def _local(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> Loc
         near = np.abs(values) <= CONVERGED * size * np.linalg.norm(gradients, axis=2)
         at[:, here] = np.where(near, 0, np.sign(values))[:count]
     at[zeros.which, np.arange(len(zeros.which))] = 0
-    step = BESIDE * size * zeros.sides
-    beside = [np.sign(functions.values(zeros.points + side))[:count].astype(np.int8) for side in (step, -step)]
-    return Local(*(_steps(logic, signs) for signs in (at, *beside)))
+    beside = [functions.values(zeros.points + step * size * zeros.sides) for step in (BESIDE, -BESIDE)]
+    signs = [at, *(np.sign(values[:count]).astype(np.int8) for values in beside)]
+    local = [_steps(logic, one) for one in signs]
+    omega, ahead, behind = functions.values(zeros.points)[-1], *(values[-1] for values in beside)
+    confirmed = (np.sign(ahead) == local[1][-1]) & (np.sign(behind) == local[2][-1])
+    # Where a normalised omega is zero on a sheet it is 0/0.
+    confirmed &= ~(np.abs(omega) > THIN * np.minimum(np.abs(ahead), np.abs(behind)))
+    return Local(*local, confirmed)
 
 
 def _steps(logic: Logic, signs: NDArray[np.int8]) -> NDArray[np.int8]:
