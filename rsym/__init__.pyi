@@ -1,7 +1,8 @@
-from . import paper, surfaces
+from . import paper, primitives, surfaces
 from .analysis.curvature import curvature, gaussian_curvature, mean_curvature, principal_curvatures
 from .analysis.differential import gradient, hessian, laplacian
 from .analysis.normalisation import normalise
+from .analysis.transformations import transform
 from .codegen.enclosures import enclose
 from .codegen.fields import SIX
 from .codegen.kernel import Kernel, compile
@@ -9,8 +10,12 @@ from .codegen.plain import lambdify
 from .codegen.source import source
 from .errors import RsymError, RsymWarning
 from .language.loading import load, loads
+from .model.blends.displacement import bounded_blend, displacement_blend
+from .model.blends.fillets import fillet
+from .model.blends.rho import Rho
+from .model.blends.sardf import Sardf
+from .model.constructions import extrude, product, revolve, section, sweep
 from .model.letters import Letter
-from .model.motions import revolve
 from .model.operations import (
     conjunction,
     difference,
@@ -25,9 +30,14 @@ from .model.operations import (
     rfOR,
     trimming,
 )
+from .model.primitives.arcs import arc, circle
+from .model.primitives.curves import graph, polyline, segment
+from .model.primitives.space_curves import helix, space_curve
 from .model.shape import Shape
+from .model.skeletons import analytic_condition, blend_on_skeleton
 from .model.symbols import x, y, z
 from .model.systems import R0, R1, R0m, RAlpha, Rp
+from .model.thickness import offset, shell
 from .output.combs import plot_curvature_comb
 from .output.comparison import compare_patches
 from .output.explore import explore, explore_patches
@@ -71,13 +81,20 @@ __all__ = [
     "NormalisationReport",
     "R0m",
     "RAlpha",
+    "Rho",
     "Rp",
     "RsymError",
     "RsymWarning",
+    "Sardf",
     "Section",
     "Shape",
     "SmoothnessReport",
     "Threshold",
+    "analytic_condition",
+    "arc",
+    "blend_on_skeleton",
+    "bounded_blend",
+    "circle",
     "compare_patches",
     "compile",
     "conjunction",
@@ -85,14 +102,19 @@ __all__ = [
     "curvature",
     "difference",
     "disjunction",
+    "displacement_blend",
     "enclose",
     "equivalence",
     "exclusive_or",
     "explore",
     "explore_patches",
     "extent",
+    "extrude",
+    "fillet",
     "gaussian_curvature",
     "gradient",
+    "graph",
+    "helix",
     "hessian",
     "implication",
     "joining",
@@ -106,6 +128,7 @@ __all__ = [
     "mesh",
     "negation",
     "normalise",
+    "offset",
     "paper",
     "plot_continuity",
     "plot_curvature_comb",
@@ -116,16 +139,25 @@ __all__ = [
     "plot_sections",
     "plot_sweep",
     "plot_verdict",
+    "polyline",
+    "primitives",
     "principal_curvatures",
+    "product",
     "revolve",
     "rfAND",
     "rfNOT",
     "rfOR",
     "save_letters",
+    "section",
     "sections",
+    "segment",
+    "shell",
     "smoothness_threshold",
     "source",
+    "space_curve",
     "surfaces",
+    "sweep",
+    "transform",
     "trimming",
     "verify_normalisation",
     "verify_smoothness",

@@ -211,7 +211,7 @@ def load_model(options: argparse.Namespace) -> Chosen:
 
 def load_shape(options: argparse.Namespace) -> Shape:
     """The shape that the options ask for, turned if they say so."""
-    from rsym.model.motions import revolve
+    from rsym.model.constructions import revolve
 
     shape = load_model(options).shape
     shape.letters.values_with(numbers(options.set, "--set"))  # refuses a letter that this shape does not need

@@ -11,16 +11,20 @@ from typing import Any
 
 import sympy as sp
 
+from rsym.model.blends.rho import Rho
+from rsym.model.blends.sardf import Sardf
 from rsym.model.nodes import Trimming
 from rsym.model.operations import difference, equivalence, exclusive_or, implication, joining
 from rsym.model.systems import R0, R1, R0m, RAlpha, Rp, RSystem
 
 SYSTEMS: dict[str, RSystem] = {"R0": R0, "R1": R1}
 # Systems with a parameter, and an example of it.
-FAMILIES: dict[str, tuple[type[RAlpha] | type[R0m] | type[Rp], str]] = {
+FAMILIES: dict[str, tuple[Callable[[Any], RSystem], str]] = {
     "Ralpha": (RAlpha, "0.5"),
     "R0m": (R0m, "2"),
     "Rp": (Rp, "4"),
+    "Rho": (Rho, "0.2"),
+    "Sardf": (Sardf, "0.5"),
 }
 
 
@@ -35,8 +39,10 @@ def written_system(system: RSystem) -> str:
     for word, known in SYSTEMS.items():
         if system == known:
             return word
-    word = next(word for word, (family, _) in FAMILIES.items() if isinstance(system, family))
-    return " ".join([word, *map(str, system.parameters)])
+    word, parameter = next(
+        (word, system.parameters[0]) for word, (family, _) in FAMILIES.items() if family is type(system)
+    )
+    return f"{word} {parameter}"
 
 
 @dataclass(frozen=True)

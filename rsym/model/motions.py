@@ -1,65 +1,214 @@
-"""Shapes from shapes by substitution into the coordinates."""
+"""Motions of shapes: each puts the inverse of an affine map into the coordinates.
+
+What keeps distances keeps the order of normalisation; scaling multiplies omega
+by the factor and keeps it too; stretching and shearing do not.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.shape import Shape
-from rsym.model.symbols import real_symbol, x
-from rsym.model.traversal import substitute
+from rsym.model.arguments import LetterMapping, default, direction, number, point, positive
+from rsym.model.letters import Letters, as_letters
+
+if TYPE_CHECKING:
+    from rsym.model.shape import Bounds, Shape
+
+Matrix: TypeAlias = sp.ImmutableDenseMatrix
 
 
-def revolve(shape: Shape, axis: Any = x) -> Shape:
-    """The body swept by a plane shape turning about one of its coordinate axes.
+class Movable:
+    """The motions of a shape; every number may be an expression in letters, whose values `letters` adds."""
 
-    About x: omega(x, sqrt(y**2 + z**2)). The substitution comes before any
-    derivative, and sqrt(y**2 + z**2)**2 becomes y**2 + z**2, so a profile that
-    is smooth in y**2 has a smooth body on the axis too.
+    if TYPE_CHECKING:  # what a shape has
+        coordinates: tuple[sp.Symbol, ...]
+        letters: Letters
+        bounds: Bounds | None
 
-    Parameters
-    ----------
-    shape : Shape
-        A shape in the plane.
-    axis : symbol
-        The coordinate that stays.
+        @property
+        def dimension(self) -> int:
+            """2 in the plane, 3 in space."""
 
-    Raises
-    ------
-    RsymError
-        For a shape in space, or an axis that is not one of its coordinates.
+    def translate(self, *offset: Any, letters: LetterMapping = None) -> Shape:
+        """The shape moved by an offset: omega(p - offset).
 
-    Examples
-    --------
-    >>> import rsym
-    >>> from rsym import x, y
-    >>> rsym.revolve(rsym.Shape(1 - x**2 - y**2, (x, y))).expression
-    -x**2 - y**2 - z**2 + 1
-    """
+        Raises
+        ------
+        RsymError
+            Unless there is one number for each coordinate.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> rsym.Shape(1 - rsym.x**2 - rsym.y**2, (rsym.x, rsym.y)).translate(3, 0).expression
+        -y**2 - (x - 3)**2 + 1
+        """
+        given = offset[0] if len(offset) == 1 and isinstance(offset[0], tuple | list) else offset
+        vector = Matrix(point(given, self.dimension, "an offset"))
+        return _moved(self, sp.eye(self.dimension), sp.eye(self.dimension), vector, letters)
+
+    def rotate(self, angle: Any, axis: Any = None, centre: Any = None, *, letters: LetterMapping = None) -> Shape:
+        """The shape turned counterclockwise about a centre, by default the origin; in space about an axis.
+
+        Parameters
+        ----------
+        angle : number or expression
+            In radians.
+        axis : coordinate or direction, in space
+            Through the centre; by default the third coordinate. The turn is counterclockwise for those it points at.
+        centre : point, optional
+            What stays where it is.
+
+        Raises
+        ------
+        RsymError
+            For an axis in the plane, or one without direction.
+
+        Examples
+        --------
+        >>> import rsym, sympy as sp
+        >>> rsym.Shape(rsym.x - 1, (rsym.x, rsym.y)).rotate(sp.pi / 2).expression
+        y - 1
+        """
+        if self.dimension == 2 and axis is not None:
+            raise RsymError("a turn in the plane has no axis", code="axis", remedy="rotate(angle, centre=(x, y))")
+        turn = number(angle, "an angle")
+        if self.dimension == 2:
+            matrix = Matrix([[sp.cos(turn), -sp.sin(turn)], [sp.sin(turn), sp.cos(turn)]])
+        else:
+            matrix = _about(_direction(self, 2 if axis is None else axis, "an axis", letters), turn)
+        return _about_centre(self, matrix, matrix.T, centre, letters)
+
+    def scale(self, factor: Any, centre: Any = None, *, letters: LetterMapping = None) -> Shape:
+        """The shape enlarged about a centre: k omega(p/k), which keeps the normalisation.
+
+        A factor for each coordinate stretches: omega is then not normalised any more.
+
+        Raises
+        ------
+        RsymError
+            For a factor that is not positive.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> rsym.Shape((1 - rsym.x**2 - rsym.y**2) / 2, (rsym.x, rsym.y)).scale(2).expression
+        -x**2/4 - y**2/4 + 1
+        """
+        if isinstance(factor, tuple | list):
+            given = _items(factor, self.dimension, "factors")
+            factors = [positive(one, "a factor", _all(self, letters)) for one in given]
+            matrix, inverse = sp.diag(*factors), sp.diag(*(1 / one for one in factors))
+            return _about_centre(self, matrix, inverse, centre, letters)
+        size = positive(factor, "a factor", _all(self, letters))
+        one = sp.eye(self.dimension)
+        return _about_centre(self, one * size, one / size, centre, letters, factor=size)
+
+    def mirror(self, normal: Any, distance: Any = 0, *, letters: LetterMapping = None) -> Shape:
+        """The mirror image in the line, or plane, n . p = distance.
+
+        Parameters
+        ----------
+        normal : coordinate or direction
+            n, made a unit vector.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> rsym.Shape(rsym.x - 1, (rsym.x, rsym.y)).mirror(rsym.x).expression
+        -x - 1
+        """
+        unit = Matrix(_direction(self, normal, "a normal", letters))
+        matrix = sp.eye(self.dimension) - 2 * unit * unit.T
+        offset = 2 * number(distance, "a distance") * unit
+        return _moved(self, matrix, matrix, offset, letters)
+
+    def shear(self, along: Any, by: Any, amount: Any, *, letters: LetterMapping = None) -> Shape:
+        """Every point moved along one coordinate by an amount times another; omega is not normalised any more.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> from rsym import x, y
+        >>> rsym.Shape(1 - x**2, (x, y)).shear(x, y, 2).expression
+        1 - (x - 2*y)**2
+        """
+        row, column = _axis(self, along), _axis(self, by)
+        if row == column:
+            raise RsymError(f"a shear along {along} goes by another coordinate", code="shear")
+        share = sp.zeros(self.dimension, self.dimension)
+        share[row, column] = number(amount, "an amount")
+        one = sp.eye(self.dimension)
+        return _moved(self, one + share, one - share, sp.zeros(self.dimension, 1), letters)
+
+
+def _items(value: Any, count: int, what: str) -> list[Any]:
+    if len(value) != count:
+        raise RsymError(f"expected {count} {what}, got {len(value)}", code="point")
+    return list(value)
+
+
+def _all(shape: Movable, letters: LetterMapping) -> Letters:
+    return shape.letters.merge(as_letters(letters))
+
+
+def _axis(shape: Movable, given: Any) -> int:
+    """Which coordinate a symbol or a name is."""
     names = [symbol.name for symbol in shape.coordinates]
-    if shape.dimension != 2 or str(axis) not in names:
-        raise RsymError(
-            f"revolve needs a plane shape and one of its coordinates as axis, got {names} and {axis}",
-            code="revolve",
-            remedy="revolve(shape, axis=x) with a shape in (x, y)",
-        )
-    third = real_symbol("z" if "z" not in names else "y")
-    if third.name in shape.letters:
-        raise RsymError(f"the letter {third.name!r} would become a coordinate", code="revolve", remedy="rename it")
-    turning = shape.coordinates[1 - names.index(str(axis))]
-    radius = sp.sqrt(turning**2 + third**2)
-    bounds = None
-    if shape.bounds is not None:
-        reach = max(abs(end) for end in shape.bounds[1 - names.index(str(axis))])
-        around = (-reach, reach)
-        kept = shape.bounds[names.index(str(axis))]
-        bounds = (kept, around, around) if names.index(str(axis)) == 0 else (around, kept, around)
-    return Shape(
-        substitute(shape.expression, {turning: radius}),
-        (*shape.coordinates, third),
-        letters=shape.letters,
-        bounds=bounds,
-        parts=tuple((name, substitute(part, {turning: radius})) for name, part in shape.parts),
+    if str(given) not in names:
+        raise RsymError(f"expected one of the coordinates {', '.join(names)}, got {given!r}", code="axis")
+    return names.index(str(given))
+
+
+def _direction(shape: Movable, given: Any, what: str, letters: LetterMapping) -> tuple[sp.Expr, ...]:
+    """A coordinate, by number or symbol, or a vector."""
+    if isinstance(given, int | str | sp.Symbol):
+        position = given if isinstance(given, int) else _axis(shape, given)
+        return tuple(sp.Integer(k == position) for k in range(shape.dimension))
+    return direction(given, shape.dimension, what, _all(shape, letters))
+
+
+def _about(axis: tuple[sp.Expr, ...], angle: sp.Expr) -> Matrix:
+    """The turn about an axis through the origin. Source: Rodrigues (1840)."""
+    a, b, c = axis
+    cosine, sine = sp.cos(angle), sp.sin(angle)
+    cross = Matrix([[0, -c, b], [c, 0, -a], [-b, a, 0]])
+    along = Matrix(3, 3, lambda i, j: axis[i] * axis[j])
+    return cosine * sp.eye(3) + sine * cross + (1 - cosine) * along
+
+
+def _about_centre(
+    shape: Movable, matrix: Matrix, inverse: Matrix, centre: Any, letters: LetterMapping, factor: Any = 1
+) -> Shape:
+    """The map that leaves the centre where it is."""
+    fixed = Matrix([0] * shape.dimension if centre is None else point(centre, shape.dimension, "a centre"))
+    return _moved(shape, matrix, inverse, fixed - matrix * fixed, letters, factor)
+
+
+def _moved(
+    shape: Movable, matrix: Matrix, inverse: Matrix, offset: Matrix, letters: LetterMapping, factor: Any = 1
+) -> Shape:
+    """The image under p -> matrix p + offset."""
+    from rsym.model.substitutions import substituted  # Shape is made of this module
+
+    given = _all(shape, letters)
+    images = inverse * (Matrix(shape.coordinates) - offset)
+    places = dict(zip(shape.coordinates, images, strict=True))
+    return substituted(
+        cast("Shape", shape), places, factor=factor, letters=letters, bounds=_bounds(shape, matrix, offset, given)
     )
+
+
+def _bounds(shape: Movable, matrix: Matrix, offset: Matrix, letters: Letters) -> Bounds | None:
+    """The box around the moved box, letters at their defaults."""
+    if shape.bounds is None:
+        return None
+    rows = [[default(entry, letters) for entry in matrix.row(k)] for k in range(shape.dimension)]
+    box = []
+    for row, shift in zip(rows, (default(entry, letters) for entry in offset), strict=True):
+        ends = [sorted((entry * low, entry * high)) for entry, (low, high) in zip(row, shape.bounds, strict=True)]
+        box.append((shift + sum(low for low, _ in ends), shift + sum(high for _, high in ends)))
+    return tuple(box)

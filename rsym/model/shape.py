@@ -12,6 +12,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.folds import Fold
 from rsym.model.letters import Letter, Letters, as_letters
+from rsym.model.motions import Movable
 from rsym.model.names import symbol_names
 from rsym.model.symbols import as_expression, real_replacements
 from rsym.model.systems import R0
@@ -26,7 +27,7 @@ Bounds: TypeAlias = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, init=False)
-class Shape:
+class Shape(Movable):
     """omega(x, y[, z]) > 0 inside, = 0 on the boundary, < 0 outside.
 
     Parameters

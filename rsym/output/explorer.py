@@ -9,7 +9,7 @@ import ipywidgets
 from matplotlib.figure import Figure
 
 from rsym.codegen.fields import SIX, checked_fields
-from rsym.model.motions import revolve
+from rsym.model.constructions import revolve
 from rsym.model.shape import Shape
 from rsym.output import controls
 from rsym.output.presets import load_letters, save_letters

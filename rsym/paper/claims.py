@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rsym.analysis.normalisation import normalise
-from rsym.model.motions import revolve
+from rsym.model.constructions import revolve
 from rsym.model.shape import Shape
 from rsym.output.certificates import DEFECT, draw_boundary, subject
 from rsym.output.magnified import draw_window

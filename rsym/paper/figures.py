@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from matplotlib.figure import Figure
 
-from rsym.model.motions import revolve
+from rsym.model.constructions import revolve
 from rsym.output.axes3d import add_axes
 from rsym.output.fields import plot_fields
 from rsym.output.surfaces import plot_mesh

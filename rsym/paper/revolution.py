@@ -9,7 +9,7 @@ from matplotlib.ticker import MaxNLocator
 
 from rsym.analysis.differential import gradient
 from rsym.analysis.normalisation import normalise
-from rsym.model.motions import revolve
+from rsym.model.constructions import revolve
 from rsym.model.shape import Shape
 from rsym.output.fields import plot_field
 from rsym.paper.models import skeleton_body

@@ -1,0 +1,262 @@
+"""Shapes from shapes of another dimension."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.arguments import LetterMapping, default, number, positive
+from rsym.model.letters import Letters, as_letters
+from rsym.model.shape import Bounds, Shape
+from rsym.model.substitutions import substituted
+from rsym.model.symbols import as_expression, real_symbol, x
+from rsym.model.systems import R0, RSystem
+from rsym.model.traversal import substitute, symbols_of
+
+
+def revolve(shape: Shape, axis: Any = x) -> Shape:
+    """The body swept by a plane shape turning about one of its coordinate axes.
+
+    About x: omega(x, sqrt(y**2 + z**2)). The substitution comes before any
+    derivative, and sqrt(y**2 + z**2)**2 becomes y**2 + z**2, so a profile that
+    is smooth in y**2 has a smooth body on the axis too.
+
+    Parameters
+    ----------
+    shape : Shape
+        A shape in the plane.
+    axis : symbol
+        The coordinate that stays.
+
+    Raises
+    ------
+    RsymError
+        For a shape in space, or an axis that is not one of its coordinates.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> rsym.revolve(rsym.Shape(1 - x**2 - y**2, (x, y))).expression
+    -x**2 - y**2 - z**2 + 1
+    """
+    names = [symbol.name for symbol in shape.coordinates]
+    if shape.dimension != 2 or str(axis) not in names:
+        raise RsymError(
+            f"revolve needs a plane shape and one of its coordinates as axis, got {names} and {axis}",
+            code="revolve",
+            remedy="revolve(shape, axis=x) with a shape in (x, y)",
+        )
+    third = _third(shape)
+    turning = shape.coordinates[1 - names.index(str(axis))]
+    radius = sp.sqrt(turning**2 + third**2)
+    bounds = None
+    if shape.bounds is not None:
+        reach = max(abs(end) for end in shape.bounds[1 - names.index(str(axis))])
+        around = (-reach, reach)
+        kept = shape.bounds[names.index(str(axis))]
+        bounds = (kept, around, around) if names.index(str(axis)) == 0 else (around, kept, around)
+    return substituted(shape, {turning: radius}, coordinates=(*shape.coordinates, third), bounds=bounds)
+
+
+def extrude(shape: Shape, lower: Any, upper: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
+    """The prism over a plane shape between two heights: omega(x, y) and (upper - z)(z - lower)/(upper - lower).
+
+    Normalised to order 1 where the shape is; smoothness is lost on the rims.
+
+    Raises
+    ------
+    RsymError
+        For a shape in space, or heights that do not increase.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> rsym.extrude(rsym.Shape(1 - x**2 - y**2, (x, y)), 0, 2).expression
+    conjunction(-x**2 - y**2 + 1, z*(2 - z)/2)
+    """
+    _plane(shape, "extrude")
+    third, given = _third(shape), shape.letters.merge(as_letters(letters))
+    low, high = number(lower, "the lower end"), number(upper, "the upper end")
+    slab = between(third, low, high, given)
+    heights = (default(low, given), default(high, given))
+    return _joined(shape, slab, (third,), system, letters, _with_heights(shape.bounds, heights))
+
+
+def between(coordinate: sp.Expr, lower: sp.Expr, upper: sp.Expr, letters: LetterMapping = None) -> sp.Expr:
+    """(upper - t)(t - lower)/(upper - lower): positive between the two, normalised to order 1.
+
+    Examples
+    --------
+    >>> from rsym import z
+    >>> between(z, 0, 2)
+    z*(2 - z)/2
+    """
+    width = positive(upper - lower, "upper - lower", letters)
+    return (upper - coordinate) * (coordinate - lower) / width
+
+
+def product(first: Shape, second: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
+    """The Cartesian product omega_1(x, y) and omega_2(z): points whose (x, y) lies in one and whose z in the other.
+
+    Parameters
+    ----------
+    first : Shape
+        In the plane.
+    second : expression
+        In the third coordinate and letters, positive inside.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> rsym.product(rsym.Shape(1 - x**2 - y**2, (x, y)), (4 - z**2) / 4).expression
+    conjunction(-x**2 - y**2 + 1, 1 - z**2/4)
+    """
+    _plane(first, "product")
+    expression, third = as_expression(second), _third(first)
+    overlap = {symbol.name for symbol in symbols_of(expression)} & {symbol.name for symbol in first.coordinates}
+    if overlap:
+        raise RsymError(
+            f"the second factor of a product contains {min(overlap)}, a coordinate of the first",
+            code="coordinates",
+            remedy=f"write it in {third.name} and letters",
+        )
+    return _joined(first, expression, (third,), system, letters, None)
+
+
+def section(shape: Shape, axis: Any, place: Any = 0, *, letters: LetterMapping = None) -> Shape:
+    """The plane shape that a body cuts out of the plane where one coordinate has a value.
+
+    Where the plane meets the boundary at an angle below 90 degrees, omega is not normalised any more.
+
+    Parameters
+    ----------
+    axis : symbol
+        The coordinate that is fixed.
+    place : number or expression
+        Its value; in letters and, for a slanted or bent cut, in the other coordinates.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> rsym.section(rsym.Shape(4 - x**2 - y**2 - z**2, (x, y, z)), z, 1).expression
+    -x**2 - y**2 + 3
+    """
+    names = [symbol.name for symbol in shape.coordinates]
+    if shape.dimension != 3 or str(axis) not in names:
+        raise RsymError(
+            f"section needs a shape in space and one of its coordinates, got {names} and {axis}",
+            code="section",
+            remedy="section(shape, z, 1)",
+        )
+    gone = names.index(str(axis))
+    coordinates = tuple(symbol for k, symbol in enumerate(shape.coordinates) if k != gone)
+    bounds = None if shape.bounds is None else tuple(pair for k, pair in enumerate(shape.bounds) if k != gone)
+    places = {shape.coordinates[gone]: number(place, "the place")}
+    return substituted(shape, places, coordinates=coordinates, letters=letters, bounds=bounds)
+
+
+def sweep(
+    profile: Shape,
+    changes: Mapping[Any, Any] | Sequence[Any],
+    lower: Any,
+    upper: Any,
+    *,
+    system: RSystem = R0,
+    letters: LetterMapping = None,
+) -> Shape:
+    """The body between two heights whose profile changes with the height: letters of it are functions of z.
+
+    Where the profile changes the sides are inclined and omega is not normalised there; `implicit` normalises it.
+
+    Parameters
+    ----------
+    profile : Shape
+        In the plane, with letters.
+    changes : mapping or pairs
+        {letter: expression in z and letters}.
+
+    Examples
+    --------
+    >>> import rsym, sympy as sp
+    >>> from rsym import x, y, z
+    >>> r = sp.Symbol("r", real=True)
+    >>> profile = rsym.Shape(r**2 - x**2 - y**2, (x, y), letters={r: 2})
+    >>> rsym.sweep(profile, {r: 2 - z / 4}, 0, 4).expression
+    conjunction(-x**2 - y**2 + (2 - z/4)**2, z*(4 - z)/4)
+    """
+    _plane(profile, "sweep")
+    pairs = [(str(letter), number(value, f"the letter {letter}")) for letter, value in _pairs(changes)]
+    for name, _ in pairs:
+        if name not in profile.letters:
+            raise RsymError(f"the profile has no letter {name!r}", code="unknown-letter", remedy="name one of its own")
+    changed = {real_symbol(name): value for name, value in pairs}
+    kept = Letters({name: letter for name, letter in profile.letters.items() if real_symbol(name) not in changed})
+    mentioned = {symbol.name for symbol in symbols_of(*changed.values())} & profile.letters.keys()
+    kept = kept.merge(Letters({name: profile.letters[name] for name in mentioned}))
+    moving = Shape(
+        substitute(profile.expression, changed),
+        (*profile.coordinates, _third(profile)),
+        letters=kept.merge(as_letters(letters)),
+        parts=tuple((name, substitute(part, changed)) for name, part in profile.parts),
+    )
+    low, high = number(lower, "the lower end"), number(upper, "the upper end")
+    bounds = _with_heights(profile.bounds, (default(low, moving.letters), default(high, moving.letters)))
+    slab = between(_third(profile), low, high, moving.letters)
+    return _joined(moving, slab, (), system, None, bounds)
+
+
+def _plane(shape: Shape, what: str) -> None:
+    if shape.dimension != 2:
+        raise RsymError(
+            f"{what} needs a plane shape, got one in {', '.join(symbol.name for symbol in shape.coordinates)}",
+            code="dimension",
+            remedy="use section for a plane shape from a body",
+        )
+
+
+def _third(shape: Shape) -> sp.Symbol:
+    """The coordinate that a plane shape lacks."""
+    names = [symbol.name for symbol in shape.coordinates]
+    return real_symbol(next(name for name in "zyx" if name not in names))
+
+
+def _pairs(changes: Mapping[Any, Any] | Sequence[Any]) -> list[tuple[Any, Any]]:
+    pairs = list(changes.items()) if isinstance(changes, Mapping) else [tuple(pair) for pair in changes]
+    if not pairs or any(len(pair) != 2 for pair in pairs):
+        raise RsymError(
+            f"changes are pairs of a letter and an expression, got {changes!r}", code="sweep", remedy="{letter: value}"
+        )
+    return pairs
+
+
+def _joined(
+    shape: Shape,
+    other: sp.Expr,
+    more: tuple[sp.Symbol, ...],
+    system: RSystem,
+    letters: LetterMapping,
+    bounds: Bounds | None,
+) -> Shape:
+    """The conjunction with an expression in more coordinates."""
+    return Shape(
+        system.conjunction(shape.expression, other),
+        (*shape.coordinates, *more),
+        letters=shape.letters.merge(as_letters(letters)),
+        bounds=bounds,
+        parts=shape.parts,
+    )
+
+
+def _with_heights(bounds: Bounds | None, heights: tuple[float, float]) -> Bounds | None:
+    """The box of a plane shape made a box in space, a tenth of the height free above and below."""
+    if bounds is None:
+        return None
+    room = 0.1 * (heights[1] - heights[0])
+    return (*bounds, (heights[0] - room, heights[1] + room))

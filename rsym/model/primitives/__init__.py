@@ -1,0 +1,1 @@
+"""Primitives: shapes that are given by numbers and points."""

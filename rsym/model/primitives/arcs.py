@@ -1,0 +1,138 @@
+"""Circles and their arcs as curves: fields that are zero on them and positive elsewhere."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.arguments import LetterMapping, Point, default, direction, number, point, positive
+from rsym.model.letters import as_letters
+from rsym.model.primitives.curve_nodes import Arc, Circle, cross, dot
+from rsym.model.primitives.curves import box_around
+from rsym.model.shape import Shape
+from rsym.model.symbols import x, y, z
+
+
+def circle(
+    centre: Any, radius: Any, axis: Any = (0, 0, 1), exact: bool = False, *, letters: LetterMapping = None
+) -> Shape:
+    """The line of a circle, without what is in it: |R**2 - r**2|/(2 R), r the distance to the centre.
+
+    In space sqrt(f**2 + w**2) with the field f in the plane and the height w over it.
+
+    Normalised to order 1 on either side, with exact distances, |R - r|, to
+    every order; these are not differentiable at the centre, in space on the axis.
+
+    Parameters
+    ----------
+    centre : point
+        Of two numbers in the plane, of three in space.
+    radius : positive number or expression
+        R.
+    axis : direction
+        In space, at right angles to the circle.
+    exact : bool
+        Whether the field is the distance.
+    letters : mapping, optional
+        The values of letters in the numbers.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.compile(circle((0, 0), 1))([1.0, 0.0], [0.0, 2.0])["value"].tolist()
+    [0.0, 1.5]
+    """
+    middle, first, second = _frame(centre, axis, letters)
+    size = positive(radius, "the radius of a circle", letters)
+    node = Circle(*(x, y, z)[: len(middle)], *middle, *first, *second, size, sp.Integer(bool(exact)))
+    return _on_circle(node, 0.0, math.tau, letters)
+
+
+def arc(
+    centre: Any,
+    radius: Any,
+    start: Any,
+    end: Any,
+    axis: Any = (0, 0, 1),
+    exact: bool = False,
+    *,
+    letters: LetterMapping = None,
+) -> Shape:
+    """The arc of a circle from one angle to another: the circle, trimmed by the one at right angles to it at both ends.
+
+    trimming(f, t) with the circle's field f = (R**2 - r**2)/(2 R), r the distance to the centre, and
+    t = (2 R u - cos(h) (R**2 + r**2))/(2 R sin(h)), where h = (end - start)/2 and u runs from the centre to the
+    middle of the arc; both have gradients of length 1 at the ends. It is right for every arc up to a whole circle,
+    and goes over into `segment` for large radii. In space f is that of `circle`.
+
+    Off the ends normalised to order 1 on either side, with exact distances
+    f = R - r to order 6; these are not differentiable at the centre, in space on the axis.
+
+    Parameters
+    ----------
+    centre : point
+        Of two numbers in the plane, of three in space.
+    radius : positive number or expression
+        R.
+    start, end : numbers or expressions
+        Angles in radians, start < end < start + 2 pi, counterclockwise from the direction of x. In space they are
+        counterclockwise for those the axis points at, from the direction of x as seen along the axis (of y if
+        the axis is along x).
+    axis : direction
+        In space, at right angles to the arc.
+    exact : bool
+        Whether f is the distance.
+    letters : mapping, optional
+        The values of letters in the numbers.
+
+    Raises
+    ------
+    RsymError
+        For angles that do not increase, or go once around or more.
+
+    Examples
+    --------
+    >>> import rsym, sympy as sp
+    >>> bow = arc((0, 0), 2, 0, sp.pi / 2)
+    >>> rsym.compile(bow)([2.0, 0.0, 1.0], [0.0, 2.0, 1.0])["value"].round(6).tolist()
+    [0.0, 0.0, 0.50087]
+    """
+    middle, first, second = _frame(centre, axis, letters)
+    size = positive(radius, "the radius of an arc", letters)
+    angles = number(start, "the start of an arc"), number(end, "the end of an arc")
+    low, high = (default(angle, letters, "an angle of an arc") for angle in angles)
+    if not low < high < low + math.tau:
+        raise RsymError(
+            f"an arc needs start < end < start + 2 pi, got {low:g} and {high:g}",
+            code="angles",
+            remedy="add 2 pi to the end, exchange the two, or take circle(centre, radius) for a whole one",
+        )
+    node = Arc(*(x, y, z)[: len(middle)], *middle, *first, *second, size, *angles, sp.Integer(bool(exact)))
+    return _on_circle(node, low, high, letters)
+
+
+def _frame(centre: Any, axis: Any, letters: LetterMapping) -> tuple[Point, Point, Point]:
+    """The centre, the direction in which angles begin and the one at a quarter turn."""
+    if not hasattr(centre, "__len__") or len(centre) != 3:
+        return point(centre, 2, "the centre"), (sp.S.One, sp.S.Zero), (sp.S.Zero, sp.S.One)
+    normal = direction(axis, 3, "the axis", letters)
+    sideways = [default(component, letters, "the axis") for component in normal[1:]]
+    seen = (1, 0, 0) if any(sideways) else (0, 1, 0)
+    share = dot(normal, seen)
+    first = direction([a - share * n for a, n in zip(seen, normal, strict=True)], 3, "the axis", letters)
+    return point(centre, 3, "the centre"), first, cross(normal, first)
+
+
+def _on_circle(node: Circle, start: float, end: float, letters: LetterMapping) -> Shape:
+    """The shape; a coordinate is largest or smallest at the ends, or where the circle runs at right angles to it."""
+    centre, first, second = ([default(c, letters, "a curve") for c in node.vector(k)] for k in (1, 2, 3))
+    radius = default(node.numbers[0], letters, "the radius")
+    turning = [math.atan2(b, a) + k * math.pi for a, b in zip(first, second, strict=True) for k in range(-1, 2)]
+    turns = (angle + math.tau * math.ceil((start - angle) / math.tau) for angle in turning)
+    angles = [start, end, *(angle for angle in turns if angle < end)]
+    axes = list(zip(centre, first, second, strict=True))
+    points = [[c + radius * (a * math.cos(t) + b * math.sin(t)) for c, a, b in axes] for t in angles]
+    return Shape(node, node.vector(0), letters=as_letters(letters), bounds=box_around(points))

@@ -1,0 +1,218 @@
+"""Pieces of curves as nodes: they stay whole in an expression, so that a skeleton can be asked where it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import sympy as sp
+
+from rsym.model.arguments import Point
+from rsym.model.nodes import Composition, Trimming
+from rsym.model.powers import absolute_power
+from rsym.model.traversal import substitute
+
+PARAMETER: sp.Symbol = sp.Dummy("s", real=True)
+
+
+@dataclass(frozen=True)
+class Path:
+    """Where a curve runs: a point that depends on PARAMETER, from low to high, and the points at the two ends."""
+
+    point: Point
+    low: sp.Expr
+    high: sp.Expr
+    ends: tuple[Point, Point]
+
+    def at(self, share: sp.Expr) -> Point:
+        """The point that divides the range of PARAMETER so."""
+        value = self.low + share * (self.high - self.low)
+        return tuple(substitute(component, {PARAMETER: value}) for component in self.point)
+
+
+class Curve(Composition):
+    """A field that is zero on a curve and positive elsewhere: coordinates, other vectors, then scalars."""
+
+    vectors: ClassVar[int]  # with the coordinates, which are the first
+    scalars: ClassVar[int]
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return (len(self.args) - self.scalars) // self.vectors
+
+    def vector(self, position: int) -> Point:
+        """One of the vectors; 0 is what stands for the coordinates, other expressions after a motion."""
+        return tuple(self.args[position * self.dimension : (position + 1) * self.dimension])
+
+    @property
+    def numbers(self) -> Point:
+        """The scalars."""
+        return tuple(self.args[self.vectors * self.dimension :])
+
+    def paths(self) -> tuple[Path, ...]:
+        """Where the curve runs, in its own coordinates; none if it has no ends and does not close."""
+        raise NotImplementedError
+
+    def _eval_is_nonnegative(self) -> bool:
+        return True
+
+    def _eval_is_extended_nonnegative(self) -> bool:
+        return True
+
+    def _groups(self, printer: Any) -> list[str]:
+        groups = [*(self.vector(position) for position in range(self.vectors)), self.numbers]
+        return [", ".join(printer._print(item) for item in group) for group in groups if group]
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        name = rf"\mathrm{{{type(self).__name__.lower()}}}"
+        groups = r";\, ".join(self._groups(printer))
+        text = rf"{name}\left({groups}\right)"
+        return text if exp is None else f"{text}^{{{exp}}}"
+
+    def _sympystr(self, printer: Any) -> str:
+        return f"{type(self).__name__.lower()}({'; '.join(self._groups(printer))})"
+
+
+class Segment(Curve):
+    """From p to q: the line, trimmed by the disc that has the segment as its diameter."""
+
+    vectors, scalars = 3, 0
+
+    def composition(self) -> sp.Expr:
+        """Trimming of the distance f to the line by t = (place - p).(q - place)/L."""
+        place, start, end = (self.vector(k) for k in range(3))
+        length = distance(start, end)
+        along = tuple(component / length for component in _minus(end, start))
+        offset = _minus(place, start)
+        line = offset[0] * along[1] - offset[1] * along[0] if self.dimension == 2 else norm(cross(offset, along))
+        return Trimming(line, dot(offset, _minus(end, place)) / length)
+
+    def paths(self) -> tuple[Path, ...]:
+        """P + s (q - p) for s in [0, 1]."""
+        start, end = self.vector(1), self.vector(2)
+        point = tuple(a + PARAMETER * (b - a) for a, b in zip(start, end, strict=True))
+        return (Path(point, sp.S.Zero, sp.S.One, (start, end)),)
+
+
+class Circle(Curve):
+    """About a centre in the plane of two unit vectors, of a radius; the last number tells if distances are exact."""
+
+    vectors, scalars = 4, 2
+
+    def composition(self) -> sp.Expr:
+        """The absolute value of (R**2 - r**2)/(2 R) or R - r; in space with the height over the plane."""
+        line = self.line()
+        return absolute_power(line, sp.S.One) if self.dimension == 2 else line
+
+    def offset(self) -> Point:
+        """The place seen from the centre."""
+        return _minus(self.vector(0), self.vector(1))
+
+    def line(self) -> sp.Expr:
+        """The whole circle: in the plane positive inside, in space zero on it and positive elsewhere."""
+        offset, radius, exact = self.offset(), self.numbers[0], not self.numbers[-1].is_zero
+        first, second = self.vector(2), self.vector(3)
+        flat = norm((dot(offset, first), dot(offset, second)))
+        inward = radius - flat if exact else (radius**2 - dot(offset, offset)) / (2 * radius)
+        return inward if self.dimension == 2 else norm((inward, dot(offset, cross(first, second))))
+
+    def at(self, angle: sp.Expr) -> Point:
+        """The point of the circle at an angle."""
+        return self._from(sp.cos(angle), sp.sin(angle))
+
+    def _from(self, cosine: sp.Expr, sine: sp.Expr) -> Point:
+        radius = self.numbers[0]
+        axes = zip(self.vector(1), self.vector(2), self.vector(3), strict=True)
+        return tuple(c + radius * (a * cosine + b * sine) for c, a, b in axes)
+
+    def path(self, start: sp.Expr, end: sp.Expr) -> Path:
+        """The arc between two angles, by the tangent s of half the angle from the middle."""
+        middle, reach = (start + end) / 2, sp.tan((end - start) / 4)
+        s, cosine, sine = PARAMETER, sp.cos(middle), sp.sin(middle)
+        whole = 1 + s**2
+        turned = (cosine * (1 - s**2) - 2 * sine * s) / whole, (sine * (1 - s**2) + 2 * cosine * s) / whole
+        return Path(self._from(*turned), -reach, reach, (self.at(start), self.at(end)))
+
+    def paths(self) -> tuple[Path, ...]:
+        """Two halves."""
+        return self.path(sp.S.Zero, sp.pi), self.path(sp.pi, 2 * sp.pi)
+
+
+class Arc(Circle):
+    """The circle from one angle on to another: trimmed by the circle that meets it at right angles at both ends."""
+
+    vectors, scalars = 4, 4  # radius, start, end, exact
+
+    def composition(self) -> sp.Expr:
+        """Trimming by t = (2 R u - cos h (R**2 + r**2))/(2 R sin h): half the angle h, u along the middle."""
+        radius, start, end, _ = self.numbers
+        offset, middle, half = self.offset(), (start + end) / 2, (end - start) / 2
+        along = dot(offset, self.vector(2)) * sp.cos(middle) + dot(offset, self.vector(3)) * sp.sin(middle)
+        beyond = sp.cos(half) * (radius**2 + dot(offset, offset))
+        return Trimming(self.line(), (2 * radius * along - beyond) / (2 * radius * sp.sin(half)))
+
+    def paths(self) -> tuple[Path, ...]:
+        """One."""
+        return (self.path(self.numbers[1], self.numbers[2]),)
+
+
+class Helix(Curve):
+    """(R cos a, R sin a, p a/(2 pi)), endless, or for a from 0 to 2 pi n: coordinates, R, p and then n."""
+
+    vectors = 1
+
+    @property
+    def scalars(self) -> int:  # type: ignore[override]
+        """Two, or three with the number of turns."""
+        return len(self.args) - 3
+
+    def composition(self) -> sp.Expr:
+        """Along the radius and across it, less the slope of the curve; an end is a slab, normalised along the curve."""
+        place, (radius, pitch, *turns) = self.vector(0), self.numbers
+        angle, stretch = 2 * sp.pi * place[2] / pitch, 1 + (2 * sp.pi * radius / pitch) ** 2
+        cosine, sine = sp.cos(angle), sp.sin(angle)
+        inward = place[0] * cosine + place[1] * sine - radius
+        across = place[1] * cosine - place[0] * sine
+        curve = sp.sqrt(inward**2 + across**2 / stretch)
+        if not turns:
+            return curve
+        height = pitch * turns[0]
+        return Trimming(curve, place[2] * (height - place[2]) / height * sp.sqrt(stretch))
+
+    def paths(self) -> tuple[Path, ...]:
+        """One, by the height over that of the end."""
+        radius, pitch, *turns = self.numbers
+        if not turns:
+            return ()
+
+        def at(share: sp.Expr) -> Point:
+            angle = 2 * sp.pi * turns[0] * share
+            return radius * sp.cos(angle), radius * sp.sin(angle), pitch * turns[0] * share
+
+        return (Path(at(PARAMETER), sp.S.Zero, sp.S.One, (at(sp.S.Zero), at(sp.S.One))),)
+
+
+def dot(first: Iterable[sp.Expr], second: Iterable[sp.Expr]) -> sp.Expr:
+    """The scalar product."""
+    return sp.Add(*(a * b for a, b in zip(first, second, strict=True)))
+
+
+def cross(a: Point, b: Point) -> Point:
+    """The vector product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def norm(vector: Iterable[sp.Expr]) -> sp.Expr:
+    """The length of a vector."""
+    return sp.sqrt(sp.Add(*(component**2 for component in vector)))
+
+
+def distance(first: Point, second: Point) -> sp.Expr:
+    """The length of the way between two points."""
+    return norm(_minus(second, first))
+
+
+def _minus(first: Point, second: Point) -> Point:
+    return tuple(a - b for a, b in zip(first, second, strict=True))

@@ -1,0 +1,169 @@
+"""Curves of segments: fields that are zero on a curve and positive elsewhere, in the plane and in space.
+
+They are the skeletons of blended bodies, and where a boundary condition may hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from typing import Any
+
+from rsym.errors import RsymError
+from rsym.model.arguments import LetterMapping, Point, default, point, whole
+from rsym.model.letters import as_letters
+from rsym.model.operations import joining
+from rsym.model.primitives.curve_nodes import Segment
+from rsym.model.shape import Bounds, Shape
+from rsym.model.symbols import x, y, z
+
+FREE = 0.1  # of the largest side, left around a curve in its bounds
+
+
+def segment(start: Any, end: Any, *, letters: LetterMapping = None) -> Shape:
+    """The segment between two points: the line, trimmed by the disc that has it as diameter.
+
+    trimming(f, t) with the distance f to the line and t = (place - start).(end - place)/L, L the length.
+
+    Off the ends normalised to order 6 on either side, in space in every
+    direction: f + f**7/(32 t**2) + ... Analytic off the segment.
+    Source: Sukumar and Srivastava (2022), equation 6; Lisin, Maksimenko-Sheiko and Sheiko (2013).
+
+    Parameters
+    ----------
+    start, end : points
+        Both in the plane or both in space.
+    letters : mapping, optional
+        The values of letters in the points.
+
+    Raises
+    ------
+    RsymError
+        For points that coincide, or are not both in the plane or in space.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rod = segment((-1, 0), (1, 0))
+    >>> rod.expression
+    segment(x, y; -1, 0; 1, 0)
+    >>> rsym.compile(rod)([0.5, 0.0], [0.0, 0.25])["value"].round(6).tolist()
+    [0.0, 0.250009]
+    """
+    return polyline([start, end], letters=letters)
+
+
+def polyline(points: Any, closed: bool = False, order: Any = 2, *, letters: LetterMapping = None) -> Shape:
+    """The segments from point to point, joined: (f_1**-m + f_2**-m + ...)**(-1/m), m the order.
+
+    Off the corners and ends normalised to order m on either side, at most to
+    order 6 as its segments are. Analytic off the polyline.
+    Source: Sukumar and Srivastava (2022), equations 6 and 10.
+
+    Parameters
+    ----------
+    points : list of points
+        Two or more, all in the plane or all in space.
+    closed : bool
+        Whether the last point is joined to the first.
+    order : positive integer or letter
+        m; a large one comes near to the distance, a small one rounds what is blended on it.
+    letters : mapping, optional
+        The values of letters in the points.
+
+    Raises
+    ------
+    RsymError
+        For fewer than two points, neighbours that coincide, or points that are not all in the plane or all in space.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> hook = polyline([(0, 0), (2, 0), (2, 1)])
+    >>> rsym.compile(hook)([1.0, 2.0], [0.0, 0.5])["value"].tolist()
+    [0.0, 0.0]
+    >>> polyline([(0, 0), (2, 0), (2, 1)], closed=True) == graph([(0, 0), (2, 0), (2, 1)], [(0, 1), (1, 2), (2, 0)])
+    True
+    """
+    places = _points(points)
+    edges = list(pairwise(range(len(places))))
+    if closed and len(places) > 2:
+        edges.append((len(places) - 1, 0))
+    return _segments(places, edges, order, letters)
+
+
+def graph(points: Any, edges: Any, order: Any = 2, *, letters: LetterMapping = None) -> Shape:
+    """Points joined by segments: as a polyline, with branches.
+
+    Parameters
+    ----------
+    points : list of points
+        All in the plane or all in space.
+    edges : list of pairs of integers
+        Which points a segment joins, counted from 0.
+    order : positive integer or letter
+        As for `polyline`.
+    letters : mapping, optional
+        The values of letters in the points.
+
+    Raises
+    ------
+    RsymError
+        For an edge between points that coincide or are not there, or no edge.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> star = graph([(0, 0), (1, 0), (-1, 1), (-1, -1)], [(0, 1), (0, 2), (0, 3)])
+    >>> rsym.compile(star)([0.5, -0.5], [0.0, 0.5])["value"].tolist()
+    [0.0, 0.0]
+    """
+    places = _points(points)
+    pairs = [point(edge, 2, "an edge") for edge in edges]
+    chosen = [(whole(a, "the end of an edge", 0), whole(b, "the end of an edge", 0)) for a, b in pairs]
+    outside = [index for edge in chosen for index in edge if index >= len(places)]
+    if outside or not chosen:
+        got = f"point {outside[0]}" if outside else "none"
+        raise RsymError(
+            f"a graph needs edges between its {len(places)} points, got {got}",
+            code="edges",
+            remedy="points are counted from 0: [(0, 1), (0, 2)] joins the first to the second and the third",
+        )
+    return _segments(places, chosen, order, letters)
+
+
+def box_around(points: Iterable[Sequence[float]]) -> Bounds:
+    """The box that holds points, with a tenth of its largest side free all around.
+
+    Examples
+    --------
+    >>> box_around([(0, 0), (10, 5)])
+    ((-1.0, 11.0), (-1.0, 6.0))
+    """
+    axes = list(zip(*points, strict=True))
+    free = FREE * max(max(axis) - min(axis) for axis in axes)
+    return tuple((min(axis) - free, max(axis) + free) for axis in axes)
+
+
+def _points(points: Any) -> list[Point]:
+    """All in the plane or all in space."""
+    given = list(points) if isinstance(points, Sequence) and not isinstance(points, str) else []
+    if len(given) < 2:
+        raise RsymError(f"a curve needs two points or more, got {points!r}", code="points")
+    dimension = 3 if hasattr(given[0], "__len__") and len(given[0]) == 3 else 2
+    return [point(item, dimension, "a point of the curve") for item in given]
+
+
+def _segments(points: list[Point], edges: list[tuple[int, int]], order: Any, letters: LetterMapping) -> Shape:
+    places = [tuple(default(item, letters, "a point of the curve") for item in place) for place in points]
+    for a, b in edges:
+        if places[a] == places[b]:
+            raise RsymError(
+                f"the points {points[a]} and {points[b]} coincide: a segment between them has no direction",
+                code="points",
+                remedy="leave out one of them",
+            )
+    coordinates = (x, y, z)[: len(points[0])]
+    nodes = [Segment(*coordinates, *points[a], *points[b]) for a, b in edges]
+    expression = joining(*nodes, order=order)
+    return Shape(expression, coordinates, letters=as_letters(letters), bounds=box_around(places))

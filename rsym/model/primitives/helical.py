@@ -1,0 +1,137 @@
+"""Helicoids and tubes about helices, measured exactly: the nearest point is the root of Kepler's equation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.arguments import LetterMapping, default, positive
+from rsym.model.nodes import Composition
+from rsym.model.primitives.extents import centred
+from rsym.model.primitives.space import ORIGIN, SPACE
+from rsym.model.shape import Shape
+from rsym.model.symbols import x, y, z
+from rsym.model.systems import R0
+
+# Newton's steps.
+STEPS = 3
+
+
+class Anomaly(Composition):
+    """The root E(m, e) of E + e*sin(E) = m next to zero, |m| <= pi, e >= 0: Kepler's equation, e with the other sign.
+
+    Newton's steps from m/(1 + e). On the way to the first maximum the left side is concave, and the start is not
+    beyond the root: every step is towards it and none goes past it.
+    """
+
+    runtime_name = "anomaly"
+
+    def composition(self) -> sp.Expr:
+        """The steps, one in the other."""
+        mean, excess = self.args
+        root = mean / (1 + excess)
+        for _ in range(STEPS):
+            sine, cosine = sp.sin(root), sp.cos(root)
+            root = (mean + excess * (root * cosine - sine)) / (1 + excess * cosine)
+        return root
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        text = rf"E\left({', '.join(printer._print(argument) for argument in self.args)}\right)"
+        return text if exp is None else f"{text}^{{{exp}}}"
+
+    def _sympystr(self, printer: Any) -> str:
+        return f"anomaly({', '.join(printer._print(argument) for argument in self.args)})"
+
+
+def helicoid(pitch: Any = 1, thickness: Any = None, letters: LetterMapping = None) -> Shape:
+    """(y*cos(k z) - x*sin(k z))/sqrt(1 + k**2*(x**2 + y**2)), k = 2 pi/pitch: one side of a right-handed helicoid.
+
+    Its lines cross the z-axis at right angles and turn once in a pitch. Normalised to order 1, analytic everywhere.
+
+    With a thickness t, the sheet of just that thickness about it: (a**2 - d**2)/(2 a) with a = t/2 and the distance d,
+    d**2 = rho**2*sin(E/2)**2 + ((m - E)/(2 k))**2, where E + k**2*rho**2*sin(E) = m, m/2 the angle by which the point
+    lies above the line below it. Normalised to order 1, singular on the axis, which is inside, and half-way between
+    two turns of the sheet. Cut it with a cylinder: a screw's flight.
+
+    Raises
+    ------
+    RsymError
+        For a pitch that is not positive, or a thickness not between 0 and pitch/pi, from where on the faces have edges.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> helicoid(2 * sympy.pi).expression
+    (-x*sin(z) + y*cos(z))/sqrt(x**2 + y**2 + 1)
+    """
+    pitch = positive(pitch, "the pitch", letters)
+    rate = 2 * sp.pi / pitch
+    across, above = _turned(rate)
+    excess = rate**2 * (x**2 + y**2)
+    if thickness is None:
+        return Shape(-above / sp.sqrt(1 + excess), SPACE, letters=letters)
+    half = positive(thickness, "the thickness", letters) / 2
+    if default(1 - rate * half, letters) <= 0:
+        raise RsymError(
+            f"the thickness must be below pitch/pi = {default(pitch, letters) / sp.pi.evalf():.4g}, got {thickness}",
+            code="thickness",
+            remedy="half the thickness must be less than the radius of curvature on the axis, pitch/(2 pi)",
+        )
+    mean = sp.atan2(2 * across * above, across**2 - above**2)
+    root = Anomaly(mean, excess)
+    squared = (x**2 + y**2) * sp.sin(root / 2) ** 2 + ((mean - root) / (2 * rate)) ** 2
+    return Shape((half**2 - squared) / (2 * half), SPACE, letters=letters)
+
+
+def helix_tube(
+    radius: Any = 3,
+    tube: Any = 1,
+    pitch: Any = 4,
+    turns: Any = None,
+    exact: bool = False,
+    letters: LetterMapping = None,
+) -> Shape:
+    """(r**2 - d**2)/(2 r), d the distance from a right-handed helix about the z-axis through (R, 0, 0); exact r - d.
+
+    d**2 = (rho - R)**2 + 4*rho*R*sin(E/2)**2 + ((m - E)/k)**2, where E + k**2*R*rho*sin(E) = m, k = 2 pi/pitch and
+    m the angle by which the point lies above the turn next to it. With a number of turns, cut by the slab
+    |z| < turns*pitch/2 (R_0), and bounded.
+
+    Normalised to order 1, with `exact` to every order, both within rounding while the tube is no thicker than the
+    helix is wide. Singular on the z-axis and half-way between two turns, the exact form on the helix too.
+
+    Raises
+    ------
+    RsymError
+        For a size that is not positive, or unless tube < radius.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> spring = helix_tube(3, 1, 4)
+    >>> rsym.compile(spring)([3.0, 0.0, 4.0], [0.0, 3.0, 0.0], [0.0, 1.0, 0.0])["value"].round(12).tolist()
+    [0.5, 0.5, 0.0]
+    """
+    radius, tube = positive(radius, "the radius", letters), positive(tube, "the radius of the tube", letters)
+    pitch = positive(pitch, "the pitch", letters)
+    if default(radius - tube, letters) <= 0:
+        raise RsymError(f"the tube must be thinner than the helix is wide, got {tube} and {radius}", code="tube")
+    rate, rho = 2 * sp.pi / pitch, sp.sqrt(x**2 + y**2)
+    across, above = _turned(rate)
+    mean = sp.atan2(above, across)
+    root = Anomaly(mean, rate**2 * radius * rho)
+    squared = (rho - radius) ** 2 + 4 * rho * radius * sp.sin(root / 2) ** 2 + ((mean - root) / rate) ** 2
+    expression = tube - sp.sqrt(squared) if exact else (tube**2 - squared) / (2 * tube)
+    if turns is None:
+        return Shape(expression, SPACE, letters=letters)
+    half = positive(turns, "the number of turns", letters) * pitch / 2
+    bounds = centred(ORIGIN, (radius + tube, radius + tube, half), letters)
+    return Shape(R0.conjunction(expression, (half**2 - z**2) / (2 * half)), SPACE, letters=letters, bounds=bounds)
+
+
+def _turned(rate: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """Rho times cosine and sine of k z - theta: the coordinates along the line at height z, and above it."""
+    sine, cosine = sp.sin(rate * z), sp.cos(rate * z)
+    return x * cosine + y * sine, x * sine - y * cosine

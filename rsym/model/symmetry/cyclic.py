@@ -1,0 +1,153 @@
+"""Cyclic symmetry: a motif repeated around a point of the plane or an axis in space."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.arguments import LetterMapping, default, number, whole
+from rsym.model.shape import Bounds, Shape
+from rsym.model.substitutions import substituted
+from rsym.model.symmetry.evenness import check_even
+from rsym.model.symmetry.reflections import farthest
+from rsym.model.symmetry.waves import SawtoothWave, triangle_wave
+
+MOTIFS = ("even", "any")
+# A gear of 24 teeth meshes in 1.5 times the time of the formula with angles, one of 60 in 2.5 times.
+MOST_IN_A_FAN = 48
+
+
+def cyclic(
+    shape: Shape,
+    order: Any,
+    *,
+    radius: Any = 0,
+    axis: Any = None,
+    terms: Any = None,
+    motif: str = "even",
+    letters: LetterMapping = None,
+) -> Shape:
+    """A motif n times around a circle: omega0(r cos mu - r0, r sin mu), mu a wave of the polar angle theta.
+
+    even motif: mu = (2/n) asin(sin(n theta/2)), mirrored from sector to sector, which an even motif does not feel
+    any motif: mu = theta - (2 pi/n) round(n theta/(2 pi)), the field jumps on the borders of the sectors
+
+    The motif is moved outwards by the radius along the first coordinate; what
+    of it lies within the sector |theta| <= pi/n counts. Exact inside the
+    sectors: every order of normalisation is kept; on the borders theta = (2k + 1) pi/n there
+    is a kink unless the boundary meets them at a right angle, and the centre is a
+    singular point. With N terms of the series of mu the field is analytic off
+    the centre, but the boundary moves by a share of 1/N**2 and the order is lost.
+
+    Parameters
+    ----------
+    shape : Shape
+        The motif, in the plane or in space, even in its second coordinate (about z: in y).
+    order : integer
+        n >= 1.
+    radius : number or expression
+        r0, in the unit of the coordinates.
+    axis : symbol, optional
+        The coordinate of a shape in space about which to turn; the last by default. The angle is
+        measured from the coordinate that follows it, x before y before z before x.
+    terms : integer, optional
+        N, for the series instead of the exact wave.
+    motif : "even" or "any"
+        Whether the motif must be even.
+    letters : mapping, optional
+        Values of the letters in the radius.
+
+    Raises
+    ------
+    RsymError
+        For a motif that is not even where it must be, an order that is not a positive integer, a wrong axis.
+
+    Source: Maksimenko-Sheiko and Sheiko (2008).
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> ring = cyclic(rsym.Shape((1 - x**2 - y**2) / 2, (x, y)), 5, radius=4)
+    >>> rsym.compile(ring)([4.0, 0.0, -4.0], [0.0, 0.0, 0.0])["value"].round(6)
+    array([ 0.5     , -7.5     , -2.555728])
+    """
+    n = whole(order, "the order", 1)
+    first, second = around(shape, axis)
+    radius = number(radius, "the radius")
+    if checked_motif(motif, terms):
+        check_even(shape, second, f'mirrored(motif, normal) about {second} = 0 makes it even; or motif="any"')
+    folded = _mirrored_fan(first, second, n) if motif == "even" and terms is None else None
+    outwards, across = folded or _turned_back(first, second, n, terms, motif)
+    return substituted(
+        shape,
+        {first: outwards - radius, second: across},
+        letters=letters,
+        bounds=_turning(shape, first, second, default(radius, letters, "the radius")),
+    )
+
+
+def _mirrored_fan(first: sp.Symbol, second: sp.Symbol, n: int) -> tuple[sp.Expr, sp.Expr] | None:
+    """(r cos mu, r sin mu) without an angle, for an even order that is not too large.
+
+    On each sector the two largest components of the point along its borders are
+    E = r cos(mu - pi/n) and O = r cos(mu + pi/n), E over every second border and O over the others.
+    No angle jumps anywhere, and boxes of points have tight images.
+    """
+    if n % 2 or n > MOST_IN_A_FAN:
+        return None
+    if n == 2:
+        return sp.Abs(first), second
+    even, odd = (farthest(first, second, n // 2, sp.Rational(side, n)) for side in (1, -1))
+    half = sp.pi / n
+    return (even + odd) / (2 * sp.cos(half)), (even - odd) / (2 * sp.sin(half))
+
+
+def _turned_back(first: sp.Symbol, second: sp.Symbol, n: int, terms: Any, motif: str) -> tuple[sp.Expr, sp.Expr]:
+    """(r cos mu, r sin mu); the jump of the angle lies on a border between sectors, never within one."""
+    shift = sp.Integer(0) if n % 2 else sp.pi / n
+    cosine, sine = sp.cos(shift), sp.sin(shift)
+    angle = shift + sp.atan2(second * cosine - first * sine, first * cosine + second * sine, evaluate=False)
+    sector = 2 * sp.pi / n
+    wave = triangle_wave(angle, sector, terms) if motif == "even" else SawtoothWave(angle, sector)
+    distance = sp.sqrt(first**2 + second**2)
+    return distance * sp.cos(wave, evaluate=False), distance * sp.sin(wave, evaluate=False)
+
+
+def around(shape: Shape, axis: Any) -> tuple[sp.Symbol, sp.Symbol]:
+    """The two coordinates in which a turn about the axis takes place, the angle from the first to the second."""
+    names = [symbol.name for symbol in shape.coordinates]
+    if shape.dimension == 2 and axis is None:
+        return shape.coordinates
+    position = 2 if axis is None else names.index(str(axis)) if str(axis) in names else -1
+    if shape.dimension == 2 or position < 0:
+        raise RsymError(
+            f"the axis must be one of the coordinates of a shape in space, got {axis} for {', '.join(names)}",
+            code="axis",
+            remedy="leave it out in the plane; in space choose x, y or z",
+        )
+    return shape.coordinates[(position + 1) % 3], shape.coordinates[(position + 2) % 3]
+
+
+def checked_motif(motif: str, terms: Any) -> bool:
+    """Whether the motif is to be even; the series exists for even motifs alone."""
+    if str(motif) not in MOTIFS:
+        raise RsymError(f'the motif must be "even" or "any", got {motif!r}', code="motif")
+    if str(motif) == "any" and terms is not None:
+        raise RsymError(
+            "the series of the sawtooth does not converge on the borders",
+            code="terms",
+            remedy='give terms with motif="even" only',
+        )
+    return str(motif) == "even"
+
+
+def _turning(shape: Shape, first: sp.Symbol, second: sp.Symbol, radius: float) -> Bounds | None:
+    if shape.bounds is None:
+        return None
+    box = dict(zip(shape.coordinates, shape.bounds, strict=True))
+    reach = max(math.hypot(a + radius, b) for a in box[first] for b in box[second])
+    return tuple((-reach, reach) if symbol in (first, second) else box[symbol] for symbol in shape.coordinates)

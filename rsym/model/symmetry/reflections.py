@@ -1,0 +1,131 @@
+"""Finite reflection groups: the map that folds everything onto one chamber.
+
+The mirrors with inner normals a_1, a_2, ... bound the chamber p . a_i >= 0.
+With w_1, w_2, ... dual to the normals (w_i . a_j = 1 if i = j, else 0), a point of
+the chamber is its own part along the mirrors' common line or plane plus
+sum_i (w_i . p) a_i, and of all images of a point under the group the one in the
+chamber has the largest w_i . p, for each i. So the folded point is
+
+    P p + sum_i a_i h_i(p),   h_i(p) = the largest q . p over the images q of w_i
+
+P being the projection onto what all mirrors have in common. No fold
+stands within another: the formula is flat, each h_i is convex, and a box of
+points has its exact image.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.systems import R1
+
+MOST_IMAGES = 240  # of a weight; 120 have the largest group in space, H3
+SAME = 1e-9  # two images nearer than this are one: those of groups this small lie further than 0.02 apart
+
+Vector = tuple[sp.Expr, ...]
+
+
+def folded(normals: Sequence[Vector], coordinates: Sequence[sp.Symbol]) -> list[sp.Expr]:
+    """The coordinates of the image in the chamber.
+
+    Raises
+    ------
+    RsymError
+        For normals that depend on one another, or whose reflections do not make a finite group.
+
+    Examples
+    --------
+    >>> from rsym import x, y
+    >>> folded([(sp.Integer(1), sp.Integer(0)), (sp.Integer(0), sp.Integer(1))], (x, y))
+    [Abs(x), Abs(y)]
+    """
+    matrix = sp.Matrix([list(normal) for normal in normals])
+    gram = matrix * matrix.T
+    if abs(sp.N(gram.det())) < SAME:
+        raise RsymError("the normals depend on one another", code="mirrors", remedy="leave out the ones that repeat")
+    weights = _simple(gram.inv() * matrix)
+    rest = _simple(sp.eye(len(coordinates)) - matrix.T * weights) * sp.Matrix(coordinates)
+    largest = sp.Matrix([_largest(orbit(tuple(weights.row(i)), normals), coordinates) for i in range(len(normals))])
+    return list(rest + matrix.T * largest)
+
+
+def farthest(first: sp.Symbol, second: sp.Symbol, count: int, start: sp.Expr) -> sp.Expr:
+    """The largest component of a point of the plane along `count` directions, at the angles start*pi + 2 pi k/count.
+
+    Opposite directions, where the count is even, make one form |.|.
+
+    Examples
+    --------
+    >>> from rsym import x, y
+    >>> farthest(x, y, 4, sp.Integer(0))
+    disjunction(Abs(x), Abs(y), system=R1)
+    """
+    angles = [(start + sp.Rational(2 * k, count)) * sp.pi for k in range(count if count % 2 else count // 2)]
+    forms = [first * sp.cos(angle) + second * sp.sin(angle) for angle in angles]
+    return R1.disjunction(*(forms if count % 2 else (_absolute(form) for form in forms)))
+
+
+def orbit(weight: Vector, normals: Sequence[Vector]) -> list[Vector]:
+    """All images of a vector under the reflections in mirrors with these normals."""
+    images = [weight]
+    places = [_floats(weight)]
+    for image in images:  # grows while it is walked
+        for normal in normals:
+            factor = 2 * _dot(image, normal) / _dot(normal, normal)
+            mirrored = tuple(_plain(a - factor * b) for a, b in zip(image, normal, strict=True))
+            place = _floats(mirrored)
+            if not any(_near(place, other) for other in places):
+                images.append(mirrored)
+                places.append(place)
+        if len(images) > MOST_IMAGES:
+            raise RsymError(
+                "reflections in these mirrors do not make a finite group",
+                code="mirrors",
+                remedy="the angles between mirrors must be pi/m, in space with 1/m1 + 1/m2 + 1/m3 > 1",
+            )
+    return images
+
+
+def _largest(images: Sequence[Vector], coordinates: Sequence[sp.Symbol]) -> sp.Expr:
+    """The largest q . p; where -q is an image too, |q . p| stands for both."""
+    forms: list[sp.Expr] = []
+    used: list[tuple[float, ...]] = []
+    opposite = [tuple(-value for value in _floats(image)) for image in images]
+    for image in images:
+        place = _floats(image)
+        if any(_near(place, other) for other in used):
+            continue
+        form = _dot(image, coordinates)
+        if any(_near(place, other) for other in opposite):
+            used.append(tuple(-value for value in place))
+            form = _absolute(form)
+        forms.append(form)
+    return R1.disjunction(*forms)
+
+
+def _absolute(form: sp.Expr) -> sp.Expr:
+    """|form|; of a sum SymPy would try to find the sign."""
+    return sp.Abs(form, evaluate=form.is_Symbol)
+
+
+def _simple(matrix: sp.Matrix) -> sp.Matrix:
+    return matrix.applyfunc(_plain)
+
+
+def _plain(value: sp.Expr) -> sp.Expr:
+    return sp.radsimp(sp.expand(value))
+
+
+def _dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
+    return sp.Add(*(p * q for p, q in zip(a, b, strict=True)))
+
+
+def _floats(vector: Vector) -> tuple[float, ...]:
+    return tuple(float(sp.N(value)) for value in vector)
+
+
+def _near(a: Sequence[float], b: Sequence[float]) -> bool:
+    return all(abs(p - q) < SAME for p, q in zip(a, b, strict=True))

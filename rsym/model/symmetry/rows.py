@@ -1,0 +1,158 @@
+"""Rows and grids: a motif repeated along one, two or three coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.arguments import LetterMapping, default, positive, whole
+from rsym.model.shape import Bounds, Shape
+from rsym.model.substitutions import substituted
+from rsym.model.symbols import x
+from rsym.model.symmetry.cyclic import checked_motif
+from rsym.model.symmetry.evenness import check_even
+from rsym.model.symmetry.waves import SawtoothRow, SawtoothWave, TriangleRow, triangle_wave
+
+
+def row(
+    shape: Shape,
+    period: Any,
+    *,
+    axis: Any = x,
+    count: Any = None,
+    terms: Any = None,
+    motif: str = "even",
+    letters: LetterMapping = None,
+) -> Shape:
+    """A motif again and again along a coordinate: omega0(mu(x), y, ...), one copy every h.
+
+    infinite: mu(x) = (h/pi) asin(sin(pi x/h)), copies at k h for every integer k
+    n copies: the same on the cells of the copies 0, h, ..., (n - 1) h, straight on outside, so the ends are exact
+
+    What of the motif lies within the cell |x| <= h/2 counts, at the ends of
+    a finite row also what sticks out. Exact inside the cells: every order of normalisation
+    is kept; on the borders x = (k + 1/2) h there is a kink unless the boundary
+    meets them at a right angle. With N terms the field is analytic, but the boundary moves.
+    Any motif: mu = x - h round(x/h), and the field jumps on the borders.
+
+    Parameters
+    ----------
+    shape : Shape
+        The motif, even in the coordinate along which it is repeated.
+    period : number or expression
+        h > 0, in the unit of the coordinates.
+    axis : symbol
+        The coordinate along which to repeat.
+    count : integer, optional
+        n; the first copy is the motif itself. Without it the row is infinite.
+    terms : integer, optional
+        N, for the series instead of the exact wave; for infinite rows.
+    motif : "even" or "any"
+        Whether the motif must be even.
+    letters : mapping, optional
+        Values of the letters in the period.
+
+    Raises
+    ------
+    RsymError
+        For a motif that is not even where it must be, a period that is not positive, a wrong axis or count.
+
+    Source: Maksimenko-Sheiko and Sheiko (2008).
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> discs = row(rsym.Shape((1 - x**2 - y**2) / 2, (x, y)), 3, count=4)
+    >>> rsym.compile(discs)([0.0, 3.0, 9.0, 12.0], 0.0)["value"].round(6)
+    array([ 0.5,  0.5,  0.5, -4. ])
+    """
+    period = positive(period, "the period", letters)
+    coordinate = _coordinate(shape, axis)
+    even = checked_motif(motif, terms)
+    if even:
+        check_even(shape, coordinate, f'mirrored(motif, normal) about {coordinate} = 0 makes it even; or motif="any"')
+    if count is None:
+        wave = triangle_wave(coordinate, period, terms) if even else SawtoothWave(coordinate, period)
+    else:
+        wave = _finite(coordinate, period, whole(count, "the count", 1), terms, even)
+    bounds = None if count is None else _lengthened(shape, coordinate, (count - 1) * default(period, letters))
+    return substituted(shape, {coordinate: wave}, letters=letters, bounds=bounds)
+
+
+def grid(
+    shape: Shape,
+    periods: Sequence[Any],
+    *,
+    counts: Sequence[Any] | None = None,
+    terms: Any = None,
+    motif: str = "even",
+    letters: LetterMapping = None,
+) -> Shape:
+    """Rows of rows: a motif repeated along the first two or all three coordinates.
+
+    omega0(mu_1(x), mu_2(y)[, mu_3(z)]), the waves those of `row`, with its order and its borders.
+
+    Parameters
+    ----------
+    shape : Shape
+        The motif, even in every coordinate along which it is repeated.
+    periods : sequence of numbers or expressions
+        One for each coordinate in turn; fewer than coordinates leave the last ones alone.
+    counts : sequence of integers, optional
+        How many copies along each; without them the grid is infinite.
+    terms, motif, letters
+        As for `row`.
+
+    Raises
+    ------
+    RsymError
+        As `row` does, and for a wrong number of periods or counts.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> discs = grid(rsym.Shape((1 - x**2 - y**2) / 2, (x, y)), (3, 4), counts=(2, 3))
+    >>> rsym.compile(discs)([3.0, 3.0], [8.0, 12.0])["value"].round(6)
+    array([ 0.5, -7.5])
+    """
+    periods = tuple(periods)
+    numbers = (None,) * len(periods) if counts is None else tuple(counts)
+    if not 1 <= len(periods) <= shape.dimension or len(numbers) != len(periods):
+        raise RsymError(
+            f"a grid needs 1 to {shape.dimension} periods and as many counts, got {len(periods)} and {len(numbers)}",
+            code="grid",
+        )
+    for axis, period, count in zip(shape.coordinates, periods, numbers, strict=False):
+        shape = row(shape, period, axis=axis, count=count, terms=terms, motif=motif, letters=letters)
+    return shape
+
+
+def _finite(coordinate: sp.Symbol, period: sp.Expr, cells: int, terms: Any, even: bool) -> sp.Expr:
+    if terms is not None:
+        raise RsymError(
+            "a finite row has no series",
+            code="terms",
+            remedy="intersect the infinite row with a strip, or leave terms out",
+        )
+    if cells == 1:
+        return coordinate
+    return (TriangleRow if even else SawtoothRow)(coordinate, period, sp.Integer(cells))
+
+
+def _coordinate(shape: Shape, axis: Any) -> sp.Symbol:
+    for symbol in shape.coordinates:
+        if symbol.name == str(axis):
+            return symbol
+    raise RsymError(f"the axis must be one of {', '.join(map(str, shape.coordinates))}, got {axis}", code="axis")
+
+
+def _lengthened(shape: Shape, coordinate: sp.Symbol, length: float) -> Bounds | None:
+    if shape.bounds is None:
+        return None
+    pairs = zip(shape.coordinates, shape.bounds, strict=True)
+    return tuple((low, high + length) if symbol == coordinate else (low, high) for symbol, (low, high) in pairs)

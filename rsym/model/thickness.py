@@ -1,0 +1,50 @@
+"""Bodies grown, shrunk and hollowed out by means of the distance that omega measures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rsym.model.arguments import LetterMapping, default, number, positive
+from rsym.model.letters import as_letters
+from rsym.model.shape import Shape
+from rsym.model.systems import R0, RSystem
+
+
+def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Shape:
+    """The body grown by a distance, shrunk by a negative one: omega + distance.
+
+    It is the true offset as far as omega measures distance: near the boundary if omega is normalised, everywhere
+    if it is exact.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> rsym.offset(rsym.Shape(x, (x, y)), 2).expression
+    x + 2
+    """
+    grown = number(distance, "a distance")
+    room = max(default(grown, shape.letters.merge(as_letters(letters))), 0.0)
+    bounds = None if shape.bounds is None else tuple((low - room, high + room) for low, high in shape.bounds)
+    return Shape(
+        shape.expression + grown, shape.coordinates, letters=shape.letters.merge(as_letters(letters)), bounds=bounds
+    )
+
+
+def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
+    """The wall inside a body, from its boundary to the depth `thickness`: omega and thickness - omega.
+
+    The two never vanish together, so nothing is lost in smoothness; normalised to order 1 where omega is 0, and
+    on the inner side as far as |grad omega| = 1 there.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> rsym.shell(rsym.Shape(x, (x, y)), 2).expression
+    conjunction(x, 2 - x)
+    """
+    given = shape.letters.merge(as_letters(letters))
+    depth = positive(thickness, "the thickness", given)
+    wall = system.conjunction(shape.expression, depth - shape.expression)
+    return Shape(wall, shape.coordinates, letters=given, bounds=shape.bounds, parts=shape.parts)
