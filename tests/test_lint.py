@@ -144,6 +144,26 @@ def test_slopes_and_their_remedies(power):
         assert finding.range == pytest.approx((2, 2), abs=1e-9)
 
 
+def test_systems_that_do_not_keep_normalisation():
+    (finding,) = rsym.lint(plane(rsym.conjunction(x, y, system=rsym.R0m(2)))).findings
+    assert finding.kind == "not normalised"
+    assert "R_0^m" in finding.message
+    assert rsym.lint(rsym.normalise(plane(rsym.conjunction(x, y, system=rsym.R0m(2))))).clean
+
+
+def test_a_blend_fills_a_seam_and_its_operands_are_leaves():
+    assert rsym.lint(plane(rsym.disjunction(x, -x, system=rsym.Rho(0.2)))).clean
+    (finding,) = rsym.lint(plane(rsym.conjunction(x, 3 * y, system=rsym.Rho(0.2)))).findings
+    assert str(finding.places[0]) == "3*y"
+
+
+def test_the_curves_of_a_joining_are_leaves():
+    path = rsym.polyline([(0, 0), (1, 0), (1, 1)])
+    assert rsym.lint(path).clean
+    (finding,) = rsym.lint(plane(rsym.joining(rsym.trimming(2 * x, 1 - y**2), y))).findings
+    assert str(finding.places[0]) == "2*x"
+
+
 def test_what_is_normalised_is_left_alone():
     ellipse = rsym.Shape(1 - x**2 / 4 - y**2, (x, y), bounds=((-2.5, 2.5), (-1.5, 1.5)))
     assert kinds(rsym.lint(ellipse)) == ["not normalised"]
@@ -155,7 +175,8 @@ def test_what_is_normalised_is_left_alone():
 
 def test_bounds_and_letters_are_those_asked_for():
     shape = rsym.Shape((r**2 - x**2 - y**2) / 2, (x, y), letters={r: Letter(1, minimum=1, maximum=9)}, bounds=BOX)
-    assert rsym.lint(shape).clean
+    (finding,) = rsym.lint(shape).findings
+    assert "at these letters, but not at others" in finding.message
     (finding,) = rsym.lint(shape, letters={"r": 1.5}).findings
     assert finding.range == pytest.approx((1.5, 1.5), abs=1e-9)
     report = rsym.lint(shape, letters={"r": 9})

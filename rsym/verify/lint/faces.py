@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rsym.model.shape import Shape
-from rsym.verify.lint.logic import Logic
-from rsym.verify.lint.places import places_of
 from rsym.verify.lint.report import COINCIDENT, LONE_SHEET, ZERO_SHEET, Finding
 from rsym.verify.lint.sheets import CommonFace
+from rsym.verify.lint.survey import Survey
 
 _MESSAGES = {
     ZERO_SHEET: "the sets that this disjunction joins share a face: omega is zero there, inside the shape",
@@ -21,14 +19,13 @@ _REMEDIES = {
 }
 
 
-def face_findings(shape: Shape, logic: Logic, faces: Sequence[CommonFace]) -> Iterator[Finding]:
+def face_findings(survey: Survey, faces: Sequence[CommonFace]) -> Iterator[Finding]:
     """A finding for each common face."""
-    places = places_of(shape, logic.leaves)
     for kind in (COINCIDENT, ZERO_SHEET, LONE_SHEET):
         for face in faces:
             if face.kind == kind:
                 point = face.points[len(face.points) // 2]
-                where = dict.fromkeys((places[face.first], places[face.second]))
+                where = dict.fromkeys((survey.places[face.first], survey.places[face.second]))
                 yield Finding(kind, tuple(where), _message(face), _REMEDIES[kind], tuple(point.tolist()))
 
 

@@ -3,51 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
-from rsym.sampling.extent import bounds_or_extent
 from rsym.verify.lint.faces import face_findings
-from rsym.verify.lint.functions import Array, Functions, functions_of
 from rsym.verify.lint.letter_findings import letter_findings
-from rsym.verify.lint.logic import Logic, logic_of
 from rsym.verify.lint.places import places_of
 from rsym.verify.lint.report import NOT_NORMALISED, SATURATES, Finding, LintReport
-from rsym.verify.lint.saturation import MUCH, level, terms_of
+from rsym.verify.lint.saturation import MUCH, level
 from rsym.verify.lint.sheets import common_faces
-from rsym.verify.lint.slopes import message_of, remedy_of
-from rsym.verify.lint.zeros import SCATTERED, Box, Progress, Zeros, diagonal, scattered, zeros_of
-
-
-@dataclass(frozen=True)
-class Survey:
-    """A shape, its logic, and its leaves and terms at points.
-
-    expressions : the leaves and then terms inside them; functions : these and omega, the last.
-    """
-
-    shape: Shape
-    box: Box
-    logic: Logic
-    expressions: tuple[sp.Expr, ...]
-    functions: Functions
-    cloud: Array
-    zeros: Zeros
-
-    @property
-    def size(self) -> float:
-        """The diagonal of the bounds."""
-        return diagonal(self.box)
-
-    def slopes(self, number: int) -> Array:
-        """The lengths of a gradient on its zero set."""
-        slopes: Array = self.zeros.slopes[self.zeros.which == number]
-        return slopes
+from rsym.verify.lint.slopes import CONSTANT, breaks_normalisation, message_of, remedy_of
+from rsym.verify.lint.survey import Survey, survey_of
+from rsym.verify.lint.zeros import Progress
 
 
 def lint(
@@ -62,7 +32,8 @@ def lint(
 
     A *leaf* is a maximal part of the formula without an R-operation on top. Found are
 
-    - "not normalised": leaves with |grad f| != 1 on their zero set within the bounds, off singular points;
+    - "not normalised": leaves with |grad f| != 1 on their zero set within the bounds, off singular points, and
+      those whose `contract` shows it at other letters; operations of R_0^m;
     - "coincident faces": operands of an R-operation that are zero on a common face with the same orientation:
       in R_0 the conjunction of f with itself is (2 - sqrt 2) f, the disjunction (2 + sqrt 2) f;
     - "zero sheet": a union of sets that share a face: f or -f is sqrt(2)|f|, zero inside the shape;
@@ -117,63 +88,56 @@ def lint(
     if not tolerance > 0:
         raise RsymError(f"the tolerance must be positive, got {tolerance}", code="tolerance", remedy="use 1e-3")
     shape = shape.with_letters(letters or {})
-    survey = _survey(shape, bounds, progress)
+    survey = survey_of(shape, bounds, progress)
     found = [
         *_not_normalised(survey, tolerance),
-        *face_findings(shape, survey.logic, common_faces(survey.logic, survey.functions, survey.zeros, survey.size)),
+        *face_findings(survey, common_faces(survey.logic, survey.functions, survey.zeros, survey.size)),
         *_saturated(survey),
         *letter_findings(shape, survey.cloud),
     ]
     values, notes = shape.letters.values_with(None), tuple(_notes(survey))
-    return LintReport(tuple(found), len(survey.logic.leaves), survey.box, values, notes)
-
-
-def _survey(shape: Shape, bounds: Any, progress: Progress | None) -> Survey:
-    box = bounds_or_extent(shape, bounds)
-    logic = logic_of(shape.expression)
-    expressions = (*logic.leaves, *terms_of(logic.leaves, shape.coordinates))
-    functions = functions_of(shape, [*expressions, shape.expression])
-    cloud = scattered(box, SCATTERED[shape.dimension])
-    zeros = zeros_of(functions, cloud, box, progress)
-    return Survey(shape, box, logic, expressions, functions, cloud, zeros)
+    return LintReport(tuple(found), len(survey.orders), survey.box, values, notes)
 
 
 def _not_normalised(survey: Survey, tolerance: float) -> Iterator[Finding]:
-    leaves = survey.logic.leaves
-    for number, place in enumerate(places_of(survey.shape, leaves)):
-        slopes = survey.slopes(number)
-        if number not in survey.logic.bare or not len(slopes) or np.abs(slopes - 1).max() <= tolerance:
+    """Leaves; where algebra shows that one is normalised nothing is measured."""
+    for leaf, order in survey.orders.items():
+        slopes = survey.slopes(leaf)
+        off = np.abs(slopes - 1)
+        # What is normalised at these letters by chance is told too.
+        by_chance = order == 0 and leaf.free_symbols.difference(survey.shape.coordinates)
+        if order or not len(slopes) or not (off.max() > tolerance or (by_chance and off.max() < CONSTANT)):
             continue
-        worst = survey.zeros.points[survey.zeros.which == number][np.argmax(np.abs(slopes - 1))]
         yield Finding(
             NOT_NORMALISED,
-            (place,),
+            (survey.place(leaf),),
             message_of(slopes),
-            remedy_of(leaves[number], slopes, survey.shape.coordinates),
-            tuple(worst.tolist()),
+            remedy_of(leaf, slopes, survey.shape.coordinates),
+            tuple(survey.points(leaf)[np.argmax(off)].tolist()),
             (float(slopes.min()), float(slopes.max())),
         )
+    lost = [operation for operation in survey.operations if breaks_normalisation(operation)]
+    for place in places_of(survey.shape, lost):
+        message = "an operation of R_0^m is not normalised: on f = 0 its gradient has the length |g|^m"
+        yield Finding(NOT_NORMALISED, (place,), message, "normalise the result, or take R_0")
 
 
 def _saturated(survey: Survey) -> Iterator[Finding]:
     """Leaves that are joined with others, and terms that are added to others."""
-    first = 0 if len(survey.logic.leaves) > 1 else 1
     values, gradients = survey.functions(survey.cloud[: survey.functions.portion])
-    places = places_of(survey.shape, survey.expressions)
     side = max(high - low for low, high in survey.box)
-    for number in range(first, len(survey.expressions)):
-        slopes = survey.slopes(number)
-        if not len(slopes):
+    for number, expression in enumerate(survey.expressions):
+        slopes, is_leaf = survey.slopes(expression), expression in survey.orders
+        if not len(slopes) or (is_leaf and len(survey.orders) == 1):
             continue
         greatest, share = level(values[number], gradients[number], float(np.median(slopes)))
         if share < MUCH:
             continue
-        what = "joined with" if number < len(survey.logic.leaves) else "added to"
         yield Finding(
             SATURATES,
-            (places[number],),
+            (survey.places[number],),
             f"nearly constant, its size above {0.9 * greatest:.3g} and flat, in {share:.0%} of the bounds, "
-            f"where what it is {what} is not",
+            f"where what it is {'joined with' if is_leaf else 'added to'} is not",
             f"normalise with the size of the model: f/sqrt(f^2/L^2 + |grad f|^2), L = {side:.3g}; "
             "rsym.normalise(f, length=L)",
             range=(share, share),
@@ -181,7 +145,6 @@ def _saturated(survey: Survey) -> Iterator[Finding]:
 
 
 def _notes(survey: Survey) -> Iterator[str]:
-    leaves = survey.logic.leaves
-    without = [number for number in range(len(leaves)) if not len(survey.slopes(number))]
-    for place in places_of(survey.shape, [leaves[number] for number in without]):
-        yield f"no regular zero within the bounds, so nothing is said of {place}"
+    for leaf, order in survey.orders.items():
+        if not order and not len(survey.slopes(leaf)):
+            yield f"no regular zero within the bounds, so nothing is said of {survey.place(leaf)}"

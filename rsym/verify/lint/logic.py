@@ -44,14 +44,10 @@ class Signed(NamedTuple):
 
 @dataclass(frozen=True)
 class Logic:
-    """Leaves as they are first written, and the steps that join them in their order; the last one is the shape.
-
-    `bare` are the leaves that stand somewhere outside a normalisation.
-    """
+    """Leaves as they are first written, and the steps that join them in their order; the last one is the shape."""
 
     leaves: tuple[sp.Expr, ...]
     steps: tuple[Step, ...]
-    bare: frozenset[int]
 
 
 def logic_of(expression: sp.Expr) -> Logic:
@@ -67,7 +63,6 @@ def logic_of(expression: sp.Expr) -> Logic:
     leaves: list[sp.Expr] = []
     known: dict[sp.Expr, tuple[int, int]] = {}  # the number of a leaf and the sign of its first occurrence
     steps: list[Step] = []
-    bare: set[int] = set()
     done: dict[tuple[int, int, bool], int] = {}
     for signed, operands in _postorder(expression):
         if not operands:
@@ -75,8 +70,6 @@ def logic_of(expression: sp.Expr) -> Logic:
             number, written = known.setdefault(form, (len(leaves), sign))
             if number == len(leaves):
                 leaves.append(signed.part)
-            if not signed.mended:
-                bare.add(number)
             steps.append(Literal(number, sign * written * signed.sign))
         elif len(operands) > 1:
             first, *rest = (done[_key(operand)] for operand in operands)
@@ -84,7 +77,7 @@ def logic_of(expression: sp.Expr) -> Logic:
                 steps.append(_gate(signed, first, second))
                 first = len(steps) - 1
         done[_key(signed)] = done[_key(operands[0])] if len(operands) == 1 else len(steps) - 1
-    return Logic(tuple(leaves), tuple(steps), frozenset(bare))
+    return Logic(tuple(leaves), tuple(steps))
 
 
 def unsigned(leaf: sp.Expr) -> tuple[sp.Expr, int]:

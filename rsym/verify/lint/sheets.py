@@ -29,9 +29,9 @@ ASKED = 12  # points of a face around which more of it is sought
 
 
 class Local(NamedTuple):
-    """The signs (steps, n) of each step at points, ahead of them and behind; whether omega is zero there and these hold.
+    """The signs (steps, n) of each step at points, ahead of them and behind, and where omega bears them out.
 
-    A blend may have another sign beside an edge than the operation that it blends.
+    Beside an edge a blend may have another sign than the operation that it blends.
     """
 
     at: NDArray[np.int8]
@@ -105,13 +105,12 @@ def _local(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> Loc
         at[:, here] = np.where(near, 0, np.sign(values))[:count]
     at[zeros.which, np.arange(len(zeros.which))] = 0
     beside = [functions.values(zeros.points + step * size * zeros.sides) for step in (BESIDE, -BESIDE)]
-    signs = [at, *(np.sign(values[:count]).astype(np.int8) for values in beside)]
-    local = [_steps(logic, one) for one in signs]
-    omega, ahead, behind = functions.values(zeros.points)[-1], *(values[-1] for values in beside)
-    confirmed = (np.sign(ahead) == local[1][-1]) & (np.sign(behind) == local[2][-1])
+    ahead, behind = (_steps(logic, np.sign(values[:count]).astype(np.int8)) for values in beside)
+    omega, before, after = functions.values(zeros.points)[-1], beside[0][-1], beside[1][-1]
+    confirmed = (np.sign(before) == ahead[-1]) & (np.sign(after) == behind[-1])
     # Where a normalised omega is zero on a sheet it is 0/0.
-    confirmed &= ~(np.abs(omega) > THIN * np.minimum(np.abs(ahead), np.abs(behind)))
-    return Local(*local, confirmed)
+    confirmed &= ~(np.abs(omega) > THIN * np.minimum(np.abs(before), np.abs(after)))
+    return Local(_steps(logic, at), ahead, behind, confirmed)
 
 
 def _steps(logic: Logic, signs: NDArray[np.int8]) -> NDArray[np.int8]:
