@@ -1,6 +1,7 @@
 """The lint: what it finds in shapes with known faults, and that it finds nothing in sound ones."""
 
 import json
+import random
 
 import pytest
 import sympy as sp
@@ -48,9 +49,14 @@ UNNORMALISED = {
 }
 
 
-def test_the_leaves_of_the_car_that_are_not_normalised():
+@pytest.fixture(scope="module")
+def car():
+    return rsym.lint(rsym.paper.car())
+
+
+def test_the_leaves_of_the_car_that_are_not_normalised(car):
     found = {}
-    for finding in rsym.lint(rsym.paper.car()).of("not normalised"):
+    for finding in car.of("not normalised"):
         (place,) = finding.places
         found.setdefault((place.part, place.definition), []).append(finding.range)
     assert found.keys() == UNNORMALISED.keys()
@@ -81,6 +87,41 @@ def test_two_boxes_that_touch_have_a_zero_sheet():
 )
 def test_other_boxes_have_none(other):
     assert rsym.lint(plane(rsym.disjunction(box((-1, 0), (-1, 1)), other))).clean
+
+
+def expected(first, second, operation):
+    """What the faces of two boxes have in common, by comparing the ends of their sides."""
+    found = set()
+    for k, ((low, high), (lower, upper)) in enumerate(zip(first, second, strict=True)):
+        others = [(one, other) for j, (one, other) in enumerate(zip(first, second, strict=True)) if j != k]
+        if all(max(one[0], other[0]) < min(one[1], other[1]) for one, other in others):
+            same, opposite = low == lower or high == upper, low == upper or high == lower
+            if operation == "difference":
+                same, opposite = opposite, same
+            found |= {"coincident faces"} if same else set()
+            found |= {"zero sheet" if operation == "union" else "sheet without thickness"} if opposite else set()
+    return found
+
+
+OPERATIONS = {
+    "union": rsym.disjunction,
+    "intersection": rsym.conjunction,
+    "difference": lambda f, g: rsym.conjunction(f, -g),
+}
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("operation", OPERATIONS)
+def test_common_faces_of_boxes_at_random(operation, dimension):
+    generator, seen = random.Random(dimension), set()
+    for _ in range(10 if dimension == 2 else 6):
+        pair = [[sorted(generator.sample(range(5), 2)) for _ in range(dimension)] for _ in range(2)]
+        expression = OPERATIONS[operation](*(box(*sides) for sides in pair))
+        shape = rsym.Shape(expression, (x, y, z)[:dimension], bounds=((-0.5, 4.5),) * dimension)
+        found = set(kinds(rsym.lint(shape)))
+        assert found == expected(*pair, operation), pair
+        seen |= found
+    assert len(seen) == 2
 
 
 def test_a_common_face_inside_another_operand_is_no_fault():
@@ -187,7 +228,7 @@ def test_bounds_and_letters_are_those_asked_for():
     assert rsym.lint(rsym.Shape(disc, (x, y))).clean  # bounds are found
 
 
-def test_terms_that_saturate():
+def test_terms_that_saturate(car):
     large = ((-15, 15), (-15, 15))
     ball = plane(25 - x**2 - y**2, large)
     short, long = rsym.normalise(ball), rsym.normalise(ball, length=30)
@@ -198,8 +239,7 @@ def test_terms_that_saturate():
     found = rsym.lint(plane(short.expression + y / 2, large))
     assert kinds(found) == ["not normalised", "saturates"]
     assert kinds(rsym.lint(plane(rsym.conjunction(sp.tanh(x), y), large))) == ["saturates"]
-    fenders = rsym.lint(rsym.paper.car()).of("saturates")
-    assert [finding.places[0].definition for finding in fenders] == ["fb1", "fb2"]
+    assert [finding.places[0].definition for finding in car.of("saturates")] == ["fb1", "fb2"]
 
 
 @pytest.mark.parametrize(
@@ -244,8 +284,8 @@ def test_omega_that_is_undefined_at_an_end_of_a_range():
     assert finding.range == pytest.approx((0.25, 0.25), abs=0.05)
 
 
-def test_reports_are_text_json_and_a_table():
-    report = rsym.lint(rsym.paper.car())
+def test_reports_are_text_json_and_a_table(car):
+    report = car
     record = json.loads(report.to_json())
     assert record["clean"] is False
     assert record["leaves"] == 31

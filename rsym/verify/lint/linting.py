@@ -91,7 +91,7 @@ def lint(
     survey = survey_of(shape, bounds, progress)
     found = [
         *_not_normalised(survey, tolerance),
-        *face_findings(survey, common_faces(survey.logic, survey.functions, survey.zeros, survey.size)),
+        *face_findings(survey, common_faces(survey.logic, survey.functions, *survey.near)),
         *_saturated(survey),
         *letter_findings(shape, survey.cloud),
     ]

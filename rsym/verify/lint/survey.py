@@ -19,6 +19,8 @@ from rsym.verify.lint.saturation import terms_of
 from rsym.verify.lint.slopes import logical_parts
 from rsym.verify.lint.zeros import SCATTERED, Box, Progress, Zeros, diagonal, scattered, zeros_of
 
+MARGIN = 0.02  # of the diagonal of the bounds, around the zeros of omega that were met
+
 
 @dataclass(frozen=True)
 class Survey:
@@ -26,7 +28,8 @@ class Survey:
 
     operations : the R-operations of the formula; orders : of its leaves, as far as algebra shows them;
     expressions : the leaves of the logic, then the other leaves, which blends, trimming and joining hide from it, then
-    terms inside leaves; functions : these and omega, the last.
+    terms inside leaves; functions : these and omega, the last; zeros : points on their zero sets;
+    near : such points in the box that holds the zeros of omega, and the diagonal of that box.
     """
 
     shape: Shape
@@ -39,11 +42,7 @@ class Survey:
     functions: Functions
     cloud: Array
     zeros: Zeros
-
-    @property
-    def size(self) -> float:
-        """The diagonal of the bounds."""
-        return diagonal(self.box)
+    near: tuple[Zeros, float]
 
     def slopes(self, expression: sp.Expr) -> Array:
         """The lengths of a gradient on its zero set."""
@@ -82,6 +81,7 @@ def survey_of(shape: Shape, bounds: Any, progress: Progress | None = None) -> Su
     expressions = tuple(dict.fromkeys([*logic.leaves, *leaves, *terms]))
     functions = functions_of(shape, [*expressions, shape.expression])
     cloud = scattered(box, SCATTERED[shape.dimension])
+    zeros = zeros_of(functions, cloud, box, progress)
     return Survey(
         shape,
         box,
@@ -92,5 +92,17 @@ def survey_of(shape: Shape, bounds: Any, progress: Progress | None = None) -> Su
         places_of(shape, expressions),
         functions,
         cloud,
-        zeros_of(functions, cloud, box, progress),
+        zeros,
+        _near(functions, zeros, box, progress),
     )
+
+
+def _near(functions: Functions, zeros: Zeros, box: Box, progress: Progress | None) -> tuple[Zeros, float]:
+    """Zeros where the shape is: within generous bounds faces are few among those of their leaves."""
+    points = zeros.points[zeros.which == functions.count - 1]
+    if len(points):
+        margin = MARGIN * diagonal(box)
+        ends = zip(box, points.min(axis=0).tolist(), points.max(axis=0).tolist(), strict=True)
+        box = tuple((max(low, least - margin), min(high, most + margin)) for (low, high), least, most in ends)
+    cloud = scattered(box, SCATTERED[functions.dimension])
+    return zeros_of(functions, cloud, box, progress), diagonal(box)

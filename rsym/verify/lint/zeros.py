@@ -107,7 +107,7 @@ def _newton(
     going = np.arange(len(points))
     for step in range(steps):
         if progress is not None:
-            progress(step, STEPS)
+            progress(step + 1, STEPS)
         values, slopes = functions.of(which[going], points[going])
         with np.errstate(all="ignore"):
             move = -(values / (slopes**2).sum(axis=1))[:, None] * slopes
