@@ -127,8 +127,8 @@ def _saturated(survey: Survey) -> Iterator[Finding]:
     values, gradients = survey.functions(survey.cloud[: survey.functions.portion])
     side = max(high - low for low, high in survey.box)
     for number, expression in enumerate(survey.expressions):
-        slopes, is_leaf = survey.slopes(expression), expression in survey.orders
-        if not len(slopes) or (is_leaf and len(survey.orders) == 1):
+        slopes, leaves = survey.slopes(expression), survey.leaves_with(expression)
+        if not len(slopes) or len(leaves) == 1:
             continue
         greatest, share = level(values[number], gradients[number], float(np.median(slopes)))
         if share < MUCH:
@@ -136,8 +136,8 @@ def _saturated(survey: Survey) -> Iterator[Finding]:
         yield Finding(
             SATURATES,
             (survey.places[number],),
-            f"nearly constant, its size above {0.9 * greatest:.3g} and flat, in {share:.0%} of the bounds, "
-            f"where what it is {'joined with' if is_leaf else 'added to'} is not",
+            f"its size is above {0.9 * greatest:.3g} and hardly changes in {share:.0%} of the bounds, "
+            f"while what it is {'joined with' if leaves else 'added to'} goes on growing",
             f"normalise with the size of the model: f/sqrt(f^2/L^2 + |grad f|^2), L = {side:.3g}; "
             "rsym.normalise(f, length=L)",
             range=(share, share),

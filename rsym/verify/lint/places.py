@@ -39,7 +39,7 @@ class Place:
 
 
 def places_of(shape: Shape, wanted: Sequence[sp.Expr]) -> tuple[Place, ...]:
-    """Where each of some formulas, or its negation, stands in a shape: in the smallest part and definition with it.
+    """Where each formula, or its negation, stands in a shape: the smallest part and the first definition with it.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def places_of(shape: Shape, wanted: Sequence[sp.Expr]) -> tuple[Place, ...]:
     for name, value in shape.definitions:
         resolved[real_symbol(name)] = substitute(value, resolved)
     parts = _smallest(wanted, shape.parts)
-    definitions = _smallest(wanted, [(symbol.name, value) for symbol, value in resolved.items()])
+    definitions = _first(wanted, [(set(postorder(value)), symbol.name) for symbol, value in resolved.items()])
     return tuple(
         Place(text(one), *names) for one, names in zip(wanted, zip(parts, definitions, strict=True), strict=True)
     )
@@ -75,5 +75,10 @@ def written_out(formula: sp.Expr) -> str:
 
 def _smallest(wanted: Sequence[sp.Expr], named: Iterable[tuple[str, sp.Expr]]) -> list[str]:
     """The name of the smallest named expression that contains each; empty where none does."""
-    contents = sorted(((set(postorder(value)), name) for name, value in named), key=lambda item: len(item[0]))
+    return _first(
+        wanted, sorted(((set(postorder(value)), name) for name, value in named), key=lambda item: len(item[0]))
+    )
+
+
+def _first(wanted: Sequence[sp.Expr], contents: Sequence[tuple[set[sp.Basic], str]]) -> list[str]:
     return [next((name for inside, name in contents if one in inside or -one in inside), "") for one in wanted]

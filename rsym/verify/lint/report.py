@@ -51,7 +51,8 @@ class Finding:
         return " and ".join(map(str, self.places))
 
     def __str__(self) -> str:
-        return f"{self.kind}: {self.where}\n  {self.message}\n  remedy: {self.remedy}"
+        at = f"; at ({', '.join(f'{value:.4g}' for value in self.point)})" if self.point else ""
+        return f"{self.kind}: {self.where}\n  {self.message}{at}\n  remedy: {self.remedy}"
 
 
 @dataclass(frozen=True)

@@ -54,6 +54,11 @@ class Survey:
         points: Array = self.zeros.points[self._of(expression)]
         return points
 
+    def leaves_with(self, expression: sp.Expr) -> tuple[sp.Expr, ...]:
+        """The leaves that R-operations join a leaf with, itself included; none for a term."""
+        groups = (self.logic.leaves, tuple(self.orders))
+        return next((leaves for leaves in groups if expression in leaves), ())
+
     def place(self, expression: sp.Expr) -> Place:
         """Where an expression stands in the model."""
         return self.places[self.expressions.index(expression)]

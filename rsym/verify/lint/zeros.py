@@ -16,6 +16,8 @@ Box: TypeAlias = tuple[tuple[float, float], ...]
 
 SCATTERED = {2: 6_000, 3: 20_000}  # points in the box from which the nearest to a zero set begin
 SAMPLES = 800  # points for each zero set: of a face of a hundredth of its area, eight
+EVALUATIONS = 8_000_000  # in a step; a hundred leaves have all these points, three hundred a tenth
+FEWEST = 50
 STEPS = 30  # of Newton's iteration; double zeros converge by halves
 LONGEST = 0.1  # of the diagonal, for a step
 CONVERGED = 1e-9  # of the diagonal: what is nearer lies on the zero set
@@ -91,7 +93,7 @@ def _starts(functions: Functions, cloud: Array) -> tuple[Ints, Array]:
         with np.errstate(all="ignore"):
             distances[:, start : start + functions.portion] = np.abs(values) / np.linalg.norm(gradients, axis=2)
     distances[~np.isfinite(distances)] = np.inf
-    count = min(SAMPLES, len(cloud))
+    count = min(SAMPLES, len(cloud), max(FEWEST, EVALUATIONS // functions.count**2))
     nearest = np.argpartition(distances, count - 1, axis=1)[:, :count]
     usable = np.isfinite(np.take_along_axis(distances, nearest, axis=1)).ravel()
     which = np.repeat(np.arange(functions.count), count)
