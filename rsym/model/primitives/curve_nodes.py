@@ -83,8 +83,10 @@ class Segment(Curve):
     def composition(self) -> sp.Expr:
         """Trimming of the distance f to the line by t = (place - p).(q - place)/L."""
         place, start, end = (self.vector(k) for k in range(3))
-        length = distance(start, end)
-        along = tuple(component / length for component in _minus(end, start))
+        way, length = _minus(end, start), distance(start, end)
+        # Along a coordinate the sign of a letter must not stay in f: f**2 is then free of roots when it is revolved.
+        straight = sum(not component.is_zero for component in way) == 1
+        along = tuple(sp.Integer(not component.is_zero) if straight else component / length for component in way)
         offset = _minus(place, start)
         line = offset[0] * along[1] - offset[1] * along[0] if self.dimension == 2 else norm(cross(offset, along))
         return Trimming(line, dot(offset, _minus(end, place)) / length)
