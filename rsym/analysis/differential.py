@@ -12,6 +12,7 @@ from typing import TypeAlias
 import sympy as sp
 
 from rsym.errors import RsymError
+from rsym.model.choices import Choice
 from rsym.model.nodes import written_out
 from rsym.model.shape import Shape
 from rsym.model.traversal import postorder
@@ -58,6 +59,8 @@ def _rule(part: sp.Basic, inner: list[sp.Expr], symbol: sp.Symbol) -> sp.Expr:
         return inner[0] * part.args[0] / part
     if isinstance(part, sp.Min | sp.Max):
         return _extremum(part, inner)
+    if isinstance(part, Choice):
+        return Choice(*part.args[:2], *inner[2:])
     if isinstance(part, sp.Function):
         return sp.Add(*(d * part.fdiff(k + 1) for k, d in enumerate(inner) if d != 0))
     raise RsymError(f"cannot differentiate {type(part).__name__}", code="unsupported-function")

@@ -50,12 +50,13 @@ def transform(
     >>> round(float(rsym.compile(bent, ("gradient_squared",))(2.0, 5.0)["gradient_squared"]), 12)
     1.0
     """
+    known = {symbol.name: symbol for symbol in shape.coordinates}
     if isinstance(inverse, Mapping):
         given = {str(name): value for name, value in inverse.items()}
     else:
-        given = {symbol.name: value for symbol, value in zip(shape.coordinates, inverse, strict=False)}
-    known = {symbol.name: symbol for symbol in shape.coordinates}
-    if given.keys() - known.keys() or (not isinstance(inverse, Mapping) and len(inverse) != shape.dimension):
+        listed = list(inverse) if isinstance(inverse, Sequence) else []
+        given = dict(zip(known, listed, strict=True)) if len(listed) == len(known) else {}
+    if not given or given.keys() - known.keys():
         raise RsymError(
             f"a map needs an expression for each of {', '.join(known)}, got {inverse!r}",
             code="map",

@@ -18,6 +18,7 @@ from rsym.codegen.builder import HALF, Builder
 from rsym.codegen.quadratics import sum_with_squares_completed, two_linear_factors
 from rsym.errors import RsymError
 from rsym.model import equivalences, powers, rnodes
+from rsym.model.choices import Choice
 from rsym.model.folds import Fold
 from rsym.model.nodes import Ahead, Held, Trimming, written_out
 from rsym.model.traversal import postorder
@@ -276,6 +277,7 @@ LOWERINGS: dict[type[sp.Basic], Callable[..., int]] = {
     powers.SignedPower: lambda b, part, arguments: b.signed_power(*arguments),
     Trimming: _trimming,
     Ahead: _ahead,
+    Choice: lambda b, part, arguments: b.select(*arguments),
     Held: lambda b, part, arguments: arguments[0],
     sp.Min: _fold("min"),
     sp.Max: _fold("max"),

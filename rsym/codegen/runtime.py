@@ -173,6 +173,11 @@ def ahead(f: Any, g: Any) -> Any:
     return package.where(f > g, 1.0, package.where(f < g, 0.0, float("nan")))
 
 
+def choice(a: Any, b: Any, yes: Any, no: Any) -> Any:
+    """`yes` where a > b, `no` elsewhere."""
+    return _package(a, b).where(a > b, yes, no)
+
+
 def trimming(f: Any, t: Any) -> Any:
     """sqrt(f**2 + ((sqrt(t**2 + f**4) - t)/2)**2)."""
     package = _package(f, t)

@@ -13,6 +13,7 @@ from rsym.language.extent import Extent
 from rsym.language.functions import operations
 from rsym.language.model import Model
 from rsym.language.parts import Part, symbol_part
+from rsym.language.piece_calls import Calls, shown_call
 from rsym.language.syntax import Assignment, Name, names_in
 from rsym.model.letters import Letter
 from rsym.model.shape import Shape
@@ -24,7 +25,7 @@ from rsym.model.wording import listing, proposal
 def assemble(model: Model, shape: str | None, variant: str | None) -> Shape:
     """The chosen shape of a model with the chosen letters."""
     chosen, letters = _chosen(model, shape), _letters(model, variant)
-    known, needed = _inlined(model), _needed(model, chosen)
+    known, needed = _inlined(model, letters), _needed(model, chosen)
     expression = known[chosen].outer
     used = {symbol.name for symbol in symbols_of(expression)}
     return Shape(
@@ -64,9 +65,9 @@ def _letters(model: Model, variant: str | None) -> dict[str, Letter]:
     return {**model.letters, **model.variants[variant]}
 
 
-def _inlined(model: Model) -> dict[str, Part]:
+def _inlined(model: Model, letters: Mapping[str, Letter]) -> dict[str, Part]:
     """Every formula with the others written into it; a part that is used twice is one object."""
-    builder, known = Builder(operations(model.system)), _given(model)
+    builder, known = Builder(operations(model.system), Calls(model.coordinates, letters, model.system)), _given(model)
     for assignment in model.assignments:
         _check_names(assignment, known, model)
         known[assignment.name] = builder.build(assignment.value, known)
@@ -84,7 +85,7 @@ def _needed(model: Model, chosen: str) -> list[Assignment]:
 
 def _definitions(model: Model, needed: list[Assignment]) -> tuple[tuple[str, sp.Expr], ...]:
     """The formulas, each in terms of the others' names."""
-    builder = Builder(operations(model.system))
+    builder = Builder(operations(model.system), shown_call)
     known = {**_given(model), **{assignment.name: symbol_part(assignment.name) for assignment in model.assignments}}
     return tuple((assignment.name, builder.build(assignment.value, known).outer) for assignment in needed)
 

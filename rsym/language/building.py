@@ -11,22 +11,25 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from functools import reduce
 from operator import add, mul
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy as sp
 
 from rsym.language import exact
-from rsym.language.extent import Budget, joined
+from rsym.language.extent import Budget, Extent, joined, measured
 from rsym.language.functions import Operation
-from rsym.language.parts import Part, constant_part, exact_part, open_part
-from rsym.language.syntax import Call, Expression, Name, Number, Place, Power, Product, Sum, postorder
+from rsym.language.parts import Part, constant_part, exact_part, open_part, text_part, vector_part
+from rsym.language.syntax import Call, Expression, Name, Number, Place, Power, Product, Sum, Text, Vector, postorder
+
+PieceCall: TypeAlias = Callable[[Call, list[Part]], sp.Expr]
 
 
 class Builder:
     """Builds expressions with one table of functions and one budget."""
 
-    def __init__(self, operations: Mapping[str, Operation]) -> None:
+    def __init__(self, operations: Mapping[str, Operation], pieces: PieceCall | None = None) -> None:
         self._operations = operations
+        self._pieces = pieces
         self._budget = Budget()
 
     def build(self, expression: Expression, known: Mapping[str, Part]) -> Part:
@@ -52,8 +55,14 @@ class Builder:
                 return self._join(factors, node.place, sp.Mul, mul, math.prod)
             case Power():
                 return reduce(lambda base, exponent: self._raise(base, exponent, node.place), parts)
-            case Call():
+            case Vector():
+                return vector_part(parts)
+            case Text():
+                return text_part(node.value)
+            case Call() if node.function in self._operations:
                 return self._call(node, parts)
+            case Call():
+                return self._piece(node, parts)
 
     def _join(
         self,
@@ -92,6 +101,14 @@ class Builder:
             held = sp.Pow(base.expression, exponent.expression, evaluate=False)
             return constant_part(held, extent, place, math.pow, base.number, exponent.number)
         return Part(sp.Pow(base.outer, exponent.outer, evaluate=False), extent)
+
+    def _piece(self, node: Call, parts: list[Part]) -> Part:
+        """A piece by name; its size is that of what came out of it."""
+        if self._pieces is None:
+            raise node.place.refuse(f"{node.function} cannot stand here", "letter-value", "write a number")
+        self._budget.afford(joined([Extent(), *(part.extent for part in parts)]), node.place)
+        expression = self._pieces(node, parts)
+        return Part(expression, self._budget.afford(measured(expression), node.place))
 
     def _call(self, node: Call, parts: list[Part]) -> Part:
         operation = self._operations[node.function]

@@ -5,17 +5,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
+from itertools import pairwise
+from typing import TypeVar
 
 from rsym.language.cursor import Cursor
 from rsym.language.exact import literal
+from rsym.language.pieces import PIECES
 from rsym.language.scanner import Token
-from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Sum
+from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Sum, Text, Vector
 from rsym.language.vocabulary import ARITIES, KEYWORDS
 from rsym.model.wording import listing, proposal
 
 DEEPEST_NESTING = 100
+MOST_ITEMS = 1000  # a polygon of so many corners is taken apart in seconds
 _HALF = Fraction(1, 2)
+_Item = TypeVar("_Item")
 
 
 class ExpressionParser:
@@ -77,16 +83,58 @@ class ExpressionParser:
 
     def _call(self, function: Token) -> Expression:
         start = self._cursor.mark()
+        if function.text in PIECES:
+            return self._piece(function)
         opening = self._open()
-        arguments: list[Expression] = []
-        if self._cursor.token.text != ")":
-            arguments.append(self.expression())
-            while self._cursor.accept(","):
-                arguments.append(self.expression())
+        arguments = self._list(self.expression, ")")
         self._cursor.close(opening, ")")
         self._depth -= 1
         self._check_call(function, len(arguments), start)
         return _called(function, tuple(arguments))
+
+    def _list(self, item: Callable[[], _Item], closing: str) -> list[_Item]:
+        """Items with commas between them."""
+        items: list[_Item] = []
+        if self._cursor.token.text != closing:
+            items.append(item())
+            while self._cursor.accept(","):
+                items.append(item())
+        return items
+
+    def _piece(self, function: Token) -> Expression:
+        """A call whose arguments may be vectors and texts, and may have names."""
+        opening = self._open()
+        arguments = self._list(self._named_argument, ")")
+        self._cursor.close(opening, ")")
+        self._depth -= 1
+        names = [name.text for name, _ in arguments if name is not None]
+        for (before, _), (name, value) in pairwise(arguments):
+            if before is not None and name is None:
+                message = f"an argument without a name stands behind {before.shown}"
+                raise value.place.refuse(message, "arity", "arguments with names come last")
+        return Call(function.place, function.text, tuple(value for _, value in arguments), tuple(names))
+
+    def _named_argument(self) -> tuple[Token | None, Expression]:
+        if self._cursor.token.kind == "name" and self._cursor.following.text == "=":
+            name = self._cursor.read()
+            self._cursor.read()
+            return name, self._argument()
+        return None, self._argument()
+
+    def _argument(self) -> Expression:
+        token = self._cursor.token
+        if token.kind == "text":
+            self._cursor.read()
+            return Text(token.place, token.text[1:-1])
+        if token.text != "[":
+            return self.expression()
+        opening = self._open()
+        items = self._list(self._argument, "]")
+        self._cursor.close(opening, "]")
+        self._depth -= 1
+        if len(items) > MOST_ITEMS:
+            raise token.place.refuse(f"a list of {len(items)}; {MOST_ITEMS} are the most", "too-large", "use fewer")
+        return Vector(token.place, tuple(items))
 
     def _open(self) -> Token:
         opening = self._cursor.read()
@@ -100,9 +148,8 @@ class ExpressionParser:
     def _check_call(self, function: Token, count: int, start: int) -> None:
         if function.text not in ARITIES:
             product = f"the functions are {listing(ARITIES)}; for a product write {function.text}*(...)"
-            raise function.place.refuse(
-                f"no function {function.shown}", "unknown-name", proposal(function.text, ARITIES, product)
-            )
+            remedy = proposal(function.text, (*ARITIES, *PIECES), product)
+            raise function.place.refuse(f"no function {function.shown}", "unknown-name", remedy)
         fewest, most = ARITIES[function.text]
         if fewest <= count and (most is None or count <= most):
             return

@@ -10,7 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+import sympy as sp
+
 from rsym.language.syntax import Place
+from rsym.model.traversal import postorder
 
 LARGEST_SIZE = 100_000  # nodes of one formula with every name written out
 DEEPEST = 1_000  # levels of one formula with every name written out
@@ -53,6 +56,25 @@ def joined(extents: Iterable[Extent]) -> Extent:
         sum(part.bits for part in parts),
         max(part.degree for part in parts),
     )
+
+
+def measured(expression: sp.Expr) -> Extent:
+    """The extent of a formula that stands already.
+
+    Examples
+    --------
+    >>> from rsym import x, y
+    >>> measured(x**2 + y).size
+    5
+    """
+    known: dict[int, tuple[int, int, int]] = {}
+    for part in postorder(expression):
+        inner = [known[id(argument)] for argument in part.args]
+        bits = int(part.p).bit_length() + int(part.q).bit_length() if isinstance(part, sp.Rational) else 0
+        sizes = (1 + sum(size for size, _, _ in inner), 1 + max((depth for _, depth, _ in inner), default=0))
+        known[id(part)] = (*sizes, bits + (sum(own for _, _, own in inner) if part.is_Add or part.is_Mul else 0))
+    size, depth, bits = known[id(expression)]
+    return Extent(size, depth, max(len(expression.args), 1), bits)
 
 
 class Budget:

@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from rsym.language.declarations import bounds, letter, system, variant
+from rsym.language.pieces import SPACE
 from rsym.language.syntax import (
     Assignment,
     BoundsStatement,
+    Call,
     CoordinatesStatement,
     LetterStatement,
     Place,
@@ -16,6 +18,7 @@ from rsym.language.syntax import (
     SystemStatement,
     VariantStatement,
     names_in,
+    postorder,
 )
 from rsym.language.vocabulary import ARITIES, RESERVED
 from rsym.model.letters import Letter
@@ -130,6 +133,8 @@ class _Table:
                     "rename it, or name other coordinates, for example: coordinates u v",
                 )
         spoken = {name.name for name, _ in self._bounds.intervals} if self._bounds else set()
-        formulas = (assignment.value for assignment in self._assignments)
+        formulas = [assignment.value for assignment in self._assignments]
         spoken.update(name.name for formula in formulas for name in names_in(formula))
+        calls = (part for formula in formulas for part in postorder(formula) if isinstance(part, Call))
+        spoken.update("z" for call in calls if call.function in SPACE)
         return ("x", "y", "z") if "z" in spoken and "z" not in self._places else ("x", "y")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 import sympy as sp
 
 from rsym.language.exact import checked, division_by_zero
-from rsym.language.extent import Extent
+from rsym.language.extent import Extent, joined
 from rsym.language.syntax import Place
 from rsym.model.nodes import Held, RealNode
 from rsym.model.symbols import real_symbol
@@ -21,6 +21,8 @@ from rsym.model.symbols import real_symbol
 class Part:
     """A piece: `exact` if it is rational, `number` if it is any constant, neither if it is open.
 
+    `items` and `text` are those of a vector and of a quoted choice, which only pieces of shapes take.
+
     The expression of a constant is unevaluated throughout; `outer` wraps it so that SymPy cannot look inside.
     """
 
@@ -28,6 +30,8 @@ class Part:
     extent: Extent
     exact: Fraction | None = None
     number: float | None = None
+    items: tuple[Part, ...] | None = None
+    text: str | None = None
 
     @property
     def outer(self) -> sp.Expr:
@@ -44,6 +48,17 @@ def exact_part(value: Fraction) -> Part:
 def symbol_part(name: str) -> Part:
     """A letter, a coordinate, or an assigned name that is shown as such."""
     return Part(real_symbol(name), Extent())
+
+
+def vector_part(items: Sequence[Part]) -> Part:
+    """A list of parts."""
+    extent = joined((Extent(), *(item.extent for item in items)))
+    return Part(sp.Tuple(*(item.outer for item in items)), extent, items=tuple(items))
+
+
+def text_part(text: str) -> Part:
+    """A quoted choice."""
+    return Part(sp.Symbol(text), Extent(), text=text)
 
 
 def constant_part(

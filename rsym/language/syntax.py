@@ -74,14 +74,32 @@ class Power:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A function of one or more arguments."""
+    """A function of some arguments; `keywords` name the last of them."""
 
     place: Place
     function: str
     parts: tuple[Expression, ...]
+    keywords: tuple[str, ...] = ()
 
 
-Expression: TypeAlias = Number | Name | Sum | Product | Power | Call
+@dataclass(frozen=True, slots=True)
+class Vector:
+    """[p1, p2, ...], an argument of a piece."""
+
+    place: Place
+    parts: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A quoted choice, an argument of a piece."""
+
+    place: Place
+    value: str
+    parts: tuple[Expression, ...] = ()
+
+
+Expression: TypeAlias = Number | Name | Sum | Product | Power | Call | Vector | Text
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,17 +6,20 @@ compared with a printed one must keep its order.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
 import sympy as sp
 
-from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Sum, postorder
+from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Sum, Text, Vector, postorder
+from rsym.language.vocabulary import ARITIES
 from rsym.model.names import typeset_name
 from rsym.model.systems import RSystem
 
 _LOGIC, _SUM, _PRODUCT, _POWER, _ATOM = range(5)  # how firmly the parts of a text hold together
+_ESCAPED = r"\\\1"
 _HALF = Fraction(1, 2)
 _FUNCTIONS = {"log": r"\ln", "atan2": r"\mathrm{atan2}"}
 
@@ -79,7 +82,11 @@ def _combine(node: Expression, parts: list[_Text], signs: Mapping[str, str]) -> 
         case Power():
             return _power(node, parts)
         case Call():
-            return _call(node.function, parts, signs)
+            return _call(node, parts, signs)
+        case Vector():
+            return _Text(rf"\left[{', '.join(part.latex for part in parts)}\right]", _ATOM)
+        case Text():
+            return _Text(_upright(node.value), _ATOM)
 
 
 def _number(value: Fraction) -> _Text:
@@ -131,7 +138,14 @@ def _power(node: Power, parts: list[_Text]) -> _Text:
     return text
 
 
-def _call(function: str, parts: list[_Text], signs: Mapping[str, str]) -> _Text:
+def _upright(word: str) -> str:
+    """A word as such; what LaTeX would take for a command is escaped."""
+    plain = re.sub(r"[^ -~]|[{}~^\\]", "", word)
+    return rf"\mathrm{{{re.sub('([_%#&$])', _ESCAPED, plain)}}}"
+
+
+def _call(node: Call, parts: list[_Text], signs: Mapping[str, str]) -> _Text:
+    function = node.function
     if function in _COMPOSED:
         return _COMPOSED[function](parts, signs["rfAND"], signs["rfOR"])
     if function in signs:
@@ -139,6 +153,11 @@ def _call(function: str, parts: list[_Text], signs: Mapping[str, str]) -> _Text:
     inner = ", ".join(part.latex for part in parts)
     if function == "abs":
         return _Text(rf"\left|{inner}\right|", _ATOM)
+    if function not in ARITIES:
+        first = len(parts) - len(node.keywords)
+        named = [rf"{_upright(name)} = {part.latex}" for name, part in zip(node.keywords, parts[first:], strict=True)]
+        inner = ", ".join([*(part.latex for part in parts[:first]), *named])
+        return _Text(rf"{_upright(function)}\left({inner}\right)", _ATOM)
     if function == "trimming":
         return _Text(rf"\rho\left({parts[0].latex};\, {parts[1].latex}\right)", _ATOM)
     return _Text(rf"{_FUNCTIONS.get(function, chr(92) + function)}\left({inner}\right)", _ATOM)

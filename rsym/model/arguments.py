@@ -68,8 +68,10 @@ def default(expression: sp.Expr, letters: LetterMapping, what: str = "a paramete
 def positive(value: Any, what: str, letters: LetterMapping = None) -> sp.Expr:
     """A number that is above zero where letters have their defaults."""
     expression = number(value, what)
-    if default(expression, letters, what) <= 0:
-        raise RsymError(f"{what} must be positive, got {value}", code="positive")
+    size = default(expression, letters, what)
+    if size <= 0:
+        shown = str(value) if expression.is_number else f"{value} = {size:g}"
+        raise RsymError(f"{what} must be positive, got {shown}", code="positive")
     return expression
 
 

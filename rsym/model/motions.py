@@ -99,7 +99,8 @@ class Movable:
         -x**2/4 - y**2/4 + 1
         """
         if isinstance(factor, tuple | list):
-            factors = [positive(one, "a factor", letters) for one in _items(factor, self.dimension, "factors")]
+            given = _items(factor, self.dimension, "factors")
+            factors = [positive(one, "a factor", _all(self, letters)) for one in given]
             matrix, inverse = sp.diag(*factors), sp.diag(*(1 / one for one in factors))
             return _about_centre(self, matrix, inverse, centre, letters)
         size = positive(factor, "a factor", _all(self, letters))

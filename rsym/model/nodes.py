@@ -179,6 +179,10 @@ class Held(RealNode):
         """What is held."""
         return self.args[0]
 
+    def numeric(self, arguments: list[sp.Float]) -> sp.Expr:
+        """Its value."""
+        return arguments[0]
+
     def fdiff(self, argindex: int = 1) -> sp.Expr:
         """A constant does not change."""
         return sp.S.Zero

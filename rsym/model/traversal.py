@@ -43,7 +43,8 @@ def rebuild(expression: sp.Basic, replace: Callable[[sp.Basic], sp.Basic | None]
         arguments = tuple(done[id(argument)] for argument in part.args)
         unchanged = all(new is old for new, old in zip(arguments, part.args, strict=True))
         candidate = part if unchanged else _with_arguments(part, arguments)
-        replacement = replace(candidate)
+        # What has collapsed to a symbol, -(-x) to x, has its new form already.
+        replacement = replace(candidate) if unchanged or candidate.args else None
         done[id(part)] = candidate if replacement is None else replacement
     return done[id(expression)]
 

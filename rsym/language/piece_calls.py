@@ -1,0 +1,134 @@
+"""Calls of pieces: the arguments of a model file given to the functions of Python, in Python's coordinates."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.language.parts import Part
+from rsym.language.pieces import PIECES, Piece
+from rsym.language.syntax import Call
+from rsym.model.letters import Letter
+from rsym.model.shape import Shape
+from rsym.model.symbols import real_symbol, x, y, z
+from rsym.model.systems import RSystem
+from rsym.model.traversal import substitute, symbols_of
+
+
+@dataclass(frozen=True)
+class Calls:
+    """What all calls of one model share."""
+
+    coordinates: tuple[str, ...]
+    letters: Mapping[str, Letter]
+    system: RSystem
+
+    def __call__(self, node: Call, parts: list[Part]) -> sp.Expr:
+        """The formula that a piece makes.
+
+        Raises
+        ------
+        RsymError
+            For arguments that do not fit, at the place of the call.
+        """
+        piece = PIECES[node.function]
+        given = [self._argument(part) for part in parts]
+        first = len(given) - len(node.keywords)
+        bound = _bound(piece, node, given[:first], dict(zip(node.keywords, given[first:], strict=True)))
+        try:
+            made = self._made(piece, bound)
+        except RsymError as error:
+            raise node.place.refuse(f"{node.function}: {error.message}", error.code, error.remedy) from None
+        except (TypeError, ValueError, AttributeError, ArithmeticError) as error:
+            raise node.place.refuse(
+                f"{node.function} cannot be made of these arguments: {error}", "arity", _takes(piece)
+            ) from None
+        if made.dimension > len(self.coordinates):
+            raise node.place.refuse(
+                f"{node.function} makes a body, but the model is one of the plane", "coordinates", "coordinates x y z"
+            )
+        expression: sp.Expr = substitute(made.expression, self._names(back=True))
+        return expression
+
+    def _made(self, piece: Piece, bound: inspect.BoundArguments) -> Shape:
+        """The shape; formulas without the third coordinate may be plane shapes, if they do not fit as bodies."""
+        rest, shared, letters = bound.args[piece.shapes :], self._shared(piece), self._own_letters()
+
+        def made(dimension: int) -> Shape:
+            shapes = [Shape(value, (x, y, z)[:dimension], letters=letters) for value in bound.args[: piece.shapes]]
+            result: Shape = piece.function(*shapes, *rest, **bound.kwargs, **shared)
+            return result
+
+        whole = 2 if piece.plane else len(self.coordinates)
+        try:
+            return made(whole)
+        except RsymError:
+            if whole == 2 or not piece.shapes or z in symbols_of(*bound.args[: piece.shapes]):
+                raise
+        return made(2)
+
+    def _names(self, back: bool = False) -> dict[sp.Symbol, sp.Symbol]:
+        """Python's coordinates for those of the model, or the other way round."""
+        pairs = [*zip(self.coordinates, "xyz", strict=False), *((name, _apart(name)) for name in self.letters)]
+        names = ((there, here) if back else (here, there) for here, there in pairs if here != there)
+        return {real_symbol(old): real_symbol(new) for old, new in names}
+
+    def _argument(self, part: Part) -> Any:
+        if part.text is not None:
+            return part.text
+        if part.items is not None:
+            return tuple(map(self._argument, part.items))
+        if part.exact is None and part.number is not None:
+            return _turn(part.expression) or part.outer
+        if part.exact is not None and part.exact.denominator == 1:
+            return int(part.exact)
+        return substitute(part.expression, self._names())
+
+    def _shared(self, piece: Piece) -> dict[str, Any]:
+        shared = {"letters": self._own_letters(), "system": self.system}
+        return {name: value for name, value in shared.items() if piece.takes(name)}
+
+    def _own_letters(self) -> dict[str, Letter]:
+        return {_apart(name): letter for name, letter in self.letters.items()}
+
+
+def _apart(letter: str) -> str:
+    """The name of a letter; one called x, y or z in a model of other coordinates must not become a coordinate."""
+    return f"{letter} (letter)" if letter in ("x", "y", "z") else letter
+
+
+def _bound(piece: Piece, node: Call, given: list[Any], named: dict[str, Any]) -> inspect.BoundArguments:
+    try:
+        return piece.signature.bind(*given, **named)
+    except TypeError as error:
+        raise node.place.refuse(f"{node.function}: {error}", "arity", _takes(piece)) from None
+
+
+def _takes(piece: Piece) -> str:
+    """The parameters, for a message."""
+    parameters = piece.signature.parameters.values()
+    return f"it takes {', '.join(str(one.replace(annotation=one.empty)) for one in parameters)}"
+
+
+def _turn(expression: sp.Expr) -> sp.Expr | None:
+    """A rational multiple of pi, of which SymPy knows sine and cosine; None for any other constant."""
+    if not all(part.is_Rational or part is sp.pi for part in sp.preorder_traversal(expression) if not part.args):
+        return None
+    if not all(part.is_Add or part.is_Mul or (part.is_Pow and part.exp == -1) for part in _inner(expression)):
+        return None
+    value = expression.doit()
+    return value if (value / sp.pi).is_Rational else None
+
+
+def _inner(expression: sp.Expr) -> list[sp.Basic]:
+    return [part for part in sp.preorder_traversal(expression) if part.args]
+
+
+def shown_call(node: Call, parts: list[Part]) -> sp.Expr:
+    """The call as a function without meaning, for formulas in which names stand for one another."""
+    return sp.Function(node.function, real=True)(*(part.outer for part in parts))

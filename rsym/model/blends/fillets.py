@@ -1,0 +1,84 @@
+"""Fillets: edges rounded with a given radius, and what is promised of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.arguments import LetterMapping, default, number, positive
+from rsym.model.blends.operands import Operands
+from rsym.model.blends.rho import Rho
+
+
+def fillet(
+    a: Any,
+    b: Any,
+    radius: Any,
+    continuity: str = "G1",
+    operation: str = "union",
+    angle: Any = None,
+    *,
+    letters: LetterMapping = None,
+) -> Any:
+    """Union, intersection or difference with the edge between a and b rounded.
+
+    The operation in the system `Rho`. Outside a tube around the edge nothing is
+    moved. What is promised, which `.expression.guarantee` says of the result
+    too, is said in the values of a and b as coordinates; where these are
+    normalised, values are distances near the faces.
+
+    G1: the fillet is the circle of this radius that touches both faces, exact for
+    planes that meet at the given angle; tangents are continuous, the curvature
+    jumps by 1/radius at both ends. Normalised to order 1 on the faces, and on the fillet of such planes.
+
+    G2: the fillet starts and ends where the circle does, with continuous
+    curvature, at right angles at most 1.295/radius. Normalised to order 1 on the faces alone.
+
+    Parameters
+    ----------
+    a, b : shapes or expressions
+        Their faces, best normalised.
+    radius : number or expression in letters
+        Positive, in the unit of the operands.
+    continuity : {"G1", "G2"}
+        Circle, or continuous curvature.
+    operation : {"union", "intersection", "difference"}
+        A union fills the inner edge, the others take the outer edge away.
+    angle : number or expression in letters, optional
+        In (0, pi), in radians: opening of the wedge between the faces that the circle lies in;
+        by default a right angle. Faces that meet at another angle get another radius.
+    letters : mapping, optional
+        Values of letters in the numbers.
+
+    Raises
+    ------
+    RsymError
+        For a radius that is not positive, an angle that is not in (0, pi), an unknown continuity or operation.
+
+    Source: Rvachev (1982), Shapiro (2007), section 3.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> corner = fillet(x, y, 1, operation="intersection")
+    >>> corner
+    conjunction(x, y, system=Rho(1))
+    >>> print(corner.guarantee)
+    circular fillet of radius 1 between faces at right angles: G1, curvature jumps by 1/radius where it ends
+    """
+    operands = Operands.of(a, b, letters=letters)
+    size = positive(radius, "the radius", operands.letters)
+    return operands.combined(operation, Rho(size, continuity, _cosine(angle, operands)))
+
+
+def _cosine(angle: Any, operands: Operands) -> sp.Expr:
+    """The product of the unit normals: minus the cosine of the angle between the faces."""
+    if angle is None:
+        return sp.S.Zero
+    opening = number(angle, "the angle")
+    if not 0 < default(opening, operands.letters, "the angle") < sp.pi.evalf():
+        raise RsymError(f"the angle must be in (0, pi), got {angle}", code="parameter", remedy="in radians")
+    return -sp.cos(opening)

@@ -1,0 +1,142 @@
+"""Pieces in model files: the same programs as in Python, other coordinates, clear refusals."""
+
+from fractions import Fraction
+
+import pytest
+import sympy as sp
+
+import rsym
+from rsym import RsymError, Shape, x, y, z
+from rsym.language.listing import definitions
+from rsym.language.pieces import PIECES
+
+a, b = sp.symbols("a b", real=True)
+LETTERS = {a: Fraction(3, 2), b: Fraction(1, 4)}
+F, G = 1 - x**2 / 4 - y**2, y - x / 3
+PLANE, OTHER = Shape(F, (x, y), letters=LETTERS), Shape(G, (x, y), letters=LETTERS)
+HALF = sp.Rational(1, 2)
+HEAD = "letter a = 1.5; letter b = 0.25; f = 1 - x^2/4 - y^2; g = y - x/3; h = x*y - z^2; "
+BODY = Shape(x * y - z**2, (x, y, z), letters=LETTERS)
+
+# For every piece one call or more, as a model file and as Python have it.
+CALLS = {
+    "translate": [
+        ("translate(f, a, -0.5)", lambda: PLANE.translate(a, -HALF)),
+        ("translate(h, [a, 0, b])", lambda: BODY.translate((a, 0, b))),
+    ],
+    "rotate": [
+        ("rotate(f, pi/6)", lambda: PLANE.rotate(sp.pi / 6)),
+        ("rotate(f, a, centre = [1, b])", lambda: PLANE.rotate(a, centre=(1, b))),
+        ("rotate(h, 0.5, [1, 2, b])", lambda: BODY.rotate(HALF, (1, 2, b))),
+        ("rotate(h, -pi/2, axis = x)", lambda: BODY.rotate(-sp.pi / 2, x)),
+    ],
+    "scale": [
+        ("scale(f, a)", lambda: PLANE.scale(a)),
+        ("scale(h, [a, 1, 2], centre = [0, 0, 1])", lambda: BODY.scale((a, 1, 2), (0, 0, 1))),
+    ],
+    "mirror": [
+        ("mirror(f, x)", lambda: PLANE.mirror(x)),
+        ("mirror(h, [1, a, 0], b)", lambda: BODY.mirror((1, a, 0), b)),
+    ],
+    "shear": [("shear(f, x, y, a)", lambda: PLANE.shear(x, y, a))],
+    "extrude": [("extrude(f, -a, upper = 2)", lambda: rsym.extrude(PLANE, -a, 2))],
+    "revolve": [
+        ("revolve(f)", lambda: rsym.revolve(PLANE)),
+        ("revolve(f, axis = y)", lambda: rsym.revolve(PLANE, y)),
+    ],
+    "product": [("product(f, a - z^2)", lambda: rsym.product(PLANE, a - z**2, letters=LETTERS))],
+    "sweep": [
+        (
+            "sweep(a - f, [[a, 2 - b*z]], 0, 4)",
+            lambda: rsym.sweep(Shape(a - F, (x, y), letters=LETTERS), {a: 2 - b * z}, 0, 4),
+        )
+    ],
+    "section": [("section(h, y, b + x)", lambda: rsym.section(BODY, y, b + x))],
+    "offset": [("offset(f, b)", lambda: rsym.offset(PLANE, b))],
+    "shell": [("shell(h, b)", lambda: rsym.shell(BODY, b))],
+    "transform": [
+        (
+            "transform(f, [x, y - b*x^2], renormalise = 1)",
+            lambda: rsym.transform(PLANE, [x, y - b * x**2], renormalise=True),
+        )
+    ],
+    "normalise": [("normalise(f, order = 2)", lambda: rsym.normalise(PLANE, 2))],
+}
+ROWS = [(text, make) for rows in CALLS.values() for text, make in rows]
+
+
+def test_every_piece_is_in_the_table():
+    assert CALLS.keys() == PIECES.keys()
+
+
+def program(shape):
+    """With all letters, in one order, so that only the formulas count."""
+    whole = Shape(shape.expression, shape.coordinates, letters=LETTERS)
+    return rsym.compile(whole, ("value", "gradient")).program
+
+
+@pytest.mark.parametrize(("text", "make"), ROWS, ids=[text for text, _ in ROWS])
+def test_a_model_file_and_python_give_the_same_program(text, make):
+    loaded, made = rsym.loads(f"{HEAD} omega = {text}"), make()
+    assert loaded.expression == made.expression
+    whole = Shape(made.expression, (x, y, z), letters=LETTERS)
+    assert program(loaded) == program(whole)
+    assert dict(loaded.letters) == {name: LETTERS_OF[name] for name in loaded.letters}
+
+
+LETTERS_OF = {str(symbol): rsym.Letter(value) for symbol, value in LETTERS.items()}
+
+
+def test_the_system_of_the_model_is_that_of_its_pieces():
+    loaded = rsym.loads("system R1; omega = extrude(1 - x^2 - y^2, 0, 1)")
+    assert loaded.expression == rsym.R1.conjunction(1 - x**2 - y**2, z * (1 - z))
+
+
+def test_other_coordinates_mean_the_same():
+    own = rsym.loads("coordinates u v w; letter x = 2; omega = extrude(u^2 - v*x, 0, 1)")
+    u, v, w, letter = (sp.Symbol(name, real=True) for name in "uvwx")
+    assert own.expression == rsym.conjunction(u**2 - v * letter, w * (1 - w))
+
+
+def test_decisions_are_made_at_the_values_of_the_variant():
+    text = "letter a = 1; variant low: a = -1; omega = extrude(x, 0, a)"
+    assert rsym.loads(text).letters["a"].default == 1
+    with pytest.raises(RsymError, match=r"line 1, column 44: extrude: .* positive, got a = -1"):
+        rsym.loads(text, variant="low")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("f = translate(x, 1)", "needs 2 numbers"),
+        ("f = extrude(z, 0, 1)", "contains z"),
+        ("f = extrude(x, upper = 1, 0)", "without a name"),
+        ("f = rotat(x, 1)", "'rotate'"),
+        ('f = rotate(x, "wide")', "number"),
+        ("f = rotate(x, angl = 2)", "takes shape, angle"),
+        ("f = translate(x, 1, [2, 3])", "number"),
+        ("f = [1, 2]", "expected a number"),
+        ("f = sin([1, 2])", "expected a number"),
+        ("letter a = scale(2, 1); f = a*x", "cannot stand here"),
+        ("f = sweep(x, 0, 1, 2)", "takes profile, changes"),
+        ("f = scale(x, 1/0)", "division by zero"),
+        ("f = scale(x, )", "expected a number"),
+        ("f = scale(x, [1, 2)", r"\]"),
+        ("coordinates x y; f = extrude(x, 0, 1)", "body"),
+        ("f = translate(x, [" + ", ".join("1" * 1001) + "])", "1000"),
+        ("f0 = x + y; " + "".join(f"f{k + 1} = shear(f{k}, x, y, x*f{k});" for k in range(30)), "parts|levels|kept"),
+    ],
+)
+def test_what_cannot_be_called_is_refused_at_its_place(text, message):
+    with pytest.raises(RsymError, match=message) as refusal:
+        rsym.loads(text)
+    assert "line 1" in str(refusal.value)
+
+
+def test_a_call_is_shown_as_it_stands():
+    text = "letter r = 2; w = translate(x, r, -2); p = transform(rotate(w, angle=pi/6), [x, y], renormalise=1)"
+    shown = [definition.latex for definition in definitions(text)]
+    assert shown[0].endswith(r"\mathrm{translate}\left(x, r, -2\right)")
+    assert r"\mathrm{rotate}\left(w, \mathrm{angle} = \frac{\pi}{6}\right)" in shown[1]
+    assert r"\left[x, y\right], \mathrm{renormalise} = 1" in shown[1]
+    assert r"\operatorname{translate}{\left(x,r,-2 \right)}" in rsym.loads(text)._repr_latex_()
