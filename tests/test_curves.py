@@ -186,13 +186,13 @@ class Along:
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_curve_is_normalised_to_its_order_on_every_side_and_not_beyond(name):
-    """One-sided limits of gradients and of higher derivatives along normals, at 200 places in ten motions."""
+    """One-sided limits of gradients and of higher derivatives along normals, at 200 places in four motions."""
     case, random = CASES[name], np.random.default_rng(7)
     sizes, higher, beyond = [], [], []
-    for _ in range(10):
+    for _ in range(4):
         shape, turn, shift = in_motion(case.shape, random)
         series = Along(shape)
-        for share in shares(random, 20, name):
+        for share in shares(random, 50, name):
             place, tangent = case.curve(arb(share))
             way = turn @ normal(tangent, random)
             beside = turn @ place + shift + BESIDE * way
@@ -245,6 +245,15 @@ def test_what_goes_on_beyond_the_ends_is_cut_off():
         assert (values > ends / 2).all()
 
 
+@pytest.mark.parametrize("name", sorted(CASES.keys() - CLOSED - {"polyline", "graph"}))
+def test_beyond_an_end_the_field_begins_as_the_distance(name):
+    kernel, step = rsym.compile(CASES[name].shape), 1e-6
+    for end, way in ((0, -1), (1, 1)):
+        place, tangent = (np.array(item, float) for item in CASES[name].curve(arb(end)))
+        beyond = place + way * step * tangent / np.linalg.norm(tangent)
+        assert_close(kernel(*beyond)["value"], step, rtol=1e-4)
+
+
 def test_an_arc_of_a_large_circle_is_a_segment():
     radius = sp.Integer(10) ** 6
     bow, rod = arc((0, -radius), radius, sp.pi / 2 - 1 / radius, sp.pi / 2 + 1 / radius), segment((-1, 0), (1, 0))
@@ -255,10 +264,10 @@ def test_an_arc_of_a_large_circle_is_a_segment():
 def test_trimming_begins_with_f_and_its_seventh_power():
     """f + f**7/(32 t**2) + ...; for a segment with the t of its disc, t_0 - f**2/L, too."""
     f, t, length = sp.symbols("f t L", positive=True)
-    series = f + f**7 / (32 * t**2)
-    assert sp.simplify(sp.series(rsym.trimming(f, t).doit(), f, 0, 9).removeO() - series) == 0
+    for kept in (t, t - f**2 / length):  # of squares, which differ by 2 f times what the roots differ by
+        square = sp.series(sp.expand(rsym.trimming(f, kept).doit() ** 2), f, 0, 9).removeO()
+        assert sp.expand(square - (f + f**7 / (32 * t**2)) ** 2).as_poly(f).monoms()[-1][0] > 8
     disc = rsym.trimming(f, t - f**2 / length).doit()
-    assert sp.simplify(sp.series(disc, f, 0, 9).removeO() - series) == 0
     rod = segment((0, 0), (L, 0), letters={L: 5}).expression.doit().subs(L, length)
     assert sp.simplify((rod - disc.subs(t, x * (length - x) / length)).subs(y, f)) == 0
 
