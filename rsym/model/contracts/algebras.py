@@ -62,9 +62,16 @@ class Fractions:
         """Return 1/f."""
         if not f[0]:
             raise NotShown
-        if f[0].keys() == {0} and len(f[0][0]) > 1:
-            self.poles.append(f[0][0])
+        self._note_poles(f[0])
         return f[1], f[0]
+
+    def _note_poles(self, f: Element) -> None:
+        """What has a single term is zero where a factor of it is."""
+        if len(f) == 1:
+            ((roots, polynomial),) = f.items()
+            self.poles.append(polynomial)
+            for radicand in self.tower.radicands_of(roots):
+                self._note_poles(radicand)
 
     def root(self, number: int, f: Fraction) -> Fraction:
         """The square root of n/d, sqrt(n*d)/d."""

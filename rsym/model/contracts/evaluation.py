@@ -19,16 +19,17 @@ Algebra: TypeAlias = Fractions | TaylorSeries
 
 
 class Evaluation:
-    """The value of an expression in an algebra; roots are numbered as they are met, the same in every algebra.
+    """The value of an expression in an algebra; roots are numbered as they are first met.
 
     Sines and cosines of c*m, c a number, are those of a fraction of m that all angles of the expression are whole
     multiples of, so sin(2 k z) and cos(k z) know of one another; powers and exponentials alike.
     """
 
-    def __init__(self, algebra: Algebra, expression: sp.Expr) -> None:
+    def __init__(self, algebra: Algebra, expression: sp.Expr, roots: dict[sp.Expr, int]) -> None:
         self.algebra: Any = algebra
-        self._roots: dict[sp.Expr, int] = {}
+        self._roots = roots
         self._shares = _shares(expression)
+        self.assumes = False  # whether quantities are taken as independent that need not be, so that nothing is refuted
 
     def value(self, expression: sp.Expr) -> Value:
         """The value."""
@@ -68,6 +69,7 @@ class Evaluation:
         if isinstance(part, sp.sinh | sp.cosh | sp.tanh):
             return self._hyperbolic(part)
         if isinstance(part, sp.log):
+            self.assumes = True
             return self.algebra.integrated(self.algebra.free(part, "log"), [self.algebra.inverse(inner[0]), inner[0]])
         if isinstance(part, sp.atan2 | sp.atan):
             v, u = inner if len(inner) == 2 else (inner[0], self.algebra.number(1))
@@ -118,6 +120,7 @@ class Evaluation:
                 result = self.algebra.multiply(result, self._raised(size() if whole % 2 else value, whole))
                 coefficient -= whole
             if coefficient:
+                self.assumes = self.assumes or monomial == 1
                 share = coefficient.q
                 unit = self.algebra.free(sp.Tuple(base, monomial, share), "power")
                 step = self._over(self.value(monomial), self.algebra.number(share))
@@ -157,6 +160,7 @@ class Evaluation:
         return turned
 
     def _exponential(self, exponent: sp.Expr) -> Value:
+        self.assumes = True
         result = self.algebra.number(1)
         for coefficient, monomial in _terms(exponent):
             share = self._shares.get(monomial, 1)
@@ -177,6 +181,7 @@ class Evaluation:
 
     def _angle(self, part: sp.Expr, v: Value, u: Value) -> Value:
         """The derivative of atan2(v, u) is (u v' - v u')/(u**2 + v**2)."""
+        self.assumes = True
         add, multiply = self.algebra.add, self.algebra.multiply
         below = self.algebra.inverse(add(multiply(u, u), multiply(v, v)))
         slopes = [multiply(u, below), v, self._negated(multiply(v, below)), u]

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import sympy as sp
 
@@ -31,6 +32,8 @@ _NODES = 3  # R-operations inside a leaf, each a root
 def leaf_order(leaf: sp.Expr, coordinates: Sequence[sp.Symbol]) -> Order:
     """The order of a leaf: infinity for a distance, to HIGHEST, 0 where it is not normalised, None where not shown.
 
+    Of a sum A + A**2 B + ... with a common factor A only the zeros of A count: see `boundary_of`.
+
     Examples
     --------
     >>> import sympy as sp
@@ -43,9 +46,29 @@ def leaf_order(leaf: sp.Expr, coordinates: Sequence[sp.Symbol]) -> Order:
     if not leaf.free_symbols & set(coordinates):
         return math.inf
     try:
-        return _order(_plain(leaf), Line(coordinates), tuple(coordinates))
+        return _Orders(_plain(leaf), Line(coordinates), tuple(coordinates)).order()
     except NotShown:
         return None
+
+
+def boundary_of(leaf: sp.Expr) -> sp.Expr:
+    """The common factor of all terms of a sum, else the leaf itself.
+
+    Normalising to order 2 and more subtracts multiples of powers of omega, which brings new zeros far away.
+
+    Examples
+    --------
+    >>> from rsym import x, y
+    >>> boundary_of(x + x**3 * y), boundary_of(x + y)
+    (x, x + y)
+    """
+    shared: dict[sp.Expr, sp.Expr] | None = None
+    for term in sp.Add.make_args(leaf) if leaf.is_Add else ():
+        powers = {
+            base: power for base, power in term.as_powers_dict().items() if base.free_symbols and power.is_positive
+        }
+        shared = powers if shared is None else {base: shared[base] for base in shared.keys() & powers.keys()}
+    return sp.Mul(*sorted(shared, key=sp.default_sort_key)) if shared else leaf
 
 
 def _plain(leaf: sp.Expr) -> sp.Expr:
@@ -60,37 +83,48 @@ def _plain(leaf: sp.Expr) -> sp.Expr:
     return plain
 
 
-def _order(leaf: sp.Expr, line: Line, coordinates: Sequence[sp.Symbol]) -> Order:
-    anywhere = Tower((line.at(sp.S.One, "anywhere")[0], 1))
-    if _square(anywhere, _gradient(leaf, line, anywhere, coordinates)) == element(1):
-        return math.inf
-    fractions = Fractions(line)
-    numerator, _ = Evaluation(fractions, leaf).value(leaf)
-    boundary = fractions.tower.on_the_zeros_of(numerator, fractions.poles)
-    if boundary is None:
-        return math.inf  # no zero, no boundary
-    gradient = _gradient(leaf, line, boundary, coordinates)
-    lost = boundary.add(_square(boundary, gradient), element(-1))
-    if lost:
-        return None if boundary.vanishes_somewhere(lost) else 0
-    normal = dict(zip(coordinates, gradient, strict=True))
-    for length in (3, HIGHEST + 1):
-        series = _series(leaf, line, boundary, normal, length)
-        if series[0]:
-            raise NotShown
-        broken = [k for k in range(2, length) if series[k]]
-        if broken:
-            return broken[0] - 1
-    return HIGHEST
+@dataclass(frozen=True)
+class _Orders:
+    """A leaf on a random line."""
 
+    leaf: sp.Expr
+    line: Line
+    coordinates: tuple[sp.Symbol, ...]
+    roots: dict[sp.Expr, int] = field(default_factory=dict)  # their numbers, in the order in which they are met
 
-def _gradient(leaf: sp.Expr, line: Line, tower: Tower, coordinates: Sequence[sp.Symbol]) -> list[Element]:
-    return [_series(leaf, line, tower, {symbol: element(1)}, 2)[1] for symbol in coordinates]
+    def order(self) -> Order:
+        anywhere = Tower((self.line.at(sp.S.One, "anywhere")[0], 1))
+        if _square(anywhere, self._gradient(anywhere)) == element(1):
+            return math.inf
+        self.roots.clear()
+        fractions = Fractions(self.line)
+        evaluation = Evaluation(fractions, self.leaf, self.roots)
+        numerator, _ = evaluation.value(boundary_of(self.leaf))
+        boundary = fractions.tower.on_the_zeros_of(numerator, fractions.poles)
+        if boundary is None:
+            return math.inf  # no zero, no boundary
+        gradient = self._gradient(boundary)
+        lost = boundary.add(_square(boundary, gradient), element(-1))
+        if lost:
+            return None if evaluation.assumes or boundary.vanishes_somewhere(lost) else 0
+        normal = dict(zip(self.coordinates, gradient, strict=True))
+        for length in (3, HIGHEST + 1):
+            series = self._series(boundary, normal, length)
+            if series[0]:
+                raise NotShown
+            broken = [k for k in range(2, length) if series[k]]
+            if broken:
+                return broken[0] - 1
+        return HIGHEST
 
+    def _gradient(self, tower: Tower) -> list[Element]:
+        return [self._series(tower, {symbol: element(1)}, 2)[1] for symbol in self.coordinates]
 
-def _series(leaf: sp.Expr, line: Line, tower: Tower, direction: dict[sp.Symbol, Element], length: int) -> Series:
-    result: Series = Evaluation(TaylorSeries(line, tower, direction, length), leaf).value(leaf)
-    return result
+    def _series(self, tower: Tower, direction: dict[sp.Symbol, Element], length: int) -> Series:
+        evaluation = Evaluation(TaylorSeries(self.line, tower, direction, length), self.leaf, self.roots)
+        evaluation.value(boundary_of(self.leaf))  # its roots come first, as they did for its zeros
+        result: Series = evaluation.value(self.leaf)
+        return result
 
 
 def _square(tower: Tower, vector: Sequence[Element]) -> Element:
