@@ -25,7 +25,7 @@ from rsym.model.powers import AbsolutePower
 from rsym.model.traversal import postorder
 
 HIGHEST = 6  # trimming keeps no more
-_PARTS = 600  # of a leaf: an ellipsoid under a rotation has 90
+_PARTS = 800  # of a leaf: an ellipsoid normalised to order 2 has 250, an ellipse to order 3 2 700 and takes 10 s
 _NODES = 3  # R-operations inside a leaf, each a root
 
 
@@ -46,7 +46,8 @@ def leaf_order(leaf: sp.Expr, coordinates: Sequence[sp.Symbol]) -> Order:
     if not leaf.free_symbols & set(coordinates):
         return math.inf
     try:
-        return _Orders(_plain(leaf), Line(coordinates), tuple(coordinates)).order()
+        plain = _plain(leaf)
+        return _Orders(plain, Line(coordinates), tuple(coordinates), boundary_of(plain)).order()
     except NotShown:
         return None
 
@@ -62,13 +63,19 @@ def boundary_of(leaf: sp.Expr) -> sp.Expr:
     >>> boundary_of(x + x**3 * y), boundary_of(x + y)
     (x, x + y)
     """
-    shared: dict[sp.Expr, sp.Expr] | None = None
-    for term in sp.Add.make_args(leaf) if leaf.is_Add else ():
-        powers = {
-            base: power for base, power in term.as_powers_dict().items() if base.free_symbols and power.is_positive
-        }
-        shared = powers if shared is None else {base: shared[base] for base in shared.keys() & powers.keys()}
+    shared = _factors(leaf) if leaf.is_Add else {leaf}
     return sp.Mul(*sorted(shared, key=sp.default_sort_key)) if shared else leaf
+
+
+def _factors(expression: sp.Expr) -> set[sp.Expr]:
+    """What makes an expression zero where it is zero: any factor of a product, what all terms of a sum share."""
+    if expression.is_Add:
+        return set.intersection(*map(_factors, expression.args)) or {expression}
+    found: set[sp.Expr] = set()
+    for base, power in expression.as_powers_dict().items():
+        if power.is_positive and not base.is_Rational:
+            found |= _factors(base) if base.is_Add else {base}
+    return found
 
 
 def _plain(leaf: sp.Expr) -> sp.Expr:
@@ -90,6 +97,7 @@ class _Orders:
     leaf: sp.Expr
     line: Line
     coordinates: tuple[sp.Symbol, ...]
+    boundary: sp.Expr
     roots: dict[sp.Expr, int] = field(default_factory=dict)  # their numbers, in the order in which they are met
 
     def order(self) -> Order:
@@ -99,7 +107,7 @@ class _Orders:
         self.roots.clear()
         fractions = Fractions(self.line)
         evaluation = Evaluation(fractions, self.leaf, self.roots)
-        numerator, _ = evaluation.value(boundary_of(self.leaf))
+        numerator, _ = evaluation.value(self.boundary)
         boundary = fractions.tower.on_the_zeros_of(numerator, fractions.poles)
         if boundary is None:
             return math.inf  # no zero, no boundary
@@ -122,7 +130,7 @@ class _Orders:
 
     def _series(self, tower: Tower, direction: dict[sp.Symbol, Element], length: int) -> Series:
         evaluation = Evaluation(TaylorSeries(self.line, tower, direction, length), self.leaf, self.roots)
-        evaluation.value(boundary_of(self.leaf))  # its roots come first, as they did for its zeros
+        evaluation.value(self.boundary)  # its roots come first, as they did for its zeros
         result: Series = evaluation.value(self.leaf)
         return result
 

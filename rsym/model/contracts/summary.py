@@ -14,7 +14,7 @@ from rsym.model.contracts.display import normalisation, paragraph, table
 from rsym.model.contracts.elementary import Least
 from rsym.model.contracts.images import image
 from rsym.model.contracts.leaves import Leaf, decided_by, is_logical, leaves, logical_parts, names_of, parts_around
-from rsym.model.contracts.orders import leaf_order
+from rsym.model.contracts.orders import boundary_of, leaf_order
 from rsym.model.contracts.promises import Ends, Order, Singularity
 from rsym.model.contracts.squares import never_zero_together
 from rsym.model.contracts.table import Promises, number_itself
@@ -31,7 +31,8 @@ class Contract:
     order : the order to which omega is normalised, at the regular points of its boundary: off the singular sets, where
         one leaf vanishes and its gradient does not; infinity for a distance, 0 for not normalised, None for not shown
     singular : where omega may not be analytic, and of which class it is there
-    exceptions : where on the boundary the order does not hold: on the fillets of blends
+    exceptions : where on the boundary the order does not hold: on the fillets of blends, and where a
+        function that was normalised to order 2 or more vanishes again, far from what it was made of
     leaves : what R-operations combine, each with its own order
 
     A promise is never more than what holds; the truth may be better.
@@ -129,7 +130,7 @@ def contract(shape: Shape) -> Contract:
         shape.coordinates,
         min((item.continuity for item in lost), default=math.inf),
         _order(promises, orders),
-        _exceptions(promises),
+        _exceptions(promises, orders),
         lost,
         tuple(Leaf(leaf, names.get(leaf, ""), part, orders[leaf]) for leaf, part in zip(found, around, strict=True)),
         names,
@@ -158,9 +159,12 @@ def _order(promises: Promises, orders: Mapping[sp.Expr, Order]) -> Order:
     return known[id(promises.root)]
 
 
-def _exceptions(promises: Promises) -> tuple[str, ...]:
-    parts = (part for part in logical_parts(promises.root, promises) if is_logical(part))
-    return tuple(dict.fromkeys(text for part in parts if (text := promises[part].exception)))
+def _exceptions(promises: Promises, orders: Mapping[sp.Expr, Order]) -> tuple[str, ...]:
+    parts = [part for part in logical_parts(promises.root, promises) if is_logical(part)]
+    texts = [text for part in parts if (text := promises[part].exception)]
+    if any(order and boundary_of(leaf) != leaf for leaf, order in orders.items()):
+        texts.append("it holds where the common factor of the terms of a leaf is zero, not where the other factor is")
+    return tuple(dict.fromkeys(texts))
 
 
 def _least_of(letters: Letters) -> Least:
