@@ -1,6 +1,7 @@
 from . import paper, primitives, surfaces
 from .analysis.curvature import curvature, gaussian_curvature, mean_curvature, principal_curvatures
 from .analysis.differential import gradient, hessian, laplacian
+from .analysis.implicit import implicit
 from .analysis.normalisation import normalise
 from .analysis.transformations import transform
 from .codegen.enclosures import enclose
@@ -31,11 +32,21 @@ from .model.operations import (
     trimming,
 )
 from .model.primitives.arcs import arc, circle
+from .model.primitives.cones import cone, double_cone, frustum, nappe
 from .model.primitives.curves import graph, polyline, segment
+from .model.primitives.helical import helicoid, helix_tube
+from .model.primitives.periodic import gyroid, lidinoid, neovius, schwarz_d, schwarz_p
+from .model.primitives.quadrics import ellipsoid, quadric, torus
+from .model.primitives.space import box, capsule, cylinder, half_space, slab, sphere
 from .model.primitives.space_curves import helix, space_curve
 from .model.shape import Shape
 from .model.skeletons import analytic_condition, blend_on_skeleton
 from .model.symbols import x, y, z
+from .model.symmetry.cyclic import cyclic
+from .model.symmetry.mirrors import kaleidoscope, mirror_group, mirrored
+from .model.symmetry.rows import grid, row
+from .model.symmetry.screws import coil, screw, wound
+from .model.symmetry.waves import triangle_wave
 from .model.systems import R0, R1, R0m, RAlpha, Rp
 from .model.thickness import offset, shell
 from .output.combs import plot_curvature_comb
@@ -94,15 +105,23 @@ __all__ = [
     "arc",
     "blend_on_skeleton",
     "bounded_blend",
+    "box",
+    "capsule",
     "circle",
+    "coil",
     "compare_patches",
     "compile",
+    "cone",
     "conjunction",
     "continuity",
     "curvature",
+    "cyclic",
+    "cylinder",
     "difference",
     "disjunction",
     "displacement_blend",
+    "double_cone",
+    "ellipsoid",
     "enclose",
     "equivalence",
     "exclusive_or",
@@ -111,22 +130,35 @@ __all__ = [
     "extent",
     "extrude",
     "fillet",
+    "frustum",
     "gaussian_curvature",
     "gradient",
     "graph",
+    "grid",
+    "gyroid",
+    "half_space",
+    "helicoid",
     "helix",
+    "helix_tube",
     "hessian",
     "implication",
+    "implicit",
     "joining",
+    "kaleidoscope",
     "lambdify",
     "laplacian",
     "level_lines",
+    "lidinoid",
     "load",
     "load_letters",
     "loads",
     "mean_curvature",
     "mesh",
+    "mirror_group",
+    "mirrored",
+    "nappe",
     "negation",
+    "neovius",
     "normalise",
     "offset",
     "paper",
@@ -143,25 +175,35 @@ __all__ = [
     "primitives",
     "principal_curvatures",
     "product",
+    "quadric",
     "revolve",
     "rfAND",
     "rfNOT",
     "rfOR",
+    "row",
     "save_letters",
+    "schwarz_d",
+    "schwarz_p",
+    "screw",
     "section",
     "sections",
     "segment",
     "shell",
+    "slab",
     "smoothness_threshold",
     "source",
     "space_curve",
+    "sphere",
     "surfaces",
     "sweep",
+    "torus",
     "transform",
+    "triangle_wave",
     "trimming",
     "verify_normalisation",
     "verify_smoothness",
     "vertex_curvatures",
+    "wound",
     "write",
     "write_features",
     "write_sections",

@@ -1,15 +1,42 @@
 """The primitives by themselves; each is a name of `rsym` too."""
 
+from rsym.analysis.implicit import implicit
 from rsym.model.primitives.arcs import arc, circle
+from rsym.model.primitives.cones import cone, double_cone, frustum, nappe
 from rsym.model.primitives.curves import graph, polyline, segment
+from rsym.model.primitives.helical import helicoid, helix_tube
+from rsym.model.primitives.periodic import gyroid, lidinoid, neovius, schwarz_d, schwarz_p
+from rsym.model.primitives.quadrics import ellipsoid, quadric, torus
+from rsym.model.primitives.space import box, capsule, cylinder, half_space, slab, sphere
 from rsym.model.primitives.space_curves import helix, space_curve
 
 __all__ = [
     "arc",
+    "box",
+    "capsule",
     "circle",
+    "cone",
+    "cylinder",
+    "double_cone",
+    "ellipsoid",
+    "frustum",
     "graph",
+    "gyroid",
+    "half_space",
+    "helicoid",
     "helix",
+    "helix_tube",
+    "implicit",
+    "lidinoid",
+    "nappe",
+    "neovius",
     "polyline",
+    "quadric",
+    "schwarz_d",
+    "schwarz_p",
     "segment",
+    "slab",
     "space_curve",
+    "sphere",
+    "torus",
 ]

@@ -18,6 +18,23 @@ HALF = sp.Rational(1, 2)
 HEAD = "letter a = 1.5; letter b = 0.25; f = 1 - x^2/4 - y^2; g = y - x/3; h = x*y - z^2; "
 BODY = Shape(x * y - z**2, (x, y, z), letters=LETTERS)
 
+
+def simple(*texts):
+    """Calls whose Python differs only in the function's home, points being tuples and numbers exact."""
+    return [(text, lambda text=text: python_of(text)) for text in texts]
+
+
+def python_of(text):
+    """The call evaluated by Python itself, decimals as rationals, lists as tuples, letters given."""
+    import re
+
+    exact = re.sub(r"(?<![\w.])(\d+\.\d+)", lambda found: f"sp.Rational('{found[0]}')", text)
+    names = {"sp": sp, "a": a, "b": b, "x": x, "y": y, "z": z, "pi": sp.pi, "f": PLANE, "g": OTHER, "h": BODY}
+    opening, closing = exact.split("(", 1)[0], exact.rstrip().removesuffix(")").split("(", 1)[1]
+    shared = {"letters": LETTERS} if PIECES[opening].takes("letters") else {}
+    return eval(f"rsym.{opening}({closing}, **shared)", {**names, "rsym": rsym, "shared": shared})
+
+
 # For every piece one call or more, as a model file and as Python have it.
 CALLS = {
     "translate": [
@@ -104,6 +121,46 @@ CALLS = {
             lambda: rsym.fillet(PLANE, OTHER, b, "G2", "difference", sp.pi / 3),
         ),
     ],
+    **{
+        name: simple(*texts)
+        for name, texts in {
+            "half_space": ["half_space([1, 2, b], a)"],
+            "slab": ["slab(-a, b, direction = [0, 3, 4])"],
+            "sphere": ["sphere(a, [0, 0, b])", "sphere(2.5, exact = 1)"],
+            "box": ["box(a, 2, 3, centre = [b, 0, 0])"],
+            "cylinder": ["cylinder(a)", "cylinder(0.5, a, [b, 0, 1])"],
+            "capsule": ["capsule([0, 0, 0], [a, 0, 1], b)"],
+            "cone": ["cone(a, 2, [0, b, 0])"],
+            "frustum": ["frustum(2, a, 0.5)"],
+            "nappe": ["nappe(pi/6)", "nappe(b, [0, 0, a])"],
+            "double_cone": ["double_cone(pi/3, [a, 0, 0])"],
+            "ellipsoid": ["ellipsoid(a, 2, b)"],
+            "torus": ["torus(2, b)", 'torus(a, b, form = "quartic")'],
+            "quadric": ["quadric([[1, b, 0], [b, a, 0], [0, 0, -1]], [0, 1, b], a)"],
+            "gyroid": ["gyroid(a, b)", "gyroid(2, thickness = b)"],
+            "schwarz_p": ["schwarz_p(a)"],
+            "schwarz_d": ["schwarz_d(a)"],
+            "neovius": ["neovius(2, b)"],
+            "lidinoid": ["lidinoid(a)"],
+            "helicoid": ["helicoid(a, b)"],
+            "helix_tube": ["helix_tube(2, b, a)"],
+            "coil": ["coil(a, b, 1)", "coil(2, 0.25, 1.5, turns = 3)"],
+            "implicit": ["implicit(h, length = a)"],
+            "triangle_wave": ["triangle_wave(x, a)", "triangle_wave(y, 2, terms = 3)"],
+            "cyclic": [
+                "cyclic(f, 5, radius = a)",
+                'cyclic(g, 3, motif = "any")',
+                "cyclic(f, 6, radius = 1, terms = 4)",
+            ],
+            "row": ["row(f, a)", "row(f, 2, axis = y, count = 3)"],
+            "grid": ["grid(f, [2, a], counts = [3, 4])"],
+            "mirrored": ["mirrored(g, x, b)"],
+            "kaleidoscope": ["kaleidoscope(g, 5)"],
+            "mirror_group": ['mirror_group(h, "octahedral")'],
+            "screw": ["screw(f, a, starts = 2)"],
+            "wound": ["wound(f, 3, a)"],
+        }.items()
+    },
     "shell": [("shell(h, b)", lambda: rsym.shell(BODY, b))],
     "transform": [
         (
@@ -129,6 +186,7 @@ def program(shape):
 @pytest.mark.parametrize(("text", "make"), ROWS, ids=[text for text, _ in ROWS])
 def test_a_model_file_and_python_give_the_same_program(text, make):
     loaded, made = rsym.loads(f"{HEAD} omega = {text}"), make()
+    made = made if isinstance(made, Shape) else Shape(made, (x, y), letters=LETTERS)
     assert loaded.expression == made.expression
     whole = Shape(made.expression, (x, y, z), letters=LETTERS)
     assert program(loaded) == program(whole)

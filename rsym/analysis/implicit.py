@@ -17,6 +17,7 @@ def implicit(
     expression: Any,
     coordinates: Any = None,
     length: Any = 1,
+    *,
     letters: LetterMapping = None,
     bounds: Any = None,
 ) -> Shape:

@@ -48,20 +48,22 @@ class Calls:
             raise node.place.refuse(
                 f"{node.function} cannot be made of these arguments: {error}", "arity", _takes(piece)
             ) from None
-        if made.dimension > len(self.coordinates):
+        if isinstance(made, Shape) and made.dimension > len(self.coordinates):
             raise node.place.refuse(
                 f"{node.function} makes a body, but the model is one of the plane", "coordinates", "coordinates x y z"
             )
-        expression: sp.Expr = substitute(made.expression, self._names(back=True))
+        expression = made.expression if isinstance(made, Shape) else made
+        expression = substitute(expression, self._names(back=True))
         return expression
 
-    def _made(self, piece: Piece, bound: inspect.BoundArguments) -> Shape:
+    def _made(self, piece: Piece, bound: inspect.BoundArguments) -> Shape | sp.Expr:
         """The shape; formulas without the third coordinate may be plane shapes, if they do not fit as bodies."""
-        rest, shared, letters = bound.args[piece.shapes :], self._shared(piece), self._own_letters()
+        rest, named = _given(piece, bound)
+        shared, letters = self._shared(piece), self._own_letters()
 
-        def made(dimension: int) -> Shape:
+        def made(dimension: int) -> Shape | sp.Expr:
             shapes = [Shape(value, (x, y, z)[:dimension], letters=letters) for value in bound.args[: piece.shapes]]
-            result: Shape = piece.function(*shapes, *rest, **bound.kwargs, **shared)
+            result: Shape | sp.Expr = piece.function(*shapes, *rest, **named, **shared)
             return result
 
         whole = 2 if piece.plane else len(self.coordinates)
@@ -107,6 +109,15 @@ def _bound(piece: Piece, node: Call, given: list[Any], named: dict[str, Any]) ->
         return piece.signature.bind(*given, **named)
     except TypeError as error:
         raise node.place.refuse(f"{node.function}: {error}", "arity", _takes(piece)) from None
+
+
+def _given(piece: Piece, bound: inspect.BoundArguments) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """What follows the shapes, by name where it has one: the model's own arguments may stand between."""
+    kinds = {parameter.kind for parameter in piece.signature.parameters.values()}
+    if inspect.Parameter.VAR_POSITIONAL in kinds:
+        return bound.args[piece.shapes :], bound.kwargs
+    names = list(piece.signature.parameters)[piece.shapes :]
+    return (), {name: bound.arguments[name] for name in names if name in bound.arguments}
 
 
 def _takes(piece: Piece) -> str:

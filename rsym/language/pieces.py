@@ -8,16 +8,27 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from rsym.analysis.implicit import implicit
 from rsym.analysis.normalisation import normalise
 from rsym.analysis.transformations import transform
 from rsym.model.blends.displacement import bounded_blend, displacement_blend
 from rsym.model.blends.fillets import fillet
 from rsym.model.constructions import extrude, product, revolve, section, sweep
 from rsym.model.primitives.arcs import arc, circle
+from rsym.model.primitives.cones import cone, double_cone, frustum, nappe
 from rsym.model.primitives.curves import graph, polyline, segment
+from rsym.model.primitives.helical import helicoid, helix_tube
+from rsym.model.primitives.periodic import gyroid, lidinoid, neovius, schwarz_d, schwarz_p
+from rsym.model.primitives.quadrics import ellipsoid, quadric, torus
+from rsym.model.primitives.space import box, capsule, cylinder, half_space, slab, sphere
 from rsym.model.primitives.space_curves import helix, space_curve
 from rsym.model.shape import Shape
 from rsym.model.skeletons import blend_on_skeleton
+from rsym.model.symmetry.cyclic import cyclic
+from rsym.model.symmetry.mirrors import kaleidoscope, mirror_group, mirrored
+from rsym.model.symmetry.rows import grid, row
+from rsym.model.symmetry.screws import coil, screw, wound
+from rsym.model.symmetry.waves import triangle_wave
 from rsym.model.thickness import offset, shell
 
 # Given by the model as a whole, not by a call.
@@ -26,7 +37,7 @@ _FROM_THE_MODEL = ("letters", "system", "bounds", "coordinates")
 
 @dataclass(frozen=True)
 class Piece:
-    """A function that makes a shape.
+    """A function that makes a shape, or an expression.
 
     shapes: how many of its first arguments are shapes. plane: whether those are plane shapes even in a model of space.
     space: whether what it makes is in space.
@@ -57,19 +68,26 @@ def _named(*pieces: Piece) -> Iterator[tuple[str, Piece]]:
     return ((piece.function.__name__, piece) for piece in pieces)
 
 
-_MOTIONS = (Shape.translate, Shape.rotate, Shape.scale, Shape.mirror, Shape.shear)
+_SWEPT = (extrude, product, revolve, sweep, wound)
+_OF_ONE = (
+    *(Shape.translate, Shape.rotate, Shape.scale, Shape.mirror, Shape.shear),
+    *(implicit, normalise, offset, shell, transform),
+    *(cyclic, grid, kaleidoscope, mirror_group, mirrored, row),
+)
 PIECES: Mapping[str, Piece] = dict(
     (
-        *_named(*(Piece(motion, shapes=1) for motion in _MOTIONS)),
+        *_named(*(Piece(function) for function in (arc, circle, graph, polyline, quadric, segment, triangle_wave))),
+        *_named(*(Piece(function, space=True) for function in (box, capsule, cylinder, half_space, slab, sphere))),
+        *_named(*(Piece(function, space=True) for function in (cone, double_cone, ellipsoid, frustum, nappe, torus))),
+        *_named(*(Piece(function, space=True) for function in (gyroid, lidinoid, neovius, schwarz_d, schwarz_p))),
+        *_named(*(Piece(function, space=True) for function in (coil, helicoid, helix, helix_tube))),
+        *_named(*(Piece(function, 1) for function in _OF_ONE)),
         *_named(
-            *(Piece(function, shapes=1, plane=True, space=True) for function in (extrude, revolve, sweep, product))
+            *(Piece(function, 1, plane=True, space=True) for function in (extrude, product, revolve, sweep, wound))
         ),
-        *_named(*(Piece(function, shapes=1) for function in (offset, shell, transform, normalise))),
-        *_named(Piece(section, shapes=1, space=True)),
-        *_named(*(Piece(function) for function in (arc, circle, graph, polyline, segment))),
-        *_named(Piece(helix, space=True), Piece(space_curve, shapes=2, space=True)),
-        *_named(*(Piece(function, shapes=2) for function in (blend_on_skeleton, displacement_blend, fillet))),
-        *_named(Piece(bounded_blend, shapes=3)),
+        *_named(*(Piece(function, 1, space=True) for function in (screw, section))),
+        *_named(*(Piece(function, 2) for function in (blend_on_skeleton, displacement_blend, fillet))),
+        *_named(Piece(space_curve, 2, space=True), Piece(bounded_blend, 3)),
     )
 )
 # Those whose mention makes a model one of space.

@@ -79,7 +79,7 @@ class Movable:
         if self.dimension == 2:
             matrix = Matrix([[sp.cos(turn), -sp.sin(turn)], [sp.sin(turn), sp.cos(turn)]])
         else:
-            matrix = _about(_direction(self, 2 if axis is None else axis, "an axis", letters), turn)
+            matrix = _about(unit_vector(self, 2 if axis is None else axis, "an axis", letters), turn)
         return _about_centre(self, matrix, matrix.T, centre, letters)
 
     def scale(self, factor: Any, centre: Any = None, *, letters: LetterMapping = None) -> Shape:
@@ -121,7 +121,7 @@ class Movable:
         >>> rsym.Shape(rsym.x - 1, (rsym.x, rsym.y)).mirror(rsym.x).expression
         -x - 1
         """
-        unit = Matrix(_direction(self, normal, "a normal", letters))
+        unit = Matrix(unit_vector(self, normal, "a normal", letters))
         matrix = sp.eye(self.dimension) - 2 * unit * unit.T
         offset = 2 * number(distance, "a distance") * unit
         return _moved(self, matrix, matrix, offset, letters)
@@ -145,6 +145,22 @@ class Movable:
         return _moved(self, one + share, one - share, sp.zeros(self.dimension, 1), letters)
 
 
+def unit_vector(shape: Movable, given: Any, what: str, letters: LetterMapping) -> tuple[sp.Expr, ...]:
+    """A coordinate, by number, name or symbol, or a direction.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> [unit_vector(rsym.Shape(x, (x, y)), given, "a normal", None) for given in (y, (3, 4))]
+    [(0, 1), (3/5, 4/5)]
+    """
+    if isinstance(given, int | str | sp.Symbol):
+        position = given if isinstance(given, int) else _axis(shape, given)
+        return tuple(sp.Integer(k == position) for k in range(shape.dimension))
+    return direction(given, shape.dimension, what, _all(shape, letters))
+
+
 def _items(value: Any, count: int, what: str) -> list[Any]:
     if len(value) != count:
         raise RsymError(f"expected {count} {what}, got {len(value)}", code="point")
@@ -161,14 +177,6 @@ def _axis(shape: Movable, given: Any) -> int:
     if str(given) not in names:
         raise RsymError(f"expected one of the coordinates {', '.join(names)}, got {given!r}", code="axis")
     return names.index(str(given))
-
-
-def _direction(shape: Movable, given: Any, what: str, letters: LetterMapping) -> tuple[sp.Expr, ...]:
-    """A coordinate, by number or symbol, or a vector."""
-    if isinstance(given, int | str | sp.Symbol):
-        position = given if isinstance(given, int) else _axis(shape, given)
-        return tuple(sp.Integer(k == position) for k in range(shape.dimension))
-    return direction(given, shape.dimension, what, _all(shape, letters))
 
 
 def _about(axis: tuple[sp.Expr, ...], angle: sp.Expr) -> Matrix:

@@ -14,7 +14,7 @@ from rsym.model.shape import Bounds, Shape
 from rsym.model.systems import R0
 
 
-def cone(radius: Any = 1, height: Any = 2, base: Any = ORIGIN, letters: LetterMapping = None) -> Shape:
+def cone(radius: Any = 1, height: Any = 2, base: Any = ORIGIN, *, letters: LetterMapping = None) -> Shape:
     """The conjunction (R_0) of the mantle ((h - z)*R - rho*h)/sqrt(R**2 + h**2) and z, measured from the base.
 
     rho is the distance from the axis, `base` the centre of the base, the apex h above it. The mantle is the
@@ -38,7 +38,9 @@ def cone(radius: Any = 1, height: Any = 2, base: Any = ORIGIN, letters: LetterMa
     return Shape(R0.conjunction(mantle, up), SPACE, letters=letters, bounds=bounds)
 
 
-def frustum(bottom: Any = 2, top: Any = 1, height: Any = 2, base: Any = ORIGIN, letters: LetterMapping = None) -> Shape:
+def frustum(
+    bottom: Any = 2, top: Any = 1, height: Any = 2, base: Any = ORIGIN, *, letters: LetterMapping = None
+) -> Shape:
     """A cone cut across: radius `bottom` at the base, `top` a height h above it.
 
     The conjunction (R_0) of the mantle (a*h - (a - b)*z - rho*h)/sqrt((a - b)**2 + h**2), a the radius of the bottom,
@@ -63,7 +65,7 @@ def frustum(bottom: Any = 2, top: Any = 1, height: Any = 2, base: Any = ORIGIN, 
     return Shape(R0.conjunction(mantle, up * (height - up) / height), SPACE, letters=letters, bounds=bounds)
 
 
-def nappe(angle: Any = sp.pi / 4, apex: Any = ORIGIN, letters: LetterMapping = None) -> Shape:
+def nappe(angle: Any = sp.pi / 4, apex: Any = ORIGIN, *, letters: LetterMapping = None) -> Shape:
     """z*sin(a) - rho*cos(a), measured from the apex: one nappe of a cone that opens upwards, without end.
 
     a is the angle between axis and mantle. Exact: the signed distance from the mantle wherever its nearest point
@@ -85,7 +87,7 @@ def nappe(angle: Any = sp.pi / 4, apex: Any = ORIGIN, letters: LetterMapping = N
     return Shape(up * sp.sin(angle) - rho * sp.cos(angle), SPACE, letters=letters)
 
 
-def double_cone(angle: Any = sp.pi / 4, apex: Any = ORIGIN, letters: LetterMapping = None) -> Shape:
+def double_cone(angle: Any = sp.pi / 4, apex: Any = ORIGIN, *, letters: LetterMapping = None) -> Shape:
     """u/|grad u| with u = z**2*sin(a)**2 - rho**2*cos(a)**2: both nappes, without a singular axis.
 
     |grad u|**2 = 4*(z**2*sin(a)**4 + rho**2*cos(a)**4) vanishes at the apex alone. Normalised to order 1, analytic

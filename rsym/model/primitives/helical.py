@@ -45,7 +45,7 @@ class Anomaly(Composition):
         return f"anomaly({', '.join(printer._print(argument) for argument in self.args)})"
 
 
-def helicoid(pitch: Any = 1, thickness: Any = None, letters: LetterMapping = None) -> Shape:
+def helicoid(pitch: Any = 1, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
     """(y*cos(k z) - x*sin(k z))/sqrt(1 + k**2*(x**2 + y**2)), k = 2 pi/pitch: one side of a right-handed helicoid.
 
     Its lines cross the z-axis at right angles and turn once in a pitch. Normalised to order 1, analytic everywhere.
@@ -91,6 +91,7 @@ def helix_tube(
     pitch: Any = 4,
     turns: Any = None,
     exact: bool = False,
+    *,
     letters: LetterMapping = None,
 ) -> Shape:
     """(r**2 - d**2)/(2 r), d the distance from a right-handed helix about the z-axis through (R, 0, 0); exact r - d.

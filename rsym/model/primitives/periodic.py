@@ -17,7 +17,7 @@ from rsym.model.traversal import substitute
 Sum: TypeAlias = Callable[[sp.Expr, sp.Expr, sp.Expr], sp.Expr]
 
 
-def gyroid(period: Any = 1, level: Any = 0, thickness: Any = None, letters: LetterMapping = None) -> Shape:
+def gyroid(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
     """A body of u = sin X cos Y + sin Y cos Z + sin Z cos X, with X = k x and so on, k = 2 pi/period.
 
     Without a thickness, what has u > level, by Rvachev's theorem: w = g/sqrt(k**2*g**2 + |grad g|**2), g = u - level,
@@ -43,7 +43,7 @@ def gyroid(period: Any = 1, level: Any = 0, thickness: Any = None, letters: Lett
     return _periodic(_gyroid, period, level, thickness, letters)
 
 
-def schwarz_p(period: Any = 1, level: Any = 0, thickness: Any = None, letters: LetterMapping = None) -> Shape:
+def schwarz_p(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
     """The primitive surface: u = cos X + cos Y + cos Z; the rest as for `gyroid`.
 
     Inside are the rooms at whole periods. Analytic everywhere for |level| other than 1 (where necks close)
@@ -60,7 +60,7 @@ def schwarz_p(period: Any = 1, level: Any = 0, thickness: Any = None, letters: L
     return _periodic(_primitive, period, level, thickness, letters)
 
 
-def schwarz_d(period: Any = 1, level: Any = 0, thickness: Any = None, letters: LetterMapping = None) -> Shape:
+def schwarz_d(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
     """The diamond surface: u = sin X sin Y sin Z + sin X cos Y cos Z + cos X sin Y cos Z + cos X cos Y sin Z.
 
     The rest as for `gyroid`. Analytic everywhere for |level| other than 1 and sqrt(2).
@@ -76,7 +76,7 @@ def schwarz_d(period: Any = 1, level: Any = 0, thickness: Any = None, letters: L
     return _periodic(_diamond, period, level, thickness, letters)
 
 
-def neovius(period: Any = 1, level: Any = 0, thickness: Any = None, letters: LetterMapping = None) -> Shape:
+def neovius(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
     """The surface of Neovius: u = 3 (cos X + cos Y + cos Z) + 4 cos X cos Y cos Z; the rest as for `gyroid`.
 
     Source: Neovius (1883).
@@ -90,7 +90,7 @@ def neovius(period: Any = 1, level: Any = 0, thickness: Any = None, letters: Let
     return _periodic(_neovius, period, level, thickness, letters)
 
 
-def lidinoid(period: Any = 1, level: Any = 0, thickness: Any = None, letters: LetterMapping = None) -> Shape:
+def lidinoid(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
     """The surface of Lidin; the rest as for `gyroid`.
 
     u = (sin 2X cos Y sin Z + sin X sin 2Y cos Z + cos X sin Y sin 2Z)/2

@@ -17,7 +17,7 @@ HYPERBOLOID = ((-1, 0, 0), (0, -1, 0), (0, 0, 1))
 
 
 def ellipsoid(
-    a: Any = 3, b: Any = 2, c: Any = 1, centre: Any = ORIGIN, length: Any = None, letters: LetterMapping = None
+    a: Any = 3, b: Any = 2, c: Any = 1, centre: Any = ORIGIN, length: Any = None, *, letters: LetterMapping = None
 ) -> Shape:
     """L*u/sqrt(u**2 + L**2*|grad u|**2) with u = 1 - x**2/a**2 - y**2/b**2 - z**2/c**2: Rvachev's theorem.
 
@@ -53,6 +53,7 @@ def quadric(
     vector: Any = None,
     constant: Any = 1,
     length: Any = 1,
+    *,
     letters: LetterMapping = None,
 ) -> Shape:
     """L*u/sqrt(u**2 + L**2*|grad u|**2), u = p . M p + v . p + c: inside where the quadratic is positive.
@@ -97,6 +98,7 @@ def torus(
     minor: Any = 1,
     centre: Any = ORIGIN,
     form: str = "radial",
+    *,
     letters: LetterMapping = None,
 ) -> Shape:
     """A ring about an axis parallel to z: the circle of radius R thickened by r, in one of three forms.

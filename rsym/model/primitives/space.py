@@ -22,7 +22,7 @@ SPACE = (x, y, z)
 ORIGIN: Point = (sp.S.Zero,) * 3
 
 
-def half_space(normal: Any = (0, 0, 1), distance: Any = 0, letters: LetterMapping = None) -> Shape:
+def half_space(normal: Any = (0, 0, 1), distance: Any = 0, *, letters: LetterMapping = None) -> Shape:
     """N . p - d, n the unit vector along `normal`: what lies beyond the plane at distance d from the origin.
 
     Exact: the signed distance. Analytic everywhere.
@@ -43,7 +43,7 @@ def half_space(normal: Any = (0, 0, 1), distance: Any = 0, letters: LetterMappin
     return Shape(along - distance, SPACE, letters=letters)
 
 
-def slab(lower: Any = -1, upper: Any = 1, direction: Any = (0, 0, 1), letters: LetterMapping = None) -> Shape:
+def slab(lower: Any = -1, upper: Any = 1, direction: Any = (0, 0, 1), *, letters: LetterMapping = None) -> Shape:
     """(b - s)*(s - a)/(b - a) with s = n . p: between two parallel planes, n the unit vector along `direction`.
 
     Normalised to order 1. Analytic everywhere.
@@ -61,7 +61,7 @@ def slab(lower: Any = -1, upper: Any = 1, direction: Any = (0, 0, 1), letters: L
     return Shape(_strip(lower, upper, direction, letters), SPACE, letters=letters)
 
 
-def sphere(radius: Any = 1, centre: Any = ORIGIN, exact: bool = False, letters: LetterMapping = None) -> Shape:
+def sphere(radius: Any = 1, centre: Any = ORIGIN, exact: bool = False, *, letters: LetterMapping = None) -> Shape:
     """(R**2 - |p - c|**2)/(2 R), the ball; with `exact` R - |p - c|, the distance itself.
 
     Normalised to order 1 and analytic everywhere; the exact form to every order, singular at the centre.
@@ -85,7 +85,9 @@ def sphere(radius: Any = 1, centre: Any = ORIGIN, exact: bool = False, letters: 
     return Shape(expression, SPACE, letters=letters, bounds=centred(centre, (radius,) * 3, letters))
 
 
-def box(width: Any = 2, depth: Any = 2, height: Any = 2, centre: Any = ORIGIN, letters: LetterMapping = None) -> Shape:
+def box(
+    width: Any = 2, depth: Any = 2, height: Any = 2, centre: Any = ORIGIN, *, letters: LetterMapping = None
+) -> Shape:
     """The conjunction (R_0) of three slabs (a**2 - x**2)/(2 a), a half the side: width along x, depth y, height z.
 
     Normalised to order 1 on the faces. Analytic except on the lines through edges, where it is continuous.
@@ -107,7 +109,7 @@ def box(width: Any = 2, depth: Any = 2, height: Any = 2, centre: Any = ORIGIN, l
     return Shape(R0.conjunction(*strips), SPACE, letters=letters, bounds=centred(centre, halves, letters))
 
 
-def cylinder(radius: Any = 1, height: Any = None, centre: Any = ORIGIN, letters: LetterMapping = None) -> Shape:
+def cylinder(radius: Any = 1, height: Any = None, centre: Any = ORIGIN, *, letters: LetterMapping = None) -> Shape:
     """(R**2 - rho**2)/(2 R), rho the distance from the axis, parallel to z; cut by a slab where there is a height.
 
     Normalised to order 1 on the mantle and the ends. Analytic, axis included, except on the rims, where it is
@@ -141,6 +143,7 @@ def capsule(
     end: Any = (0, 0, 1),
     radius: Any = 1,
     exact: bool = False,
+    *,
     letters: LetterMapping = None,
 ) -> Shape:
     """(r**2 - d**2)/(2 r), d the distance from a segment: a cylinder with two half-balls as ends.

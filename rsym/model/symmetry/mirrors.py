@@ -10,6 +10,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, direction, number, point, whole
+from rsym.model.motions import unit_vector
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symmetry.cyclic import around
@@ -35,8 +36,8 @@ def mirrored(shape: Shape, normal: Any = None, distance: Any = 0, *, letters: Le
     ----------
     shape : Shape
         In the plane or in space.
-    normal : point, optional
-        Of any length; by default along the first coordinate, and then omega(|x|, y, ...).
+    normal : coordinate or direction, optional
+        By default along the first coordinate, and then omega(|x|, y, ...).
     distance : number or expression
         d, of the mirror from the origin, in the unit of the coordinates.
     letters : mapping, optional
@@ -54,8 +55,7 @@ def mirrored(shape: Shape, normal: Any = None, distance: Any = 0, *, letters: Le
     >>> mirrored(rsym.Shape(1 - (x - 2)**2 - y**2, (x, y))).expression
     -y**2 - (Abs(x) - 2)**2 + 1
     """
-    given = (1, *(0,) * (shape.dimension - 1)) if normal is None else normal
-    n = direction(given, shape.dimension, "the normal", letters)
+    n = unit_vector(shape, 0 if normal is None else normal, "the normal", letters)
     d = number(distance, "the distance")
     depth = sp.Add(*(a * b for a, b in zip(n, shape.coordinates, strict=True))) - d
     beyond = sp.Abs(depth, evaluate=depth.is_Symbol) - depth
