@@ -161,9 +161,8 @@ def superellipse(
     """L*u/sqrt(u**2 + L**2*|grad u|**2) with u = 1 - |x/a|**n - |y/b|**n: Rvachev's theorem.
 
     L is the length that omega does not exceed, by default the smaller semi-axis. Normalised to order 1. Analytic
-    everywhere where n is an even integer written as a number; for any other n of finite smoothness on the two axes
-    of symmetry, through which the boundary passes: u has n - 1 continuous derivatives there, rounded up, and omega
-    one less.
+    everywhere where n is an even integer; for any other n omega has n - 1 continuous derivatives, rounded up, on
+    the two axes of symmetry, which the boundary crosses (2 n - 3 where n < 2, that is none for n up to 3/2).
 
     Raises
     ------
@@ -190,7 +189,7 @@ def superellipse(
     unit = least if length is None else positive(length, "the length", letters)
     ratios = tuple((part / axis, axis) for part, axis in zip(from_centre(centre), axes, strict=True))
     function = 1 - sp.Add(*(absolute_power(ratio, power) for ratio, _ in ratios))
-    squared = sp.Add(*((power * absolute_power(ratio, power - 1) / axis) ** 2 for ratio, axis in ratios))
+    squared = sp.Add(*((power / axis) ** 2 * absolute_power(ratio, 2 * power - 2) for ratio, axis in ratios))
     bounds = centred(centre, axes, letters)
     return Shape(normalised(function, squared, unit), PLANE, letters=letters, bounds=bounds)
 
