@@ -148,6 +148,8 @@ def test_regular_polygons(sides):
     points = around(corners, 500)
     value = rsym.compile(shape)(*points.T)["value"]
     assert ((value > 0) == outlines.inside(corners, points)).all()
+    room = 0.1 * np.ptp(corners, axis=0).max()
+    assert_close(np.transpose(shape.bounds), [corners.min(axis=0) - room, corners.max(axis=0) + room], atol=1e-12)
     assert_normalised(random_motion(shape, sides), 1, clearance=1e-3)
     assert_normalised(regular_polygon(sides, 2, system=R1), 4, clearance=1e-4)
 

@@ -10,11 +10,11 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, point, positive, whole
-from rsym.model.primitives.extents import around, centred
+from rsym.model.primitives.extents import around
 from rsym.model.primitives.monotone_formulas import Branch, Junction, monotone_formula
 from rsym.model.primitives.outlines import Place, area, check_simple, nearness, shown, straight
 from rsym.model.primitives.plane import ORIGIN, PLANE, from_centre, right_of
-from rsym.model.shape import Shape
+from rsym.model.shape import Bounds, Shape
 from rsym.model.systems import R0, RSystem
 from rsym.model.traversal import symbols_of
 
@@ -68,8 +68,7 @@ def polygon(points: Any, system: RSystem = R0, letters: LetterMapping = None) ->
         ) from None
     for first, second in shared:
         _check_aligned([corners[(edge + step) % len(corners)] for edge in (first, second) for step in (0, 1)])
-    low, high = zip(*((min(axis), max(axis)) for axis in zip(*places, strict=True)), strict=True)
-    return Shape(expression, PLANE, letters=letters, bounds=around(low, high))
+    return Shape(expression, PLANE, letters=letters, bounds=_box(places))
 
 
 def regular_polygon(
@@ -99,10 +98,16 @@ def regular_polygon(
     across, up = from_centre(centre)
     angles = [(2 * side + 1) * sp.pi / count for side in range(count)]
     apothem = radius * sp.cos(sp.pi / count)
-    sides_of = [apothem - sp.cos(angle) * across - sp.sin(angle) * up for angle in angles]
-    return Shape(
-        system.conjunction(*sides_of), PLANE, letters=letters, bounds=centred(centre, (radius, radius), letters)
-    )
+    edges = [apothem - sp.cos(angle) * across - sp.sin(angle) * up for angle in angles]
+    ((right, above),), reach = _places([centre], letters), default(radius, letters)
+    turns = [2 * math.pi * corner / count for corner in range(count)]
+    bounds = _box([(right + reach * math.cos(turn), above + reach * math.sin(turn)) for turn in turns])
+    return Shape(system.conjunction(*edges), PLANE, letters=letters, bounds=bounds)
+
+
+def _box(places: Sequence[Place]) -> Bounds:
+    xs, ys = zip(*places, strict=True)
+    return around((min(xs), min(ys)), (max(xs), max(ys)))
 
 
 def _corners(points: Any) -> list[Point]:
