@@ -22,13 +22,13 @@ from rsym.model.traversal import symbols_of
 def polygon(points: Any, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
     """The inside of a simple polygon, convex or not: a monotone formula of the half-planes of its edges.
 
-    Each edge occurs once; edges that lie on one line and bound the same side of it share their half-plane. Corners
-    are given in order, either way round; a last one equal to the first may be given; one in which the outline does
-    not turn is left out. What is convex and in which order the edges are joined is decided where letters have their
-    defaults.
+    Each edge occurs once; edges on one line at the outside of a bay or of the whole share their half-plane, or
+    normalisation would be lost on them. Corners are given in order, either way round; a last one equal to the first
+    may be given; one in which the outline does not turn is left out. What is convex and in which order the edges are
+    joined is decided where letters have their defaults.
 
-    Normalised to order 1 with R_0, to every order with R_1 (p - 1 with R_p); analytic except at the corners and at
-    points off the boundary where two operands vanish together, there continuous.
+    Normalised to order 1 with R_0, to every order with R_1 (p - 1 with R_p). With R_0 analytic except at the corners
+    and at points off the boundary where two operands vanish together, there continuous.
 
     Parameters
     ----------
@@ -77,8 +77,8 @@ def regular_polygon(
     """The conjunction of n half-planes R*cos(pi/n) - n_k . (p - c): corners on a circle, the first to the right.
 
     The unit normal n_k points in the direction (2 k + 1)*pi/n; its components are exact. Normalised to order 1 with
-    R_0, to every order with R_1; analytic except at the corners and at points off the boundary where two operands
-    vanish together, there continuous.
+    R_0, to every order with R_1. With R_0 analytic except at the corners and at points off the boundary where two
+    operands vanish together, there continuous.
 
     Raises
     ------
