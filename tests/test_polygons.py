@@ -132,6 +132,7 @@ def test_letters_stay_letters():
     a, b = sp.symbols("a b", real=True)
     shape = polygon([(0, 0), (a, 0), (a, 1), (b, 1), (b, a), (0, a)], letters={a: 2, b: 1})
     assert set(shape.letters) == {"a", "b"}
+    assert set(half_planes(shape.expression)) == {y, a - x, 1 - y, b - x, a - y, x}
     assert_normalised(random_motion(shape, 3), 1)
     changed = rsym.compile(shape)
     corners = np.array([(0, 0), (3, 0), (3, 1), (0.5, 1), (0.5, 3), (0, 3)])

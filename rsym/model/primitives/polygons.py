@@ -15,6 +15,7 @@ from rsym.model.primitives.monotone_formulas import Branch, Junction, monotone_f
 from rsym.model.primitives.outlines import Place, area, check_simple, nearness, shown, straight
 from rsym.model.primitives.plane import ORIGIN, PLANE, from_centre, right_of
 from rsym.model.shape import Bounds, Shape
+from rsym.model.symbols import x, y
 from rsym.model.systems import R0, RSystem
 from rsym.model.traversal import symbols_of
 
@@ -57,9 +58,10 @@ def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None)
     if area(places) < 0:
         corners, places = corners[::-1], places[::-1]
     check_simple(places)
+    edges = [_left_of(*ends, letters) for ends in zip(corners, (*corners[1:], corners[0]), strict=True)]
     try:
         formula, shared = monotone_formula(places)
-        expression = _joined(formula, corners, system)
+        expression = _joined(formula, edges, system)
     except RecursionError:
         raise RsymError(
             f"the {len(corners)} corners of this polygon wind too often around one another",
@@ -126,7 +128,7 @@ def _corners(points: Any) -> list[Point]:
 
 
 def _places(corners: Sequence[Point], letters: LetterMapping) -> list[Place]:
-    return [(default(x, letters, "a corner"), default(y, letters, "a corner")) for x, y in corners]
+    return [(default(a, letters, "a corner"), default(b, letters, "a corner")) for a, b in corners]
 
 
 def _turning(corners: list[Point], letters: LetterMapping) -> list[Point]:
@@ -164,9 +166,19 @@ def _check_aligned(corners: Sequence[Point]) -> None:
             )
 
 
-def _joined(branch: Branch, corners: Sequence[Point], system: RSystem) -> sp.Expr:
+def _joined(branch: Branch, edges: Sequence[sp.Expr], system: RSystem) -> sp.Expr:
     """The formula in R-operations."""
     if not isinstance(branch, Junction):
-        return right_of(corners[(branch + 1) % len(corners)], corners[branch])
-    operands = [_joined(part, corners, system) for part in branch.branches]
+        return edges[branch]
+    operands = [_joined(part, edges, system) for part in branch.branches]
     return system.conjunction(*operands) if branch.common else system.disjunction(*operands)
+
+
+def _left_of(start: Point, end: Point, letters: LetterMapping) -> sp.Expr:
+    """The half-plane of an edge; one parallel to an axis keeps its side, and needs no length that letters could end."""
+    across, up = (default(b - a, letters, "a corner") for a, b in zip(start, end, strict=True))
+    if start[1] == end[1]:
+        return y - start[1] if across > 0 else start[1] - y
+    if start[0] == end[0]:
+        return start[0] - x if up > 0 else x - start[0]
+    return right_of(end, start)
