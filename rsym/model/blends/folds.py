@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, TypeAlias
 
 import sympy as sp
 
@@ -11,6 +12,8 @@ from rsym.model.arguments import number
 from rsym.model.choices import Choice
 from rsym.model.nodes import Composition
 from rsym.model.rnodes import ROperation
+
+Pair: TypeAlias = tuple[sp.Expr, sp.Expr]
 
 
 class BlendOperation(Composition, ROperation):
@@ -38,6 +41,22 @@ class BlendOperation(Composition, ROperation):
         for operand in rest:
             result = self.pair(result, operand)
         return result
+
+    def gates(self, operands: Sequence[sp.Expr]) -> sp.Expr:
+        """The same sign by min and max of operands and fillets; `operands` have the signs of the node's own."""
+        value, *rest = self.operands
+        gate, *more = operands
+        for operand, other in zip(rest, more, strict=True):
+            if self.sign < 0:
+                gate = self.conjunction_gates((value, operand), (gate, other))
+            else:
+                gate = -self.conjunction_gates((-value, -operand), (-gate, -other))
+            value = self.pair(value, operand)
+        return gate
+
+    def conjunction_gates(self, values: Pair, signs: Pair) -> sp.Expr:
+        """The conjunction of two operands, given their values, and expressions of the same signs."""
+        raise NotImplementedError
 
     def pair_numeric(self, f: sp.Float, g: sp.Float, *parameters: sp.Float) -> sp.Expr:
         """The operation on two numbers; parameters are the node's own."""

@@ -20,9 +20,9 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.blends.folds import BlendOperation, in_range, infix_index, where_legal
+from rsym.model.blends.folds import BlendOperation, Pair, in_range, infix_index, where_legal
 from rsym.model.choices import Choice
-from rsym.model.rnodes import R0Conjunction, R1Disjunction, RAlphaConjunction
+from rsym.model.rnodes import R0Conjunction, R1Conjunction, R1Disjunction, RAlphaConjunction, ROperation
 from rsym.model.systems import RSystem
 
 # For k in (0, 125/72) the blend is monotone in both operands: the slope of sqrt(T + q) against sqrt(T)
@@ -157,6 +157,16 @@ class RhoOperation(BlendOperation):
     def blended(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """The conjunction where the parameters are legal."""
         raise NotImplementedError
+
+    def conjunction_gates(self, values: Pair, signs: Pair) -> sp.Expr:
+        """Both operands, and outside the tube or inside the fillet; the whole blend if both operands are smooth.
+
+        The fillet joins the faces without an edge, which is best left inside one function.
+        """
+        if not any(part.has(ROperation) for part in signs):
+            return self.conjunction_of(*values)
+        outside = self._square(*values) - self._reach**2
+        return R1Conjunction(*signs, R1Disjunction(outside, where_legal(self.legal(), self.blended(*values))))
 
     def sharp(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """The conjunction without a blend."""

@@ -13,8 +13,9 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.model.blends.folds import BlendOperation, in_range, infix_index, where_legal
+from rsym.model.blends.folds import BlendOperation, Pair, in_range, infix_index, where_legal
 from rsym.model.choices import Choice
+from rsym.model.rnodes import R1Conjunction
 from rsym.model.systems import RSystem
 
 # On the bisector of a right angle the level falls short of the distance by 12.8 %, where R_0 does by 41.4 %.
@@ -87,6 +88,10 @@ class SardfOperation(BlendOperation):
         f_alone, g_alone = Choice(g, 0, f, corner), Choice(f, 0, g, corner)
         blend = Choice(reach * f, g, Choice(reach * g, f, self._arc(f, g), g_alone), f_alone)
         return where_legal([ratio], blend)
+
+    def conjunction_gates(self, values: Pair, signs: Pair) -> sp.Expr:
+        """The smaller."""
+        return R1Conjunction(*signs)
 
     def _arc(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """The level c of the arc: the larger root, of a radicand of at least (lambda*c)**2."""
