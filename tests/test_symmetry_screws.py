@@ -95,6 +95,12 @@ def test_a_coil_is_normalised_to_order_1_on_all_of_its_surface(sizes):
     assert (kernel(u, v, w, letters=dict(zip("abc", sizes, strict=True)))["value"] > 0).tolist() == inside.tolist()
 
 
+def test_a_coil_has_no_false_zero_on_its_axis():
+    near = np.array([0.0, 1e-12, 1e-3])
+    got = rsym.compile(coil(4, 1, 3))(near, 0.0, 1.0)["value"]
+    assert (got < -1).all()
+
+
 def test_a_coil_ends_flat_and_normalised():
     spring = coil(4, 1, 3, turns=a, letters={a: 2})
     kernel = rsym.compile(spring, ("value", "gradient"))
