@@ -124,6 +124,15 @@ CALLS = {
     **{
         name: simple(*texts)
         for name, texts in {
+            "half_plane": ["half_plane([a, 1], b)"],
+            "strip": ["strip(-1, a, [3, 4])"],
+            "line": ["line([0, b], [a, 1])"],
+            "disc": ["disc(a, [b, 0])", "disc(2.5, exact = 1)"],
+            "ellipse": ["ellipse(a, b)"],
+            "superellipse": ["superellipse(a, 1, 4, [b, 0])"],
+            "rectangle": ["rectangle(a, 1, centre = [b, 0])"],
+            "polygon": ["polygon([[0, 0], [a, 0], [b, b], [0, 1]])"],
+            "regular_polygon": ["regular_polygon(5, a)"],
             "half_space": ["half_space([1, 2, b], a)"],
             "slab": ["slab(-a, b, direction = [0, 3, 4])"],
             "sphere": ["sphere(a, [0, 0, b])", "sphere(2.5, exact = 1)"],

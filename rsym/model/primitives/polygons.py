@@ -19,7 +19,7 @@ from rsym.model.systems import R0, RSystem
 from rsym.model.traversal import symbols_of
 
 
-def polygon(points: Any, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
+def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
     """The inside of a simple polygon, convex or not: a monotone formula of the half-planes of its edges.
 
     Each edge occurs once; edges that lie on one line and bound the same side of it share their half-plane. Corners
@@ -73,7 +73,7 @@ def polygon(points: Any, system: RSystem = R0, letters: LetterMapping = None) ->
 
 
 def regular_polygon(
-    sides: int = 6, radius: Any = 1, centre: Any = ORIGIN, system: RSystem = R0, letters: LetterMapping = None
+    sides: int = 6, radius: Any = 1, centre: Any = ORIGIN, *, system: RSystem = R0, letters: LetterMapping = None
 ) -> Shape:
     """The conjunction of n half-planes R*cos(pi/n) - n_k . (p - c): corners on a circle, the first to the right.
 
