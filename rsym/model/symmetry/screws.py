@@ -131,8 +131,8 @@ def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: Lett
     with mu as for `wound`, e = 1 + 2 t**2, E = r**2 + e (d**2 + m**2), q = f**2/R**2. Normalised to order 1 on all of
     the surface, where the root is 2 r/|grad f|; elsewhere it is one of sums of squares, so nothing but f decides the
     sign. The section across the wire is a circle to first order in r/R. Kinks half-way between the turns, which the
-    surface does not reach; singular on the axis. With turns the climb T = z - mu goes from 0 at (R, 0, 0) to
-    L = turns h, and the ends are flat: conjunction with (T (L - T)/L) (2 pi rho/h), normalised there. For ground
+    surface does not reach; singular on the axis. With turns the climb T = z - mu goes from -L/2 to L/2, L = turns h,
+    and the ends are flat: conjunction with ((L**2/4 - T**2)/L) (2 pi rho/h), normalised there. For ground
     ends intersect the endless coil with a slab. `helix_tube` has a round wire of any thickness, by the distance
     itself, at a higher cost.
 
@@ -174,8 +174,8 @@ def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: Lett
         return endless
     length = positive(turns, "the turns", letters) * h
     climb = z - height
-    window = climb * (length - climb) / length * (2 * sp.pi * distance / h)
-    bounds = _cylinder(*(default(item, letters) for item in (big + r, r / cosine, length)))
+    window = ((length / 2) ** 2 - climb**2) / length * (2 * sp.pi * distance / h)
+    bounds = _cylinder(*(default(item, letters) for item in (big + r, r / cosine + length / 2)))
     return endless.replace(expression=R0.conjunction(endless.expression, window), bounds=bounds)
 
 
@@ -201,10 +201,9 @@ def _check_turns_apart(radius: float, wire: float, gap: float) -> None:
         )
 
 
-def _cylinder(radius: float, beyond: float, height: float) -> Bounds:
-    margin = MARGIN * max(2 * radius, height + 2 * beyond)
-    reach = radius + margin
-    return ((-reach, reach), (-reach, reach), (-beyond - margin, height + beyond + margin))
+def _cylinder(radius: float, half: float) -> Bounds:
+    margin = MARGIN * 2 * max(radius, half)
+    return ((-radius - margin, radius + margin),) * 2 + ((-half - margin, half + margin),)
 
 
 def _third(shape: Shape, first: sp.Symbol, second: sp.Symbol) -> sp.Symbol:
