@@ -14,10 +14,9 @@ from rsym.model.arguments import LetterMapping, Point, default, point, whole
 from rsym.model.letters import as_letters
 from rsym.model.operations import joining
 from rsym.model.primitives.curve_nodes import Segment
+from rsym.model.primitives.extents import around
 from rsym.model.shape import Bounds, Shape
 from rsym.model.symbols import x, y, z
-
-FREE = 0.1  # of the largest side, left around a curve in its bounds
 
 
 def segment(start: Any, end: Any, *, letters: LetterMapping = None) -> Shape:
@@ -141,8 +140,7 @@ def box_around(points: Iterable[Sequence[float]]) -> Bounds:
     ((-1.0, 11.0), (-1.0, 6.0))
     """
     axes = list(zip(*points, strict=True))
-    free = FREE * max(max(axis) - min(axis) for axis in axes)
-    return tuple((min(axis) - free, max(axis) + free) for axis in axes)
+    return around([min(axis) for axis in axes], [max(axis) for axis in axes])
 
 
 def _points(points: Any) -> list[Point]:
