@@ -8,6 +8,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import number
+from rsym.model.choices import Choice
 from rsym.model.nodes import Composition
 from rsym.model.rnodes import ROperation
 
@@ -56,6 +57,16 @@ def in_range(value: Any, what: str, low: Any, high: Any) -> sp.Expr:
         wanted = "positive" if (low, high) == (0, sp.oo) else f"in ({low}, {high})"
         raise RsymError(f"{what} must be {wanted}, got {value}", code="parameter")
     return expression
+
+
+def where_legal(quantities: list[sp.Expr], blend: sp.Expr) -> sp.Expr:
+    """The blend where all quantities are positive, undefined elsewhere; numbers have been examined already."""
+    for quantity in quantities:
+        if quantity.free_symbols:
+            # Not NaN itself, which would leave open in all boxes what depends on it: this is defined where it is legal.
+            illegal = blend * sp.sqrt(quantity) * sp.log(quantity)
+            blend = Choice(quantity, 0, blend, illegal)
+    return blend
 
 
 def infix_index(parts: list[tuple[str, sp.Expr]], printer: Any) -> str:
