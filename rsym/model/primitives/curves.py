@@ -118,7 +118,7 @@ def graph(points: Any, edges: Any, order: Any = 2, *, letters: LetterMapping = N
     [0.0, 0.0]
     """
     places = _points(points)
-    pairs = [point(edge, 2, "an edge") for edge in edges]
+    pairs = [point(edge, 2, "an edge") for edge in _listed(edges)]
     chosen = [(whole(a, "the end of an edge", 0), whole(b, "the end of an edge", 0)) for a, b in pairs]
     outside = [index for edge in chosen for index in edge if index >= len(places)]
     if outside or not chosen:
@@ -145,11 +145,17 @@ def box_around(points: Iterable[Sequence[float]]) -> Bounds:
 
 def _points(points: Any) -> list[Point]:
     """All in the plane or all in space."""
-    given = list(points) if isinstance(points, Sequence) and not isinstance(points, str) else []
+    given = _listed(points)
     if len(given) < 2:
-        raise RsymError(f"a curve needs two points or more, got {points!r}", code="points")
+        raise RsymError(
+            f"a curve needs two points or more, got {points!r}", code="points", remedy="for example [(0, 0), (1, 0)]"
+        )
     dimension = 3 if hasattr(given[0], "__len__") and len(given[0]) == 3 else 2
     return [point(item, dimension, "a point of the curve") for item in given]
+
+
+def _listed(value: Any) -> list[Any]:
+    return list(value) if hasattr(value, "__iter__") and not isinstance(value, str) else []
 
 
 def _segments(points: list[Point], edges: list[tuple[int, int]], order: Any, letters: LetterMapping) -> Shape:
