@@ -284,6 +284,21 @@ def test_omega_that_is_undefined_at_an_end_of_a_range():
     assert finding.range == pytest.approx((0.25, 0.25), abs=0.05)
 
 
+def test_a_shape_that_is_empty_at_an_end_of_a_range():
+    given = {"r": Letter(1, minimum=0, maximum=2), "a": Letter(0, minimum=-1, maximum=9)}
+    found = rsym.lint(plane(r - sp.sqrt((x - a) ** 2 + y**2), **given)).of("letter range")
+    assert [(finding.places[0].definition, finding.message.split(" the")[0]) for finding in found] == [
+        ("r", "at its minimum 0"),
+        ("a", "at its maximum 9"),
+    ]
+
+
+def test_letters_inside_compositions():
+    path = rsym.segment((0, 0), (r, 0), letters={r: Letter(1, minimum=0, maximum=2)})
+    (finding,) = rsym.lint(path).of("letter range")
+    assert "r = " in finding.message
+
+
 def test_reports_are_text_json_and_a_table(car):
     report = car
     record = json.loads(report.to_json())
