@@ -224,6 +224,8 @@ def test_decisions_are_made_at_the_values_of_the_variant():
         ('f = rotate(x, "wide")', "number"),
         ("f = rotate(x, angl = 2)", "takes shape, angle"),
         ("f = translate(x, 1, [2, 3])", "number"),
+        ("f = kaleidoscope(x, 100000)", "400 is the most"),
+        ("f = normalise(x^2 + y, order = 3)", "2 is the most"),
         ("f = [1, 2]", "expected a number"),
         ("f = sin([1, 2])", "expected a number"),
         ("letter a = scale(2, 1); f = a*x", "cannot stand here"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -40,13 +40,14 @@ class Piece:
     """A function that makes a shape, or an expression.
 
     shapes: how many of its first arguments are shapes. plane: whether those are plane shapes even in a model of space.
-    space: whether what it makes is in space.
+    space: whether what it makes is in space. most: the largest number of what is counted by a parameter.
     """
 
     function: Callable[..., Any]
     shapes: int = 0
     plane: bool = False
     space: bool = False
+    most: Mapping[str, int] = field(default_factory=lambda: {"order": 400, "terms": 400, "sides": 400})
 
     @cached_property
     def signature(self) -> inspect.Signature:
@@ -71,7 +72,7 @@ def _named(*pieces: Piece) -> Iterator[tuple[str, Piece]]:
 _SWEPT = (extrude, product, revolve, sweep, wound)
 _OF_ONE = (
     *(Shape.translate, Shape.rotate, Shape.scale, Shape.mirror, Shape.shear),
-    *(implicit, normalise, offset, shell, transform),
+    *(implicit, offset, shell, transform),
     *(cyclic, grid, kaleidoscope, mirror_group, mirrored, row),
 )
 PIECES: Mapping[str, Piece] = dict(
@@ -82,6 +83,8 @@ PIECES: Mapping[str, Piece] = dict(
         *_named(*(Piece(function, space=True) for function in (gyroid, lidinoid, neovius, schwarz_d, schwarz_p))),
         *_named(*(Piece(function, space=True) for function in (coil, helicoid, helix, helix_tube))),
         *_named(*(Piece(function, 1) for function in _OF_ONE)),
+        # To order 3 a hundred terms take seconds, a car for ever.
+        *_named(Piece(normalise, 1, most={"order": 2})),
         *_named(
             *(Piece(function, 1, plane=True, space=True) for function in (extrude, product, revolve, sweep, wound))
         ),
