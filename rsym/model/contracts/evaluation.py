@@ -17,6 +17,8 @@ from rsym.model.traversal import postorder
 Value: TypeAlias = Any
 Algebra: TypeAlias = Fractions | TaylorSeries
 
+_ANGLE = 60  # parts of an angle or an exponent, which is expanded
+
 
 class Evaluation:
     """The value of an expression in an algebra; roots are numbered as they are first met.
@@ -55,6 +57,8 @@ class Evaluation:
             return self._exponential(part.exp) if part.base == sp.E else self._power(part.base, part.exp, inner[0])
         if isinstance(part, sp.Abs):
             return self._size(part.args[0], inner[0])
+        if isinstance(part, sp.Min | sp.Max):
+            return self._extremum(part, inner)
         if isinstance(part, AbsolutePower):
             return self._absolute_power(part, inner[0])
         return self._function(part, inner)
@@ -94,6 +98,17 @@ class Evaluation:
 
     def _size(self, base: sp.Expr, value: Value) -> Value:
         return self._rooted(base**2, self.algebra.multiply(value, value))
+
+    def _extremum(self, part: sp.Expr, inner: list[Value]) -> Value:
+        """(u + v -+ |u - v|)/2, folded; both branches of the root count."""
+        half, (result, *rest) = self._over(self.algebra.number(1), self.algebra.number(2)), inner
+        for k, value in enumerate(rest):
+            gap = self.algebra.add(result, self._negated(value))
+            size = self._rooted(sp.Tuple(part, k), self.algebra.multiply(gap, gap))
+            total = self.algebra.add(result, value)
+            turned = self._negated(size) if isinstance(part, sp.Min) else size
+            result = self.algebra.multiply(half, self.algebra.add(total, turned))
+        return result
 
     def _power(self, base: sp.Expr, exponent: sp.Expr, value: Value) -> Value:
         if exponent.is_Integer:
@@ -197,6 +212,8 @@ def _folded(function: Any, values: Sequence[Value]) -> Value:
 
 def _terms(expression: sp.Expr) -> list[tuple[sp.Rational, sp.Expr]]:
     """The terms of a sum: a number and what it multiplies."""
+    if len(postorder(expression)) > _ANGLE:
+        raise NotShown
     terms = (term.as_coeff_Mul(rational=True) for term in sp.Add.make_args(sp.expand(expression)))
     return [(sp.Rational(coefficient), monomial) for coefficient, monomial in terms if coefficient != 0]
 

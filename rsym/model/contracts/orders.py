@@ -1,11 +1,13 @@
 """The order to which a leaf is normalised, by algebra.
 
-On a random line through space, with random letters, a leaf vanishes at the
-zeros of a polynomial N. Modulo N, and with formal square roots, its Taylor
-series along its own gradient is s + c_2 s**2 + ...: it is normalised to order m
-if the coefficient of s is 1 and those to m vanish. All numbers are taken modulo
-the prime 2**61 - 1, where an identity that is false passes with a probability
-below 1e-15 (Schwartz 1980, Zippel 1979); nothing is measured, nothing rounded.
+Where one quantity varies, a coordinate or the sine of one, and all others and
+the letters have random values, a leaf vanishes at the zeros of a polynomial N.
+Modulo N, and with formal square roots, its Taylor series along its own gradient
+is s + c_2 s**2 + ...: it is normalised to order m if the coefficient of s is 1
+and those to m vanish. Each quantity varies in turn, so that no part of the
+boundary is missed. All numbers are taken modulo the prime 2**61 - 1, where an
+identity that is false passes with a probability below 1e-15 (Schwartz 1980,
+Zippel 1979); nothing is measured, nothing rounded.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ import sympy as sp
 
 from rsym.model.contracts.algebras import Fractions, Line, Series, TaylorSeries
 from rsym.model.contracts.evaluation import Evaluation
-from rsym.model.contracts.promises import Order
+from rsym.model.contracts.promises import Order, weakest
 from rsym.model.contracts.towers import Element, NotShown, Tower, element
 from rsym.model.nodes import Held, RealNode, expand_nodes
 from rsym.model.powers import AbsolutePower
@@ -47,7 +49,11 @@ def leaf_order(leaf: sp.Expr, coordinates: Sequence[sp.Symbol]) -> Order:
         return math.inf
     try:
         plain = _plain(leaf)
-        return _Orders(plain, Line(coordinates), tuple(coordinates), boundary_of(plain)).order()
+        boundary, line = boundary_of(plain), Line(coordinates)
+        if _Along(plain, boundary, line, tuple(coordinates)).is_distance():
+            return math.inf
+        lines = map(line.along, line.varying)
+        return weakest(*(_Along(plain, boundary, each, tuple(coordinates)).order() for each in lines))
     except NotShown:
         return None
 
@@ -91,33 +97,35 @@ def _plain(leaf: sp.Expr) -> sp.Expr:
 
 
 @dataclass(frozen=True)
-class _Orders:
-    """A leaf on a random line."""
+class _Along:
+    """A leaf on a line."""
 
     leaf: sp.Expr
+    boundary: sp.Expr
     line: Line
     coordinates: tuple[sp.Symbol, ...]
-    boundary: sp.Expr
     roots: dict[sp.Expr, int] = field(default_factory=dict)  # their numbers, in the order in which they are met
 
-    def order(self) -> Order:
+    def is_distance(self) -> bool:
+        """Whether the gradient has the length 1 anywhere."""
         anywhere = Tower((self.line.at(sp.S.One, "anywhere")[0], 1))
-        if _square(anywhere, self._gradient(anywhere)) == element(1):
-            return math.inf
-        self.roots.clear()
+        return _square(anywhere, self._gradient(anywhere)) == element(1)
+
+    def order(self) -> Order:
+        """The order on those zeros that move along the line."""
         fractions = Fractions(self.line)
         evaluation = Evaluation(fractions, self.leaf, self.roots)
         numerator, _ = evaluation.value(self.boundary)
-        boundary = fractions.tower.on_the_zeros_of(numerator, fractions.poles)
-        if boundary is None:
+        zeros = fractions.tower.on_the_zeros_of(numerator, fractions.poles)
+        if zeros is None:
             return math.inf  # no zero, no boundary
-        gradient = self._gradient(boundary)
-        lost = boundary.add(_square(boundary, gradient), element(-1))
+        gradient = self._gradient(zeros)
+        lost = zeros.add(_square(zeros, gradient), element(-1))
         if lost:
-            return None if evaluation.assumes or boundary.vanishes_somewhere(lost) else 0
+            return None if evaluation.assumes or zeros.vanishes_somewhere(lost) else 0
         normal = dict(zip(self.coordinates, gradient, strict=True))
         for length in (3, HIGHEST + 1):
-            series = self._series(boundary, normal, length)
+            series = self._series(zeros, normal, length)
             if series[0]:
                 raise NotShown
             broken = [k for k in range(2, length) if series[k]]
