@@ -81,7 +81,7 @@ def schwarz_d(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters
 def neovius(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
     """The surface of Neovius: u = 3 (cos X + cos Y + cos Z) + 4 cos X cos Y cos Z; the rest as for `gyroid`.
 
-    A sheet is up to 3 % thicker than it says at t = period/20, 13 % at period/10.
+    A sheet is as thick as it says within 3 % at t = period/20, 13 % at period/10.
 
     Source: Neovius (1883).
 
