@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import TypeAlias
 
 from rsym.errors import RsymError
 
 Place: TypeAlias = tuple[float, float]
-# Of the extent. Coordinates are rounded to 1e-16 of it and sums of them to a few times that: what is nearer than
-# this to a line was meant to be on it.
+# What is nearer to a line than this was meant to be on it, in parts of the extent and of the largest coordinate, to
+# which coordinates are rounded (1e-16) and so their sums and turned copies (a few times that).
 NEAR = 1e-12
+ROUNDED = 2e-15
 
 
 def cross(a: Place, b: Place, c: Place) -> float:
@@ -21,7 +23,9 @@ def cross(a: Place, b: Place, c: Place) -> float:
 
 def nearness(places: Sequence[Place]) -> float:
     """The distance below which a point is on a line."""
-    return NEAR * max(max(axis) - min(axis) for axis in zip(*places, strict=True))
+    extent: float = max(max(axis) - min(axis) for axis in zip(*places, strict=True))
+    largest = max(abs(coordinate) for place in places for coordinate in place)
+    return NEAR * extent + ROUNDED * largest
 
 
 def area(places: Sequence[Place]) -> float:
@@ -32,7 +36,8 @@ def area(places: Sequence[Place]) -> float:
     >>> area([(0, 0), (2, 0), (0, 3)])
     3.0
     """
-    return math.fsum(cross(places[0], b, c) for b, c in zip(places[1:], places[2:], strict=False)) / 2
+    total: float = sum(cross(places[0], b, c) for b, c in pairwise(places[1:]))
+    return total / 2
 
 
 def aligned(a: Place, b: Place, c: Place, near: float) -> bool:
@@ -57,9 +62,9 @@ def straight(a: Place, b: Place, c: Place, near: float) -> bool:
         return False
     if not ahead(a, b, b, c):
         raise RsymError(
-            f"the outline turns back on itself at {_shown(b)}",
+            f"the outline turns back on itself at {shown(b)}",
             code="polygon",
-            remedy="leave out the corner of no width",
+            remedy="leave out the spike",
         )
     return True
 
@@ -78,11 +83,11 @@ def check_simple(places: Sequence[Place]) -> None:
     """
     near = nearness(places)
     for first, second in _close_edges(places, near):
-        ends = [places[(edge + step) % len(places)] for edge in (first, second) for step in (0, 1)]
-        if _meet(*ends, near):
+        a, b, c, d = (places[(edge + step) % len(places)] for edge in (first, second) for step in (0, 1))
+        if _meet(a, b, c, d, near):
             raise RsymError(
-                f"the outline must not cross or touch itself, but the edges from {_shown(ends[0])} to "
-                f"{_shown(ends[1])} and from {_shown(ends[2])} to {_shown(ends[3])} meet",
+                f"the outline must not cross or touch itself, but the edges from {shown(a)} to {shown(b)} "
+                f"and from {shown(c)} to {shown(d)} meet",
                 code="polygon",
                 remedy="give the corners in their order along the boundary; two shapes that touch are two polygons",
             )
@@ -120,5 +125,6 @@ def _distance(p: Place, a: Place, b: Place) -> float:
     return math.dist(p, (a[0] + share * along[0], a[1] + share * along[1]))
 
 
-def _shown(place: Place) -> str:
+def shown(place: Place) -> str:
+    """A point for a message."""
     return f"({place[0]:g}, {place[1]:g})"
