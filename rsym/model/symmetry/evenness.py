@@ -72,7 +72,9 @@ def _places(shape: Shape) -> Iterator[dict[sp.Symbol, sp.Float]]:
         }
         changed = k > PLACES // 2
         for (name, letter), share in zip(shape.letters.items(), shares[shape.dimension :], strict=True):
-            place[real_symbol(name)] = sp.Float(_tried(letter, share) if changed else sp.sympify(letter.default), DIGITS)
+            place[real_symbol(name)] = sp.Float(
+                _tried(letter, share) if changed else sp.sympify(letter.default), DIGITS
+            )
         yield place
 
 
