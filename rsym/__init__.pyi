@@ -70,6 +70,8 @@ from .sampling.sections import Section, sections
 from .sampling.sharp.features import Feature
 from .verify.continuity import ContinuityReport, continuity
 from .verify.curves import Curve
+from .verify.lint.linting import lint
+from .verify.lint.report import Finding, LintReport
 from .verify.normalisation import verify_normalisation
 from .verify.normalisation_report import NormalisationReport
 from .verify.report import Joint, SmoothnessReport
@@ -83,10 +85,12 @@ __all__ = [
     "ContinuityReport",
     "Curve",
     "Feature",
+    "Finding",
     "Joint",
     "Kernel",
     "Letter",
     "LevelLines",
+    "LintReport",
     "Mesh",
     "Mesher",
     "NormalisationReport",
@@ -149,6 +153,7 @@ __all__ = [
     "laplacian",
     "level_lines",
     "lidinoid",
+    "lint",
     "load",
     "load_letters",
     "loads",

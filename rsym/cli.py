@@ -1,7 +1,7 @@
 """The command line: `rsym fields`, `rsym mesh` and the others of `rsym.commands`.
 
 Exit codes: 0 done, 1 input refused, 2 usage; `rsym verify` answers 0 certified, 1 refuted,
-3 undecided or degenerate. Everything heavy is imported by
+3 undecided or degenerate; `rsym lint` 0 clean, 1 findings. Everything heavy is imported by
 the command that needs it, so `rsym --help` answers at once.
 """
 
@@ -15,11 +15,11 @@ import warnings
 from collections.abc import Sequence
 from typing import Any
 
-from rsym.commands import fields, letters, mesh, reproduce, sections, show, sweep, verify
+from rsym.commands import fields, letters, lint, mesh, reproduce, sections, show, sweep, verify
 from rsym.errors import RsymError, RsymWarning
 
 # Another command is one module beside these, and its name here and above.
-COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh, verify)
+COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh, verify, lint)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import sympy as sp
 
@@ -17,6 +17,9 @@ from rsym.model.names import symbol_names
 from rsym.model.symbols import as_expression, real_replacements
 from rsym.model.systems import R0
 from rsym.model.traversal import substitute, symbols_of
+
+if TYPE_CHECKING:
+    from rsym.model.contracts.summary import Contract
 
 _IN_A_LINE = 8  # letters, in a notebook
 
@@ -166,6 +169,22 @@ class Shape(Movable):
             definitions=self.definitions,
             parts=(*others, (name, self.expression)),
         )
+
+    def contract(self) -> Contract:
+        """What the shape promises: class, order of normalisation, singular sets, leaves, interval image.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> from rsym import x, y
+        >>> print(rsym.Shape(rsym.conjunction(x, 1 - y), (x, y)).contract())
+        omega is continuous; normalised to order 1
+          continuous (conjunction) where x = 1 - y = 0
+          leaves, the exact distance: x; 1 - y
+        """
+        from rsym.model.contracts.summary import contract
+
+        return contract(self)
 
     def _combined(self, function: Callable[..., sp.Expr], *others: Shape) -> Shape:
         result: Shape = combine(function, self, *others)

@@ -21,7 +21,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.blends.folds import BlendOperation, in_range, infix_index
 from rsym.model.choices import Choice
-from rsym.model.rnodes import R0Conjunction, RAlphaConjunction
+from rsym.model.rnodes import R0Conjunction, R1Disjunction, RAlphaConjunction
 from rsym.model.systems import RSystem
 
 # For k in (0, 125/72) the blend is monotone in both operands: the slope of sqrt(T + q) against sqrt(T)
@@ -205,8 +205,17 @@ class CircularOperation(RhoOperation):
     parameter_count = 2
 
     def blended(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
-        """The disc inside the tube."""
-        return Choice(self._reach**2, self._square(f, g), self._disc(f, g), self.sharp(f, g))
+        """Near the edge the disc, elsewhere sharp(f, g) - max(t - r, 0)**2/(2*t*(1 + c)), r = sqrt(T).
+
+        They are the same inside the tube. The first is smooth where f = g = 0; the second keeps the sign of small
+        operands and shows how it joins. Where they change the disc is negative: the boundary is elsewhere.
+        """
+        cosine, square, reach = self.parameters[1], self._square(f, g), self._reach
+        depth = reach - sp.sqrt(square)
+        # Not Max: its derivative is undefined where depth = 0, this one is 0.
+        lift = Choice(depth, 0, depth, 0) ** 2 / (2 * reach * (1 + cosine))
+        near = (1 - cosine) * reach**2 / 16
+        return Choice(near, square, self._disc(f, g), self.sharp(f, g) - lift)
 
     def _disc(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """(rho**2 - (f - rho)**2 - (g - rho)**2)/(2*rho), in the metric of the cosine, as a sum of squares.
@@ -248,7 +257,7 @@ class CubicOperation(RhoOperation):
         size, bare = sp.sqrt(square + lift), sp.sqrt(square)
         near = (f + g - size) / (1 + cosine)
         # The bound holds wherever `far` is chosen; it keeps intervals of the quotient finite.
-        both = sp.Max(size + bare, sp.sqrt(k) * reach / 2, evaluate=False)
+        both = R1Disjunction(size + bare, sp.sqrt(k) * reach / 2)
         far = self.sharp(f, g) - lift / ((1 + cosine) * both)
         return Choice(k * reach**2 / 16, square, near, far)
 

@@ -89,11 +89,11 @@ class SardfOperation(BlendOperation):
         return Choice(ratio, 0, blend, sp.S.NaN) if ratio.free_symbols else blend
 
     def _arc(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
-        """The level c of the arc, the larger root of its equation; the radicand is at least (lambda*c)**2 there."""
+        """The level c of the arc: the larger root, of a radicand of at least (lambda*c)**2."""
         (ratio,) = self.parameters
-        reach = 1 + ratio
-        radicand = 2 * reach**2 * f * g - (1 + 2 * ratio) * (f**2 + g**2)
-        return (reach * (f + g) + sp.sqrt(radicand)) / (2 * reach**2 - ratio**2)
+        leading = 2 * (1 + ratio) ** 2 - ratio**2
+        radicand = (ratio**2 * (f + g) ** 2 - leading * (f - g) ** 2) / 2
+        return ((1 + ratio) * (f + g) + sp.sqrt(radicand)) / leading
 
     def pair_as_roots(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """The formula without cases: arc(m, min(M, a*m)) of what is positive of min m and max M, less the distance."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import sympy as sp
@@ -126,7 +127,7 @@ def _mantle(bottom: sp.Expr, top: sp.Expr, height: sp.Expr, rho: sp.Expr, up: sp
 def _half_angle(angle: Any, letters: LetterMapping) -> sp.Expr:
     angle = number(angle, "the angle")
     value = default(angle, letters, "the angle")
-    if not 0 < value < sp.pi / 2:
+    if not 0 < value < math.pi / 2:
         raise RsymError(
             f"the angle between axis and mantle must be between 0 and pi/2, got {angle}",
             code="angle",

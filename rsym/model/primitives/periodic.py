@@ -116,7 +116,8 @@ def _periodic(of: Sum, period: Any, level: Any, thickness: Any, letters: LetterM
     if thickness is None:
         body = by_differentiation(surface, SPACE)
     else:
-        half = sp.tan(_half_phase(thickness, rate, letters))
+        # Unevaluated: as nested roots, which SymPy makes of tan(pi/10), the square of it is not visibly positive.
+        half = sp.tan(_half_phase(thickness, rate, letters), evaluate=False)
         slope = sp.Add(*(sp.diff(surface, symbol) ** 2 for symbol in SPACE))
         body = by_differentiation(half**2 * slope - surface**2, SPACE, half)
     stretched = substitute(body, {symbol: rate * symbol for symbol in SPACE})

@@ -1,0 +1,81 @@
+"""Sums of squares: where they vanish, and whether they can."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy as sp
+
+from rsym.model.nodes import RealNode
+from rsym.model.traversal import postorder
+
+_PARTS = 60  # of what is expanded when a variable is eliminated: the fenders of a car take 25
+
+
+def squares_of(expression: sp.Expr) -> tuple[sp.Expr, ...] | None:
+    """The bases b of a sum of terms c*b**n, c > 0 and n even, which vanishes where all b do; None for other sums.
+
+    A term in positive numbers alone means that the sum is never zero: its base is 1.
+
+    Examples
+    --------
+    >>> from rsym import x, y
+    >>> squares_of(x**2 + 4 * (y - 1)**2), squares_of(x**2 + y)
+    ((x, y - 1), None)
+    """
+    bases: list[sp.Expr] = []
+    for term in sp.Add.make_args(expression):
+        inner = _bases(term)
+        if inner is None:
+            return None
+        bases.append(inner)
+    return tuple(dict.fromkeys(bases))
+
+
+def _bases(term: sp.Expr) -> sp.Expr | None:
+    """What a term is an even power of, up to a positive factor."""
+    result = sp.S.One
+    for factor in sp.Mul.make_args(term):
+        if factor.is_Pow and factor.exp.is_Integer and factor.exp % 2 == 0:
+            result *= factor.base if factor.exp > 0 else 1
+        elif not (factor.is_number and factor.is_positive):
+            return None
+    return result
+
+
+def never_zero_together(equations: Sequence[sp.Expr], coordinates: Sequence[sp.Symbol]) -> bool:
+    """Whether linear elimination shows that no point makes all equations zero, whatever the letters.
+
+    An equation without coordinates counts as never zero where it is not zero by form.
+
+    Examples
+    --------
+    >>> from rsym import x, y
+    >>> never_zero_together((1 - x**2 - y**2, x, y), (x, y))
+    True
+    """
+    left = [part for equation in equations for part in squares_of(equation) or (equation,)]
+    if any(isinstance(part, RealNode) for equation in left for part in postorder(equation)):
+        return False
+    while True:
+        if any(not equation.free_symbols & set(coordinates) and equation != 0 for equation in left):
+            return True
+        if sum(len(postorder(equation)) for equation in left) > _PARTS * len(left):
+            return False
+        solved = _solved(left, coordinates)
+        if solved is None:
+            return False
+        position, symbol, value = solved
+        left = [sp.expand(other.subs(symbol, value)) for k, other in enumerate(left) if k != position]
+
+
+def _solved(equations: Sequence[sp.Expr], coordinates: Sequence[sp.Symbol]) -> tuple[int, sp.Symbol, sp.Expr] | None:
+    """An equation that is linear in a coordinate, with that coordinate's value."""
+    for position, equation in enumerate(equations):
+        for symbol in coordinates:
+            if not equation.has(symbol) or not equation.is_polynomial(symbol):
+                continue
+            slope = sp.expand(equation.diff(symbol))
+            if slope != 0 and not slope.free_symbols & set(coordinates):
+                return position, symbol, sp.expand(symbol - equation / slope)
+    return None

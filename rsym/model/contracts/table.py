@@ -1,0 +1,106 @@
+"""The table of promises, and walks that read it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.contracts.elementary import ELEMENTARY, Least, Rule
+from rsym.model.contracts.operations import OPERATIONS
+from rsym.model.contracts.pieces import PIECES
+from rsym.model.contracts.promises import Promise
+from rsym.model.nodes import Composition
+from rsym.model.traversal import postorder, rebuild
+
+PROMISES: dict[type[sp.Basic], Rule] = {**ELEMENTARY, **OPERATIONS, **PIECES}
+
+
+def number_itself(exponent: sp.Expr) -> sp.Expr | None:
+    """The value of a number; nothing is known of a letter."""
+    return exponent if exponent.is_number and exponent.is_real else None
+
+
+def promise(part: sp.Expr, least: Least = number_itself) -> Promise:
+    """What the operation on top of an expression promises.
+
+    least: the least value of an exponent that is a letter, None where it is not known.
+
+    Raises
+    ------
+    RsymError
+        For a function that is not in the table.
+
+    Examples
+    --------
+    >>> from rsym import conjunction, x, y
+    >>> found = promise(conjunction(x, y))
+    >>> found.law, found.monotone, found.singular[0].equations
+    ('positive where every operand is', (1, 1), (x, y))
+    >>> found.order([3, 2])
+    1
+    """
+    if not part.args:
+        return Promise(())
+    rule = PROMISES.get(type(part))
+    if rule is not None:
+        return rule(part, least)
+    raise RsymError(
+        f"nothing is promised of {type(part).__name__}",
+        code="unsupported-function",
+        remedy="write it with + - * / powers, sqrt, abs, min, max, Piecewise, elementary functions and R-operations",
+    )
+
+
+def known_compositions(expression: sp.Expr) -> sp.Expr:
+    """The expression with every composition that promises nothing of its own written out."""
+
+    def unknown(part: sp.Basic) -> bool:
+        return isinstance(part, Composition) and type(part) not in PROMISES
+
+    while any(unknown(part) for part in postorder(expression)):
+        expression = rebuild(expression, lambda part: part.composition() if unknown(part) else None)
+    return expression
+
+
+class Promises:
+    """The promises of all parts of an expression, each made once."""
+
+    def __init__(self, root: sp.Expr, least: Least = number_itself) -> None:
+        self.root = known_compositions(root)
+        self._least = least
+        self._made: dict[int, tuple[sp.Expr, Promise]] = {}
+
+    def __getitem__(self, part: sp.Expr) -> Promise:
+        if id(part) not in self._made:
+            self._made[id(part)] = part, promise(part, self._least)  # the part is kept, so that its id is its own
+        return self._made[id(part)][1]
+
+    def inward(self, part: sp.Expr) -> Iterable[sp.Expr]:
+        """The operands."""
+        return self[part].operands
+
+    def smooth_in(self, part: sp.Expr) -> Iterable[sp.Expr]:
+        """What a part is smooth in off its singular sets."""
+        made = self[part]
+        return made.operands if made.through is None else made.through
+
+    def parts(self, through: bool = False) -> list[sp.Expr]:
+        """Every distinct part that counts, operands before their users."""
+        inward = self.smooth_in if through else self.inward
+        order: list[sp.Expr] = []
+        seen: set[int] = set()
+        stack: list[tuple[sp.Expr, bool]] = [(self.root, False)]
+        while stack:
+            part, done = stack.pop()
+            if id(part) in seen:
+                continue
+            operands = inward(part)
+            if done or not operands:
+                seen.add(id(part))
+                order.append(part)
+            else:
+                stack.append((part, True))
+                stack.extend((operand, False) for operand in reversed(tuple(operands)))
+        return order

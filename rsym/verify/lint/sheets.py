@@ -1,0 +1,158 @@
+"""Faces that two operands of an R-operation have in common, and what that does to omega.
+
+At a point of a common face with normal n each operand has a sign ahead, behind,
+and is zero between. Both rising: the conjunction of f with itself is (2 - sqrt 2) f, the
+disjunction (2 + sqrt 2) f. One rising, one falling: the disjunction is positive on both sides of a
+sheet of zeros, the conjunction negative on both sides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.verify.lint.functions import Array, Functions, Ints
+from rsym.verify.lint.logic import Gate, Literal, Logic
+from rsym.verify.lint.report import COINCIDENT, LONE_SHEET, ZERO_SHEET
+from rsym.verify.lint.zeros import CONVERGED, Zeros, onto, tangents
+
+BESIDE = 1e-5  # of the diagonal: where signs ahead of and behind a face are taken
+THIN = 0.1  # of its values beside it is the most that omega may have on a face
+AROUND = 1e-3  # of the diagonal: so far around a point on a common face there is more of it
+SHARE = 0.75  # of the points around must lie on it
+FEWEST = 3  # points on a common face; of a curve where two surfaces touch there is hardly one
+ASKED = 12  # points of a face around which more of it is sought
+
+
+class Local(NamedTuple):
+    """The signs (steps, n) of each step at points, ahead of them and behind, and where omega bears them out.
+
+    Beside an edge a blend may have another sign than the operation that it blends.
+    """
+
+    at: NDArray[np.int8]
+    ahead: NDArray[np.int8]
+    behind: NDArray[np.int8]
+    confirmed: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class CommonFace:
+    """A face that two leaves have in common: what it is, the leaves, and points of it with normals."""
+
+    kind: str
+    first: int
+    second: int
+    conjunction: bool
+    points: Array
+    normals: Array
+
+
+def common_faces(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> list[CommonFace]:
+    """The common faces that matter: where they are zeros of omega; leaves are the first functions."""
+    zeros = zeros[zeros.signed & (zeros.which < len(logic.leaves))]
+    found: dict[tuple[str, int, int], CommonFace] = {}
+    for face, which in _faces(logic, functions, zeros, size):
+        if _is_patch(face, which, logic, functions, size):
+            key = face.kind, min(face.first, face.second), max(face.first, face.second)
+            if key not in found or len(found[key].points) < len(face.points):
+                found[key] = face
+    return list(found.values())
+
+
+def _faces(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> Iterator[tuple[CommonFace, Ints]]:
+    """What looks like a common face at single points."""
+    local = _local(logic, functions, zeros, size)
+    for number, active in enumerate(_active(logic, local)):
+        gate = logic.steps[number]
+        if not isinstance(gate, Gate):
+            continue
+        for kind, here in _kinds(gate, local).items():
+            columns = np.flatnonzero(here & active & local.confirmed).tolist()
+            pairs = [tuple(_leaf_at(logic, local, operand, k) for operand in gate[1:3]) for k in columns]
+            for first, second in dict.fromkeys(pairs):
+                part = zeros[[k for k, pair in zip(columns, pairs, strict=True) if pair == (first, second)]]
+                if len(part.which) >= FEWEST:
+                    yield CommonFace(kind, first, second, gate.conjunction, part.points, part.sides), part.which
+
+
+def _kinds(gate: Gate, local: Local) -> dict[str, NDArray[np.bool_]]:
+    """Where the operands of a gate have a face in common, by what it does to the gate and to omega."""
+    one, other = gate.first, gate.second
+    both = (local.at[one] == 0) & (local.at[other] == 0)
+    alike = (local.ahead[one] == local.ahead[other]) & (local.behind[one] == local.behind[other])
+    crosses = local.ahead[-1] != local.behind[-1]
+    if gate.conjunction:
+        sheet = (local.ahead[-1] < 0) & (local.behind[-1] < 0)
+    else:
+        sheet = (local.ahead[-1] > 0) & (local.behind[-1] > 0)
+    kinds = {LONE_SHEET if gate.conjunction else ZERO_SHEET: both & ~alike & sheet}
+    return kinds if gate.keeps else kinds | {COINCIDENT: both & alike & crosses}
+
+
+def _local(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> Local:
+    """The signs of all steps at points of zero sets."""
+    count = len(logic.leaves)
+    at = np.empty((count, len(zeros.which)), np.int8)
+    for start in range(0, len(zeros.which), functions.portion):
+        here = slice(start, start + functions.portion)
+        values, gradients = functions(zeros.points[here])
+        near = np.abs(values) <= CONVERGED * size * np.linalg.norm(gradients, axis=2)
+        at[:, here] = np.where(near, 0, np.sign(values))[:count]
+    at[zeros.which, np.arange(len(zeros.which))] = 0
+    beside = [functions.values(zeros.points + step * size * zeros.sides) for step in (BESIDE, -BESIDE)]
+    ahead, behind = (_steps(logic, np.sign(values[:count]).astype(np.int8)) for values in beside)
+    omega, before, after = functions.values(zeros.points)[-1], beside[0][-1], beside[1][-1]
+    confirmed = (np.sign(before) == ahead[-1]) & (np.sign(after) == behind[-1])
+    # Where a normalised omega is zero on a sheet it is 0/0.
+    confirmed &= ~(np.abs(omega) > THIN * np.minimum(np.abs(before), np.abs(after)))
+    return Local(_steps(logic, at), ahead, behind, confirmed)
+
+
+def _steps(logic: Logic, signs: NDArray[np.int8]) -> NDArray[np.int8]:
+    """The signs of all steps from those of the leaves."""
+    result = np.empty((len(logic.steps), signs.shape[1]), np.int8)
+    for number, step in enumerate(logic.steps):
+        if isinstance(step, Literal):
+            result[number] = step.sign * signs[step.leaf]
+        else:
+            join = np.minimum if step.conjunction else np.maximum
+            result[number] = join(result[step.first], result[step.second])
+    return result
+
+
+def _active(logic: Logic, local: Local) -> NDArray[np.bool_]:
+    """Where the zero of a step is one of omega."""
+    result = np.zeros(local.at.shape, bool)
+    result[-1] = local.at[-1] == 0
+    for number in range(len(logic.steps) - 1, -1, -1):
+        step = logic.steps[number]
+        if isinstance(step, Gate):
+            for operand in (step.first, step.second):
+                result[operand] |= result[number] & (local.at[operand] == 0)
+    return result
+
+
+def _leaf_at(logic: Logic, local: Local, number: int, column: int) -> int:
+    """A leaf that makes a step zero at a point."""
+    while isinstance(step := logic.steps[number], Gate):
+        number = step.first if local.at[step.first, column] == 0 else step.second
+    return step.leaf
+
+
+def _is_patch(face: CommonFace, which: Ints, logic: Logic, functions: Functions, size: float) -> bool:
+    """Whether what is common is an open piece of surface: points around lie on it too."""
+    some = slice(None, None, -(-len(which) // ASKED))
+    points, normals, leaf = face.points[some], face.normals[some], which[some]
+    starts = [points + sign * AROUND * size * tangent for tangent in tangents(normals) for sign in (1, -1)]
+    around, arrived = onto(functions, np.tile(leaf, len(starts)), np.vstack(starts), size)
+    around = around[arrived]
+    values, gradients = functions(around)
+    with np.errstate(all="ignore"):
+        distances = np.abs(values) / np.linalg.norm(gradients, axis=2)
+    near = distances[[face.first, face.second]] <= CONVERGED * size
+    return bool(len(around) and near.all(axis=0).mean() >= SHARE)

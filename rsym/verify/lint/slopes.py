@@ -1,0 +1,110 @@
+"""Leaves that are not normalised: the gradient on their zero set, and what to divide by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import sympy as sp
+
+from rsym.model.contracts.leaves import is_logical
+from rsym.model.folds import Fold
+from rsym.model.nodes import Trimming
+from rsym.model.powers import AbsolutePower
+from rsym.model.rnodes import R0mOperation
+from rsym.model.traversal import postorder
+from rsym.verify.lint.functions import Array
+from rsym.verify.lint.places import written_out
+
+MOST_PIECES = 60  # of a formula whose divisor is sought
+CONSTANT = 1e-6  # relative: lengths of the gradient that differ by less are one
+VANISHING = 1e-3  # of the greatest length of a gradient, which at random points comes that near to a zero
+
+
+def logical_parts(expression: sp.Expr) -> Iterator[sp.Expr]:
+    """The R-operations of a formula and its leaves, as contracts tell them apart, each once; blends are operations.
+
+    Examples
+    --------
+    >>> from rsym import conjunction, x, y
+    >>> list(logical_parts(-conjunction(x, y + 1)))
+    [-conjunction(x, y + 1), conjunction(x, y + 1), x, y + 1]
+    """
+    stack, seen = [expression], set()
+    while stack:
+        part = stack.pop()
+        if part in seen:
+            continue
+        seen.add(part)
+        yield part
+        if is_logical(part):
+            stack.extend(reversed(_operands(part)))
+
+
+def _operands(part: sp.Expr) -> tuple[sp.Expr, ...]:
+    """What the zeros of an operation are those of."""
+    if isinstance(part, Fold):
+        return part.operands
+    if isinstance(part, Trimming | AbsolutePower):
+        return tuple(part.args[:1])
+    return tuple(operand for operand in part.args if operand != -1)
+
+
+def breaks_normalisation(part: sp.Expr) -> bool:
+    """Whether an operation is not normalised whatever its operands are: of R_0^m, where |grad| = |g|**m on f = 0."""
+    return isinstance(part, R0mOperation)
+
+
+def message_of(slopes: Array) -> str:
+    """What is wrong with a leaf.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> message_of(np.array([0.5, 2.0])), message_of(np.array([2.5, 2.5]))
+    ('|grad| on its zero set is 0.5 .. 2, not 1', '|grad| on its zero set is 2.5, not 1')
+    """
+    low, high = float(slopes.min()), float(slopes.max())
+    if is_constant(slopes) and abs(high - 1) < CONSTANT:
+        return "|grad| on its zero set is 1 at these letters, but not at others"
+    size = f"{high:.4g}" if is_constant(slopes) else f"{low:.4g} .. {high:.4g}"
+    return f"|grad| on its zero set is {size}, not 1"
+
+
+def remedy_of(leaf: sp.Expr, slopes: Array, coordinates: Sequence[sp.Symbol]) -> str:
+    """What to do about it: the divisor where the leaf has a constant one, else a normalisation."""
+    if slopes.max() < CONSTANT:
+        return "the gradient vanishes on the zero set: take the function itself, not its power"
+    if is_constant(slopes):
+        found = divisor(leaf, coordinates)
+        return f"divide by {f'{slopes.mean():.6g}' if found is None else written_out(found)}"
+    if slopes.min() < VANISHING * slopes.max():
+        return "take a primitive; rsym.normalise does not help where the gradient vanishes on the zero set"
+    return "take a primitive, or rsym.normalise: f/sqrt(f^2/L^2 + |grad f|^2), L the size of the model"
+
+
+def is_constant(slopes: Array) -> bool:
+    """Whether the gradient has one length all along the zero set."""
+    return bool(np.ptp(slopes) <= CONSTANT * slopes.max())
+
+
+def divisor(leaf: sp.Expr, coordinates: Sequence[sp.Symbol]) -> sp.Expr | None:
+    """The length of the gradient on the zero set: of a linear function, of a quadratic one in one coordinate.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from rsym import x, y
+    >>> a, b = sp.symbols("a b", real=True)
+    >>> divisor(a * x - b * y + 1, (x, y)), divisor((b - x) * (x - a), (x, y)), divisor(x * y, (x, y))
+    (sqrt(a**2 + b**2), Abs(a - b), None)
+    """
+    used = [symbol for symbol in coordinates if symbol in leaf.free_symbols]
+    if not used or len(postorder(leaf)) > MOST_PIECES or not leaf.is_polynomial(*used):
+        return None
+    polynomial = sp.Poly(leaf, *used)
+    if polynomial.total_degree() == 1:
+        return sp.sqrt(sp.Add(*(polynomial.coeff_monomial(symbol) ** 2 for symbol in used)))
+    if polynomial.total_degree() == 2 and len(used) == 1:
+        return sp.sqrt(sp.factor(polynomial.discriminant()))
+    return None
