@@ -36,6 +36,8 @@ from .model.primitives.cones import cone, double_cone, frustum, nappe
 from .model.primitives.curves import graph, polyline, segment
 from .model.primitives.helical import helicoid, helix_tube
 from .model.primitives.periodic import gyroid, lidinoid, neovius, schwarz_d, schwarz_p
+from .model.primitives.plane import disc, ellipse, half_plane, line, rectangle, strip, superellipse
+from .model.primitives.polygons import polygon, regular_polygon
 from .model.primitives.quadrics import ellipsoid, quadric, torus
 from .model.primitives.space import box, capsule, cylinder, half_space, slab, sphere
 from .model.primitives.space_curves import helix, space_curve
@@ -122,9 +124,11 @@ __all__ = [
     "cyclic",
     "cylinder",
     "difference",
+    "disc",
     "disjunction",
     "displacement_blend",
     "double_cone",
+    "ellipse",
     "ellipsoid",
     "enclose",
     "equivalence",
@@ -140,6 +144,7 @@ __all__ = [
     "graph",
     "grid",
     "gyroid",
+    "half_plane",
     "half_space",
     "helicoid",
     "helix",
@@ -153,6 +158,7 @@ __all__ = [
     "laplacian",
     "level_lines",
     "lidinoid",
+    "line",
     "lint",
     "load",
     "load_letters",
@@ -176,11 +182,14 @@ __all__ = [
     "plot_sections",
     "plot_sweep",
     "plot_verdict",
+    "polygon",
     "polyline",
     "primitives",
     "principal_curvatures",
     "product",
     "quadric",
+    "rectangle",
+    "regular_polygon",
     "revolve",
     "rfAND",
     "rfNOT",
@@ -199,6 +208,8 @@ __all__ = [
     "source",
     "space_curve",
     "sphere",
+    "strip",
+    "superellipse",
     "surfaces",
     "sweep",
     "torus",

@@ -6,6 +6,7 @@ knows how rsym generates code or normalises.
 """
 
 import math
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -16,6 +17,8 @@ from power_series import FUNCTIONS, REAL, Series, piecewise
 from rsym import Shape
 from rsym.model.folds import Fold
 from rsym.model.nodes import RealNode
+
+PAIR = sp.symbols("f g", real=True, cls=sp.Dummy)
 
 
 class Expansion:
@@ -67,7 +70,6 @@ class _Evaluation:
         self.sizes = [np.full(like.c.shape[1:], np.inf, like.c.dtype)]
 
     def __call__(self, expression, values):
-        values = dict(values)
         for part in _in_order(expression):
             if part not in values:
                 values[part] = self._value(part, values)
@@ -99,11 +101,10 @@ class _Evaluation:
 
     def _folded(self, node, arguments):
         """From the left, pair by pair: written out as a whole, what is folded would be written many times."""
-        f, g = sp.symbols("f g", real=True, cls=sp.Dummy)
-        pair = node.pair_as_roots(f, g).doit()
+        pair = node.pair_as_roots(*PAIR).doit()
         result, *others = arguments
         for other in others:
-            result = self(pair, {f: result, g: other})
+            result = self(pair, dict(zip(PAIR, (result, other), strict=True)))
         return result
 
     def _power(self, part, base, exponent):
@@ -114,6 +115,7 @@ class _Evaluation:
         return base.power(exponent.c[0, 0])
 
 
+@cache
 def _in_order(root):
     """Every part once, arguments first."""
     done, stack = {}, [(root, False)]
@@ -125,7 +127,7 @@ def _in_order(root):
             inside = [piece for piece, _ in part.args] if isinstance(part, sp.Piecewise) else part.args
             stack.append((part, True))
             stack.extend((argument, False) for argument in inside if not part.is_Rational)
-    return list(done)
+    return tuple(done)
 
 
 def boundary_points(shape, count=200, *, bounds=None, letters=None, seed=0, clearance=1e-2, away_from=()):

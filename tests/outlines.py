@@ -45,7 +45,7 @@ def spiral(random, count):
 
 
 def comb(random, count):
-    """Teeth of equal height and gaps of equal depth: many edges on two lines, turned so that they are so but for rounding."""
+    """Teeth of equal height and gaps of equal depth, turned: many edges on two lines but for rounding."""
     teeth = count // 4
     widths = np.cumsum(0.2 + random.random(2 * teeth))
     top = [

@@ -124,6 +124,15 @@ CALLS = {
     **{
         name: simple(*texts)
         for name, texts in {
+            "half_plane": ["half_plane([a, 1], b)"],
+            "strip": ["strip(-1, a, [3, 4])"],
+            "line": ["line([0, b], [a, 1])"],
+            "disc": ["disc(a, [b, 0])", "disc(2.5, exact = 1)"],
+            "ellipse": ["ellipse(a, b)"],
+            "superellipse": ["superellipse(a, 1, 4, [b, 0])"],
+            "rectangle": ["rectangle(a, 1, centre = [b, 0])"],
+            "polygon": ["polygon([[0, 0], [a, 0], [b, b], [0, 1]])"],
+            "regular_polygon": ["regular_polygon(5, a)"],
             "half_space": ["half_space([1, 2, b], a)"],
             "slab": ["slab(-a, b, direction = [0, 3, 4])"],
             "sphere": ["sphere(a, [0, 0, b])", "sphere(2.5, exact = 1)"],
@@ -224,6 +233,8 @@ def test_decisions_are_made_at_the_values_of_the_variant():
         ('f = rotate(x, "wide")', "number"),
         ("f = rotate(x, angl = 2)", "takes shape, angle"),
         ("f = translate(x, 1, [2, 3])", "number"),
+        ("f = kaleidoscope(x, 100000)", "400 is the most"),
+        ("f = normalise(x^2 + y, order = 3)", "2 is the most"),
         ("f = [1, 2]", "expected a number"),
         ("f = sin([1, 2])", "expected a number"),
         ("letter a = scale(2, 1); f = a*x", "cannot stand here"),

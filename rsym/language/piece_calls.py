@@ -40,6 +40,10 @@ class Calls:
         given = [self._argument(part) for part in parts]
         first = len(given) - len(node.keywords)
         bound = _bound(piece, node, given[:first], dict(zip(node.keywords, given[first:], strict=True)))
+        for name, most in piece.most.items():
+            if isinstance(count := bound.arguments.get(name), int) and count > most:
+                remedy = "take less, or build this shape in Python"
+                raise node.place.refuse(f"{node.function}: {name} is {count}; {most} is the most", "too-large", remedy)
         try:
             made = self._made(piece, bound)
         except RsymError as error:

@@ -1,11 +1,14 @@
 """The monotone formula of a simple polygon: every edge's half-plane once, no complement.
 
-A chain of edges whose first and last run on to infinity bounds a region. At the
-corners on its convex hull it falls into shorter such chains: if the hull
-turns left there the region is what all of theirs have in common, if right it is all of them together.
-Every corner that lies on the hull splits, also one within a side of the hull:
-then edges on one line end up side by side, and no half-plane's boundary runs
-along an edge of another branch.
+A chain of edges whose first and last run on to infinity bounds a region. At a
+corner on its convex hull it falls into two such chains: if it turns left there
+(counterclockwise) the region is what both of theirs have in common, if right
+it is both together.
+
+Edges on one line would let operands vanish together along an edge, where
+normalisation is lost. Where such a line carries a side of the hull, the region lies on
+one side of it (or the other side lies in the region), so its half-plane is taken out
+of the branches and joined once to the whole.
 
 Source: Dobkin, Guibas, Hershberger, Snoeyink, "An efficient algorithm for
 finding the CSG representation of a simple polygon" (1988), after Peterson (1984).
@@ -14,14 +17,11 @@ finding the CSG representation of a simple polygon" (1988), after Peterson (1984
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TypeAlias
 
-from rsym.model.primitives.outlines import Place, cross, nearness
-
-_PARALLEL = 1e-12  # the sine of the angle of two rays, rounded to 1e-16, below which they are parallel
+from rsym.model.primitives.outlines import Place, ahead, aligned, cross, nearness
 
 Branch: TypeAlias = "int | Junction"
 
@@ -30,102 +30,138 @@ Branch: TypeAlias = "int | Junction"
 class Junction:
     """What branches have in common, or all of them together; a number is the half-plane of the edge from that corner.
 
-    Neighbours among the branches never are junctions of the same kind.
+    Branches never are junctions of the same kind.
     """
 
     common: bool
     branches: tuple[Branch, ...]
 
 
-def monotone_formula(corners: Sequence[Place]) -> Junction:
-    """The formula of a simple polygon, corners counterclockwise, none of them straight.
+def monotone_formula(corners: Sequence[Place]) -> tuple[Junction, tuple[tuple[int, int], ...]]:
+    """The formula of a simple polygon, and the pairs of edges of which it has the first for both.
+
+    Corners are counterclockwise, none of them straight; edges are numbered by the corner where they begin.
 
     Examples
     --------
     >>> monotone_formula([(0, 0), (4, 0), (4, 4), (2, 1), (0, 4)])
-    Junction(common=True, branches=(0, 1, Junction(common=False, branches=(2, 3)), 4))
+    (Junction(common=True, branches=(0, 1, Junction(common=False, branches=(2, 3)), 4)), ())
     """
-    first = min(range(len(corners)), key=lambda index: corners[index])
-    formula = _Chains((*corners[first:], *corners[: first + 1])).polygon()
-    return _renumbered(formula, first, len(corners))
+    chains = _Chains(corners)
+    return chains.polygon(), tuple(chains.shared)
 
 
 class _Chains:
-    """Chains of one polygon: the way from corner to corner, the first given again as the last."""
+    """Chains of one polygon, named by the numbers of their edges; numbers beyond the last begin again."""
 
-    def __init__(self, way: Sequence[Place]) -> None:
-        self.way = way
-        self.near = nearness(way)
+    def __init__(self, corners: Sequence[Place]) -> None:
+        self.corners = corners
+        self.near = nearness(corners)
+        self.lines = _common_lines(corners, self.near)
+        self.shared: list[tuple[int, int]] = []
 
     def polygon(self) -> Junction:
-        hull = [0]
-        while hull[-1] < len(self.way) - 1:
-            hull.append(self._next(hull[-1], len(self.way), 1))
-        return self._junction(True, hull)
+        """Cut at the leftmost and the rightmost corner: the rays of each half never meet."""
+        count = len(self.corners)
+        first = min(range(count), key=lambda corner: self.corners[corner])
+        last = max(range(count), key=lambda corner: self.corners[corner])
+        whole = range(first, first + count)
+        formula = self._joined(True, whole, first + (last - first) % count, {})
+        assert isinstance(formula, Junction)
+        return formula
 
-    def region(self, start: int, end: int) -> Branch:
-        """Of the chain from one corner to another."""
-        if end == start + 1:
-            return start
-        side = self._side(start, end)
-        return self._junction(side > 0, [start, *self._hull(start, end, side), end])
+    def region(self, chain: range, settled: Mapping[int, bool]) -> Branch | bool:
+        """Of an endless chain; what is settled is the same on all of its branches."""
+        if len(chain) == 1:
+            edge = chain[0] % len(self.corners)
+            return settled.get(edge, edge)
+        side = self._side(chain)
+        return self._joined(side > 0, chain, self._outermost(chain, side), settled)
 
-    def _junction(self, common: bool, cuts: list[int]) -> Junction:
-        branches: list[Branch] = []
-        for start, end in pairwise(cuts):
-            branch = self.region(start, end)
-            alike = isinstance(branch, Junction) and branch.common == common
-            branches.extend(branch.branches if isinstance(branch, Junction) and alike else (branch,))
-        return Junction(common, tuple(branches))
+    def _joined(self, common: bool, chain: range, cut: int, settled: Mapping[int, bool]) -> Branch | bool:
+        carried = [line for line in self._carried(common, chain) if line[0] not in settled]
+        self.shared.extend((line[0], edge) for line in carried for edge in line[1:])
+        settled = {**settled, **{edge: common for line in carried for edge in line}}
+        parts = (self.region(range(chain.start, cut), settled), self.region(range(cut, chain.stop), settled))
+        if any(part is (not common) for part in parts):
+            return not common
+        branches: list[Branch] = [line[0] for line in carried]
+        for part in parts:
+            if not isinstance(part, bool):
+                alike = isinstance(part, Junction) and part.common == common
+                branches.extend(part.branches if isinstance(part, Junction) and alike else (part,))
+        if not branches:
+            return common
+        return Junction(common, tuple(branches)) if len(branches) > 1 else branches[0]
+
+    def _carried(self, common: bool, chain: range) -> Iterator[list[int]]:
+        """Edges of the chain on one line that the hull does not cross, two or more."""
+        edges = {edge % len(self.corners) for edge in chain}
+        for line in self.lines:
+            inside = [edge for edge in line if edge in edges]
+            if len(inside) > 1 and self._supports(inside[0], common, chain):
+                yield inside
+
+    def _supports(self, edge: int, common: bool, chain: range) -> bool:
+        """Whether the chain lies on one side of the line through an edge: on the left if its region does."""
+        count = len(self.corners)
+        heading, origin = self._heading(edge), self.corners[edge]
+        side = 1 if common else -1
+        for number in (*chain, chain.stop):
+            x, y = self.corners[number % count]
+            if side * (heading[0] * (y - origin[1]) - heading[1] * (x - origin[0])) < -self.near:
+                return False
+        if len(chain) == count:
+            return True
+        rays = ((chain.start, -1), (chain.stop - 1, 1))
+        return all(self._turn(edge, ray) * way * side >= 0 for ray, way in rays)
 
     def _heading(self, edge: int) -> Place:
-        a, b = self.way[edge], self.way[edge + 1]
+        a, b = self._ends(edge)
         length = math.dist(a, b)
         return (b[0] - a[0]) / length, (b[1] - a[1]) / length
 
-    def _side(self, start: int, end: int) -> int:
-        """1 if the hull of an endless chain is on the left of its boundary, -1 on the right."""
-        first, last = self._heading(start), self._heading(end - 1)
-        turn = cross((0, 0), first, last)
-        if abs(turn) < _PARALLEL and first[0] * last[0] + first[1] * last[1] < 0:
-            a, b = self.way[start + 1], self.way[end - 1]
-            turn = cross((0, 0), first, (b[0] - a[0], b[1] - a[1]))
+    def _ends(self, edge: int) -> tuple[Place, Place]:
+        count = len(self.corners)
+        return self.corners[edge % count], self.corners[(edge + 1) % count]
+
+    def _turn(self, first: int, second: int) -> float:
+        """The sine of the angle from one edge to another, 0 where they are parallel but for rounding."""
+        turn = cross((0, 0), self._heading(first), self._heading(second))
+        shortest = min(math.dist(*self._ends(edge)) for edge in (first, second))
+        return 0 if abs(turn) * shortest <= self.near else turn
+
+    def _side(self, chain: range) -> int:
+        """1 if the chain as a whole turns left, -1 if right."""
+        turn = self._turn(chain.start, chain.stop - 1)
+        first, last = self._ends(chain.start), self._ends(chain.stop - 1)
+        if turn == 0 and not ahead(*first, *last):
+            turn = cross(*first, last[0])
         return 1 if turn >= 0 else -1
 
-    def _hull(self, start: int, end: int, side: int) -> list[int]:
-        """The corners of an endless chain that lie on its hull, in their order."""
-        first, last = self._heading(start), self._heading(end - 1)
-        corner = start + 1
-        for other in range(start + 2, end):
-            if side * self._beside(corner, first, other) < -self.near:
-                corner = other
-        hull = [corner]
-        while corner < end - 1:
-            corner = self._next(corner, end, side)
-            if side * self._beside(hull[-1], last, corner) > self.near:
+    def _outermost(self, chain: range, side: int) -> int:
+        """A corner on the hull: the farthest in the direction that halves the turn, the middle one of several."""
+        first, last = self._heading(chain.start), self._heading(chain.stop - 1)
+        if ahead((0, 0), first, (0, 0), last):
+            out = (side * (first[1] + last[1]), -side * (first[0] + last[0]))
+        else:
+            out = (first[0] - last[0], first[1] - last[1])
+        places = {corner: self.corners[corner % len(self.corners)] for corner in chain[1:]}
+        far = {corner: out[0] * place[0] + out[1] * place[1] for corner, place in places.items()}
+        level = max(far.values()) - self.near
+        outermost = [corner for corner, reach in far.items() if reach >= level]
+        return outermost[len(outermost) // 2]
+
+
+def _common_lines(corners: Sequence[Place], near: float) -> list[list[int]]:
+    """Edges with the same half-plane, where there are several."""
+    lines: list[list[int]] = []
+    for edge, (a, b) in enumerate(zip(corners, (*corners[1:], corners[0]), strict=True)):
+        for line in lines:
+            c, d = corners[line[0]], corners[(line[0] + 1) % len(corners)]
+            if aligned(c, d, a, near) and aligned(c, d, b, near) and ahead(a, b, c, d):
+                line.append(edge)
                 break
-            hull.append(corner)
-        return hull
-
-    def _next(self, corner: int, end: int, side: int) -> int:
-        """The corner that comes next on the hull: all later ones lie on one side of the line to it."""
-        origin, best = self.way[corner], corner + 1
-        for other in range(corner + 2, end):
-            a, b = self.way[best], self.way[other]
-            reach = max(math.dist(origin, a), math.dist(origin, b))
-            if side * cross(origin, a, b) < -self.near * reach:
-                best = other
-        return best
-
-    def _beside(self, corner: int, heading: Place, other: int) -> float:
-        """How far to the left of the line through a corner another one lies."""
-        a, b = self.way[corner], self.way[other]
-        return heading[0] * (b[1] - a[1]) - heading[1] * (b[0] - a[0])
-
-
-def _renumbered(formula: Junction, first: int, count: int) -> Junction:
-    branches = (
-        _renumbered(branch, first, count) if isinstance(branch, Junction) else (branch + first) % count
-        for branch in formula.branches
-    )
-    return Junction(formula.common, tuple(branches))
+        else:
+            lines.append([edge])
+    return [line for line in lines if len(line) > 1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import TypeAlias
 
 from rsym.errors import RsymError
@@ -21,7 +22,8 @@ def cross(a: Place, b: Place, c: Place) -> float:
 
 def nearness(places: Sequence[Place]) -> float:
     """The distance below which a point is on a line."""
-    return NEAR * max(max(axis) - min(axis) for axis in zip(*places, strict=True))
+    extent: float = max(max(axis) - min(axis) for axis in zip(*places, strict=True))
+    return NEAR * extent
 
 
 def area(places: Sequence[Place]) -> float:
@@ -32,7 +34,8 @@ def area(places: Sequence[Place]) -> float:
     >>> area([(0, 0), (2, 0), (0, 3)])
     3.0
     """
-    return math.fsum(cross(places[0], b, c) for b, c in zip(places[1:], places[2:], strict=False)) / 2
+    total: float = sum(cross(places[0], b, c) for b, c in pairwise(places[1:]))
+    return total / 2
 
 
 def aligned(a: Place, b: Place, c: Place, near: float) -> bool:
@@ -57,9 +60,9 @@ def straight(a: Place, b: Place, c: Place, near: float) -> bool:
         return False
     if not ahead(a, b, b, c):
         raise RsymError(
-            f"the outline turns back on itself at {_shown(b)}",
+            f"the outline turns back on itself at {shown(b)}",
             code="polygon",
-            remedy="leave out the corner of no width",
+            remedy="leave out the spike",
         )
     return True
 
@@ -78,11 +81,11 @@ def check_simple(places: Sequence[Place]) -> None:
     """
     near = nearness(places)
     for first, second in _close_edges(places, near):
-        ends = [places[(edge + step) % len(places)] for edge in (first, second) for step in (0, 1)]
-        if _meet(*ends, near):
+        a, b, c, d = (places[(edge + step) % len(places)] for edge in (first, second) for step in (0, 1))
+        if _meet(a, b, c, d, near):
             raise RsymError(
-                f"the outline must not cross or touch itself, but the edges from {_shown(ends[0])} to "
-                f"{_shown(ends[1])} and from {_shown(ends[2])} to {_shown(ends[3])} meet",
+                f"the outline must not cross or touch itself, but the edges from {shown(a)} to {shown(b)} "
+                f"and from {shown(c)} to {shown(d)} meet",
                 code="polygon",
                 remedy="give the corners in their order along the boundary; two shapes that touch are two polygons",
             )
@@ -120,5 +123,6 @@ def _distance(p: Place, a: Place, b: Place) -> float:
     return math.dist(p, (a[0] + share * along[0], a[1] + share * along[1]))
 
 
-def _shown(place: Place) -> str:
+def shown(place: Place) -> str:
+    """A point for a message."""
     return f"({place[0]:g}, {place[1]:g})"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,14 +12,14 @@ from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, point, positive, whole
 from rsym.model.primitives.extents import around, centred
 from rsym.model.primitives.monotone_formulas import Branch, Junction, monotone_formula
-from rsym.model.primitives.outlines import Place, ahead, aligned, area, check_simple, nearness, straight
+from rsym.model.primitives.outlines import Place, area, check_simple, nearness, shown, straight
 from rsym.model.primitives.plane import ORIGIN, PLANE, from_centre, right_of
 from rsym.model.shape import Shape
 from rsym.model.systems import R0, RSystem
 from rsym.model.traversal import symbols_of
 
 
-def polygon(points: Any, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
+def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
     """The inside of a simple polygon, convex or not: a monotone formula of the half-planes of its edges.
 
     Each edge occurs once; edges that lie on one line and bound the same side of it share their half-plane. Corners
@@ -56,19 +57,29 @@ def polygon(points: Any, system: RSystem = R0, letters: LetterMapping = None) ->
     if area(places) < 0:
         corners, places = corners[::-1], places[::-1]
     check_simple(places)
-    expression = _joined(monotone_formula(places), corners, places, system)
+    try:
+        formula, shared = monotone_formula(places)
+        expression = _joined(formula, corners, system)
+    except RecursionError:
+        raise RsymError(
+            f"the {len(corners)} corners of this polygon wind too often around one another",
+            code="polygon",
+            remedy="use fewer corners: every bay within a bay is an operation within an operation",
+        ) from None
+    for first, second in shared:
+        _check_aligned([corners[(edge + step) % len(corners)] for edge in (first, second) for step in (0, 1)])
     low, high = zip(*((min(axis), max(axis)) for axis in zip(*places, strict=True)), strict=True)
     return Shape(expression, PLANE, letters=letters, bounds=around(low, high))
 
 
 def regular_polygon(
-    sides: int = 6, radius: Any = 1, centre: Any = ORIGIN, system: RSystem = R0, letters: LetterMapping = None
+    sides: int = 6, radius: Any = 1, centre: Any = ORIGIN, *, system: RSystem = R0, letters: LetterMapping = None
 ) -> Shape:
     """The conjunction of n half-planes R*cos(pi/n) - n_k . (p - c): corners on a circle, the first to the right.
 
-    The unit normal n_k points in the direction (2 k + 1)*pi/n; its components are exact. Normalised to order 1 with R_0, to
-    every order with R_1; analytic except at the corners and at points off the boundary where two operands vanish
-    together, there continuous.
+    The unit normal n_k points in the direction (2 k + 1)*pi/n; its components are exact. Normalised to order 1 with
+    R_0, to every order with R_1; analytic except at the corners and at points off the boundary where two operands
+    vanish together, there continuous.
 
     Raises
     ------
@@ -117,33 +128,29 @@ def _turning(corners: list[Point], letters: LetterMapping) -> list[Point]:
     """Without those in which the outline goes straight on."""
     places = _places(corners, letters)
     near = nearness(places)
-    count = len(corners)
-    for index in range(count):
-        if max(abs(a - b) for a, b in zip(places[index - 1], places[index], strict=True)) <= near:
+    for a, b in zip(places, (*places[1:], places[0]), strict=True):
+        if math.dist(a, b) <= near:
             raise RsymError(
-                f"neighbouring corners of a polygon must differ, got ({places[index][0]:g}, {places[index][1]:g}) twice",
+                f"neighbouring corners of a polygon must differ, got {shown(a)} twice",
                 code="polygon",
                 remedy="give every corner once",
             )
     kept = []
-    for index in range(count):
-        three = [(index + step) % count for step in (-1, 0, 1)]
-        if not straight(*(places[corner] for corner in three), near):
-            kept.append(corners[index])
+    for index, corner in enumerate(corners):
+        before, after = index - 1, (index + 1) % len(corners)
+        if straight(places[before], places[index], places[after], near):
+            _check_aligned([corners[before], corner, corners[after]])
         else:
-            _check_aligned([corners[corner] for corner in three])
-    if len(kept) < 3:
-        raise RsymError("the corners of a polygon must not lie on one line", code="polygon")
+            kept.append(corner)
     return kept
 
 
 def _check_aligned(corners: Sequence[Point]) -> None:
     """Refuse points that lie on one line only where letters have their defaults."""
-    (a, b), *others = corners
-    (c, d), *rest = others
+    (a, b), (c, d), *others = corners
     if not symbols_of(*(part for corner in corners for part in corner)):
         return
-    for e, f in rest:
+    for e, f in others:
         if sp.expand((c - a) * (f - b) - (d - b) * (e - a)) != 0:
             raise RsymError(
                 f"{', '.join(map(str, corners))} lie on one line where letters have their defaults, but not elsewhere",
@@ -152,26 +159,9 @@ def _check_aligned(corners: Sequence[Point]) -> None:
             )
 
 
-def _joined(branch: Branch, corners: Sequence[Point], places: Sequence[Place], system: RSystem) -> sp.Expr:
-    """The formula in R-operations; neighbours on one line become one half-plane."""
+def _joined(branch: Branch, corners: Sequence[Point], system: RSystem) -> sp.Expr:
+    """The formula in R-operations."""
     if not isinstance(branch, Junction):
         return right_of(corners[(branch + 1) % len(corners)], corners[branch])
-    operands, lines = [], []
-    for part in branch.branches:
-        if isinstance(part, Junction):
-            operands.append(_joined(part, corners, places, system))
-        elif not lines or not _one_line(lines[-1], part, corners, places):
-            operands.append(_joined(part, corners, places, system))
-            lines.append(part)
+    operands = [_joined(part, corners, system) for part in branch.branches]
     return system.conjunction(*operands) if branch.common else system.disjunction(*operands)
-
-
-def _one_line(first: int, second: int, corners: Sequence[Point], places: Sequence[Place]) -> bool:
-    """Whether two edges bound the same half-plane."""
-    ends = [first, (first + 1) % len(corners), second, (second + 1) % len(corners)]
-    a, b, c, d = (places[end] for end in ends)
-    near = nearness(places)
-    if ends[1] == second or not (aligned(a, b, c, near) and aligned(a, b, d, near) and ahead(a, b, c, d)):
-        return False
-    _check_aligned([corners[end] for end in ends])
-    return True

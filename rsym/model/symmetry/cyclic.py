@@ -79,7 +79,7 @@ def cyclic(
     first, second = around(shape, axis)
     radius = number(radius, "the radius")
     if checked_motif(motif, terms):
-        check_even(shape, second, f'mirrored(motif, normal) about {second} = 0 makes it even; or motif="any"')
+        check_even(shape, second)
     folded = _mirrored_fan(first, second, n) if motif == "even" and terms is None else None
     outwards, across = folded or _turned_back(first, second, n, terms, motif)
     return substituted(
