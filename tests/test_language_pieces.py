@@ -235,6 +235,7 @@ def test_decisions_are_made_at_the_values_of_the_variant():
         ("f = translate(x, 1, [2, 3])", "number"),
         ("f = kaleidoscope(x, 100000)", "400 is the most"),
         ("f = normalise(x^2 + y, order = 3)", "2 is the most"),
+        ("f = grid(1 - x^2 - y^2, [2, 2], counts = [3, 1000000])", "400 is the most"),
         ("f = [1, 2]", "expected a number"),
         ("f = sin([1, 2])", "expected a number"),
         ("letter a = scale(2, 1); f = a*x", "cannot stand here"),

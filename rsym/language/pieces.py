@@ -33,6 +33,8 @@ from rsym.model.symmetry.screws import coil, screw, wound
 from rsym.model.symmetry.waves import triangle_wave
 from rsym.model.thickness import offset, shell
 
+# What a formula grows with.
+_COUNTS = ("order", "terms", "sides", "count", "counts", "starts")
 # Given by the model as a whole, not by a call.
 _FROM_THE_MODEL = ("letters", "system", "bounds", "coordinates")
 
@@ -49,7 +51,7 @@ class Piece:
     shapes: int = 0
     plane: bool = False
     space: bool = False
-    most: Mapping[str, int] = field(default_factory=lambda: {"order": 400, "terms": 400, "sides": 400})
+    most: Mapping[str, int] = field(default_factory=lambda: dict.fromkeys(_COUNTS, 400))
 
     @cached_property
     def signature(self) -> inspect.Signature:
