@@ -51,6 +51,7 @@ from .model.symmetry.screws import coil, screw, wound
 from .model.symmetry.waves import triangle_wave
 from .model.systems import R0, R1, R0m, RAlpha, Rp
 from .model.thickness import offset, shell
+from .output.cards import cards, plot_gallery
 from .output.combs import plot_curvature_comb
 from .output.comparison import compare_patches
 from .output.explore import explore, explore_patches
@@ -113,6 +114,7 @@ __all__ = [
     "bounded_blend",
     "box",
     "capsule",
+    "cards",
     "circle",
     "coil",
     "compare_patches",
@@ -177,6 +179,7 @@ __all__ = [
     "plot_curvature_comb",
     "plot_field",
     "plot_fields",
+    "plot_gallery",
     "plot_mesh",
     "plot_patches",
     "plot_sections",
