@@ -216,6 +216,14 @@ def test_other_coordinates_mean_the_same():
     assert own.expression == rsym.conjunction(u**2 - v * letter, w * (1 - w))
 
 
+def test_what_is_in_space_makes_the_model_one_of_space():
+    for text in ("0.2 - segment([0, 0, 0], [2, 0, 0])", "0.5 + sphere(1)", "scale(x, [1, 2, 3])"):
+        loaded = rsym.loads(f"omega = {text}")
+        assert loaded.dimension == 3
+        assert loaded.definitions[0][1].has(sp.Function)
+    assert rsym.loads("omega = polygon([[0, 0], [1, 0], [0, 1]])").dimension == 2
+
+
 def test_decisions_are_made_at_the_values_of_the_variant():
     text = "letter a = 1; variant low: a = -1; omega = extrude(x, 0, a)"
     assert rsym.loads(text).letters["a"].default == 1

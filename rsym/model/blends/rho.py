@@ -14,6 +14,7 @@ touches both sides, and it falls short of the sharp conjunction by
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -158,13 +159,12 @@ class RhoOperation(BlendOperation):
         """The conjunction where the parameters are legal."""
         raise NotImplementedError
 
-    def conjunction_gates(self, values: Pair, signs: Pair) -> sp.Expr:
-        """Both operands, and outside the tube or inside the fillet; the whole blend if both operands are smooth.
+    def gates(self, operands: Sequence[sp.Expr]) -> sp.Expr:
+        """Smooth operands stay in one function: the fillet joins them without an edge."""
+        return super().gates(operands) if any(operand.has(ROperation) for operand in operands) else self
 
-        The fillet joins the faces without an edge, which is best left inside one function.
-        """
-        if not any(part.has(ROperation) for part in signs):
-            return self.conjunction_of(*values)
+    def conjunction_gates(self, values: Pair, signs: Pair) -> sp.Expr:
+        """Both operands, and outside the tube or inside the fillet."""
         outside = self._square(*values) - self._reach**2
         return R1Conjunction(*signs, R1Disjunction(outside, where_legal(self.legal(), self.blended(*values))))
 
