@@ -271,8 +271,8 @@ def test_terms_that_saturate(car):
         (x - sp.sqrt(a), {"a": Letter(1, minimum=0, maximum=2)}, []),
         (x - sp.log(a), {"a": Letter(1, minimum=0, maximum=2)}, ["a"]),
         (x / (a - b), {"a": Letter(-1, minimum=-2, maximum=1), "b": Letter(1, minimum=0, maximum=2)}, ["a", "b"]),
-        # fails where both are large, and only inside the square of both
-        (x - sp.sqrt(3 - a - b), dict.fromkeys("ab", Letter(0.5, minimum=0, maximum=2)), ["a", "b"]),
+        # fails where all three are at their ends, and only inside the square of both
+        (x - sp.sqrt(5.99 - a - b - r), dict.fromkeys("abr", Letter(0.5, minimum=0, maximum=2)), ["a", "b", "r"]),
         (
             x - sp.log((a - 1) ** 2 + (b - 1) ** 2 - 0.1),
             {name: Letter(0, minimum=0, maximum=2) for name in "ab"},
