@@ -6,6 +6,7 @@ knows how rsym generates code or normalises.
 """
 
 import math
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -14,6 +15,10 @@ from closeness import assert_close
 from power_series import FUNCTIONS, REAL, Series, piecewise
 
 from rsym import Shape
+from rsym.model.folds import Fold
+from rsym.model.nodes import RealNode
+
+PAIR = sp.symbols("f g", real=True, cls=sp.Dummy)
 
 
 class Expansion:
@@ -21,34 +26,18 @@ class Expansion:
 
     def __init__(self, shape, letters=None, expression=None):
         self.coordinates = shape.coordinates
-        written = (shape.expression if expression is None else expression).doit()
+        expression = shape.expression if expression is None else expression
         values = {name: letter.default for name, letter in shape.letters.items()} | dict(letters or {})
         numbers = {
             symbol: sp.sympify(values[symbol.name])
-            for symbol in written.free_symbols
+            for symbol in expression.free_symbols
             if symbol not in shape.coordinates
         }
-        self.root = written.xreplace(numbers)
-        self.steps = _in_order(self.root)
+        self.root = expression.xreplace(numbers)
 
     def series(self, points, directions, order, real=REAL):
         """Coefficients (order + 1, points) along point + t*direction."""
-        values = self.run(points, directions, order, real)
-        return values[self.root].c
-
-    def run(self, points, directions, order, real):
-        """The series of every part of the expression."""
-        points, directions = np.asarray(points, real), np.asarray(directions, real)
-        like = Series(np.zeros((order + 1, len(points)), real))
-        values = {}
-        for symbol, start, slope in zip(self.coordinates, points.T, directions.T, strict=True):
-            values[symbol] = Series.constant(start, like)
-            values[symbol].c[1:2] = slope
-        with np.errstate(all="ignore"):
-            for step in self.steps:
-                if step not in values:
-                    values[step] = _value(step, values, like)
-        return values
+        return self._evaluated(points, directions, order, real)[0]
 
     def value_and_gradient(self, points, real=REAL):
         """Values (points,) and gradients (points, dimension)."""
@@ -59,17 +48,74 @@ class Expansion:
 
     def clearance(self, points):
         """The least root of a radicand or size of an absolute value at each point: small near edges and apexes."""
-        values = self.run(points, np.zeros_like(points), 0, REAL)
-        least = np.full(len(points), REAL(np.inf))
+        return np.fmin.reduce(self._evaluated(points, np.zeros_like(points), 0, REAL)[1])
+
+    def _evaluated(self, points, directions, order, real):
+        points, directions = np.asarray(points, real), np.asarray(directions, real)
+        like = Series(np.zeros((order + 1, len(points)), real))
+        values = {}
+        for symbol, start, slope in zip(self.coordinates, points.T, directions.T, strict=True):
+            values[symbol] = Series.constant(start, like)
+            values[symbol].c[1:2] = slope
+        evaluation = _Evaluation(like)
         with np.errstate(all="ignore"):
-            for step in self.steps:
-                if step.free_symbols and isinstance(step, sp.Pow) and not step.exp.is_Integer and step.exp.is_number:
-                    least = np.fmin(least, np.sqrt(np.abs(values[step.base].c[0])))
-                elif step.free_symbols and isinstance(step, sp.Abs):
-                    least = np.fmin(least, np.abs(values[step.args[0]].c[0]))
-        return least
+            return evaluation(self.root, values).c, evaluation.sizes
 
 
+class _Evaluation:
+    """One walk through an expression; `sizes` are the roots of its radicands and the sizes of its absolute values."""
+
+    def __init__(self, like):
+        self.like = like
+        self.sizes = [np.full(like.c.shape[1:], np.inf, like.c.dtype)]
+
+    def __call__(self, expression, values):
+        for part in _in_order(expression):
+            if part not in values:
+                values[part] = self._value(part, values)
+        return values[expression]
+
+    def _value(self, part, values):
+        if part.is_Rational:
+            return Series.constant(REAL(str(part.p)) / REAL(str(part.q)), self.like)
+        if part.is_NumberSymbol or part.is_Float:
+            return Series.constant(REAL(str(sp.N(part, 30))), self.like)
+        if isinstance(part, sp.Piecewise):
+            return piecewise(part, values)
+        arguments = [values[argument] for argument in part.args]
+        if isinstance(part, Fold):
+            return self._folded(part, arguments[part.parameter_count :])
+        if isinstance(part, RealNode):
+            stand_ins = [sp.Dummy(real=True) if argument.free_symbols else argument for argument in part.args]
+            return self(part.func(*stand_ins).doit(), dict(zip(stand_ins, arguments, strict=True)))
+        if part.is_Add or part.is_Mul:
+            result, *others = arguments
+            for other in others:
+                result = result + other if part.is_Add else result * other
+            return result
+        if part.is_Pow:
+            return self._power(part, *arguments)
+        if isinstance(part, sp.Abs):
+            self.sizes.append(np.abs(arguments[0].c[0]))
+        return FUNCTIONS[part.func](*arguments)
+
+    def _folded(self, node, arguments):
+        """From the left, pair by pair: written out as a whole, what is folded would be written many times."""
+        pair = node.pair_as_roots(*PAIR).doit()
+        result, *others = arguments
+        for other in others:
+            result = self(pair, dict(zip(PAIR, (result, other), strict=True)))
+        return result
+
+    def _power(self, part, base, exponent):
+        if part.exp.free_symbols:
+            return (exponent * FUNCTIONS[sp.log](base)).exp()
+        if part.base.free_symbols and not part.exp.is_Integer:
+            self.sizes.append(np.sqrt(np.abs(base.c[0])))
+        return base.power(exponent.c[0, 0])
+
+
+@cache
 def _in_order(root):
     """Every part once, arguments first."""
     done, stack = {}, [(root, False)]
@@ -81,28 +127,7 @@ def _in_order(root):
             inside = [piece for piece, _ in part.args] if isinstance(part, sp.Piecewise) else part.args
             stack.append((part, True))
             stack.extend((argument, False) for argument in inside if not part.is_Rational)
-    return list(done)
-
-
-def _value(part, values, like):
-    if part.is_Rational:
-        return Series.constant(REAL(str(part.p)) / REAL(str(part.q)), like)
-    if part.is_NumberSymbol or part.is_Float:
-        return Series.constant(REAL(str(sp.N(part, 30))), like)
-    if isinstance(part, sp.Piecewise):
-        return piecewise(part, values)
-    arguments = [values[argument] for argument in part.args]
-    if part.is_Add or part.is_Mul:
-        result, *others = arguments
-        for other in others:
-            result = result + other if part.is_Add else result * other
-        return result
-    if part.is_Pow:
-        base, exponent = arguments
-        if part.exp.free_symbols:
-            return (exponent * FUNCTIONS[sp.log](base)).exp()
-        return base.power(exponent.c[0, 0])
-    return FUNCTIONS[part.func](*arguments)
+    return tuple(done)
 
 
 def boundary_points(shape, count=200, *, bounds=None, letters=None, seed=0, clearance=1e-2, away_from=()):

@@ -70,7 +70,7 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
     if unit.is_number and not unit.is_positive:
         raise RsymError(f"the length must be positive, got {length}", code="length")
     squared = sp.Add(*(component**2 for component in gradient(shape)))
-    result = unit * shape.expression / sp.sqrt(shape.expression**2 + unit**2 * squared)
+    result = unit * (shape.expression / sp.sqrt(shape.expression**2 + unit**2 * squared))
     for step in range(2, order + 1):
         result = _next_order(result, step, shape.coordinates)
     return shape.replace(expression=result)

@@ -40,6 +40,7 @@ class Calls:
         given = [self._argument(part) for part in parts]
         first = len(given) - len(node.keywords)
         bound = _bound(piece, node, given[:first], dict(zip(node.keywords, given[first:], strict=True)))
+        _check_counts(piece, node, bound)
         try:
             made = self._made(piece, bound)
         except RsymError as error:
@@ -109,6 +110,16 @@ def _bound(piece: Piece, node: Call, given: list[Any], named: dict[str, Any]) ->
         return piece.signature.bind(*given, **named)
     except TypeError as error:
         raise node.place.refuse(f"{node.function}: {error}", "arity", _takes(piece)) from None
+
+
+def _check_counts(piece: Piece, node: Call, bound: inspect.BoundArguments) -> None:
+    """Refuse what would make a formula without end."""
+    for name, most in piece.most.items():
+        given = bound.arguments.get(name)
+        for count in given if isinstance(given, tuple) else (given,):
+            if isinstance(count, int) and count > most:
+                remedy = "take less, or build this shape in Python"
+                raise node.place.refuse(f"{node.function}: {name} is {count}; {most} is the most", "too-large", remedy)
 
 
 def _given(piece: Piece, bound: inspect.BoundArguments) -> tuple[tuple[Any, ...], dict[str, Any]]:

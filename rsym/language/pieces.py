@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -19,6 +19,8 @@ from rsym.model.primitives.cones import cone, double_cone, frustum, nappe
 from rsym.model.primitives.curves import graph, polyline, segment
 from rsym.model.primitives.helical import helicoid, helix_tube
 from rsym.model.primitives.periodic import gyroid, lidinoid, neovius, schwarz_d, schwarz_p
+from rsym.model.primitives.plane import disc, ellipse, half_plane, line, rectangle, strip, superellipse
+from rsym.model.primitives.polygons import polygon, regular_polygon
 from rsym.model.primitives.quadrics import ellipsoid, quadric, torus
 from rsym.model.primitives.space import box, capsule, cylinder, half_space, slab, sphere
 from rsym.model.primitives.space_curves import helix, space_curve
@@ -31,6 +33,8 @@ from rsym.model.symmetry.screws import coil, screw, wound
 from rsym.model.symmetry.waves import triangle_wave
 from rsym.model.thickness import offset, shell
 
+# What a formula grows with.
+_COUNTS = ("order", "terms", "sides", "count", "counts", "starts")
 # Given by the model as a whole, not by a call.
 _FROM_THE_MODEL = ("letters", "system", "bounds", "coordinates")
 
@@ -40,13 +44,14 @@ class Piece:
     """A function that makes a shape, or an expression.
 
     shapes: how many of its first arguments are shapes. plane: whether those are plane shapes even in a model of space.
-    space: whether what it makes is in space.
+    space: whether what it makes is in space. most: the largest number of what is counted by a parameter.
     """
 
     function: Callable[..., Any]
     shapes: int = 0
     plane: bool = False
     space: bool = False
+    most: Mapping[str, int] = field(default_factory=lambda: dict.fromkeys(_COUNTS, 400))
 
     @cached_property
     def signature(self) -> inspect.Signature:
@@ -71,17 +76,21 @@ def _named(*pieces: Piece) -> Iterator[tuple[str, Piece]]:
 _SWEPT = (extrude, product, revolve, sweep, wound)
 _OF_ONE = (
     *(Shape.translate, Shape.rotate, Shape.scale, Shape.mirror, Shape.shear),
-    *(implicit, normalise, offset, shell, transform),
+    *(implicit, offset, shell, transform),
     *(cyclic, grid, kaleidoscope, mirror_group, mirrored, row),
 )
 PIECES: Mapping[str, Piece] = dict(
     (
         *_named(*(Piece(function) for function in (arc, circle, graph, polyline, quadric, segment, triangle_wave))),
+        *_named(*(Piece(function) for function in (disc, ellipse, half_plane, line, polygon, rectangle))),
+        *_named(*(Piece(function) for function in (regular_polygon, strip, superellipse))),
         *_named(*(Piece(function, space=True) for function in (box, capsule, cylinder, half_space, slab, sphere))),
         *_named(*(Piece(function, space=True) for function in (cone, double_cone, ellipsoid, frustum, nappe, torus))),
         *_named(*(Piece(function, space=True) for function in (gyroid, lidinoid, neovius, schwarz_d, schwarz_p))),
         *_named(*(Piece(function, space=True) for function in (coil, helicoid, helix, helix_tube))),
         *_named(*(Piece(function, 1) for function in _OF_ONE)),
+        # To order 3 a hundred terms take seconds, a car for ever.
+        *_named(Piece(normalise, 1, most={"order": 2})),
         *_named(
             *(Piece(function, 1, plane=True, space=True) for function in (extrude, product, revolve, sweep, wound))
         ),

@@ -14,7 +14,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.letters import Letter, as_letters
-from rsym.model.symbols import as_expression, real_replacements, real_symbol
+from rsym.model.symbols import as_expression, real_replacements
 from rsym.model.traversal import substitute, symbols_of
 
 LetterMapping: TypeAlias = Mapping[Any, Letter | float] | None
@@ -58,7 +58,7 @@ def default(expression: sp.Expr, letters: LetterMapping, what: str = "a paramete
             code="unknown-letter",
             remedy=f"give letters={{{unknown[0]}: value}}",
         )
-    values = {real_symbol(name): sp.sympify(letter.default) for name, letter in known.items()}
+    values = {symbol: sp.sympify(known[symbol.name].default) for symbol in symbols_of(expression)}
     value = sp.N(substitute(expression, values))
     if (not value.is_Float and not value.is_Rational) or not math.isfinite(value):
         raise RsymError(f"{what} must be finite and real, got {expression}", code="number")

@@ -11,7 +11,9 @@ from rsym.errors import RsymError
 from rsym.language.loading import load
 from rsym.model.shape import Shape
 
-MODELS: tuple[str, ...] = ("car", "skeleton", "valve", "streamlined")
+# One model or more for each family of pieces, in the folder `gallery`.
+GALLERY = ("bone", "bracket", "clip", "gear", "gyroid", "jack", "snowflake", "solids", "spring", "vase")
+MODELS: tuple[str, ...] = ("car", "skeleton", "valve", "streamlined", *GALLERY)
 # The stages that a reading changes, and what they are called in the file.
 CAR_READINGS: Mapping[str, Mapping[str, str]] = {
     "standard": {},
@@ -35,7 +37,8 @@ def model_path(name: str) -> Path:
     """
     if name not in MODELS:
         raise RsymError(f"no shipped model {name!r}", code="unknown-model", remedy=f"choose from {', '.join(MODELS)}")
-    return Path(str(files("rsym.paper") / f"{name}.rf"))
+    folder = "gallery/" if name in GALLERY else ""
+    return Path(str(files("rsym.paper") / f"{folder}{name}.rf"))
 
 
 def car(variant: str = "a", stage: str = "W", *, reading: str = "standard") -> Shape:

@@ -61,7 +61,7 @@ class BoundedDisplacement(_Bump):
         a0, a1, a2, a3, f, g, h = self.args
         inward = h / a3
         unit = inward / sp.sqrt(inward**2 + (f / a1) ** 2 + (g / a2) ** 2)
-        return Choice(h, 0, a0 * unit**6 / (2 - unit**2), 0)
+        return Choice(inward, 0, a0 * unit**6 / (2 - unit**2), 0)
 
 
 def displacement_blend(

@@ -29,6 +29,10 @@ def fillet(
     too, is said in the values of a and b as coordinates; where these are
     normalised, values are distances near the faces.
 
+    Round faces that meet and cut with the rest of the body afterwards: where a and b share a face or touch, both
+    values are small along all of it, and the union bulges there; and edges inside a or b, which are no operations
+    on top any more, come out of a mesh rounded by a cell.
+
     G1: the fillet is the circle of this radius that touches both faces, exact for
     planes that meet at the given angle; tangents are continuous, the curvature
     jumps by 1/radius at both ends. Normalised to order 1 on the faces, and on the fillet of such planes.

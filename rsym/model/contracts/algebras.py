@@ -16,19 +16,27 @@ Series: TypeAlias = list[Element]
 
 
 class Line:
-    """Random values: a letter is a number, whatever varies in space is a polynomial of degree 1 in the unknown.
+    """Random values: all quantities are numbers but one, which is the unknown of the polynomials.
 
     They are drawn from the name of what is asked for, and so are the same each time.
     """
 
-    def __init__(self, coordinates: Sequence[sp.Symbol]) -> None:
+    def __init__(self, coordinates: Sequence[sp.Symbol], varied: tuple[sp.Expr, str] | None = None) -> None:
         self._coordinates = frozenset(coordinates)
+        self._varied = varied
+        self.varying: dict[tuple[sp.Expr, str], None] = {}  # what has been asked for and varies in space
+
+    def along(self, varied: tuple[sp.Expr, str]) -> Line:
+        """The line along which one quantity varies."""
+        return Line(tuple(self._coordinates), varied)
 
     def at(self, quantity: Any, name: str = "") -> Polynomial:
         """The value of a symbol, or of an independent quantity that belongs to an expression."""
+        if quantity.free_symbols & self._coordinates:
+            self.varying[quantity, name] = None
         draw = Random(f"{name} {sp.srepr(quantity)}")
         start, step = draw.randrange(1, PRIME), draw.randrange(1, PRIME)
-        return (start, step) if quantity.free_symbols & self._coordinates else (start,)
+        return (start, step) if (quantity, name) == self._varied else (start,)
 
 
 class Fractions:
@@ -62,9 +70,16 @@ class Fractions:
         """Return 1/f."""
         if not f[0]:
             raise NotShown
-        if f[0].keys() == {0} and len(f[0][0]) > 1:
-            self.poles.append(f[0][0])
+        self._note_poles(f[0])
         return f[1], f[0]
+
+    def _note_poles(self, f: Element) -> None:
+        """What has a single term is zero where a factor of it is."""
+        if len(f) == 1:
+            ((roots, polynomial),) = f.items()
+            self.poles.append(polynomial)
+            for radicand in self.tower.radicands_of(roots):
+                self._note_poles(radicand)
 
     def root(self, number: int, f: Fraction) -> Fraction:
         """The square root of n/d, sqrt(n*d)/d."""

@@ -91,10 +91,10 @@ def by_order(leaves: Sequence[Leaf]) -> dict[Order, list[Leaf]]:
 
 
 def paragraph(
-    continuity: float, order: Order, singular: Sequence[Singularity], leaves: Sequence[Leaf], names: Names
+    continuity: float, order: str, singular: Sequence[Singularity], leaves: Sequence[Leaf], names: Names
 ) -> str:
     """The contract as lines of text."""
-    lines = [f"omega is {smoothness(continuity)}; {normalisation(order)}"]
+    lines = [f"omega is {smoothness(continuity)}; {order}"]
     for (rank, operation), group in kinds(singular).items():
         shown = [_text(item, names) for item in group[:_SHOWN]]
         lines.append(f"  {smoothness(rank)} ({operation}) where {_counted(shown, len(group), '; ')}")
@@ -104,11 +104,9 @@ def paragraph(
     return "\n".join(lines)
 
 
-def table(
-    continuity: float, order: Order, singular: Sequence[Singularity], leaves: Sequence[Leaf], names: Names
-) -> str:
+def table(continuity: float, order: str, singular: Sequence[Singularity], leaves: Sequence[Leaf], names: Names) -> str:
     """The contract as an HTML table, equations in LaTeX."""
-    rows = [("class", escape(smoothness(continuity))), ("normalisation", escape(normalisation(order)))]
+    rows = [("class", escape(smoothness(continuity))), ("normalisation", escape(order))]
     for (rank, operation), group in kinds(singular).items():
         shown = [f"${_latex(item, names)}$" for item in group[:_SHOWN]]
         rows.append((escape(f"{smoothness(rank)}: {operation}"), _counted(shown, len(group), "<br>")))

@@ -26,7 +26,6 @@ def below(exponent: sp.Expr | None) -> int:
     Examples
     --------
     >>> import sympy as sp
-    from sympy.core.relational import Relational
     >>> below(sp.Rational(5, 2)), below(sp.Integer(3)), below(sp.Integer(-1))
     (2, 2, -1)
     """

@@ -6,7 +6,7 @@ expressions. An end without a value, NaN once compiled, says nothing.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import sympy as sp
 
@@ -103,23 +103,43 @@ def real_power(ends: Ends, exponent: sp.Expr) -> Ends:
 
 
 def turned(ends: Ends, shift: sp.Expr) -> Ends:
-    """The image of cos(u + shift): 1 is reached where half the width is beyond the angle from the middle to a crest."""
-    low, high = (end + shift for end in ends)
-    half, middle = (high - low) / 2, (low + high) / 2
-    values = [sp.cos(end, evaluate=False) for end in (low, high)]
-    reach, centre = sp.cos(half, evaluate=False), sp.cos(middle, evaluate=False)
-    whole = sp.GreaterThan(half, sp.pi)
-    lower = sp.Piecewise(
-        (sp.S.NegativeOne, sp.Or(whole, sp.GreaterThan(-centre, reach), evaluate=False)),
-        (least(*values), True),
-        evaluate=False,
+    """The image of cos(u + shift)."""
+    angle = ends[0] + shift, ends[1] + shift
+    values = [sp.cos(end, evaluate=False) for end in angle]
+    return _between_crests(angle, (least(*values), greatest(*values)), sp.S.One)
+
+
+def triangle(place: Ends, period: sp.Expr, wave: Callable[..., sp.Expr]) -> Ends:
+    """The image of a triangle wave: its crests are those of sin(pi t/h)."""
+    angle = tuple(sp.pi * end / period - sp.pi / 2 for end in place)
+    values = [wave(end, period) for end in place]
+    return _between_crests((angle[0], angle[1]), (least(*values), greatest(*values)), period / 2)
+
+
+def sawtooth(place: Ends, period: sp.Expr, wave: Callable[..., sp.Expr]) -> Ends:
+    """The image of a sawtooth: growing, all of it where a jump may be inside."""
+    centre, reach, wide = _crests(tuple(2 * sp.pi * end / period for end in place))
+    jumps = sp.Or(wide, sp.GreaterThan(-centre, reach), evaluate=False)
+    return _unless(jumps, -period / 2, wave(place[0], period)), _unless(jumps, period / 2, wave(place[1], period))
+
+
+def _between_crests(angle: Ends, values: Ends, crest: sp.Expr) -> Ends:
+    """The ends of a wave; a crest is inside where half the width is beyond the angle from the middle to it."""
+    centre, reach, wide = _crests(angle)
+    return (
+        _unless(sp.Or(wide, sp.GreaterThan(-centre, reach), evaluate=False), -crest, values[0]),
+        _unless(sp.Or(wide, sp.GreaterThan(centre, reach), evaluate=False), crest, values[1]),
     )
-    upper = sp.Piecewise(
-        (sp.S.One, sp.Or(whole, sp.GreaterThan(centre, reach), evaluate=False)),
-        (greatest(*values), True),
-        evaluate=False,
-    )
-    return lower, upper
+
+
+def _crests(angle: Sequence[sp.Expr]) -> tuple[sp.Expr, sp.Expr, sp.Basic]:
+    """The cosines of the middle and of half the width, and whether that is half a turn."""
+    half, middle = (angle[1] - angle[0]) / 2, (angle[0] + angle[1]) / 2
+    return sp.cos(middle, evaluate=False), sp.cos(half, evaluate=False), sp.GreaterThan(half, sp.pi)
+
+
+def _unless(condition: sp.Basic, extreme: sp.Expr, value: sp.Expr) -> sp.Expr:
+    return sp.Piecewise((extreme, condition), (value, True), evaluate=False)
 
 
 def tangent(ends: Ends) -> Ends:

@@ -17,18 +17,21 @@ from rsym.model.traversal import postorder
 Value: TypeAlias = Any
 Algebra: TypeAlias = Fractions | TaylorSeries
 
+_ANGLE = 60  # parts of an angle or an exponent, which is expanded
+
 
 class Evaluation:
-    """The value of an expression in an algebra; roots are numbered as they are met, the same in every algebra.
+    """The value of an expression in an algebra; roots are numbered as they are first met.
 
     Sines and cosines of c*m, c a number, are those of a fraction of m that all angles of the expression are whole
     multiples of, so sin(2 k z) and cos(k z) know of one another; powers and exponentials alike.
     """
 
-    def __init__(self, algebra: Algebra, expression: sp.Expr) -> None:
+    def __init__(self, algebra: Algebra, expression: sp.Expr, roots: dict[sp.Expr, int]) -> None:
         self.algebra: Any = algebra
-        self._roots: dict[sp.Expr, int] = {}
+        self._roots = roots
         self._shares = _shares(expression)
+        self.assumes = False  # whether quantities are taken as independent that need not be, so that nothing is refuted
 
     def value(self, expression: sp.Expr) -> Value:
         """The value."""
@@ -54,6 +57,8 @@ class Evaluation:
             return self._exponential(part.exp) if part.base == sp.E else self._power(part.base, part.exp, inner[0])
         if isinstance(part, sp.Abs):
             return self._size(part.args[0], inner[0])
+        if isinstance(part, sp.Min | sp.Max):
+            return self._extremum(part, inner)
         if isinstance(part, AbsolutePower):
             return self._absolute_power(part, inner[0])
         return self._function(part, inner)
@@ -68,6 +73,7 @@ class Evaluation:
         if isinstance(part, sp.sinh | sp.cosh | sp.tanh):
             return self._hyperbolic(part)
         if isinstance(part, sp.log):
+            self.assumes = True
             return self.algebra.integrated(self.algebra.free(part, "log"), [self.algebra.inverse(inner[0]), inner[0]])
         if isinstance(part, sp.atan2 | sp.atan):
             v, u = inner if len(inner) == 2 else (inner[0], self.algebra.number(1))
@@ -92,6 +98,17 @@ class Evaluation:
 
     def _size(self, base: sp.Expr, value: Value) -> Value:
         return self._rooted(base**2, self.algebra.multiply(value, value))
+
+    def _extremum(self, part: sp.Expr, inner: list[Value]) -> Value:
+        """(u + v -+ |u - v|)/2, folded; both branches of the root count."""
+        half, (result, *rest) = self._over(self.algebra.number(1), self.algebra.number(2)), inner
+        for k, value in enumerate(rest):
+            gap = self.algebra.add(result, self._negated(value))
+            size = self._rooted(sp.Tuple(part, k), self.algebra.multiply(gap, gap))
+            total = self.algebra.add(result, value)
+            turned = self._negated(size) if isinstance(part, sp.Min) else size
+            result = self.algebra.multiply(half, self.algebra.add(total, turned))
+        return result
 
     def _power(self, base: sp.Expr, exponent: sp.Expr, value: Value) -> Value:
         if exponent.is_Integer:
@@ -118,6 +135,7 @@ class Evaluation:
                 result = self.algebra.multiply(result, self._raised(size() if whole % 2 else value, whole))
                 coefficient -= whole
             if coefficient:
+                self.assumes = self.assumes or monomial == 1
                 share = coefficient.q
                 unit = self.algebra.free(sp.Tuple(base, monomial, share), "power")
                 step = self._over(self.value(monomial), self.algebra.number(share))
@@ -157,6 +175,7 @@ class Evaluation:
         return turned
 
     def _exponential(self, exponent: sp.Expr) -> Value:
+        self.assumes = True
         result = self.algebra.number(1)
         for coefficient, monomial in _terms(exponent):
             share = self._shares.get(monomial, 1)
@@ -177,6 +196,7 @@ class Evaluation:
 
     def _angle(self, part: sp.Expr, v: Value, u: Value) -> Value:
         """The derivative of atan2(v, u) is (u v' - v u')/(u**2 + v**2)."""
+        self.assumes = True
         add, multiply = self.algebra.add, self.algebra.multiply
         below = self.algebra.inverse(add(multiply(u, u), multiply(v, v)))
         slopes = [multiply(u, below), v, self._negated(multiply(v, below)), u]
@@ -192,6 +212,8 @@ def _folded(function: Any, values: Sequence[Value]) -> Value:
 
 def _terms(expression: sp.Expr) -> list[tuple[sp.Rational, sp.Expr]]:
     """The terms of a sum: a number and what it multiplies."""
+    if len(postorder(expression)) > _ANGLE:
+        raise NotShown
     terms = (term.as_coeff_Mul(rational=True) for term in sp.Add.make_args(sp.expand(expression)))
     return [(sp.Rational(coefficient), monomial) for coefficient, monomial in terms if coefficient != 0]
 

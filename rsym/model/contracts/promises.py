@@ -63,6 +63,7 @@ class Promise:
     singular : where the node is not analytic in its operands
     order : the order of normalisation from those of the operands, at regular points of the boundary: off the singular
         sets, where one operand vanishes and its gradient does not
+    exception : where, on the boundary, the order does not hold; empty if there is no such place
     monotone : +1 where the node never falls as this operand grows, -1 where it never grows, 0 where it does not depend
         on it, None where nothing is promised
     image : the ends of an interval that holds all values of the node, from the ends of its operands; an end that is
@@ -75,6 +76,7 @@ class Promise:
     truth: Callable[[Signs], int | None] = _no_law
     singular: tuple[Singularity, ...] = ()
     order: Callable[[Sequence[Order]], Order] = _not_shown
+    exception: str = ""
     monotone: tuple[int | None, ...] = ()
     image: Callable[..., Ends] = _anything
 

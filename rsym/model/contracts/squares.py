@@ -23,23 +23,29 @@ def squares_of(expression: sp.Expr) -> tuple[sp.Expr, ...] | None:
     >>> squares_of(x**2 + 4 * (y - 1)**2), squares_of(x**2 + y)
     ((x, y - 1), None)
     """
-    bases: list[sp.Expr] = []
+    bases: dict[sp.Expr, None] = {}
     for term in sp.Add.make_args(expression):
         inner = _bases(term)
         if inner is None:
             return None
-        bases.append(inner)
-    return tuple(dict.fromkeys(bases))
+        bases.update(dict.fromkeys(inner))
+    return tuple(bases)
 
 
-def _bases(term: sp.Expr) -> sp.Expr | None:
-    """What a term is an even power of, up to a positive factor."""
-    result = sp.S.One
+def _bases(term: sp.Expr) -> tuple[sp.Expr, ...] | None:
+    """What a term is the sum of squares of, up to positive factors."""
+    result: tuple[sp.Expr, ...] = (sp.S.One,)
     for factor in sp.Mul.make_args(term):
+        inner: tuple[sp.Expr, ...] | None = None
         if factor.is_Pow and factor.exp.is_Integer and factor.exp % 2 == 0:
-            result *= factor.base if factor.exp > 0 else 1
-        elif not (factor.is_number and factor.is_positive):
+            inner = (factor.base if factor.exp > 0 else sp.S.One,)
+        elif factor.is_number and factor.is_positive:
+            inner = (sp.S.One,)
+        elif factor.is_Add:
+            inner = squares_of(factor)
+        if inner is None:
             return None
+        result = tuple(u * v for u in result for v in inner)
     return result
 
 

@@ -10,11 +10,11 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.contracts.display import paragraph, table
+from rsym.model.contracts.display import normalisation, paragraph, table
 from rsym.model.contracts.elementary import Least
 from rsym.model.contracts.images import image
-from rsym.model.contracts.leaves import Leaf, decided_by, is_logical, leaves, names_of, parts_around
-from rsym.model.contracts.orders import leaf_order
+from rsym.model.contracts.leaves import Leaf, decided_by, is_logical, leaves, logical_parts, names_of, parts_around
+from rsym.model.contracts.orders import boundary_of, leaf_order
 from rsym.model.contracts.promises import Ends, Order, Singularity
 from rsym.model.contracts.squares import never_zero_together
 from rsym.model.contracts.table import Promises, number_itself
@@ -31,6 +31,8 @@ class Contract:
     order : the order to which omega is normalised, at the regular points of its boundary: off the singular sets, where
         one leaf vanishes and its gradient does not; infinity for a distance, 0 for not normalised, None for not shown
     singular : where omega may not be analytic, and of which class it is there
+    exceptions : where on the boundary the order does not hold: on the fillets of blends, and where a
+        function that was normalised to order 2 or more vanishes again, far from what it was made of
     leaves : what R-operations combine, each with its own order
 
     A promise is never more than what holds; the truth may be better.
@@ -40,16 +42,21 @@ class Contract:
     coordinates: tuple[sp.Symbol, ...]
     continuity: float
     order: Order
+    exceptions: tuple[str, ...]
     singular: tuple[Singularity, ...]
     leaves: tuple[Leaf, ...]
     _names: Mapping[sp.Expr, str] = field(repr=False, compare=False)
     _promises: Promises = field(repr=False, compare=False)
 
     def __str__(self) -> str:
-        return paragraph(self.continuity, self.order, self.singular, self.leaves, self._names)
+        return paragraph(self.continuity, self._normalisation, self.singular, self.leaves, self._names)
 
     def _repr_html_(self) -> str:
-        return table(self.continuity, self.order, self.singular, self.leaves, self._names)
+        return table(self.continuity, self._normalisation, self.singular, self.leaves, self._names)
+
+    @property
+    def _normalisation(self) -> str:
+        return "; ".join([normalisation(self.order), *(self.exceptions if self.order else ())])
 
     @property
     def not_normalised(self) -> tuple[Leaf, ...]:
@@ -123,6 +130,7 @@ def contract(shape: Shape) -> Contract:
         shape.coordinates,
         min((item.continuity for item in lost), default=math.inf),
         _order(promises, orders),
+        _exceptions(promises, orders),
         lost,
         tuple(Leaf(leaf, names.get(leaf, ""), part, orders[leaf]) for leaf, part in zip(found, around, strict=True)),
         names,
@@ -149,6 +157,14 @@ def _order(promises: Promises, orders: Mapping[sp.Expr, Order]) -> Order:
             inner = [known.get(id(operand)) for operand in promises.inward(part)]
             known[id(part)] = promises[part].order(inner)
     return known[id(promises.root)]
+
+
+def _exceptions(promises: Promises, orders: Mapping[sp.Expr, Order]) -> tuple[str, ...]:
+    parts = [part for part in logical_parts(promises.root, promises) if is_logical(part)]
+    texts = [text for part in parts if (text := promises[part].exception)]
+    if any(order and boundary_of(leaf) != leaf for leaf, order in orders.items()):
+        texts.append("it holds where the common factor of the terms of a leaf is zero, not where the other factor is")
+    return tuple(dict.fromkeys(texts))
 
 
 def _least_of(letters: Letters) -> Least:

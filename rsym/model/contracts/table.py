@@ -9,11 +9,12 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.contracts.elementary import ELEMENTARY, Least, Rule
 from rsym.model.contracts.operations import OPERATIONS
+from rsym.model.contracts.pieces import PIECES
 from rsym.model.contracts.promises import Promise
 from rsym.model.nodes import Composition
 from rsym.model.traversal import postorder, rebuild
 
-PROMISES: dict[type[sp.Basic], Rule] = {**ELEMENTARY, **OPERATIONS}
+PROMISES: dict[type[sp.Basic], Rule] = {**ELEMENTARY, **OPERATIONS, **PIECES}
 
 
 def number_itself(exponent: sp.Expr) -> sp.Expr | None:

@@ -105,6 +105,10 @@ class Tower:
             self._roots[number] = twins[0] if twins and self.modulus is not None else {1 << number: (1,)}
         return self._roots[number]
 
+    def radicands_of(self, roots: int) -> list[Element]:
+        """The radicands of a set of roots."""
+        return [radicand for number, radicand in self._radicands.items() if roots >> number & 1]
+
     def _met(self, f: Element) -> Element:
         """An element of the free tower in this one."""
         result: Element = {}

@@ -31,7 +31,7 @@ class Path:
         return tuple(substitute(component, {PARAMETER: value}) for component in self.point)
 
 
-class Curve(Composition):
+class CurveField(Composition):
     """A field that is zero on a curve and positive elsewhere: coordinates, other vectors, then scalars."""
 
     vectors: ClassVar[int]  # with the coordinates, which are the first
@@ -75,7 +75,7 @@ class Curve(Composition):
         return f"{type(self).__name__.lower()}({'; '.join(self._groups(printer))})"
 
 
-class Segment(Curve):
+class Segment(CurveField):
     """From p to q: the line, trimmed by the disc that has the segment as its diameter."""
 
     vectors, scalars = 3, 0
@@ -83,8 +83,10 @@ class Segment(Curve):
     def composition(self) -> sp.Expr:
         """Trimming of the distance f to the line by t = (place - p).(q - place)/L."""
         place, start, end = (self.vector(k) for k in range(3))
-        length = distance(start, end)
-        along = tuple(component / length for component in _minus(end, start))
+        way, length = _minus(end, start), distance(start, end)
+        # Along a coordinate the sign of a letter must not stay in f: f**2 is then free of roots when it is revolved.
+        straight = sum(not component.is_zero for component in way) == 1
+        along = tuple(sp.Integer(not component.is_zero) if straight else component / length for component in way)
         offset = _minus(place, start)
         line = offset[0] * along[1] - offset[1] * along[0] if self.dimension == 2 else norm(cross(offset, along))
         return Trimming(line, dot(offset, _minus(end, place)) / length)
@@ -96,7 +98,7 @@ class Segment(Curve):
         return (Path(point, sp.S.Zero, sp.S.One, (start, end)),)
 
 
-class Circle(Curve):
+class Circle(CurveField):
     """About a centre in the plane of two unit vectors, of a radius; the last number tells if distances are exact."""
 
     vectors, scalars = 4, 2
@@ -158,7 +160,7 @@ class Arc(Circle):
         return (self.path(self.numbers[1], self.numbers[2]),)
 
 
-class Helix(Curve):
+class Helix(CurveField):
     """(R cos a, R sin a, p a/(2 pi)), endless, or for a from 0 to 2 pi n: coordinates, R, p and then n."""
 
     vectors = 1
@@ -169,17 +171,25 @@ class Helix(Curve):
         return len(self.args) - 3
 
     def composition(self) -> sp.Expr:
-        """Along the radius and across it, less the slope of the curve; an end is a slab, normalised along the curve."""
-        place, (radius, pitch, *turns) = self.vector(0), self.numbers
-        angle, stretch = 2 * sp.pi * place[2] / pitch, 1 + (2 * sp.pi * radius / pitch) ** 2
-        cosine, sine = sp.cos(angle), sp.sin(angle)
-        inward = place[0] * cosine + place[1] * sine - radius
-        across = place[1] * cosine - place[0] * sine
-        curve = sp.sqrt(inward**2 + across**2 / stretch)
+        """The field of the endless one, trimmed by s (S - s)/S: s is the length of the curve, constant across it."""
+        (a, b, c), (radius, pitch, *turns) = self.vector(0), self.numbers
+        slope = 2 * sp.pi / pitch
+        stretch = sp.sqrt(1 + slope**2 * radius**2)
+        cosine, sine = sp.cos(slope * c), sp.sin(slope * c)
+        cylinder = slope * (radius**2 - a**2 - b**2) / 2
+        chord = (a - radius * cosine) ** 2 + (b - radius * sine) ** 2
+        curve = sp.sqrt(cylinder**2 + chord + chord**2 / (12 * radius**2)) / stretch
         if not turns:
             return curve
-        height = pitch * turns[0]
-        return Trimming(curve, place[2] * (height - place[2]) / height * sp.sqrt(stretch))
+        ahead, whole = self._ahead(cosine, sine), stretch * pitch * turns[0]
+        length = stretch * c + slope * radius**2 * ahead / stretch
+        return Trimming(curve, length * (whole - length) / whole)
+
+    def _ahead(self, cosine: sp.Expr, sine: sp.Expr) -> sp.Expr:
+        """The angle from the curve to the place, periodic: 4/3 sin - 1/6 sin(2) of it, and nowhere steeper."""
+        (a, b, _), radius = self.vector(0), self.numbers[0]
+        unit = 2 * radius / (radius**2 + a**2 + b**2)
+        return unit * (b * cosine - a * sine) * (4 - unit * (a * cosine + b * sine)) / 3
 
     def paths(self) -> tuple[Path, ...]:
         """One, by the height over that of the end."""

@@ -1,7 +1,8 @@
-"""Helicoids and tubes about helices, measured exactly: the nearest point is the root of Kepler's equation."""
+"""The helicoid, and the tube about a helix: the nearest point of a helix is the root of Kepler's equation."""
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import sympy as sp
@@ -11,12 +12,14 @@ from rsym.model.arguments import LetterMapping, default, positive
 from rsym.model.nodes import Composition
 from rsym.model.primitives.extents import centred
 from rsym.model.primitives.space import ORIGIN, SPACE
+from rsym.model.primitives.theorem import normalised
 from rsym.model.shape import Shape
 from rsym.model.symbols import x, y, z
 from rsym.model.systems import R0
 
-# Newton's steps.
-STEPS = 3
+# Newton's steps: with two the gradient of the distance from a helix is 1 to 1e-16 on tubes up to 0.8 of its radius,
+# of any pitch (1e-9 with one). An error of the root counts squared there, since the distance is least at the root.
+STEPS = 2
 
 
 class Anomaly(Composition):
@@ -50,39 +53,38 @@ def helicoid(pitch: Any = 1, thickness: Any = None, *, letters: LetterMapping = 
 
     Its lines cross the z-axis at right angles and turn once in a pitch. Normalised to order 1, analytic everywhere.
 
-    With a thickness t, the sheet of just that thickness about it: (a**2 - d**2)/(2 a) with a = t/2 and the distance d,
-    d**2 = rho**2*sin(E/2)**2 + ((m - E)/(2 k))**2, where E + k**2*rho**2*sin(E) = m, m/2 the angle by which the point
-    lies above the line below it. Normalised to order 1, singular on the axis, which is inside, and half-way between
-    two turns of the sheet. Cut it with a cylinder: a screw's flight.
+    With a thickness t, a sheet about it: Y**2 < a**2 + (X*tan(k*a))**2, a = t/2, X measured along the line at the
+    height of the point, Y at right angles; by Rvachev's theorem, of size a at most. Across the axis and far from it
+    the sheet is t thick, between them less, by 0.4 % at t = pitch/10 and 1.8 % at pitch/5. Normalised to order 1,
+    analytic everywhere. Cut with a cylinder it is the flight of a screw.
 
     Raises
     ------
     RsymError
-        For a pitch that is not positive, or a thickness not between 0 and pitch/pi, from where on the faces have edges.
+        For a pitch that is not positive, or a thickness not between 0 and pitch/2, where the turns meet.
 
     Examples
     --------
-    >>> import sympy
-    >>> helicoid(2 * sympy.pi).expression
+    >>> import rsym, sympy
+    >>> rsym.helicoid(2 * sympy.pi).expression
     (-x*sin(z) + y*cos(z))/sqrt(x**2 + y**2 + 1)
     """
     pitch = positive(pitch, "the pitch", letters)
     rate = 2 * sp.pi / pitch
-    across, above = _turned(rate)
-    excess = rate**2 * (x**2 + y**2)
+    along, aside = _turned(rate)
     if thickness is None:
-        return Shape(-above / sp.sqrt(1 + excess), SPACE, letters=letters)
+        return Shape(-aside / sp.sqrt(1 + rate**2 * (x**2 + y**2)), SPACE, letters=letters)
     half = positive(thickness, "the thickness", letters) / 2
-    if default(1 - rate * half, letters) <= 0:
+    if default(2 * half * rate, letters) >= math.pi:
         raise RsymError(
-            f"the thickness must be below pitch/pi = {default(pitch, letters) / sp.pi.evalf():.4g}, got {thickness}",
+            f"the thickness must be below pitch/2 = {default(pitch, letters) / 2:g}, got {thickness}",
             code="thickness",
-            remedy="half the thickness must be less than the radius of curvature on the axis, pitch/(2 pi)",
+            remedy="a thicker sheet has no room between its turns",
         )
-    mean = sp.atan2(2 * across * above, across**2 - above**2)
-    root = Anomaly(mean, excess)
-    squared = (x**2 + y**2) * sp.sin(root / 2) ** 2 + ((mean - root) / (2 * rate)) ** 2
-    return Shape((half**2 - squared) / (2 * half), SPACE, letters=letters)
+    spread = sp.tan(rate * half, evaluate=False) ** 2
+    function = half**2 + spread * along**2 - aside**2
+    squared = 4 * (spread * along) ** 2 + 4 * aside**2 + (2 * rate * (1 + spread) * along * aside) ** 2
+    return Shape(normalised(function, squared, half), SPACE, letters=letters)
 
 
 def helix_tube(
@@ -100,8 +102,9 @@ def helix_tube(
     m the angle by which the point lies above the turn next to it. With a number of turns, cut by the slab
     |z| < turns*pitch/2 (R_0), and bounded.
 
-    Normalised to order 1, with `exact` to every order, both within rounding while the tube is no thicker than the
-    helix is wide. Singular on the z-axis and half-way between two turns, the exact form on the helix too.
+    Normalised to order 1, with `exact` to every order, within rounding for tubes up to r = 0.8 R; cut, to order 1.
+    Singular on the z-axis and half-way between two turns, the exact form on the helix too. Turns that overlap
+    are one body with creases.
 
     Raises
     ------
@@ -111,7 +114,7 @@ def helix_tube(
     Examples
     --------
     >>> import rsym
-    >>> spring = helix_tube(3, 1, 4)
+    >>> spring = rsym.helix_tube(3, 1, 4)
     >>> rsym.compile(spring)([3.0, 0.0, 4.0], [0.0, 3.0, 0.0], [0.0, 1.0, 0.0])["value"].round(12).tolist()
     [0.5, 0.5, 0.0]
     """

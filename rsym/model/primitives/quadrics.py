@@ -33,7 +33,7 @@ def ellipsoid(
     Examples
     --------
     >>> import rsym
-    >>> rsym.compile(ellipsoid(3, 2, 1))([0.0, 3.0], 0.0, 0.0)["value"].tolist()
+    >>> rsym.compile(rsym.ellipsoid(3, 2, 1))([0.0, 3.0], 0.0, 0.0)["value"].tolist()
     [1.0, 0.0]
     """
     named = (("a", a), ("b", b), ("c", c))
@@ -70,7 +70,8 @@ def quadric(
 
     Examples
     --------
-    >>> quadric(((0, 0), (0, 0)), (0, 1), 0).expression
+    >>> import rsym
+    >>> rsym.quadric(((0, 0), (0, 0)), (0, 1), 0).expression
     y/sqrt(y**2 + 1)
     """
     rows = [list(row) for row in matrix.tolist()] if hasattr(matrix, "tolist") else [*map(list, matrix)]
@@ -115,7 +116,8 @@ def torus(
 
     Examples
     --------
-    >>> torus(3, 1).expression
+    >>> import rsym
+    >>> rsym.torus(3, 1).expression
     -z**2/2 - (sqrt(x**2 + y**2) - 3)**2/2 + 1/2
     """
     major, minor = positive(major, "the major radius", letters), positive(minor, "the minor radius", letters)

@@ -55,7 +55,8 @@ def space_curve(f: Any, g: Any, *, letters: LetterMapping = None) -> Shape:
 def helix(radius: Any, pitch: Any, turns: Any = None, *, letters: LetterMapping = None) -> Shape:
     """The line of a screw about z through (radius, 0, 0): (R cos a, R sin a, p a/(2 pi)), right-handed.
 
-    sqrt(f**2 + g**2/(1 + (2 pi R/p)**2)) with f = x cos a + y sin a - R, g = y cos a - x sin a and a = 2 pi z/p.
+    sqrt((k**2 (R**2 - x**2 - y**2)**2/4 + d + d**2/(12 R**2))/(1 + k**2 R**2)) with k = 2 pi/p and
+    d = (x - R cos(k z))**2 + (y - R sin(k z))**2: from the cylinder, and from the point of the curve across the axis.
 
     Normalised to order 1 in every direction, off the ends if it has any. It is analytic off the curve. A left-handed
     one is its mirror image.

@@ -20,7 +20,8 @@ def normalised(function: sp.Expr, squared: sp.Expr, length: Any = 1) -> sp.Expr:
     >>> normalised(x - y**2, 1 + 4 * y**2)
     (x - y**2)/sqrt(4*y**2 + (x - y**2)**2 + 1)
     """
-    return length * function / sp.sqrt(function**2 + length**2 * squared)
+    # In this order: SymPy would multiply a number into a sum that is not yet divided, and u would stand there no more.
+    return length * (function / sp.sqrt(function**2 + length**2 * squared))
 
 
 def by_differentiation(function: sp.Expr, coordinates: tuple[sp.Symbol, ...], length: Any = 1) -> sp.Expr:

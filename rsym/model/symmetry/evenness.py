@@ -8,7 +8,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.letters import Letter
-from rsym.model.nodes import Held, written_out
+from rsym.model.nodes import written_out
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol
 from rsym.model.traversal import rebuild, substitute
@@ -20,7 +20,7 @@ SPREAD = 0.3  # letters are tried up to this share of their default away from it
 UNBOUNDED = 2.0  # half the side of the box in which a motif without bounds is looked at
 
 
-def check_even(shape: Shape, symbol: sp.Symbol, remedy: str) -> None:
+def check_even(shape: Shape, symbol: sp.Symbol) -> None:
     """Refuse a shape that is not even in one of its coordinates, whatever its letters.
 
     By form if that tells, else by value at 48 places with the letters at their defaults and around them.
@@ -34,27 +34,41 @@ def check_even(shape: Shape, symbol: sp.Symbol, remedy: str) -> None:
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> check_even(rsym.Shape(1 - x - y**2, (x, y)), y, "")
+    >>> check_even(rsym.Shape(1 - x - y**2, (x, y)), y)
     """
     expression = written_out(shape.expression)
-    mirrored = substitute(expression, {symbol: -symbol})
-    if mirrored == expression:
+    opposite = substitute(expression, {symbol: -symbol})
+    if opposite == expression:
         return
     seen = []
     for place in _places(shape):
-        here, there = _value(expression, place), _value(mirrored, place)
+        here, there = _value(expression, place), _value(opposite, place)
         if here is not None and there is not None:
-            seen.append((abs(here - there), max(abs(here), abs(there)), place, here, there))
-    largest = max((item[1] for item in seen), default=sp.S.Zero)
-    worst = max(seen, key=lambda item: item[0], default=None)
-    if worst is not None and worst[0] > AGREEMENT * largest:
-        where = ", ".join(f"{name} = {float(value):.4g}" for name, value in worst[2].items())
-        raise RsymError(
-            f"the motif must be even in {symbol}, but omega = {float(worst[3]):.6g} at {where}, and "
-            f"{float(worst[4]):.6g} at {symbol} = {-float(worst[2][symbol]):.4g}",
-            code="not-even",
-            remedy=remedy,
+            seen.append((here, there, place))
+    largest = max((abs(value) for here, there, _ in seen for value in (here, there)), default=sp.S.Zero)
+    uneven = [item for item in seen if abs(item[0] - item[1]) > AGREEMENT * largest]
+    if uneven:
+        crossing = [item for item in uneven if item[0] * item[1] < 0]
+        raise _refusal(shape, symbol, *(crossing or uneven)[0], alike=not crossing)
+
+
+def _refusal(
+    shape: Shape, symbol: sp.Symbol, here: sp.Float, there: sp.Float, place: dict[sp.Symbol, sp.Float], *, alike: bool
+) -> RsymError:
+    where = ", ".join(f"{name} = {float(value):.4g}" for name, value in place.items())
+    normal = tuple(int(coordinate == symbol) for coordinate in shape.coordinates)
+    remedy = f'mirrored(motif, {normal}) makes it even, motif="any" takes it as it is'
+    if alike:
+        remedy += (
+            "; its set looks even: combine what mirrors each other first, "
+            "conjunction(f, g, h) with g the mirror image of f, since R-operations are not associative"
         )
+    return RsymError(
+        f"the motif must be even in {symbol}, but omega = {float(here):.6g} at {where}, "
+        f"and {float(there):.6g} at {symbol} = {-float(place[symbol]):.4g}",
+        code="not-even",
+        remedy=remedy,
+    )
 
 
 def _places(shape: Shape) -> Iterator[dict[sp.Symbol, sp.Float]]:
@@ -72,7 +86,9 @@ def _places(shape: Shape) -> Iterator[dict[sp.Symbol, sp.Float]]:
         }
         changed = k > PLACES // 2
         for (name, letter), share in zip(shape.letters.items(), shares[shape.dimension :], strict=True):
-            place[real_symbol(name)] = sp.Float(_tried(letter, share) if changed else letter.default, DIGITS)
+            place[real_symbol(name)] = sp.Float(
+                _tried(letter, share) if changed else sp.sympify(letter.default), DIGITS
+            )
         yield place
 
 
@@ -89,8 +105,6 @@ def _value(expression: sp.Expr, place: dict[sp.Symbol, sp.Float]) -> sp.Float | 
     def value(part: sp.Basic) -> sp.Basic | None:
         if part.is_Symbol:
             return place.get(part)
-        if isinstance(part, Held):
-            return part.args[0].evalf(DIGITS)
         return part.evalf(DIGITS) if part.args and isinstance(part, sp.Expr) and not part.is_Float else None
 
     result = rebuild(expression, value)

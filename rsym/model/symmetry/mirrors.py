@@ -11,10 +11,12 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, direction, number, point, whole
 from rsym.model.motions import unit_vector
+from rsym.model.nodes import Held
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symmetry.cyclic import around
 from rsym.model.symmetry.reflections import Vector, farthest, folded
+from rsym.model.traversal import rebuild
 
 _GOLDEN = (1 + sp.sqrt(5)) / 2
 # The inner normals of the three mirrors that bound the chamber.
@@ -148,7 +150,7 @@ def mirror_group(shape: Shape, group: Any) -> Shape:
 
 def _normals(group: Any, dimension: int) -> list[Vector]:
     if not isinstance(group, str | sp.Symbol):
-        return [direction(normal, dimension, "a normal") for normal in group]
+        return [tuple(map(_short, direction(normal, dimension, "a normal"))) for normal in group]
     if str(group) not in GROUPS or dimension != 3:
         raise RsymError(
             f"the group must be one of {', '.join(GROUPS)} in space, or normals of mirrors; "
@@ -157,6 +159,12 @@ def _normals(group: Any, dimension: int) -> list[Vector]:
             remedy="in the plane use kaleidoscope(shape, order)",
         )
     return [point(normal, 3, "a normal") for normal in GROUPS[str(group)]]
+
+
+def _short(component: sp.Expr) -> sp.Expr:
+    """Roots stay exact through many reflections; products of sines would swell, 40 digits of them do not."""
+    exact = rebuild(component, lambda part: part.args[0] if isinstance(part, Held) else None)
+    return sp.Rational(sp.N(exact, 40)) if exact.has(sp.Function) else exact
 
 
 def _around_centre(shape: Shape, turning: Sequence[sp.Symbol]) -> Bounds | None:

@@ -26,6 +26,7 @@ MOST_IMAGES = 240  # of a weight; 120 have the largest group in space, H3
 SAME = 1e-9  # two images nearer than this are one: those of groups this small lie further than 0.02 apart
 
 Vector = tuple[sp.Expr, ...]
+Floats = tuple[float, ...]
 
 
 def folded(normals: Sequence[Vector], coordinates: Sequence[sp.Symbol]) -> list[sp.Expr]:
@@ -71,28 +72,36 @@ def farthest(first: sp.Symbol, second: sp.Symbol, count: int, start: sp.Expr) ->
 def orbit(weight: Vector, normals: Sequence[Vector]) -> list[Vector]:
     """All images of a vector under the reflections in mirrors with these normals."""
     images = [weight]
-    places = [_floats(weight)]
-    for image in images:  # grows while it is walked
-        for normal in normals:
-            factor = 2 * _dot(image, normal) / _dot(normal, normal)
-            mirrored = tuple(_plain(a - factor * b) for a, b in zip(image, normal, strict=True))
-            place = _floats(mirrored)
-            if not any(_near(place, other) for other in places):
-                images.append(mirrored)
-                places.append(place)
-        if len(images) > MOST_IMAGES:
+    for parent, number in _descent(_floats(weight), [_floats(normal) for normal in normals])[1:]:
+        image, normal = images[parent], normals[number]
+        factor = 2 * _dot(image, normal) / _dot(normal, normal)
+        images.append(tuple(_plain(a - factor * b) for a, b in zip(image, normal, strict=True)))
+    return images
+
+
+def _descent(weight: Floats, normals: Sequence[Floats]) -> list[tuple[int, int]]:
+    """Of which image and in which mirror each image is one; exact numbers of an endless group would swell."""
+    places, origins = [weight], [(0, 0)]
+    for parent, place in enumerate(places):  # grows while it is walked
+        for number, normal in enumerate(normals):
+            factor = 2 * _product(place, normal) / _product(normal, normal)
+            image = tuple(a - factor * b for a, b in zip(place, normal, strict=True))
+            if not any(_near(image, other) for other in places):
+                places.append(image)
+                origins.append((parent, number))
+        if len(places) > MOST_IMAGES:
             raise RsymError(
                 "reflections in these mirrors do not make a finite group",
                 code="mirrors",
                 remedy="the angles between mirrors must be pi/m, in space with 1/m1 + 1/m2 + 1/m3 > 1",
             )
-    return images
+    return origins
 
 
 def _largest(images: Sequence[Vector], coordinates: Sequence[sp.Symbol]) -> sp.Expr:
     """The largest q . p; where -q is an image too, |q . p| stands for both."""
     forms: list[sp.Expr] = []
-    used: list[tuple[float, ...]] = []
+    used: list[Floats] = []
     opposite = [tuple(-value for value in _floats(image)) for image in images]
     for image in images:
         place = _floats(image)
@@ -123,7 +132,11 @@ def _dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
     return sp.Add(*(p * q for p, q in zip(a, b, strict=True)))
 
 
-def _floats(vector: Vector) -> tuple[float, ...]:
+def _product(a: Floats, b: Floats) -> float:
+    return sum(p * q for p, q in zip(a, b, strict=True))
+
+
+def _floats(vector: Vector) -> Floats:
     return tuple(float(sp.N(value)) for value in vector)
 
 

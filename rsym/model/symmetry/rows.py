@@ -74,7 +74,7 @@ def row(
     coordinate = _coordinate(shape, axis)
     even = checked_motif(motif, terms)
     if even:
-        check_even(shape, coordinate, f'mirrored(motif, normal) about {coordinate} = 0 makes it even; or motif="any"')
+        check_even(shape, coordinate)
     if count is None:
         wave = triangle_wave(coordinate, period, terms) if even else SawtoothWave(coordinate, period)
     else:

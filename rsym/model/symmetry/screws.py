@@ -75,17 +75,15 @@ def screw(shape: Shape, pitch: Any, *, starts: Any = 1, axis: Any = None, letter
     )
 
 
-def wound(
-    shape: Shape, radius: Any, pitch: Any, *, motif: str = "even", turns: Any = None, letters: LetterMapping = None
-) -> Shape:
+def wound(shape: Shape, radius: Any, pitch: Any, *, motif: str = "even", letters: LetterMapping = None) -> Shape:
     """A section wound around the axis z along a helix: omega0(rho - R, cos(alpha) mu(z - h theta/(2 pi))).
 
     rho, theta are polar coordinates of (x, y), tan(alpha) = h/(2 pi R), mu(t) = t - h round(t/h), for an even
     section the same as the triangle wave. The section lies outwards (x) and across the turns (y). Along the
     helix rho = R every order of normalisation is kept; elsewhere |grad omega| is off by a share up to
     sin(alpha)**2 |R**2/rho**2 - 1|/2, and `normalise` restores order 1. Kinks half-way between the turns,
-    unless the boundary meets them at a right angle; singular on the axis. With turns the ends are ground flat:
-    conjunction with |z| <= turns h/2.
+    unless the boundary meets them at a right angle; singular on the axis. It has no end, and no bounds:
+    intersect it with a slab.
 
     Parameters
     ----------
@@ -95,8 +93,6 @@ def wound(
         R > 0 and h > 0, in the unit of the coordinates; right-handed.
     motif : "even" or "any"
         Whether the section must be even; if not, the field jumps half-way between the turns.
-    turns : number or expression, optional
-        How many turns between the ground ends; without it there is no end.
     letters : mapping, optional
         Values of the letters in the numbers.
 
@@ -120,33 +116,32 @@ def wound(
     big, h = positive(radius, "the radius", letters), positive(pitch, "the pitch", letters)
     across, outwards = shape.coordinates[1], shape.coordinates[0]
     if checked_motif(motif, None):
-        check_even(shape, across, f'mirrored(motif, (0, 1)) makes it even in {across}; or motif="any"')
+        check_even(shape, across)
     distance, height, cosine = _helical(big, h)
     places = {outwards: distance - big, across: cosine * height}
-    bounds = None
-    if shape.bounds is not None and turns is not None:
-        bounds = _cylinder(default(big, letters) + shape.bounds[0][1], default(number(turns, "turns") * h, letters))
-    endless = substituted(shape, places, coordinates=(x, y, z), letters=letters, bounds=bounds)
-    return endless if turns is None else _ground(endless, positive(turns, "the turns", letters) * h)
+    return substituted(shape, places, coordinates=(x, y, z), letters=letters)
 
 
 def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: LetterMapping = None) -> Shape:
     """A coil spring around the axis z: a wire of radius r along a helix of radius R and pitch h, right-handed.
 
-    f = r**2 - (rho - R)**2 - m**2,   m = cos(alpha) mu(z - h theta/(2 pi)),   tan(alpha) = h/(2 pi R)
-    omega = f/(2 r G),   G**2 = 1 + sin(alpha)**2 (R**2 - rho**2)/(rho**2 + f**2/R**2) m**2/(e r**2 + (1 - e) u**2)
+    f = r**2 - d**2 - m**2,   d = rho - R,   m = cos(alpha) mu(z - h theta/(2 pi)),   t = tan(alpha) = h/(2 pi R)
+    omega = f/(2 r) sqrt((rho**2 + q) E/(rho**2 (r**2 + m**2 + e d**2) + q E + 2 t**2 R**2 m**2))
 
-    with u**2 = (rho - R)**2 + m**2 and e = cos(alpha)**2/2, mu as for `wound`. Normalised to order 1 on all of
-    the surface, where G = |grad f|/(2 r); elsewhere G is positive and bounded. The section across the wire is a
-    circle to first order in r/R. Kinks half-way between the turns, which the surface does not reach; singular on
-    the axis. With turns the ends are ground flat: conjunction with |z| <= turns h/2.
+    with mu as for `wound`, e = 1 + 2 t**2, E = r**2 + e (d**2 + m**2), q = f**2/R**2. Normalised to order 1 on all of
+    the surface, where the root is 2 r/|grad f|; elsewhere it is one of sums of squares, so nothing but f decides the
+    sign. The section across the wire is a circle to first order in r/R. Kinks half-way between the turns, which the
+    surface does not reach; singular on the axis. With turns the climb T = z - mu goes from -L/2 to L/2, L = turns h,
+    and the ends are flat: conjunction with ((L**2/4 - T**2)/L) (2 pi rho/h), normalised there. For ground
+    ends intersect the endless coil with a slab. `helix_tube` has a round wire of any thickness, by the distance
+    itself, at a higher cost.
 
     Parameters
     ----------
     radius, wire, pitch : number or expression
         R, r and h, in the unit of the coordinates; r < R and 2 r < h cos(alpha).
     turns : number or expression, optional
-        How many turns between the ground ends; without it there is no end, and no bounds.
+        How many turns between the ends; without it there is no end, and no bounds.
     letters : mapping, optional
         Values of the letters in the numbers.
 
@@ -155,7 +150,7 @@ def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: Lett
     RsymError
         For numbers that are not positive, and turns that touch one another or the axis.
 
-    Source: Maksimenko-Sheiko and Sheiko (2008), their f; G from the gradient of f.
+    Source: Maksimenko-Sheiko and Sheiko (2008), their f; the root from its gradient.
 
     Examples
     --------
@@ -170,15 +165,18 @@ def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: Lett
     _check_turns_apart(default(big, letters), default(r, letters), default(h * cosine, letters))
     out, across = distance - big, cosine * height
     f = r**2 - out**2 - across**2
-    share = cosine**2 / 2
-    steepness = (1 - cosine**2) * (big**2 - distance**2) / (distance**2 + f**2 / big**2)
-    lean = 1 + steepness * across**2 / (share * r**2 + (1 - share) * (out**2 + across**2))
-    extent = None if turns is None else positive(turns, "the turns", letters) * h
-    bounds = None
-    if extent is not None:
-        bounds = _cylinder(default(big + r, letters), default(extent, letters))
-    endless = Shape(f / (2 * r * sp.sqrt(lean)), (x, y, z), letters=as_letters(letters), bounds=bounds)
-    return endless if extent is None else _ground(endless, extent)
+    tangent, q = h / (2 * sp.pi * big), (f / big) ** 2
+    weight = 1 + 2 * tangent**2
+    both = r**2 + weight * (out**2 + across**2)
+    lean = distance**2 * (r**2 + across**2 + weight * out**2) + q * both + 2 * (tangent * big * across) ** 2
+    endless = Shape(f / (2 * r) * sp.sqrt((distance**2 + q) * both / lean), (x, y, z), letters=as_letters(letters))
+    if turns is None:
+        return endless
+    length = positive(turns, "the turns", letters) * h
+    climb = z - height
+    window = ((length / 2) ** 2 - climb**2) / length * (2 * sp.pi * distance / h)
+    bounds = _cylinder(*(default(item, letters) for item in (big + r, r / cosine + length / 2)))
+    return endless.replace(expression=R0.conjunction(endless.expression, window), bounds=bounds)
 
 
 def _helical(radius: sp.Expr, pitch: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
@@ -203,17 +201,9 @@ def _check_turns_apart(radius: float, wire: float, gap: float) -> None:
         )
 
 
-def _ground(endless: Shape, extent: sp.Expr) -> Shape:
-    """Between two planes, by their normalised slab."""
-    half = extent / 2
-    slab = (half**2 - z**2) / (2 * half)
-    return endless.replace(expression=R0.conjunction(endless.expression, slab))
-
-
-def _cylinder(radius: float, height: float) -> Bounds:
-    margin = MARGIN * max(2 * radius, height)
-    reach, half = radius + margin, height / 2 + margin
-    return ((-reach, reach), (-reach, reach), (-half, half))
+def _cylinder(radius: float, half: float) -> Bounds:
+    margin = MARGIN * 2 * max(radius, half)
+    return ((-radius - margin, radius + margin),) * 2 + ((-half - margin, half + margin),)
 
 
 def _third(shape: Shape, first: sp.Symbol, second: sp.Symbol) -> sp.Symbol:

@@ -1,0 +1,236 @@
+"""Half-plane, strip, line, disc, ellipse, superellipse and rectangle: the signed primitives of the plane."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.arguments import LetterMapping, Point, default, number, point, positive
+from rsym.model.arguments import direction as unit_vector
+from rsym.model.powers import absolute_power
+from rsym.model.primitives.extents import centred
+from rsym.model.primitives.theorem import normalised
+from rsym.model.shape import Shape
+from rsym.model.symbols import x, y
+from rsym.model.systems import R0
+
+PLANE = (x, y)
+ORIGIN = (0, 0)
+
+
+def half_plane(normal: Any = (1, 0), distance: Any = 0, *, letters: LetterMapping = None) -> Shape:
+    """N . p - d, n the unit vector along `normal`: what lies beyond the line at distance d from the origin.
+
+    Exact: the signed distance. Analytic everywhere; unbounded.
+
+    Raises
+    ------
+    RsymError
+        For a normal that is zero, or a number that is none.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.half_plane((3, 4), 2).expression
+    3*x/5 + 4*y/5 - 2
+    """
+    distance = number(distance, "the distance")
+    default(distance, letters, "the distance")
+    return Shape(_along(normal, "the normal", letters) - distance, PLANE, letters=letters)
+
+
+def strip(lower: Any = -1, upper: Any = 1, direction: Any = (1, 0), *, letters: LetterMapping = None) -> Shape:
+    """(b - s)*(s - a)/(b - a) with s = n . p: between two parallel lines, n the unit vector along `direction`.
+
+    Normalised to order 1. Analytic everywhere; unbounded.
+
+    Raises
+    ------
+    RsymError
+        Unless lower < upper, or for a direction that is zero.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.strip(0, 2).expression
+    x*(2 - x)/2
+    """
+    lower, upper = number(lower, "the lower end"), number(upper, "the upper end")
+    if default(upper - lower, letters, "an end of the strip") <= 0:
+        raise RsymError(
+            f"the lower end must be below the upper one, got {lower} and {upper}",
+            code="interval",
+            remedy="strip(lower, upper) with lower < upper",
+        )
+    along = _along(direction, "the direction", letters)
+    return Shape((upper - along) * (along - lower) / (upper - lower), PLANE, letters=letters)
+
+
+def line(start: Any, end: Any, *, letters: LetterMapping = None) -> Shape:
+    """((x - x1)*(y2 - y1) - (y - y1)*(x2 - x1))/L: the half-plane to the right of the line from start to end.
+
+    Exact: the signed distance from the line through both points, L apart. Analytic everywhere; unbounded.
+
+    Raises
+    ------
+    RsymError
+        For points that coincide, or are not two numbers each.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.line((0, 0), (0, 2)).expression
+    x
+    """
+    start, end = point(start, 2, "the start"), point(end, 2, "the end")
+    for component in start:
+        default(component, letters, "the start")
+    if all(default(b - a, letters, "the end") == 0 for a, b in zip(start, end, strict=True)):
+        raise RsymError(f"the start and the end must differ, got {start} and {end}", code="direction")
+    return Shape(right_of(start, end), PLANE, letters=letters)
+
+
+def right_of(start: Point, end: Point) -> sp.Expr:
+    """The signed distance from the line through two points, positive to the right of the way from start to end.
+
+    Examples
+    --------
+    >>> right_of((0, 0), (3, 4))
+    4*x/5 - 3*y/5
+    """
+    across, up = (sp.sympify(b - a) for a, b in zip(start, end, strict=True))
+    length = sp.sqrt(across**2 + up**2)
+    return (x - start[0]) * (up / length) - (y - start[1]) * (across / length)
+
+
+def disc(radius: Any = 1, centre: Any = ORIGIN, exact: bool = False, *, letters: LetterMapping = None) -> Shape:
+    """(R**2 - |p - c|**2)/(2 R); with `exact` R - |p - c|, the distance itself.
+
+    Normalised to order 1 and analytic everywhere; the exact form to every order, singular at the centre.
+
+    Raises
+    ------
+    RsymError
+        For a radius that is not positive, or a centre that is not two numbers.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.disc(2).expression
+    -x**2/4 - y**2/4 + 1
+    >>> rsym.disc(2, exact=True).expression
+    2 - sqrt(x**2 + y**2)
+    """
+    radius = positive(radius, "the radius", letters)
+    centre = point(centre, 2, "the centre")
+    squared = sp.Add(*(part**2 for part in from_centre(centre)))
+    expression = radius - sp.sqrt(squared) if exact else (radius**2 - squared) / (2 * radius)
+    return Shape(expression, PLANE, letters=letters, bounds=centred(centre, (radius, radius), letters))
+
+
+def ellipse(
+    a: Any = 2, b: Any = 1, centre: Any = ORIGIN, length: Any = None, *, letters: LetterMapping = None
+) -> Shape:
+    """L*u/sqrt(u**2 + L**2*|grad u|**2) with u = 1 - x**2/a**2 - y**2/b**2: Rvachev's theorem.
+
+    L, by default the smaller semi-axis, is what omega is at the centre, and what it tends to far away but for
+    the sign; L = 1 is the form of the source. Normalised to order 1, analytic everywhere.
+
+    Raises
+    ------
+    RsymError
+        For a semi-axis or length that is not positive, or a centre that is not two numbers.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.compile(rsym.ellipse(2, 1))([0.0, 2.0], 0.0)["value"].tolist()
+    [1.0, 0.0]
+    """
+    return superellipse(a, b, 2, centre, length, letters=letters)
+
+
+def superellipse(
+    a: Any = 2,
+    b: Any = 1,
+    exponent: Any = 4,
+    centre: Any = ORIGIN,
+    length: Any = None,
+    *,
+    letters: LetterMapping = None,
+) -> Shape:
+    """L*u/sqrt(u**2 + L**2*|grad u|**2) with u = 1 - |x/a|**n - |y/b|**n: Rvachev's theorem.
+
+    L is the length that omega does not exceed, by default the smaller semi-axis. Normalised to order 1. Analytic
+    everywhere where n is an even integer; for any other n omega has n - 1 continuous derivatives, rounded up, on
+    the two axes of symmetry, which the boundary crosses (2 n - 3 where n < 2, that is none for n up to 3/2).
+
+    Raises
+    ------
+    RsymError
+        For a semi-axis or length that is not positive, an exponent that is not above 1, or a centre that is not two
+        numbers.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.compile(rsym.superellipse(2, 1, 4))([0.0, 2.0], 0.0)["value"].tolist()
+    [1.0, 0.0]
+    """
+    axes = (positive(a, "the semi-axis a", letters), positive(b, "the semi-axis b", letters))
+    power = number(exponent, "the exponent")
+    if default(power, letters, "the exponent") <= 1:
+        raise RsymError(
+            f"the exponent must be above 1, got {exponent}",
+            code="exponent",
+            remedy="for a rhombus use polygon: with exponent 1 the gradient jumps on both axes",
+        )
+    centre = point(centre, 2, "the centre")
+    least = min(axes, key=lambda axis: default(axis, letters))
+    unit = least if length is None else positive(length, "the length", letters)
+    ratios = tuple((part / axis, axis) for part, axis in zip(from_centre(centre), axes, strict=True))
+    function = 1 - sp.Add(*(absolute_power(ratio, power) for ratio, _ in ratios))
+    squared = sp.Add(*((power / axis) ** 2 * absolute_power(ratio, 2 * power - 2) for ratio, axis in ratios))
+    bounds = centred(centre, axes, letters)
+    return Shape(normalised(function, squared, unit), PLANE, letters=letters, bounds=bounds)
+
+
+def rectangle(width: Any = 2, height: Any = 1, centre: Any = ORIGIN, *, letters: LetterMapping = None) -> Shape:
+    """The conjunction (R_0) of two strips (a**2 - x**2)/(2 a), a half the side: width along x, height along y.
+
+    Normalised to order 1 on the sides. Analytic except at the corners, where it is continuous.
+
+    Raises
+    ------
+    RsymError
+        For a side that is not positive, or a centre that is not two numbers.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.rectangle(2, 4).expression
+    conjunction(1/2 - x**2/2, 1 - y**2/4)
+    """
+    sides = (("width", width), ("height", height))
+    halves = tuple(positive(side, f"the {name}", letters) / 2 for name, side in sides)
+    centre = point(centre, 2, "the centre")
+    strips = ((half**2 - part**2) / (2 * half) for half, part in zip(halves, from_centre(centre), strict=True))
+    return Shape(R0.conjunction(*strips), PLANE, letters=letters, bounds=centred(centre, halves, letters))
+
+
+def from_centre(centre: Point) -> tuple[sp.Expr, ...]:
+    """The coordinates measured from a point.
+
+    Examples
+    --------
+    >>> from_centre((1, 0))
+    (x - 1, y)
+    """
+    return tuple(coordinate - part for coordinate, part in zip(PLANE, centre, strict=True))
+
+
+def _along(vector: Any, what: str, letters: LetterMapping) -> sp.Expr:
+    unit = unit_vector(vector, 2, what, letters)
+    return sp.Add(*(part * coordinate for part, coordinate in zip(unit, PLANE, strict=True)))

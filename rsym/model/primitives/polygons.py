@@ -1,0 +1,184 @@
+"""Polygons: half-planes of edges in R-operations, each edge once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.arguments import LetterMapping, Point, default, point, positive, whole
+from rsym.model.primitives.extents import around
+from rsym.model.primitives.monotone_formulas import Branch, Junction, monotone_formula
+from rsym.model.primitives.outlines import Place, area, check_simple, nearness, shown, straight
+from rsym.model.primitives.plane import ORIGIN, PLANE, from_centre, right_of
+from rsym.model.shape import Bounds, Shape
+from rsym.model.symbols import x, y
+from rsym.model.systems import R0, RSystem
+from rsym.model.traversal import symbols_of
+
+
+def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
+    """The inside of a simple polygon, convex or not: a monotone formula of the half-planes of its edges.
+
+    Each edge occurs once; edges on one line at the outside of a bay or of the whole share their half-plane, or
+    normalisation would be lost on them. Corners are given in order, either way round; a last one equal to the first
+    may be given; one in which the outline does not turn is left out. What is convex and in which order the edges are
+    joined is decided where letters have their defaults.
+
+    Normalised to order 1 with R_0, to every order with R_1 (p - 1 with R_p). With R_0 analytic except at the corners
+    and at points off the boundary where two operands vanish together, there continuous.
+
+    Parameters
+    ----------
+    points : sequence of points, or an array of shape (n, 2)
+        The corners.
+    system : RSystem
+        What the half-planes are joined in.
+
+    Raises
+    ------
+    RsymError
+        For fewer than three corners, corners that coincide, an outline that crosses or touches itself, or edges
+        that lie on one line only at the defaults of their letters.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]).expression
+    conjunction(y, 2 - x, disjunction(1 - y, 1 - x), 2 - y, x)
+
+    Source: Dobkin, Guibas, Hershberger, Snoeyink, "An efficient algorithm for finding the CSG representation of a
+    simple polygon" (1988).
+    """
+    corners = _turning(_corners(points), letters)
+    places = _places(corners, letters)
+    if area(places) < 0:
+        corners, places = corners[::-1], places[::-1]
+    check_simple(places)
+    edges = [_left_of(*ends, letters) for ends in zip(corners, (*corners[1:], corners[0]), strict=True)]
+    try:
+        formula, shared = monotone_formula(places)
+        expression = _joined(formula, edges, system)
+    except RecursionError:
+        raise RsymError(
+            f"the {len(corners)} corners of this polygon wind too often around one another",
+            code="polygon",
+            remedy="use fewer corners: every bay within a bay is an operation within an operation",
+        ) from None
+    for first, second in shared:
+        _check_aligned([corners[(edge + step) % len(corners)] for edge in (first, second) for step in (0, 1)])
+    return Shape(expression, PLANE, letters=letters, bounds=_box(places))
+
+
+def regular_polygon(
+    sides: int = 6, radius: Any = 1, centre: Any = ORIGIN, *, system: RSystem = R0, letters: LetterMapping = None
+) -> Shape:
+    """The conjunction of n half-planes R*cos(pi/n) - n_k . (p - c): corners on a circle, the first to the right.
+
+    The unit normal n_k points in the direction (2 k + 1)*pi/n; its components are exact. Normalised to order 1 with
+    R_0, to every order with R_1. With R_0 analytic except at the corners and at points off the boundary where two
+    operands vanish together, there continuous.
+
+    Raises
+    ------
+    RsymError
+        For fewer than three sides, or a radius that is not positive.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.regular_polygon(4, sp.sqrt(2)).expression
+    conjunction(-sqrt(2)*x/2 - sqrt(2)*y/2 + 1, sqrt(2)*x/2 - sqrt(2)*y/2 + 1, sqrt(2)*x/2 + sqrt(2)*y/2 + 1, \
+-sqrt(2)*x/2 + sqrt(2)*y/2 + 1)
+    """
+    count = whole(sides, "the number of sides", 3)
+    radius = positive(radius, "the radius", letters)
+    centre = point(centre, 2, "the centre")
+    across, up = from_centre(centre)
+    angles = [(2 * side + 1) * sp.pi / count for side in range(count)]
+    apothem = radius * sp.cos(sp.pi / count)
+    edges = [apothem - sp.cos(angle) * across - sp.sin(angle) * up for angle in angles]
+    ((right, above),), reach = _places([centre], letters), default(radius, letters)
+    turns = [2 * math.pi * corner / count for corner in range(count)]
+    bounds = _box([(right + reach * math.cos(turn), above + reach * math.sin(turn)) for turn in turns])
+    return Shape(system.conjunction(*edges), PLANE, letters=letters, bounds=bounds)
+
+
+def _box(places: Sequence[Place]) -> Bounds:
+    xs, ys = zip(*places, strict=True)
+    return around((min(xs), min(ys)), (max(xs), max(ys)))
+
+
+def _corners(points: Any) -> list[Point]:
+    """The corners as expressions, the first not again at the end."""
+    given = points.tolist() if hasattr(points, "tolist") else points
+    if isinstance(given, str) or not hasattr(given, "__iter__"):
+        raise RsymError(
+            f"a polygon needs a sequence of corners, got {points!r}", code="polygon", remedy="[(0, 0), (1, 0), (0, 1)]"
+        )
+    corners = [point(value, 2, f"corner {index + 1}") for index, value in enumerate(given)]
+    if len(corners) > 1 and corners[0] == corners[-1]:
+        corners.pop()
+    if len(corners) < 3:
+        raise RsymError(f"a polygon needs three corners or more, got {len(corners)}", code="polygon")
+    return corners
+
+
+def _places(corners: Sequence[Point], letters: LetterMapping) -> list[Place]:
+    return [(default(a, letters, "a corner"), default(b, letters, "a corner")) for a, b in corners]
+
+
+def _turning(corners: list[Point], letters: LetterMapping) -> list[Point]:
+    """Without those in which the outline goes straight on."""
+    places = _places(corners, letters)
+    near = nearness(places)
+    for a, b in zip(places, (*places[1:], places[0]), strict=True):
+        if math.dist(a, b) <= near:
+            raise RsymError(
+                f"neighbouring corners of a polygon must differ, got {shown(a)} twice",
+                code="polygon",
+                remedy="give every corner once",
+            )
+    kept = []
+    for index, corner in enumerate(corners):
+        before, after = index - 1, (index + 1) % len(corners)
+        if straight(places[before], places[index], places[after], near):
+            _check_aligned([corners[before], corner, corners[after]])
+        else:
+            kept.append(corner)
+    return kept
+
+
+def _check_aligned(corners: Sequence[Point]) -> None:
+    """Refuse points that lie on one line only where letters have their defaults."""
+    (a, b), (c, d), *others = corners
+    if not symbols_of(*(part for corner in corners for part in corner)):
+        return
+    for e, f in others:
+        if sp.expand((c - a) * (f - b) - (d - b) * (e - a)) != 0:
+            raise RsymError(
+                f"{', '.join(map(str, corners))} lie on one line where letters have their defaults, but not elsewhere",
+                code="polygon",
+                remedy="choose defaults at which the corners are those of the polygon that is meant",
+            )
+
+
+def _joined(branch: Branch, edges: Sequence[sp.Expr], system: RSystem) -> sp.Expr:
+    """The formula in R-operations."""
+    if not isinstance(branch, Junction):
+        return edges[branch]
+    operands = [_joined(part, edges, system) for part in branch.branches]
+    return system.conjunction(*operands) if branch.common else system.disjunction(*operands)
+
+
+def _left_of(start: Point, end: Point, letters: LetterMapping) -> sp.Expr:
+    """The half-plane of an edge; one parallel to an axis keeps its side, and needs no length that letters could end."""
+    across, up = (default(b - a, letters, "a corner") for a, b in zip(start, end, strict=True))
+    if start[1] == end[1]:
+        return y - start[1] if across > 0 else start[1] - y
+    if start[0] == end[0]:
+        return start[0] - x if up > 0 else x - start[0]
+    return right_of(end, start)

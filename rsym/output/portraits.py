@@ -1,0 +1,130 @@
+"""Portraits: one small picture of any shape, in the plane or in space, signed or not."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any, TypeAlias
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from rsym.codegen.kernel import compile
+from rsym.errors import RsymWarning
+from rsym.model.shape import Bounds, Shape
+from rsym.output import axes3d
+from rsym.output.panels import draw_levels, robust_levels
+from rsym.output.surfaces import ShadedMesh, plot_mesh
+from rsym.sampling.contours import trace
+from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.lattice import lattice_over
+from rsym.sampling.meshing import mesh
+from rsym.sampling.plane import plane_sampler
+
+Place: TypeAlias = tuple[float, float, float, float]
+
+MARGIN = 5.0  # points round a body
+ROOM = 0.1  # of the longest side, seen round the bounds of a plane shape
+PROBES = 24  # along the longest side, to see whether a field is negative anywhere
+# Half the width of a curve drawn as a stroke, and the radius of one drawn as a tube, as shares of the longest side.
+STROKE, TUBE = 0.01, 0.02
+
+
+def draw_portrait(
+    shape: Shape,
+    figure: Figure,
+    place: Place = (0.0, 0.0, 1.0, 1.0),
+    *,
+    resolution: int = 160,
+    bounds: Any = None,
+    elevation: float = 22.0,
+    azimuth: float = -55.0,
+) -> Artist:
+    """Draw a shape into a part of a figure: level lines in the plane, a shaded body in space.
+
+    The boundary in the plane is a heavy line. A field that is nowhere negative has no inside: the curve on which it
+    is zero is drawn as a stroke, in space as a thin tube. What leaves the bounds ends there.
+
+    Parameters
+    ----------
+    place : four numbers
+        Left, bottom, width and height as shares of the figure.
+    bounds : optional
+        Instead of those of the shape; without either its extent is found.
+    elevation, azimuth : float
+        As for `plot_mesh`.
+
+    Examples
+    --------
+    >>> import matplotlib.figure, rsym
+    >>> from rsym import x, y
+    >>> disc = rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-2, 2), (-2, 2)))
+    >>> type(draw_portrait(disc, matplotlib.figure.Figure(), resolution=32)).__name__
+    'QuadContourSet'
+    """
+    box = bounds_or_extent(shape, bounds)
+    if shape.dimension == 2:
+        return _draw_levels(shape, box, figure, place, resolution)
+    axes = axes3d.add_axes(figure, place)
+    with warnings.catch_warnings():
+        # Bodies without end are cut on purpose, and a small picture shows no more than its cells do.
+        warnings.simplefilter("ignore", RsymWarning)
+        body = mesh(_thickened(shape, box), resolution)
+    artist = plot_mesh(body, ax=axes, elevation=elevation, azimuth=azimuth)
+    axes.set_axis_off()
+    _fill(figure, artist, np.array(place))
+    return artist
+
+
+def _fill(figure: Figure, artist: ShadedMesh, place: NDArray[np.float64]) -> None:
+    """Enlarge the axes about the body until it fills the place."""
+    axes: Any = artist.axes
+    page = np.tile(figure.bbox.size, 2)
+    left, bottom, width, height = place * page
+    body = artist.get_window_extent()
+    room = 2 * MARGIN * figure.dpi / 72
+    growth = min((width - room) / body.width, (height - room) / body.height)
+    middle = np.array([left + width / 2, bottom + height / 2])
+    corner = middle - growth * (np.array([body.x0 + body.x1, body.y0 + body.y1]) / 2 - axes.bbox.min)
+    axes.set_position(np.concatenate([corner, growth * axes.bbox.size]) / page)
+
+
+def _draw_levels(shape: Shape, box: Bounds, figure: Figure, place: Place, resolution: int) -> Artist:
+    """Level lines that fill the place."""
+    width, height = np.array(place[2:]) * figure.bbox.size
+    sampler = plane_sampler(shape, "value", resolution=resolution, bounds=_view(box, width / height))
+    values = sampler.values()
+    unsigned = np.nanmin(values) >= 0
+    boundary = () if unsigned else trace(sampler, 0.0, values=values)
+    ax = figure.add_axes(place)
+    artist = draw_levels(ax, sampler, values, robust_levels(values), boundary)
+    u, v = sampler.lattice.axis(0), sampler.lattice.axis(1)
+    if unsigned:
+        ax.contourf(u, v, values.T, levels=[-1.0, STROKE * _longest(box)], colors="black")
+    ax.set(xlim=(u[1], u[-2]), ylim=(v[1], v[-2]), aspect="equal")
+    ax.set_axis_off()
+    return artist
+
+
+def _view(box: Bounds, proportion: float) -> Bounds:
+    """A box of this width over height round another, with some room."""
+    middle = [(low + high) / 2 for low, high in box]
+    sides = [high - low + 2 * ROOM * _longest(box) for low, high in box]
+    width = max(sides[0], sides[1] * proportion)
+    halves = (width / 2, width / proportion / 2)
+    return tuple((place - half, place + half) for place, half in zip(middle, halves, strict=True))
+
+
+def _thickened(shape: Shape, box: Bounds) -> Shape:
+    """The shape; a tube round the curve where it is nowhere negative."""
+    values = compile(shape)(*lattice_over(box, PROBES).open_axes())["value"]
+    if np.nanmin(values) < 0:
+        return shape.replace(bounds=box)
+    radius = TUBE * _longest(box)
+    wider = tuple((low - 2 * radius, high + 2 * radius) for low, high in box)
+    return shape.replace(expression=radius - shape.expression, bounds=wider)
+
+
+def _longest(box: Bounds) -> float:
+    return max(high - low for low, high in box)
