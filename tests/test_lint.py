@@ -175,6 +175,21 @@ def test_surfaces_that_touch_along_a_curve_are_not_coincident():
     assert rsym.lint(space(rsym.disjunction(ball, tube))).clean
 
 
+def test_leaves_that_touch_to_high_order_are_not_coincident():
+    assert "coincident faces" not in kinds(rsym.lint(plane(rsym.conjunction(x, x + y**6))))
+
+
+def test_a_common_face_counts_where_it_makes_the_boundary():
+    never = rsym.conjunction(rsym.conjunction(x, x), x - 3)  # negative within the bounds
+    assert rsym.lint(plane(rsym.disjunction(never, rsym.conjunction(x, y)))).clean
+
+
+def test_small_faces_in_generous_bounds():
+    pair = rsym.box(1, 1, 1) | rsym.box(1, 1, 1, centre=(1, 0, 0))
+    turned = pair.rotate(1, axis=(1, 2, 3)).translate(3, -4, 1)
+    assert kinds(rsym.lint(turned, bounds=((-20, 20),) * 3)) == ["zero sheet"]
+
+
 @pytest.mark.parametrize("power", [1, 3])
 def test_slopes_and_their_remedies(power):
     (finding,) = rsym.lint(plane(disc**power)).findings if power > 1 else rsym.lint(plane(2 * disc)).findings
@@ -255,6 +270,14 @@ def test_terms_that_saturate(car):
         (x - sp.sqrt(a), {"a": Letter(1, minimum=-1, maximum=2)}, ["a"]),
         (x - sp.sqrt(a), {"a": Letter(1, minimum=0, maximum=2)}, []),
         (x - sp.log(a), {"a": Letter(1, minimum=0, maximum=2)}, ["a"]),
+        (x / (a - b), {"a": Letter(-1, minimum=-2, maximum=1), "b": Letter(1, minimum=0, maximum=2)}, ["a", "b"]),
+        # fails where both are large, and only inside the square of both
+        (x - sp.sqrt(3 - a - b), dict.fromkeys("ab", Letter(0.5, minimum=0, maximum=2)), ["a", "b"]),
+        (
+            x - sp.log((a - 1) ** 2 + (b - 1) ** 2 - 0.1),
+            {name: Letter(0, minimum=0, maximum=2) for name in "ab"},
+            ["a", "b"],
+        ),
         (rsym.conjunction(x, y, system=rsym.RAlpha(alpha)), {"alpha": Letter(0, minimum=-1, maximum=1)}, ["alpha"]),
         (rsym.conjunction(x, y, system=rsym.RAlpha(alpha)), {"alpha": Letter(0, minimum=-0.9, maximum=1)}, []),
         (rsym.conjunction(x, y, system=rsym.Rp(p)), {"p": Letter(4, minimum=1, maximum=8)}, ["p"]),

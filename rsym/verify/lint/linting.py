@@ -124,14 +124,12 @@ def _not_normalised(survey: Survey, tolerance: float) -> Iterator[Finding]:
 
 def _saturated(survey: Survey) -> Iterator[Finding]:
     """Leaves that are joined with others, and terms that are added to others."""
-    values, gradients = survey.functions(survey.cloud[: survey.functions.portion])
+    values = survey.functions.values(survey.cloud)
     side = max(high - low for low, high in survey.box)
     for number, expression in enumerate(survey.expressions):
-        slopes, leaves = survey.slopes(expression), survey.leaves_with(expression)
-        if not len(slopes) or len(leaves) == 1:
-            continue
-        greatest, share = level(values[number], gradients[number], float(np.median(slopes)))
-        if share < MUCH:
+        leaves = survey.leaves_with(expression)
+        greatest, share = level(values[number])
+        if share < MUCH or len(leaves) == 1 or not len(survey.slopes(expression)):
             continue
         yield Finding(
             SATURATES,

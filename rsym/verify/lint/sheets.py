@@ -22,7 +22,7 @@ from rsym.verify.lint.zeros import CONVERGED, Zeros, onto, tangents
 
 BESIDE = 1e-5  # of the diagonal: where signs ahead of and behind a face are taken
 THIN = 0.1  # of its values beside it is the most that omega may have on a face
-AROUND = 1e-3  # of the diagonal: so far around a point on a common face there is more of it
+AROUND = 1e-2  # of the diagonal: so far around a point of a common face both leaves are zero together
 SHARE = 0.75  # of the points around must lie on it
 FEWEST = 3  # points on a common face; of a curve where two surfaces touch there is hardly one
 ASKED = 12  # points of a face around which more of it is sought
