@@ -25,8 +25,8 @@ def gyroid(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: L
     thick where u runs like a sine across it. Of the gyroid (level 0) 0 to 1 % less at t = period/10, to 4 % at
     period/5.
 
-    Normalised to order 1. Analytic everywhere for |level| < sqrt(2), which are critical values of u, and its
-    extremes -3/2 and 3/2.
+    Normalised to order 1. Analytic everywhere for |level| other than sqrt(2), where necks close, and 3/2, the extreme;
+    thin sheets too.
 
     Raises
     ------
@@ -81,7 +81,8 @@ def schwarz_d(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters
 def neovius(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
     """The surface of Neovius: u = 3 (cos X + cos Y + cos Z) + 4 cos X cos Y cos Z; the rest as for `gyroid`.
 
-    A sheet is as thick as it says within 3 % at t = period/20, 13 % at period/10.
+    Analytic everywhere for |level| other than 3/4, 1 and 13. A sheet is as thick as it says within 3 % at
+    t = period/20, 13 % at period/10.
 
     Source: Neovius (1883).
 
@@ -99,6 +100,7 @@ def lidinoid(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters:
 
     u = (sin 2X cos Y sin Z + sin X sin 2Y cos Z + cos X sin Y sin 2Z)/2
     - (cos 2X cos 2Y + cos 2Y cos 2Z + cos 2Z cos 2X)/2 + 3/20.
+    Analytic everywhere for levels near 0, the critical values next to which are -0.1739 and 3/20.
     A sheet is as thick as it says within 2 % at t = period/50, 10 % at period/20.
 
     Source: Lidin and Larsson (1990).

@@ -10,7 +10,7 @@ from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, point, positive
 from rsym.model.primitives.extents import centred
 from rsym.model.primitives.space import ORIGIN, SPACE, from_centre
-from rsym.model.primitives.theorem import by_differentiation, normalised
+from rsym.model.primitives.theorem import normalised
 from rsym.model.shape import Shape
 
 HYPERBOLOID = ((-1, 0, 0), (0, -1, 0), (0, 0, 1))
@@ -134,8 +134,9 @@ def torus(
     round_axis = across**2 + aside**2
     squared = (sp.sqrt(round_axis) - major) ** 2 + up**2
     if form == "quartic":
-        function = 4 * major**2 * round_axis - (round_axis + up**2 + major**2 - minor**2) ** 2
-        expression = by_differentiation(function, SPACE, minor)
+        level = round_axis + up**2 + major**2 - minor**2
+        slope = 16 * (round_axis * (2 * major**2 - level) ** 2 + (up * level) ** 2)
+        expression = normalised(4 * major**2 * round_axis - level**2, slope, minor)
     else:
         expression = minor - sp.sqrt(squared) if form == "exact" else (minor**2 - squared) / (2 * minor)
     bounds = centred(centre, (major + minor, major + minor, minor), letters)
