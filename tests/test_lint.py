@@ -254,6 +254,7 @@ def test_terms_that_saturate(car):
     found = rsym.lint(plane(short.expression + y / 2, large))
     assert kinds(found) == ["not normalised", "saturates"]
     assert kinds(rsym.lint(plane(rsym.conjunction(sp.tanh(x), y), large))) == ["saturates"]
+    assert rsym.lint(plane(rsym.conjunction(slab(-1.9, 3, x), y))).clean  # high in two fifths, but not flat
     assert [finding.places[0].definition for finding in car.of("saturates")] == ["fb1", "fb2"]
 
 
