@@ -1,5 +1,7 @@
 """Blends taken apart for meshes: the same sign and the same zero set, the operands under min and max.
 
+Positive factors go as well.
+
 A blend as a whole is one function, smooth on its fillet and with the edges of its
 operands elsewhere. Taken apart, those edges lie between functions that are smooth.
 """
@@ -9,6 +11,7 @@ from __future__ import annotations
 import sympy as sp
 
 from rsym.model.blends.folds import BlendOperation
+from rsym.model.factors import Scaled
 from rsym.model.rnodes import ROperation
 from rsym.model.traversal import postorder
 
@@ -23,13 +26,15 @@ def with_gates(expression: sp.Expr) -> sp.Expr:
     conjunction(x, conjunction(x, y, system=R1))
     """
     parts = postorder(expression)
-    if not any(isinstance(part, BlendOperation) for part in parts):
+    if not any(isinstance(part, BlendOperation | Scaled) for part in parts):
         return expression
     done: dict[int, sp.Expr] = {}
     for part in parts:
         arguments = [done.get(id(argument), argument) for argument in part.args]
         if isinstance(part, BlendOperation):
             done[id(part)] = part.gates(arguments[part.parameter_count :])
+        elif isinstance(part, Scaled):
+            done[id(part)] = arguments[0]
         elif isinstance(part, ROperation) or _is_scaled(part):
             same = all(new is old for new, old in zip(arguments, part.args, strict=True))
             done[id(part)] = part if same else part.func(*arguments)

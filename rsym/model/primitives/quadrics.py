@@ -88,6 +88,8 @@ def quadric(
     place = sp.Matrix(SPACE[:size])
     linear = sp.Matrix(point(vector or (0,) * size, size, "the vector"))
     constant = number(constant, "the constant")
+    for entry in (*form, *linear, constant):
+        default(entry, letters, "a coefficient")
     function = sp.expand((place.T * form * place)[0]) + linear.dot(place) + constant
     squared = sp.Add(*(part**2 for part in 2 * form * place + linear))
     unit = positive(length, "the length", letters)

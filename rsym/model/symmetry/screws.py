@@ -9,6 +9,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
+from rsym.model.factors import Scaled
 from rsym.model.letters import as_letters
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
@@ -169,12 +170,13 @@ def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: Lett
     weight = 1 + 2 * tangent**2
     both = r**2 + weight * (out**2 + across**2)
     lean = distance**2 * (r**2 + across**2 + weight * out**2) + q * both + 2 * (tangent * big * across) ** 2
-    endless = Shape(f / (2 * r) * sp.sqrt((distance**2 + q) * both / lean), (x, y, z), letters=as_letters(letters))
+    slope = sp.sqrt((distance**2 + q) * both / lean) / (2 * r)
+    endless = Shape(Scaled(f, slope), (x, y, z), letters=as_letters(letters))
     if turns is None:
         return endless
     length = positive(turns, "the turns", letters) * h
     climb = z - height
-    window = ((length / 2) ** 2 - climb**2) / length * (2 * sp.pi * distance / h)
+    window = Scaled((length / 2) ** 2 - climb**2, 2 * sp.pi * distance / (h * length))
     bounds = _cylinder(*(default(item, letters) for item in (big + r, r / cosine + length / 2)))
     return endless.replace(expression=R0.conjunction(endless.expression, window), bounds=bounds)
 
