@@ -14,7 +14,7 @@ from rsym.model.contracts.promises import Ends
 
 
 def least(*values: sp.Expr) -> sp.Expr:
-    """The smallest, as a node that nothing evaluates.
+    """The smallest, as a node that nothing evaluates; undefined if one is.
 
     Examples
     --------
@@ -22,12 +22,12 @@ def least(*values: sp.Expr) -> sp.Expr:
     >>> least(x, x + 1)
     Min(x, x + 1)
     """
-    return sp.Min(*values, evaluate=False)
+    return sp.nan if sp.nan in values else sp.Min(*values, evaluate=False)
 
 
 def greatest(*values: sp.Expr) -> sp.Expr:
-    """The largest, as a node that nothing evaluates."""
-    return sp.Max(*values, evaluate=False)
+    """The largest, as a node that nothing evaluates; undefined if one is."""
+    return sp.nan if sp.nan in values else sp.Max(*values, evaluate=False)
 
 
 def rising(function: Callable[..., sp.Expr]) -> Callable[..., Ends]:
