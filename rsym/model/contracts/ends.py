@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 
 import sympy as sp
 
+from rsym.model.choices import Choice
 from rsym.model.contracts.promises import Ends
 
 
@@ -90,7 +91,7 @@ def whole_power(ends: Ends, exponent: sp.Integer) -> Ends:
     low, high = size(ends) if exponent % 2 == 0 else ends
     if exponent > 0:
         return low**exponent, high**exponent
-    apart = sp.Or(sp.StrictGreaterThan(ends[0], 0), sp.StrictLessThan(ends[1], 0), evaluate=False)
+    apart = greatest(ends[0], -ends[1])
     return _where(apart, high**exponent), _where(apart, low**exponent)
 
 
@@ -118,55 +119,37 @@ def triangle(place: Ends, period: sp.Expr, wave: Callable[..., sp.Expr]) -> Ends
 
 def sawtooth(place: Ends, period: sp.Expr, wave: Callable[..., sp.Expr]) -> Ends:
     """The image of a sawtooth: growing, all of it where a jump may be inside."""
-    centre, reach, wide = _crests(tuple(2 * sp.pi * end / period for end in place))
-    jumps = sp.Or(wide, sp.GreaterThan(-centre, reach), evaluate=False)
-    return _unless(jumps, -period / 2, wave(place[0], period)), _unless(jumps, period / 2, wave(place[1], period))
+    clear, _ = _crests(tuple(2 * sp.pi * end / period for end in place))
+    return _where(clear, wave(place[0], period), -period / 2), _where(clear, wave(place[1], period), period / 2)
 
 
 def _between_crests(angle: Ends, values: Ends, crest: sp.Expr) -> Ends:
     """The ends of a wave; a crest is inside where half the width is beyond the angle from the middle to it."""
-    centre, reach, wide = _crests(angle)
-    return (
-        _unless(sp.Or(wide, sp.GreaterThan(-centre, reach), evaluate=False), -crest, values[0]),
-        _unless(sp.Or(wide, sp.GreaterThan(centre, reach), evaluate=False), crest, values[1]),
-    )
+    above_lowest, below_highest = _crests(angle)
+    return _where(above_lowest, values[0], -crest), _where(below_highest, values[1], crest)
 
 
-def _crests(angle: Sequence[sp.Expr]) -> tuple[sp.Expr, sp.Expr, sp.Basic]:
-    """The cosines of the middle and of half the width, and whether that is half a turn."""
+def _crests(angle: Sequence[sp.Expr]) -> Ends:
+    """What is positive where no -1, and no 1, of the cosine is inside: less than a turn, and its cosine not reached."""
     half, middle = (angle[1] - angle[0]) / 2, (angle[0] + angle[1]) / 2
-    return sp.cos(middle, evaluate=False), sp.cos(half, evaluate=False), sp.GreaterThan(half, sp.pi)
-
-
-def _unless(condition: sp.Basic, extreme: sp.Expr, value: sp.Expr) -> sp.Expr:
-    return sp.Piecewise((extreme, condition), (value, True), evaluate=False)
+    centre, reach = sp.cos(middle, evaluate=False), sp.cos(half, evaluate=False)
+    return least(sp.pi - half, reach + centre), least(sp.pi - half, reach - centre)
 
 
 def tangent(ends: Ends) -> Ends:
     """The image of tan, undefined where a pole may be inside."""
     low, high = ends
     half, middle = (high - low) / 2, (low + high) / 2
-    apart = sp.And(
-        sp.StrictLessThan(half, sp.pi / 2),
-        sp.StrictGreaterThan(sp.Abs(sp.cos(middle, evaluate=False), evaluate=False), sp.sin(half, evaluate=False)),
-        evaluate=False,
-    )
+    size_of_cosine = sp.Abs(sp.cos(middle, evaluate=False), evaluate=False)
+    apart = least(sp.pi / 2 - half, size_of_cosine - sp.sin(half, evaluate=False))
     return _where(apart, sp.tan(low, evaluate=False)), _where(apart, sp.tan(high, evaluate=False))
 
 
 def angle(ordinate: Ends, abscissa: Ends) -> Ends:
     """The image of atan2: the angles of the corners, or the whole turn where the box meets the cut y = 0, x <= 0."""
-    apart = sp.Or(
-        sp.StrictGreaterThan(abscissa[0], 0),
-        sp.StrictGreaterThan(ordinate[0], 0),
-        sp.StrictLessThan(ordinate[1], 0),
-        evaluate=False,
-    )
+    apart = greatest(abscissa[0], ordinate[0], -ordinate[1])
     low, high = at_corners(lambda v, u: sp.atan2(v, u, evaluate=False))(ordinate, abscissa)
-    return (
-        sp.Piecewise((low, apart), (-sp.pi, True), evaluate=False),
-        sp.Piecewise((high, apart), (sp.pi, True), evaluate=False),
-    )
+    return _where(apart, low, -sp.pi), _where(apart, high, sp.pi)
 
 
 def hull(*ends: Ends) -> Ends:
@@ -174,5 +157,6 @@ def hull(*ends: Ends) -> Ends:
     return least(*(low for low, _ in ends)), greatest(*(high for _, high in ends))
 
 
-def _where(condition: sp.Basic, value: sp.Expr) -> sp.Expr:
-    return sp.Piecewise((value, condition), evaluate=False)
+def _where(quantity: sp.Expr, value: sp.Expr, otherwise: sp.Expr = sp.nan) -> sp.Expr:
+    """The value where a quantity is positive; SymPy would simplify a Piecewise in the condition of another."""
+    return Choice(quantity, sp.S.Zero, value, otherwise)

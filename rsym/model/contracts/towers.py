@@ -26,6 +26,7 @@ Relation: TypeAlias = tuple[Element, Element]  # a + b w = 0
 
 _ROOTS = 5  # 32 products of roots; the fenders of a car have one, a torus by its distance two
 _DEGREE = 160  # along a line: a gyroid, six sines and cosines of degree 2, has 36
+_WORK = 3_000_000  # products of coefficients, a second or two: a gyroid turned about (1, 1, 1) has 525 000, a car less
 
 
 class NotShown(Exception):
@@ -49,6 +50,7 @@ class Tower:
         self.modulus = modulus
         self._relations = relations or {}
         self.scales = scales or {}  # the roots of the relations are those of here times these
+        self._work = 0
         self._radicands: dict[int, Element] = {}
         self._roots: dict[int, Element] = {}
 
@@ -78,6 +80,9 @@ class Tower:
         for first, u in f.items():
             for second, v in g.items():
                 both = first & second
+                self._work += len(u) * len(v)
+                if self._work > _WORK:
+                    raise NotShown
                 term = self.reduced({first ^ second: multiplied(u, v)})
                 for number in range(both.bit_length()):
                     if both >> number & 1:
