@@ -68,7 +68,7 @@ def implicit(
 
 
 def _with(shape: Shape, letters: LetterMapping, bounds: Any) -> Shape:
-    return shape.replace(letters=shape.letters.merge(as_letters(letters)), bounds=bounds)
+    return shape.replace(letters=shape.letters.merge(letters), bounds=bounds)
 
 
 def _shape(expression: Any, coordinates: Any, letters: LetterMapping, bounds: Any) -> Shape:

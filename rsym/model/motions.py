@@ -12,7 +12,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, direction, number, point, positive
-from rsym.model.letters import Letters, as_letters
+from rsym.model.letters import Letters
 from rsym.model.traversal import symbols_of
 
 if TYPE_CHECKING:
@@ -101,10 +101,10 @@ class Movable:
         """
         if isinstance(factor, tuple | list):
             given = _items(factor, self.dimension, "factors")
-            factors = [positive(one, "a factor", _all(self, letters)) for one in given]
+            factors = [positive(one, "a factor", self.letters.merge(letters)) for one in given]
             matrix, inverse = sp.diag(*factors), sp.diag(*(1 / one for one in factors))
             return _about_centre(self, matrix, inverse, centre, letters)
-        size = positive(factor, "a factor", _all(self, letters))
+        size = positive(factor, "a factor", self.letters.merge(letters))
         one = sp.eye(self.dimension)
         return _about_centre(self, one * size, one / size, centre, letters, factor=size)
 
@@ -159,17 +159,13 @@ def unit_vector(shape: Movable, given: Any, what: str, letters: LetterMapping) -
     if isinstance(given, int | str | sp.Symbol):
         position = _position(shape, given) if isinstance(given, int) else _axis(shape, given)
         return tuple(sp.Integer(k == position) for k in range(shape.dimension))
-    return direction(given, shape.dimension, what, _all(shape, letters))
+    return direction(given, shape.dimension, what, shape.letters.merge(letters))
 
 
 def _items(value: Any, count: int, what: str) -> list[Any]:
     if len(value) != count:
         raise RsymError(f"expected {count} {what}, got {len(value)}", code="point")
     return list(value)
-
-
-def _all(shape: Movable, letters: LetterMapping) -> Letters:
-    return shape.letters.merge(as_letters(letters))
 
 
 def _axis(shape: Movable, given: Any) -> int:
@@ -211,12 +207,12 @@ def _moved(
     """The image under p -> matrix p + offset."""
     from rsym.model.substitutions import substituted  # Shape is made of this module
 
-    given = _all(shape, letters)
+    known = shape.letters.merge(letters)
     _check_constant(shape, (*matrix, *offset))
     images = inverse * (Matrix(shape.coordinates) - offset)
     places = dict(zip(shape.coordinates, images, strict=True))
     return substituted(
-        cast("Shape", shape), places, factor=factor, letters=letters, bounds=_bounds(shape, matrix, offset, given)
+        cast("Shape", shape), places, factor=factor, letters=letters, bounds=_bounds(shape, matrix, offset, known)
     )
 
 

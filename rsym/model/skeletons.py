@@ -10,7 +10,7 @@ from sympy.logic.boolalg import Boolean
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number
-from rsym.model.letters import Letter, Letters, as_letters
+from rsym.model.letters import Letter, Letters
 from rsym.model.paths import paths
 from rsym.model.positivity import positive_polynomial
 from rsym.model.primitives.curve_nodes import PARAMETER, Path
@@ -114,7 +114,7 @@ def _profile(skeleton: Any, profile: Any, letters: LetterMapping) -> Shape:
         )
     if isinstance(profile, Shape):
         return profile
-    known = skeleton.letters.merge(as_letters(letters))
+    known = skeleton.letters.merge(letters)
     return Shape(number(profile, "the profile"), skeleton.coordinates, letters=known)
 
 

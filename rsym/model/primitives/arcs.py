@@ -9,7 +9,6 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, direction, number, point, positive
-from rsym.model.letters import as_letters
 from rsym.model.primitives.curve_nodes import Arc, Circle, cross, dot
 from rsym.model.primitives.curves import box_around
 from rsym.model.shape import Shape
@@ -140,4 +139,4 @@ def _on_circle(node: Circle, start: float, end: float, letters: LetterMapping) -
     angles = [start, end, *(angle for angle in turns if angle < end)]
     axes = list(zip(centre, first, second, strict=True))
     points = [[c + radius * (a * math.cos(t) + b * math.sin(t)) for c, a, b in axes] for t in angles]
-    return Shape(node, node.vector(0), letters=as_letters(letters), bounds=box_around(points))
+    return Shape(node, node.vector(0), letters=letters, bounds=box_around(points))

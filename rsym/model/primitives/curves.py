@@ -11,7 +11,6 @@ from typing import Any
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, point, whole
-from rsym.model.letters import as_letters
 from rsym.model.operations import joining
 from rsym.model.primitives.curve_nodes import Segment
 from rsym.model.primitives.extents import around
@@ -170,4 +169,4 @@ def _segments(points: list[Point], edges: list[tuple[int, int]], order: Any, let
     coordinates = (x, y, z)[: len(points[0])]
     nodes = [Segment(*coordinates, *points[a], *points[b]) for a, b in edges]
     expression = joining(*nodes, order=order)
-    return Shape(expression, coordinates, letters=as_letters(letters), bounds=box_around(places))
+    return Shape(expression, coordinates, letters=letters, bounds=box_around(places))

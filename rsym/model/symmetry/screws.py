@@ -10,7 +10,6 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
 from rsym.model.factors import Scaled
-from rsym.model.letters import as_letters
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symbols import real_symbol, x, y, z
@@ -171,7 +170,7 @@ def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: Lett
     both = r**2 + weight * (out**2 + across**2)
     lean = distance**2 * (r**2 + across**2 + weight * out**2) + q * both + 2 * (tangent * big * across) ** 2
     slope = sp.sqrt((distance**2 + q) * both / lean) / (2 * r)
-    endless = Shape(Scaled(f, slope), (x, y, z), letters=as_letters(letters))
+    endless = Shape(Scaled(f, slope), (x, y, z), letters=letters)
     if turns is None:
         return endless
     length = positive(turns, "the turns", letters) * h

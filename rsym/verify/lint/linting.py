@@ -41,7 +41,7 @@ def lint(
     - "saturates": leaves and terms that are nearly constant over a third of the bounds or more, while what they are
       joined with or added to is not: f/sqrt(f**2 + |grad f|**2) never exceeds 1;
     - "letter range": letters whose value or range makes a divisor zero, a radicand negative, the parameter of an
-      R-operation illegal, or omega undefined.
+      R-operation illegal, omega undefined or the shape empty; an open end of a range is infinite.
 
     Faces are common where omega shows it: a face that lies inside another operand is no fault.
 
