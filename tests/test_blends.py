@@ -96,6 +96,13 @@ def test_derivatives_are_those_of_the_formula_at_the_edge_too(system):
                 assert_close(symbolic(*map(np.float64, point)), first, atol=2e-14)
 
 
+@pytest.mark.parametrize("continuity", ["G1", "G2"])
+def test_derivatives_exist_where_the_fillet_ends(continuity):
+    """In binary exactly on the end: max would have no derivative there."""
+    kernel = rsym.compile(Shape(conjunction(x, y, system=Rho(sp.Rational(1, 4), continuity)), (x, y)), ("gradient",))
+    assert_close(kernel([0.25, 0.0], [0.0, 0.25])["gradient"], [[0, 1], [1, 0]], atol=1e-16)
+
+
 @pytest.mark.parametrize("system", SYSTEMS, ids=str)
 def test_signs_of_small_operands_are_kept(system):
     kernel = rsym.compile(Shape(conjunction(x, y, system=system), (x, y)))

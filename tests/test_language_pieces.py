@@ -253,7 +253,10 @@ def test_decisions_are_made_at_the_values_of_the_variant():
         ("f = scale(x, [1, 2)", r"\]"),
         ("coordinates x y; f = extrude(x, 0, 1)", "body"),
         ("f = translate(x, [" + ", ".join("1" * 1001) + "])", "1000"),
-        ("f0 = x + y; " + "".join(f"f{k + 1} = shear(f{k}, x, y, x*f{k});" for k in range(30)), "parts|levels|kept"),
+        (
+            "f0 = x + y; " + "".join(f"f{k + 1} = transform(f{k}, [x + y*f{k}, y]);" for k in range(30)),
+            "parts|levels|kept",
+        ),
     ],
 )
 def test_what_cannot_be_called_is_refused_at_its_place(text, message):

@@ -254,6 +254,7 @@ def test_terms_that_saturate(car):
     found = rsym.lint(plane(short.expression + y / 2, large))
     assert kinds(found) == ["not normalised", "saturates"]
     assert kinds(rsym.lint(plane(rsym.conjunction(sp.tanh(x), y), large))) == ["saturates"]
+    assert rsym.lint(plane(rsym.conjunction(slab(-1.9, 3, x), y))).clean  # high in two fifths, but not flat
     assert [finding.places[0].definition for finding in car.of("saturates")] == ["fb1", "fb2"]
 
 
@@ -271,8 +272,8 @@ def test_terms_that_saturate(car):
         (x - sp.sqrt(a), {"a": Letter(1, minimum=0, maximum=2)}, []),
         (x - sp.log(a), {"a": Letter(1, minimum=0, maximum=2)}, ["a"]),
         (x / (a - b), {"a": Letter(-1, minimum=-2, maximum=1), "b": Letter(1, minimum=0, maximum=2)}, ["a", "b"]),
-        # fails where both are large, and only inside the square of both
-        (x - sp.sqrt(3 - a - b), dict.fromkeys("ab", Letter(0.5, minimum=0, maximum=2)), ["a", "b"]),
+        # fails where all three are at their ends, and only inside the square of both
+        (x - sp.sqrt(5.99 - a - b - r), dict.fromkeys("abr", Letter(0.5, minimum=0, maximum=2)), ["a", "b", "r"]),
         (
             x - sp.log((a - 1) ** 2 + (b - 1) ** 2 - 0.1),
             {name: Letter(0, minimum=0, maximum=2) for name in "ab"},

@@ -40,6 +40,7 @@ class Calls:
         given = [self._argument(part) for part in parts]
         first = len(given) - len(node.keywords)
         bound = _bound(piece, node, given[:first], dict(zip(node.keywords, given[first:], strict=True)))
+        _check_switches(piece, node, bound)
         _check_counts(piece, node, bound)
         try:
             made = self._made(piece, bound)
@@ -106,10 +107,21 @@ def _apart(letter: str) -> str:
 
 
 def _bound(piece: Piece, node: Call, given: list[Any], named: dict[str, Any]) -> inspect.BoundArguments:
+    twice = [name for k, name in enumerate(node.keywords) if name in node.keywords[:k]]
+    if twice:
+        raise node.place.refuse(f"{node.function}: {twice[0]} is given twice", "arity", "remove one of the two")
     try:
         return piece.signature.bind(*given, **named)
     except TypeError as error:
         raise node.place.refuse(f"{node.function}: {error}", "arity", _takes(piece)) from None
+
+
+def _check_switches(piece: Piece, node: Call, bound: inspect.BoundArguments) -> None:
+    """Refuse what Python would take for true, such as "no"."""
+    for name, value in bound.arguments.items():
+        switch = piece.signature.parameters[name].annotation in (bool, "bool")
+        if switch and not (isinstance(value, int) and value in (0, 1)):
+            raise node.place.refuse(f"{node.function}: {name} must be 0 or 1, got {value}", "switch", "1 means yes")
 
 
 def _check_counts(piece: Piece, node: Call, bound: inspect.BoundArguments) -> None:

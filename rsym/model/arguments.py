@@ -21,6 +21,8 @@ from rsym.model.vectors import norm
 LetterMapping: TypeAlias = Mapping[Any, Letter | float] | None
 Point: TypeAlias = tuple[sp.Expr, ...]
 
+_COORDINATES = ("x", "y", "z")
+
 
 def number(value: Any, what: str) -> sp.Expr:
     """A finite real number or an expression in letters, symbols real.
@@ -53,6 +55,12 @@ def default(expression: sp.Expr, letters: LetterMapping, what: str = "a paramete
     """
     known = as_letters(letters)
     unknown = [symbol.name for symbol in symbols_of(expression) if symbol.name not in known]
+    if unknown and unknown[0] in _COORDINATES:
+        raise RsymError(
+            f"{what} contains {unknown[0]}, a coordinate, but must be the same everywhere",
+            code="unknown-letter",
+            remedy="for a shape that varies from place to place use transform, or sweep",
+        )
     if unknown:
         raise RsymError(
             f"{what} contains {', '.join(unknown)}, which has no value",
@@ -114,7 +122,7 @@ def unit_vector(value: Any, dimension: int, what: str, letters: LetterMapping = 
 
 
 def coordinate(value: Any, coordinates: Sequence[sp.Symbol], what: str = "the axis") -> int:
-    """Which of the coordinates a symbol or a name is, counted from 0.
+    """Which of the coordinates a symbol, a name or a number from 0 on is.
 
     Examples
     --------
@@ -123,6 +131,8 @@ def coordinate(value: Any, coordinates: Sequence[sp.Symbol], what: str = "the ax
     1
     """
     names = [symbol.name for symbol in coordinates]
+    if isinstance(value, int) and not isinstance(value, bool) and 0 <= value < len(names):
+        return value
     if str(value) not in names:
         raise RsymError(f"{what} must be one of the coordinates {', '.join(names)}, got {value}", code="axis")
     return names.index(str(value))

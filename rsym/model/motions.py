@@ -13,6 +13,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, coordinate, default, number, point, positive, unit_vector
 from rsym.model.letters import Letters
+from rsym.model.traversal import symbols_of
 
 if TYPE_CHECKING:
     from rsym.model.shape import Bounds, Shape
@@ -155,7 +156,7 @@ def axis_vector(shape: Movable, given: Any, what: str, letters: LetterMapping) -
     >>> [axis_vector(rsym.Shape(x, (x, y)), given, "a normal", None) for given in (y, (3, 4))]
     [(0, 1), (3/5, 4/5)]
     """
-    if isinstance(given, str | sp.Symbol):
+    if isinstance(given, int | str | sp.Symbol):
         position = coordinate(given, shape.coordinates, what)
         return tuple(sp.Integer(k == position) for k in range(shape.dimension))
     return unit_vector(given, shape.dimension, what, shape.letters.merge(letters))
@@ -191,11 +192,23 @@ def _moved(
     from rsym.model.substitutions import substituted  # Shape is made of this module
 
     known = shape.letters.merge(letters)
+    _check_constant(shape, (*matrix, *offset))
     images = inverse * (Matrix(shape.coordinates) - offset)
     places = dict(zip(shape.coordinates, images, strict=True))
     return substituted(
         cast("Shape", shape), places, factor=factor, letters=letters, bounds=_bounds(shape, matrix, offset, known)
     )
+
+
+def _check_constant(shape: Movable, numbers: tuple[sp.Expr, ...]) -> None:
+    """A motion takes all points alike."""
+    varying = [symbol for symbol in shape.coordinates if symbol in symbols_of(*numbers)]
+    if varying:
+        raise RsymError(
+            f"a motion is the same everywhere, but a number in it contains the coordinate {varying[0]}",
+            code="coordinates",
+            remedy="for a map that varies from place to place use transform, with its inverse",
+        )
 
 
 def _bounds(shape: Movable, matrix: Matrix, offset: Matrix, letters: Letters) -> Bounds | None:

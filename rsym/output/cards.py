@@ -19,6 +19,7 @@ SIZE = (2.5, 2.0)  # inches of a picture
 DPI = 144  # as sharp as fine screens are
 QUALITY = 80  # of WebP: a third of what the same picture takes as a PNG
 TITLE = 0.28  # inches for the name above a picture
+LONG = 700  # characters of LaTeX: a longer formula is folded
 
 
 @dataclass(frozen=True)
@@ -30,13 +31,13 @@ class Card:
     picture: bytes = field(repr=False)
 
     def _repr_html_(self) -> str:
-        name = html.escape(self.name)
+        name, contract = html.escape(self.name), self.shape.contract()
         image = base64.b64encode(self.picture).decode()
         lines = (
             f"<b>{name}</b>",
             f'<img style="width: 100%" alt="{name}" src="data:image/webp;base64,{image}">',
-            f"${html.escape(latex(self.shape))}$",
-            f"<small>{self.shape.contract()._repr_html_()}</small>",
+            _formula(latex(self.shape)),
+            _folded(str(contract).partition("\n")[0].replace("omega", "ω"), contract._repr_html_()),
         )
         return "".join(f'<div style="overflow-x: auto; margin: 2px">{line}</div>' for line in lines)
 
@@ -61,7 +62,7 @@ def cards(shapes: Mapping[str, Shape], *, columns: int = 3, resolution: int = 12
     shapes : mapping
         The shapes by name, in the plane or in space.
     resolution : int
-        Cells along the longest side of a picture.
+        Cells along the longest side of a body.
     reach : float, optional
         What is seen of shapes without bounds: each coordinate from -reach to reach. Without it, their extent.
 
@@ -106,6 +107,15 @@ def plot_gallery(
         draw_portrait(shape, figure, place, resolution=resolution, bounds=_seen(shape, reach))
         figure.text(left + 0.5 / across, top - TITLE / 2 / height, name, ha="center", va="center")
     return figure
+
+
+def _formula(text: str) -> str:
+    typeset = f"${html.escape(text)}$"
+    return typeset if len(text) < LONG else _folded("formula", typeset)
+
+
+def _folded(summary: str, page: str) -> str:
+    return f"<details><summary>{html.escape(summary)}</summary><small>{page}</small></details>"
 
 
 def _picture(shape: Shape, resolution: int, reach: float | None) -> bytes:

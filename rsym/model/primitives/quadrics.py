@@ -84,6 +84,8 @@ def quadric(
     place = sp.Matrix(SPACE[:size])
     linear = sp.Matrix(point(vector or (0,) * size, size, "the vector"))
     constant = number(constant, "the constant")
+    for entry in (*form, *linear, constant):
+        default(entry, letters, "a coefficient")
     function = sp.expand((place.T * form * place)[0]) + linear.dot(place) + constant
     unit = positive(length, "the length", letters)
     expression = normalised(function, squared(2 * form * place + linear), unit)

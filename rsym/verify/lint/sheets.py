@@ -53,7 +53,17 @@ class CommonFace:
 
 
 def common_faces(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> list[CommonFace]:
-    """The common faces that matter: where they are zeros of omega; leaves are the first functions."""
+    """The common faces that matter: where they are zeros of omega; leaves are the first functions, omega is the last.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> from rsym.verify.lint.survey import survey_of
+    >>> survey = survey_of(rsym.Shape(rsym.disjunction(x, -3 * x), (x, y)), ((-1, 1), (-1, 1)))
+    >>> [face.kind for face in common_faces(survey.logic, survey.functions, *survey.near)]
+    ['zero sheet']
+    """
     zeros = zeros[zeros.signed & (zeros.which < len(logic.leaves))]
     found: dict[tuple[str, int, int], CommonFace] = {}
     for face, which in _faces(logic, functions, zeros, size):

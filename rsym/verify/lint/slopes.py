@@ -72,7 +72,15 @@ def message_of(slopes: Array) -> str:
 
 
 def remedy_of(leaf: sp.Expr, slopes: Array, coordinates: Sequence[sp.Symbol]) -> str:
-    """What to do about it: the divisor where the leaf has a constant one, else a normalisation."""
+    """What to do about it: the divisor where the leaf has a constant one, else a normalisation.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rsym import x, y
+    >>> remedy_of(3 * x + 4 * y, np.array([5.0, 5.0]), (x, y))
+    'divide by 5'
+    """
     if slopes.max() < CONSTANT:
         return "the gradient vanishes on the zero set: take the function itself, not its power"
     if is_constant(slopes):
