@@ -61,10 +61,10 @@ def never_zero_together(equations: Sequence[sp.Expr], coordinates: Sequence[sp.S
     """
     left = [part for equation in equations for part in squares_of(equation) or (equation,)]
     while True:
-        if any(len(postorder(equation)) > _PARTS or not equation.is_polynomial(*coordinates) for equation in left):
-            return False
         if any(not equation.free_symbols & set(coordinates) and equation != 0 for equation in left):
             return True
+        if any(len(postorder(equation)) > _PARTS or not equation.is_polynomial(*coordinates) for equation in left):
+            return False
         solved = _solved(left, coordinates)
         if solved is None:
             return False
