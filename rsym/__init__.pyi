@@ -36,6 +36,8 @@ from .model.primitives.cones import cone, double_cone, frustum, nappe
 from .model.primitives.curves import graph, polyline, segment
 from .model.primitives.helical import helicoid, helix_tube
 from .model.primitives.periodic import gyroid, lidinoid, neovius, schwarz_d, schwarz_p
+from .model.primitives.plane import disc, ellipse, half_plane, line, rectangle, strip, superellipse
+from .model.primitives.polygons import polygon, regular_polygon
 from .model.primitives.quadrics import ellipsoid, quadric, torus
 from .model.primitives.space import box, capsule, cylinder, half_space, slab, sphere
 from .model.primitives.space_curves import helix, space_curve
@@ -49,6 +51,7 @@ from .model.symmetry.screws import coil, screw, wound
 from .model.symmetry.waves import triangle_wave
 from .model.systems import R0, R1, R0m, RAlpha, Rp
 from .model.thickness import offset, shell
+from .output.cards import cards, plot_gallery
 from .output.combs import plot_curvature_comb
 from .output.comparison import compare_patches
 from .output.explore import explore, explore_patches
@@ -111,6 +114,7 @@ __all__ = [
     "bounded_blend",
     "box",
     "capsule",
+    "cards",
     "circle",
     "coil",
     "compare_patches",
@@ -122,9 +126,11 @@ __all__ = [
     "cyclic",
     "cylinder",
     "difference",
+    "disc",
     "disjunction",
     "displacement_blend",
     "double_cone",
+    "ellipse",
     "ellipsoid",
     "enclose",
     "equivalence",
@@ -140,6 +146,7 @@ __all__ = [
     "graph",
     "grid",
     "gyroid",
+    "half_plane",
     "half_space",
     "helicoid",
     "helix",
@@ -153,6 +160,7 @@ __all__ = [
     "laplacian",
     "level_lines",
     "lidinoid",
+    "line",
     "lint",
     "load",
     "load_letters",
@@ -171,16 +179,20 @@ __all__ = [
     "plot_curvature_comb",
     "plot_field",
     "plot_fields",
+    "plot_gallery",
     "plot_mesh",
     "plot_patches",
     "plot_sections",
     "plot_sweep",
     "plot_verdict",
+    "polygon",
     "polyline",
     "primitives",
     "principal_curvatures",
     "product",
     "quadric",
+    "rectangle",
+    "regular_polygon",
     "revolve",
     "rfAND",
     "rfNOT",
@@ -199,6 +211,8 @@ __all__ = [
     "source",
     "space_curve",
     "sphere",
+    "strip",
+    "superellipse",
     "surfaces",
     "sweep",
     "torus",

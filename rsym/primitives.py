@@ -6,6 +6,8 @@ from rsym.model.primitives.cones import cone, double_cone, frustum, nappe
 from rsym.model.primitives.curves import graph, polyline, segment
 from rsym.model.primitives.helical import helicoid, helix_tube
 from rsym.model.primitives.periodic import gyroid, lidinoid, neovius, schwarz_d, schwarz_p
+from rsym.model.primitives.plane import disc, ellipse, half_plane, line, rectangle, strip, superellipse
+from rsym.model.primitives.polygons import polygon, regular_polygon
 from rsym.model.primitives.quadrics import ellipsoid, quadric, torus
 from rsym.model.primitives.space import box, capsule, cylinder, half_space, slab, sphere
 from rsym.model.primitives.space_curves import helix, space_curve
@@ -17,26 +19,35 @@ __all__ = [
     "circle",
     "cone",
     "cylinder",
+    "disc",
     "double_cone",
+    "ellipse",
     "ellipsoid",
     "frustum",
     "graph",
     "gyroid",
+    "half_plane",
     "half_space",
     "helicoid",
     "helix",
     "helix_tube",
     "implicit",
     "lidinoid",
+    "line",
     "nappe",
     "neovius",
+    "polygon",
     "polyline",
     "quadric",
+    "rectangle",
+    "regular_polygon",
     "schwarz_d",
     "schwarz_p",
     "segment",
     "slab",
     "space_curve",
     "sphere",
+    "strip",
+    "superellipse",
     "torus",
 ]

@@ -96,6 +96,13 @@ def test_derivatives_are_those_of_the_formula_at_the_edge_too(system):
                 assert_close(symbolic(*map(np.float64, point)), first, atol=2e-14)
 
 
+@pytest.mark.parametrize("continuity", ["G1", "G2"])
+def test_derivatives_exist_where_the_fillet_ends(continuity):
+    """In binary exactly on the end: max would have no derivative there."""
+    kernel = rsym.compile(Shape(conjunction(x, y, system=Rho(sp.Rational(1, 4), continuity)), (x, y)), ("gradient",))
+    assert_close(kernel([0.25, 0.0], [0.0, 0.25])["gradient"], [[0, 1], [1, 0]], atol=1e-16)
+
+
 @pytest.mark.parametrize("system", SYSTEMS, ids=str)
 def test_signs_of_small_operands_are_kept(system):
     kernel = rsym.compile(Shape(conjunction(x, y, system=system), (x, y)))
@@ -329,3 +336,18 @@ def test_blends_nest_and_share_what_they_have_in_common():
             expected.append(float(value))
     assert_close(rsym.compile(shape)(a, b)["value"], expected, rtol=1e-13)
     assert not isinstance(written_out(body), type(body))
+
+
+@pytest.mark.parametrize("family", [Rho, Sardf, lambda r: Rho(r, "G2")])
+def test_intervals_stay_sharp_in_nests_with_letters(family, random):
+    """Not so where a comparison asks for what may be undefined anywhere: then both sides of every choice count."""
+    r = sp.Symbol("r", real=True)
+    shape = Shape(conjunction(x, y, 1 - x - y, system=family(r)), (x, y), letters={r: 0.2})
+    corner = random.uniform(-0.8, 0.8, (400, 2))
+    boxes = np.stack([corner, corner + 1e-3], -1)
+    gradient = rsym.compile(shape, ("gradient",))(*(corner + 5e-4).T)["gradient"]
+    for backend in ("ball", "interval"):
+        bounds = rsym.enclose(shape, boxes, backend=backend)["value"]
+        ratio = (bounds[:, 1] - bounds[:, 0]) / (1e-3 * abs(gradient).sum(axis=1))
+        assert np.median(ratio) < 1.3
+        assert np.quantile(ratio, 0.97) < 6

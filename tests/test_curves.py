@@ -247,11 +247,14 @@ def test_what_goes_on_beyond_the_ends_is_cut_off():
 
 @pytest.mark.parametrize("name", sorted(CASES.keys() - CLOSED - {"polyline", "graph"}))
 def test_beyond_an_end_the_field_begins_as_the_distance(name):
-    kernel, step = rsym.compile(CASES[name].shape), 1e-6
+    """Straight on, and also across: what trims the curve is at right angles to it."""
+    kernel, step, random = rsym.compile(CASES[name].shape), 1e-6, np.random.default_rng(5)
     for end, way in ((0, -1), (1, 1)):
-        place, tangent = (np.array(item, float) for item in CASES[name].curve(arb(end)))
-        beyond = place + way * step * tangent / np.linalg.norm(tangent)
-        assert_close(kernel(*beyond)["value"], step, rtol=1e-4)
+        place, tangent = CASES[name].curve(arb(end))
+        ahead = np.array(tangent, float) / np.linalg.norm(np.array(tangent, float)) * way
+        across = np.array([normal(tangent, random) for _ in range(6)], float)
+        points = np.array(place, float) + step * np.vstack([ahead, across])
+        assert_close(kernel(*points.T)["value"], np.full(7, step), rtol=1e-3)
 
 
 def test_an_arc_of_a_large_circle_is_a_segment():
@@ -298,6 +301,7 @@ def test_joining_is_associative(order):
         (lambda: segment((0, 0), (1, 0, 0)), "point"),
         (lambda: segment((0, 0), (A, 0)), "unknown-letter"),
         (lambda: polyline([(0, 0)]), "points"),
+        (lambda: polyline(3), "points"),
         (lambda: polyline([(0, 0), (1, 0)], order=0), "order"),
         (lambda: graph([(0, 0), (1, 0)], [(0, 2)]), "edges"),
         (lambda: graph([(0, 0), (1, 0)], [(0, 1.5)]), "integer"),
@@ -306,6 +310,7 @@ def test_joining_is_associative(order):
         (lambda: arc((0, 0), 1, 1, 0), "angles"),
         (lambda: arc((0, 0), 1, 0, 2 * sp.pi), "angles"),
         (lambda: arc((0, 0, 0), 1, 0, 1, axis=(0, 0, 0)), "direction"),
+        (lambda: arc((0, 0), 1, 0, 1, axis=(0, 0, 1)), "axis"),
         (lambda: space_curve(Shape(x, (x, y)), z), "coordinates"),
         (lambda: helix(1, 0), "positive"),
     ],

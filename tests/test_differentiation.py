@@ -80,3 +80,22 @@ def test_the_kink_of_the_absolute_value_has_none():
     assert result["value"].tolist() == [0, 2]
     assert np.isnan(result["gradient"][0, 0])
     assert result["gradient"][1].tolist() == [-1, 1]
+
+
+def test_the_angle_of_a_sine_and_a_cosine_is_the_angle():
+    turn, places = 3 * x - 2 * y * x, np.random.default_rng(3).uniform(-3, 3, (2, 300))
+    sine, cosine = (function(3 * places[0] - 2 * places[1] * places[0]) for function in (np.sin, np.cos))
+    double = cosine**2 - sine**2
+    waves = {
+        sp.atan2(sp.sin(turn), sp.cos(turn)): (1, 0),
+        sp.atan2(sp.sin(turn), sp.Abs(sp.cos(turn))): (np.sign(cosine), 1),
+        sp.atan2(sp.sin(turn), sp.cos(2 * turn)): (
+            (cosine * double + 4 * sine**2 * cosine) / (sine**2 + double**2),
+            2,
+        ),
+    }
+    for wave, (slope, quotients) in waves.items():
+        kernel = rsym.compile(rsym.Shape(wave, (x, y)), ("gradient",))
+        expected = np.stack([slope * (3 - 2 * places[1]), slope * -2 * places[0]], axis=1)
+        assert_close(kernel(*places)["gradient"], expected, rtol=1e-9, atol=1e-9)
+        assert sum(node.operation == "div" for node in kernel.program.nodes) == quotients

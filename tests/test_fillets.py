@@ -27,7 +27,7 @@ def bracket(continuity):
     base, wall = body(sp.Rational(3, 10) - z, "base"), body(-sp.Rational(7, 10) - x, "wall")
     hole = body((sp.Rational(1, 5) ** 2 - (x - sp.Rational(3, 10)) ** 2 - y**2) / sp.Rational(2, 5), "hole")
     angle = fillet(base, wall, sp.Rational(3, 10), continuity)
-    rounded = fillet(angle, hole, sp.Rational(1, 10), continuity, "difference")
+    rounded = fillet(angle, hole, sp.Rational(3, 20), continuity, "difference")
     around = rsym.conjunction(slab(x, -1, 1), slab(y, sp.Rational(-3, 5), sp.Rational(3, 5)), slab(z, 0, 1.3))
     return rounded & Shape(around, (x, y, z))
 

@@ -124,6 +124,15 @@ CALLS = {
     **{
         name: simple(*texts)
         for name, texts in {
+            "half_plane": ["half_plane([a, 1], b)"],
+            "strip": ["strip(-1, a, [3, 4])"],
+            "line": ["line([0, b], [a, 1])"],
+            "disc": ["disc(a, [b, 0])", "disc(2.5, exact = 1)"],
+            "ellipse": ["ellipse(a, b)"],
+            "superellipse": ["superellipse(a, 1, 4, [b, 0])"],
+            "rectangle": ["rectangle(a, 1, centre = [b, 0])"],
+            "polygon": ["polygon([[0, 0], [a, 0], [b, b], [0, 1]])"],
+            "regular_polygon": ["regular_polygon(5, a)"],
             "half_space": ["half_space([1, 2, b], a)"],
             "slab": ["slab(-a, b, direction = [0, 3, 4])"],
             "sphere": ["sphere(a, [0, 0, b])", "sphere(2.5, exact = 1)"],
@@ -207,6 +216,14 @@ def test_other_coordinates_mean_the_same():
     assert own.expression == rsym.conjunction(u**2 - v * letter, w * (1 - w))
 
 
+def test_what_is_in_space_makes_the_model_one_of_space():
+    for text in ("0.2 - segment([0, 0, 0], [2, 0, 0])", "0.5 + sphere(1)", "scale(x, [1, 2, 3])"):
+        loaded = rsym.loads(f"omega = {text}")
+        assert loaded.dimension == 3
+        assert loaded.definitions[0][1].has(sp.Function)
+    assert rsym.loads("omega = polygon([[0, 0], [1, 0], [0, 1]])").dimension == 2
+
+
 def test_decisions_are_made_at_the_values_of_the_variant():
     text = "letter a = 1; variant low: a = -1; omega = extrude(x, 0, a)"
     assert rsym.loads(text).letters["a"].default == 1
@@ -226,6 +243,7 @@ def test_decisions_are_made_at_the_values_of_the_variant():
         ("f = translate(x, 1, [2, 3])", "number"),
         ("f = kaleidoscope(x, 100000)", "400 is the most"),
         ("f = normalise(x^2 + y, order = 3)", "2 is the most"),
+        ("f = grid(1 - x^2 - y^2, [2, 2], counts = [3, 1000000])", "400 is the most"),
         ("f = [1, 2]", "expected a number"),
         ("f = sin([1, 2])", "expected a number"),
         ("letter a = scale(2, 1); f = a*x", "cannot stand here"),
@@ -235,7 +253,10 @@ def test_decisions_are_made_at_the_values_of_the_variant():
         ("f = scale(x, [1, 2)", r"\]"),
         ("coordinates x y; f = extrude(x, 0, 1)", "body"),
         ("f = translate(x, [" + ", ".join("1" * 1001) + "])", "1000"),
-        ("f0 = x + y; " + "".join(f"f{k + 1} = shear(f{k}, x, y, x*f{k});" for k in range(30)), "parts|levels|kept"),
+        (
+            "f0 = x + y; " + "".join(f"f{k + 1} = transform(f{k}, [x + y*f{k}, y]);" for k in range(30)),
+            "parts|levels|kept",
+        ),
     ],
 )
 def test_what_cannot_be_called_is_refused_at_its_place(text, message):

@@ -175,6 +175,21 @@ def test_surfaces_that_touch_along_a_curve_are_not_coincident():
     assert rsym.lint(space(rsym.disjunction(ball, tube))).clean
 
 
+def test_leaves_that_touch_to_high_order_are_not_coincident():
+    assert "coincident faces" not in kinds(rsym.lint(plane(rsym.conjunction(x, x + y**6))))
+
+
+def test_a_common_face_counts_where_it_makes_the_boundary():
+    never = rsym.conjunction(rsym.conjunction(x, x), x - 3)  # negative within the bounds
+    assert rsym.lint(plane(rsym.disjunction(never, rsym.conjunction(x, y)))).clean
+
+
+def test_small_faces_in_generous_bounds():
+    pair = rsym.box(1, 1, 1) | rsym.box(1, 1, 1, centre=(1, 0, 0))
+    turned = pair.rotate(1, axis=(1, 2, 3)).translate(3, -4, 1)
+    assert kinds(rsym.lint(turned, bounds=((-20, 20),) * 3)) == ["zero sheet"]
+
+
 @pytest.mark.parametrize("power", [1, 3])
 def test_slopes_and_their_remedies(power):
     (finding,) = rsym.lint(plane(disc**power)).findings if power > 1 else rsym.lint(plane(2 * disc)).findings
@@ -239,6 +254,7 @@ def test_terms_that_saturate(car):
     found = rsym.lint(plane(short.expression + y / 2, large))
     assert kinds(found) == ["not normalised", "saturates"]
     assert kinds(rsym.lint(plane(rsym.conjunction(sp.tanh(x), y), large))) == ["saturates"]
+    assert rsym.lint(plane(rsym.conjunction(slab(-1.9, 3, x), y))).clean  # high in two fifths, but not flat
     assert [finding.places[0].definition for finding in car.of("saturates")] == ["fb1", "fb2"]
 
 
@@ -255,6 +271,14 @@ def test_terms_that_saturate(car):
         (x - sp.sqrt(a), {"a": Letter(1, minimum=-1, maximum=2)}, ["a"]),
         (x - sp.sqrt(a), {"a": Letter(1, minimum=0, maximum=2)}, []),
         (x - sp.log(a), {"a": Letter(1, minimum=0, maximum=2)}, ["a"]),
+        (x / (a - b), {"a": Letter(-1, minimum=-2, maximum=1), "b": Letter(1, minimum=0, maximum=2)}, ["a", "b"]),
+        # fails where all three are at their ends, and only inside the square of both
+        (x - sp.sqrt(5.99 - a - b - r), dict.fromkeys("abr", Letter(0.5, minimum=0, maximum=2)), ["a", "b", "r"]),
+        (
+            x - sp.log((a - 1) ** 2 + (b - 1) ** 2 - 0.1),
+            {name: Letter(0, minimum=0, maximum=2) for name in "ab"},
+            ["a", "b"],
+        ),
         (rsym.conjunction(x, y, system=rsym.RAlpha(alpha)), {"alpha": Letter(0, minimum=-1, maximum=1)}, ["alpha"]),
         (rsym.conjunction(x, y, system=rsym.RAlpha(alpha)), {"alpha": Letter(0, minimum=-0.9, maximum=1)}, []),
         (rsym.conjunction(x, y, system=rsym.Rp(p)), {"p": Letter(4, minimum=1, maximum=8)}, ["p"]),
@@ -282,6 +306,21 @@ def test_omega_that_is_undefined_at_an_end_of_a_range():
     (finding,) = rsym.lint(plane(y - sp.sqrt(a - x), a=Letter(5, minimum=1, maximum=9))).of("letter range")
     assert "minimum 1 omega is undefined in 2" in finding.message  # for 1 < x < 2, a quarter
     assert finding.range == pytest.approx((0.25, 0.25), abs=0.05)
+
+
+def test_a_shape_that_is_empty_at_an_end_of_a_range():
+    given = {"r": Letter(1, minimum=0, maximum=2), "a": Letter(0, minimum=-1, maximum=9)}
+    found = rsym.lint(plane(r - sp.sqrt((x - a) ** 2 + y**2), **given)).of("letter range")
+    assert [(finding.places[0].definition, finding.message.split(" the")[0]) for finding in found] == [
+        ("r", "at its minimum 0"),
+        ("a", "at its maximum 9"),
+    ]
+
+
+def test_letters_inside_compositions():
+    path = rsym.segment((0, 0), (r, 0), letters={r: Letter(1, minimum=0, maximum=2)})
+    (finding,) = rsym.lint(path).of("letter range")
+    assert "r = " in finding.message
 
 
 def test_reports_are_text_json_and_a_table(car):

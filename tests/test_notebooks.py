@@ -18,6 +18,7 @@ def test_the_notebooks_are_there():
         "01_level_lines.ipynb",
         "02_car.ipynb",
         "03_r_systems.ipynb",
+        "04_gallery.ipynb",
         "04_meshes.ipynb",
         "05_is_it_smooth.ipynb",
         "06_surfaces.ipynb",

@@ -132,6 +132,7 @@ def test_letters_stay_letters():
     a, b = sp.symbols("a b", real=True)
     shape = polygon([(0, 0), (a, 0), (a, 1), (b, 1), (b, a), (0, a)], letters={a: 2, b: 1})
     assert set(shape.letters) == {"a", "b"}
+    assert set(half_planes(shape.expression)) == {y, a - x, 1 - y, b - x, a - y, x}
     assert_normalised(random_motion(shape, 3), 1)
     changed = rsym.compile(shape)
     corners = np.array([(0, 0), (3, 0), (3, 1), (0.5, 1), (0.5, 3), (0, 3)])
@@ -148,6 +149,8 @@ def test_regular_polygons(sides):
     points = around(corners, 500)
     value = rsym.compile(shape)(*points.T)["value"]
     assert ((value > 0) == outlines.inside(corners, points)).all()
+    room = 0.1 * np.ptp(corners, axis=0).max()
+    assert_close(np.transpose(shape.bounds), [corners.min(axis=0) - room, corners.max(axis=0) + room], atol=1e-12)
     assert_normalised(random_motion(shape, sides), 1, clearance=1e-3)
     assert_normalised(regular_polygon(sides, 2, system=R1), 4, clearance=1e-4)
 

@@ -22,17 +22,17 @@ def given(*letters):
 # Shape, order, and whether a point is inside, written apart.
 PIECES = {
     "half-plane": (
-        half_plane((a, b), c, given(a, b, c)),
+        half_plane((a, b), c, letters=given(a, b, c)),
         4,
         lambda u, v: 2.25 * u + 0.8 * v > -0.3 * np.hypot(2.25, 0.8),
     ),
     "strip": (
-        strip(c, b, (3, a), given(a, b, c)),
+        strip(c, b, (3, a), letters=given(a, b, c)),
         1,
         lambda u, v: abs((3 * u + 2.25 * v) / 3.75 - 0.25) < 0.55,
     ),
     "line": (
-        line((c, 1), (a, b), given(a, b, c)),
+        line((c, 1), (a, b), letters=given(a, b, c)),
         4,
         lambda u, v: v < 1 - 0.2 / 2.55 * (u + 0.3),
     ),
@@ -42,7 +42,7 @@ PIECES = {
         lambda u, v: np.hypot(u + 0.3, v - 0.8) < 2.25,
     ),
     "exact disc": (
-        disc(a, (c, b), True, given(a, b, c)),
+        disc(a, (c, b), True, letters=given(a, b, c)),
         4,
         lambda u, v: np.hypot(u + 0.3, v - 0.8) < 2.25,
     ),
@@ -77,7 +77,7 @@ PIECES = {
         lambda u, v: abs(u / 2.25) ** 2.5 + abs((v + 0.3) / 0.8) ** 2.5 < 1,
     ),
     "rectangle": (
-        rectangle(a, b, (c, 1), given(a, b, c)),
+        rectangle(a, b, (c, 1), letters=given(a, b, c)),
         1,
         lambda u, v: (abs(u + 0.3) < 1.125) & (abs(v - 1) < 0.4),
     ),

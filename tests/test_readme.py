@@ -15,6 +15,7 @@ from closeness import assert_close
 import rsym.verify.threshold
 from rsym.cli import main
 from rsym.commands.verify import CODES
+from rsym.language.pieces import PIECES
 from rsym.output.files import FORMATS
 from rsym.verify.threshold import Threshold
 
@@ -64,10 +65,35 @@ def test_the_lines_about_other_ways_to_run_a_shape():
 
 def test_the_table_of_systems_names_them_all():
     names = re.findall(r"^\| `(\w+)", TEXT, re.MULTILINE)
-    assert names == ["R0", "R1", "RAlpha", "R0m", "Rp"]
+    assert names == ["R0", "R1", "RAlpha", "R0m", "Rp", "Sardf", "Rho"]
     assert all(hasattr(rsym, name) for name in names)
     operations = re.search(r"Beside them: (.*?)A parameter", TEXT, re.DOTALL).group(1)
     assert all(callable(getattr(rsym, name)) for name in re.findall(r"`(\w+)`", operations))
+
+
+def test_the_lines_about_pieces(capsys):
+    (code,) = [code for code in PYTHON if "rsym.cyclic" in code]
+    space = {"rsym": rsym}
+    for line in filter(None, code.splitlines()):
+        statement, _, comment = line.partition("  # ")
+        if comment and not statement.startswith("print"):
+            assert repr(eval(statement, space)) == comment
+        else:
+            exec(statement, space)
+    assert capsys.readouterr().out.startswith("omega is continuous; normalised to order 1")
+
+
+def test_the_table_of_pieces_names_them_all():
+    table = TEXT.partition("| family | names |")[2].partition("\n\n")[0]
+    named = set(re.findall(r"`(?:shape\.)?(\w+)`", table))
+    assert named == {*PIECES, *rsym.primitives.__all__, "analytic_condition"}
+    assert all(callable(getattr(rsym, name, None) or getattr(rsym.Shape, name)) for name in named)
+
+
+def test_the_call_of_pieces_in_a_model_file():
+    formula = re.search(r"`(omega = rfAND\(extrude.*?)`\.\n", TEXT).group(1)
+    loaded = rsym.loads(f"letter w = 0.5; f = 1 - x^2; {formula}")
+    assert loaded.dimension == 3
 
 
 def test_the_lines_about_meshes():
@@ -163,9 +189,10 @@ def test_the_model_file_and_the_commands(capsys):
     Path("ball.rf").write_text(model)
     (commands,) = [code for code in PLAIN if code.startswith("rsym mesh")]
     for command in commands.strip().splitlines():
-        prints = command.split()[1] in {"letters", "show"}
-        assert main([*command.split()[1:], *([] if prints else ["--resolution", "48"])]) == 0
-    for name in ("ball.stl", "car.stl"):
+        word = command.split()[1]
+        prints = word in {"letters", "show", "lint"}
+        assert main([*command.split()[1:], *([] if prints else ["--resolution", "48"])]) == (word == "lint")
+    for name in ("ball.stl", "car.stl", "gear.stl"):
         assert trimesh.load_mesh(name).is_watertight
     assert "BONNET" in Path("edges.dxf").read_text()
     assert "bonnet" in trimesh.load_scene("parts.glb").geometry

@@ -107,7 +107,7 @@ def bow(radius, start, end):
 PATHS = {
     "segment, convex": (segment((-2, 1), (3, -1)), R + S * x**2 - T * y, sampled([(-2.0, 1), (3, -1)])),
     "segment, cubic": (segment((-2, 1), (3, -1)), R + S * x - T * x**3 / 5, sampled([(-2.0, 1), (3, -1)])),
-    "segment, quotient": (segment((0, 0), (3, 0)), R / (1 + x) - S / (2 + x), sampled([(0.0, 0), (3, 0)])),
+    "segment, quotient": (segment((0, 0), (3, 0)), R / (1 + x) + S * x / (x - 4) + T, sampled([(0.0, 0), (3, 0)])),
     "closed polyline": (
         polyline([(0, 0), (2, 0), (1, 2)], closed=True),
         R + S * (x - y) + T * x * y,
@@ -117,9 +117,9 @@ PATHS = {
     "arc, even": (arc((0, 0), 2, -2, 2), R + S * x**2 + T * x, bow(2, -2, 2)),
     "circle": (circle((0, 0), 2), R + S * x + T * y, bow(2, 0, 2 * np.pi)),
     "trimmed line": (
-        Shape(rsym.trimming((3 * x - 4 * y) / 5, 4 - x**2 - y**2), (x, y)),
+        Shape(rsym.trimming((3 * x - 4 * y) / 5, (x + 1) * (2 - x)), (x, y)),
         R + S * x + T * x * y,
-        sampled([(-1.6, -1.2), (1.6, 1.2)]),
+        sampled([(-1.0, -0.75), (2.0, 1.5)]),
     ),
     "moved": (
         segment((-1, 0), (1, 0)).scale(2).rotate(sp.pi / 6).translate(1, 2),
@@ -160,6 +160,14 @@ def test_in_space_paths_run_where_the_curves_do():
     assert analytic_condition(spring, R - x**2 - y**2, letters={R: 1}) == (R - 4 > 0)
     axis = Shape(rsym.trimming(sp.sqrt(4 * x**2 + (z - A) ** 2), (4 - y**2) / 4), (x, y, z), letters={A: 1})
     assert analytic_condition(axis, z + y - R, letters={R: 1}) == sp.And(A - R - 2 > 0, A - R + 2 > 0)
+
+
+def test_a_profile_with_a_pole_on_the_skeleton_is_not_positive():
+    """Neither where it changes its sign there nor where it does not; a pole beyond the ends does no harm."""
+    assert analytic_condition(segment((-5, 0), (5, 0)), 100 + 1 / x**2) == sp.false
+    for profile in (R + 1 / x, R + 1 / (x - A)):
+        assert not truth(analytic_condition(ROD, profile, letters={R: 1}), {R: 100, A: 5})
+    assert truth(analytic_condition(ROD, R + 1 / (x - 6), letters={R: 1}), {R: 2, A: 5})
 
 
 def test_an_offset_body_needs_a_positive_number_on_any_skeleton():

@@ -95,15 +95,21 @@ def test_a_coil_is_normalised_to_order_1_on_all_of_its_surface(sizes):
     assert (kernel(u, v, w, letters=dict(zip("abc", sizes, strict=True)))["value"] > 0).tolist() == inside.tolist()
 
 
+def test_a_coil_has_no_false_zero_on_its_axis():
+    near = np.array([0.0, 1e-12, 1e-3])
+    got = rsym.compile(coil(4, 1, 3))(near, 0.0, 1.0)["value"]
+    assert (got < -1).all()
+
+
 def test_a_coil_ends_flat_and_normalised():
     spring = coil(4, 1, 3, turns=a, letters={a: 2})
     kernel = rsym.compile(spring, ("value", "gradient"))
     out, up = np.random.default_rng(4).uniform(-0.5, 0.5, (2, 100))
-    for angle, climb in [(0.0, 0.0), (4 * np.pi, 6.0)]:
+    for angle, climb in [(-2 * np.pi, -3.0), (2 * np.pi, 3.0)]:
         end = kernel((4 + out) * np.cos(angle), (4 + out) * np.sin(angle), climb + up)
         assert_close(end["value"], np.zeros(100), atol=1e-12)
-        assert_close(end["gradient"], np.tile([0, 1.0 if climb == 0 else -1.0, 0], (100, 1)), atol=1e-11)
-    assert kernel(4.0, -0.1, 0.0)["value"] < 0 < kernel(4.0, 0.1, 0.0)["value"]
+        assert_close(end["gradient"], np.tile([0, -np.sign(climb), 0], (100, 1)), atol=1e-11)
+    assert kernel(4.0, 0.1, 3.0)["value"] < 0 < kernel(4.0, -0.1, 3.0)["value"]
 
 
 def test_a_spring_meshes_closed_and_holds_what_pappus_says():

@@ -49,10 +49,11 @@ def implicit(
 
     Examples
     --------
+    >>> import rsym
     >>> from rsym import x, y, z
-    >>> implicit(y - x**2).expression
+    >>> rsym.implicit(y - x**2).expression
     (-x**2 + y)/sqrt(4*x**2 + (-x**2 + y)**2 + 1)
-    >>> implicit(z * x - 1).coordinates
+    >>> rsym.implicit(z * x - 1).coordinates
     (x, y, z)
     """
     if isinstance(expression, Shape):
@@ -67,7 +68,7 @@ def implicit(
 
 
 def _with(shape: Shape, letters: LetterMapping, bounds: Any) -> Shape:
-    return shape.replace(letters=shape.letters.merge(as_letters(letters)), bounds=bounds)
+    return shape.replace(letters=shape.letters.merge(letters), bounds=bounds)
 
 
 def _shape(expression: Any, coordinates: Any, letters: LetterMapping, bounds: Any) -> Shape:

@@ -29,6 +29,15 @@ class Definedness:
         """Defined at every point."""
         return self._total[number]
 
+    def cause(self, number: int) -> int:
+        """What alone makes this node undefined where it is so, as far down as there is one such."""
+        while self._nodes[number].operation in _TOTAL & _STRICT:
+            partial = {argument for argument in self._nodes[number].arguments if not self._total[argument]}
+            if len(partial) != 1:
+                break
+            (number,) = partial
+        return number
+
     def fails_with(self, number: int, cause: int) -> bool:
         """Undefined wherever the node `cause` is."""
         known: dict[int, bool] = {}
@@ -47,4 +56,4 @@ class Definedness:
 def is_decisive(definedness: Definedness, node: Node) -> bool:
     """Whether a select has no value where what it compares is undefined."""
     first, second, _, no = node.arguments
-    return all(definedness.is_total(u) or definedness.fails_with(no, u) for u in (first, second))
+    return all(definedness.is_total(u) or definedness.fails_with(no, definedness.cause(u)) for u in (first, second))

@@ -130,7 +130,43 @@ def _log(b: Builder, number: int, node: Node, d: Sequence[int]) -> int:
 
 def _atan2(b: Builder, number: int, node: Node, d: Sequence[int]) -> int:
     u, v = node.arguments
+    turn = _turn(b, u, v, d[0])
+    if turn is not None:
+        return turn
     return b.div(b.sub(b.mul(v, d[0]), b.mul(u, d[1])), b.add(b.square(u), b.square(v)))
+
+
+def _turn(b: Builder, u: int, v: int, slope: int) -> int | None:
+    """The angle of (cos w, sin w) is w but for whole turns, that of (|cos w|, sin w) is w back and forth: no quotient.
+
+    Over boxes a quotient of sums of squares would undo every bound.
+    """
+    folded = b.nodes[v].operation == "abs"
+    cosine = b.nodes[v].arguments[0] if folded else v
+    sine = b.nodes[u].arguments[0] if b.nodes[u].operation == "neg" else u
+    pair = b.nodes[sine].operation, b.nodes[cosine].operation
+    if pair != ("sin", "cos") or b.nodes[sine].arguments != b.nodes[cosine].arguments:
+        return None
+    inner = _without(b, slope, cosine)
+    return b.mul(inner, b.div(cosine, v)) if folded and inner is not None else inner
+
+
+def _without(b: Builder, product: int, factor: int) -> int | None:
+    """The other factor of a product, signs and constants kept."""
+    if product == factor:
+        return b.const(1)
+    operation, arguments, _ = b.nodes[product]
+    if b.value(product) == 0:
+        return product
+    if operation == "neg":
+        rest = _without(b, arguments[0], factor)
+        return None if rest is None else b.neg(rest)
+    if operation != "mul":
+        return None
+    if factor in arguments:
+        return arguments[1 - arguments.index(factor)]
+    rest = _without(b, arguments[1], factor) if b.value(arguments[0]) is not None else None
+    return None if rest is None else b.mul(arguments[0], rest)
 
 
 def _r0_conjunction(b: Builder, number: int, node: Node, d: Sequence[int]) -> int:

@@ -9,6 +9,7 @@ import sympy as sp
 from rsym.codegen.builder import Builder
 from rsym.codegen.lowering import lower_all
 from rsym.codegen.sign_form import SignForm, sign_form
+from rsym.model.blends.gates import with_gates
 from rsym.model.folds import Fold
 from rsym.model.shape import Shape
 from rsym.model.traversal import postorder, symbols_of
@@ -62,7 +63,7 @@ def _names_of_parts(builder: Builder, shape: Shape) -> Mapping[int, str]:
     # A part may speak of letters that have cancelled out of the shape: it is no part of it any more.
     parts = [part for part in shape.parts if all(symbol.name in known for symbol in symbols_of(part[1]))]
     # SymPy moves the sign of -(a - b) inwards, so a negation may be another formula: b - a.
-    nodes = lower_all(builder, [signed for _, part in parts for signed in (part, -part)])
+    nodes = lower_all(builder, [signed for _, part in parts for signed in map(with_gates, (part, -part))])
     leaves = [[_key(builder, leaf) for leaf in sign_form(builder, node).leaves] for node in nodes]
     smallest: dict[int, tuple[int, str]] = {}
     for (name, _), *both in zip(parts, leaves[::2], leaves[1::2], strict=True):

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 from rsym.codegen.builder import Builder
 from rsym.codegen.lowering import lower
+from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
 
 CONJUNCTIONS = frozenset({"r0_conjunction", "r_alpha_conjunction", "r0m_conjunction", "rp_conjunction", "min"})
@@ -100,7 +101,7 @@ def surface_form(shape: Shape) -> SignForm:
     """
     names = tuple(symbol.name for symbol in shape.coordinates)
     builder = Builder(names, (*shape.letters, *(letter for name in names for letter in cap_letters(name))))
-    return sign_form(builder, lower(builder, shape.expression))
+    return sign_form(builder, lower(builder, with_gates(shape.expression)))
 
 
 def sign_form(builder: Builder, number: int) -> SignForm:

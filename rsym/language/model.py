@@ -12,11 +12,13 @@ from rsym.language.syntax import (
     BoundsStatement,
     Call,
     CoordinatesStatement,
+    Expression,
     LetterStatement,
     Place,
     Statement,
     SystemStatement,
     VariantStatement,
+    Vector,
     names_in,
     postorder,
 )
@@ -135,6 +137,12 @@ class _Table:
         spoken = {name.name for name, _ in self._bounds.intervals} if self._bounds else set()
         formulas = [assignment.value for assignment in self._assignments]
         spoken.update(name.name for formula in formulas for name in names_in(formula))
-        calls = (part for formula in formulas for part in postorder(formula) if isinstance(part, Call))
-        spoken.update("z" for call in calls if call.function in SPACE)
+        spoken.update("z" for formula in formulas for part in postorder(formula) if _is_in_space(part))
         return ("x", "y", "z") if "z" in spoken and "z" not in self._places else ("x", "y")
+
+
+def _is_in_space(part: Expression) -> bool:
+    """A piece that makes a body, or a point with three coordinates."""
+    if isinstance(part, Vector):
+        return len(part.parts) == 3 and not any(isinstance(item, Vector) for item in part.parts)
+    return isinstance(part, Call) and part.function in SPACE

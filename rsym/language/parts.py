@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from rsym.language.exact import checked, division_by_zero
 from rsym.language.extent import Extent, joined
@@ -99,7 +100,7 @@ def _varies(expression: sp.Expr) -> bool:
     stack = [expression]
     while stack:
         part = stack.pop()
-        if part.is_Symbol or isinstance(part, RealNode):
+        if part.is_Symbol or isinstance(part, RealNode | AppliedUndef):
             return True
         stack.extend(part.args)
     return False

@@ -40,10 +40,8 @@ class Calls:
         given = [self._argument(part) for part in parts]
         first = len(given) - len(node.keywords)
         bound = _bound(piece, node, given[:first], dict(zip(node.keywords, given[first:], strict=True)))
-        for name, most in piece.most.items():
-            if isinstance(count := bound.arguments.get(name), int) and count > most:
-                remedy = "take less, or build this shape in Python"
-                raise node.place.refuse(f"{node.function}: {name} is {count}; {most} is the most", "too-large", remedy)
+        _check_switches(piece, node, bound)
+        _check_counts(piece, node, bound)
         try:
             made = self._made(piece, bound)
         except RsymError as error:
@@ -109,10 +107,31 @@ def _apart(letter: str) -> str:
 
 
 def _bound(piece: Piece, node: Call, given: list[Any], named: dict[str, Any]) -> inspect.BoundArguments:
+    twice = [name for k, name in enumerate(node.keywords) if name in node.keywords[:k]]
+    if twice:
+        raise node.place.refuse(f"{node.function}: {twice[0]} is given twice", "arity", "remove one of the two")
     try:
         return piece.signature.bind(*given, **named)
     except TypeError as error:
         raise node.place.refuse(f"{node.function}: {error}", "arity", _takes(piece)) from None
+
+
+def _check_switches(piece: Piece, node: Call, bound: inspect.BoundArguments) -> None:
+    """Refuse what Python would take for true, such as "no"."""
+    for name, value in bound.arguments.items():
+        switch = piece.signature.parameters[name].annotation in (bool, "bool")
+        if switch and not (isinstance(value, int) and value in (0, 1)):
+            raise node.place.refuse(f"{node.function}: {name} must be 0 or 1, got {value}", "switch", "1 means yes")
+
+
+def _check_counts(piece: Piece, node: Call, bound: inspect.BoundArguments) -> None:
+    """Refuse what would make a formula without end."""
+    for name, most in piece.most.items():
+        given = bound.arguments.get(name)
+        for count in given if isinstance(given, tuple) else (given,):
+            if isinstance(count, int) and count > most:
+                remedy = "take less, or build this shape in Python"
+                raise node.place.refuse(f"{node.function}: {name} is {count}; {most} is the most", "too-large", remedy)
 
 
 def _given(piece: Piece, bound: inspect.BoundArguments) -> tuple[tuple[Any, ...], dict[str, Any]]:

@@ -19,6 +19,8 @@ from rsym.model.primitives.cones import cone, double_cone, frustum, nappe
 from rsym.model.primitives.curves import graph, polyline, segment
 from rsym.model.primitives.helical import helicoid, helix_tube
 from rsym.model.primitives.periodic import gyroid, lidinoid, neovius, schwarz_d, schwarz_p
+from rsym.model.primitives.plane import disc, ellipse, half_plane, line, rectangle, strip, superellipse
+from rsym.model.primitives.polygons import polygon, regular_polygon
 from rsym.model.primitives.quadrics import ellipsoid, quadric, torus
 from rsym.model.primitives.space import box, capsule, cylinder, half_space, slab, sphere
 from rsym.model.primitives.space_curves import helix, space_curve
@@ -31,6 +33,8 @@ from rsym.model.symmetry.screws import coil, screw, wound
 from rsym.model.symmetry.waves import triangle_wave
 from rsym.model.thickness import offset, shell
 
+# What a formula grows with.
+_COUNTS = ("order", "terms", "sides", "count", "counts", "starts")
 # Given by the model as a whole, not by a call.
 _FROM_THE_MODEL = ("letters", "system", "bounds", "coordinates")
 
@@ -47,7 +51,7 @@ class Piece:
     shapes: int = 0
     plane: bool = False
     space: bool = False
-    most: Mapping[str, int] = field(default_factory=lambda: {"order": 400, "terms": 400, "sides": 400})
+    most: Mapping[str, int] = field(default_factory=lambda: dict.fromkeys(_COUNTS, 400))
 
     @cached_property
     def signature(self) -> inspect.Signature:
@@ -78,6 +82,8 @@ _OF_ONE = (
 PIECES: Mapping[str, Piece] = dict(
     (
         *_named(*(Piece(function) for function in (arc, circle, graph, polyline, quadric, segment, triangle_wave))),
+        *_named(*(Piece(function) for function in (disc, ellipse, half_plane, line, polygon, rectangle))),
+        *_named(*(Piece(function) for function in (regular_polygon, strip, superellipse))),
         *_named(*(Piece(function, space=True) for function in (box, capsule, cylinder, half_space, slab, sphere))),
         *_named(*(Piece(function, space=True) for function in (cone, double_cone, ellipsoid, frustum, nappe, torus))),
         *_named(*(Piece(function, space=True) for function in (gyroid, lidinoid, neovius, schwarz_d, schwarz_p))),

@@ -20,6 +20,8 @@ from rsym.model.traversal import substitute, symbols_of
 LetterMapping: TypeAlias = Mapping[Any, Letter | float] | None
 Point: TypeAlias = tuple[sp.Expr, ...]
 
+_COORDINATES = ("x", "y", "z")
+
 
 def number(value: Any, what: str) -> sp.Expr:
     """A finite real number or an expression in letters, symbols real.
@@ -52,6 +54,12 @@ def default(expression: sp.Expr, letters: LetterMapping, what: str = "a paramete
     """
     known = as_letters(letters)
     unknown = [symbol.name for symbol in symbols_of(expression) if symbol.name not in known]
+    if unknown and unknown[0] in _COORDINATES:
+        raise RsymError(
+            f"{what} contains {unknown[0]}, a coordinate, but must be the same everywhere",
+            code="unknown-letter",
+            remedy="for a shape that varies from place to place use transform, or sweep",
+        )
     if unknown:
         raise RsymError(
             f"{what} contains {', '.join(unknown)}, which has no value",

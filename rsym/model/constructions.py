@@ -9,7 +9,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
-from rsym.model.letters import Letters, as_letters
+from rsym.model.letters import Letters
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symbols import as_expression, real_symbol, x
@@ -80,7 +80,7 @@ def extrude(shape: Shape, lower: Any, upper: Any, *, system: RSystem = R0, lette
     conjunction(-x**2 - y**2 + 1, z*(2 - z)/2)
     """
     _plane(shape, "extrude")
-    third, given = _third(shape), shape.letters.merge(as_letters(letters))
+    third, given = _third(shape), shape.letters.merge(letters)
     low, high = number(lower, "the lower end"), number(upper, "the upper end")
     slab = between(third, low, high, given)
     heights = (default(low, given), default(high, given))
@@ -203,7 +203,7 @@ def sweep(
     moving = Shape(
         substitute(profile.expression, changed),
         (*profile.coordinates, _third(profile)),
-        letters=kept.merge(as_letters(letters)),
+        letters=kept.merge(letters),
         parts=tuple((name, substitute(part, changed)) for name, part in profile.parts),
     )
     low, high = number(lower, "the lower end"), number(upper, "the upper end")
@@ -248,7 +248,7 @@ def _joined(
     return Shape(
         system.conjunction(shape.expression, other),
         (*shape.coordinates, *more),
-        letters=shape.letters.merge(as_letters(letters)),
+        letters=shape.letters.merge(letters),
         bounds=bounds,
         parts=shape.parts,
     )

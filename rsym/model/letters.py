@@ -84,16 +84,17 @@ class Letters(Mapping[str, Letter]):
     def __repr__(self) -> str:
         return f"Letters({{{', '.join(f'{name!r}: {_plain(item.default)}' for name, item in self.items())}}})"
 
-    def merge(self, other: Letters) -> Letters:
-        """Both, by name; the same name must mean the same letter."""
-        for name in self.keys() & other.keys():
-            if self[name] != other[name]:
+    def merge(self, other: Mapping[Any, Any] | None) -> Letters:
+        """Both, by name, {symbol or name: number or Letter}; the same name must mean the same letter."""
+        added = as_letters(other)
+        for name in self.keys() & added.keys():
+            if self[name] != added[name]:
                 raise RsymError(
-                    f"the letter {name!r} means two things: {self[name]} and {other[name]}",
+                    f"the letter {name!r} means two things: {self[name]} and {added[name]}",
                     code="letter-conflict",
                     remedy="rename one of them, or give both shapes the same Letter",
                 )
-        return Letters({**self, **other})
+        return Letters({**self, **added})
 
     def values_with(self, changes: Mapping[Any, Any] | None) -> dict[str, float]:
         """Every letter's value, the defaults overridden by `changes` (names or symbols to numbers)."""

@@ -12,7 +12,8 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, direction, number, point, positive
-from rsym.model.letters import Letters, as_letters
+from rsym.model.letters import Letters
+from rsym.model.traversal import symbols_of
 
 if TYPE_CHECKING:
     from rsym.model.shape import Bounds, Shape
@@ -100,10 +101,10 @@ class Movable:
         """
         if isinstance(factor, tuple | list):
             given = _items(factor, self.dimension, "factors")
-            factors = [positive(one, "a factor", _all(self, letters)) for one in given]
+            factors = [positive(one, "a factor", self.letters.merge(letters)) for one in given]
             matrix, inverse = sp.diag(*factors), sp.diag(*(1 / one for one in factors))
             return _about_centre(self, matrix, inverse, centre, letters)
-        size = positive(factor, "a factor", _all(self, letters))
+        size = positive(factor, "a factor", self.letters.merge(letters))
         one = sp.eye(self.dimension)
         return _about_centre(self, one * size, one / size, centre, letters, factor=size)
 
@@ -156,9 +157,9 @@ def unit_vector(shape: Movable, given: Any, what: str, letters: LetterMapping) -
     [(0, 1), (3/5, 4/5)]
     """
     if isinstance(given, int | str | sp.Symbol):
-        position = given if isinstance(given, int) else _axis(shape, given)
+        position = _position(shape, given) if isinstance(given, int) else _axis(shape, given)
         return tuple(sp.Integer(k == position) for k in range(shape.dimension))
-    return direction(given, shape.dimension, what, _all(shape, letters))
+    return direction(given, shape.dimension, what, shape.letters.merge(letters))
 
 
 def _items(value: Any, count: int, what: str) -> list[Any]:
@@ -167,16 +168,20 @@ def _items(value: Any, count: int, what: str) -> list[Any]:
     return list(value)
 
 
-def _all(shape: Movable, letters: LetterMapping) -> Letters:
-    return shape.letters.merge(as_letters(letters))
-
-
 def _axis(shape: Movable, given: Any) -> int:
     """Which coordinate a symbol or a name is."""
     names = [symbol.name for symbol in shape.coordinates]
     if str(given) not in names:
         raise RsymError(f"expected one of the coordinates {', '.join(names)}, got {given!r}", code="axis")
     return names.index(str(given))
+
+
+def _position(shape: Movable, given: int) -> int:
+    """Which coordinate a number is, counted from 0."""
+    if isinstance(given, bool) or not 0 <= given < shape.dimension:
+        names = ", ".join(symbol.name for symbol in shape.coordinates)
+        raise RsymError(f"expected one of the coordinates {names}, got {given!r}", code="axis")
+    return given
 
 
 def _about(axis: tuple[sp.Expr, ...], angle: sp.Expr) -> Matrix:
@@ -202,12 +207,24 @@ def _moved(
     """The image under p -> matrix p + offset."""
     from rsym.model.substitutions import substituted  # Shape is made of this module
 
-    given = _all(shape, letters)
+    known = shape.letters.merge(letters)
+    _check_constant(shape, (*matrix, *offset))
     images = inverse * (Matrix(shape.coordinates) - offset)
     places = dict(zip(shape.coordinates, images, strict=True))
     return substituted(
-        cast("Shape", shape), places, factor=factor, letters=letters, bounds=_bounds(shape, matrix, offset, given)
+        cast("Shape", shape), places, factor=factor, letters=letters, bounds=_bounds(shape, matrix, offset, known)
     )
+
+
+def _check_constant(shape: Movable, numbers: tuple[sp.Expr, ...]) -> None:
+    """A motion takes all points alike."""
+    varying = [symbol for symbol in shape.coordinates if symbol in symbols_of(*numbers)]
+    if varying:
+        raise RsymError(
+            f"a motion is the same everywhere, but a number in it contains the coordinate {varying[0]}",
+            code="coordinates",
+            remedy="for a map that varies from place to place use transform, with its inverse",
+        )
 
 
 def _bounds(shape: Movable, matrix: Matrix, offset: Matrix, letters: Letters) -> Bounds | None:

@@ -12,7 +12,7 @@ from rsym.model.arguments import Point, default
 from rsym.model.equivalences import Joining
 from rsym.model.letters import Letter
 from rsym.model.nodes import Trimming
-from rsym.model.primitives.curve_nodes import PARAMETER, Curve, Path
+from rsym.model.primitives.curve_nodes import PARAMETER, CurveField, Path
 from rsym.model.traversal import substitute, symbols_of
 
 
@@ -53,7 +53,7 @@ def _curves(expression: sp.Expr, coordinates: tuple[sp.Symbol, ...]) -> Iterator
 
 def _ways(curve: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: Mapping[str, Letter]) -> list[Path]:
     try:
-        if isinstance(curve, Curve) and curve.paths():
+        if isinstance(curve, CurveField) and curve.paths():
             return [_moved(way, curve.vector(0), coordinates) for way in curve.paths()]
         if isinstance(curve, Trimming):
             f, t = curve.args

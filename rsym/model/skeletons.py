@@ -10,7 +10,7 @@ from sympy.logic.boolalg import Boolean
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number
-from rsym.model.letters import Letter, Letters, as_letters
+from rsym.model.letters import Letter, Letters
 from rsym.model.paths import paths
 from rsym.model.positivity import positive_polynomial
 from rsym.model.primitives.curve_nodes import PARAMETER, Path
@@ -114,7 +114,7 @@ def _profile(skeleton: Any, profile: Any, letters: LetterMapping) -> Shape:
         )
     if isinstance(profile, Shape):
         return profile
-    known = skeleton.letters.merge(as_letters(letters))
+    known = skeleton.letters.merge(letters)
     return Shape(number(profile, "the profile"), skeleton.coordinates, letters=known)
 
 
@@ -146,7 +146,7 @@ def _along(way: Path, h: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: M
     if any(value.has(sp.zoo, sp.nan, sp.oo) for value in (first, last)):
         return sp.false
     try:
-        polynomial = _signed_alike(at(way.point))
+        polynomial = _signed_alike(at(way.point), way)
     except sp.PolynomialError as error:
         raise RsymError(
             f"the profile {h} is no polynomial along the skeleton",
@@ -156,15 +156,24 @@ def _along(way: Path, h: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: M
     return positive_polynomial(polynomial, way.low, way.high, letters, (first, last))
 
 
-def _signed_alike(value: sp.Expr) -> sp.Poly:
-    """A polynomial with the sign of a quotient: what may change sign below stands above."""
+def _signed_alike(value: sp.Expr, way: Path) -> sp.Poly:
+    """A polynomial with the sign of a quotient: what may change its sign below stands above."""
     top, bottom = sp.fraction(sp.together(sp.trigsimp(value) if value.has(sp.cos, sp.sin) else value))
     for factor in sp.Mul.make_args(bottom):
         base, exponent = factor.as_base_exp()
-        if not factor.has(PARAMETER):
-            top = top / factor
-        elif (size := sp.cancel(base / (1 + PARAMETER**2))).has(PARAMETER):
-            top = top * factor
-        else:
+        size = sp.cancel(base / (1 + PARAMETER**2))  # what quotients by the tangent of half an angle have below
+        if not size.has(PARAMETER):
             top = top / size**exponent
+        elif not factor.has(PARAMETER):
+            top = top / factor
+        else:
+            top = top * (_sign(sp.Poly(base, PARAMETER), way) ** exponent or factor)
     return sp.Poly(top, PARAMETER)
+
+
+def _sign(polynomial: sp.Poly, way: Path) -> int:
+    """1 or -1 if that is its sign all along the way whatever the letters; else 0."""
+    if symbols_of(*polynomial.coeffs(), way.low, way.high):
+        return 0
+    signs = (sign for sign in (1, -1) if positive_polynomial(sign * polynomial, way.low, way.high) == sp.true)
+    return next(signs, 0)

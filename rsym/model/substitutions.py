@@ -9,7 +9,6 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping
-from rsym.model.letters import as_letters
 from rsym.model.shape import Shape
 from rsym.model.traversal import substitute
 
@@ -42,7 +41,7 @@ def substituted(
     return Shape(
         factor * substitute(shape.expression, places),
         coordinates,
-        letters=shape.letters.merge(as_letters(letters)),
+        letters=shape.letters.merge(letters),
         bounds=bounds,
         parts=tuple((name, factor * substitute(part, places)) for name, part in shape.parts),
     )

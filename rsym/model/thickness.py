@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from rsym.model.arguments import LetterMapping, default, number, positive
-from rsym.model.letters import as_letters
 from rsym.model.shape import Shape
 from rsym.model.systems import R0, RSystem
 
@@ -23,12 +22,10 @@ def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Sha
     >>> rsym.offset(rsym.Shape(x, (x, y)), 2).expression
     x + 2
     """
-    grown = number(distance, "a distance")
-    room = max(default(grown, shape.letters.merge(as_letters(letters))), 0.0)
+    grown, known = number(distance, "a distance"), shape.letters.merge(letters)
+    room = max(default(grown, known), 0.0)
     bounds = None if shape.bounds is None else tuple((low - room, high + room) for low, high in shape.bounds)
-    return Shape(
-        shape.expression + grown, shape.coordinates, letters=shape.letters.merge(as_letters(letters)), bounds=bounds
-    )
+    return Shape(shape.expression + grown, shape.coordinates, letters=known, bounds=bounds)
 
 
 def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
@@ -44,7 +41,7 @@ def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: Letter
     >>> rsym.shell(rsym.Shape(x, (x, y)), 2).expression
     conjunction(x, 2 - x)
     """
-    given = shape.letters.merge(as_letters(letters))
-    depth = positive(thickness, "the thickness", given)
+    known = shape.letters.merge(letters)
+    depth = positive(thickness, "the thickness", known)
     wall = system.conjunction(shape.expression, depth - shape.expression)
-    return Shape(wall, shape.coordinates, letters=given, bounds=shape.bounds, parts=shape.parts)
+    return Shape(wall, shape.coordinates, letters=known, bounds=shape.bounds, parts=shape.parts)

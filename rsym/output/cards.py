@@ -7,19 +7,19 @@ import html
 import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rsym.errors import RsymError
-from rsym.model.shape import Shape, latex
+from rsym.model.shape import Bounds, Shape, latex
 from rsym.output.portraits import draw_portrait
 
 SIZE = (2.5, 2.0)  # inches of a picture
 DPI = 144  # as sharp as fine screens are
 QUALITY = 80  # of WebP: a third of what the same picture takes as a PNG
 TITLE = 0.28  # inches for the name above a picture
+LONG = 700  # characters of LaTeX: a longer formula is folded
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,13 @@ class Card:
     picture: bytes = field(repr=False)
 
     def _repr_html_(self) -> str:
-        name = html.escape(self.name)
+        name, contract = html.escape(self.name), self.shape.contract()
         image = base64.b64encode(self.picture).decode()
         lines = (
             f"<b>{name}</b>",
             f'<img style="width: 100%" alt="{name}" src="data:image/webp;base64,{image}">',
-            f"${html.escape(latex(self.shape))}$",
+            _formula(latex(self.shape)),
+            _folded(str(contract).partition("\n")[0].replace("omega", "ω"), contract._repr_html_()),
         )
         return "".join(f'<div style="overflow-x: auto; margin: 2px">{line}</div>' for line in lines)
 
@@ -53,15 +54,17 @@ class Cards:
         return f'<div style="{style}">{"".join(f"<div>{card._repr_html_()}</div>" for card in self.cards)}</div>'
 
 
-def cards(shapes: Mapping[str, Shape], *, columns: int = 3, resolution: int = 120, bounds: Any = None) -> Cards:
+def cards(shapes: Mapping[str, Shape], *, columns: int = 3, resolution: int = 120, reach: float | None = None) -> Cards:
     """Cards of shapes for a notebook: name, picture, formula and contract of each.
 
     Parameters
     ----------
     shapes : mapping
         The shapes by name, in the plane or in space.
-    bounds : mapping or None
-        What is seen of a shape, by name; without it the bounds of the shape, or its extent.
+    resolution : int
+        Cells along the longest side of a body.
+    reach : float, optional
+        What is seen of shapes without bounds: each coordinate from -reach to reach. Without it, their extent.
 
     Examples
     --------
@@ -71,37 +74,62 @@ def cards(shapes: Mapping[str, Shape], *, columns: int = 3, resolution: int = 12
     >>> shown.cards[0].picture[8:12]
     b'WEBP'
     """
+    _check(shapes)
     return Cards(
-        tuple(Card(name, shape, _picture(shape, resolution, bounds)) for name, shape in _checked(shapes).items()),
-        columns,
+        tuple(Card(name, shape, _picture(shape, resolution, reach)) for name, shape in shapes.items()), columns
     )
 
 
-def _picture(shape: Shape, resolution: int, bounds: Any) -> bytes:
+def plot_gallery(
+    shapes: Mapping[str, Shape], *, columns: int = 4, resolution: int = 120, reach: float | None = None
+) -> Figure:
+    """Pictures of shapes in rows and columns, each under its name; parameters as for `cards`.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> figure = plot_gallery({"line": rsym.Shape(x, (x, y)), "disc": rsym.Shape(1 - x**2 - y**2, (x, y))}, reach=2)
+    >>> [text.get_text() for text in figure.texts]
+    ['line', 'disc']
+    """
+    import matplotlib.pyplot
+
+    _check(shapes)
+    across = min(columns, len(shapes))
+    rows = -(-len(shapes) // across)
+    height = (SIZE[1] + TITLE) * rows
+    figure: Figure = matplotlib.pyplot.figure(figsize=(SIZE[0] * across, height))
+    for position, (name, shape) in enumerate(shapes.items()):
+        row, column = divmod(position, across)
+        left, top = column / across, 1 - row / rows
+        place = (left, top - 1 / rows, 1 / across, SIZE[1] / height)
+        draw_portrait(shape, figure, place, resolution=resolution, bounds=_seen(shape, reach))
+        figure.text(left + 0.5 / across, top - TITLE / 2 / height, name, ha="center", va="center")
+    return figure
+
+
+def _formula(text: str) -> str:
+    typeset = f"${html.escape(text)}$"
+    return typeset if len(text) < LONG else _folded("formula", typeset)
+
+
+def _folded(summary: str, page: str) -> str:
+    return f"<details><summary>{html.escape(summary)}</summary><small>{page}</small></details>"
+
+
+def _picture(shape: Shape, resolution: int, reach: float | None) -> bytes:
     figure = Figure(SIZE, dpi=DPI)
-    draw_portrait(shape, figure, resolution=resolution, bounds=bounds)
+    draw_portrait(shape, figure, resolution=resolution, bounds=_seen(shape, reach))
     data = io.BytesIO()
     FigureCanvasAgg(figure).print_webp(data, pil_kwargs={"quality": QUALITY})
     return data.getvalue()
 
 
-def _checked(shapes: Mapping[str, Shape]) -> Mapping[str, Shape]:
+def _seen(shape: Shape, reach: float | None) -> Bounds | None:
+    return shape.bounds if shape.bounds or reach is None else ((-reach, reach),) * shape.dimension
+
+
+def _check(shapes: Mapping[str, Shape]) -> None:
     if not shapes:
-        raise RsymError("a gallery needs a shape at least", code="empty")
-    return shapes
-
-
-def plot_gallery(shapes: Mapping[str, Shape], *, columns: int = 4, resolution: int = 120, bounds: Any = None) -> Figure:
-    """Pictures of shapes in rows and columns, each under its name."""
-    import matplotlib.pyplot
-
-    rows = -(-len(_checked(shapes)) // columns)
-    width, height = SIZE[0] * columns, (SIZE[1] + TITLE) * rows
-    figure: Figure = matplotlib.pyplot.figure(figsize=(width, height))
-    for position, (name, shape) in enumerate(shapes.items()):
-        row, column = divmod(position, columns)
-        left, top = column / columns, 1 - row / rows
-        place = (left, top - 1 / rows, 1 / columns, SIZE[1] / height)
-        draw_portrait(shape, figure, place, resolution=resolution, bounds=bounds)
-        figure.text(left + 0.5 / columns, top - TITLE / 2 / height, name, ha="center", va="center")
-    return figure
+        raise RsymError("a gallery needs a shape at least", code="empty", remedy='for example {"disc": rsym.disc()}')

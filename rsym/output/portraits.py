@@ -24,6 +24,7 @@ from rsym.sampling.plane import plane_sampler
 
 Place: TypeAlias = tuple[float, float, float, float]
 
+LEVEL_CELLS = 160  # along the longest side of a plane picture; a few milliseconds
 MARGIN = 5.0  # points round a body
 ROOM = 0.1  # of the longest side, seen round the bounds of a plane shape
 PROBES = 24  # along the longest side, to see whether a field is negative anywhere
@@ -36,7 +37,7 @@ def draw_portrait(
     figure: Figure,
     place: Place = (0.0, 0.0, 1.0, 1.0),
     *,
-    resolution: int = 160,
+    resolution: int = 120,
     bounds: Any = None,
     elevation: float = 22.0,
     azimuth: float = -55.0,
@@ -50,6 +51,8 @@ def draw_portrait(
     ----------
     place : four numbers
         Left, bottom, width and height as shares of the figure.
+    resolution : int
+        Cells along the longest side of a body.
     bounds : optional
         Instead of those of the shape; without either its extent is found.
     elevation, azimuth : float
@@ -60,12 +63,12 @@ def draw_portrait(
     >>> import matplotlib.figure, rsym
     >>> from rsym import x, y
     >>> disc = rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-2, 2), (-2, 2)))
-    >>> type(draw_portrait(disc, matplotlib.figure.Figure(), resolution=32)).__name__
+    >>> type(draw_portrait(disc, matplotlib.figure.Figure())).__name__
     'QuadContourSet'
     """
     box = bounds_or_extent(shape, bounds)
     if shape.dimension == 2:
-        return _draw_levels(shape, box, figure, place, resolution)
+        return _draw_levels(shape, box, figure, place)
     axes = axes3d.add_axes(figure, place)
     with warnings.catch_warnings():
         # Bodies without end are cut on purpose, and a small picture shows no more than its cells do.
@@ -90,10 +93,10 @@ def _fill(figure: Figure, artist: ShadedMesh, place: NDArray[np.float64]) -> Non
     axes.set_position(np.concatenate([corner, growth * axes.bbox.size]) / page)
 
 
-def _draw_levels(shape: Shape, box: Bounds, figure: Figure, place: Place, resolution: int) -> Artist:
+def _draw_levels(shape: Shape, box: Bounds, figure: Figure, place: Place) -> Artist:
     """Level lines that fill the place."""
     width, height = np.array(place[2:]) * figure.bbox.size
-    sampler = plane_sampler(shape, "value", resolution=resolution, bounds=_view(box, width / height))
+    sampler = plane_sampler(shape, "value", resolution=LEVEL_CELLS, bounds=_view(box, width / height))
     values = sampler.values()
     unsigned = np.nanmin(values) >= 0
     boundary = () if unsigned else trace(sampler, 0.0, values=values)

@@ -10,7 +10,7 @@ from rsym.model.constructions import revolve
 from rsym.output.axes3d import add_axes
 from rsym.output.fields import plot_fields
 from rsym.output.surfaces import plot_mesh
-from rsym.paper import claims, poppet, studies
+from rsym.paper import bodies, claims, poppet, studies
 from rsym.paper.drawing import Drawing, Recipe, figure_of, letters_text, mesh_quietly
 from rsym.paper.models import BODIES, car, skeleton_body, streamlined
 from rsym.paper.patches import SURFACES
@@ -133,4 +133,5 @@ RECIPES: tuple[Recipe, ...] = (
     ),
     Recipe("claims", "What the source claims, and what holds", "", claims.draw_claims, model=("skeleton", "omega")),
     *SURFACES,
+    Recipe("gallery", "A gallery of shapes", "", bodies.draw_gallery),
 )

@@ -12,7 +12,20 @@ from rsym.language.loading import load
 from rsym.model.shape import Shape
 
 # One model or more for each family of pieces, in the folder `gallery`.
-GALLERY = ("bone", "bracket", "clip", "gear", "gyroid", "jack", "snowflake", "solids", "spring", "vase")
+GALLERY = (
+    "bone",
+    "bracket",
+    "clip",
+    "gear",
+    "gyroid",
+    "jack",
+    "lattice",
+    "snowflake",
+    "solids",
+    "spanner",
+    "spring",
+    "vase",
+)
 MODELS: tuple[str, ...] = ("car", "skeleton", "valve", "streamlined", *GALLERY)
 # The stages that a reading changes, and what they are called in the file.
 CAR_READINGS: Mapping[str, Mapping[str, str]] = {

@@ -14,6 +14,7 @@ from rsym.codegen.differentiation import derivative
 from rsym.codegen.kernel import Kernel, compile_program, run_in_blocks
 from rsym.codegen.lowering import lower
 from rsym.codegen.sign_form import Gate, sign_form
+from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
 
 Array = NDArray[np.float64]
@@ -112,7 +113,7 @@ def leaves_of(
 ) -> PlaneLeaves:
     """Compile value and gradient in the plane of each leaf of a shape."""
     builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(shape.letters))
-    form = sign_form(builder, lower(builder, shape.expression))
+    form = sign_form(builder, lower(builder, with_gates(shape.expression)))
     outputs = {}
     for k, leaf in enumerate(form.leaves):
         outputs[f"leaf_{k}"] = leaf

@@ -30,8 +30,7 @@ def fillet(
     normalised, values are distances near the faces.
 
     Round faces that meet and cut with the rest of the body afterwards: where a and b share a face or touch, both
-    values are small along all of it, and the union bulges there; and edges inside a or b, which are no operations
-    on top any more, come out of a mesh rounded by a cell.
+    values are small along all of it, and the union bulges there.
 
     G1: the fillet is the circle of this radius that touches both faces, exact for
     planes that meet at the given angle; tangents are continuous, the curvature

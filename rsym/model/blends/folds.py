@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, TypeAlias
 
 import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import number
+from rsym.model.choices import Choice
 from rsym.model.nodes import Composition
 from rsym.model.rnodes import ROperation
+
+Pair: TypeAlias = tuple[sp.Expr, sp.Expr]
 
 
 class BlendOperation(Composition, ROperation):
@@ -38,6 +42,22 @@ class BlendOperation(Composition, ROperation):
             result = self.pair(result, operand)
         return result
 
+    def gates(self, operands: Sequence[sp.Expr]) -> sp.Expr:
+        """The same sign by min and max of operands and fillets; `operands` have the signs of the node's own."""
+        value, *rest = self.operands
+        gate, *more = operands
+        for operand, other in zip(rest, more, strict=True):
+            if self.sign < 0:
+                gate = self.conjunction_gates((value, operand), (gate, other))
+            else:
+                gate = -self.conjunction_gates((-value, -operand), (-gate, -other))
+            value = self.pair(value, operand)
+        return gate
+
+    def conjunction_gates(self, values: Pair, signs: Pair) -> sp.Expr:
+        """The conjunction of two operands, given their values, and expressions of the same signs."""
+        raise NotImplementedError
+
     def pair_numeric(self, f: sp.Float, g: sp.Float, *parameters: sp.Float) -> sp.Expr:
         """The operation on two numbers; parameters are the node's own."""
         return self.func(*parameters, f, g).composition().evalf(f._prec // 3)
@@ -56,6 +76,16 @@ def in_range(value: Any, what: str, low: Any, high: Any) -> sp.Expr:
         wanted = "positive" if (low, high) == (0, sp.oo) else f"in ({low}, {high})"
         raise RsymError(f"{what} must be {wanted}, got {value}", code="parameter")
     return expression
+
+
+def where_legal(quantities: list[sp.Expr], blend: sp.Expr) -> sp.Expr:
+    """The blend where all quantities are positive, undefined elsewhere; numbers have been examined already."""
+    for quantity in quantities:
+        if quantity.free_symbols:
+            # Not NaN itself, which would leave open in all boxes what depends on it: this is defined where it is legal.
+            illegal = blend * sp.sqrt(quantity) * sp.log(quantity)
+            blend = Choice(quantity, 0, blend, illegal)
+    return blend
 
 
 def infix_index(parts: list[tuple[str, sp.Expr]], printer: Any) -> str:

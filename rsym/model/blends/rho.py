@@ -1,27 +1,29 @@
 r"""Rho-blends: conjunctions whose edge is rounded inside a tube of given radius and untouched outside it.
 
-In the operands x, y as coordinates let c be the cosine between their
-gradients, T = x**2 + y**2 - 2*c*x*y and t = rho*(1 - c). The general form is
+In the operands x, y as coordinates let c be the product of the unit normals,
+T = x**2 + y**2 - 2*c*x*y, r = sqrt(T) and t = rho*(1 - c). The general form is
 
-    (x + y - sqrt(T + q))/(1 + c),    q = 0 where T >= t**2,
+    (x + y - sqrt(T + q))/(1 + c),    q = 0 where r >= t,
 
-and where T < t**2 either q = (t**2 - T)**2/(4*t**2), the circle, or
+and where r < t either q = (t**2 - T)**2/(4*t**2), the circle, or
 q = k*(t**2 - T)**3/t**4, the cubic. For the circle T + q is the square of
-(T + t**2)/(2*t): the blend *is* the normalised disc of radius rho that touches
-both sides, without a root and analytic at x = y = 0.
+(T + t**2)/(2*t): there the blend *is* the normalised disc of radius rho that
+touches both sides, and it falls short of the sharp conjunction by
+(t - r)**2/(2*t*(1 + c)).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.blends.folds import BlendOperation, in_range, infix_index
+from rsym.model.blends.folds import BlendOperation, Pair, in_range, infix_index, where_legal
 from rsym.model.choices import Choice
-from rsym.model.rnodes import R0Conjunction, R1Disjunction, RAlphaConjunction
+from rsym.model.rnodes import R0Conjunction, R1Conjunction, R1Disjunction, RAlphaConjunction, ROperation
 from rsym.model.systems import RSystem
 
 # For k in (0, 125/72) the blend is monotone in both operands: the slope of sqrt(T + q) against sqrt(T)
@@ -151,14 +153,20 @@ class RhoOperation(BlendOperation):
 
     def conjunction_of(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """The blend of two operands."""
-        blend = self.blended(f, g)
-        for quantity in self.legal():
-            blend = Choice(quantity, 0, blend, sp.S.NaN) if quantity.free_symbols else blend
-        return blend
+        return where_legal(self.legal(), self.blended(f, g))
 
     def blended(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """The conjunction where the parameters are legal."""
         raise NotImplementedError
+
+    def gates(self, operands: Sequence[sp.Expr]) -> sp.Expr:
+        """Smooth operands stay in one function: the fillet joins them without an edge."""
+        return super().gates(operands) if any(operand.has(ROperation) for operand in operands) else self
+
+    def conjunction_gates(self, values: Pair, signs: Pair) -> sp.Expr:
+        """Both operands, and outside the tube or inside the fillet."""
+        outside = self._square(*values) - self._reach**2
+        return R1Conjunction(*signs, R1Disjunction(outside, where_legal(self.legal(), self.blended(*values))))
 
     def sharp(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """The conjunction without a blend."""
@@ -212,8 +220,8 @@ class CircularOperation(RhoOperation):
         """
         cosine, square, reach = self.parameters[1], self._square(f, g), self._reach
         depth = reach - sp.sqrt(square)
-        # Not Max: its derivative is undefined where depth = 0, this one is 0.
-        lift = Choice(depth, 0, depth, 0) ** 2 / (2 * reach * (1 + cosine))
+        # Not Max: its derivative is undefined where depth = 0. In this order NaN in the depth gives NaN.
+        lift = Choice(0, depth, 0, depth) ** 2 / (2 * reach * (1 + cosine))
         near = (1 - cosine) * reach**2 / 16
         return Choice(near, square, self._disc(f, g), self.sharp(f, g) - lift)
 
@@ -252,8 +260,8 @@ class CubicOperation(RhoOperation):
         _, cosine, k = self.parameters
         square, reach = self._square(f, g), self._reach
         depth = reach**2 - square
-        # Not Max: its derivative is undefined where depth = 0, this one is 0.
-        lift = k * Choice(depth, 0, depth, 0) ** 3 / reach**4
+        # Not Max: its derivative is undefined where depth = 0. In this order NaN in the depth gives NaN.
+        lift = k * Choice(0, depth, 0, depth) ** 3 / reach**4
         size, bare = sp.sqrt(square + lift), sp.sqrt(square)
         near = (f + g - size) / (1 + cosine)
         # The bound holds wherever `far` is chosen; it keeps intervals of the quotient finite.

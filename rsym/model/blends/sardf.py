@@ -13,8 +13,9 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.model.blends.folds import BlendOperation, in_range, infix_index
+from rsym.model.blends.folds import BlendOperation, Pair, in_range, infix_index, where_legal
 from rsym.model.choices import Choice
+from rsym.model.rnodes import R1Conjunction
 from rsym.model.systems import RSystem
 
 # On the bisector of a right angle the level falls short of the distance by 12.8 %, where R_0 does by 41.4 %.
@@ -86,14 +87,19 @@ class SardfOperation(BlendOperation):
         reach = 1 + ratio
         f_alone, g_alone = Choice(g, 0, f, corner), Choice(f, 0, g, corner)
         blend = Choice(reach * f, g, Choice(reach * g, f, self._arc(f, g), g_alone), f_alone)
-        return Choice(ratio, 0, blend, sp.S.NaN) if ratio.free_symbols else blend
+        return where_legal([ratio], blend)
+
+    def conjunction_gates(self, values: Pair, signs: Pair) -> sp.Expr:
+        """The smaller."""
+        return R1Conjunction(*signs)
 
     def _arc(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """The level c of the arc: the larger root, of a radicand of at least (lambda*c)**2."""
         (ratio,) = self.parameters
         leading = 2 * (1 + ratio) ** 2 - ratio**2
         radicand = (ratio**2 * (f + g) ** 2 - leading * (f - g) ** 2) / 2
-        return ((1 + ratio) * (f + g) + sp.sqrt(radicand)) / leading
+        # Negative outside the sector, where it is not chosen: the size keeps it defined, which comparisons ask for.
+        return ((1 + ratio) * (f + g) + sp.sqrt(sp.Abs(radicand, evaluate=False))) / leading
 
     def pair_as_roots(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """The formula without cases: arc(m, min(M, a*m)) of what is positive of min m and max M, less the distance."""

@@ -9,16 +9,13 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, direction, number, point, positive
-from rsym.model.letters import as_letters
 from rsym.model.primitives.curve_nodes import Arc, Circle, cross, dot
 from rsym.model.primitives.curves import box_around
 from rsym.model.shape import Shape
 from rsym.model.symbols import x, y, z
 
 
-def circle(
-    centre: Any, radius: Any, axis: Any = (0, 0, 1), exact: bool = False, *, letters: LetterMapping = None
-) -> Shape:
+def circle(centre: Any, radius: Any, axis: Any = None, exact: bool = False, *, letters: LetterMapping = None) -> Shape:
     """The line of a circle, without what is in it: |R**2 - r**2|/(2 R), r the distance to the centre.
 
     In space sqrt(f**2 + w**2) with the field f in the plane and the height w over it.
@@ -33,7 +30,7 @@ def circle(
     radius : positive number or expression
         R.
     axis : direction
-        In space, at right angles to the circle.
+        In space, at right angles to the circle; by default that of z.
     exact : bool
         Whether the field is the distance.
     letters : mapping, optional
@@ -56,7 +53,7 @@ def arc(
     radius: Any,
     start: Any,
     end: Any,
-    axis: Any = (0, 0, 1),
+    axis: Any = None,
     exact: bool = False,
     *,
     letters: LetterMapping = None,
@@ -82,7 +79,7 @@ def arc(
         counterclockwise for those the axis points at, from the direction of x as seen along the axis (of y if
         the axis is along x).
     axis : direction
-        In space, at right angles to the arc.
+        In space, at right angles to the arc; by default that of z.
     exact : bool
         Whether f is the distance.
     letters : mapping, optional
@@ -117,8 +114,15 @@ def arc(
 def _frame(centre: Any, axis: Any, letters: LetterMapping) -> tuple[Point, Point, Point]:
     """The centre, the direction in which angles begin and the one at a quarter turn."""
     if not hasattr(centre, "__len__") or len(centre) != 3:
-        return point(centre, 2, "the centre"), (sp.S.One, sp.S.Zero), (sp.S.Zero, sp.S.One)
-    normal = direction(axis, 3, "the axis", letters)
+        middle = point(centre, 2, "the centre")
+        if axis is not None:
+            raise RsymError(
+                f"in the plane a circle has no axis, got {axis!r}",
+                code="axis",
+                remedy="give the centre three numbers for a circle in space",
+            )
+        return middle, (sp.S.One, sp.S.Zero), (sp.S.Zero, sp.S.One)
+    normal = direction((0, 0, 1) if axis is None else axis, 3, "the axis", letters)
     sideways = [default(component, letters, "the axis") for component in normal[1:]]
     seen = (1, 0, 0) if any(sideways) else (0, 1, 0)
     share = dot(normal, seen)
@@ -135,4 +139,4 @@ def _on_circle(node: Circle, start: float, end: float, letters: LetterMapping) -
     angles = [start, end, *(angle for angle in turns if angle < end)]
     axes = list(zip(centre, first, second, strict=True))
     points = [[c + radius * (a * math.cos(t) + b * math.sin(t)) for c, a, b in axes] for t in angles]
-    return Shape(node, node.vector(0), letters=as_letters(letters), bounds=box_around(points))
+    return Shape(node, node.vector(0), letters=letters, bounds=box_around(points))

@@ -28,7 +28,8 @@ def cone(radius: Any = 1, height: Any = 2, base: Any = ORIGIN, *, letters: Lette
 
     Examples
     --------
-    >>> cone(3, 4).expression
+    >>> import rsym
+    >>> rsym.cone(3, 4).expression
     conjunction(-3*z/5 - 4*sqrt(x**2 + y**2)/5 + 12/5, z)
     """
     radius, height = positive(radius, "the radius", letters), positive(height, "the height", letters)
@@ -54,7 +55,8 @@ def frustum(
 
     Examples
     --------
-    >>> frustum(4, 1, 4).expression
+    >>> import rsym
+    >>> rsym.frustum(4, 1, 4).expression
     conjunction(-3*z/5 - 4*sqrt(x**2 + y**2)/5 + 16/5, z*(4 - z)/4)
     """
     bottom, top = positive(bottom, "the bottom radius", letters), positive(top, "the top radius", letters)
@@ -79,8 +81,8 @@ def nappe(angle: Any = sp.pi / 4, apex: Any = ORIGIN, *, letters: LetterMapping 
 
     Examples
     --------
-    >>> import sympy
-    >>> nappe(sympy.pi / 3).expression
+    >>> import rsym, sympy
+    >>> rsym.nappe(sympy.pi / 3).expression
     sqrt(3)*z/2 - sqrt(x**2 + y**2)/2
     """
     angle = _half_angle(angle, letters)
@@ -102,7 +104,7 @@ def double_cone(angle: Any = sp.pi / 4, apex: Any = ORIGIN, *, letters: LetterMa
     Examples
     --------
     >>> import rsym
-    >>> rsym.compile(double_cone())([1.0, 0.0], 0.0, [1.0, 2.0])["value"].tolist()
+    >>> rsym.compile(rsym.double_cone())([1.0, 0.0], 0.0, [1.0, 2.0])["value"].tolist()
     [0.0, 1.0]
     """
     angle = _half_angle(angle, letters)

@@ -31,7 +31,7 @@ class Path:
         return tuple(substitute(component, {PARAMETER: value}) for component in self.point)
 
 
-class Curve(Composition):
+class CurveField(Composition):
     """A field that is zero on a curve and positive elsewhere: coordinates, other vectors, then scalars."""
 
     vectors: ClassVar[int]  # with the coordinates, which are the first
@@ -75,7 +75,7 @@ class Curve(Composition):
         return f"{type(self).__name__.lower()}({'; '.join(self._groups(printer))})"
 
 
-class Segment(Curve):
+class Segment(CurveField):
     """From p to q: the line, trimmed by the disc that has the segment as its diameter."""
 
     vectors, scalars = 3, 0
@@ -98,7 +98,7 @@ class Segment(Curve):
         return (Path(point, sp.S.Zero, sp.S.One, (start, end)),)
 
 
-class Circle(Curve):
+class Circle(CurveField):
     """About a centre in the plane of two unit vectors, of a radius; the last number tells if distances are exact."""
 
     vectors, scalars = 4, 2
@@ -160,7 +160,7 @@ class Arc(Circle):
         return (self.path(self.numbers[1], self.numbers[2]),)
 
 
-class Helix(Curve):
+class Helix(CurveField):
     """(R cos a, R sin a, p a/(2 pi)), endless, or for a from 0 to 2 pi n: coordinates, R, p and then n."""
 
     vectors = 1

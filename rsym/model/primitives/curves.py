@@ -11,13 +11,11 @@ from typing import Any
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, point, whole
-from rsym.model.letters import as_letters
 from rsym.model.operations import joining
 from rsym.model.primitives.curve_nodes import Segment
+from rsym.model.primitives.extents import around
 from rsym.model.shape import Bounds, Shape
 from rsym.model.symbols import x, y, z
-
-FREE = 0.1  # of the largest side, left around a curve in its bounds
 
 
 def segment(start: Any, end: Any, *, letters: LetterMapping = None) -> Shape:
@@ -119,7 +117,7 @@ def graph(points: Any, edges: Any, order: Any = 2, *, letters: LetterMapping = N
     [0.0, 0.0]
     """
     places = _points(points)
-    pairs = [point(edge, 2, "an edge") for edge in edges]
+    pairs = [point(edge, 2, "an edge") for edge in _listed(edges)]
     chosen = [(whole(a, "the end of an edge", 0), whole(b, "the end of an edge", 0)) for a, b in pairs]
     outside = [index for edge in chosen for index in edge if index >= len(places)]
     if outside or not chosen:
@@ -141,17 +139,22 @@ def box_around(points: Iterable[Sequence[float]]) -> Bounds:
     ((-1.0, 11.0), (-1.0, 6.0))
     """
     axes = list(zip(*points, strict=True))
-    free = FREE * max(max(axis) - min(axis) for axis in axes)
-    return tuple((min(axis) - free, max(axis) + free) for axis in axes)
+    return around([min(axis) for axis in axes], [max(axis) for axis in axes])
 
 
 def _points(points: Any) -> list[Point]:
     """All in the plane or all in space."""
-    given = list(points) if isinstance(points, Sequence) and not isinstance(points, str) else []
+    given = _listed(points)
     if len(given) < 2:
-        raise RsymError(f"a curve needs two points or more, got {points!r}", code="points")
+        raise RsymError(
+            f"a curve needs two points or more, got {points!r}", code="points", remedy="for example [(0, 0), (1, 0)]"
+        )
     dimension = 3 if hasattr(given[0], "__len__") and len(given[0]) == 3 else 2
     return [point(item, dimension, "a point of the curve") for item in given]
+
+
+def _listed(value: Any) -> list[Any]:
+    return list(value) if hasattr(value, "__iter__") and not isinstance(value, str) else []
 
 
 def _segments(points: list[Point], edges: list[tuple[int, int]], order: Any, letters: LetterMapping) -> Shape:
@@ -166,4 +169,4 @@ def _segments(points: list[Point], edges: list[tuple[int, int]], order: Any, let
     coordinates = (x, y, z)[: len(points[0])]
     nodes = [Segment(*coordinates, *points[a], *points[b]) for a, b in edges]
     expression = joining(*nodes, order=order)
-    return Shape(expression, coordinates, letters=as_letters(letters), bounds=box_around(places))
+    return Shape(expression, coordinates, letters=letters, bounds=box_around(places))

@@ -65,8 +65,8 @@ def helicoid(pitch: Any = 1, thickness: Any = None, *, letters: LetterMapping = 
 
     Examples
     --------
-    >>> import sympy
-    >>> helicoid(2 * sympy.pi).expression
+    >>> import rsym, sympy
+    >>> rsym.helicoid(2 * sympy.pi).expression
     (-x*sin(z) + y*cos(z))/sqrt(x**2 + y**2 + 1)
     """
     pitch = positive(pitch, "the pitch", letters)
@@ -114,7 +114,7 @@ def helix_tube(
     Examples
     --------
     >>> import rsym
-    >>> spring = helix_tube(3, 1, 4)
+    >>> spring = rsym.helix_tube(3, 1, 4)
     >>> rsym.compile(spring)([3.0, 0.0, 4.0], [0.0, 3.0, 0.0], [0.0, 1.0, 0.0])["value"].round(12).tolist()
     [0.5, 0.5, 0.0]
     """

@@ -104,17 +104,19 @@ class _Chains:
 
     def _supports(self, edge: int, common: bool, chain: range) -> bool:
         """Whether the chain lies on one side of the line through an edge: on the left if its region does."""
-        count = len(self.corners)
-        heading, origin = self._heading(edge), self.corners[edge]
+        heading, origin = self._heading(edge), self._corner(edge)
         side = 1 if common else -1
         for number in (*chain, chain.stop):
-            x, y = self.corners[number % count]
+            x, y = self._corner(number)
             if side * (heading[0] * (y - origin[1]) - heading[1] * (x - origin[0])) < -self.near:
                 return False
-        if len(chain) == count:
+        if len(chain) == len(self.corners):
             return True
         rays = ((chain.start, -1), (chain.stop - 1, 1))
         return all(self._turn(edge, ray) * way * side >= 0 for ray, way in rays)
+
+    def _corner(self, number: int) -> Place:
+        return self.corners[number % len(self.corners)]
 
     def _heading(self, edge: int) -> Place:
         a, b = self._ends(edge)
@@ -122,8 +124,7 @@ class _Chains:
         return (b[0] - a[0]) / length, (b[1] - a[1]) / length
 
     def _ends(self, edge: int) -> tuple[Place, Place]:
-        count = len(self.corners)
-        return self.corners[edge % count], self.corners[(edge + 1) % count]
+        return self._corner(edge), self._corner(edge + 1)
 
     def _turn(self, first: int, second: int) -> float:
         """The sine of the angle from one edge to another, 0 where they are parallel but for rounding."""
@@ -132,12 +133,12 @@ class _Chains:
         return 0 if abs(turn) * shortest <= self.near else turn
 
     def _side(self, chain: range) -> int:
-        """1 if the chain as a whole turns left, -1 if right."""
-        turn = self._turn(chain.start, chain.stop - 1)
-        first, last = self._ends(chain.start), self._ends(chain.stop - 1)
-        if turn == 0 and not ahead(*first, *last):
-            turn = cross(*first, last[0])
-        return 1 if turn >= 0 else -1
+        """1 if the chain as a whole turns left, -1 if right.
+
+        It turns by less than half a turn: the first two chains go from left to right, and a cut at the corner that is
+        farthest out leaves two that go outwards, or inwards, at both of their ends.
+        """
+        return 1 if self._turn(chain.start, chain.stop - 1) >= 0 else -1
 
     def _outermost(self, chain: range, side: int) -> int:
         """A corner on the hull: the farthest in the direction that halves the turn, the middle one of several."""
@@ -146,7 +147,7 @@ class _Chains:
             out = (side * (first[1] + last[1]), -side * (first[0] + last[0]))
         else:
             out = (first[0] - last[0], first[1] - last[1])
-        places = {corner: self.corners[corner % len(self.corners)] for corner in chain[1:]}
+        places = {corner: self._corner(corner) for corner in chain[1:]}
         far = {corner: out[0] * place[0] + out[1] * place[1] for corner, place in places.items()}
         level = max(far.values()) - self.near
         outermost = [corner for corner, reach in far.items() if reach >= level]

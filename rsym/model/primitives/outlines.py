@@ -10,9 +10,10 @@ from typing import TypeAlias
 from rsym.errors import RsymError
 
 Place: TypeAlias = tuple[float, float]
-# Of the extent. Coordinates are rounded to 1e-16 of it and sums of them to a few times that: what is nearer than
-# this to a line was meant to be on it.
+# What is nearer to a line than this was meant to be on it, in parts of the extent and of the largest coordinate, to
+# which coordinates are rounded (1e-16) and so their sums and turned copies (a few times that).
 NEAR = 1e-12
+ROUNDED = 2e-15
 
 
 def cross(a: Place, b: Place, c: Place) -> float:
@@ -23,7 +24,8 @@ def cross(a: Place, b: Place, c: Place) -> float:
 def nearness(places: Sequence[Place]) -> float:
     """The distance below which a point is on a line."""
     extent: float = max(max(axis) - min(axis) for axis in zip(*places, strict=True))
-    return NEAR * extent
+    largest = max(abs(coordinate) for place in places for coordinate in place)
+    return NEAR * extent + ROUNDED * largest
 
 
 def area(places: Sequence[Place]) -> float:

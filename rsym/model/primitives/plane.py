@@ -20,7 +20,7 @@ PLANE = (x, y)
 ORIGIN = (0, 0)
 
 
-def half_plane(normal: Any = (1, 0), distance: Any = 0, letters: LetterMapping = None) -> Shape:
+def half_plane(normal: Any = (1, 0), distance: Any = 0, *, letters: LetterMapping = None) -> Shape:
     """N . p - d, n the unit vector along `normal`: what lies beyond the line at distance d from the origin.
 
     Exact: the signed distance. Analytic everywhere; unbounded.
@@ -41,7 +41,7 @@ def half_plane(normal: Any = (1, 0), distance: Any = 0, letters: LetterMapping =
     return Shape(_along(normal, "the normal", letters) - distance, PLANE, letters=letters)
 
 
-def strip(lower: Any = -1, upper: Any = 1, direction: Any = (1, 0), letters: LetterMapping = None) -> Shape:
+def strip(lower: Any = -1, upper: Any = 1, direction: Any = (1, 0), *, letters: LetterMapping = None) -> Shape:
     """(b - s)*(s - a)/(b - a) with s = n . p: between two parallel lines, n the unit vector along `direction`.
 
     Normalised to order 1. Analytic everywhere; unbounded.
@@ -68,7 +68,7 @@ def strip(lower: Any = -1, upper: Any = 1, direction: Any = (1, 0), letters: Let
     return Shape((upper - along) * (along - lower) / (upper - lower), PLANE, letters=letters)
 
 
-def line(start: Any, end: Any, letters: LetterMapping = None) -> Shape:
+def line(start: Any, end: Any, *, letters: LetterMapping = None) -> Shape:
     """((x - x1)*(y2 - y1) - (y - y1)*(x2 - x1))/L: the half-plane to the right of the line from start to end.
 
     Exact: the signed distance from the line through both points, L apart. Analytic everywhere; unbounded.
@@ -105,7 +105,7 @@ def right_of(start: Point, end: Point) -> sp.Expr:
     return (x - start[0]) * (up / length) - (y - start[1]) * (across / length)
 
 
-def disc(radius: Any = 1, centre: Any = ORIGIN, exact: bool = False, letters: LetterMapping = None) -> Shape:
+def disc(radius: Any = 1, centre: Any = ORIGIN, exact: bool = False, *, letters: LetterMapping = None) -> Shape:
     """(R**2 - |p - c|**2)/(2 R); with `exact` R - |p - c|, the distance itself.
 
     Normalised to order 1 and analytic everywhere; the exact form to every order, singular at the centre.
@@ -130,7 +130,9 @@ def disc(radius: Any = 1, centre: Any = ORIGIN, exact: bool = False, letters: Le
     return Shape(expression, PLANE, letters=letters, bounds=centred(centre, (radius, radius), letters))
 
 
-def ellipse(a: Any = 2, b: Any = 1, centre: Any = ORIGIN, length: Any = None, letters: LetterMapping = None) -> Shape:
+def ellipse(
+    a: Any = 2, b: Any = 1, centre: Any = ORIGIN, length: Any = None, *, letters: LetterMapping = None
+) -> Shape:
     """L*u/sqrt(u**2 + L**2*|grad u|**2) with u = 1 - x**2/a**2 - y**2/b**2: Rvachev's theorem.
 
     L, by default the smaller semi-axis, is what omega is at the centre, and what it tends to far away but for
@@ -147,7 +149,7 @@ def ellipse(a: Any = 2, b: Any = 1, centre: Any = ORIGIN, length: Any = None, le
     >>> rsym.compile(rsym.ellipse(2, 1))([0.0, 2.0], 0.0)["value"].tolist()
     [1.0, 0.0]
     """
-    return superellipse(a, b, 2, centre, length, letters)
+    return superellipse(a, b, 2, centre, length, letters=letters)
 
 
 def superellipse(
@@ -156,6 +158,7 @@ def superellipse(
     exponent: Any = 4,
     centre: Any = ORIGIN,
     length: Any = None,
+    *,
     letters: LetterMapping = None,
 ) -> Shape:
     """L*u/sqrt(u**2 + L**2*|grad u|**2) with u = 1 - |x/a|**n - |y/b|**n: Rvachev's theorem.
@@ -194,7 +197,7 @@ def superellipse(
     return Shape(normalised(function, squared, unit), PLANE, letters=letters, bounds=bounds)
 
 
-def rectangle(width: Any = 2, height: Any = 1, centre: Any = ORIGIN, letters: LetterMapping = None) -> Shape:
+def rectangle(width: Any = 2, height: Any = 1, centre: Any = ORIGIN, *, letters: LetterMapping = None) -> Shape:
     """The conjunction (R_0) of two strips (a**2 - x**2)/(2 a), a half the side: width along x, height along y.
 
     Normalised to order 1 on the sides. Analytic except at the corners, where it is continuous.

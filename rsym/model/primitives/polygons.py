@@ -10,25 +10,26 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, point, positive, whole
-from rsym.model.primitives.extents import around, centred
+from rsym.model.primitives.extents import around
 from rsym.model.primitives.monotone_formulas import Branch, Junction, monotone_formula
 from rsym.model.primitives.outlines import Place, area, check_simple, nearness, shown, straight
 from rsym.model.primitives.plane import ORIGIN, PLANE, from_centre, right_of
-from rsym.model.shape import Shape
+from rsym.model.shape import Bounds, Shape
+from rsym.model.symbols import x, y
 from rsym.model.systems import R0, RSystem
 from rsym.model.traversal import symbols_of
 
 
-def polygon(points: Any, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
+def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
     """The inside of a simple polygon, convex or not: a monotone formula of the half-planes of its edges.
 
-    Each edge occurs once; edges that lie on one line and bound the same side of it share their half-plane. Corners
-    are given in order, either way round; a last one equal to the first may be given; one in which the outline does
-    not turn is left out. What is convex and in which order the edges are joined is decided where letters have their
-    defaults.
+    Each edge occurs once; edges on one line at the outside of a bay or of the whole share their half-plane, or
+    normalisation would be lost on them. Corners are given in order, either way round; a last one equal to the first
+    may be given; one in which the outline does not turn is left out. What is convex and in which order the edges are
+    joined is decided where letters have their defaults.
 
-    Normalised to order 1 with R_0, to every order with R_1 (p - 1 with R_p); analytic except at the corners and at
-    points off the boundary where two operands vanish together, there continuous.
+    Normalised to order 1 with R_0, to every order with R_1 (p - 1 with R_p). With R_0 analytic except at the corners
+    and at points off the boundary where two operands vanish together, there continuous.
 
     Parameters
     ----------
@@ -57,9 +58,10 @@ def polygon(points: Any, system: RSystem = R0, letters: LetterMapping = None) ->
     if area(places) < 0:
         corners, places = corners[::-1], places[::-1]
     check_simple(places)
+    edges = [_left_of(*ends, letters) for ends in zip(corners, (*corners[1:], corners[0]), strict=True)]
     try:
         formula, shared = monotone_formula(places)
-        expression = _joined(formula, corners, system)
+        expression = _joined(formula, edges, system)
     except RecursionError:
         raise RsymError(
             f"the {len(corners)} corners of this polygon wind too often around one another",
@@ -68,18 +70,17 @@ def polygon(points: Any, system: RSystem = R0, letters: LetterMapping = None) ->
         ) from None
     for first, second in shared:
         _check_aligned([corners[(edge + step) % len(corners)] for edge in (first, second) for step in (0, 1)])
-    low, high = zip(*((min(axis), max(axis)) for axis in zip(*places, strict=True)), strict=True)
-    return Shape(expression, PLANE, letters=letters, bounds=around(low, high))
+    return Shape(expression, PLANE, letters=letters, bounds=_box(places))
 
 
 def regular_polygon(
-    sides: int = 6, radius: Any = 1, centre: Any = ORIGIN, system: RSystem = R0, letters: LetterMapping = None
+    sides: int = 6, radius: Any = 1, centre: Any = ORIGIN, *, system: RSystem = R0, letters: LetterMapping = None
 ) -> Shape:
     """The conjunction of n half-planes R*cos(pi/n) - n_k . (p - c): corners on a circle, the first to the right.
 
     The unit normal n_k points in the direction (2 k + 1)*pi/n; its components are exact. Normalised to order 1 with
-    R_0, to every order with R_1; analytic except at the corners and at points off the boundary where two operands
-    vanish together, there continuous.
+    R_0, to every order with R_1. With R_0 analytic except at the corners and at points off the boundary where two
+    operands vanish together, there continuous.
 
     Raises
     ------
@@ -99,10 +100,16 @@ def regular_polygon(
     across, up = from_centre(centre)
     angles = [(2 * side + 1) * sp.pi / count for side in range(count)]
     apothem = radius * sp.cos(sp.pi / count)
-    sides_of = [apothem - sp.cos(angle) * across - sp.sin(angle) * up for angle in angles]
-    return Shape(
-        system.conjunction(*sides_of), PLANE, letters=letters, bounds=centred(centre, (radius, radius), letters)
-    )
+    edges = [apothem - sp.cos(angle) * across - sp.sin(angle) * up for angle in angles]
+    ((right, above),), reach = _places([centre], letters), default(radius, letters)
+    turns = [2 * math.pi * corner / count for corner in range(count)]
+    bounds = _box([(right + reach * math.cos(turn), above + reach * math.sin(turn)) for turn in turns])
+    return Shape(system.conjunction(*edges), PLANE, letters=letters, bounds=bounds)
+
+
+def _box(places: Sequence[Place]) -> Bounds:
+    xs, ys = zip(*places, strict=True)
+    return around((min(xs), min(ys)), (max(xs), max(ys)))
 
 
 def _corners(points: Any) -> list[Point]:
@@ -121,7 +128,7 @@ def _corners(points: Any) -> list[Point]:
 
 
 def _places(corners: Sequence[Point], letters: LetterMapping) -> list[Place]:
-    return [(default(x, letters, "a corner"), default(y, letters, "a corner")) for x, y in corners]
+    return [(default(a, letters, "a corner"), default(b, letters, "a corner")) for a, b in corners]
 
 
 def _turning(corners: list[Point], letters: LetterMapping) -> list[Point]:
@@ -159,9 +166,19 @@ def _check_aligned(corners: Sequence[Point]) -> None:
             )
 
 
-def _joined(branch: Branch, corners: Sequence[Point], system: RSystem) -> sp.Expr:
+def _joined(branch: Branch, edges: Sequence[sp.Expr], system: RSystem) -> sp.Expr:
     """The formula in R-operations."""
     if not isinstance(branch, Junction):
-        return right_of(corners[(branch + 1) % len(corners)], corners[branch])
-    operands = [_joined(part, corners, system) for part in branch.branches]
+        return edges[branch]
+    operands = [_joined(part, edges, system) for part in branch.branches]
     return system.conjunction(*operands) if branch.common else system.disjunction(*operands)
+
+
+def _left_of(start: Point, end: Point, letters: LetterMapping) -> sp.Expr:
+    """The half-plane of an edge; one parallel to an axis keeps its side, and needs no length that letters could end."""
+    across, up = (default(b - a, letters, "a corner") for a, b in zip(start, end, strict=True))
+    if start[1] == end[1]:
+        return y - start[1] if across > 0 else start[1] - y
+    if start[0] == end[0]:
+        return start[0] - x if up > 0 else x - start[0]
+    return right_of(end, start)

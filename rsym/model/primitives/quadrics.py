@@ -10,7 +10,7 @@ from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, point, positive
 from rsym.model.primitives.extents import centred
 from rsym.model.primitives.space import ORIGIN, SPACE, from_centre
-from rsym.model.primitives.theorem import by_differentiation, normalised
+from rsym.model.primitives.theorem import normalised
 from rsym.model.shape import Shape
 
 HYPERBOLOID = ((-1, 0, 0), (0, -1, 0), (0, 0, 1))
@@ -33,7 +33,7 @@ def ellipsoid(
     Examples
     --------
     >>> import rsym
-    >>> rsym.compile(ellipsoid(3, 2, 1))([0.0, 3.0], 0.0, 0.0)["value"].tolist()
+    >>> rsym.compile(rsym.ellipsoid(3, 2, 1))([0.0, 3.0], 0.0, 0.0)["value"].tolist()
     [1.0, 0.0]
     """
     named = (("a", a), ("b", b), ("c", c))
@@ -70,7 +70,8 @@ def quadric(
 
     Examples
     --------
-    >>> quadric(((0, 0), (0, 0)), (0, 1), 0).expression
+    >>> import rsym
+    >>> rsym.quadric(((0, 0), (0, 0)), (0, 1), 0).expression
     y/sqrt(y**2 + 1)
     """
     rows = [list(row) for row in matrix.tolist()] if hasattr(matrix, "tolist") else [*map(list, matrix)]
@@ -87,6 +88,8 @@ def quadric(
     place = sp.Matrix(SPACE[:size])
     linear = sp.Matrix(point(vector or (0,) * size, size, "the vector"))
     constant = number(constant, "the constant")
+    for entry in (*form, *linear, constant):
+        default(entry, letters, "a coefficient")
     function = sp.expand((place.T * form * place)[0]) + linear.dot(place) + constant
     squared = sp.Add(*(part**2 for part in 2 * form * place + linear))
     unit = positive(length, "the length", letters)
@@ -115,7 +118,8 @@ def torus(
 
     Examples
     --------
-    >>> torus(3, 1).expression
+    >>> import rsym
+    >>> rsym.torus(3, 1).expression
     -z**2/2 - (sqrt(x**2 + y**2) - 3)**2/2 + 1/2
     """
     major, minor = positive(major, "the major radius", letters), positive(minor, "the minor radius", letters)
@@ -132,8 +136,9 @@ def torus(
     round_axis = across**2 + aside**2
     squared = (sp.sqrt(round_axis) - major) ** 2 + up**2
     if form == "quartic":
-        function = 4 * major**2 * round_axis - (round_axis + up**2 + major**2 - minor**2) ** 2
-        expression = by_differentiation(function, SPACE, minor)
+        level = round_axis + up**2 + major**2 - minor**2
+        slope = 16 * (round_axis * (2 * major**2 - level) ** 2 + (up * level) ** 2)
+        expression = normalised(4 * major**2 * round_axis - level**2, slope, minor)
     else:
         expression = minor - sp.sqrt(squared) if form == "exact" else (minor**2 - squared) / (2 * minor)
     bounds = centred(centre, (major + minor, major + minor, minor), letters)

@@ -34,7 +34,8 @@ def half_space(normal: Any = (0, 0, 1), distance: Any = 0, *, letters: LetterMap
 
     Examples
     --------
-    >>> half_space((0, 3, 4), 2).expression
+    >>> import rsym
+    >>> rsym.half_space((0, 3, 4), 2).expression
     3*y/5 + 4*z/5 - 2
     """
     distance = number(distance, "the distance")
@@ -55,7 +56,8 @@ def slab(lower: Any = -1, upper: Any = 1, direction: Any = (0, 0, 1), *, letters
 
     Examples
     --------
-    >>> slab(0, 2).expression
+    >>> import rsym
+    >>> rsym.slab(0, 2).expression
     z*(2 - z)/2
     """
     return Shape(_strip(lower, upper, direction, letters), SPACE, letters=letters)
@@ -73,9 +75,10 @@ def sphere(radius: Any = 1, centre: Any = ORIGIN, exact: bool = False, *, letter
 
     Examples
     --------
-    >>> sphere(2).expression
+    >>> import rsym
+    >>> rsym.sphere(2).expression
     -x**2/4 - y**2/4 - z**2/4 + 1
-    >>> sphere(2, exact=True).expression
+    >>> rsym.sphere(2, exact=True).expression
     2 - sqrt(x**2 + y**2 + z**2)
     """
     radius = positive(radius, "the radius", letters)
@@ -99,7 +102,8 @@ def box(
 
     Examples
     --------
-    >>> box(2, 2, 4).expression
+    >>> import rsym
+    >>> rsym.box(2, 2, 4).expression
     conjunction(1/2 - x**2/2, 1/2 - y**2/2, 1 - z**2/4)
     """
     sides = (("width", width), ("depth", depth), ("height", height))
@@ -122,9 +126,10 @@ def cylinder(radius: Any = 1, height: Any = None, centre: Any = ORIGIN, *, lette
 
     Examples
     --------
-    >>> cylinder(1).expression
+    >>> import rsym
+    >>> rsym.cylinder(1).expression
     -x**2/2 - y**2/2 + 1/2
-    >>> cylinder(1, height=4).expression
+    >>> rsym.cylinder(1, height=4).expression
     conjunction(-x**2/2 - y**2/2 + 1/2, 1 - z**2/4)
     """
     radius = positive(radius, "the radius", letters)
@@ -162,7 +167,7 @@ def capsule(
     Examples
     --------
     >>> import rsym
-    >>> body = capsule((0, 0, 0), (0, 0, 2), 1)
+    >>> body = rsym.capsule((0, 0, 0), (0, 0, 2), 1)
     >>> rsym.compile(body)(0.0, 0.0, [-1.0, -0.5, 1.0])["value"].tolist()
     [0.0, 0.375, 0.5]
     """

@@ -8,7 +8,6 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, positive
-from rsym.model.letters import as_letters
 from rsym.model.primitives.curve_nodes import Helix
 from rsym.model.primitives.curves import box_around
 from rsym.model.shape import Shape, combine
@@ -79,8 +78,8 @@ def helix(radius: Any, pitch: Any, turns: Any = None, *, letters: LetterMapping 
     """
     numbers = [positive(radius, "the radius of a helix", letters), positive(pitch, "the pitch of a helix", letters)]
     if turns is None:
-        return Shape(Helix(x, y, z, *numbers), (x, y, z), letters=as_letters(letters))
+        return Shape(Helix(x, y, z, *numbers), (x, y, z), letters=letters)
     numbers.append(positive(turns, "the number of turns", letters))
     reach, rise, count = (default(item, letters, "a helix") for item in numbers)
     bounds = box_around([(-reach, -reach, 0.0), (reach, reach, rise * count)])
-    return Shape(Helix(x, y, z, *numbers), (x, y, z), letters=as_letters(letters), bounds=bounds)
+    return Shape(Helix(x, y, z, *numbers), (x, y, z), letters=letters, bounds=bounds)

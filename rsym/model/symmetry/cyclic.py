@@ -35,6 +35,10 @@ def cyclic(
     even motif: mu = (2/n) asin(sin(n theta/2)), mirrored from sector to sector, which an even motif does not feel
     any motif: mu = theta - (2 pi/n) round(n theta/(2 pi)), the field jumps on the borders of the sectors
 
+    For even n up to 48 and an even motif the same function is written without an angle: with E and O the largest
+    components of (x, y) along every second border, r cos mu = (E + O)/(2 cos(pi/n)), r sin mu = (E - O)/(2 sin(pi/n)).
+    Elsewhere the angle jumps on a border; a mesh says that it proves nothing of the cells there.
+
     The motif is moved outwards by the radius along the first coordinate; what
     of it lies within the sector |theta| <= pi/n counts. Exact inside the
     sectors: every order of normalisation is kept; on the borders theta = (2k + 1) pi/n there

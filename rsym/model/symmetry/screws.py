@@ -9,7 +9,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
-from rsym.model.letters import as_letters
+from rsym.model.factors import Scaled
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symbols import real_symbol, x, y, z
@@ -125,15 +125,16 @@ def wound(shape: Shape, radius: Any, pitch: Any, *, motif: str = "even", letters
 def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: LetterMapping = None) -> Shape:
     """A coil spring around the axis z: a wire of radius r along a helix of radius R and pitch h, right-handed.
 
-    f = r**2 - (rho - R)**2 - m**2,   m = cos(alpha) mu(z - h theta/(2 pi)),   tan(alpha) = h/(2 pi R)
-    omega = f/(2 r G),   G**2 = 1 + sin(alpha)**2 (R**2 - rho**2)/(rho**2 + f**2/R**2) m**2/(e r**2 + (1 - e) u**2)
+    f = r**2 - d**2 - m**2,   d = rho - R,   m = cos(alpha) mu(z - h theta/(2 pi)),   t = tan(alpha) = h/(2 pi R)
+    omega = f/(2 r) sqrt((rho**2 + q) E/(rho**2 (r**2 + m**2 + e d**2) + q E + 2 t**2 R**2 m**2))
 
-    with u**2 = (rho - R)**2 + m**2 and e = cos(alpha)**2/2, mu as for `wound`. Normalised to order 1 on all of
-    the surface, where G = |grad f|/(2 r); elsewhere G is positive and bounded. The section across the wire is a
-    circle to first order in r/R. Kinks half-way between the turns, which the surface does not reach; singular on
-    the axis. With turns the climb T = z - mu goes from 0 at (R, 0, 0) to L = turns h, and the ends are flat:
-    conjunction with (T (L - T)/L) (2 pi rho/h), normalised there. For ground ends intersect the endless
-    coil with a slab. `helix_tube` has a round wire of any thickness, by the distance itself, at a higher cost.
+    with mu as for `wound`, e = 1 + 2 t**2, E = r**2 + e (d**2 + m**2), q = f**2/R**2. Normalised to order 1 on all of
+    the surface, where the root is 2 r/|grad f|; elsewhere it is one of sums of squares, so nothing but f decides the
+    sign. The section across the wire is a circle to first order in r/R. Kinks half-way between the turns, which the
+    surface does not reach; singular on the axis. With turns the climb T = z - mu goes from -L/2 to L/2, L = turns h,
+    and the ends are flat: conjunction with ((L**2/4 - T**2)/L) (2 pi rho/h), normalised there. For ground
+    ends intersect the endless coil with a slab. `helix_tube` has a round wire of any thickness, by the distance
+    itself, at a higher cost.
 
     Parameters
     ----------
@@ -149,7 +150,7 @@ def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: Lett
     RsymError
         For numbers that are not positive, and turns that touch one another or the axis.
 
-    Source: Maksimenko-Sheiko and Sheiko (2008), their f; G from the gradient of f.
+    Source: Maksimenko-Sheiko and Sheiko (2008), their f; the root from its gradient.
 
     Examples
     --------
@@ -164,16 +165,18 @@ def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: Lett
     _check_turns_apart(default(big, letters), default(r, letters), default(h * cosine, letters))
     out, across = distance - big, cosine * height
     f = r**2 - out**2 - across**2
-    share = cosine**2 / 2
-    steepness = (1 - cosine**2) * (big**2 - distance**2) / (distance**2 + f**2 / big**2)
-    lean = 1 + steepness * across**2 / (share * r**2 + (1 - share) * (out**2 + across**2))
-    endless = Shape(f / (2 * r * sp.sqrt(lean)), (x, y, z), letters=as_letters(letters))
+    tangent, q = h / (2 * sp.pi * big), (f / big) ** 2
+    weight = 1 + 2 * tangent**2
+    both = r**2 + weight * (out**2 + across**2)
+    lean = distance**2 * (r**2 + across**2 + weight * out**2) + q * both + 2 * (tangent * big * across) ** 2
+    slope = sp.sqrt((distance**2 + q) * both / lean) / (2 * r)
+    endless = Shape(Scaled(f, slope), (x, y, z), letters=letters)
     if turns is None:
         return endless
     length = positive(turns, "the turns", letters) * h
     climb = z - height
-    window = climb * (length - climb) / length * (2 * sp.pi * distance / h)
-    bounds = _cylinder(*(default(item, letters) for item in (big + r, r / cosine, length)))
+    window = Scaled((length / 2) ** 2 - climb**2, 2 * sp.pi * distance / (h * length))
+    bounds = _cylinder(*(default(item, letters) for item in (big + r, r / cosine + length / 2)))
     return endless.replace(expression=R0.conjunction(endless.expression, window), bounds=bounds)
 
 
@@ -199,10 +202,9 @@ def _check_turns_apart(radius: float, wire: float, gap: float) -> None:
         )
 
 
-def _cylinder(radius: float, beyond: float, height: float) -> Bounds:
-    margin = MARGIN * max(2 * radius, height + 2 * beyond)
-    reach = radius + margin
-    return ((-reach, reach), (-reach, reach), (-beyond - margin, height + beyond + margin))
+def _cylinder(radius: float, half: float) -> Bounds:
+    margin = MARGIN * 2 * max(radius, half)
+    return ((-radius - margin, radius + margin),) * 2 + ((-half - margin, half + margin),)
 
 
 def _third(shape: Shape, first: sp.Symbol, second: sp.Symbol) -> sp.Symbol:

@@ -9,14 +9,15 @@ import numpy as np
 
 from rsym.codegen.kernel import compile
 from rsym.model.letters import Letters
+from rsym.model.nodes import written_out
 from rsym.model.shape import Shape
 from rsym.verify.lint.functions import Array
 from rsym.verify.lint.letters import Breach, breaches
 from rsym.verify.lint.parameters import parameters
-from rsym.verify.lint.places import Place, written_out
+from rsym.verify.lint.places import Place, text_of
 from rsym.verify.lint.report import LETTER_RANGE, Finding
 
-POINTS = 2000  # where omega is evaluated at the ends of ranges
+SEEN = 50  # points inside: of a shape with more of them one without any is no accident
 
 
 def letter_findings(shape: Shape, cloud: Array) -> Iterator[Finding]:
@@ -32,10 +33,10 @@ def letter_findings(shape: Shape, cloud: Array) -> Iterator[Finding]:
             f"not so {' and '.join(parameter.wrong)}",
             f"declare a range within which it is {parameter.wanted}",
         )
-    for breach in breaches(shape.expression, letters):
+    for breach in breaches(written_out(shape.expression), letters):
         told |= set(breach.values)
         yield _of_breach(breach, letters)
-    yield from _undefined(shape, cloud[:POINTS], told)
+    yield from _at_ends(shape, cloud, told)
 
 
 def _of_breach(breach: Breach, letters: Letters) -> Finding:
@@ -47,33 +48,33 @@ def _of_breach(breach: Breach, letters: Letters) -> Finding:
     return Finding(
         LETTER_RANGE,
         tuple(_place(letters, name) for name in breach.values),
-        f"the {condition.role} {written_out(condition.expression)} {condition.demand}, but is not so from {values} on, "
+        f"the {condition.role} {text_of(condition.expression)} {condition.demand}, but is not so from {values} on, "
         f"{which}",
         "choose other values" if breach.at_default else f"{narrow} so that this cannot happen",
     )
 
 
-def _undefined(shape: Shape, cloud: Array, told: set[str]) -> Iterator[Finding]:
-    """Letters at whose ends omega is undefined where it is not otherwise."""
-    kernel = compile(shape)
-    columns = list(cloud.T)
-    before = np.isnan(kernel(*columns)["value"]).mean()
+def _at_ends(shape: Shape, cloud: Array, told: set[str]) -> Iterator[Finding]:
+    """Letters at whose ends omega is undefined where it is not otherwise, or positive nowhere."""
+    before, inside = _shares(shape, cloud, {})
     for name, letter in shape.letters.items():
-        if name in told:
-            continue
         for word, end in (("minimum", letter.minimum), ("maximum", letter.maximum)):
-            if end is None:
+            if end is None or name in told:
                 continue
-            at_end: Mapping[str, Any] = {name: end}  # as it is: its float may lie beyond it
-            share = np.isnan(kernel(*columns, letters=at_end)["value"]).mean()
-            if share > before:
-                yield Finding(
-                    LETTER_RANGE,
-                    (_place(shape.letters, name),),
-                    f"at its {word} {float(end):g} omega is undefined in {share:.0%} of the bounds",
-                    "narrow its range",
-                    range=(float(share), float(share)),
-                )
+            undefined, within = _shares(shape, cloud, {name: end})  # as it is: its float may lie beyond it
+            here, at = (_place(shape.letters, name),), f"at its {word} {float(end):g}"
+            if undefined > before:
+                message, share = f"{at} omega is undefined in {undefined:.0%} of the bounds", (undefined, undefined)
+                yield Finding(LETTER_RANGE, here, message, "narrow its range", range=share)
+            elif within == 0 and inside > SEEN / len(cloud):
+                message = f"{at} the shape is empty, or outside its bounds"
+                yield Finding(LETTER_RANGE, here, message, "narrow its range, or widen the bounds")
+
+
+def _shares(shape: Shape, cloud: Array, letters: Mapping[str, Any]) -> tuple[float, float]:
+    """In what shares of the bounds omega is undefined, and positive."""
+    values = compile(shape)(*cloud.T, letters=letters)["value"]
+    return float(np.isnan(values).mean()), float((values > 0).mean())
 
 
 def _place(letters: Letters, name: str) -> Place:

@@ -41,7 +41,7 @@ def lint(
     - "saturates": leaves and terms that are nearly constant over a third of the bounds or more, while what they are
       joined with or added to is not: f/sqrt(f**2 + |grad f|**2) never exceeds 1;
     - "letter range": letters whose value or range makes a divisor zero, a radicand negative, the parameter of an
-      R-operation illegal, or omega undefined.
+      R-operation illegal, omega undefined or the shape empty; an open end of a range is infinite.
 
     Faces are common where omega shows it: a face that lies inside another operand is no fault.
 
@@ -125,12 +125,13 @@ def _not_normalised(survey: Survey, tolerance: float) -> Iterator[Finding]:
 def _saturated(survey: Survey) -> Iterator[Finding]:
     """Leaves that are joined with others, and terms that are added to others."""
     values, gradients = survey.functions(survey.cloud[: survey.functions.portion])
+    lengths = np.linalg.norm(gradients, axis=2)
     side = max(high - low for low, high in survey.box)
     for number, expression in enumerate(survey.expressions):
-        slopes, leaves = survey.slopes(expression), survey.leaves_with(expression)
-        if not len(slopes) or len(leaves) == 1:
+        leaves, slopes = survey.leaves_with(expression), survey.slopes(expression)
+        if len(leaves) == 1 or not len(slopes):
             continue
-        greatest, share = level(values[number], gradients[number], float(np.median(slopes)))
+        greatest, share = level(values[number], lengths[number], float(np.median(slopes)))
         if share < MUCH:
             continue
         yield Finding(

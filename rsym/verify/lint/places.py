@@ -55,19 +55,19 @@ def places_of(shape: Shape, wanted: Sequence[sp.Expr]) -> tuple[Place, ...]:
     parts = _smallest(wanted, shape.parts)
     definitions = _first(wanted, [(set(postorder(value)), symbol.name) for symbol, value in resolved.items()])
     return tuple(
-        Place(text(one), *names) for one, names in zip(wanted, zip(parts, definitions, strict=True), strict=True)
+        Place(shortened(one), *names) for one, names in zip(wanted, zip(parts, definitions, strict=True), strict=True)
     )
 
 
-def text(formula: sp.Expr) -> str:
+def shortened(formula: sp.Expr) -> str:
     """A formula as text, a long one cut."""
     if len(postorder(formula)) > MOST_PIECES:
         return "..."
-    written = written_out(formula)
+    written = text_of(formula)
     return written if len(written) <= LONGEST else f"{written[: LONGEST - 4]} ..."
 
 
-def written_out(formula: sp.Expr) -> str:
+def text_of(formula: sp.Expr) -> str:
     """A formula in the words of the model language."""
     plain: str = sp.sstr(formula)
     return plain.replace("Abs(", "abs(").replace("**", "^")

@@ -22,7 +22,7 @@ from rsym.verify.lint.zeros import CONVERGED, Zeros, onto, tangents
 
 BESIDE = 1e-5  # of the diagonal: where signs ahead of and behind a face are taken
 THIN = 0.1  # of its values beside it is the most that omega may have on a face
-AROUND = 1e-3  # of the diagonal: so far around a point on a common face there is more of it
+AROUND = 1e-2  # of the diagonal: so far around a point of a common face both leaves are zero together
 SHARE = 0.75  # of the points around must lie on it
 FEWEST = 3  # points on a common face; of a curve where two surfaces touch there is hardly one
 ASKED = 12  # points of a face around which more of it is sought
@@ -53,7 +53,17 @@ class CommonFace:
 
 
 def common_faces(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> list[CommonFace]:
-    """The common faces that matter: where they are zeros of omega; leaves are the first functions."""
+    """The common faces that matter: where they are zeros of omega; leaves are the first functions, omega is the last.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> from rsym.verify.lint.survey import survey_of
+    >>> survey = survey_of(rsym.Shape(rsym.disjunction(x, -3 * x), (x, y)), ((-1, 1), (-1, 1)))
+    >>> [face.kind for face in common_faces(survey.logic, survey.functions, *survey.near)]
+    ['zero sheet']
+    """
     zeros = zeros[zeros.signed & (zeros.which < len(logic.leaves))]
     found: dict[tuple[str, int, int], CommonFace] = {}
     for face, which in _faces(logic, functions, zeros, size):

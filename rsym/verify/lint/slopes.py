@@ -14,7 +14,7 @@ from rsym.model.powers import AbsolutePower
 from rsym.model.rnodes import R0mOperation
 from rsym.model.traversal import postorder
 from rsym.verify.lint.functions import Array
-from rsym.verify.lint.places import written_out
+from rsym.verify.lint.places import text_of
 
 MOST_PIECES = 60  # of a formula whose divisor is sought
 CONSTANT = 1e-6  # relative: lengths of the gradient that differ by less are one
@@ -72,12 +72,20 @@ def message_of(slopes: Array) -> str:
 
 
 def remedy_of(leaf: sp.Expr, slopes: Array, coordinates: Sequence[sp.Symbol]) -> str:
-    """What to do about it: the divisor where the leaf has a constant one, else a normalisation."""
+    """What to do about it: the divisor where the leaf has a constant one, else a normalisation.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rsym import x, y
+    >>> remedy_of(3 * x + 4 * y, np.array([5.0, 5.0]), (x, y))
+    'divide by 5'
+    """
     if slopes.max() < CONSTANT:
         return "the gradient vanishes on the zero set: take the function itself, not its power"
     if is_constant(slopes):
         found = divisor(leaf, coordinates)
-        return f"divide by {f'{slopes.mean():.6g}' if found is None else written_out(found)}"
+        return f"divide by {f'{slopes.mean():.6g}' if found is None else text_of(found)}"
     if slopes.min() < VANISHING * slopes.max():
         return "take a primitive; rsym.normalise does not help where the gradient vanishes on the zero set"
     return "take a primitive, or rsym.normalise: f/sqrt(f^2/L^2 + |grad f|^2), L the size of the model"

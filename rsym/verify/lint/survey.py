@@ -86,7 +86,7 @@ def survey_of(shape: Shape, bounds: Any, progress: Progress | None = None) -> Su
     expressions = tuple(dict.fromkeys([*logic.leaves, *leaves, *terms]))
     functions = functions_of(shape, [*expressions, shape.expression])
     cloud = scattered(box, SCATTERED[shape.dimension])
-    zeros = zeros_of(functions, cloud, box, progress)
+    zeros = zeros_of(functions, cloud, box, _half(progress, 0))
     return Survey(
         shape,
         box,
@@ -98,8 +98,13 @@ def survey_of(shape: Shape, bounds: Any, progress: Progress | None = None) -> Su
         functions,
         cloud,
         zeros,
-        _near(functions, zeros, box, progress),
+        _near(functions, zeros, box, _half(progress, 1)),
     )
+
+
+def _half(progress: Progress | None, number: int) -> Progress | None:
+    """The progress of the first or second of two equal tasks."""
+    return None if progress is None else lambda done, total: progress(done + number * total, 2 * total)
 
 
 def _near(functions: Functions, zeros: Zeros, box: Box, progress: Progress | None) -> tuple[Zeros, float]:

@@ -1,0 +1,45 @@
+"""Blends taken apart for meshes: the same sign and the same zero set, the operands under min and max.
+
+Positive factors go as well.
+
+A blend as a whole is one function, smooth on its fillet and with the edges of its
+operands elsewhere. Taken apart, those edges lie between functions that are smooth.
+"""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from rsym.model.blends.folds import BlendOperation
+from rsym.model.factors import Scaled
+from rsym.model.rnodes import ROperation
+from rsym.model.traversal import postorder
+
+
+def with_gates(expression: sp.Expr) -> sp.Expr:
+    """An expression of the same sign everywhere, in which no blend that R-operations combine is left whole.
+
+    Examples
+    --------
+    >>> from rsym import Sardf, conjunction, x, y
+    >>> with_gates(conjunction(x, conjunction(x, y, system=Sardf())))
+    conjunction(x, conjunction(x, y, system=R1))
+    """
+    parts = postorder(expression)
+    if not any(isinstance(part, BlendOperation | Scaled) for part in parts):
+        return expression
+    done: dict[int, sp.Expr] = {}
+    for part in parts:
+        arguments = [done.get(id(argument), argument) for argument in part.args]
+        if isinstance(part, BlendOperation):
+            done[id(part)] = part.gates(arguments[part.parameter_count :])
+        elif isinstance(part, Scaled):
+            done[id(part)] = arguments[0]
+        elif isinstance(part, ROperation) or _is_scaled(part):
+            same = all(new is old for new, old in zip(arguments, part.args, strict=True))
+            done[id(part)] = part if same else part.func(*arguments)
+    return done.get(id(expression), expression)
+
+
+def _is_scaled(part: sp.Basic) -> bool:
+    return bool(part.is_Mul) and len(part.args) == 2 and bool(part.args[0].is_Number)

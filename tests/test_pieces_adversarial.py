@@ -1,0 +1,61 @@
+"""What users and hostile model files try on pieces: refused with a remedy, or right."""
+
+import pytest
+
+import rsym
+from rsym import RsymError, x, y, z
+
+DISC, BALL = rsym.disc(), rsym.sphere()
+HEAD = "letter a = 1.5; f = 1 - x^2/4 - y^2; h = x*y - z^2; omega = "
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: DISC.translate(y, 0),
+        lambda: DISC.rotate(x),
+        lambda: BALL.rotate(1, (0, 0, 1), (z, 0, 0)),
+        lambda: DISC.mirror(x, y),
+        lambda: DISC.shear(x, y, x),
+        lambda: DISC.scale(1 + x**2),
+        lambda: rsym.offset(DISC, x),
+        lambda: rsym.disc(1 + x**2),
+        lambda: rsym.quadric(((x, 0), (0, 1))),
+        lambda: rsym.quadric(((1, 0), (0, 1)), (y, 0)),
+    ],
+)
+def test_a_number_that_varies_from_place_to_place_is_refused(make):
+    with pytest.raises(RsymError, match="coordinate") as refusal:
+        make()
+    assert "transform" in refusal.value.remedy
+
+
+def test_a_letter_may_have_the_name_of_a_coordinate_that_the_shape_has_not():
+    moved = DISC.translate(z, 0, letters={z: 2})
+    assert float(rsym.compile(moved)(2.0, 0.0)["value"]) == 0.5
+
+
+@pytest.mark.parametrize("axis", [3, -1, True])
+def test_a_coordinate_that_is_not_there_is_no_axis(axis):
+    for turn in (lambda: BALL.rotate(1, axis), lambda: BALL.mirror(axis)):
+        with pytest.raises(RsymError, match="one of the coordinates"):
+            turn()
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        ('disc(exact = "no")', "0 or 1"),
+        ("disc(exact = x)", "0 or 1"),
+        ("disc(exact = a)", "0 or 1"),
+        ('polyline([[0, 0], [1, 1], [2, 0]], closed = "no")', "0 or 1"),
+        ("transform(f, [x, y], renormalise = 2)", "0 or 1"),
+        ("disc(radius = 1, radius = 2)", "twice"),
+        ("rotate(h, pi, 7)", "one of the coordinates"),
+        ("translate(f, y, 0)", "coordinate"),
+    ],
+)
+def test_what_a_call_would_misread_is_refused_at_its_place(call, message):
+    with pytest.raises(RsymError, match=message) as refusal:
+        rsym.loads(HEAD + call)
+    assert f"column {len(HEAD) + 1}" in str(refusal.value)
