@@ -16,6 +16,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letter, as_letters
 from rsym.model.symbols import as_expression, real_replacements
 from rsym.model.traversal import substitute, symbols_of
+from rsym.model.vectors import norm
 
 LetterMapping: TypeAlias = Mapping[Any, Letter | float] | None
 Point: TypeAlias = tuple[sp.Expr, ...]
@@ -105,16 +106,33 @@ def point(value: Any, dimension: int, what: str) -> Point:
     return tuple(number(item, what) for item in items)
 
 
-def direction(value: Any, dimension: int, what: str, letters: LetterMapping = None) -> Point:
-    """A unit vector: the given one over its length, which must not be zero.
+def unit_vector(value: Any, dimension: int, what: str, letters: LetterMapping = None) -> Point:
+    """A direction as a vector of length 1: the given one over its length, which must not be zero.
 
     Examples
     --------
-    >>> direction((3, 4), 2, "the normal")
+    >>> unit_vector((3, 4), 2, "the normal")
     (3/5, 4/5)
     """
     given = point(value, dimension, what)
     if all(default(component, letters, what) == 0 for component in given):
         raise RsymError(f"{what} must not be the zero vector", code="direction")
-    length = sp.sqrt(sp.Add(*(component**2 for component in given)))
+    length = norm(given)
     return tuple(component / length for component in given)
+
+
+def coordinate(value: Any, coordinates: Sequence[sp.Symbol], what: str = "the axis") -> int:
+    """Which of the coordinates a symbol, a name or a number from 0 on is.
+
+    Examples
+    --------
+    >>> from rsym import x, y
+    >>> coordinate("y", (x, y))
+    1
+    """
+    names = [symbol.name for symbol in coordinates]
+    if isinstance(value, int) and not isinstance(value, bool) and 0 <= value < len(names):
+        return value
+    if str(value) not in names:
+        raise RsymError(f"{what} must be one of the coordinates {', '.join(names)}, got {value}", code="axis")
+    return names.index(str(value))

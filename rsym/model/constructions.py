@@ -8,8 +8,10 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, default, number, positive
+from rsym.model.arguments import LetterMapping, default, number
 from rsym.model.letters import Letters
+from rsym.model.primitives.distances import between
+from rsym.model.primitives.extents import ROOM
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symbols import as_expression, real_symbol, x
@@ -85,19 +87,6 @@ def extrude(shape: Shape, lower: Any, upper: Any, *, system: RSystem = R0, lette
     slab = between(third, low, high, given)
     heights = (default(low, given), default(high, given))
     return _joined(shape, slab, (third,), system, letters, _with_heights(shape.bounds, heights))
-
-
-def between(coordinate: sp.Expr, lower: sp.Expr, upper: sp.Expr, letters: LetterMapping = None) -> sp.Expr:
-    """(upper - t)(t - lower)/(upper - lower): positive between the two, normalised to order 1.
-
-    Examples
-    --------
-    >>> from rsym import z
-    >>> between(z, 0, 2)
-    z*(2 - z)/2
-    """
-    width = positive(upper - lower, "upper - lower", letters)
-    return (upper - coordinate) * (coordinate - lower) / width
 
 
 def product(first: Shape, second: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
@@ -258,5 +247,5 @@ def _with_heights(bounds: Bounds | None, heights: tuple[float, float]) -> Bounds
     """The box of a plane shape made a box in space, a tenth of the height free above and below."""
     if bounds is None:
         return None
-    room = 0.1 * (heights[1] - heights[0])
+    room = ROOM * (heights[1] - heights[0])
     return (*bounds, (heights[0] - room, heights[1] + room))

@@ -8,11 +8,12 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, Point, default, direction, number, point, positive
-from rsym.model.primitives.curve_nodes import Arc, Circle, cross, dot
-from rsym.model.primitives.curves import box_around
+from rsym.model.arguments import LetterMapping, Point, default, number, point, positive, unit_vector
+from rsym.model.primitives.curve_nodes import Arc, Circle
+from rsym.model.primitives.extents import box_around
 from rsym.model.shape import Shape
-from rsym.model.symbols import x, y, z
+from rsym.model.symbols import SPACE
+from rsym.model.vectors import cross, dot
 
 
 def circle(centre: Any, radius: Any, axis: Any = None, exact: bool = False, *, letters: LetterMapping = None) -> Shape:
@@ -44,7 +45,7 @@ def circle(centre: Any, radius: Any, axis: Any = None, exact: bool = False, *, l
     """
     middle, first, second = _frame(centre, axis, letters)
     size = positive(radius, "the radius of a circle", letters)
-    node = Circle(*(x, y, z)[: len(middle)], *middle, *first, *second, size, sp.Integer(bool(exact)))
+    node = Circle(*SPACE[: len(middle)], *middle, *first, *second, size, sp.Integer(bool(exact)))
     return _on_circle(node, 0.0, math.tau, letters)
 
 
@@ -107,7 +108,7 @@ def arc(
             code="angles",
             remedy="add 2 pi to the end, exchange the two, or take circle(centre, radius) for a whole one",
         )
-    node = Arc(*(x, y, z)[: len(middle)], *middle, *first, *second, size, *angles, sp.Integer(bool(exact)))
+    node = Arc(*SPACE[: len(middle)], *middle, *first, *second, size, *angles, sp.Integer(bool(exact)))
     return _on_circle(node, low, high, letters)
 
 
@@ -122,11 +123,11 @@ def _frame(centre: Any, axis: Any, letters: LetterMapping) -> tuple[Point, Point
                 remedy="give the centre three numbers for a circle in space",
             )
         return middle, (sp.S.One, sp.S.Zero), (sp.S.Zero, sp.S.One)
-    normal = direction((0, 0, 1) if axis is None else axis, 3, "the axis", letters)
+    normal = unit_vector((0, 0, 1) if axis is None else axis, 3, "the axis", letters)
     sideways = [default(component, letters, "the axis") for component in normal[1:]]
     seen = (1, 0, 0) if any(sideways) else (0, 1, 0)
     share = dot(normal, seen)
-    first = direction([a - share * n for a, n in zip(seen, normal, strict=True)], 3, "the axis", letters)
+    first = unit_vector([a - share * n for a, n in zip(seen, normal, strict=True)], 3, "the axis", letters)
     return point(centre, 3, "the centre"), first, cross(normal, first)
 
 

@@ -10,11 +10,11 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, positive
 from rsym.model.nodes import Composition
-from rsym.model.primitives.extents import centred
-from rsym.model.primitives.space import ORIGIN, SPACE
+from rsym.model.primitives.distances import within
+from rsym.model.primitives.extents import box_around
 from rsym.model.primitives.theorem import normalised
 from rsym.model.shape import Shape
-from rsym.model.symbols import x, y, z
+from rsym.model.symbols import SPACE, x, y, z
 from rsym.model.systems import R0
 
 # Newton's steps: with two the gradient of the distance from a helix is 1 to 1e-16 on tubes up to 0.8 of its radius,
@@ -127,12 +127,13 @@ def helix_tube(
     mean = sp.atan2(above, across)
     root = Anomaly(mean, rate**2 * radius * rho)
     squared = (rho - radius) ** 2 + 4 * rho * radius * sp.sin(root / 2) ** 2 + ((mean - root) / rate) ** 2
-    expression = tube - sp.sqrt(squared) if exact else (tube**2 - squared) / (2 * tube)
+    expression = within(squared, tube, exact)
     if turns is None:
         return Shape(expression, SPACE, letters=letters)
     half = positive(turns, "the number of turns", letters) * pitch / 2
-    bounds = centred(ORIGIN, (radius + tube, radius + tube, half), letters)
-    return Shape(R0.conjunction(expression, (half**2 - z**2) / (2 * half)), SPACE, letters=letters, bounds=bounds)
+    reach, top = default(radius + tube, letters), default(half, letters)
+    bounds = box_around([(-reach, -reach, -top), (reach, reach, top)])
+    return Shape(R0.conjunction(expression, within(z**2, half)), SPACE, letters=letters, bounds=bounds)
 
 
 def _turned(rate: sp.Expr) -> tuple[sp.Expr, sp.Expr]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import sympy as sp
@@ -10,14 +9,14 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
 from rsym.model.factors import Scaled
-from rsym.model.shape import Bounds, Shape
+from rsym.model.primitives.extents import box_around
+from rsym.model.shape import Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symbols import real_symbol, x, y, z
-from rsym.model.symmetry.cyclic import around, checked_motif, cyclic
+from rsym.model.symmetry.cyclic import checked_motif, cyclic
 from rsym.model.symmetry.evenness import check_even
+from rsym.model.symmetry.turns import turned_bounds, turned_coordinates
 from rsym.model.systems import R0
-
-MARGIN = 0.1  # of the largest extent, free on every side
 
 
 def screw(shape: Shape, pitch: Any, *, starts: Any = 1, axis: Any = None, letters: LetterMapping = None) -> Shape:
@@ -56,11 +55,11 @@ def screw(shape: Shape, pitch: Any, *, starts: Any = 1, axis: Any = None, letter
     array([0., 0.])
     """
     h = number(pitch, "the pitch")
-    if default(h, letters, "the pitch") == 0:
+    if default(h, shape.letters.merge(letters), "the pitch") == 0:
         raise RsymError("the pitch must not be zero", code="pitch", remedy="an endless straight bar is an extrusion")
     if starts != 1:
         shape = cyclic(shape, starts, axis=axis)
-    first, second = around(shape, axis)
+    first, second = turned_coordinates(shape, axis)
     along = _third(shape, first, second)
     angle = 2 * sp.pi * along / h
     cosine, sine = sp.cos(angle, evaluate=False), sp.sin(angle, evaluate=False)
@@ -71,7 +70,7 @@ def screw(shape: Shape, pitch: Any, *, starts: Any = 1, axis: Any = None, letter
         places,
         coordinates=(*shape.coordinates, along) if in_plane else shape.coordinates,
         letters=letters,
-        bounds=None if in_plane else _swept(shape, first, second),
+        bounds=None if in_plane else turned_bounds(shape, (first, second)),
     )
 
 
@@ -113,7 +112,8 @@ def wound(shape: Shape, radius: Any, pitch: Any, *, motif: str = "even", letters
     """
     if shape.dimension != 2 or "z" in (symbol.name for symbol in shape.coordinates):
         raise RsymError("what is wound is a section in the plane (x, y)", code="coordinates")
-    big, h = positive(radius, "the radius", letters), positive(pitch, "the pitch", letters)
+    known = shape.letters.merge(letters)
+    big, h = positive(radius, "the radius", known), positive(pitch, "the pitch", known)
     across, outwards = shape.coordinates[1], shape.coordinates[0]
     if checked_motif(motif, None):
         check_even(shape, across)
@@ -176,7 +176,8 @@ def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: Lett
     length = positive(turns, "the turns", letters) * h
     climb = z - height
     window = Scaled((length / 2) ** 2 - climb**2, 2 * sp.pi * distance / (h * length))
-    bounds = _cylinder(*(default(item, letters) for item in (big + r, r / cosine + length / 2)))
+    reach, top = (default(item, letters) for item in (big + r, r / cosine + length / 2))
+    bounds = box_around([(-reach, -reach, -top), (reach, reach, top)])
     return endless.replace(expression=R0.conjunction(endless.expression, window), bounds=bounds)
 
 
@@ -202,21 +203,8 @@ def _check_turns_apart(radius: float, wire: float, gap: float) -> None:
         )
 
 
-def _cylinder(radius: float, half: float) -> Bounds:
-    margin = MARGIN * 2 * max(radius, half)
-    return ((-radius - margin, radius + margin),) * 2 + ((-half - margin, half + margin),)
-
-
 def _third(shape: Shape, first: sp.Symbol, second: sp.Symbol) -> sp.Symbol:
     """The coordinate along the axis; a plane shape gets one."""
     others = [symbol for symbol in shape.coordinates if symbol not in (first, second)]
     free = [name for name in ("z", "x", "y") if name not in (first.name, second.name)]
     return others[0] if others else real_symbol(free[0])
-
-
-def _swept(shape: Shape, first: sp.Symbol, second: sp.Symbol) -> Bounds | None:
-    if shape.bounds is None:
-        return None
-    box = dict(zip(shape.coordinates, shape.bounds, strict=True))
-    reach = math.hypot(*(max(map(abs, box[symbol])) for symbol in (first, second)))
-    return tuple((-reach, reach) if symbol in (first, second) else box[symbol] for symbol in shape.coordinates)
