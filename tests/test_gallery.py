@@ -162,6 +162,9 @@ def test_cards_show_name_picture_formula_and_contract():
     assert "<summary>formula</summary>" not in first
     assert "<summary>formula</summary>" in second
     assert "base64" not in repr(shown)
+    named = rsym.cards({"segment": rsym.segment((-1, 0), (1, 0))})._repr_html_()
+    assert r"\mathrm{segment}" in named
+    assert re.search(r"<summary>written out</summary><small>\$\\omega.*\\rho", named)
 
 
 def test_a_gallery_has_its_titles_in_rows_and_is_never_empty():

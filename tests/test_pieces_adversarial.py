@@ -59,3 +59,23 @@ def test_what_a_call_would_misread_is_refused_at_its_place(call, message):
     with pytest.raises(RsymError, match=message) as refusal:
         rsym.loads(HEAD + call)
     assert f"column {len(HEAD) + 1}" in str(refusal.value)
+
+
+SWEPT = "".join(f"f{k + 1} = section(sweep(a*f{k}, [[a, (z + a)^9]], 0, 1), z, a);" for k in range(9))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "f0 = x; " + "".join(f"f{k + 1} = transform(f{k}, [x^9, y]);" for k in range(9)) + "w = transform(f9, [2, y])",
+        "f0 = x; " + "".join(f"f{k + 1} = (f{k} + 1)^9;" for k in range(9)) + "w = transform(f9, [2, y])",
+        "f0 = x; " + "".join(f"f{k + 1} = transform(f{k}, [2^1000*x, y]);" for k in range(9)),
+        "letter a = 1; f0 = x + y^2;" + SWEPT,
+        "w = superellipse(1, 1, 1e300)",
+        'w = torus(1e200, 1e199, form = "quartic")',
+    ],
+)
+def test_numbers_that_would_grow_without_end_are_refused_before_they_do(text):
+    with pytest.raises(RsymError, match=r"exponent|large|small|bits") as refusal:
+        rsym.loads(text)
+    assert "line 1" in str(refusal.value)

@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 import sympy as sp
 
 from rsym.language import exact
-from rsym.language.extent import Budget, Extent, joined, measured
+from rsym.language.extent import Budget, Extent, check_degree, joined, measured
 from rsym.language.functions import Operation
 from rsym.language.parts import Part, constant_part, exact_part, open_part, text_part, vector_part
 from rsym.language.syntax import Call, Expression, Name, Number, Place, Power, Product, Sum, Text, Vector, postorder
@@ -107,8 +107,12 @@ class Builder:
         if self._pieces is None:
             raise node.place.refuse(f"{node.function} cannot stand here", "letter-value", "write a number")
         self._budget.afford(joined([Extent(), *(part.extent for part in parts)]), node.place)
+        for part in parts:  # what stands in the place of a coordinate is raised to all powers in which that stands
+            check_degree(measured(part.expression), node.place)
         expression = self._pieces(node, parts)
-        return Part(expression, self._budget.afford(measured(expression), node.place))
+        exact.check_numbers(expression, node.place)
+        extent = self._budget.afford(measured(expression), node.place)
+        return Part(expression, extent.of_terms() if expression.is_Add else extent)
 
     def _call(self, node: Call, parts: list[Part]) -> Part:
         operation = self._operations[node.function]

@@ -7,7 +7,10 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+import sympy as sp
+
 from rsym.language.syntax import Place
+from rsym.model.traversal import postorder
 
 LARGEST = Fraction(10) ** 300
 MOST_BITS = 4096  # of a numerator or a denominator; about 1200 decimal digits
@@ -50,6 +53,13 @@ def checked(value: Fraction, place: Place, text: str = "this constant") -> Fract
             "use fewer digits, or simpler fractions",
         )
     return value
+
+
+def check_numbers(expression: sp.Expr, place: Place) -> None:
+    """Refuse a formula with a number in it that would not have been accepted as a constant."""
+    for part in postorder(expression):
+        if isinstance(part, sp.Rational):
+            checked(Fraction(int(part.p), int(part.q)), place, "a number in this formula")
 
 
 def power(base: Fraction, exponent: int, place: Place) -> Fraction:

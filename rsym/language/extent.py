@@ -59,13 +59,13 @@ def joined(extents: Iterable[Extent]) -> Extent:
 
 
 def measured(expression: sp.Expr) -> Extent:
-    """The extent of a formula that stands already.
+    """The extent of a formula that stands already; exponents of sums multiply those within, as they do for numbers.
 
     Examples
     --------
     >>> from rsym import x, y
-    >>> measured(x**2 + y).size
-    5
+    >>> measured(x**2 + y).size, measured((x**2 + y) ** 3).degree
+    (5, 6)
     """
     known: dict[int, tuple[int, int, int]] = {}
     for part in postorder(expression):
@@ -74,7 +74,28 @@ def measured(expression: sp.Expr) -> Extent:
         sizes = (1 + sum(size for size, _, _ in inner), 1 + max((depth for _, depth, _ in inner), default=0))
         known[id(part)] = (*sizes, bits + (sum(own for _, _, own in inner) if part.is_Add or part.is_Mul else 0))
     size, depth, bits = known[id(expression)]
-    return Extent(size, depth, max(len(expression.args), 1), bits)
+    return Extent(size, depth, max(len(expression.args), 1), bits, _highest_degree(expression))
+
+
+def _highest_degree(expression: sp.Expr) -> int:
+    """Exponents of powers of powers, multiplied, functions apart: a number b bits long would grow to b times that."""
+    known: dict[int, sp.Rational] = {}
+    highest = sp.S.One
+    for part in postorder(expression):
+        inner = [known[id(argument)] for argument in part.args]
+        degree = max(inner, default=sp.S.One) if part.is_Add or part.is_Mul or part.is_Pow else sp.S.One
+        if part.is_Pow and part.exp.is_Rational:
+            degree = known[id(part.base)] * abs(part.exp)
+        known[id(part)], highest = degree, max(highest, degree)
+    return int(highest)
+
+
+def check_degree(extent: Extent, place: Place) -> None:
+    """Refuse powers in which a number would be without end."""
+    if extent.degree > HIGHEST_DEGREE:
+        raise place.refuse(
+            f"an exponent above {HIGHEST_DEGREE}, powers of powers multiplied", "too-large", "use smaller exponents"
+        )
 
 
 class Budget:
@@ -92,10 +113,7 @@ class Budget:
                 "too-deep",
                 "combine many shapes in one rfAND or rfOR instead of one after the other",
             )
-        if extent.degree > HIGHEST_DEGREE:
-            raise place.refuse(
-                f"an exponent above {HIGHEST_DEGREE}, powers of powers multiplied", "too-large", "use smaller exponents"
-            )
+        check_degree(extent, place)
         if extent.size > LARGEST_SIZE:
             raise place.refuse(
                 f"with every name written out the formula has more than {LARGEST_SIZE} parts",

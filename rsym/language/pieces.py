@@ -34,7 +34,7 @@ from rsym.model.symmetry.waves import triangle_wave
 from rsym.model.thickness import offset, shell
 
 # What a formula grows with.
-_COUNTS = ("order", "terms", "sides", "count", "counts", "starts")
+_MOST = {**dict.fromkeys(("order", "sides", "count", "counts", "starts"), 400), "terms": 100}
 # Given by the model as a whole, not by a call.
 _FROM_THE_MODEL = ("letters", "system", "bounds", "coordinates")
 
@@ -51,7 +51,7 @@ class Piece:
     shapes: int = 0
     plane: bool = False
     space: bool = False
-    most: Mapping[str, int] = field(default_factory=lambda: dict.fromkeys(_COUNTS, 400))
+    most: Mapping[str, int] = field(default_factory=lambda: _MOST)
 
     @cached_property
     def signature(self) -> inspect.Signature:

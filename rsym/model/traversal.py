@@ -42,14 +42,14 @@ def rebuild(expression: sp.Basic, replace: Callable[[sp.Basic], sp.Basic | None]
     for part in postorder(expression):
         arguments = tuple(done[id(argument)] for argument in part.args)
         unchanged = all(new is old for new, old in zip(arguments, part.args, strict=True))
-        candidate = part if unchanged else _with_arguments(part, arguments)
+        candidate = part if unchanged else with_arguments(part, arguments)
         # What has collapsed to a symbol, -(-x) to x, has its new form already.
         replacement = replace(candidate) if unchanged or candidate.args else None
         done[id(part)] = candidate if replacement is None else replacement
     return done[id(expression)]
 
 
-def _with_arguments(part: sp.Basic, arguments: tuple[sp.Basic, ...]) -> sp.Basic:
+def with_arguments(part: sp.Basic, arguments: tuple[sp.Basic, ...]) -> sp.Basic:
     """The same part over other arguments; SymPy's evaluation of Abs, Min or sin can take for ever."""
     if isinstance(part, sp.Function | sp.Min | sp.Max):
         return part.func(*arguments, evaluate=False)

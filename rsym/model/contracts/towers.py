@@ -24,6 +24,7 @@ from rsym.model.contracts.polynomials import (
 Element: TypeAlias = dict[int, Polynomial]
 Relation: TypeAlias = tuple[Element, Element]  # a + b w = 0
 
+_EFFORT = 12_000  # products of polynomials: a lidinoid takes 5 700
 _ROOTS = 5  # 32 products of roots; the fenders of a car have one, a torus by its distance two
 _DEGREE = 160  # along a line: a gyroid, six sines and cosines of degree 2, has 36
 
@@ -51,6 +52,7 @@ class Tower:
         self.scales = scales or {}  # the roots of the relations are those of here times these
         self._radicands: dict[int, Element] = {}
         self._roots: dict[int, Element] = {}
+        self._effort = 0
 
     def _reduced(self, polynomial: Polynomial) -> Polynomial:
         if self.modulus is not None:
@@ -74,6 +76,9 @@ class Tower:
 
     def multiply(self, f: Element, g: Element) -> Element:
         """The product; the square of a root is its radicand."""
+        self._effort += len(f) * len(g)
+        if self._effort > _EFFORT:
+            raise NotShown
         result: Element = {}
         for first, u in f.items():
             for second, v in g.items():
