@@ -65,7 +65,7 @@ PRIMITIVES = [
     ("torus", torus(3, 1, (1, 0, 0)), 1, None),
     ("exact torus", torus(3, 2, form="exact"), 4, None),
     ("quartic torus", torus(3, 2, (0, 0, 1), form="quartic"), 1, None),
-    ("helicoid", helicoid(2), 1, CUBE),
+    ("helicoid", helicoid(2), 2, CUBE),
     ("flight", helicoid(2, tenths(3)), 1, CUBE),
     ("helix tube", helix_tube(), 1, WIDE),
     ("thick steep tube", helix_tube(1, tenths(8), 20), 1, CUBE),

@@ -51,7 +51,8 @@ class Anomaly(Composition):
 def helicoid(pitch: Any = 1, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
     """(y*cos(k z) - x*sin(k z))/sqrt(1 + k**2*(x**2 + y**2)), k = 2 pi/pitch: one side of a right-handed helicoid.
 
-    Its lines cross the z-axis at right angles and turn once in a pitch. Normalised to order 1, analytic everywhere.
+    Its lines cross the z-axis at right angles and turn once in a pitch. Normalised to order 2, since a half turn about
+    one of them changes the sign of omega alone; analytic everywhere.
 
     With a thickness t, a sheet about it: Y**2 < a**2 + (X*tan(k*a))**2, a = t/2, X measured along the line at the
     height of the point, Y at right angles; by Rvachev's theorem, of size a at most. Across the axis and far from it

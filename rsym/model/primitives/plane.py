@@ -58,7 +58,7 @@ def strip(lower: Any = -1, upper: Any = 1, direction: Any = (1, 0), *, letters: 
     return Shape(between(along, lower, upper, letters), PLANE, letters=letters)
 
 
-def line(start: Any, end: Any, *, letters: LetterMapping = None) -> Shape:
+def line(start: Any = (0, 0), end: Any = (1, 0), *, letters: LetterMapping = None) -> Shape:
     """((x - x1)*(y2 - y1) - (y - y1)*(x2 - x1))/L: the half-plane to the right of the line from start to end.
 
     Exact: the signed distance from the line through both points, L apart. Analytic everywhere; unbounded.
