@@ -208,6 +208,7 @@ LETTERS_OF = {str(symbol): rsym.Letter(value) for symbol, value in LETTERS.items
 def test_the_system_of_the_model_is_that_of_its_pieces():
     loaded = rsym.loads("system R1; omega = extrude(1 - x^2 - y^2, 0, 1)")
     assert loaded.expression == rsym.R1.conjunction(1 - x**2 - y**2, z * (1 - z))
+    assert rsym.loads("system R1; omega = box(1, 2, 3)").expression == rsym.box(1, 2, 3, system=rsym.R1).expression
 
 
 def test_other_coordinates_mean_the_same():

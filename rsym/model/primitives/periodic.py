@@ -50,6 +50,11 @@ def schwarz_p(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters
     Inside are the rooms at whole periods. Analytic everywhere for |level| other than 1 (where necks close)
     and 3 (where rooms vanish). A sheet is 0 to 3 % thicker than it says at t = period/10, 13 % at period/5.
 
+    Raises
+    ------
+    RsymError
+        As `gyroid` does.
+
     Source: Schwarz (1890).
 
     Examples
@@ -67,6 +72,11 @@ def schwarz_d(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters
     Normalised to order 1, as `gyroid` is. Analytic everywhere for |level| other than 1 and sqrt(2). A sheet is 0 to 3 %
     thinner than it says at t = period/10, 10 % at period/5.
 
+    Raises
+    ------
+    RsymError
+        As `gyroid` does.
+
     Source: Schwarz (1890).
 
     Examples
@@ -83,6 +93,11 @@ def neovius(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: 
 
     Normalised to order 1, as `gyroid` is. Analytic everywhere for |level| other than 3/4, 1 and 13. A sheet is as
     thick as it says within 3 % at t = period/20, 13 % at period/10.
+
+    Raises
+    ------
+    RsymError
+        As `gyroid` does.
 
     Source: Neovius (1883).
 
@@ -102,6 +117,11 @@ def lidinoid(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters:
     - (cos 2X cos 2Y + cos 2Y cos 2Z + cos 2Z cos 2X)/2 + 3/20.
     Analytic everywhere for levels near 0, the critical values next to which are -0.1739 and 3/20.
     A sheet is as thick as it says within 2 % at t = period/50, 10 % at period/20.
+
+    Raises
+    ------
+    RsymError
+        As `gyroid` does.
 
     Source: Lidin and Larsson (1990).
 

@@ -16,7 +16,7 @@ from rsym.model.symbols import real_symbol, x, y, z
 from rsym.model.symmetry.cyclic import checked_motif, cyclic
 from rsym.model.symmetry.evenness import check_even
 from rsym.model.symmetry.turns import turned_bounds, turned_coordinates
-from rsym.model.systems import R0
+from rsym.model.systems import R0, RSystem
 
 
 def screw(shape: Shape, pitch: Any, *, starts: Any = 1, axis: Any = None, letters: LetterMapping = None) -> Shape:
@@ -122,7 +122,15 @@ def wound(shape: Shape, radius: Any, pitch: Any, *, motif: str = "even", letters
     return substituted(shape, places, coordinates=(x, y, z), letters=letters)
 
 
-def coil(radius: Any = 3, tube: Any = 1, pitch: Any = 4, *, turns: Any = None, letters: LetterMapping = None) -> Shape:
+def coil(
+    radius: Any = 3,
+    tube: Any = 1,
+    pitch: Any = 4,
+    turns: Any = None,
+    *,
+    system: RSystem = R0,
+    letters: LetterMapping = None,
+) -> Shape:
     """A coil spring around the axis z: a tube of radius r along a helix of radius R and pitch h, right-handed.
 
     f = r**2 - d**2 - m**2,   d = rho - R,   m = cos(alpha) mu(z - h theta/(2 pi)),   t = tan(alpha) = h/(2 pi R)
@@ -142,6 +150,8 @@ def coil(radius: Any = 3, tube: Any = 1, pitch: Any = 4, *, turns: Any = None, l
         R, r and h, in the unit of the coordinates; r < R and 2 r < h cos(alpha).
     turns : number or expression, optional
         How many turns between the ends; without it there is no end, and no bounds.
+    system : RSystem
+        Of the conjunction that cuts the ends.
     letters : mapping, optional
         Values of the letters in the numbers.
 
@@ -178,7 +188,7 @@ def coil(radius: Any = 3, tube: Any = 1, pitch: Any = 4, *, turns: Any = None, l
     window = Scaled((length / 2) ** 2 - climb**2, 2 * sp.pi * distance / (h * length))
     reach, top = (default(item, letters) for item in (big + r, r / cosine + length / 2))
     bounds = box_around([(-reach, -reach, -top), (reach, reach, top)])
-    return endless.replace(expression=R0.conjunction(endless.expression, window), bounds=bounds)
+    return endless.replace(expression=system.conjunction(endless.expression, window), bounds=bounds)
 
 
 def _helical(radius: sp.Expr, pitch: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
