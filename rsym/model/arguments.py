@@ -88,9 +88,20 @@ def positive(value: Any, what: str, letters: LetterMapping = None) -> sp.Expr:
     expression = number(value, what)
     size = default(expression, letters, what)
     if size <= 0:
-        shown = str(value) if expression.is_number else f"{value} = {size:g}"
-        raise RsymError(f"{what} must be positive, got {shown}", code="positive")
+        raise RsymError(f"{what} must be positive, got {shown(expression, size)}", code="positive")
     return expression
+
+
+def shown(expression: sp.Expr, size: float) -> str:
+    """A number for a message; of an expression in letters its value too.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> shown(sp.Symbol("a") - 2, -1)
+    'a - 2 = -1'
+    """
+    return str(expression) if expression.is_number else f"{expression} = {size:g}"
 
 
 def whole(value: Any, what: str, least: int) -> int:

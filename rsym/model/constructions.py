@@ -99,6 +99,11 @@ def product(first: Shape, second: Any, *, system: RSystem = R0, letters: LetterM
     second : expression
         In the third coordinate and letters, positive inside.
 
+    Raises
+    ------
+    RsymError
+        For a shape in space, or a factor with a coordinate of the first in it.
+
     Examples
     --------
     >>> import rsym
@@ -129,6 +134,11 @@ def section(shape: Shape, axis: Any, place: Any = 0, *, letters: LetterMapping =
         The coordinate that is fixed.
     place : number or expression
         Its value; in letters and, for a slanted or bent cut, in the other coordinates.
+
+    Raises
+    ------
+    RsymError
+        For a shape in the plane, or something that is not one of its coordinates.
 
     Examples
     --------
@@ -170,6 +180,11 @@ def sweep(
         In the plane, with letters.
     changes : mapping or pairs
         {letter: expression in z and letters}.
+
+    Raises
+    ------
+    RsymError
+        For a shape in space, letters it has not, or heights that do not increase.
 
     Examples
     --------

@@ -116,6 +116,11 @@ class Movable:
         normal : coordinate or direction
             n, made a unit vector.
 
+        Raises
+        ------
+        RsymError
+            For a normal without direction.
+
         Examples
         --------
         >>> import rsym
@@ -129,6 +134,11 @@ class Movable:
 
     def shear(self, along: Any, by: Any, amount: Any, *, letters: LetterMapping = None) -> Shape:
         """Every point moved along one coordinate by an amount times another; omega is not normalised any more.
+
+        Raises
+        ------
+        RsymError
+            For something that is no coordinate, or twice the same.
 
         Examples
         --------

@@ -13,15 +13,17 @@ from rsym.model.primitives.distances import between
 from rsym.model.primitives.extents import box_around
 from rsym.model.shape import Bounds, Shape
 from rsym.model.symbols import SPACE
-from rsym.model.systems import R0
+from rsym.model.systems import R0, RSystem
 from rsym.model.vectors import minus, norm
 
 
-def cone(radius: Any = 1, height: Any = 2, base: Any = (0, 0, 0), *, letters: LetterMapping = None) -> Shape:
-    """The conjunction (R_0) of the mantle ((h - z)*R - rho*h)/sqrt(R**2 + h**2) and z, measured from the base.
+def cone(
+    radius: Any = 1, height: Any = 2, base: Any = (0, 0, 0), *, system: RSystem = R0, letters: LetterMapping = None
+) -> Shape:
+    """The conjunction of the mantle ((h - z)*R - rho*h)/sqrt(R**2 + h**2) and z, measured from the base.
 
     rho is the distance from the axis, `base` the centre of the base, the apex h above it. The mantle is the
-    signed distance from its cone. Normalised to order 1; singular on the axis and continuous on the rim.
+    signed distance from its cone. Normalised to order 1, in R_0; singular on the axis and continuous on the rim.
 
     Raises
     ------
@@ -39,16 +41,23 @@ def cone(radius: Any = 1, height: Any = 2, base: Any = (0, 0, 0), *, letters: Le
     rho, up = _meridian(base)
     mantle = _mantle(radius, sp.S.Zero, height, rho, up)
     bounds = _bounds(base, radius, height, letters)
-    return Shape(R0.conjunction(mantle, up), SPACE, letters=letters, bounds=bounds)
+    return Shape(system.conjunction(mantle, up), SPACE, letters=letters, bounds=bounds)
 
 
 def frustum(
-    bottom: Any = 2, top: Any = 1, height: Any = 2, base: Any = (0, 0, 0), *, letters: LetterMapping = None
+    bottom: Any = 2,
+    top: Any = 1,
+    height: Any = 2,
+    base: Any = (0, 0, 0),
+    *,
+    system: RSystem = R0,
+    letters: LetterMapping = None,
 ) -> Shape:
     """A cone cut across: radius `bottom` at the base, `top` a height h above it.
 
-    The conjunction (R_0) of the mantle (a*h - (a - b)*z - rho*h)/sqrt((a - b)**2 + h**2), a the radius of the bottom,
-    b of the top, and the slab z*(h - z)/h. Normalised to order 1; singular on the axis and continuous on the rims.
+    The conjunction of the mantle (a*h - (a - b)*z - rho*h)/sqrt((a - b)**2 + h**2), a the radius of the bottom,
+    b of the top, and the slab z*(h - z)/h. Normalised to order 1, in R_0; singular on the axis and continuous on the
+    rims.
 
     Raises
     ------
@@ -67,7 +76,7 @@ def frustum(
     mantle = _mantle(bottom, top, height, rho, up)
     widest = max(bottom, top, key=lambda radius: default(radius, letters))
     bounds = _bounds(base, widest, height, letters)
-    return Shape(R0.conjunction(mantle, between(up, 0, height, letters)), SPACE, letters=letters, bounds=bounds)
+    return Shape(system.conjunction(mantle, between(up, 0, height, letters)), SPACE, letters=letters, bounds=bounds)
 
 
 def nappe(angle: Any = sp.pi / 4, apex: Any = (0, 0, 0), *, letters: LetterMapping = None) -> Shape:

@@ -17,7 +17,7 @@ from rsym.model.shape import Shape
 from rsym.model.symbols import SPACE
 
 
-def segment(start: Any, end: Any, *, letters: LetterMapping = None) -> Shape:
+def segment(start: Any = (-1, 0), end: Any = (1, 0), *, letters: LetterMapping = None) -> Shape:
     """The segment between two points: the line, trimmed by the disc that has it as diameter.
 
     trimming(f, t) with the distance f to the line and t = (place - start).(end - place)/L, L the length.
@@ -91,6 +91,8 @@ def polyline(points: Any, closed: bool = False, order: Any = 2, *, letters: Lett
 
 def graph(points: Any, edges: Any, order: Any = 2, *, letters: LetterMapping = None) -> Shape:
     """Points joined by segments: as a polyline, with branches.
+
+    Off the points normalised to order m on either side, at most to order 6. Analytic off the graph.
 
     Parameters
     ----------

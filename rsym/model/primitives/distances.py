@@ -7,7 +7,7 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, default, number
+from rsym.model.arguments import LetterMapping, default, number, shown
 
 
 def within(squared: sp.Expr, radius: sp.Expr, exact: bool = False) -> sp.Expr:
@@ -39,9 +39,10 @@ def between(place: sp.Expr, lower: Any, upper: Any, letters: LetterMapping = Non
     z*(2 - z)/2
     """
     low, high = number(lower, "the lower end"), number(upper, "the upper end")
-    if default(high - low, letters, "an end") <= 0:
+    sizes = default(low, letters, "the lower end"), default(high, letters, "the upper end")
+    if sizes[0] >= sizes[1]:
         raise RsymError(
-            f"the lower end must be below the upper one, got {lower} and {upper}",
+            f"the lower end must be below the upper one, got {shown(low, sizes[0])} and {shown(high, sizes[1])}",
             code="interval",
             remedy="exchange the two",
         )

@@ -13,7 +13,7 @@ from rsym.model.primitives.extents import centred
 from rsym.model.primitives.superquadrics import superquadric
 from rsym.model.shape import Shape
 from rsym.model.symbols import PLANE, x, y
-from rsym.model.systems import R0
+from rsym.model.systems import R0, RSystem
 from rsym.model.vectors import dot, minus, norm, squared
 
 
@@ -58,7 +58,7 @@ def strip(lower: Any = -1, upper: Any = 1, direction: Any = (1, 0), *, letters: 
     return Shape(between(along, lower, upper, letters), PLANE, letters=letters)
 
 
-def line(start: Any, end: Any, *, letters: LetterMapping = None) -> Shape:
+def line(start: Any = (0, 0), end: Any = (1, 0), *, letters: LetterMapping = None) -> Shape:
     """((x - x1)*(y2 - y1) - (y - y1)*(x2 - x1))/L: the half-plane to the right of the line from start to end.
 
     Exact: the signed distance from the line through both points, L apart. Analytic everywhere; unbounded.
@@ -179,10 +179,12 @@ def superellipse(
     return superquadric(PLANE, axes, power, point(centre, 2, "the centre"), length, letters)
 
 
-def rectangle(width: Any = 2, height: Any = 1, centre: Any = (0, 0), *, letters: LetterMapping = None) -> Shape:
-    """The conjunction (R_0) of two strips (a**2 - x**2)/(2 a), a half the side: width along x, height along y.
+def rectangle(
+    width: Any = 2, height: Any = 1, centre: Any = (0, 0), *, system: RSystem = R0, letters: LetterMapping = None
+) -> Shape:
+    """The conjunction of two strips (a**2 - x**2)/(2 a), a half the side: width along x, height along y.
 
-    Normalised to order 1 on the sides. Analytic except at the corners, where it is continuous.
+    Normalised to order 1 on the sides, in R_0. Analytic there except at the corners, where it is continuous.
 
     Raises
     ------
@@ -199,4 +201,4 @@ def rectangle(width: Any = 2, height: Any = 1, centre: Any = (0, 0), *, letters:
     halves = tuple(positive(side, f"the {name}", letters) / 2 for name, side in sides)
     centre = point(centre, 2, "the centre")
     strips = (within(part**2, half) for half, part in zip(halves, minus(PLANE, centre), strict=True))
-    return Shape(R0.conjunction(*strips), PLANE, letters=letters, bounds=centred(centre, halves, letters))
+    return Shape(system.conjunction(*strips), PLANE, letters=letters, bounds=centred(centre, halves, letters))

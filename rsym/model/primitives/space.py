@@ -15,7 +15,7 @@ from rsym.model.primitives.distances import between, within
 from rsym.model.primitives.extents import box_around, centred
 from rsym.model.shape import Shape
 from rsym.model.symbols import SPACE
-from rsym.model.systems import R0
+from rsym.model.systems import R0, RSystem
 from rsym.model.vectors import cross, dot, minus, norm, squared
 
 
@@ -85,11 +85,18 @@ def sphere(radius: Any = 1, centre: Any = (0, 0, 0), exact: bool = False, *, let
 
 
 def box(
-    width: Any = 2, depth: Any = 2, height: Any = 2, centre: Any = (0, 0, 0), *, letters: LetterMapping = None
+    width: Any = 2,
+    depth: Any = 2,
+    height: Any = 2,
+    centre: Any = (0, 0, 0),
+    *,
+    system: RSystem = R0,
+    letters: LetterMapping = None,
 ) -> Shape:
-    """The conjunction (R_0) of three slabs (a**2 - x**2)/(2 a), a half the side: width along x, depth y, height z.
+    """The conjunction of three slabs (a**2 - x**2)/(2 a), a half the side: width along x, depth y, height z.
 
-    Normalised to order 1 on the faces. Analytic except on the lines through edges, where it is continuous.
+    Normalised to order 1 on the faces, in R_0. Analytic there except on the lines through edges, where it is
+    continuous.
 
     Raises
     ------
@@ -106,14 +113,21 @@ def box(
     halves = tuple(positive(side, f"the {name}", letters) / 2 for name, side in sides)
     centre = point(centre, 3, "the centre")
     slabs = (within(part**2, half) for half, part in zip(halves, minus(SPACE, centre), strict=True))
-    return Shape(R0.conjunction(*slabs), SPACE, letters=letters, bounds=centred(centre, halves, letters))
+    return Shape(system.conjunction(*slabs), SPACE, letters=letters, bounds=centred(centre, halves, letters))
 
 
-def cylinder(radius: Any = 1, height: Any = None, centre: Any = (0, 0, 0), *, letters: LetterMapping = None) -> Shape:
+def cylinder(
+    radius: Any = 1,
+    height: Any = None,
+    centre: Any = (0, 0, 0),
+    *,
+    system: RSystem = R0,
+    letters: LetterMapping = None,
+) -> Shape:
     """(R**2 - rho**2)/(2 R), rho the distance from the axis, parallel to z; cut by a slab where there is a height.
 
-    Normalised to order 1 on the mantle and the ends. Analytic, axis included, except on the rims, where it is
-    continuous. Without a height it is infinite and has no bounds.
+    Normalised to order 1 on the mantle and the ends, in R_0. Analytic there, axis included, except on the rims, where
+    it is continuous. Without a height it is infinite and has no bounds.
 
     Raises
     ------
@@ -136,7 +150,7 @@ def cylinder(radius: Any = 1, height: Any = None, centre: Any = (0, 0, 0), *, le
         return Shape(mantle, SPACE, letters=letters)
     half = positive(height, "the height", letters) / 2
     bounds = centred(centre, (radius, radius, half), letters)
-    return Shape(R0.conjunction(mantle, within(along**2, half)), SPACE, letters=letters, bounds=bounds)
+    return Shape(system.conjunction(mantle, within(along**2, half)), SPACE, letters=letters, bounds=bounds)
 
 
 def capsule(
