@@ -164,18 +164,28 @@ def _function(expansion):
 
 
 def _on_boundary(expansion, points, extent):
-    """Newton along the gradient, in double and then in extended precision; what does not arrive is dropped."""
-    for real in (*[np.float64] * 25, *[REAL] * 4):
-        value, gradients = expansion.value_and_gradient(points, real)
-        squares = (gradients**2).sum(axis=1)
-        with np.errstate(all="ignore"):
-            steps = -(value / squares)[:, None] * gradients
-            lengths = np.sqrt((steps**2).sum(axis=1))
-            steps *= np.minimum(1, 0.2 * extent / lengths)[:, None]
-        keep = np.isfinite(steps).all(axis=1) | (value == 0)
-        points = points.astype(real)[keep] + np.nan_to_num(steps[keep])
-    arrived = (lengths[keep] < 1e-15 * extent) & (squares[keep] > 1e-12)
-    return points[arrived]
+    """Newton in double precision until half of the points have arrived, then for these in extended precision."""
+    for _ in range(25):
+        points, lengths, _ = _newton(expansion, points, extent, np.float64)
+        arrived = lengths < 1e-9 * extent
+        if 2 * arrived.sum() >= len(points):
+            break
+    points = points[arrived]
+    for _ in range(3):
+        points, lengths, squares = _newton(expansion, points, extent, REAL)
+    return points[(lengths < 1e-15 * extent) & (squares > 1e-12)]
+
+
+def _newton(expansion, points, extent, real):
+    """A step along the gradient: points, lengths of the steps, squares of the gradients, where these are defined."""
+    value, gradients = expansion.value_and_gradient(points, real)
+    squares = (gradients**2).sum(axis=1)
+    with np.errstate(all="ignore"):
+        steps = -(value / squares)[:, None] * gradients
+        lengths = np.sqrt((steps**2).sum(axis=1))
+        steps *= np.minimum(1, 0.2 * extent / lengths)[:, None]
+    keep = np.isfinite(steps).all(axis=1) | (value == 0)
+    return points.astype(real)[keep] + np.nan_to_num(steps[keep]), np.nan_to_num(lengths[keep]), squares[keep]
 
 
 def normal_derivatives(shape, points, normals, order, *, letters=None, offset=0.0):

@@ -140,7 +140,7 @@ def test_a_curve_without_inside_is_drawn_as_a_stroke():
 def test_a_body_fills_its_place_and_a_curve_in_space_is_a_thin_tube():
     seen = (drawn(rsym.sphere(2), resolution=30) < 250).any(axis=2)
     assert np.ptp(np.nonzero(seen)[0]) > 220
-    tube = (drawn(rsym.circle((0, 0, 0), 1), resolution=60) < 250).any(axis=2)
+    tube = (drawn(rsym.circle(1, (0, 0, 0)), resolution=60) < 250).any(axis=2)
     assert 0.02 < tube.mean() < 0.2
 
 
@@ -162,6 +162,9 @@ def test_cards_show_name_picture_formula_and_contract():
     assert "<summary>formula</summary>" not in first
     assert "<summary>formula</summary>" in second
     assert "base64" not in repr(shown)
+    named = rsym.cards({"segment": rsym.segment((-1, 0), (1, 0))})._repr_html_()
+    assert r"\mathrm{segment}" in named
+    assert re.search(r"<summary>written out</summary><small>\$\\omega.*\\rho", named)
 
 
 def test_a_gallery_has_its_titles_in_rows_and_is_never_empty():

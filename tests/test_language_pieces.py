@@ -86,12 +86,12 @@ CALLS = {
             lambda: rsym.graph([(0, 0, a), (1, 1, 1), (2, 0, b)], [(0, 1), (0, 2)], letters=LETTERS),
         )
     ],
-    "circle": [("circle([b, 0], a)", lambda: rsym.circle((b, 0), a, letters=LETTERS))],
+    "circle": [("circle(a, [b, 0])", lambda: rsym.circle(a, (b, 0), letters=LETTERS))],
     "arc": [
-        ("arc([0, b], a, 0, pi/3)", lambda: rsym.arc((0, b), a, 0, sp.pi / 3, letters=LETTERS)),
+        ("arc(a, 0, pi/3, [0, b])", lambda: rsym.arc(a, 0, sp.pi / 3, (0, b), letters=LETTERS)),
         (
-            "arc([0, b, 0], a, 0.5, 2, axis = [0, 3, 4])",
-            lambda: rsym.arc((0, b, 0), a, HALF, 2, (0, 3, 4), letters=LETTERS),
+            "arc(a, 0.5, 2, [0, b, 0], axis = [0, 3, 4])",
+            lambda: rsym.arc(a, HALF, 2, (0, b, 0), (0, 3, 4), letters=LETTERS),
         ),
     ],
     "helix": [("helix(2, a, turns = 3)", lambda: rsym.helix(2, a, 3, letters=LETTERS))],
@@ -208,12 +208,21 @@ LETTERS_OF = {str(symbol): rsym.Letter(value) for symbol, value in LETTERS.items
 def test_the_system_of_the_model_is_that_of_its_pieces():
     loaded = rsym.loads("system R1; omega = extrude(1 - x^2 - y^2, 0, 1)")
     assert loaded.expression == rsym.R1.conjunction(1 - x**2 - y**2, z * (1 - z))
+    assert rsym.loads("system R1; omega = box(1, 2, 3)").expression == rsym.box(1, 2, 3, system=rsym.R1).expression
 
 
 def test_other_coordinates_mean_the_same():
     own = rsym.loads("coordinates u v w; letter x = 2; omega = extrude(u^2 - v*x, 0, 1)")
     u, v, w, letter = (sp.Symbol(name, real=True) for name in "uvwx")
     assert own.expression == rsym.conjunction(u**2 - v * letter, w * (1 - w))
+
+
+def test_a_decimal_in_python_is_the_decimal_of_a_model_file():
+    assert rsym.disc(0.6, (0.1, -2.5e-3)).expression == rsym.loads("omega = disc(0.6, [0.1, -0.0025])").expression
+    assert rsym.disc(0.6).contract().order == 1
+    measured = rsym.disc(0.123456789012)
+    assert measured.expression.has(sp.Float)
+    assert measured.contract().order is None
 
 
 def test_what_is_in_space_makes_the_model_one_of_space():
@@ -227,7 +236,7 @@ def test_what_is_in_space_makes_the_model_one_of_space():
 def test_decisions_are_made_at_the_values_of_the_variant():
     text = "letter a = 1; variant low: a = -1; omega = extrude(x, 0, a)"
     assert rsym.loads(text).letters["a"].default == 1
-    with pytest.raises(RsymError, match=r"line 1, column 44: extrude: .* positive, got a = -1"):
+    with pytest.raises(RsymError, match=r"line 1, column 44: extrude: .* below the upper one, got 0 and a = -1"):
         rsym.loads(text, variant="low")
 
 

@@ -82,7 +82,7 @@ def test_the_condition_of_the_paper_s_body_is_where_proofs_turn():
     ("skeleton", "profile", "limit"),
     [
         (polyline([(0, 0), (3, 0), (3, 2)]), R - x / 10, sp.Rational(3, 10)),
-        (arc((0, 0), 2, 0, sp.pi / 2), R - x / 4, sp.Rational(1, 2)),
+        (arc(2, 0, sp.pi / 2), R - x / 4, sp.Rational(1, 2)),
     ],
 )
 def test_the_conditions_of_other_bodies_are_where_proofs_turn(skeleton, profile, limit):
@@ -113,9 +113,9 @@ PATHS = {
         R + S * (x - y) + T * x * y,
         sampled([(0.0, 0), (2, 0), (1, 2), (0, 0)]),
     ),
-    "arc": (arc((0, 0), 2, -1, 4), R + S * x + T * y, bow(2, -1, 4)),
-    "arc, even": (arc((0, 0), 2, -2, 2), R + S * x**2 + T * x, bow(2, -2, 2)),
-    "circle": (circle((0, 0), 2), R + S * x + T * y, bow(2, 0, 2 * np.pi)),
+    "arc": (arc(2, -1, 4), R + S * x + T * y, bow(2, -1, 4)),
+    "arc, even": (arc(2, -2, 2), R + S * x**2 + T * x, bow(2, -2, 2)),
+    "circle": (circle(2), R + S * x + T * y, bow(2, 0, 2 * np.pi)),
     "trimmed line": (
         Shape(rsym.trimming((3 * x - 4 * y) / 5, (x + 1) * (2 - x)), (x, y)),
         R + S * x + T * x * y,
@@ -151,7 +151,7 @@ def test_in_space_paths_run_where_the_curves_do():
     bone = graph([(0, 0, 0), (0, 0, 3), (1, 0, 4), (-1, 0, 4)], [(0, 1), (1, 2), (1, 3)])
     assert analytic_condition(bone, R - z, letters={R: 1}).subs({R: 4}) == sp.false
     assert analytic_condition(bone, R - z, letters={R: 1}).subs({R: sp.Rational(401, 100)}) == sp.true
-    hoop = circle((0, 0, 1), 2, axis=(0, 3, 4))
+    hoop = circle(2, (0, 0, 1), axis=(0, 3, 4))
     top = 1 + 2 * sp.Rational(3, 5)
     assert truth(analytic_condition(hoop, R - z, letters={R: 1}), {R: top + sp.Rational(1, 100)})
     assert not truth(analytic_condition(hoop, R - z, letters={R: 1}), {R: top})

@@ -9,8 +9,10 @@ import sympy as sp
 from rsym.analysis.differential import derivative, gradient
 from rsym.analysis.tensors import indices, partials, unit_index, weight
 from rsym.errors import RsymError
+from rsym.model.primitives.theorem import normalised
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression
+from rsym.model.vectors import squared
 
 
 def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
@@ -69,8 +71,7 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
     unit = as_expression(length)
     if unit.is_number and not unit.is_positive:
         raise RsymError(f"the length must be positive, got {length}", code="length")
-    squared = sp.Add(*(component**2 for component in gradient(shape)))
-    result = unit * (shape.expression / sp.sqrt(shape.expression**2 + unit**2 * squared))
+    result = normalised(shape.expression, squared(gradient(shape)), unit)
     for step in range(2, order + 1):
         result = _next_order(result, step, shape.coordinates)
     return shape.replace(expression=result)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from decimal import Decimal
 from typing import Any, TypeAlias
 
 import sympy as sp
@@ -16,23 +17,25 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letter, as_letters
 from rsym.model.symbols import as_expression, real_replacements
 from rsym.model.traversal import substitute, symbols_of
+from rsym.model.vectors import norm
 
 LetterMapping: TypeAlias = Mapping[Any, Letter | float] | None
+LONGEST_DECIMAL = 8  # digits: what people type; measured and computed numbers have 15 to 17
 Point: TypeAlias = tuple[sp.Expr, ...]
 
 _COORDINATES = ("x", "y", "z")
 
 
 def number(value: Any, what: str) -> sp.Expr:
-    """A finite real number or an expression in letters, symbols real.
+    """A finite real number or an expression in letters, symbols real; decimals are exact.
 
     Examples
     --------
-    >>> number(2, "the radius")
-    2
+    >>> number(2, "the radius"), number(0.6, "the radius")
+    (2, 3/5)
     """
     try:
-        expression = as_expression(value)
+        expression = as_expression(_typed(value) if isinstance(value, float) else value)
     except RsymError as error:
         raise RsymError(f"{what} must be a number or an expression in letters, got {value!r}", code="number") from error
     real = real_replacements([expression])
@@ -40,6 +43,13 @@ def number(value: Any, what: str) -> sp.Expr:
     if not isinstance(expression, sp.Expr) or expression.has(sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I):
         raise RsymError(f"{what} must be finite and real, got {value!r}", code="number")
     return expression
+
+
+def _typed(value: float) -> Any:
+    """A float of a few digits is the decimal that was typed, so that formulas stay exact; others are what they are."""
+    text = repr(float(value))
+    short = math.isfinite(value) and len(Decimal(text).as_tuple().digits) <= LONGEST_DECIMAL
+    return sp.Rational(text) if short else float(value)
 
 
 def default(expression: sp.Expr, letters: LetterMapping, what: str = "a parameter") -> float:
@@ -78,9 +88,20 @@ def positive(value: Any, what: str, letters: LetterMapping = None) -> sp.Expr:
     expression = number(value, what)
     size = default(expression, letters, what)
     if size <= 0:
-        shown = str(value) if expression.is_number else f"{value} = {size:g}"
-        raise RsymError(f"{what} must be positive, got {shown}", code="positive")
+        raise RsymError(f"{what} must be positive, got {shown(expression, size)}", code="positive")
     return expression
+
+
+def shown(expression: sp.Expr, size: float) -> str:
+    """A number for a message; of an expression in letters its value too.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> shown(sp.Symbol("a") - 2, -1)
+    'a - 2 = -1'
+    """
+    return str(expression) if expression.is_number else f"{expression} = {size:g}"
 
 
 def whole(value: Any, what: str, least: int) -> int:
@@ -105,16 +126,33 @@ def point(value: Any, dimension: int, what: str) -> Point:
     return tuple(number(item, what) for item in items)
 
 
-def direction(value: Any, dimension: int, what: str, letters: LetterMapping = None) -> Point:
-    """A unit vector: the given one over its length, which must not be zero.
+def unit_vector(value: Any, dimension: int, what: str, letters: LetterMapping = None) -> Point:
+    """A direction as a vector of length 1: the given one over its length, which must not be zero.
 
     Examples
     --------
-    >>> direction((3, 4), 2, "the normal")
+    >>> unit_vector((3, 4), 2, "the normal")
     (3/5, 4/5)
     """
     given = point(value, dimension, what)
     if all(default(component, letters, what) == 0 for component in given):
         raise RsymError(f"{what} must not be the zero vector", code="direction")
-    length = sp.sqrt(sp.Add(*(component**2 for component in given)))
+    length = norm(given)
     return tuple(component / length for component in given)
+
+
+def coordinate(value: Any, coordinates: Sequence[sp.Symbol], what: str = "the axis") -> int:
+    """Which of the coordinates a symbol, a name or a number from 0 on is.
+
+    Examples
+    --------
+    >>> from rsym import x, y
+    >>> coordinate("y", (x, y))
+    1
+    """
+    names = [symbol.name for symbol in coordinates]
+    if isinstance(value, int) and not isinstance(value, bool) and 0 <= value < len(names):
+        return value
+    if str(value) not in names:
+        raise RsymError(f"{what} must be one of the coordinates {', '.join(names)}, got {value}", code="axis")
+    return names.index(str(value))

@@ -8,8 +8,10 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, default, number, positive
+from rsym.model.arguments import LetterMapping, default, number
 from rsym.model.letters import Letters
+from rsym.model.primitives.distances import between
+from rsym.model.primitives.extents import ROOM
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symbols import as_expression, real_symbol, x
@@ -87,19 +89,6 @@ def extrude(shape: Shape, lower: Any, upper: Any, *, system: RSystem = R0, lette
     return _joined(shape, slab, (third,), system, letters, _with_heights(shape.bounds, heights))
 
 
-def between(coordinate: sp.Expr, lower: sp.Expr, upper: sp.Expr, letters: LetterMapping = None) -> sp.Expr:
-    """(upper - t)(t - lower)/(upper - lower): positive between the two, normalised to order 1.
-
-    Examples
-    --------
-    >>> from rsym import z
-    >>> between(z, 0, 2)
-    z*(2 - z)/2
-    """
-    width = positive(upper - lower, "upper - lower", letters)
-    return (upper - coordinate) * (coordinate - lower) / width
-
-
 def product(first: Shape, second: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
     """The Cartesian product omega_1(x, y) and omega_2(z): points whose (x, y) lies in one and whose z in the other.
 
@@ -109,6 +98,11 @@ def product(first: Shape, second: Any, *, system: RSystem = R0, letters: LetterM
         In the plane.
     second : expression
         In the third coordinate and letters, positive inside.
+
+    Raises
+    ------
+    RsymError
+        For a shape in space, or a factor with a coordinate of the first in it.
 
     Examples
     --------
@@ -140,6 +134,11 @@ def section(shape: Shape, axis: Any, place: Any = 0, *, letters: LetterMapping =
         The coordinate that is fixed.
     place : number or expression
         Its value; in letters and, for a slanted or bent cut, in the other coordinates.
+
+    Raises
+    ------
+    RsymError
+        For a shape in the plane, or something that is not one of its coordinates.
 
     Examples
     --------
@@ -182,6 +181,11 @@ def sweep(
     changes : mapping or pairs
         {letter: expression in z and letters}.
 
+    Raises
+    ------
+    RsymError
+        For a shape in space, letters it has not, or heights that do not increase.
+
     Examples
     --------
     >>> import rsym, sympy as sp
@@ -196,9 +200,11 @@ def sweep(
     for name, _ in pairs:
         if name not in profile.letters:
             raise RsymError(f"the profile has no letter {name!r}", code="unknown-letter", remedy="name one of its own")
-    changed = {real_symbol(name): value for name, value in pairs}
-    kept = Letters({name: letter for name, letter in profile.letters.items() if real_symbol(name) not in changed})
-    mentioned = {symbol.name for symbol in symbols_of(*changed.values())} & profile.letters.keys()
+    new = dict(pairs)
+    formulas = (profile.expression, *(part for _, part in profile.parts))
+    changed = {symbol: new[symbol.name] for symbol in symbols_of(*formulas) if symbol.name in new}
+    kept = Letters({name: letter for name, letter in profile.letters.items() if name not in new})
+    mentioned = {symbol.name for symbol in symbols_of(*new.values())} & profile.letters.keys()
     kept = kept.merge(Letters({name: profile.letters[name] for name in mentioned}))
     moving = Shape(
         substitute(profile.expression, changed),
@@ -258,5 +264,5 @@ def _with_heights(bounds: Bounds | None, heights: tuple[float, float]) -> Bounds
     """The box of a plane shape made a box in space, a tenth of the height free above and below."""
     if bounds is None:
         return None
-    room = 0.1 * (heights[1] - heights[0])
+    room = ROOM * (heights[1] - heights[0])
     return (*bounds, (heights[0] - room, heights[1] + room))

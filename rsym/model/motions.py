@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, default, direction, number, point, positive
+from rsym.model.arguments import LetterMapping, coordinate, default, number, point, positive, unit_vector
 from rsym.model.letters import Letters
 from rsym.model.traversal import symbols_of
 
@@ -80,7 +80,7 @@ class Movable:
         if self.dimension == 2:
             matrix = Matrix([[sp.cos(turn), -sp.sin(turn)], [sp.sin(turn), sp.cos(turn)]])
         else:
-            matrix = _about(unit_vector(self, 2 if axis is None else axis, "an axis", letters), turn)
+            matrix = _about(axis_vector(self, self.coordinates[2] if axis is None else axis, "an axis", letters), turn)
         return _about_centre(self, matrix, matrix.T, centre, letters)
 
     def scale(self, factor: Any, centre: Any = None, *, letters: LetterMapping = None) -> Shape:
@@ -116,19 +116,29 @@ class Movable:
         normal : coordinate or direction
             n, made a unit vector.
 
+        Raises
+        ------
+        RsymError
+            For a normal without direction.
+
         Examples
         --------
         >>> import rsym
         >>> rsym.Shape(rsym.x - 1, (rsym.x, rsym.y)).mirror(rsym.x).expression
         -x - 1
         """
-        unit = Matrix(unit_vector(self, normal, "a normal", letters))
+        unit = Matrix(axis_vector(self, normal, "a normal", letters))
         matrix = sp.eye(self.dimension) - 2 * unit * unit.T
         offset = 2 * number(distance, "a distance") * unit
         return _moved(self, matrix, matrix, offset, letters)
 
     def shear(self, along: Any, by: Any, amount: Any, *, letters: LetterMapping = None) -> Shape:
         """Every point moved along one coordinate by an amount times another; omega is not normalised any more.
+
+        Raises
+        ------
+        RsymError
+            For something that is no coordinate, or twice the same.
 
         Examples
         --------
@@ -137,7 +147,7 @@ class Movable:
         >>> rsym.Shape(1 - x**2, (x, y)).shear(x, y, 2).expression
         1 - (x - 2*y)**2
         """
-        row, column = _axis(self, along), _axis(self, by)
+        row, column = (coordinate(given, self.coordinates, "the direction of a shear") for given in (along, by))
         if row == column:
             raise RsymError(f"a shear along {along} goes by another coordinate", code="shear")
         share = sp.zeros(self.dimension, self.dimension)
@@ -146,42 +156,26 @@ class Movable:
         return _moved(self, one + share, one - share, sp.zeros(self.dimension, 1), letters)
 
 
-def unit_vector(shape: Movable, given: Any, what: str, letters: LetterMapping) -> tuple[sp.Expr, ...]:
-    """A coordinate, by number, name or symbol, or a direction.
+def axis_vector(shape: Movable, given: Any, what: str, letters: LetterMapping) -> tuple[sp.Expr, ...]:
+    """The direction of a coordinate, or any other, as a vector of length 1.
 
     Examples
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> [unit_vector(rsym.Shape(x, (x, y)), given, "a normal", None) for given in (y, (3, 4))]
+    >>> [axis_vector(rsym.Shape(x, (x, y)), given, "a normal", None) for given in (y, (3, 4))]
     [(0, 1), (3/5, 4/5)]
     """
     if isinstance(given, int | str | sp.Symbol):
-        position = _position(shape, given) if isinstance(given, int) else _axis(shape, given)
+        position = coordinate(given, shape.coordinates, what)
         return tuple(sp.Integer(k == position) for k in range(shape.dimension))
-    return direction(given, shape.dimension, what, shape.letters.merge(letters))
+    return unit_vector(given, shape.dimension, what, shape.letters.merge(letters))
 
 
 def _items(value: Any, count: int, what: str) -> list[Any]:
     if len(value) != count:
         raise RsymError(f"expected {count} {what}, got {len(value)}", code="point")
     return list(value)
-
-
-def _axis(shape: Movable, given: Any) -> int:
-    """Which coordinate a symbol or a name is."""
-    names = [symbol.name for symbol in shape.coordinates]
-    if str(given) not in names:
-        raise RsymError(f"expected one of the coordinates {', '.join(names)}, got {given!r}", code="axis")
-    return names.index(str(given))
-
-
-def _position(shape: Movable, given: int) -> int:
-    """Which coordinate a number is, counted from 0."""
-    if isinstance(given, bool) or not 0 <= given < shape.dimension:
-        names = ", ".join(symbol.name for symbol in shape.coordinates)
-        raise RsymError(f"expected one of the coordinates {names}, got {given!r}", code="axis")
-    return given
 
 
 def _about(axis: tuple[sp.Expr, ...], angle: sp.Expr) -> Matrix:

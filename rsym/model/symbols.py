@@ -18,6 +18,8 @@ from rsym.model.traversal import symbols_of
 x: sp.Symbol = sp.Symbol("x", real=True)
 y: sp.Symbol = sp.Symbol("y", real=True)
 z: sp.Symbol = sp.Symbol("z", real=True)
+PLANE = (x, y)
+SPACE = (x, y, z)
 
 
 def real_symbol(name: str) -> sp.Symbol:

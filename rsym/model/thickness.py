@@ -15,6 +15,11 @@ def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Sha
     It is the true offset as far as omega measures distance: near the boundary if omega is normalised, everywhere
     if it is exact.
 
+    Raises
+    ------
+    RsymError
+        For a distance that is no number.
+
     Examples
     --------
     >>> import rsym
@@ -33,6 +38,11 @@ def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: Letter
 
     The two never vanish together, so nothing is lost in smoothness; normalised to order 1 where omega is 0, and
     on the inner side as far as |grad omega| = 1 there.
+
+    Raises
+    ------
+    RsymError
+        For a thickness that is not positive.
 
     Examples
     --------

@@ -5,21 +5,23 @@ from __future__ import annotations
 import base64
 import html
 import io
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rsym.errors import RsymError
+from rsym.model.nodes import Composition
 from rsym.model.shape import Bounds, Shape, latex
+from rsym.model.traversal import rebuild
 from rsym.output.portraits import draw_portrait
 
 SIZE = (2.5, 2.0)  # inches of a picture
 DPI = 144  # as sharp as fine screens are
 QUALITY = 80  # of WebP: a third of what the same picture takes as a PNG
 TITLE = 0.28  # inches for the name above a picture
-LONG = 700  # characters of LaTeX: a longer formula is folded
+LONG, LONGEST = 700, 6000  # characters of LaTeX: what is longer is folded, and what nobody would read is left out
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class Card:
         lines = (
             f"<b>{name}</b>",
             f'<img style="width: 100%" alt="{name}" src="data:image/webp;base64,{image}">',
-            _formula(latex(self.shape)),
+            *_formulas(self.shape),
             _folded(str(contract).partition("\n")[0].replace("omega", "ω"), contract._repr_html_()),
         )
         return "".join(f'<div style="overflow-x: auto; margin: 2px">{line}</div>' for line in lines)
@@ -109,9 +111,17 @@ def plot_gallery(
     return figure
 
 
-def _formula(text: str) -> str:
-    typeset = f"${html.escape(text)}$"
-    return typeset if len(text) < LONG else _folded("formula", typeset)
+def _formulas(shape: Shape) -> Iterator[str]:
+    """The formula; then its compositions, which have names in it, written out."""
+    text = latex(shape)
+    yield _typeset(text) if len(text) < LONG else _folded("formula", _typeset(text))
+    whole = rebuild(shape.expression, lambda part: part.composition() if isinstance(part, Composition) else None)
+    if whole != shape.expression and len(text := latex(shape.replace(expression=whole))) < LONGEST:
+        yield _folded("written out", _typeset(text))
+
+
+def _typeset(text: str) -> str:
+    return f"${html.escape(text)}$"
 
 
 def _folded(summary: str, page: str) -> str:

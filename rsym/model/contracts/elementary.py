@@ -57,7 +57,13 @@ def _product(part: sp.Mul, least: Least) -> Promise:
 def _power(part: sp.Expr, least: Least) -> Promise:
     base, exponent = part.as_base_exp() if isinstance(part, sp.exp) else part.args
     if base == sp.E:
-        return Promise((exponent,), law="positive", truth=lambda s: 1, monotone=(1,), image=ends.rising(sp.exp))
+        return Promise(
+            (exponent,),
+            law="positive",
+            truth=lambda s: 1,
+            monotone=(1,),
+            image=ends.rising(_plain(sp.exp)),
+        )
     if exponent.is_Integer:
         return _whole_power(base, exponent)
     squares, value = squares_of(base), least(exponent)

@@ -1,6 +1,6 @@
 """Interval rules: the ends of an image as expressions in the ends of the operands.
 
-Nothing is evaluated: SymPy's own Min, Max and sqrt would compare long
+Nothing is evaluated: SymPy's own Min, Max and Piecewise would compare long
 expressions. An end without a value, NaN once compiled, says nothing.
 """
 
@@ -12,6 +12,7 @@ import sympy as sp
 
 from rsym.model.choices import Choice
 from rsym.model.contracts.promises import Ends
+from rsym.model.rnodes import R1Conjunction, R1Disjunction
 
 
 def least(*values: sp.Expr) -> sp.Expr:
@@ -19,16 +20,16 @@ def least(*values: sp.Expr) -> sp.Expr:
 
     Examples
     --------
-    >>> from rsym import x
-    >>> least(x, x + 1)
-    Min(x, x + 1)
+    >>> from rsym import x, y
+    >>> least(x, y)
+    conjunction(x, y, system=R1)
     """
-    return sp.nan if sp.nan in values else sp.Min(*values, evaluate=False)
+    return sp.nan if sp.nan in values else R1Conjunction(*values)
 
 
 def greatest(*values: sp.Expr) -> sp.Expr:
     """The largest, as a node that nothing evaluates; undefined if one is."""
-    return sp.nan if sp.nan in values else sp.Max(*values, evaluate=False)
+    return sp.nan if sp.nan in values else R1Disjunction(*values)
 
 
 def rising(function: Callable[..., sp.Expr]) -> Callable[..., Ends]:
@@ -54,8 +55,8 @@ def at_corners(function: Callable[[sp.Expr, sp.Expr], sp.Expr]) -> Callable[[End
 def size(ends: Ends) -> Ends:
     """The image of the absolute value."""
     low, high = ends
-    if low == high:
-        return (sp.Abs(low, evaluate=False),) * 2
+    if low is high:
+        return (greatest(low, -low),) * 2
     return greatest(low, -high, sp.S.Zero), greatest(-low, high)
 
 
@@ -91,8 +92,12 @@ def whole_power(ends: Ends, exponent: sp.Integer) -> Ends:
     low, high = size(ends) if exponent % 2 == 0 else ends
     if exponent > 0:
         return low**exponent, high**exponent
-    apart = greatest(ends[0], -ends[1])
-    return _where(apart, high**exponent), _where(apart, low**exponent)
+    return _apart(ends, high**exponent), _apart(ends, low**exponent)
+
+
+def _apart(ends: Ends, value: sp.Expr) -> sp.Expr:
+    """A value where zero lies outside."""
+    return Choice(ends[0], 0, value, Choice(0, ends[1], value, sp.nan))
 
 
 def real_power(ends: Ends, exponent: sp.Expr) -> Ends:
@@ -119,44 +124,51 @@ def triangle(place: Ends, period: sp.Expr, wave: Callable[..., sp.Expr]) -> Ends
 
 def sawtooth(place: Ends, period: sp.Expr, wave: Callable[..., sp.Expr]) -> Ends:
     """The image of a sawtooth: growing, all of it where a jump may be inside."""
-    clear, _ = _crests(tuple(2 * sp.pi * end / period for end in place))
-    return _where(clear, wave(place[0], period), -period / 2), _where(clear, wave(place[1], period), period / 2)
+    centre, reach, half = _crests([2 * sp.pi * end / period for end in place])
+    low, high = (wave(end, period) for end in place)
+    return _short_of(-centre, reach, half, low, -period / 2), _short_of(-centre, reach, half, high, period / 2)
 
 
 def _between_crests(angle: Ends, values: Ends, crest: sp.Expr) -> Ends:
     """The ends of a wave; a crest is inside where half the width is beyond the angle from the middle to it."""
-    above_lowest, below_highest = _crests(angle)
-    return _where(above_lowest, values[0], -crest), _where(below_highest, values[1], crest)
+    centre, reach, half = _crests(angle)
+    return _short_of(-centre, reach, half, values[0], -crest), _short_of(centre, reach, half, values[1], crest)
 
 
-def _crests(angle: Sequence[sp.Expr]) -> Ends:
-    """What is positive where no -1, and no 1, of the cosine is inside: less than a turn, and its cosine not reached."""
+def _crests(angle: Sequence[sp.Expr]) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+    """The cosines of the middle and of half the width, and that half."""
     half, middle = (angle[1] - angle[0]) / 2, (angle[0] + angle[1]) / 2
-    centre, reach = sp.cos(middle, evaluate=False), sp.cos(half, evaluate=False)
-    return least(sp.pi - half, reach + centre), least(sp.pi - half, reach - centre)
+    return sp.cos(middle, evaluate=False), sp.cos(half, evaluate=False), half
+
+
+def _short_of(centre: sp.Expr, reach: sp.Expr, half: sp.Expr, value: sp.Expr, crest: sp.Expr) -> sp.Expr:
+    """The value where no crest is inside."""
+    return Choice(sp.pi, half, Choice(reach, centre, value, crest), crest)
 
 
 def tangent(ends: Ends) -> Ends:
     """The image of tan, undefined where a pole may be inside."""
-    low, high = ends
-    half, middle = (high - low) / 2, (low + high) / 2
-    size_of_cosine = sp.Abs(sp.cos(middle, evaluate=False), evaluate=False)
-    apart = least(sp.pi / 2 - half, size_of_cosine - sp.sin(half, evaluate=False))
-    return _where(apart, sp.tan(low, evaluate=False)), _where(apart, sp.tan(high, evaluate=False))
+    centre, _, half = _crests(ends)
+    size = greatest(centre, -centre)
+
+    def inside(end: sp.Expr) -> sp.Expr:
+        clear = Choice(size, sp.sin(half, evaluate=False), sp.tan(end, evaluate=False), sp.nan)
+        return Choice(sp.pi / 2, half, clear, sp.nan)
+
+    return inside(ends[0]), inside(ends[1])
 
 
 def angle(ordinate: Ends, abscissa: Ends) -> Ends:
     """The image of atan2: the angles of the corners, or the whole turn where the box meets the cut y = 0, x <= 0."""
-    apart = greatest(abscissa[0], ordinate[0], -ordinate[1])
     low, high = at_corners(lambda v, u: sp.atan2(v, u, evaluate=False))(ordinate, abscissa)
-    return _where(apart, low, -sp.pi), _where(apart, high, sp.pi)
+
+    def apart(value: sp.Expr, otherwise: sp.Expr) -> sp.Expr:
+        below = Choice(0, ordinate[1], value, otherwise)
+        return Choice(abscissa[0], 0, value, Choice(ordinate[0], 0, value, below))
+
+    return apart(low, -sp.pi), apart(high, sp.pi)
 
 
 def hull(*ends: Ends) -> Ends:
     """An interval around several."""
     return least(*(low for low, _ in ends)), greatest(*(high for _, high in ends))
-
-
-def _where(quantity: sp.Expr, value: sp.Expr, otherwise: sp.Expr = sp.nan) -> sp.Expr:
-    """The value where a quantity is positive; SymPy would simplify a Piecewise in the condition of another."""
-    return Choice(quantity, sp.S.Zero, value, otherwise)

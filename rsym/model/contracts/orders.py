@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import sympy as sp
 
@@ -31,7 +32,8 @@ _PARTS = 800  # of a leaf: an ellipsoid normalised to order 2 has 250, an ellips
 _NODES = 3  # R-operations inside a leaf, each a root
 
 
-def leaf_order(leaf: sp.Expr, coordinates: Sequence[sp.Symbol]) -> Order:
+@lru_cache(maxsize=1024)
+def leaf_order(leaf: sp.Expr, coordinates: tuple[sp.Symbol, ...]) -> Order:
     """The order of a leaf: infinity for a distance, to HIGHEST, 0 where it is not normalised, None where not shown.
 
     Of a sum A + A**2 B + ... with a common factor A only the zeros of A count: see `boundary_of`.
@@ -50,12 +52,14 @@ def leaf_order(leaf: sp.Expr, coordinates: Sequence[sp.Symbol]) -> Order:
     try:
         plain = _plain(leaf)
         boundary, line = boundary_of(plain), Line(coordinates)
-        if _Along(plain, boundary, line, tuple(coordinates)).is_distance():
+        if _Along(plain, boundary, line, coordinates).is_distance():
             return math.inf
         lines = map(line.along, line.varying)
-        return weakest(*(_Along(plain, boundary, each, tuple(coordinates)).order() for each in lines))
+        order = weakest(*(_Along(plain, boundary, each, coordinates).order() for each in lines))
     except NotShown:
         return None
+    # What floats have been rounded to may well break an identity that was meant.
+    return None if order == 0 and leaf.has(sp.Float) else order
 
 
 def boundary_of(leaf: sp.Expr) -> sp.Expr:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from rsym.model.nodes import RealNode
 from rsym.model.traversal import postorder
 
 _PARTS = 60  # of what is expanded when a variable is eliminated: the fenders of a car take 25
@@ -61,12 +60,10 @@ def never_zero_together(equations: Sequence[sp.Expr], coordinates: Sequence[sp.S
     True
     """
     left = [part for equation in equations for part in squares_of(equation) or (equation,)]
-    if any(isinstance(part, RealNode) for equation in left for part in postorder(equation)):
-        return False
     while True:
         if any(not equation.free_symbols & set(coordinates) and equation != 0 for equation in left):
             return True
-        if sum(len(postorder(equation)) for equation in left) > _PARTS * len(left):
+        if any(len(postorder(equation)) > _PARTS or not equation.is_polynomial(*coordinates) for equation in left):
             return False
         solved = _solved(left, coordinates)
         if solved is None:

@@ -75,17 +75,7 @@ class Contract:
         >>> rsym.Shape(rsym.conjunction(x, -y), (x, y)).contract().monotone(y)
         -1
         """
-        wanted = as_expression(part.expression if isinstance(part, Leaf) else part)
-        known: dict[int, int | None] = {}
-        for piece in self._promises.parts():
-            if hash(piece) == hash(wanted) and piece == wanted:
-                known[id(piece)] = 1
-                continue
-            made = self._promises[piece]
-            slopes = made.monotone or (None,) * len(made.operands)
-            inner = [known[id(operand)] for operand in made.operands]
-            known[id(piece)] = _agreed(list(map(_chained, inner, slopes)))
-        return known[id(self._promises.root)]
+        return slope_of(self._promises, as_expression(part.expression if isinstance(part, Leaf) else part))
 
     def image(self, bounds: Mapping[Any, tuple[Any, Any]]) -> Ends:
         """Expressions for the lower and the upper end of omega over a box.
@@ -136,6 +126,20 @@ def contract(shape: Shape) -> Contract:
         names,
         promises,
     )
+
+
+def slope_of(promises: Promises, wanted: sp.Expr) -> int | None:
+    """How a formula changes with one part: +1, -1, 0 or None where nothing is promised."""
+    known: dict[int, int | None] = {}
+    for piece in promises.parts():
+        if hash(piece) == hash(wanted) and piece == wanted:
+            known[id(piece)] = 1
+            continue
+        made = promises[piece]
+        slopes = made.monotone or (None,) * len(made.operands)
+        inner = [known[id(operand)] for operand in made.operands]
+        known[id(piece)] = _agreed(list(map(_chained, inner, slopes)))
+    return known[id(promises.root)]
 
 
 def singularities(promises: Promises, coordinates: tuple[sp.Symbol, ...]) -> tuple[Singularity, ...]:

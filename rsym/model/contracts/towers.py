@@ -24,9 +24,9 @@ from rsym.model.contracts.polynomials import (
 Element: TypeAlias = dict[int, Polynomial]
 Relation: TypeAlias = tuple[Element, Element]  # a + b w = 0
 
+_EFFORT = 12_000  # products of polynomials: a lidinoid takes 5 700
 _ROOTS = 5  # 32 products of roots; the fenders of a car have one, a torus by its distance two
 _DEGREE = 160  # along a line: a gyroid, six sines and cosines of degree 2, has 36
-_WORK = 3_000_000  # products of coefficients, a second or two: a gyroid turned about (1, 1, 1) has 525 000, a car less
 
 
 class NotShown(Exception):
@@ -50,9 +50,9 @@ class Tower:
         self.modulus = modulus
         self._relations = relations or {}
         self.scales = scales or {}  # the roots of the relations are those of here times these
-        self._work = 0
         self._radicands: dict[int, Element] = {}
         self._roots: dict[int, Element] = {}
+        self._effort = 0
 
     def _reduced(self, polynomial: Polynomial) -> Polynomial:
         if self.modulus is not None:
@@ -76,13 +76,13 @@ class Tower:
 
     def multiply(self, f: Element, g: Element) -> Element:
         """The product; the square of a root is its radicand."""
+        self._effort += len(f) * len(g)
+        if self._effort > _EFFORT:
+            raise NotShown
         result: Element = {}
         for first, u in f.items():
             for second, v in g.items():
                 both = first & second
-                self._work += len(u) * len(v)
-                if self._work > _WORK:
-                    raise NotShown
                 term = self.reduced({first ^ second: multiplied(u, v)})
                 for number in range(both.bit_length()):
                     if both >> number & 1:

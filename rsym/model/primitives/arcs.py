@@ -8,14 +8,17 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, Point, default, direction, number, point, positive
-from rsym.model.primitives.curve_nodes import Arc, Circle, cross, dot
-from rsym.model.primitives.curves import box_around
+from rsym.model.arguments import LetterMapping, Point, default, number, point, positive, unit_vector
+from rsym.model.primitives.curve_nodes import Arc, Circle
+from rsym.model.primitives.extents import box_around
 from rsym.model.shape import Shape
-from rsym.model.symbols import x, y, z
+from rsym.model.symbols import SPACE
+from rsym.model.vectors import cross, dot
 
 
-def circle(centre: Any, radius: Any, axis: Any = None, exact: bool = False, *, letters: LetterMapping = None) -> Shape:
+def circle(
+    radius: Any = 1, centre: Any = (0, 0), axis: Any = None, exact: bool = False, *, letters: LetterMapping = None
+) -> Shape:
     """The line of a circle, without what is in it: |R**2 - r**2|/(2 R), r the distance to the centre.
 
     In space sqrt(f**2 + w**2) with the field f in the plane and the height w over it.
@@ -25,10 +28,10 @@ def circle(centre: Any, radius: Any, axis: Any = None, exact: bool = False, *, l
 
     Parameters
     ----------
-    centre : point
-        Of two numbers in the plane, of three in space.
     radius : positive number or expression
         R.
+    centre : point
+        Of two numbers in the plane, of three in space.
     axis : direction
         In space, at right angles to the circle; by default that of z.
     exact : bool
@@ -36,23 +39,28 @@ def circle(centre: Any, radius: Any, axis: Any = None, exact: bool = False, *, l
     letters : mapping, optional
         The values of letters in the numbers.
 
+    Raises
+    ------
+    RsymError
+        For a radius that is not positive, or an axis in the plane.
+
     Examples
     --------
     >>> import rsym
-    >>> rsym.compile(circle((0, 0), 1))([1.0, 0.0], [0.0, 2.0])["value"].tolist()
+    >>> rsym.compile(circle(1))([1.0, 0.0], [0.0, 2.0])["value"].tolist()
     [0.0, 1.5]
     """
     middle, first, second = _frame(centre, axis, letters)
     size = positive(radius, "the radius of a circle", letters)
-    node = Circle(*(x, y, z)[: len(middle)], *middle, *first, *second, size, sp.Integer(bool(exact)))
+    node = Circle(*SPACE[: len(middle)], *middle, *first, *second, size, sp.Integer(bool(exact)))
     return _on_circle(node, 0.0, math.tau, letters)
 
 
 def arc(
-    centre: Any,
-    radius: Any,
-    start: Any,
-    end: Any,
+    radius: Any = 1,
+    start: Any = 0,
+    end: Any = sp.pi,
+    centre: Any = (0, 0),
     axis: Any = None,
     exact: bool = False,
     *,
@@ -70,14 +78,14 @@ def arc(
 
     Parameters
     ----------
-    centre : point
-        Of two numbers in the plane, of three in space.
     radius : positive number or expression
         R.
     start, end : numbers or expressions
         Angles in radians, start < end < start + 2 pi, counterclockwise from the direction of x. In space they are
         counterclockwise for those the axis points at, from the direction of x as seen along the axis (of y if
         the axis is along x).
+    centre : point
+        Of two numbers in the plane, of three in space.
     axis : direction
         In space, at right angles to the arc; by default that of z.
     exact : bool
@@ -88,12 +96,13 @@ def arc(
     Raises
     ------
     RsymError
-        For angles that do not increase, or go once around or more.
+        For a radius that is not positive, an axis in the plane, angles that do not increase, or go once around
+        or more.
 
     Examples
     --------
     >>> import rsym, sympy as sp
-    >>> bow = arc((0, 0), 2, 0, sp.pi / 2)
+    >>> bow = arc(2, 0, sp.pi / 2)
     >>> rsym.compile(bow)([2.0, 0.0, 1.0], [0.0, 2.0, 1.0])["value"].round(6).tolist()
     [0.0, 0.0, 0.50087]
     """
@@ -105,9 +114,9 @@ def arc(
         raise RsymError(
             f"an arc needs start < end < start + 2 pi, got {low:g} and {high:g}",
             code="angles",
-            remedy="add 2 pi to the end, exchange the two, or take circle(centre, radius) for a whole one",
+            remedy="add 2 pi to the end, exchange the two, or take circle(radius, centre) for a whole one",
         )
-    node = Arc(*(x, y, z)[: len(middle)], *middle, *first, *second, size, *angles, sp.Integer(bool(exact)))
+    node = Arc(*SPACE[: len(middle)], *middle, *first, *second, size, *angles, sp.Integer(bool(exact)))
     return _on_circle(node, low, high, letters)
 
 
@@ -122,11 +131,11 @@ def _frame(centre: Any, axis: Any, letters: LetterMapping) -> tuple[Point, Point
                 remedy="give the centre three numbers for a circle in space",
             )
         return middle, (sp.S.One, sp.S.Zero), (sp.S.Zero, sp.S.One)
-    normal = direction((0, 0, 1) if axis is None else axis, 3, "the axis", letters)
+    normal = unit_vector((0, 0, 1) if axis is None else axis, 3, "the axis", letters)
     sideways = [default(component, letters, "the axis") for component in normal[1:]]
     seen = (1, 0, 0) if any(sideways) else (0, 1, 0)
     share = dot(normal, seen)
-    first = direction([a - share * n for a, n in zip(seen, normal, strict=True)], 3, "the axis", letters)
+    first = unit_vector([a - share * n for a, n in zip(seen, normal, strict=True)], 3, "the axis", letters)
     return point(centre, 3, "the centre"), first, cross(normal, first)
 
 

@@ -9,17 +9,21 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, number, point, positive
-from rsym.model.primitives.extents import around
-from rsym.model.primitives.space import ORIGIN, SPACE, from_centre
+from rsym.model.primitives.distances import between
+from rsym.model.primitives.extents import box_around
 from rsym.model.shape import Bounds, Shape
-from rsym.model.systems import R0
+from rsym.model.symbols import SPACE
+from rsym.model.systems import R0, RSystem
+from rsym.model.vectors import minus, norm
 
 
-def cone(radius: Any = 1, height: Any = 2, base: Any = ORIGIN, *, letters: LetterMapping = None) -> Shape:
-    """The conjunction (R_0) of the mantle ((h - z)*R - rho*h)/sqrt(R**2 + h**2) and z, measured from the base.
+def cone(
+    radius: Any = 1, height: Any = 2, base: Any = (0, 0, 0), *, system: RSystem = R0, letters: LetterMapping = None
+) -> Shape:
+    """The conjunction of the mantle ((h - z)*R - rho*h)/sqrt(R**2 + h**2) and z, measured from the base.
 
     rho is the distance from the axis, `base` the centre of the base, the apex h above it. The mantle is the
-    signed distance from its cone. Normalised to order 1; singular on the axis and continuous on the rim.
+    signed distance from its cone. Normalised to order 1, in R_0; singular on the axis and continuous on the rim.
 
     Raises
     ------
@@ -37,16 +41,23 @@ def cone(radius: Any = 1, height: Any = 2, base: Any = ORIGIN, *, letters: Lette
     rho, up = _meridian(base)
     mantle = _mantle(radius, sp.S.Zero, height, rho, up)
     bounds = _bounds(base, radius, height, letters)
-    return Shape(R0.conjunction(mantle, up), SPACE, letters=letters, bounds=bounds)
+    return Shape(system.conjunction(mantle, up), SPACE, letters=letters, bounds=bounds)
 
 
 def frustum(
-    bottom: Any = 2, top: Any = 1, height: Any = 2, base: Any = ORIGIN, *, letters: LetterMapping = None
+    bottom: Any = 2,
+    top: Any = 1,
+    height: Any = 2,
+    base: Any = (0, 0, 0),
+    *,
+    system: RSystem = R0,
+    letters: LetterMapping = None,
 ) -> Shape:
     """A cone cut across: radius `bottom` at the base, `top` a height h above it.
 
-    The conjunction (R_0) of the mantle (a*h - (a - b)*z - rho*h)/sqrt((a - b)**2 + h**2), a the radius of the bottom,
-    b of the top, and the slab z*(h - z)/h. Normalised to order 1; singular on the axis and continuous on the rims.
+    The conjunction of the mantle (a*h - (a - b)*z - rho*h)/sqrt((a - b)**2 + h**2), a the radius of the bottom,
+    b of the top, and the slab z*(h - z)/h. Normalised to order 1, in R_0; singular on the axis and continuous on the
+    rims.
 
     Raises
     ------
@@ -65,10 +76,10 @@ def frustum(
     mantle = _mantle(bottom, top, height, rho, up)
     widest = max(bottom, top, key=lambda radius: default(radius, letters))
     bounds = _bounds(base, widest, height, letters)
-    return Shape(R0.conjunction(mantle, up * (height - up) / height), SPACE, letters=letters, bounds=bounds)
+    return Shape(system.conjunction(mantle, between(up, 0, height, letters)), SPACE, letters=letters, bounds=bounds)
 
 
-def nappe(angle: Any = sp.pi / 4, apex: Any = ORIGIN, *, letters: LetterMapping = None) -> Shape:
+def nappe(angle: Any = sp.pi / 4, apex: Any = (0, 0, 0), *, letters: LetterMapping = None) -> Shape:
     """z*sin(a) - rho*cos(a), measured from the apex: one nappe of a cone that opens upwards, without end.
 
     a is the angle between axis and mantle. Exact: the signed distance from the mantle wherever its nearest point
@@ -90,7 +101,7 @@ def nappe(angle: Any = sp.pi / 4, apex: Any = ORIGIN, *, letters: LetterMapping 
     return Shape(up * sp.sin(angle) - rho * sp.cos(angle), SPACE, letters=letters)
 
 
-def double_cone(angle: Any = sp.pi / 4, apex: Any = ORIGIN, *, letters: LetterMapping = None) -> Shape:
+def double_cone(angle: Any = sp.pi / 4, apex: Any = (0, 0, 0), *, letters: LetterMapping = None) -> Shape:
     """u/|grad u| with u = z**2*sin(a)**2 - rho**2*cos(a)**2: both nappes, without a singular axis.
 
     |grad u|**2 = 4*(z**2*sin(a)**4 + rho**2*cos(a)**4) vanishes at the apex alone. Normalised to order 1, analytic
@@ -108,7 +119,7 @@ def double_cone(angle: Any = sp.pi / 4, apex: Any = ORIGIN, *, letters: LetterMa
     [0.0, 1.0]
     """
     angle = _half_angle(angle, letters)
-    across, aside, up = from_centre(point(apex, 3, "the apex"))
+    across, aside, up = minus(SPACE, point(apex, 3, "the apex"))
     sine, cosine = sp.sin(angle), sp.cos(angle)
     rise, reach = up**2 * sine**2, (across**2 + aside**2) * cosine**2
     slope = 2 * sp.sqrt(rise * sine**2 + reach * cosine**2)
@@ -117,13 +128,13 @@ def double_cone(angle: Any = sp.pi / 4, apex: Any = ORIGIN, *, letters: LetterMa
 
 def _meridian(centre: Point) -> tuple[sp.Expr, sp.Expr]:
     """(rho, z) measured from a point of the axis."""
-    across, aside, up = from_centre(centre)
-    return sp.sqrt(across**2 + aside**2), up
+    across, aside, up = minus(SPACE, centre)
+    return norm((across, aside)), up
 
 
 def _mantle(bottom: sp.Expr, top: sp.Expr, height: sp.Expr, rho: sp.Expr, up: sp.Expr) -> sp.Expr:
     lost = bottom - top
-    return (bottom * height - lost * up - rho * height) / sp.sqrt(lost**2 + height**2)
+    return (bottom * height - lost * up - rho * height) / norm((lost, height))
 
 
 def _half_angle(angle: Any, letters: LetterMapping) -> sp.Expr:
@@ -141,4 +152,4 @@ def _half_angle(angle: Any, letters: LetterMapping) -> sp.Expr:
 def _bounds(base: Point, radius: sp.Expr, height: sp.Expr, letters: LetterMapping) -> Bounds:
     a, b, c = (default(part, letters, "the base") for part in base)
     r, h = default(radius, letters), default(height, letters)
-    return around((a - r, b - r, c), (a + r, b + r, c + h))
+    return box_around([(a - r, b - r, c), (a + r, b + r, c + h)])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -12,6 +11,7 @@ from rsym.model.arguments import Point
 from rsym.model.nodes import Composition, Trimming
 from rsym.model.powers import absolute_power
 from rsym.model.traversal import substitute
+from rsym.model.vectors import cross, dot, minus, norm, squared
 
 PARAMETER: sp.Symbol = sp.Dummy("s", real=True)
 
@@ -83,13 +83,14 @@ class Segment(CurveField):
     def composition(self) -> sp.Expr:
         """Trimming of the distance f to the line by t = (place - p).(q - place)/L."""
         place, start, end = (self.vector(k) for k in range(3))
-        way, length = _minus(end, start), distance(start, end)
+        way = minus(end, start)
+        length = norm(way)
         # Along a coordinate the sign of a letter must not stay in f: f**2 is then free of roots when it is revolved.
         straight = sum(not component.is_zero for component in way) == 1
         along = tuple(sp.Integer(not component.is_zero) if straight else component / length for component in way)
-        offset = _minus(place, start)
+        offset = minus(place, start)
         line = offset[0] * along[1] - offset[1] * along[0] if self.dimension == 2 else norm(cross(offset, along))
-        return Trimming(line, dot(offset, _minus(end, place)) / length)
+        return Trimming(line, dot(offset, minus(end, place)) / length)
 
     def paths(self) -> tuple[Path, ...]:
         """P + s (q - p) for s in [0, 1]."""
@@ -110,14 +111,14 @@ class Circle(CurveField):
 
     def offset(self) -> Point:
         """The place seen from the centre."""
-        return _minus(self.vector(0), self.vector(1))
+        return minus(self.vector(0), self.vector(1))
 
     def line(self) -> sp.Expr:
         """The whole circle: in the plane positive inside, in space zero on it and positive elsewhere."""
         offset, radius, exact = self.offset(), self.numbers[0], not self.numbers[-1].is_zero
         first, second = self.vector(2), self.vector(3)
         flat = norm((dot(offset, first), dot(offset, second)))
-        inward = radius - flat if exact else (radius**2 - dot(offset, offset)) / (2 * radius)
+        inward = radius - flat if exact else (radius**2 - squared(offset)) / (2 * radius)
         return inward if self.dimension == 2 else norm((inward, dot(offset, cross(first, second))))
 
     def at(self, angle: sp.Expr) -> Point:
@@ -152,7 +153,7 @@ class Arc(Circle):
         radius, start, end, _ = self.numbers
         offset, middle, half = self.offset(), (start + end) / 2, (end - start) / 2
         along = dot(offset, self.vector(2)) * sp.cos(middle) + dot(offset, self.vector(3)) * sp.sin(middle)
-        beyond = sp.cos(half) * (radius**2 + dot(offset, offset))
+        beyond = sp.cos(half) * (radius**2 + squared(offset))
         return Trimming(self.line(), (2 * radius * along - beyond) / (2 * radius * sp.sin(half)))
 
     def paths(self) -> tuple[Path, ...]:
@@ -202,27 +203,3 @@ class Helix(CurveField):
             return radius * sp.cos(angle), radius * sp.sin(angle), pitch * turns[0] * share
 
         return (Path(at(PARAMETER), sp.S.Zero, sp.S.One, (at(sp.S.Zero), at(sp.S.One))),)
-
-
-def dot(first: Iterable[sp.Expr], second: Iterable[sp.Expr]) -> sp.Expr:
-    """The scalar product."""
-    return sp.Add(*(a * b for a, b in zip(first, second, strict=True)))
-
-
-def cross(a: Point, b: Point) -> Point:
-    """The vector product."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def norm(vector: Iterable[sp.Expr]) -> sp.Expr:
-    """The length of a vector."""
-    return sp.sqrt(sp.Add(*(component**2 for component in vector)))
-
-
-def distance(first: Point, second: Point) -> sp.Expr:
-    """The length of the way between two points."""
-    return norm(_minus(second, first))
-
-
-def _minus(first: Point, second: Point) -> Point:
-    return tuple(a - b for a, b in zip(first, second, strict=True))

@@ -5,7 +5,6 @@ They are the skeletons of blended bodies, and where a boundary condition may hol
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -13,12 +12,12 @@ from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, point, whole
 from rsym.model.operations import joining
 from rsym.model.primitives.curve_nodes import Segment
-from rsym.model.primitives.extents import around
-from rsym.model.shape import Bounds, Shape
-from rsym.model.symbols import x, y, z
+from rsym.model.primitives.extents import box_around
+from rsym.model.shape import Shape
+from rsym.model.symbols import SPACE
 
 
-def segment(start: Any, end: Any, *, letters: LetterMapping = None) -> Shape:
+def segment(start: Any = (-1, 0), end: Any = (1, 0), *, letters: LetterMapping = None) -> Shape:
     """The segment between two points: the line, trimmed by the disc that has it as diameter.
 
     trimming(f, t) with the distance f to the line and t = (place - start).(end - place)/L, L the length.
@@ -93,6 +92,8 @@ def polyline(points: Any, closed: bool = False, order: Any = 2, *, letters: Lett
 def graph(points: Any, edges: Any, order: Any = 2, *, letters: LetterMapping = None) -> Shape:
     """Points joined by segments: as a polyline, with branches.
 
+    Off the points normalised to order m on either side, at most to order 6. Analytic off the graph.
+
     Parameters
     ----------
     points : list of points
@@ -130,18 +131,6 @@ def graph(points: Any, edges: Any, order: Any = 2, *, letters: LetterMapping = N
     return _segments(places, chosen, order, letters)
 
 
-def box_around(points: Iterable[Sequence[float]]) -> Bounds:
-    """The box that holds points, with a tenth of its largest side free all around.
-
-    Examples
-    --------
-    >>> box_around([(0, 0), (10, 5)])
-    ((-1.0, 11.0), (-1.0, 6.0))
-    """
-    axes = list(zip(*points, strict=True))
-    return around([min(axis) for axis in axes], [max(axis) for axis in axes])
-
-
 def _points(points: Any) -> list[Point]:
     """All in the plane or all in space."""
     given = _listed(points)
@@ -166,7 +155,7 @@ def _segments(points: list[Point], edges: list[tuple[int, int]], order: Any, let
                 code="points",
                 remedy="leave out one of them",
             )
-    coordinates = (x, y, z)[: len(points[0])]
+    coordinates = SPACE[: len(points[0])]
     nodes = [Segment(*coordinates, *points[a], *points[b]) for a, b in edges]
     expression = joining(*nodes, order=order)
     return Shape(expression, coordinates, letters=letters, bounds=box_around(places))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from rsym.model.arguments import LetterMapping, Point, default
 from rsym.model.shape import Bounds
@@ -11,21 +11,21 @@ from rsym.model.shape import Bounds
 ROOM = 0.1
 
 
-def around(low: Sequence[float], high: Sequence[float]) -> Bounds:
-    """The box from low to high, a tenth of its largest side wider everywhere.
+def box_around(points: Iterable[Sequence[float]]) -> Bounds:
+    """The box that holds points, a tenth of its largest side wider everywhere.
 
     Examples
     --------
-    >>> around((0, 0), (2, 1))
+    >>> box_around([(0, 0), (2, 1)])
     ((-0.2, 2.2), (-0.2, 1.2))
     """
-    room = ROOM * max(b - a for a, b in zip(low, high, strict=True))
-    return tuple((a - room, b + room) for a, b in zip(low, high, strict=True))
+    ends = [(min(axis), max(axis)) for axis in zip(*points, strict=True)]
+    room = ROOM * max(high - low for low, high in ends)
+    return tuple((low - room, high + room) for low, high in ends)
 
 
 def centred(centre: Point, halves: Point, letters: LetterMapping) -> Bounds:
     """The same for centre -+ halves where letters have their defaults."""
     middle = [default(component, letters, "the centre") for component in centre]
     reach = [default(half, letters) for half in halves]
-    low = [m - h for m, h in zip(middle, reach, strict=True)]
-    return around(low, [m + h for m, h in zip(middle, reach, strict=True)])
+    return box_around([[m + side * h for m, h in zip(middle, reach, strict=True)] for side in (-1, 1)])

@@ -10,12 +10,12 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, positive
 from rsym.model.nodes import Composition
-from rsym.model.primitives.extents import centred
-from rsym.model.primitives.space import ORIGIN, SPACE
+from rsym.model.primitives.distances import within
+from rsym.model.primitives.extents import box_around
 from rsym.model.primitives.theorem import normalised
 from rsym.model.shape import Shape
-from rsym.model.symbols import x, y, z
-from rsym.model.systems import R0
+from rsym.model.symbols import SPACE, x, y, z
+from rsym.model.systems import R0, RSystem
 
 # Newton's steps: with two the gradient of the distance from a helix is 1 to 1e-16 on tubes up to 0.8 of its radius,
 # of any pitch (1e-9 with one). An error of the root counts squared there, since the distance is least at the root.
@@ -51,7 +51,8 @@ class Anomaly(Composition):
 def helicoid(pitch: Any = 1, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
     """(y*cos(k z) - x*sin(k z))/sqrt(1 + k**2*(x**2 + y**2)), k = 2 pi/pitch: one side of a right-handed helicoid.
 
-    Its lines cross the z-axis at right angles and turn once in a pitch. Normalised to order 1, analytic everywhere.
+    Its lines cross the z-axis at right angles and turn once in a pitch. Normalised to order 2, since a half turn about
+    one of them changes the sign of omega alone; analytic everywhere.
 
     With a thickness t, a sheet about it: Y**2 < a**2 + (X*tan(k*a))**2, a = t/2, X measured along the line at the
     height of the point, Y at right angles; by Rvachev's theorem, of size a at most. Across the axis and far from it
@@ -94,13 +95,14 @@ def helix_tube(
     turns: Any = None,
     exact: bool = False,
     *,
+    system: RSystem = R0,
     letters: LetterMapping = None,
 ) -> Shape:
     """(r**2 - d**2)/(2 r), d the distance from a right-handed helix about the z-axis through (R, 0, 0); exact r - d.
 
     d**2 = (rho - R)**2 + 4*rho*R*sin(E/2)**2 + ((m - E)/k)**2, where E + k**2*R*rho*sin(E) = m, k = 2 pi/pitch and
     m the angle by which the point lies above the turn next to it. With a number of turns, cut by the slab
-    |z| < turns*pitch/2 (R_0), and bounded.
+    |z| < turns*pitch/2, and bounded.
 
     Normalised to order 1, with `exact` to every order, within rounding for tubes up to r = 0.8 R; cut, to order 1.
     Singular on the z-axis and half-way between two turns, the exact form on the helix too. Turns that overlap
@@ -127,12 +129,13 @@ def helix_tube(
     mean = sp.atan2(above, across)
     root = Anomaly(mean, rate**2 * radius * rho)
     squared = (rho - radius) ** 2 + 4 * rho * radius * sp.sin(root / 2) ** 2 + ((mean - root) / rate) ** 2
-    expression = tube - sp.sqrt(squared) if exact else (tube**2 - squared) / (2 * tube)
+    expression = within(squared, tube, exact)
     if turns is None:
         return Shape(expression, SPACE, letters=letters)
     half = positive(turns, "the number of turns", letters) * pitch / 2
-    bounds = centred(ORIGIN, (radius + tube, radius + tube, half), letters)
-    return Shape(R0.conjunction(expression, (half**2 - z**2) / (2 * half)), SPACE, letters=letters, bounds=bounds)
+    reach, top = default(radius + tube, letters), default(half, letters)
+    bounds = box_around([(-reach, -reach, -top), (reach, reach, top)])
+    return Shape(system.conjunction(expression, within(z**2, half)), SPACE, letters=letters, bounds=bounds)
 
 
 def _turned(rate: sp.Expr) -> tuple[sp.Expr, sp.Expr]:

@@ -9,9 +9,9 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
-from rsym.model.primitives.space import SPACE
 from rsym.model.primitives.theorem import by_differentiation
 from rsym.model.shape import Shape
+from rsym.model.symbols import SPACE
 from rsym.model.traversal import substitute
 
 Sum: TypeAlias = Callable[[sp.Expr, sp.Expr, sp.Expr], sp.Expr]
@@ -45,10 +45,15 @@ def gyroid(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: L
 
 
 def schwarz_p(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
-    """The primitive surface: u = cos X + cos Y + cos Z; the rest as for `gyroid`.
+    """The primitive surface: u = cos X + cos Y + cos Z; normalised to order 1, as `gyroid` is.
 
     Inside are the rooms at whole periods. Analytic everywhere for |level| other than 1 (where necks close)
     and 3 (where rooms vanish). A sheet is 0 to 3 % thicker than it says at t = period/10, 13 % at period/5.
+
+    Raises
+    ------
+    RsymError
+        As `gyroid` does.
 
     Source: Schwarz (1890).
 
@@ -64,8 +69,13 @@ def schwarz_p(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters
 def schwarz_d(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
     """The diamond surface: u = sin X sin Y sin Z + sin X cos Y cos Z + cos X sin Y cos Z + cos X cos Y sin Z.
 
-    The rest as for `gyroid`. Analytic everywhere for |level| other than 1 and sqrt(2). A sheet is 0 to 3 % thinner
-    than it says at t = period/10, 10 % at period/5.
+    Normalised to order 1, as `gyroid` is. Analytic everywhere for |level| other than 1 and sqrt(2). A sheet is 0 to 3 %
+    thinner than it says at t = period/10, 10 % at period/5.
+
+    Raises
+    ------
+    RsymError
+        As `gyroid` does.
 
     Source: Schwarz (1890).
 
@@ -79,10 +89,15 @@ def schwarz_d(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters
 
 
 def neovius(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
-    """The surface of Neovius: u = 3 (cos X + cos Y + cos Z) + 4 cos X cos Y cos Z; the rest as for `gyroid`.
+    """The surface of Neovius: u = 3 (cos X + cos Y + cos Z) + 4 cos X cos Y cos Z.
 
-    Analytic everywhere for |level| other than 3/4, 1 and 13. A sheet is as thick as it says within 3 % at
-    t = period/20, 13 % at period/10.
+    Normalised to order 1, as `gyroid` is. Analytic everywhere for |level| other than 3/4, 1 and 13. A sheet is as
+    thick as it says within 3 % at t = period/20, 13 % at period/10.
+
+    Raises
+    ------
+    RsymError
+        As `gyroid` does.
 
     Source: Neovius (1883).
 
@@ -96,12 +111,17 @@ def neovius(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: 
 
 
 def lidinoid(period: Any = 1, level: Any = 0, thickness: Any = None, *, letters: LetterMapping = None) -> Shape:
-    """The surface of Lidin; the rest as for `gyroid`.
+    """The surface of Lidin; normalised to order 1, as `gyroid` is.
 
     u = (sin 2X cos Y sin Z + sin X sin 2Y cos Z + cos X sin Y sin 2Z)/2
     - (cos 2X cos 2Y + cos 2Y cos 2Z + cos 2Z cos 2X)/2 + 3/20.
     Analytic everywhere for levels near 0, the critical values next to which are -0.1739 and 3/20.
     A sheet is as thick as it says within 2 % at t = period/50, 10 % at period/20.
+
+    Raises
+    ------
+    RsymError
+        As `gyroid` does.
 
     Source: Lidin and Larsson (1990).
 

@@ -7,17 +7,14 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, Point, default, number, point, positive
-from rsym.model.arguments import direction as unit_vector
-from rsym.model.powers import absolute_power
+from rsym.model.arguments import LetterMapping, Point, default, number, point, positive, unit_vector
+from rsym.model.primitives.distances import between, within
 from rsym.model.primitives.extents import centred
-from rsym.model.primitives.theorem import normalised
+from rsym.model.primitives.superquadrics import superquadric
 from rsym.model.shape import Shape
-from rsym.model.symbols import x, y
-from rsym.model.systems import R0
-
-PLANE = (x, y)
-ORIGIN = (0, 0)
+from rsym.model.symbols import PLANE, x, y
+from rsym.model.systems import R0, RSystem
+from rsym.model.vectors import dot, minus, norm, squared
 
 
 def half_plane(normal: Any = (1, 0), distance: Any = 0, *, letters: LetterMapping = None) -> Shape:
@@ -38,7 +35,7 @@ def half_plane(normal: Any = (1, 0), distance: Any = 0, *, letters: LetterMappin
     """
     distance = number(distance, "the distance")
     default(distance, letters, "the distance")
-    return Shape(_along(normal, "the normal", letters) - distance, PLANE, letters=letters)
+    return Shape(dot(unit_vector(normal, 2, "the normal", letters), PLANE) - distance, PLANE, letters=letters)
 
 
 def strip(lower: Any = -1, upper: Any = 1, direction: Any = (1, 0), *, letters: LetterMapping = None) -> Shape:
@@ -57,18 +54,11 @@ def strip(lower: Any = -1, upper: Any = 1, direction: Any = (1, 0), *, letters: 
     >>> rsym.strip(0, 2).expression
     x*(2 - x)/2
     """
-    lower, upper = number(lower, "the lower end"), number(upper, "the upper end")
-    if default(upper - lower, letters, "an end of the strip") <= 0:
-        raise RsymError(
-            f"the lower end must be below the upper one, got {lower} and {upper}",
-            code="interval",
-            remedy="strip(lower, upper) with lower < upper",
-        )
-    along = _along(direction, "the direction", letters)
-    return Shape((upper - along) * (along - lower) / (upper - lower), PLANE, letters=letters)
+    along = dot(unit_vector(direction, 2, "the direction", letters), PLANE)
+    return Shape(between(along, lower, upper, letters), PLANE, letters=letters)
 
 
-def line(start: Any, end: Any, *, letters: LetterMapping = None) -> Shape:
+def line(start: Any = (0, 0), end: Any = (1, 0), *, letters: LetterMapping = None) -> Shape:
     """((x - x1)*(y2 - y1) - (y - y1)*(x2 - x1))/L: the half-plane to the right of the line from start to end.
 
     Exact: the signed distance from the line through both points, L apart. Analytic everywhere; unbounded.
@@ -100,12 +90,12 @@ def right_of(start: Point, end: Point) -> sp.Expr:
     >>> right_of((0, 0), (3, 4))
     4*x/5 - 3*y/5
     """
-    across, up = (sp.sympify(b - a) for a, b in zip(start, end, strict=True))
-    length = sp.sqrt(across**2 + up**2)
+    across, up = map(sp.sympify, minus(end, start))
+    length = norm((across, up))
     return (x - start[0]) * (up / length) - (y - start[1]) * (across / length)
 
 
-def disc(radius: Any = 1, centre: Any = ORIGIN, exact: bool = False, *, letters: LetterMapping = None) -> Shape:
+def disc(radius: Any = 1, centre: Any = (0, 0), exact: bool = False, *, letters: LetterMapping = None) -> Shape:
     """(R**2 - |p - c|**2)/(2 R); with `exact` R - |p - c|, the distance itself.
 
     Normalised to order 1 and analytic everywhere; the exact form to every order, singular at the centre.
@@ -125,13 +115,12 @@ def disc(radius: Any = 1, centre: Any = ORIGIN, exact: bool = False, *, letters:
     """
     radius = positive(radius, "the radius", letters)
     centre = point(centre, 2, "the centre")
-    squared = sp.Add(*(part**2 for part in from_centre(centre)))
-    expression = radius - sp.sqrt(squared) if exact else (radius**2 - squared) / (2 * radius)
+    expression = within(squared(minus(PLANE, centre)), radius, exact)
     return Shape(expression, PLANE, letters=letters, bounds=centred(centre, (radius, radius), letters))
 
 
 def ellipse(
-    a: Any = 2, b: Any = 1, centre: Any = ORIGIN, length: Any = None, *, letters: LetterMapping = None
+    a: Any = 2, b: Any = 1, centre: Any = (0, 0), length: Any = None, *, letters: LetterMapping = None
 ) -> Shape:
     """L*u/sqrt(u**2 + L**2*|grad u|**2) with u = 1 - x**2/a**2 - y**2/b**2: Rvachev's theorem.
 
@@ -156,7 +145,7 @@ def superellipse(
     a: Any = 2,
     b: Any = 1,
     exponent: Any = 4,
-    centre: Any = ORIGIN,
+    centre: Any = (0, 0),
     length: Any = None,
     *,
     letters: LetterMapping = None,
@@ -187,20 +176,15 @@ def superellipse(
             code="exponent",
             remedy="for a rhombus use polygon: with exponent 1 the gradient jumps on both axes",
         )
-    centre = point(centre, 2, "the centre")
-    least = min(axes, key=lambda axis: default(axis, letters))
-    unit = least if length is None else positive(length, "the length", letters)
-    ratios = tuple((part / axis, axis) for part, axis in zip(from_centre(centre), axes, strict=True))
-    function = 1 - sp.Add(*(absolute_power(ratio, power) for ratio, _ in ratios))
-    squared = sp.Add(*((power / axis) ** 2 * absolute_power(ratio, 2 * power - 2) for ratio, axis in ratios))
-    bounds = centred(centre, axes, letters)
-    return Shape(normalised(function, squared, unit), PLANE, letters=letters, bounds=bounds)
+    return superquadric(PLANE, axes, power, point(centre, 2, "the centre"), length, letters)
 
 
-def rectangle(width: Any = 2, height: Any = 1, centre: Any = ORIGIN, *, letters: LetterMapping = None) -> Shape:
-    """The conjunction (R_0) of two strips (a**2 - x**2)/(2 a), a half the side: width along x, height along y.
+def rectangle(
+    width: Any = 2, height: Any = 1, centre: Any = (0, 0), *, system: RSystem = R0, letters: LetterMapping = None
+) -> Shape:
+    """The conjunction of two strips (a**2 - x**2)/(2 a), a half the side: width along x, height along y.
 
-    Normalised to order 1 on the sides. Analytic except at the corners, where it is continuous.
+    Normalised to order 1 on the sides, in R_0. Analytic there except at the corners, where it is continuous.
 
     Raises
     ------
@@ -216,21 +200,5 @@ def rectangle(width: Any = 2, height: Any = 1, centre: Any = ORIGIN, *, letters:
     sides = (("width", width), ("height", height))
     halves = tuple(positive(side, f"the {name}", letters) / 2 for name, side in sides)
     centre = point(centre, 2, "the centre")
-    strips = ((half**2 - part**2) / (2 * half) for half, part in zip(halves, from_centre(centre), strict=True))
-    return Shape(R0.conjunction(*strips), PLANE, letters=letters, bounds=centred(centre, halves, letters))
-
-
-def from_centre(centre: Point) -> tuple[sp.Expr, ...]:
-    """The coordinates measured from a point.
-
-    Examples
-    --------
-    >>> from_centre((1, 0))
-    (x - 1, y)
-    """
-    return tuple(coordinate - part for coordinate, part in zip(PLANE, centre, strict=True))
-
-
-def _along(vector: Any, what: str, letters: LetterMapping) -> sp.Expr:
-    unit = unit_vector(vector, 2, what, letters)
-    return sp.Add(*(part * coordinate for part, coordinate in zip(unit, PLANE, strict=True)))
+    strips = (within(part**2, half) for half, part in zip(halves, minus(PLANE, centre), strict=True))
+    return Shape(system.conjunction(*strips), PLANE, letters=letters, bounds=centred(centre, halves, letters))

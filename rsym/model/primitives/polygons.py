@@ -10,14 +10,15 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, point, positive, whole
-from rsym.model.primitives.extents import around
+from rsym.model.primitives.extents import box_around
 from rsym.model.primitives.monotone_formulas import Branch, Junction, monotone_formula
 from rsym.model.primitives.outlines import Place, area, check_simple, nearness, shown, straight
-from rsym.model.primitives.plane import ORIGIN, PLANE, from_centre, right_of
-from rsym.model.shape import Bounds, Shape
-from rsym.model.symbols import x, y
+from rsym.model.primitives.plane import right_of
+from rsym.model.shape import Shape
+from rsym.model.symbols import PLANE, x, y
 from rsym.model.systems import R0, RSystem
 from rsym.model.traversal import symbols_of
+from rsym.model.vectors import minus
 
 
 def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
@@ -70,11 +71,11 @@ def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None)
         ) from None
     for first, second in shared:
         _check_aligned([corners[(edge + step) % len(corners)] for edge in (first, second) for step in (0, 1)])
-    return Shape(expression, PLANE, letters=letters, bounds=_box(places))
+    return Shape(expression, PLANE, letters=letters, bounds=box_around(places))
 
 
 def regular_polygon(
-    sides: int = 6, radius: Any = 1, centre: Any = ORIGIN, *, system: RSystem = R0, letters: LetterMapping = None
+    sides: int = 6, radius: Any = 1, centre: Any = (0, 0), *, system: RSystem = R0, letters: LetterMapping = None
 ) -> Shape:
     """The conjunction of n half-planes R*cos(pi/n) - n_k . (p - c): corners on a circle, the first to the right.
 
@@ -97,19 +98,14 @@ def regular_polygon(
     count = whole(sides, "the number of sides", 3)
     radius = positive(radius, "the radius", letters)
     centre = point(centre, 2, "the centre")
-    across, up = from_centre(centre)
+    across, up = minus(PLANE, centre)
     angles = [(2 * side + 1) * sp.pi / count for side in range(count)]
     apothem = radius * sp.cos(sp.pi / count)
     edges = [apothem - sp.cos(angle) * across - sp.sin(angle) * up for angle in angles]
     ((right, above),), reach = _places([centre], letters), default(radius, letters)
     turns = [2 * math.pi * corner / count for corner in range(count)]
-    bounds = _box([(right + reach * math.cos(turn), above + reach * math.sin(turn)) for turn in turns])
+    bounds = box_around([(right + reach * math.cos(turn), above + reach * math.sin(turn)) for turn in turns])
     return Shape(system.conjunction(*edges), PLANE, letters=letters, bounds=bounds)
-
-
-def _box(places: Sequence[Place]) -> Bounds:
-    xs, ys = zip(*places, strict=True)
-    return around((min(xs), min(ys)), (max(xs), max(ys)))
 
 
 def _corners(points: Any) -> list[Point]:

@@ -8,16 +8,19 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, point, positive
+from rsym.model.primitives.distances import within
 from rsym.model.primitives.extents import centred
-from rsym.model.primitives.space import ORIGIN, SPACE, from_centre
+from rsym.model.primitives.superquadrics import superquadric
 from rsym.model.primitives.theorem import normalised
 from rsym.model.shape import Shape
+from rsym.model.symbols import SPACE
+from rsym.model.vectors import minus, squared
 
 HYPERBOLOID = ((-1, 0, 0), (0, -1, 0), (0, 0, 1))
 
 
 def ellipsoid(
-    a: Any = 3, b: Any = 2, c: Any = 1, centre: Any = ORIGIN, length: Any = None, *, letters: LetterMapping = None
+    a: Any = 3, b: Any = 2, c: Any = 1, centre: Any = (0, 0, 0), length: Any = None, *, letters: LetterMapping = None
 ) -> Shape:
     """L*u/sqrt(u**2 + L**2*|grad u|**2) with u = 1 - x**2/a**2 - y**2/b**2 - z**2/c**2: Rvachev's theorem.
 
@@ -38,14 +41,7 @@ def ellipsoid(
     """
     named = (("a", a), ("b", b), ("c", c))
     axes = tuple(positive(axis, f"the semi-axis {name}", letters) for name, axis in named)
-    centre = point(centre, 3, "the centre")
-    least = min(axes, key=lambda axis: default(axis, letters))
-    unit = least if length is None else positive(length, "the length", letters)
-    ratios = tuple((part / axis, axis) for part, axis in zip(from_centre(centre), axes, strict=True))
-    function = 1 - sp.Add(*(ratio**2 for ratio, _ in ratios))
-    squared = sp.Add(*((2 * ratio / axis) ** 2 for ratio, axis in ratios))
-    bounds = centred(centre, axes, letters)
-    return Shape(normalised(function, squared, unit), SPACE, letters=letters, bounds=bounds)
+    return superquadric(SPACE, axes, sp.Integer(2), point(centre, 3, "the centre"), length, letters)
 
 
 def quadric(
@@ -91,15 +87,15 @@ def quadric(
     for entry in (*form, *linear, constant):
         default(entry, letters, "a coefficient")
     function = sp.expand((place.T * form * place)[0]) + linear.dot(place) + constant
-    squared = sp.Add(*(part**2 for part in 2 * form * place + linear))
     unit = positive(length, "the length", letters)
-    return Shape(normalised(function, squared, unit), SPACE[:size], letters=letters)
+    expression = normalised(function, squared(2 * form * place + linear), unit)
+    return Shape(expression, SPACE[:size], letters=letters)
 
 
 def torus(
     major: Any = 3,
     minor: Any = 1,
-    centre: Any = ORIGIN,
+    centre: Any = (0, 0, 0),
     form: str = "radial",
     *,
     letters: LetterMapping = None,
@@ -132,14 +128,13 @@ def torus(
     if form not in ("radial", "exact", "quartic"):
         raise RsymError(f'the form must be "radial", "exact" or "quartic", got {form!r}', code="form")
     centre = point(centre, 3, "the centre")
-    across, aside, up = from_centre(centre)
+    across, aside, up = minus(SPACE, centre)
     round_axis = across**2 + aside**2
-    squared = (sp.sqrt(round_axis) - major) ** 2 + up**2
     if form == "quartic":
         level = round_axis + up**2 + major**2 - minor**2
         slope = 16 * (round_axis * (2 * major**2 - level) ** 2 + (up * level) ** 2)
         expression = normalised(4 * major**2 * round_axis - level**2, slope, minor)
     else:
-        expression = minor - sp.sqrt(squared) if form == "exact" else (minor**2 - squared) / (2 * minor)
+        expression = within((sp.sqrt(round_axis) - major) ** 2 + up**2, minor, form == "exact")
     bounds = centred(centre, (major + minor, major + minor, minor), letters)
     return Shape(expression, SPACE, letters=letters, bounds=bounds)

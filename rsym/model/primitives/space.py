@@ -9,17 +9,14 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, Point, default, number, point, positive
-from rsym.model.arguments import direction as unit_vector
+from rsym.model.arguments import LetterMapping, default, number, point, positive, unit_vector
 from rsym.model.powers import signed_power
-from rsym.model.primitives.extents import around, centred
+from rsym.model.primitives.distances import between, within
+from rsym.model.primitives.extents import box_around, centred
 from rsym.model.shape import Shape
-from rsym.model.symbols import x, y, z
-from rsym.model.systems import R0
-
-SPACE = (x, y, z)
-ORIGIN: Point = (sp.S.Zero,) * 3
+from rsym.model.symbols import SPACE
+from rsym.model.systems import R0, RSystem
+from rsym.model.vectors import cross, dot, minus, norm, squared
 
 
 def half_space(normal: Any = (0, 0, 1), distance: Any = 0, *, letters: LetterMapping = None) -> Shape:
@@ -40,8 +37,7 @@ def half_space(normal: Any = (0, 0, 1), distance: Any = 0, *, letters: LetterMap
     """
     distance = number(distance, "the distance")
     default(distance, letters, "the distance")
-    along = _along(unit_vector(normal, 3, "the normal", letters))
-    return Shape(along - distance, SPACE, letters=letters)
+    return Shape(dot(unit_vector(normal, 3, "the normal", letters), SPACE) - distance, SPACE, letters=letters)
 
 
 def slab(lower: Any = -1, upper: Any = 1, direction: Any = (0, 0, 1), *, letters: LetterMapping = None) -> Shape:
@@ -60,10 +56,11 @@ def slab(lower: Any = -1, upper: Any = 1, direction: Any = (0, 0, 1), *, letters
     >>> rsym.slab(0, 2).expression
     z*(2 - z)/2
     """
-    return Shape(_strip(lower, upper, direction, letters), SPACE, letters=letters)
+    along = dot(unit_vector(direction, 3, "the direction", letters), SPACE)
+    return Shape(between(along, lower, upper, letters), SPACE, letters=letters)
 
 
-def sphere(radius: Any = 1, centre: Any = ORIGIN, exact: bool = False, *, letters: LetterMapping = None) -> Shape:
+def sphere(radius: Any = 1, centre: Any = (0, 0, 0), exact: bool = False, *, letters: LetterMapping = None) -> Shape:
     """(R**2 - |p - c|**2)/(2 R), the ball; with `exact` R - |p - c|, the distance itself.
 
     Normalised to order 1 and analytic everywhere; the exact form to every order, singular at the centre.
@@ -83,17 +80,23 @@ def sphere(radius: Any = 1, centre: Any = ORIGIN, exact: bool = False, *, letter
     """
     radius = positive(radius, "the radius", letters)
     centre = point(centre, 3, "the centre")
-    squared = sp.Add(*(part**2 for part in from_centre(centre)))
-    expression = radius - sp.sqrt(squared) if exact else (radius**2 - squared) / (2 * radius)
+    expression = within(squared(minus(SPACE, centre)), radius, exact)
     return Shape(expression, SPACE, letters=letters, bounds=centred(centre, (radius,) * 3, letters))
 
 
 def box(
-    width: Any = 2, depth: Any = 2, height: Any = 2, centre: Any = ORIGIN, *, letters: LetterMapping = None
+    width: Any = 2,
+    depth: Any = 2,
+    height: Any = 2,
+    centre: Any = (0, 0, 0),
+    *,
+    system: RSystem = R0,
+    letters: LetterMapping = None,
 ) -> Shape:
-    """The conjunction (R_0) of three slabs (a**2 - x**2)/(2 a), a half the side: width along x, depth y, height z.
+    """The conjunction of three slabs (a**2 - x**2)/(2 a), a half the side: width along x, depth y, height z.
 
-    Normalised to order 1 on the faces. Analytic except on the lines through edges, where it is continuous.
+    Normalised to order 1 on the faces, in R_0. Analytic there except on the lines through edges, where it is
+    continuous.
 
     Raises
     ------
@@ -109,15 +112,22 @@ def box(
     sides = (("width", width), ("depth", depth), ("height", height))
     halves = tuple(positive(side, f"the {name}", letters) / 2 for name, side in sides)
     centre = point(centre, 3, "the centre")
-    strips = (_even(half, part) for half, part in zip(halves, from_centre(centre), strict=True))
-    return Shape(R0.conjunction(*strips), SPACE, letters=letters, bounds=centred(centre, halves, letters))
+    slabs = (within(part**2, half) for half, part in zip(halves, minus(SPACE, centre), strict=True))
+    return Shape(system.conjunction(*slabs), SPACE, letters=letters, bounds=centred(centre, halves, letters))
 
 
-def cylinder(radius: Any = 1, height: Any = None, centre: Any = ORIGIN, *, letters: LetterMapping = None) -> Shape:
+def cylinder(
+    radius: Any = 1,
+    height: Any = None,
+    centre: Any = (0, 0, 0),
+    *,
+    system: RSystem = R0,
+    letters: LetterMapping = None,
+) -> Shape:
     """(R**2 - rho**2)/(2 R), rho the distance from the axis, parallel to z; cut by a slab where there is a height.
 
-    Normalised to order 1 on the mantle and the ends. Analytic, axis included, except on the rims, where it is
-    continuous. Without a height it is infinite and has no bounds.
+    Normalised to order 1 on the mantle and the ends, in R_0. Analytic there, axis included, except on the rims, where
+    it is continuous. Without a height it is infinite and has no bounds.
 
     Raises
     ------
@@ -134,13 +144,13 @@ def cylinder(radius: Any = 1, height: Any = None, centre: Any = ORIGIN, *, lette
     """
     radius = positive(radius, "the radius", letters)
     centre = point(centre, 3, "the centre")
-    across, up, along = from_centre(centre)
-    mantle = (radius**2 - across**2 - up**2) / (2 * radius)
+    across, up, along = minus(SPACE, centre)
+    mantle = within(across**2 + up**2, radius)
     if height is None:
         return Shape(mantle, SPACE, letters=letters)
     half = positive(height, "the height", letters) / 2
     bounds = centred(centre, (radius, radius, half), letters)
-    return Shape(R0.conjunction(mantle, _even(half, along)), SPACE, letters=letters, bounds=bounds)
+    return Shape(system.conjunction(mantle, within(along**2, half)), SPACE, letters=letters, bounds=bounds)
 
 
 def capsule(
@@ -172,41 +182,15 @@ def capsule(
     [0.0, 0.375, 0.5]
     """
     radius = positive(radius, "the radius", letters)
-    start, end = sp.Matrix(point(start, 3, "the start")), sp.Matrix(point(end, 3, "the end"))
-    unit = sp.Matrix(unit_vector(end - start, 3, "the segment from start to end", letters))
-    middle = (start + end) / 2
-    half = sp.sqrt(sp.Add(*((part / 2) ** 2 for part in end - start)))
-    away = sp.Matrix(from_centre(middle))
-    along = unit.dot(away)
-    squared = sp.Add(*(part**2 for part in unit.cross(away)), _beyond(along - half), _beyond(-along - half))
-    expression = radius - sp.sqrt(squared) if exact else (radius**2 - squared) / (2 * radius)
+    start, end = point(start, 3, "the start"), point(end, 3, "the end")
+    way = minus(end, start)
+    unit, half = unit_vector(way, 3, "the segment from start to end", letters), norm(part / 2 for part in way)
+    away = minus(SPACE, ((a + b) / 2 for a, b in zip(start, end, strict=True)))
+    along = dot(unit, away)
+    square = squared(cross(unit, away)) + _beyond(along - half) + _beyond(-along - half)
     reach, ends = default(radius, letters), [[default(part, letters) for part in tip] for tip in (start, end)]
-    low = [min(pair) - reach for pair in zip(*ends, strict=True)]
-    high = [max(pair) + reach for pair in zip(*ends, strict=True)]
-    return Shape(expression, SPACE, letters=letters, bounds=around(low, high))
-
-
-def from_centre(centre: Any) -> tuple[sp.Expr, ...]:
-    """The coordinates measured from a point."""
-    return tuple(coordinate - part for coordinate, part in zip(SPACE, centre, strict=True))
-
-
-def _along(unit: Point) -> sp.Expr:
-    return sp.Add(*(part * coordinate for part, coordinate in zip(unit, SPACE, strict=True)))
-
-
-def _strip(lower: Any, upper: Any, across: Any, letters: LetterMapping) -> sp.Expr:
-    """(b - s)*(s - a)/(b - a)."""
-    lower, upper = number(lower, "the lower end"), number(upper, "the upper end")
-    if default(upper - lower, letters, "an end of the slab") <= 0:
-        raise RsymError(f"the lower end must be below the upper one, got {lower} and {upper}", code="interval")
-    along = _along(unit_vector(across, 3, "the direction", letters))
-    return (upper - along) * (along - lower) / (upper - lower)
-
-
-def _even(half: sp.Expr, distance: sp.Expr) -> sp.Expr:
-    """(a**2 - s**2)/(2 a)."""
-    return (half**2 - distance**2) / (2 * half)
+    bounds = box_around([[part + side * reach for part in tip] for tip in ends for side in (-1, 1)])
+    return Shape(within(square, radius, exact), SPACE, letters=letters, bounds=bounds)
 
 
 def _beyond(excess: sp.Expr) -> sp.Expr:

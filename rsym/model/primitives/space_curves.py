@@ -9,7 +9,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, positive
 from rsym.model.primitives.curve_nodes import Helix
-from rsym.model.primitives.curves import box_around
+from rsym.model.primitives.extents import box_around
 from rsym.model.shape import Shape, combine
 from rsym.model.symbols import x, y, z
 
@@ -51,7 +51,7 @@ def space_curve(f: Any, g: Any, *, letters: LetterMapping = None) -> Shape:
     return curve
 
 
-def helix(radius: Any, pitch: Any, turns: Any = None, *, letters: LetterMapping = None) -> Shape:
+def helix(radius: Any = 1, pitch: Any = 1, turns: Any = None, *, letters: LetterMapping = None) -> Shape:
     """The line of a screw about z through (radius, 0, 0): (R cos a, R sin a, p a/(2 pi)), right-handed.
 
     sqrt((k**2 (R**2 - x**2 - y**2)**2/4 + d + d**2/(12 R**2))/(1 + k**2 R**2)) with k = 2 pi/p and
@@ -68,6 +68,11 @@ def helix(radius: Any, pitch: Any, turns: Any = None, *, letters: LetterMapping 
         Where it ends, from z = 0 on; by default it is endless.
     letters : mapping, optional
         The values of letters in the numbers.
+
+    Raises
+    ------
+    RsymError
+        For a number that is not positive.
 
     Examples
     --------

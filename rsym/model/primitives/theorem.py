@@ -6,6 +6,8 @@ from typing import Any
 
 import sympy as sp
 
+from rsym.model.vectors import squared
+
 
 def normalised(function: sp.Expr, squared: sp.Expr, length: Any = 1) -> sp.Expr:
     """L u/sqrt(u**2 + L**2 |grad u|**2): normalised to order 1 where u = 0 and grad u is not; at most L in size.
@@ -33,4 +35,4 @@ def by_differentiation(function: sp.Expr, coordinates: tuple[sp.Symbol, ...], le
     >>> by_differentiation(3 * x, (x, y))
     3*x/sqrt(9*x**2 + 9)
     """
-    return normalised(function, sp.Add(*(sp.diff(function, symbol) ** 2 for symbol in coordinates)), length)
+    return normalised(function, squared(sp.diff(function, symbol) for symbol in coordinates), length)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, whole
-from rsym.model.shape import Bounds, Shape
+from rsym.model.shape import Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symmetry.evenness import check_even
 from rsym.model.symmetry.reflections import farthest
+from rsym.model.symmetry.turns import turned_bounds, turned_coordinates
 from rsym.model.symmetry.waves import SawtoothWave, triangle_wave
 
 MOTIFS = ("even", "any")
@@ -80,17 +80,18 @@ def cyclic(
     array([ 0.5     , -7.5     , -2.555728])
     """
     n = whole(order, "the order", 1)
-    first, second = around(shape, axis)
-    radius = number(radius, "the radius")
+    first, second = turned_coordinates(shape, axis)
+    outset = number(radius, "the radius")
+    reach = default(outset, shape.letters.merge(letters), "the radius")
     if checked_motif(motif, terms):
         check_even(shape, second)
     folded = _mirrored_fan(first, second, n) if motif == "even" and terms is None else None
     outwards, across = folded or _turned_back(first, second, n, terms, motif)
     return substituted(
         shape,
-        {first: outwards - radius, second: across},
+        {first: outwards - outset, second: across},
         letters=letters,
-        bounds=_turning(shape, first, second, default(radius, letters, "the radius")),
+        bounds=turned_bounds(shape, (first, second), reach),
     )
 
 
@@ -121,21 +122,6 @@ def _turned_back(first: sp.Symbol, second: sp.Symbol, n: int, terms: Any, motif:
     return distance * sp.cos(wave, evaluate=False), distance * sp.sin(wave, evaluate=False)
 
 
-def around(shape: Shape, axis: Any) -> tuple[sp.Symbol, sp.Symbol]:
-    """The two coordinates in which a turn about the axis takes place, the angle from the first to the second."""
-    names = [symbol.name for symbol in shape.coordinates]
-    if shape.dimension == 2 and axis is None:
-        return shape.coordinates
-    position = 2 if axis is None else names.index(str(axis)) if str(axis) in names else -1
-    if shape.dimension == 2 or position < 0:
-        raise RsymError(
-            f"the axis must be one of the coordinates of a shape in space, got {axis} for {', '.join(names)}",
-            code="axis",
-            remedy="leave it out in the plane; in space choose x, y or z",
-        )
-    return shape.coordinates[(position + 1) % 3], shape.coordinates[(position + 2) % 3]
-
-
 def checked_motif(motif: str, terms: Any) -> bool:
     """Whether the motif is to be even; the series exists for even motifs alone."""
     if str(motif) not in MOTIFS:
@@ -147,11 +133,3 @@ def checked_motif(motif: str, terms: Any) -> bool:
             remedy='give terms with motif="even" only',
         )
     return str(motif) == "even"
-
-
-def _turning(shape: Shape, first: sp.Symbol, second: sp.Symbol, radius: float) -> Bounds | None:
-    if shape.bounds is None:
-        return None
-    box = dict(zip(shape.coordinates, shape.bounds, strict=True))
-    reach = max(math.hypot(a + radius, b) for a in box[first] for b in box[second])
-    return tuple((-reach, reach) if symbol in (first, second) else box[symbol] for symbol in shape.coordinates)

@@ -33,8 +33,8 @@ UNBOUNDED = 2.0  # half the side of the box in which a motif without bounds is l
 def check_even(shape: Shape, symbol: sp.Symbol) -> None:
     """Refuse a shape that is not even in one of its coordinates, whatever its letters.
 
-    By form if that tells, else by value at 48 places, fewer where the formula is long, with the letters at
-    their defaults and around them.
+    By form if that tells, else by value at 48 places, less where the formula is long, with the letters at their
+    defaults and around them.
 
     Raises
     ------

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, default, direction, number, point, whole
-from rsym.model.motions import unit_vector
+from rsym.model.arguments import LetterMapping, default, number, point, unit_vector, whole
+from rsym.model.motions import axis_vector
 from rsym.model.nodes import Held
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
-from rsym.model.symmetry.cyclic import around
-from rsym.model.symmetry.reflections import Vector, farthest, folded
+from rsym.model.symmetry.reflections import farthest, folded
+from rsym.model.symmetry.turns import turned_bounds, turned_coordinates
 from rsym.model.traversal import rebuild
+from rsym.model.vectors import Vector, dot
 
 _GOLDEN = (1 + sp.sqrt(5)) / 2
 # The inner normals of the three mirrors that bound the chamber.
@@ -57,13 +57,14 @@ def mirrored(shape: Shape, normal: Any = None, distance: Any = 0, *, letters: Le
     >>> mirrored(rsym.Shape(1 - (x - 2)**2 - y**2, (x, y))).expression
     -y**2 - (Abs(x) - 2)**2 + 1
     """
-    n = unit_vector(shape, 0 if normal is None else normal, "the normal", letters)
+    known = shape.letters.merge(letters)
+    n = axis_vector(shape, shape.coordinates[0] if normal is None else normal, "the normal", letters)
     d = number(distance, "the distance")
-    depth = sp.Add(*(a * b for a, b in zip(n, shape.coordinates, strict=True))) - d
+    depth = dot(n, shape.coordinates) - d
     beyond = sp.Abs(depth, evaluate=depth.is_Symbol) - depth
     places = {symbol: symbol + beyond * component for symbol, component in zip(shape.coordinates, n, strict=True)}
-    unit = [default(component, letters, "the normal") for component in n]
-    bounds = _reflected(shape.bounds, unit, default(d, letters, "the distance"))
+    unit = [default(component, known, "the normal") for component in n]
+    bounds = _reflected(shape.bounds, unit, default(d, known, "the distance"))
     return substituted(shape, places, letters=letters, bounds=bounds)
 
 
@@ -100,11 +101,11 @@ def kaleidoscope(shape: Shape, order: Any, *, axis: Any = None) -> Shape:
     Abs(x) - Abs(y) - 1
     """
     n = whole(order, "the order", 2)
-    first, second = around(shape, axis)
+    first, second = turned_coordinates(shape, axis)
     straight, between = (farthest(first, second, n, sp.Rational(start, n)) for start in (0, 1))
     half = sp.pi / n
     places = {first: straight, second: (between - straight * sp.cos(half)) / sp.sin(half)}
-    bounds = _around_centre(shape, (first, second))
+    bounds = turned_bounds(shape, (first, second))
     return substituted(shape, places, bounds=bounds)
 
 
@@ -145,12 +146,12 @@ def mirror_group(shape: Shape, group: Any) -> Shape:
     """
     normals = _normals(group, shape.dimension)
     places = dict(zip(shape.coordinates, folded(normals, shape.coordinates), strict=True))
-    return substituted(shape, places, bounds=_around_centre(shape, shape.coordinates))
+    return substituted(shape, places, bounds=turned_bounds(shape, shape.coordinates))
 
 
 def _normals(group: Any, dimension: int) -> list[Vector]:
     if not isinstance(group, str | sp.Symbol):
-        return [tuple(map(_short, direction(normal, dimension, "a normal"))) for normal in group]
+        return [tuple(map(_short, unit_vector(normal, dimension, "a normal"))) for normal in group]
     if str(group) not in GROUPS or dimension != 3:
         raise RsymError(
             f"the group must be one of {', '.join(GROUPS)} in space, or normals of mirrors; "
@@ -165,15 +166,6 @@ def _short(component: sp.Expr) -> sp.Expr:
     """Roots stay exact through many reflections; products of sines would swell, 40 digits of them do not."""
     exact = rebuild(component, lambda part: part.args[0] if isinstance(part, Held) else None)
     return sp.Rational(sp.N(exact, 40)) if exact.has(sp.Function) else exact
-
-
-def _around_centre(shape: Shape, turning: Sequence[sp.Symbol]) -> Bounds | None:
-    """The box that holds the old one however it is turned about the centre."""
-    if shape.bounds is None:
-        return None
-    box: Mapping[sp.Symbol, tuple[float, float]] = dict(zip(shape.coordinates, shape.bounds, strict=True))
-    reach = math.hypot(*(max(map(abs, box[symbol])) for symbol in turning))
-    return tuple((-reach, reach) if symbol in turning else box[symbol] for symbol in shape.coordinates)
 
 
 def _reflected(bounds: Bounds | None, normal: Sequence[float], distance: float) -> Bounds | None:

@@ -21,11 +21,11 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.systems import R1
+from rsym.model.vectors import Vector, dot
 
 MOST_IMAGES = 240  # of a weight; 120 have the largest group in space, H3
 SAME = 1e-9  # two images nearer than this are one: those of groups this small lie further than 0.02 apart
 
-Vector = tuple[sp.Expr, ...]
 Floats = tuple[float, ...]
 
 
@@ -74,7 +74,7 @@ def orbit(weight: Vector, normals: Sequence[Vector]) -> list[Vector]:
     images = [weight]
     for parent, number in _descent(_floats(weight), [_floats(normal) for normal in normals])[1:]:
         image, normal = images[parent], normals[number]
-        factor = 2 * _dot(image, normal) / _dot(normal, normal)
+        factor = 2 * dot(image, normal) / dot(normal, normal)
         images.append(tuple(_plain(a - factor * b) for a, b in zip(image, normal, strict=True)))
     return images
 
@@ -107,7 +107,7 @@ def _largest(images: Sequence[Vector], coordinates: Sequence[sp.Symbol]) -> sp.E
         place = _floats(image)
         if any(_near(place, other) for other in used):
             continue
-        form = _dot(image, coordinates)
+        form = dot(image, coordinates)
         if any(_near(place, other) for other in opposite):
             used.append(tuple(-value for value in place))
             form = _absolute(form)
@@ -126,10 +126,6 @@ def _simple(matrix: sp.Matrix) -> sp.Matrix:
 
 def _plain(value: sp.Expr) -> sp.Expr:
     return sp.radsimp(sp.expand(value))
-
-
-def _dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
-    return sp.Add(*(p * q for p, q in zip(a, b, strict=True)))
 
 
 def _product(a: Floats, b: Floats) -> float:

@@ -8,7 +8,7 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, default, positive, whole
+from rsym.model.arguments import LetterMapping, coordinate, default, positive, whole
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symbols import x
@@ -70,17 +70,17 @@ def row(
     >>> rsym.compile(discs)([0.0, 3.0, 9.0, 12.0], 0.0)["value"].round(6)
     array([ 0.5,  0.5,  0.5, -4. ])
     """
-    period = positive(period, "the period", letters)
-    coordinate = _coordinate(shape, axis)
+    known = shape.letters.merge(letters)
+    period, along = positive(period, "the period", known), shape.coordinates[coordinate(axis, shape.coordinates)]
     even = checked_motif(motif, terms)
     if even:
-        check_even(shape, coordinate)
+        check_even(shape, along)
     if count is None:
-        wave = triangle_wave(coordinate, period, terms) if even else SawtoothWave(coordinate, period)
+        wave = triangle_wave(along, period, terms) if even else SawtoothWave(along, period)
     else:
-        wave = _finite(coordinate, period, whole(count, "the count", 1), terms, even)
-    bounds = None if count is None else _lengthened(shape, coordinate, (count - 1) * default(period, letters))
-    return substituted(shape, {coordinate: wave}, letters=letters, bounds=bounds)
+        wave = _finite(along, period, whole(count, "the count", 1), terms, even)
+    bounds = None if count is None else _lengthened(shape, along, (count - 1) * default(period, known))
+    return substituted(shape, {along: wave}, letters=letters, bounds=bounds)
 
 
 def grid(
@@ -132,7 +132,7 @@ def grid(
     return shape
 
 
-def _finite(coordinate: sp.Symbol, period: sp.Expr, cells: int, terms: Any, even: bool) -> sp.Expr:
+def _finite(place: sp.Symbol, period: sp.Expr, cells: int, terms: Any, even: bool) -> sp.Expr:
     if terms is not None:
         raise RsymError(
             "a finite row has no series",
@@ -140,19 +140,12 @@ def _finite(coordinate: sp.Symbol, period: sp.Expr, cells: int, terms: Any, even
             remedy="intersect the infinite row with a strip, or leave terms out",
         )
     if cells == 1:
-        return coordinate
-    return (TriangleRow if even else SawtoothRow)(coordinate, period, sp.Integer(cells))
+        return place
+    return (TriangleRow if even else SawtoothRow)(place, period, sp.Integer(cells))
 
 
-def _coordinate(shape: Shape, axis: Any) -> sp.Symbol:
-    for symbol in shape.coordinates:
-        if symbol.name == str(axis):
-            return symbol
-    raise RsymError(f"the axis must be one of {', '.join(map(str, shape.coordinates))}, got {axis}", code="axis")
-
-
-def _lengthened(shape: Shape, coordinate: sp.Symbol, length: float) -> Bounds | None:
+def _lengthened(shape: Shape, along: sp.Symbol, length: float) -> Bounds | None:
     if shape.bounds is None:
         return None
     pairs = zip(shape.coordinates, shape.bounds, strict=True)
-    return tuple((low, high + length) if symbol == coordinate else (low, high) for symbol, (low, high) in pairs)
+    return tuple((low, high + length) if symbol == along else (low, high) for symbol, (low, high) in pairs)

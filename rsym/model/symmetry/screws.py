@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import sympy as sp
@@ -10,14 +9,14 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
 from rsym.model.factors import Scaled
-from rsym.model.shape import Bounds, Shape
+from rsym.model.primitives.extents import box_around
+from rsym.model.shape import Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symbols import real_symbol, x, y, z
-from rsym.model.symmetry.cyclic import around, checked_motif, cyclic
+from rsym.model.symmetry.cyclic import checked_motif, cyclic
 from rsym.model.symmetry.evenness import check_even
-from rsym.model.systems import R0
-
-MARGIN = 0.1  # of the largest extent, free on every side
+from rsym.model.symmetry.turns import turned_bounds, turned_coordinates
+from rsym.model.systems import R0, RSystem
 
 
 def screw(shape: Shape, pitch: Any, *, starts: Any = 1, axis: Any = None, letters: LetterMapping = None) -> Shape:
@@ -56,11 +55,11 @@ def screw(shape: Shape, pitch: Any, *, starts: Any = 1, axis: Any = None, letter
     array([0., 0.])
     """
     h = number(pitch, "the pitch")
-    if default(h, letters, "the pitch") == 0:
+    if default(h, shape.letters.merge(letters), "the pitch") == 0:
         raise RsymError("the pitch must not be zero", code="pitch", remedy="an endless straight bar is an extrusion")
     if starts != 1:
         shape = cyclic(shape, starts, axis=axis)
-    first, second = around(shape, axis)
+    first, second = turned_coordinates(shape, axis)
     along = _third(shape, first, second)
     angle = 2 * sp.pi * along / h
     cosine, sine = sp.cos(angle, evaluate=False), sp.sin(angle, evaluate=False)
@@ -71,7 +70,7 @@ def screw(shape: Shape, pitch: Any, *, starts: Any = 1, axis: Any = None, letter
         places,
         coordinates=(*shape.coordinates, along) if in_plane else shape.coordinates,
         letters=letters,
-        bounds=None if in_plane else _swept(shape, first, second),
+        bounds=None if in_plane else turned_bounds(shape, (first, second)),
     )
 
 
@@ -113,7 +112,8 @@ def wound(shape: Shape, radius: Any, pitch: Any, *, motif: str = "even", letters
     """
     if shape.dimension != 2 or "z" in (symbol.name for symbol in shape.coordinates):
         raise RsymError("what is wound is a section in the plane (x, y)", code="coordinates")
-    big, h = positive(radius, "the radius", letters), positive(pitch, "the pitch", letters)
+    known = shape.letters.merge(letters)
+    big, h = positive(radius, "the radius", known), positive(pitch, "the pitch", known)
     across, outwards = shape.coordinates[1], shape.coordinates[0]
     if checked_motif(motif, None):
         check_even(shape, across)
@@ -122,26 +122,36 @@ def wound(shape: Shape, radius: Any, pitch: Any, *, motif: str = "even", letters
     return substituted(shape, places, coordinates=(x, y, z), letters=letters)
 
 
-def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: LetterMapping = None) -> Shape:
-    """A coil spring around the axis z: a wire of radius r along a helix of radius R and pitch h, right-handed.
+def coil(
+    radius: Any = 3,
+    tube: Any = 1,
+    pitch: Any = 4,
+    turns: Any = None,
+    *,
+    system: RSystem = R0,
+    letters: LetterMapping = None,
+) -> Shape:
+    """A coil spring around the axis z: a tube of radius r along a helix of radius R and pitch h, right-handed.
 
     f = r**2 - d**2 - m**2,   d = rho - R,   m = cos(alpha) mu(z - h theta/(2 pi)),   t = tan(alpha) = h/(2 pi R)
     omega = f/(2 r) sqrt((rho**2 + q) E/(rho**2 (r**2 + m**2 + e d**2) + q E + 2 t**2 R**2 m**2))
 
     with mu as for `wound`, e = 1 + 2 t**2, E = r**2 + e (d**2 + m**2), q = f**2/R**2. Normalised to order 1 on all of
     the surface, where the root is 2 r/|grad f|; elsewhere it is one of sums of squares, so nothing but f decides the
-    sign. The section across the wire is a circle to first order in r/R. Kinks half-way between the turns, which the
+    sign. The section across the tube is a circle to first order in r/R. Kinks half-way between the turns, which the
     surface does not reach; singular on the axis. With turns the climb T = z - mu goes from -L/2 to L/2, L = turns h,
     and the ends are flat: conjunction with ((L**2/4 - T**2)/L) (2 pi rho/h), normalised there. For ground
-    ends intersect the endless coil with a slab. `helix_tube` has a round wire of any thickness, by the distance
+    ends intersect the endless coil with a slab. `helix_tube` has a round section of any thickness, by the distance
     itself, at a higher cost.
 
     Parameters
     ----------
-    radius, wire, pitch : number or expression
+    radius, tube, pitch : number or expression
         R, r and h, in the unit of the coordinates; r < R and 2 r < h cos(alpha).
     turns : number or expression, optional
         How many turns between the ends; without it there is no end, and no bounds.
+    system : RSystem
+        Of the conjunction that cuts the ends.
     letters : mapping, optional
         Values of the letters in the numbers.
 
@@ -159,7 +169,7 @@ def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: Lett
     >>> rsym.compile(spring)([4.0, 5.5, -4.0], [0.0, 0.0, 0.0], [3.0, 0.0, 1.5])["value"].round(9)
     array([ 0.5  , -0.625,  0.5  ])
     """
-    big, r = positive(radius, "the radius", letters), positive(wire, "the radius of the wire", letters)
+    big, r = positive(radius, "the radius", letters), positive(tube, "the radius of the tube", letters)
     h = positive(pitch, "the pitch", letters)
     distance, height, cosine = _helical(big, h)
     _check_turns_apart(default(big, letters), default(r, letters), default(h * cosine, letters))
@@ -176,8 +186,9 @@ def coil(radius: Any, wire: Any, pitch: Any, *, turns: Any = None, letters: Lett
     length = positive(turns, "the turns", letters) * h
     climb = z - height
     window = Scaled((length / 2) ** 2 - climb**2, 2 * sp.pi * distance / (h * length))
-    bounds = _cylinder(*(default(item, letters) for item in (big + r, r / cosine + length / 2)))
-    return endless.replace(expression=R0.conjunction(endless.expression, window), bounds=bounds)
+    reach, top = (default(item, letters) for item in (big + r, r / cosine + length / 2))
+    bounds = box_around([(-reach, -reach, -top), (reach, reach, top)])
+    return endless.replace(expression=system.conjunction(endless.expression, window), bounds=bounds)
 
 
 def _helical(radius: sp.Expr, pitch: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
@@ -192,19 +203,14 @@ def _helical(radius: sp.Expr, pitch: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr
     return sp.sqrt(x**2 + y**2), pitch / (2 * sp.pi) * ahead, 1 / sp.sqrt(1 + (pitch / (2 * sp.pi * radius)) ** 2)
 
 
-def _check_turns_apart(radius: float, wire: float, gap: float) -> None:
-    if wire >= radius or 2 * wire >= gap:
+def _check_turns_apart(radius: float, tube: float, gap: float) -> None:
+    if tube >= radius or 2 * tube >= gap:
         raise RsymError(
-            f"the turns must not touch: got a wire of radius {wire:g} on a radius of {radius:g}, "
+            f"the turns must not touch: got a tube of radius {tube:g} on a radius of {radius:g}, "
             f"turns {gap:g} apart across",
             code="coil",
-            remedy="choose a thinner wire or a larger pitch",
+            remedy="choose a thinner tube or a larger pitch",
         )
-
-
-def _cylinder(radius: float, half: float) -> Bounds:
-    margin = MARGIN * 2 * max(radius, half)
-    return ((-radius - margin, radius + margin),) * 2 + ((-half - margin, half + margin),)
 
 
 def _third(shape: Shape, first: sp.Symbol, second: sp.Symbol) -> sp.Symbol:
@@ -212,11 +218,3 @@ def _third(shape: Shape, first: sp.Symbol, second: sp.Symbol) -> sp.Symbol:
     others = [symbol for symbol in shape.coordinates if symbol not in (first, second)]
     free = [name for name in ("z", "x", "y") if name not in (first.name, second.name)]
     return others[0] if others else real_symbol(free[0])
-
-
-def _swept(shape: Shape, first: sp.Symbol, second: sp.Symbol) -> Bounds | None:
-    if shape.bounds is None:
-        return None
-    box = dict(zip(shape.coordinates, shape.bounds, strict=True))
-    reach = math.hypot(*(max(map(abs, box[symbol])) for symbol in (first, second)))
-    return tuple((-reach, reach) if symbol in (first, second) else box[symbol] for symbol in shape.coordinates)
