@@ -97,3 +97,25 @@ def test_the_image_of_a_copied_motif_holds_its_values(shape):
         low, high = (kernel(*box, letters={"d": corner[1] + side})["value"] for kernel in kernels)
         assert low <= values.min() + 1e-12
         assert high >= values.max() - 1e-12
+
+
+D = sp.Symbol("d", real=True)
+
+
+@pytest.mark.parametrize("letter", [0, rsym.Letter(1, minimum=0), rsym.Letter(1, minimum=-2, maximum=2)])
+@pytest.mark.parametrize(
+    ("omega", "continuity"),
+    [
+        (1 - sp.sqrt(x**2 + y**2 + D**2), 0),
+        (1 / (x**2 + D**2) - 1, -1),
+        (rsym.conjunction(x**2 + y**2, D), 0),
+        (rsym.conjunction(D * x, x - 1), 0),
+    ],
+)
+def test_a_letter_that_may_be_zero_keeps_no_singular_set_empty(omega, continuity, letter):
+    assert Shape(omega, (x, y), letters={D: letter}).contract().continuity == continuity
+
+
+def test_a_letter_that_is_not_zero_does():
+    for letter in (1, rsym.Letter(1, minimum=0.5)):
+        assert Shape(1 - sp.sqrt(x**2 + y**2 + D**2), (x, y), letters={D: letter}).contract().continuity == float("inf")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import sympy as sp
 
@@ -48,10 +48,14 @@ def _bases(term: sp.Expr) -> tuple[sp.Expr, ...] | None:
     return result
 
 
-def never_zero_together(equations: Sequence[sp.Expr], coordinates: Sequence[sp.Symbol]) -> bool:
-    """Whether linear elimination shows that no point makes all equations zero, whatever the letters.
+def never_zero_together(
+    equations: Sequence[sp.Expr],
+    coordinates: Sequence[sp.Symbol],
+    nonzero: Callable[[sp.Expr], bool] = lambda value: bool(value != 0),
+) -> bool:
+    """Whether linear elimination shows that no point makes all equations zero.
 
-    An equation without coordinates counts as never zero where it is not zero by form.
+    nonzero: whether an expression without coordinates is known not to be zero, by default if it is not so by form.
 
     Examples
     --------
@@ -61,24 +65,26 @@ def never_zero_together(equations: Sequence[sp.Expr], coordinates: Sequence[sp.S
     """
     left = [part for equation in equations for part in squares_of(equation) or (equation,)]
     while True:
-        if any(not equation.free_symbols & set(coordinates) and equation != 0 for equation in left):
+        if any(not equation.free_symbols & set(coordinates) and nonzero(equation) for equation in left):
             return True
         if any(len(postorder(equation)) > _PARTS or not equation.is_polynomial(*coordinates) for equation in left):
             return False
-        solved = _solved(left, coordinates)
+        solved = _solved(left, coordinates, nonzero)
         if solved is None:
             return False
         position, symbol, value = solved
         left = [sp.expand(other.subs(symbol, value)) for k, other in enumerate(left) if k != position]
 
 
-def _solved(equations: Sequence[sp.Expr], coordinates: Sequence[sp.Symbol]) -> tuple[int, sp.Symbol, sp.Expr] | None:
+def _solved(
+    equations: Sequence[sp.Expr], coordinates: Sequence[sp.Symbol], nonzero: Callable[[sp.Expr], bool]
+) -> tuple[int, sp.Symbol, sp.Expr] | None:
     """An equation that is linear in a coordinate, with that coordinate's value."""
     for position, equation in enumerate(equations):
         for symbol in coordinates:
             if not equation.has(symbol) or not equation.is_polynomial(symbol):
                 continue
             slope = sp.expand(equation.diff(symbol))
-            if slope != 0 and not slope.free_symbols & set(coordinates):
+            if not slope.free_symbols & set(coordinates) and nonzero(slope):
                 return position, symbol, sp.expand(symbol - equation / slope)
     return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,7 +20,10 @@ from rsym.model.contracts.squares import never_zero_together
 from rsym.model.contracts.table import Promises, number_itself
 from rsym.model.letters import Letters
 from rsym.model.shape import Shape
-from rsym.model.symbols import as_expression
+from rsym.model.symbols import as_expression, real_symbol
+from rsym.model.traversal import substitute
+
+NO_LETTERS = Letters({})
 
 
 @dataclass(frozen=True)
@@ -111,7 +114,7 @@ def contract(shape: Shape) -> Contract:
     (-x**2/2 - y**2/2 + 1/2, x)
     """
     promises = Promises(shape.expression, _least_of(shape.letters))
-    lost = singularities(promises, shape.coordinates)
+    lost = singularities(promises, shape.coordinates, shape.letters)
     found = leaves(promises)
     names, around = names_of(shape), parts_around(shape, promises)
     orders = {leaf: leaf_order(leaf, shape.coordinates) for leaf in found}
@@ -142,14 +145,34 @@ def slope_of(promises: Promises, wanted: sp.Expr) -> int | None:
     return known[id(promises.root)]
 
 
-def singularities(promises: Promises, coordinates: tuple[sp.Symbol, ...]) -> tuple[Singularity, ...]:
+def singularities(
+    promises: Promises, coordinates: tuple[sp.Symbol, ...], letters: Letters = NO_LETTERS
+) -> tuple[Singularity, ...]:
     """The distinct singular sets, in the order of the formula, but those that no point can belong to."""
     found: dict[Singularity, None] = {}
     for part in promises.parts(through=True):
         for lost in promises[part].singular:
             if any(equation.free_symbols & set(coordinates) for equation in lost.equations):
                 found[lost] = None
-    return tuple(lost for lost in found if not never_zero_together(lost.equations, coordinates))
+    nonzero = _not_zero(letters)
+    return tuple(lost for lost in found if not never_zero_together(lost.equations, coordinates, nonzero))
+
+
+def _not_zero(letters: Letters) -> Callable[[sp.Expr], bool]:
+    """Whether an expression in letters is not zero: at their defaults, nor by a factor whose range holds zero."""
+    defaults = {real_symbol(name): sp.sympify(letter.default) for name, letter in letters.items()}
+
+    def may_be_zero(factor: sp.Expr) -> bool:
+        letter = letters.get(factor.name) if factor.is_Symbol else None
+        low, high = (None, None) if letter is None else (letter.minimum, letter.maximum)
+        return (low is not None or high is not None) and (low is None or low <= 0) and (high is None or high >= 0)
+
+    def nonzero(value: sp.Expr) -> bool:
+        if value == 0 or any(may_be_zero(factor) for factor in value.as_powers_dict()):
+            return False
+        return not defaults or bool(substitute(value, defaults) != 0)
+
+    return nonzero
 
 
 def _order(promises: Promises, orders: Mapping[sp.Expr, Order]) -> Order:
