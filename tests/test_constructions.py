@@ -167,6 +167,13 @@ def test_a_sweep_has_at_each_height_the_profile_of_that_height():
         assert ((values(body, lifted) > 0) == (inside > 0)).all()
 
 
+def test_a_letter_that_is_known_to_be_positive_is_swept_too():
+    r = sp.Symbol("r", positive=True)
+    body = rsym.sweep(rsym.disc(r, letters={r: 2}), {"r": 2 - z / 4}, 0, 4)
+    assert not body.letters
+    assert body.expression.free_symbols == {x, y, z}
+
+
 def test_a_shell_is_a_wall_of_its_thickness():
     ball = Shape(2 - sp.sqrt(x**2 + y**2 + z**2), (x, y, z), bounds=((-2.2, 2.2),) * 3)
     wall = rsym.shell(ball, k, letters={k: sp.Rational(1, 2)})

@@ -217,6 +217,14 @@ def test_other_coordinates_mean_the_same():
     assert own.expression == rsym.conjunction(u**2 - v * letter, w * (1 - w))
 
 
+def test_a_decimal_in_python_is_the_decimal_of_a_model_file():
+    assert rsym.disc(0.6, (0.1, -2.5e-3)).expression == rsym.loads("omega = disc(0.6, [0.1, -0.0025])").expression
+    assert rsym.disc(0.6).contract().order == 1
+    measured = rsym.disc(0.123456789012)
+    assert measured.expression.has(sp.Float)
+    assert measured.contract().order is None
+
+
 def test_what_is_in_space_makes_the_model_one_of_space():
     for text in ("0.2 - segment([0, 0, 0], [2, 0, 0])", "0.5 + sphere(1)", "scale(x, [1, 2, 3])"):
         loaded = rsym.loads(f"omega = {text}")

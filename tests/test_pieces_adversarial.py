@@ -1,6 +1,8 @@
 """What users and hostile model files try on pieces: refused with a remedy, or right."""
 
+import numpy as np
 import pytest
+import sympy as sp
 
 import rsym
 from rsym import RsymError, x, y, z
@@ -79,3 +81,13 @@ def test_numbers_that_would_grow_without_end_are_refused_before_they_do(text):
     with pytest.raises(RsymError, match=r"exponent|large|small|bits") as refusal:
         rsym.loads(text)
     assert "line 1" in str(refusal.value)
+
+
+@pytest.mark.parametrize("shape", [rsym.cyclic(DISC, 5, radius=2), rsym.cyclic(rsym.strip(), 5, radius=2, motif="any")])
+def test_the_image_of_a_copied_motif_holds_its_values_or_says_nothing(shape):
+    box = {x: (1, sp.Rational(3, 2)), y: (0, 1)}
+    low, high = (sp.N(end) for end in shape.contract().image(box))
+    u, v = np.random.default_rng(0).random((2, 500))
+    values = rsym.compile(shape)(1 + u / 2, v)["value"]
+    assert low is sp.nan or float(low) <= values.min()
+    assert high is sp.nan or float(high) >= values.max()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from decimal import Decimal
 from typing import Any, TypeAlias
 
 import sympy as sp
@@ -19,21 +20,22 @@ from rsym.model.traversal import substitute, symbols_of
 from rsym.model.vectors import norm
 
 LetterMapping: TypeAlias = Mapping[Any, Letter | float] | None
+LONGEST_DECIMAL = 8  # digits: what people type; measured and computed numbers have 15 to 17
 Point: TypeAlias = tuple[sp.Expr, ...]
 
 _COORDINATES = ("x", "y", "z")
 
 
 def number(value: Any, what: str) -> sp.Expr:
-    """A finite real number or an expression in letters, symbols real.
+    """A finite real number or an expression in letters, symbols real; decimals are exact.
 
     Examples
     --------
-    >>> number(2, "the radius")
-    2
+    >>> number(2, "the radius"), number(0.6, "the radius")
+    (2, 3/5)
     """
     try:
-        expression = as_expression(value)
+        expression = as_expression(_typed(value) if isinstance(value, float) else value)
     except RsymError as error:
         raise RsymError(f"{what} must be a number or an expression in letters, got {value!r}", code="number") from error
     real = real_replacements([expression])
@@ -41,6 +43,13 @@ def number(value: Any, what: str) -> sp.Expr:
     if not isinstance(expression, sp.Expr) or expression.has(sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I):
         raise RsymError(f"{what} must be finite and real, got {value!r}", code="number")
     return expression
+
+
+def _typed(value: float) -> Any:
+    """A float of a few digits is the decimal that was typed, so that formulas stay exact; others are what they are."""
+    text = repr(float(value))
+    short = math.isfinite(value) and len(Decimal(text).as_tuple().digits) <= LONGEST_DECIMAL
+    return sp.Rational(text) if short else float(value)
 
 
 def default(expression: sp.Expr, letters: LetterMapping, what: str = "a parameter") -> float:

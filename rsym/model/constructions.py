@@ -200,9 +200,11 @@ def sweep(
     for name, _ in pairs:
         if name not in profile.letters:
             raise RsymError(f"the profile has no letter {name!r}", code="unknown-letter", remedy="name one of its own")
-    changed = {real_symbol(name): value for name, value in pairs}
-    kept = Letters({name: letter for name, letter in profile.letters.items() if real_symbol(name) not in changed})
-    mentioned = {symbol.name for symbol in symbols_of(*changed.values())} & profile.letters.keys()
+    new = dict(pairs)
+    formulas = (profile.expression, *(part for _, part in profile.parts))
+    changed = {symbol: new[symbol.name] for symbol in symbols_of(*formulas) if symbol.name in new}
+    kept = Letters({name: letter for name, letter in profile.letters.items() if name not in new})
+    mentioned = {symbol.name for symbol in symbols_of(*new.values())} & profile.letters.keys()
     kept = kept.merge(Letters({name: profile.letters[name] for name in mentioned}))
     moving = Shape(
         substitute(profile.expression, changed),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,12 +10,16 @@ from numpy.typing import NDArray
 
 from rsym.output.rasteriser import Triangles
 from rsym.output.shading import linear
+from rsym.sampling.sharp.features import Feature
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 INK = "#20242b"
 SMOOTH = 10.0  # degrees: where leaves meet at a smaller angle nobody sees an edge
+# Where surfaces touch, points that are a little off their common curve have any angle between the normals up to 60
+# degrees, but a quarter of them has less than 10.
+TOUCHING = 0.25
 STEP = 0.5  # samples between two dots of a line: nearer ones look the same
 # What hides a line is nearer by this many samples; a plane beside it is followed so far, as it may be seen at a slant.
 NEAR, SLANT = 1.0, 20.0
@@ -123,3 +128,18 @@ def _spread(dots: Floats, width: float, size: tuple[int, ...]) -> NDArray[np.flo
             there = (share > 0) & (row >= 0) & (row < size[0]) & (column >= 0) & (column < size[1])
             np.maximum.at(ink, row[there] * size[1] + column[there], share[there].astype(np.float32))
     return ink
+
+
+def visible(features: Sequence[Feature], least: float) -> list[Feature]:
+    """The features that one sees as edges: at three quarters of their points or more the angle is not below the least.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> half = rsym.Shape(rsym.conjunction(1 - x**2 - y**2 - z**2, z), (x, y, z), bounds=((-1.2, 1.2),) * 3)
+    >>> rims = rsym.mesh(half, 16).features
+    >>> len(visible(rims, 10)), len(visible(rims, 100))
+    (1, 0)
+    """
+    return [one for one in features if np.quantile(one.angles, TOUCHING) >= least]

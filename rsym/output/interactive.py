@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError
 from rsym.output import shading
 from rsym.output.corners import split_sharp
-from rsym.output.ink import INK, SMOOTH
+from rsym.output.ink import INK, SMOOTH, visible
 from rsym.output.parts import face_colours
 from rsym.output.shading import linear
 from rsym.sampling.mesh import Mesh
@@ -80,7 +80,7 @@ def _page(mesh: Mesh, colours: NDArray[np.float64] | None) -> bytes:
 
 def _lines(mesh: Mesh) -> NDArray[np.float64]:
     """The ends of the pieces of features that one sees as edges, (n, 2, 3)."""
-    kept = [one.points for one in mesh.features if one.angle >= SMOOTH]
+    kept = [one.points for one in visible(mesh.features, SMOOTH)]
     return np.concatenate([np.zeros((0, 2, 3)), *(np.stack([line[:-1], line[1:]], axis=1) for line in kept)])
 
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.model.shape import Shape
 from rsym.output import axes3d
-from rsym.output.ink import SMOOTH, Stroke, draw_lines
+from rsym.output.ink import SMOOTH, Stroke, draw_lines, visible
 from rsym.output.paints import Coat, Spots, coat_of
 from rsym.output.rasteriser import Triangles, rasterise, snap
 from rsym.output.shading import BODY, hollows, mean_depth, reduce, shade, unit
@@ -262,7 +262,7 @@ class ShadedMesh(Artist):
 
 def _lines(mesh: Mesh, least: float) -> tuple[Floats, Floats]:
     """Return the pieces of features of this angle at least, (n, 2, 3), and the normals at their ends, (n, 2, 2, 3)."""
-    kept = [one for one in mesh.features if one.angle >= least] if least <= 180 else []
+    kept = visible(mesh.features, least) if least <= 180 else []
     pieces = [np.stack([one.points[:-1], one.points[1:]], axis=1) for one in kept]
     beside = [np.stack([one.normals[:-1], one.normals[1:]], axis=1) for one in kept]
     return np.concatenate([np.zeros((0, 2, 3)), *pieces]), np.concatenate([np.zeros((0, 2, 2, 3)), *beside])

@@ -16,7 +16,7 @@ from rsym.model.rnodes import R1Conjunction, R1Disjunction
 
 
 def least(*values: sp.Expr) -> sp.Expr:
-    """The smallest, as a node that nothing evaluates.
+    """The smallest, as a node that nothing evaluates; undefined if one is.
 
     Examples
     --------
@@ -24,12 +24,12 @@ def least(*values: sp.Expr) -> sp.Expr:
     >>> least(x, y)
     conjunction(x, y, system=R1)
     """
-    return R1Conjunction(*values)
+    return sp.nan if sp.nan in values else R1Conjunction(*values)
 
 
 def greatest(*values: sp.Expr) -> sp.Expr:
-    """The largest, as a node that nothing evaluates."""
-    return R1Disjunction(*values)
+    """The largest, as a node that nothing evaluates; undefined if one is."""
+    return sp.nan if sp.nan in values else R1Disjunction(*values)
 
 
 def rising(function: Callable[..., sp.Expr]) -> Callable[..., Ends]:

@@ -55,9 +55,11 @@ def leaf_order(leaf: sp.Expr, coordinates: tuple[sp.Symbol, ...]) -> Order:
         if _Along(plain, boundary, line, coordinates).is_distance():
             return math.inf
         lines = map(line.along, line.varying)
-        return weakest(*(_Along(plain, boundary, each, coordinates).order() for each in lines))
+        order = weakest(*(_Along(plain, boundary, each, coordinates).order() for each in lines))
     except NotShown:
         return None
+    # What floats have been rounded to may well break an identity that was meant.
+    return None if order == 0 and leaf.has(sp.Float) else order
 
 
 def boundary_of(leaf: sp.Expr) -> sp.Expr:

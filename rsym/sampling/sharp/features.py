@@ -45,11 +45,17 @@ class Feature:
     normals: Array
 
     @property
-    def angle(self) -> float:
-        """The largest angle between both normals, in degrees: small where one leaf goes on smoothly as the other."""
+    def angles(self) -> Array:
+        """The angles between both normals at the points, in degrees: small where one leaf goes on as the other."""
         u, v = self.normals[:, 0], self.normals[:, 1]
         across = np.linalg.norm(np.cross(u, v), axis=1)
-        return float(np.degrees(np.arctan2(across, np.einsum("ij,ij->i", u, v))).max())
+        angles: Array = np.degrees(np.arctan2(across, np.einsum("ij,ij->i", u, v)))
+        return angles
+
+    @property
+    def angle(self) -> float:
+        """The largest of them."""
+        return float(self.angles.max())
 
     @property
     def closed(self) -> bool:
