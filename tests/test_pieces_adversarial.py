@@ -119,3 +119,13 @@ def test_a_letter_that_may_be_zero_keeps_no_singular_set_empty(omega, continuity
 def test_a_letter_that_is_not_zero_does():
     for letter in (1, rsym.Letter(1, minimum=0.5)):
         assert Shape(1 - sp.sqrt(x**2 + y**2 + D**2), (x, y), letters={D: letter}).contract().continuity == float("inf")
+
+
+def test_a_segment_that_is_drawn_twice_counts_once():
+    there = rsym.segment((0, 0), (1, 1))
+    for twice in (
+        rsym.graph([(0, 0), (1, 1)], [(0, 1), (1, 0)]),
+        rsym.polyline([(0, 0), (1, 1), (0, 0)]),
+        rsym.graph([(0, 0), (1, 1), (0, 0)], [(0, 1), (2, 1)]),
+    ):
+        assert twice.expression == there.expression

@@ -161,10 +161,7 @@ def _postorder(builder: Builder, root: Signed) -> Iterator[tuple[Signed, list[Si
 
 
 def _stripped(builder: Builder, number: int, sign: int) -> Signed:
-    """Without negations and negative constants (counted), positive factors, odd powers and normalisation.
-
-    Sign and zero set stay.
-    """
+    """Without negations and negative constants, which count, positive factors, odd powers and normalisation."""
     while True:
         operation, arguments, data = builder.nodes[number]
         if operation == "neg":

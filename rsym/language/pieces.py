@@ -91,9 +91,7 @@ PIECES: Mapping[str, Piece] = dict(
         *_named(*(Piece(function, 1) for function in _OF_ONE)),
         # To order 3 a hundred terms take seconds, a car for ever.
         *_named(Piece(normalise, 1, most={"order": 2})),
-        *_named(
-            *(Piece(function, 1, plane=True, space=True) for function in (extrude, product, revolve, sweep, wound))
-        ),
+        *_named(*(Piece(function, 1, plane=True, space=True) for function in _SWEPT)),
         *_named(*(Piece(function, 1, space=True) for function in (screw, section))),
         *_named(*(Piece(function, 2) for function in (blend_on_skeleton, displacement_blend, fillet))),
         *_named(Piece(space_curve, 2, space=True), Piece(bounded_blend, 3)),

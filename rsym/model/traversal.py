@@ -6,9 +6,12 @@ R-operations, or a definition used in twenty places, must cost what it is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from typing import TypeVar
 
 import sympy as sp
+
+T = TypeVar("T")
 
 
 def postorder(*roots: sp.Basic) -> list[sp.Basic]:
@@ -34,6 +37,31 @@ def postorder(*roots: sp.Basic) -> list[sp.Basic]:
             stack.append((part, True))
             stack.extend((argument, False) for argument in reversed(part.args) if id(argument) not in seen)
     return order
+
+
+def with_operands(
+    root: T, operands: Callable[[T], Sequence[T]], key: Callable[[T], Hashable] = id
+) -> Iterator[tuple[T, Sequence[T]]]:
+    """Every distinct item after its operands, and these; what is an operand is for the caller to say.
+
+    Examples
+    --------
+    >>> list(with_operands(4, lambda number: [number // 2] * (number > 1), key=int))
+    [(1, []), (2, [1]), (4, [2])]
+    """
+    seen: set[Hashable] = set()
+    stack = [(root, False)]
+    while stack:
+        item, ready = stack.pop()
+        if key(item) in seen:
+            continue
+        inside = operands(item)
+        if ready or not inside:
+            seen.add(key(item))
+            yield item, inside
+        else:
+            stack.append((item, True))
+            stack.extend((operand, False) for operand in reversed(inside))
 
 
 def rebuild(expression: sp.Basic, replace: Callable[[sp.Basic], sp.Basic | None]) -> sp.Basic:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import sympy as sp
 
 from rsym.errors import RsymError
@@ -12,7 +10,7 @@ from rsym.model.contracts.operations import OPERATIONS
 from rsym.model.contracts.pieces import PIECES
 from rsym.model.contracts.promises import Promise
 from rsym.model.nodes import Composition
-from rsym.model.traversal import postorder, rebuild
+from rsym.model.traversal import postorder, rebuild, with_operands
 
 PROMISES: dict[type[sp.Basic], Rule] = {**ELEMENTARY, **OPERATIONS, **PIECES}
 
@@ -77,11 +75,11 @@ class Promises:
             self._made[id(part)] = part, promise(part, self._least)  # the part is kept, so that its id is its own
         return self._made[id(part)][1]
 
-    def inward(self, part: sp.Expr) -> Iterable[sp.Expr]:
+    def inward(self, part: sp.Expr) -> tuple[sp.Expr, ...]:
         """The operands."""
         return self[part].operands
 
-    def smooth_in(self, part: sp.Expr) -> Iterable[sp.Expr]:
+    def smooth_in(self, part: sp.Expr) -> tuple[sp.Expr, ...]:
         """What a part is smooth in off its singular sets."""
         made = self[part]
         return made.operands if made.through is None else made.through
@@ -89,18 +87,4 @@ class Promises:
     def parts(self, through: bool = False) -> list[sp.Expr]:
         """Every distinct part that counts, operands before their users."""
         inward = self.smooth_in if through else self.inward
-        order: list[sp.Expr] = []
-        seen: set[int] = set()
-        stack: list[tuple[sp.Expr, bool]] = [(self.root, False)]
-        while stack:
-            part, done = stack.pop()
-            if id(part) in seen:
-                continue
-            operands = inward(part)
-            if done or not operands:
-                seen.add(id(part))
-                order.append(part)
-            else:
-                stack.append((part, True))
-                stack.extend((operand, False) for operand in reversed(tuple(operands)))
-        return order
+        return [part for part, _ in with_operands(self.root, inward)]

@@ -156,6 +156,8 @@ def _segments(points: list[Point], edges: list[tuple[int, int]], order: Any, let
                 remedy="leave out one of them",
             )
     coordinates = SPACE[: len(points[0])]
-    nodes = [Segment(*coordinates, *points[a], *points[b]) for a, b in edges]
+    # Drawn twice, a segment would be 1/2**(1/m) of the distance to it.
+    once = {frozenset((points[a], points[b])): (a, b) for a, b in reversed(edges)}
+    nodes = [Segment(*coordinates, *points[a], *points[b]) for a, b in reversed(once.values())]
     expression = joining(*nodes, order=order)
     return Shape(expression, coordinates, letters=letters, bounds=box_around(places))

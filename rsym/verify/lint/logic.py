@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 import sympy as sp
 
 from rsym.model.rnodes import R1Operation, ROperation
+from rsym.model.traversal import with_operands
 
 
 class Literal(NamedTuple):
@@ -64,7 +64,7 @@ def logic_of(expression: sp.Expr) -> Logic:
     known: dict[sp.Expr, tuple[int, int]] = {}  # the number of a leaf and the sign of its first occurrence
     steps: list[Step] = []
     done: dict[tuple[int, int, bool], int] = {}
-    for signed, operands in _postorder(expression):
+    for signed, operands in with_operands(Signed(expression, 1, False), _operands, _key):
         if not operands:
             form, sign = unsigned(signed.part)
             number, written = known.setdefault(form, (len(leaves), sign))
@@ -127,23 +127,6 @@ def _operands(signed: Signed) -> list[Signed]:
     if part.is_Mul and len(part.args) == 2 and part.args[0] == -1 and isinstance(part.args[1], _TOP):
         return [Signed(part.args[1], -sign, mended)]
     return []
-
-
-def _postorder(expression: sp.Expr) -> Iterator[tuple[Signed, list[Signed]]]:
-    """Each signed part once, after its operands, and these; iterative, for nests of hundreds."""
-    seen: set[tuple[int, int, bool]] = set()
-    stack = [(Signed(expression, 1, False), False)]
-    while stack:
-        signed, ready = stack.pop()
-        if _key(signed) in seen:
-            continue
-        operands = _operands(signed)
-        if ready or not operands:
-            seen.add(_key(signed))
-            yield signed, operands
-        else:
-            stack.append((signed, True))
-            stack.extend((operand, False) for operand in reversed(operands))
 
 
 def _key(signed: Signed) -> tuple[int, int, bool]:
