@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import rsym
-from rsym import RsymError, x, y, z
+from rsym import RsymError, Shape, x, y, z
 
 DISC, BALL = rsym.disc(), rsym.sphere()
 HEAD = "letter a = 1.5; f = 1 - x^2/4 - y^2; h = x*y - z^2; omega = "
@@ -83,11 +83,17 @@ def test_numbers_that_would_grow_without_end_are_refused_before_they_do(text):
     assert "line 1" in str(refusal.value)
 
 
-@pytest.mark.parametrize("shape", [rsym.cyclic(DISC, 5, radius=2), rsym.cyclic(rsym.strip(), 5, radius=2, motif="any")])
-def test_the_image_of_a_copied_motif_holds_its_values_or_says_nothing(shape):
-    box = {x: (1, sp.Rational(3, 2)), y: (0, 1)}
-    low, high = (sp.N(end) for end in shape.contract().image(box))
-    u, v = np.random.default_rng(0).random((2, 500))
-    values = rsym.compile(shape)(1 + u / 2, v)["value"]
-    assert low is sp.nan or float(low) <= values.min()
-    assert high is sp.nan or float(high) >= values.max()
+@pytest.mark.parametrize(
+    "shape", [rsym.cyclic(DISC, 5, radius=2), rsym.cyclic(rsym.strip(), 5, radius=2, motif="any"), rsym.row(DISC, 3)]
+)
+def test_the_image_of_a_copied_motif_holds_its_values(shape):
+    ends = sp.symbols("a b c d", real=True)
+    images = shape.contract().image({x: ends[:2], y: ends[2:]})
+    random = np.random.default_rng(0)
+    kernels = [rsym.compile(Shape(image, ends[:3], letters={ends[3]: 0})) for image in images]
+    for corner, side in zip(random.uniform(-4, 4, (20, 2)), 10.0 ** random.uniform(-2, 0.5, 20), strict=True):
+        values = rsym.compile(shape)(*(corner[:, None] + side * random.random((2, 300))))["value"]
+        box = (corner[0], corner[0] + side, corner[1])
+        low, high = (kernel(*box, letters={"d": corner[1] + side})["value"] for kernel in kernels)
+        assert low <= values.min() + 1e-12
+        assert high >= values.max() - 1e-12

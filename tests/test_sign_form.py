@@ -81,3 +81,13 @@ def test_nests_of_five_hundred():
     for k in range(500):
         nest = rsym.conjunction(nest, -rsym.conjunction(y - sp.Rational(k, 500), nest)) if k % 2 else -nest
     assert len(surface_form(rsym.Shape(nest, (x, y, z))).gates) > 0
+
+
+def test_a_negative_constant_is_a_negation():
+    pair = rsym.conjunction(x, y)
+    scaled = surface_form(rsym.Shape(-3 * pair, (x, y, z)))
+    negated = surface_form(rsym.Shape(-pair, (x, y, z)))
+    assert scaled.gates == negated.gates == (Gate("max", 0, 1),)
+    assert scaled.leaves == negated.leaves
+    body = rsym.box(4, 4, 4) - rsym.box().scale(1.5)
+    assert len(surface_form(body).leaves) == 6

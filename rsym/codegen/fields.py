@@ -183,7 +183,7 @@ def checked_fields(fields: Sequence[str]) -> tuple[str, ...]:
 
 
 def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
-    """The program of a function with the same zero set and signs: positive factors drop, omega_n goes back to omega.
+    """The program of a function with the same zero set and signs: constant factors drop, omega_n goes back to omega.
 
     Where omega and its gradient vanish together a normalised value does not exist; omega does.
     """
@@ -194,8 +194,8 @@ def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
         factor = builder.value(arguments[0]) if operation == "mul" else None
         if operation in {"neg", "normalised"}:
             node, sign = arguments[0], -sign if operation == "neg" else sign
-        elif factor is not None and factor > 0:
-            node = arguments[1]
+        elif factor:
+            node, sign = arguments[1], sign if factor > 0 else -sign
         else:
             break
     return _program(builder, Calculus(builder, node if sign > 0 else builder.neg(node)), fields)

@@ -161,7 +161,7 @@ def _postorder(builder: Builder, root: Signed) -> Iterator[tuple[Signed, list[Si
 
 
 def _stripped(builder: Builder, number: int, sign: int) -> Signed:
-    """Without negations (counted), positive factors, odd powers and normalisation: sign and zero set stay."""
+    """Without negations and negative constants, which count, positive factors, odd powers and normalisation."""
     while True:
         operation, arguments, data = builder.nodes[number]
         if operation == "neg":
@@ -170,6 +170,8 @@ def _stripped(builder: Builder, number: int, sign: int) -> Signed:
             number = arguments[0]
         elif operation == "div" and is_positive(builder, arguments[1]):
             number = arguments[0]
+        elif operation == "mul" and (builder.value(arguments[0]) or 0) < 0:
+            number, sign = arguments[1], -sign
         elif operation == "mul" and is_positive(builder, arguments[0]):
             number = arguments[1]
         elif operation == "mul" and is_positive(builder, arguments[1]):
