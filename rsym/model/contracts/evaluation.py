@@ -31,6 +31,7 @@ class Evaluation:
         self.algebra: Any = algebra
         self._roots = roots
         self._shares = _shares(expression)
+        self._circles: dict[sp.Expr, tuple[Value, Value]] = {}
         self.assumes = False  # whether quantities are taken as independent that need not be, so that nothing is refuted
 
     def value(self, expression: sp.Expr) -> Value:
@@ -67,7 +68,10 @@ class Evaluation:
         if isinstance(part, Held):
             return inner[0]
         if isinstance(part, sp.sin | sp.cos | sp.tan):
-            cosine, sine = self._circle(part.args[0])
+            angle = part.args[0]
+            if angle not in self._circles:
+                self._circles[angle] = self._circle(angle)
+            cosine, sine = self._circles[angle]
             ratio = isinstance(part, sp.tan)
             return self._over(sine, cosine) if ratio else sine if isinstance(part, sp.sin) else cosine
         if isinstance(part, sp.sinh | sp.cosh | sp.tanh):
