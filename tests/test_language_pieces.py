@@ -281,3 +281,6 @@ def test_a_call_is_shown_as_it_stands():
     assert r"\mathrm{rotate}\left(w, \mathrm{angle} = \frac{\pi}{6}\right)" in shown[1]
     assert r"\left[x, y\right], \mathrm{renormalise} = 1" in shown[1]
     assert r"\operatorname{translate}{\left(x,r,-2 \right)}" in rsym.loads(text)._repr_latex_()
+    shown = rsym.loads("letter r = 2; f = disc(r, exact = 1); omega = cyclic(f, 6, radius = 2*r)").definitions
+    assert [str(value) for _, value in shown] == ["disc(r, exact = 1)", "cyclic(f, 6, radius = 2*r)"]
+    assert r"\mathrm{radius} = 2 r" in rsym.loads("letter r = 2; omega = cyclic(x, 6, radius = 2*r)")._repr_latex_()

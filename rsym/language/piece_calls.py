@@ -14,6 +14,7 @@ from rsym.language.parts import Part
 from rsym.language.pieces import PIECES, Piece
 from rsym.language.syntax import Call
 from rsym.model.letters import Letter
+from rsym.model.nodes import RealNode
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol, x, y, z
 from rsym.model.systems import RSystem
@@ -163,6 +164,18 @@ def _inner(expression: sp.Expr) -> list[sp.Basic]:
     return [part for part in sp.preorder_traversal(expression) if part.args]
 
 
+class Named(RealNode):
+    """An argument by name, to be shown."""
+
+    def _sympystr(self, printer: Any) -> str:
+        return f"{printer._print(self.args[0])} = {printer._print(self.args[1])}"
+
+    def _latex(self, printer: Any) -> str:
+        return rf"\mathrm{{{self.args[0].name}}} = {printer._print(self.args[1])}"
+
+
 def shown_call(node: Call, parts: list[Part]) -> sp.Expr:
     """The call as a function without meaning, for formulas in which names stand for one another."""
-    return sp.Function(node.function, real=True)(*(part.outer for part in parts))
+    first = len(parts) - len(node.keywords)
+    named = [Named(sp.Symbol(name), part.outer) for name, part in zip(node.keywords, parts[first:], strict=True)]
+    return sp.Function(node.function, real=True)(*(part.outer for part in parts[:first]), *named)
