@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+import sympy as sp
 from closeness import assert_close
 
 import rsym
@@ -28,3 +29,8 @@ def test_letters_and_source():
 def test_wrong_number_of_coordinates():
     with pytest.raises(rsym.RsymError):
         rsym.lambdify(SHAPE)(1.0)
+
+
+def test_the_larger_of_an_array_and_a_number():
+    shape = rsym.Shape(sp.Max(x, sp.Rational(1, 2)) - sp.Min(y, 2), (x, y))
+    assert rsym.lambdify(shape)([0.0, 1.0], [3.0, 1.0])["value"].tolist() == [-1.5, 0.0]
