@@ -20,7 +20,7 @@ from rsym.errors import RsymError
 from rsym.model import equivalences, powers, rnodes
 from rsym.model.choices import Choice
 from rsym.model.folds import Fold
-from rsym.model.nodes import Ahead, Held, Trimming, written_out
+from rsym.model.nodes import Ahead, Composition, Held, Trimming, written_out
 from rsym.model.traversal import postorder
 
 Lowered = Sequence[int]
@@ -39,9 +39,11 @@ def lower(builder: Builder, expression: sp.Expr) -> int:
 
 def lower_all(builder: Builder, expressions: Sequence[sp.Expr]) -> list[int]:
     """The nodes that compute the expressions; what they share is walked once."""
-    expressions = [written_out(expression) for expression in expressions]
+    parts = postorder(*expressions)
+    if any(isinstance(part, Composition) for part in parts):
+        return lower_all(builder, [written_out(expression) for expression in expressions])
     done: dict[int, int] = {}
-    for part in postorder(*expressions):
+    for part in parts:
         if isinstance(part, Relational | BooleanFunction | BooleanAtom | ExprCondPair):
             continue  # conditions are read by the Piecewise that owns them
         arguments = [done[id(argument)] for argument in part.args if id(argument) in done]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from typing import Any, ClassVar
 
 import sympy as sp
@@ -206,10 +207,14 @@ def _evaluated(argument: sp.Expr, precision: int) -> sp.Expr:
     return argument if value is None else value
 
 
-def written_out(expression: sp.Expr) -> sp.Expr:
-    """Replace every composition by its formula; other R-nodes stay."""
-    while any(isinstance(part, Composition) for part in postorder(expression)):
-        expression = rebuild(expression, lambda part: part.composition() if isinstance(part, Composition) else None)
+def written_out(expression: sp.Expr, kept: Container[type[sp.Basic]] = ()) -> sp.Expr:
+    """Replace every composition by its formula, but those of the classes that are kept; other R-nodes stay."""
+
+    def stands_for_another(part: sp.Basic) -> bool:
+        return isinstance(part, Composition) and type(part) not in kept
+
+    while any(map(stands_for_another, postorder(expression))):
+        expression = rebuild(expression, lambda part: part.composition() if stands_for_another(part) else None)
     return expression
 
 

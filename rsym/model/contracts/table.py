@@ -9,8 +9,8 @@ from rsym.model.contracts.elementary import ELEMENTARY, Least, Rule
 from rsym.model.contracts.operations import OPERATIONS
 from rsym.model.contracts.pieces import PIECES
 from rsym.model.contracts.promises import Promise
-from rsym.model.nodes import Composition
-from rsym.model.traversal import postorder, rebuild, with_operands
+from rsym.model.nodes import written_out
+from rsym.model.traversal import with_operands
 
 PROMISES: dict[type[sp.Basic], Rule] = {**ELEMENTARY, **OPERATIONS, **PIECES}
 
@@ -53,13 +53,7 @@ def promise(part: sp.Expr, least: Least = number_itself) -> Promise:
 
 def known_compositions(expression: sp.Expr) -> sp.Expr:
     """The expression with every composition that promises nothing of its own written out."""
-
-    def unknown(part: sp.Basic) -> bool:
-        return isinstance(part, Composition) and type(part) not in PROMISES
-
-    while any(unknown(part) for part in postorder(expression)):
-        expression = rebuild(expression, lambda part: part.composition() if unknown(part) else None)
-    return expression
+    return written_out(expression, PROMISES)
 
 
 class Promises:
