@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import TypeAlias
@@ -24,7 +25,7 @@ def side(low: float, high: float) -> arb:
 
 
 class Model:
-    """A shape as a growing program of two coordinates, with the letters that are fixed and those that range.
+    """A shape as a growing program of its coordinates, with the letters that are fixed and those that range.
 
     `axes` are what a box has sides along: the coordinates, then the letters that range. Of a `body` of revolution
     the coordinates are those of the meridian, the second one the distance from the axis, with either sign.
@@ -40,7 +41,7 @@ class Model:
         self._orders: dict[int, list[int]] = {}
         self._steps: dict[int, Step] = {}
         self.multiplicities: dict[tuple[int, int], int] = {}
-        self._gradients: dict[int, tuple[int, int]] = {}
+        self._gradients: dict[int, tuple[int, ...]] = {}
         self._curvatures: dict[int, int] = {}
         self._fixed: dict[int, dict[str, arb]] = {}
         self._constants: dict[int, dict[int, arb | None]] = {}
@@ -72,11 +73,16 @@ class Model:
                 steps.append(self._steps[part])
         run(steps, known)
 
-    def gradient(self, number: int) -> tuple[int, int]:
-        """The nodes of the two first derivatives."""
+    @property
+    def dimension(self) -> int:
+        """How many coordinates there are."""
+        return len(self.builder.coordinates)
+
+    def gradient(self, number: int) -> tuple[int, ...]:
+        """The nodes of the first derivatives."""
         if number not in self._gradients:
-            x, y = self.builder.coordinates
-            self._gradients[number] = derivative(self.builder, number, x), derivative(self.builder, number, y)
+            coordinates = self.builder.coordinates
+            self._gradients[number] = tuple(derivative(self.builder, number, name) for name in coordinates)
         return self._gradients[number]
 
     def inputs(self, sides: Sequence[arb]) -> dict[str, arb]:
@@ -121,6 +127,11 @@ class Local:
         if value is None:
             return 0
         return 1 if value > 0 else -1 if value < 0 else 0
+
+    def gradient(self, number: int) -> list[arb]:
+        """Balls around the first derivatives of a node, the whole line where there is no bound."""
+        found = (self.value(node) for node in self.model.gradient(number))
+        return [arb(0, math.inf) if value is None else value for value in found]
 
     def nonzero(self, number: int) -> bool:
         """Whether the node is certainly not zero."""

@@ -77,7 +77,8 @@ def _equations(model: Model, box: Box, finding: Finding) -> Iterator[tuple[int, 
             with ctx.workprec(PRECISION):
                 resolved = resolve(local, leaf, switch, way)
             yield switch, resolved
-    yield model.gradient(leaf)
+    x, y = model.gradient(leaf)
+    yield x, y
 
 
 def _newton(model: Model, pair: tuple[int, int], start: Sequence[float]) -> tuple[arb, arb] | None:
