@@ -11,7 +11,8 @@ from rsym.surfaces.joints.edge_matching import Stretch
 from rsym.surfaces.joints.edge_report import CommonEdge
 from rsym.surfaces.patch import LetterValues, Patch
 from rsym.surfaces.proofs.edge_formulas import PatchFormula
-from rsym.surfaces.proofs.proving import Task, prove
+from rsym.surfaces.proofs.proving import prove
+from rsym.surfaces.proofs.stretches import Task
 
 # The share of what samples tolerate that a proof does: gaps of 1e-12 of the size, angles of 1e-9 degrees. Rounding in
 # data is far below, and a change of a control point by a millionth is far above.
