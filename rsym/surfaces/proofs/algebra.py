@@ -96,11 +96,21 @@ class Field:
         self.measures: list[Fraction] = [Fraction(0)] * 4
 
     def value(self, above: Polynomial, below: Mapping[Polynomial, int]) -> Value:
-        """A quotient, reduced by the relations."""
+        """A quotient, reduced by the relations and by denominators that divide it."""
         reduced = self._reduced(above)
         if len(reduced) > MOST_TERMS:
             raise NoProof("the formulas are too long for exact arithmetic")
-        return Value(self, reduced, below if reduced else {})
+        left = dict(below) if reduced else {}
+        for one in list(left):
+            while left.get(one):
+                quotient, rest = reduced.div(one)
+                if rest:
+                    break
+                reduced = quotient
+                left[one] -= 1
+            if not left[one]:
+                del left[one]
+        return Value(self, reduced, left)
 
     def rational(self, number: Fraction) -> Value:
         """A number."""

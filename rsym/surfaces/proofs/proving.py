@@ -61,15 +61,24 @@ def _proved(task: Task, both: tuple[Walk, Walk], whole: Part, bounds: Bounds) ->
     vanishing = (all(first), all(rest[0]), all(rest[1]))
     small = max((one.linkage for one in found if one.linkage is not None), default=0.0)
     linked = vanishing[1] and all(one.linkage is not None or one.vanishing[2] for one in found)
-    wanted = [not vanishing[0], not vanishing[1], not (vanishing[2] or linked)]
     bounds.flat = vanishing[1]
     parts, removed = _without_poles(task, parts, whole) if all(vanishing) else (parts, [])
-    for pair in parts:
-        if alive > 1 or wanted[0]:
-            survey(pair, wanted, bounds)
+    wanted = [not one for one in vanishing]
+    _cover(parts, [*wanted[:2], not linked], bounds)
     if linked and not vanishing[2]:
-        bounds.most[2] = max(bounds.most[2], _jump(small, bounds))
+        bounds.most[2] = _jump(small, bounds)
+        if bounds.most[2] > bounds.rooms[2]:
+            bounds.most[2] = 0.0
+            bounds.open.clear()
+            _cover(parts, wanted, bounds)
     return _answer(Facts(vanishing), bounds, bounds.open, removed, whole, "")
+
+
+def _cover(parts: Sequence[Pair], wanted: Sequence[bool], bounds: Bounds) -> None:
+    """Enclose all parts; of an edge with a kink there is nothing to enclose if its points agree exactly."""
+    for pair in parts:
+        if bounds.alive > 1 or wanted[0]:
+            survey(pair, wanted, bounds)
 
 
 def _jump(linkage: float, bounds: Bounds) -> float:

@@ -59,6 +59,7 @@ def _knots(space: SplineSpace) -> list[Fraction]:
 def _pieces(knots: list[Fraction], degree: int, place: Fraction, before: bool) -> tuple[range, list[Polynomial]]:
     """Numbers and polynomials of the basis functions on the span round a place, or before it."""
     spans = [k for k in range(len(knots) - 1) if knots[k] < knots[k + 1]]
+    before = before or place == knots[-degree - 1]
     inside = [k for k in spans if (knots[k] < place <= knots[k + 1] if before else knots[k] <= place < knots[k + 1])]
     span = inside[0]
     known: dict[int, Polynomial] = {span: [ONE]}
