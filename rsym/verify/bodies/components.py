@@ -7,7 +7,7 @@ neither holds is narrowed and divided, and Newton's method looks for a new compo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,13 +26,16 @@ Array = NDArray[np.float64]
 _TOLERANCE = 2.0**-32
 # Parts into which a box may fall before it stays open.
 _PARTS = 400
+# Where Newton's method has found nothing new it is tried again in parts that are halved so often.
+_WAIT = 4
 
 
-@dataclass
 class Tubes:
-    """The tubes of all components followed so far, to be asked whether they hold a box."""
+    """The tubes of all components followed so far, to be asked whether all of the curve in a box lies in them."""
 
-    tubes: list[Tube] = field(default_factory=list)
+    def __init__(self, curve: Curve) -> None:
+        self.curve = curve
+        self.tubes: list[Tube] = []
 
     def add(self, tubes: Sequence[Tube]) -> None:
         """Take more."""
@@ -41,18 +44,56 @@ class Tubes:
         self._lows, self._highs = np.array([low for low, _ in hulls]), np.array([high for _, high in hulls])
 
     def contain(self, sides: Sequence[arb]) -> bool:
-        """Whether a box lies in one of the tubes."""
+        """Whether a box lies in one of the tubes, where there is but the arc that was followed."""
         if not self.tubes:
             return False
         low, high = ends(sides)
         near = ((self._lows <= low) & (high <= self._highs)).all(axis=1)
         return any(self.tubes[number].contains(sides) for number in np.flatnonzero(near))
 
+    def pass_through(self, sides: Point) -> bool:
+        """Whether there is one arc through a box, and tubes follow it all the way.
+
+        In a box where the slopes across an axis are regular there is at most one point for every value along it. If
+        tubes have one for every value, and the arcs in them lie in that box, they are all that there is.
+        """
+        if not self.tubes:
+            return False
+        low, high = ends(sides)
+        margin = (high - low).max() / 2
+        close = ((self._lows <= high + margin) & (low - margin <= self._highs)).all(axis=1)
+        tubes = [self.tubes[number] for number in np.flatnonzero(close)]
+        return any(self._follow(sides, low - margin, high + margin, axis, tubes) for axis in range(3))
+
+    def _follow(self, sides: Point, low: Array, high: Array, axis: int, tubes: Sequence[Tube]) -> bool:
+        own = ends(sides)
+        first, last, spans, hull = float(own[0][axis]), float(own[1][axis]), [], list(sides)
+        for tube in tubes:
+            span = max(first, tube.span[0]), min(last, tube.span[1])
+            if tube.axis != axis or span[0] > span[1]:
+                continue
+            arc = tube.over(*span, tube.width)
+            lows, highs = ends(arc)
+            if (low <= lows).all() and (highs <= high).all():
+                spans.append(span)
+                hull = [one.union(other) for one, other in zip(hull, arc, strict=True)]
+        return _cover(spans, first, last) and self.curve.is_unique(hull, axis)
+
+
+def _cover(spans: Sequence[tuple[float, float]], first: float, last: float) -> bool:
+    """Whether intervals cover an interval."""
+    for low, high in sorted(spans):
+        if low > first:
+            return False
+        first = max(first, high)
+    return bool(spans) and first >= last
+
 
 def ends(sides: Sequence[arb]) -> tuple[Array, Array]:
-    """The lower and upper ends of a box."""
+    """The lower and upper ends of a box, rounded outward."""
     low = np.array([float(one.lower()) for one in sides[:3]])
-    return low, np.array([float(one.upper()) for one in sides[:3]])
+    high = np.array([float(one.upper()) for one in sides[:3]])
+    return np.nextafter(low, -np.inf), np.nextafter(high, np.inf)
 
 
 @dataclass(frozen=True)
@@ -71,7 +112,7 @@ class Search:
         self.corners = [knot for _, point in corners if (knot := self._corner(point)) is not None]
         self.region = Region([*boxes, *(box for box, _ in corners)], _TOLERANCE * curve.extent)
         self.inner = Region(boxes, _TOLERANCE * curve.extent)
-        self.tubes = Tubes()
+        self.tubes = Tubes(curve)
         self.components: list[Component] = []
         self.open: list[Box] = []
 
@@ -85,29 +126,28 @@ class Search:
 
     def account(self, box: Box) -> None:
         """Prove that all of the curve in a box was followed, and follow what was not."""
-        parts: list[Point] = [tuple(side(*one) for one in box[:3])]
-        budget, tiny = _PARTS, ACCURACY * self.curve.extent
-        while parts:
-            part: Point | None = parts.pop()
-            budget -= 1
-            if budget < 0:
-                self.open.append(box)
+        parts: list[tuple[Point, int]] = [(tuple(side(*one) for one in box[:3]), 0)]
+        for _ in range(_PARTS):
+            if not parts:
                 return
-            if part is None or self.tubes.contain(part):
+            whole, wait = parts.pop()
+            if self.tubes.contain(whole):
                 continue
-            part = narrowed(self.curve, part)
-            if part is None or self.tubes.contain(part):
+            part = narrowed(self.curve, whole)
+            if part is None or self.tubes.contain(part) or self.tubes.pass_through(part):
                 continue
             low, high = ends(part)
-            if float((high - low).max()) < tiny:  # no more than ends are accurate
+            if float((high - low).max()) < ACCURACY * self.curve.extent:  # no more than ends are accurate
                 continue
-            if self._follow(part, (low + high) / 2):
-                parts.append(part)
+            if wait == 0 and self._seek((low + high) / 2):
+                parts.append((part, 0))
             else:
-                parts.extend(_halves(part, int((high - low).argmax())))
+                parts.extend((half, (wait or _WAIT) - 1) for half in _halves(part, int((high - low).argmax())))
+        if parts:
+            self.open.append(box)
 
-    def _follow(self, part: Point, middle: Array) -> bool:
-        """Look for a component through a part of a box, and follow it."""
+    def _seek(self, middle: Array) -> bool:
+        """Look for a new component close to a point, and follow it."""
         point = self.curve.newton(middle)
         if point is None or not self.inner.holds(point) or self.tubes.contain([arb(value) for value in point.tolist()]):
             return False

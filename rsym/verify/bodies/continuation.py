@@ -8,9 +8,11 @@ closed when a tube holds its first point again, ahead of the last.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import mul
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,7 +105,7 @@ class Curve:
     def values(self, local: Local) -> list[arb]:
         """Both values on a box."""
         found = [local.value(number) for number in self.pair]
-        return [arb(0, float("inf")) if value is None else value for value in found]
+        return [arb(0, math.inf) if value is None else value for value in found]
 
     def slopes(self, local: Local) -> list[list[arb]]:
         """Both gradients on a box."""
@@ -113,25 +115,37 @@ class Curve:
         """Whether both nodes are analytic on a box."""
         return all(generators(local, number).analytic for number in self.pair)
 
+    def is_unique(self, sides: Sequence[arb], axis: int) -> bool:
+        """Whether a box has at most one point of the curve for every value along an axis: regular slopes across it."""
+        local = self.on(sides)
+        if not self.is_analytic(local):
+            return False
+        across = [[row[other] for other in others(axis)] for row in self.slopes(local)]
+        near = inverse(across)
+        if near is None:
+            return False
+        unit = (arb(0, 1), arb(0, 1))
+        moved = image(near, [arb(0), arb(0)], across, unit)
+        return moved is not None and all(abs(one) < 1 for one in moved)
+
     def newton(self, point: Array, axis: int | None = None) -> Array | None:
         """The point of the curve that Newton's method finds, without moving along `axis`; no proof."""
         free = [0, 1, 2] if axis is None else others(axis)
-        point = point.copy()
+        found = point.tolist()
         for _ in range(_STEPS):
-            local = self.on([arb(value) for value in point.tolist()])
-            value = np.array([float(one.mid()) for one in self.values(local)])
-            slopes = np.array([[float(one.mid()) for one in row] for row in self.slopes(local)])[:, free]
-            if not (np.isfinite(value).all() and np.isfinite(slopes).all()):
+            local = self.on([arb(value) for value in found])
+            f, g = (float(one.mid()) for one in self.values(local))
+            rows = [[float(row[one].mid()) for one in free] for row in self.slopes(local)]
+            a, b, c = (sum(map(mul, rows[i], rows[j])) for i, j in ((0, 0), (0, 1), (1, 1)))
+            determinant = a * c - b * b
+            if not (determinant > 0 and math.isfinite(f) and math.isfinite(g)):  # NaN too
                 return None
-            square = slopes @ slopes.T
-            determinant = square[0, 0] * square[1, 1] - square[0, 1] ** 2
-            if not determinant > 0:
-                return None
-            weights = np.array([[square[1, 1], -square[0, 1]], [-square[0, 1], square[0, 0]]]) @ value / determinant
-            step = slopes.T @ weights
-            point[free] -= step
-            if np.abs(step).max() <= _SETTLED * self.extent:
-                return point
+            u, v = (c * f - b * g) / determinant, (a * g - b * f) / determinant
+            steps = [u * one + v * other for one, other in zip(*rows, strict=True)]
+            for other, step in zip(free, steps, strict=True):
+                found[other] -= step
+            if max(map(abs, steps)) <= _SETTLED * self.extent:
+                return np.array(found)
         return None
 
     def tangent(self, sides: Sequence[arb]) -> list[arb]:
@@ -165,7 +179,7 @@ class Curve:
     def _only(self, box: Sequence[arb], axis: int) -> Point | None:
         section = _Section(self, box[axis], axis)
         zero = unique_zero(section.values, section.jacobian, tuple(box[other] for other in others(axis)))
-        if zero is None or zero.box is None:
+        if zero is None or zero.box is None or not self.is_analytic(self.on(box)):
             return None
         return section.whole(refined(section.values, section.jacobian, zero.box))
 
