@@ -107,7 +107,7 @@ class Octree:
         divided |= state.hard & (widths > BALLS_FROM * self.extent)
         self._inspect(state, widths, defined)
         self._leave(level[divided & (widths <= self.smallest)])
-        following = level[divided & (widths > self.smallest)]
+        following: Boxes = level[divided & (widths > self.smallest)]
         if self.found.examined + 8 * len(following) > self.budget or self._is_detail(following):
             self._leave(following)
             return following[:0]
