@@ -13,6 +13,7 @@ All decisions are taken on a box that is a neighbourhood of p, so that they hold
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rsym.codegen.balls import Step, arb, exact, run
@@ -48,19 +49,25 @@ class Slopes:
 
     def gradient(self, direction: Vector) -> Vector | None:
         """A box of all limits of the gradient of the node at p + r d for r -> 0, d in some directions."""
-        slopes = self.at(direction)
         places = range(len(self.coordinates))
-        found: dict[int, Vector] = {
-            own: tuple(arb(int(place == other)) for other in places)
-            for place, own in zip(places, self.coordinates, strict=True)
-        }
+        return self._limits(direction, [tuple(arb(int(own == other)) for other in places) for own in places])
+
+    def growth(self, direction: Vector, way: Vector) -> arb | None:
+        """A ball around all limits of the derivative in one way at p + r d for r -> 0, d in some directions."""
+        found = self._limits(direction, [(part,) for part in way])
+        return None if found is None else found[0]
+
+    def _limits(self, direction: Vector, seeds: Sequence[Vector]) -> Vector | None:
+        """Derivatives, given those of the coordinates."""
+        slopes = self.at(direction)
+        found = dict(zip(self.coordinates, seeds, strict=True))
         for part, rule in self.rules:
             own = [slope for argument in rule.arguments if (slope := slopes[argument]) is not None]
             gradients = [found[argument] for argument in rule.arguments if argument in found]
             if len(own) == len(gradients) == len(rule.arguments):
                 value = rule.gradient(own, gradients)
                 if value is not None:
-                    found[part] = value or tuple(arb(0) for _ in places)  # of a constant
+                    found[part] = value or tuple(arb(0) for _ in seeds[0])  # of a constant
         return found.get(self.number)
 
 

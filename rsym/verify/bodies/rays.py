@@ -76,17 +76,18 @@ class Rays:
     @cached_property
     def upward(self) -> tuple[float, ...] | None:
         """A direction v along which omega certainly grows near the boundary, from outside to inside."""
-        undecided = self.boxes[self.signs == 0]
-        gradients = [self.slopes.gradient(_direction(box)) for box in undecided]
-        known = [gradient for gradient in gradients if gradient is not None and all(g.is_finite() for g in gradient)]
-        if not known or len(known) < len(gradients):
+        undecided = [_direction(box) for box in self.boxes[self.signs == 0]]
+        gradients = [self.slopes.gradient(direction) for direction in undecided]
+        middles = np.array([[float(part.mid()) for part in gradient] for gradient in gradients if gradient is not None])
+        if not len(middles) or len(middles) < len(gradients) or not np.isfinite(middles).all():
             return None
-        middles = np.array([[float(part.mid()) for part in gradient] for gradient in known])
-        v = _steepest(middles)
-        if not all(sum((part * float(a) for part, a in zip(g, v, strict=True)), NOTHING) > 0 for g in known):
-            return None
-        above, below = (self.sign(tuple(arb(way * float(a)) for a in v)) for way in (1, -1))
-        return tuple(v.tolist()) if (above, below) == (1, -1) else None
+        v = tuple(arb(part) for part in _steepest(middles).tolist())
+        for direction in undecided:
+            growth = self.slopes.growth(direction, v)
+            if growth is None or not growth > 0:
+                return None
+        opposite = tuple(-part for part in v)
+        return tuple(map(float, v)) if (self.sign(v), self.sign(opposite)) == (1, -1) else None
 
     @cached_property
     def is_bent(self) -> bool:

@@ -7,7 +7,7 @@ where it changes. On ever smaller spheres both settle.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
@@ -27,6 +27,8 @@ Array: TypeAlias = NDArray[np.float64]
 FINENESS = 24  # steps along an edge of the cube of directions: cones of 4 degrees are seen
 RADII = 5
 SHRINKING = 4.0
+HALVINGS = 30
+COARSE = 0.2  # degrees that the largest angle between normals so far apart may miss
 
 
 @dataclass(frozen=True)
@@ -58,25 +60,36 @@ def views(model: Model, centre: Sequence[float], radius: float) -> list[View]:
     function = NumpyFunction(expand(model.builder.program({str(place): node for place, node in enumerate(nodes)})))
     letters = [float((model.letters[name][0] + model.letters[name][1]) / 2) for name in model.builder.letters]
     directions, pairs = _lattice()
-    found = []
-    for step in range(RADII):
-        points = np.asarray(centre)[:, None] + radius / SHRINKING**step * directions.T
-        outputs = [np.empty(len(directions)) for _ in nodes]
-        function.run([np.ascontiguousarray(row) for row in points], letters, outputs)
-        found.append(_view(outputs[0], np.stack(outputs[1:]), pairs))
-    return found
+
+    def sampled(points: Array) -> Array:
+        outputs = [np.empty(len(points)) for _ in nodes]
+        function.run([np.ascontiguousarray(row) for row in points.T], letters, outputs)
+        return np.stack(outputs)
+
+    radii = [radius / SHRINKING**step for step in range(RADII)]
+    return [_view(sampled, np.asarray(centre) + size * directions, pairs) for size in radii]
 
 
-def _view(values: Array, gradients: Array, pairs: NDArray[np.int64]) -> View:
-    signs = np.where(np.isnan(values), 0, np.where(values > 0, 1, -1))
+def _view(sampled: Callable[[Array], Array], points: Array, pairs: NDArray[np.int64]) -> View:
+    signs = _signs(sampled(points)[0])
     counts = {sign: _pieces(signs == sign, pairs) for sign in (1, -1)}
-    crossing = pairs[:, signs[pairs[0]] * signs[pairs[1]] < 0]
-    sizes = np.linalg.norm(gradients, axis=0)
+    inner, outer = pairs[:, signs[pairs[0]] * signs[pairs[1]] < 0]
+    inner, outer = np.where(signs[inner] > 0, inner, outer), np.where(signs[inner] > 0, outer, inner)
+    low, high = points[inner], points[outer]
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        inside = (_signs(sampled(middle)[0]) > 0)[:, None]
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    gradients = sampled(low)[1:]
     with np.errstate(all="ignore"):
-        normals = (gradients / sizes)[:, np.unique(crossing)]
+        normals = gradients / np.linalg.norm(gradients, axis=0)
     normals = normals[:, np.isfinite(normals).all(axis=0)]
     least = float((normals.T @ normals).min()) if normals.size else math.nan
     return View(counts[1], counts[-1], bool((signs == 0).any()), math.degrees(math.acos(max(-1.0, min(1.0, least)))))
+
+
+def _signs(values: Array) -> NDArray[np.int64]:
+    return np.where(np.isnan(values), 0, np.where(values > 0, 1, -1))
 
 
 def _pieces(own: NDArray[np.bool_], pairs: NDArray[np.int64]) -> int:
