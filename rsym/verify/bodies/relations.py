@@ -67,7 +67,7 @@ class Relations:
         return len(multiples) > 1
 
     def split(self, leaf: int) -> tuple[int, int] | None:
-        """Nodes (d, rest) with the sign of the leaf that of d*rest, d a factor that another leaf has too; rest may be 1."""
+        """Nodes d, rest such that the leaf has the sign of d*rest, d a factor that another leaf has too; rest may be 1."""
         if leaf not in self.polynomials:
             return None
         constant, factors = self._factors[leaf]

@@ -16,7 +16,7 @@ from rsym.verify.bodies.formation import formation
 from rsym.verify.bodies.images import Images
 from rsym.verify.bodies.naming import Naming
 from rsym.verify.bodies.octree import Octree, Subdivision, joined_boxes
-from rsym.verify.bodies.points import DEGENERATIONS, classify_points
+from rsym.verify.bodies.points import classify_points, is_degenerate
 from rsym.verify.bodies.report import Array, BodyCover, BodyReport, Defect, SingularCurve, SingularPoint, is_defect
 from rsym.verify.bodies.tracing import trace
 from rsym.verify.cleaning import cleaned
@@ -74,10 +74,11 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
     model, found = study.images.model, study.found
     corners = [(box, one.point) for box, one in found.corners if one.point is not None]
     curves = _curves(study, corners)
-    points, rest = classify_points(model, found.left, study.extent, study.naming, curves)
-    points = [*_distinct([point for _, point in corners]), *points]
-    curves = [*curves, *rest]
-    exists = _exists(study)
+    classified = classify_points(model, found.left, study.extent, study.naming, curves)
+    points = [*_distinct([point for _, point in corners]), *classified.points]
+    curves = [*curves, *classified.curves]
+    found = found.without(classified.regular)
+    exists = _exists(study.images, found)
     verdict = _verdict(found, [*curves, *points], exists)
     bent = bending(study.images, found) if sharpened and exists else Bending((-math.inf, math.inf), (math.nan,) * 2)
     return BodyReport(
@@ -87,7 +88,7 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
         points=tuple(sorted(points, key=_badness)),
         curvatures=bent.enclosure if not found.left else (-math.inf, math.inf),
         attained=bent.attained,
-        cover=_cover(study),
+        cover=_cover(study.region, found),
         letters={name: (float(low), float(high)) for name, (low, high) in model.letters.items()},
         statements=_statements(found, exists),
     )
@@ -99,9 +100,7 @@ def _curves(study: Study, corners: Sequence[tuple[Box, SingularPoint]]) -> list[
     for meeting, groups in study.found.joined.items():
         names = tuple(study.naming(arc.function) for arc in meeting.arcs)
         boxes = [_box(box) for group in groups for box in group.tolist()]
-        found = trace(
-            study.images.model, meeting, (names[0], names[1]), boxes, extent=study.extent, corners=corners
-        )
+        found = trace(study.images.model, meeting, (names[0], names[1]), boxes, extent=study.extent, corners=corners)
         curves.extend(found)
     return curves
 
@@ -120,22 +119,23 @@ def _distinct(points: Sequence[SingularPoint]) -> list[SingularPoint]:
     return result
 
 
-def _exists(study: Study) -> bool | None:
+def _exists(images: Images, found: Subdivision) -> bool | None:
     """Whether there is a point of the boundary: True and False are proved, None is neither."""
-    boxes = [part for parts in study.found.regular.values() for part in parts] + list(joined_boxes(study.found))
+    boxes = [part for parts in found.regular.values() for part in parts] + list(joined_boxes(found))
     if boxes:
         settled = np.concatenate(boxes)[:TRIED]
         corners = np.stack([settled[:, range(3), list(ends)] for ends in product((0, 1), repeat=3)])
-        signs = np.array([study.images.sign(np.stack([points, points], axis=-1)) for points in corners])
+        signs = np.array([images.sign(np.stack([points, points], axis=-1)) for points in corners])
         if ((signs > 0).any(axis=0) & (signs < 0).any(axis=0)).any():
             return True
-    return None if boxes or study.found.left or study.found.double else False
+    return None if boxes or found.left or found.double else False
 
 
 def _verdict(found: Subdivision, everything: Sequence[Defect], exists: bool | None) -> str:
     """The strongest word that the evidence bears."""
-    degenerate = [one for one in everything if one.proved and one.kind in DEGENERATIONS]
-    if any(one.proved and is_defect(one) and one not in degenerate for one in everything):
+    proved = [one for one in everything if one.proved and is_defect(one)]
+    degenerate = [one for one in proved if isinstance(one, SingularPoint) and is_degenerate(one)]
+    if len(proved) > len(degenerate):
         return REFUTED
     if degenerate or found.double or exists is False:
         return DEGENERATE
@@ -167,12 +167,11 @@ def _badness(one: Defect) -> tuple[float, ...]:
     return (not one.proved, CONTINUITIES.index(one.continuity), *size, *place)
 
 
-def _cover(study: Study) -> BodyCover:
-    found = study.found
+def _cover(region: Box, found: Subdivision) -> BodyCover:
     none = np.empty((0, 3, 2))
     left: Array = np.array([box[:3] for box, _ in found.left] + found.double, dtype=np.float64).reshape(-1, 3, 2)
     return BodyCover(
-        bounds=study.region,
+        bounds=region,
         certified=np.concatenate([none, *(part for parts in found.regular.values() for part in parts)]),
         joined=np.concatenate([none, *joined_boxes(found)]),
         undecided=left,
