@@ -10,20 +10,21 @@ import numpy as np
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
-from rsym.errors import RsymWarning
+from rsym.errors import RsymError, RsymWarning
 from rsym.model.shape import Shape
 from rsym.output import axes3d
+from rsym.output.ink import Stroke
 from rsym.output.joins import PALE
 from rsym.output.paints import coat_of
-from rsym.output.singular import Marks, mark_boxes, mark_curves, mark_points
+from rsym.output.singular import Marks, labelled, mark_boxes, mark_curves, mark_points, outlines
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 from rsym.verify.bodies.phrases import counted
-from rsym.verify.bodies.report import BodyReport, SingularPoint
+from rsym.verify.bodies.report import BodyReport
 from rsym.verify.wording import rounded_up
 
-LABELS = 8  # more points than these are told apart by their dots alone
+FRAME = "#aaaaaa"
 TITLE, ROW = 0.5, 0.3  # inches, for the title and for a row of a legend
 
 
@@ -48,7 +49,7 @@ def draw_body_verdict(
     >>> none, nothing = np.empty((0, 3, 2)), (float("nan"),) * 2
     >>> cover = BodyCover(ball.bounds, none, none, none, 0)
     >>> report = BodyReport("CERTIFIED", "analytic", (), (), nothing, nothing, cover, {})
-    >>> draw_body_verdict(report, ball, resolution=16).axes.get_title()
+    >>> draw_body_verdict(report, ball, resolution=16).axes.figure.get_suptitle()
     'CERTIFIED: analytic, proved'
     """
     letters = {name: (low + high) / 2 for name, (low, high) in report.letters.items() if name in shape.letters}
@@ -56,24 +57,34 @@ def draw_body_verdict(
     coat = coat_of(body, body.normals, colour, colour_by, shape, letters)
     size = float(np.ptp(body.vertices, axis=0).max())
     marks = mark_curves(report.curves, size) + mark_points(report.points) + mark_boxes(report.undecided, size)
-    artist = ShadedMesh(body, coat, features=False, strokes=marks.strokes, bars=marks.bars)
+    frame = [] if len(body.faces) > 1 else [Stroke(outlines(np.array([report.cover.bounds])), FRAME, 0.6)]
+    artist = ShadedMesh(body, coat, features=False, strokes=[*frame, *marks.strokes], bars=marks.bars)
     show(artist, ax, elevation, azimuth)
     _explain(artist, report, marks, whole=ax is None)
     return artist
 
 
 def _mesh(shape: Shape, report: BodyReport, resolution: int, letters: Mapping[str, float]) -> Mesh:
-    """What leaves the bounds is cut there on purpose, and its status is no part of the verdict."""
+    """Open where it leaves the bounds, for the verdict does not speak of caps; its status is no part of it either.
+
+    Without a surface, one triangle that is seen from no side, across the bounds.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RsymWarning)
-        return mesh(shape, resolution, bounds=report.cover.bounds, letters=letters)
+        try:
+            return mesh(shape, resolution, bounds=report.cover.bounds, letters=letters, cap=False)
+        except RsymError as error:
+            if error.code != "no-surface":
+                raise
+            return Mesh(np.array(report.cover.bounds).T, np.array([[0, 1, 0]]))
 
 
 def _explain(artist: ShadedMesh, report: BodyReport, marks: Marks, *, whole: bool) -> None:
     """A title; on a figure of its own a legend below, and room for both."""
     axes = artist.axes
     assert isinstance(axes, Axes3D)
-    _label(axes, [point for point in report.points if point.kind != "corner"])
+    for point in labelled(report.points):
+        axes.text(*point.point, f"   {point.kind}", fontsize=9, zorder=6)
     if not whole:
         axes.set_title(verdict_title(report), fontsize=10)
         return
@@ -87,18 +98,12 @@ def _explain(artist: ShadedMesh, report: BodyReport, marks: Marks, *, whole: boo
         figure.legend(handles=marks.handles, loc="lower center", ncols=columns, fontsize=8, frameon=False)
 
 
-def _label(axes: Axes3D, points: list[SingularPoint]) -> None:
-    """The kind beside each of a few points."""
-    for point in points if len(points) <= LABELS else ():
-        axes.text(*point.point, f"   {point.kind}", fontsize=9, zorder=6)
-
-
 def verdict_title(report: BodyReport) -> str:
     """The verdict and what it rests on, in one line.
 
     Examples
     --------
-    >>> from rsym.verify.bodies.report import BodyCover
+    >>> from rsym.verify.bodies.report import BodyCover, SingularPoint
     >>> none, nothing = np.empty((0, 3, 2)), (float("nan"),) * 2
     >>> cover, tip = BodyCover((), none, none, none, 0), SingularPoint((0.0, 0.0, 1.0), 0.0, "cone tip", "G0")
     >>> verdict_title(BodyReport("REFUTED", "G0", (), (tip,), nothing, nothing, cover, {"a": (1, 2)}))

@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations, product
 from types import MappingProxyType
 from typing import TypeAlias
 
@@ -33,7 +34,7 @@ Limits: TypeAlias = tuple[float, float]
 HIDDEN = 0.15  # the share that shows through the body
 CASING = 1.4  # points of white around a line, so that it stands out from stripes and colours
 FINE, DASH = 0.01, 0.02  # of the body's size: the pieces of a line, and of a dashed one
-# Parts of perceptually uniform maps: their yellow ends are too pale for a line on a pale body, and no colour is in both.
+# Parts of perceptually uniform maps: a yellow line is too pale on a pale body, and no colour is in both.
 MAPS = {"angle": ("plasma", 0.0, 0.87), "jump": ("viridis", 0.8, 0.3)}
 ROUND = 30.0  # degrees: the ends and ticks of a scale of angles are multiples of it
 LEAST_BOX, CROWD = 0.014, 0.02  # of the body's size: a box is drawn no smaller, and none so near another
@@ -59,6 +60,7 @@ LOOKS: Mapping[str, Look] = MappingProxyType(
         "edge": Look(2.8, scale="angle"),
     }
 )
+LABELS = 8  # more points than these are told apart by their dots alone
 CORNER, MARK = 3.4, 6.0  # points
 POINTS: Mapping[str, tuple[float, str]] = MappingProxyType({"corner": (CORNER, INK), "unresolved": (MARK, UNDECIDED)})
 
@@ -113,14 +115,20 @@ def _handle(label: str, look: Look) -> Artist:
     return Line2D([], [], color=look.colour, linewidth=look.width, linestyle=style, label=label)
 
 
+def labelled(points: Sequence[SingularPoint]) -> tuple[SingularPoint, ...]:
+    """The points that have their kind beside them: a few, none of them a corner."""
+    rare = tuple(point for point in points if point.kind != "corner")
+    return rare if len(rare) <= LABELS else ()
+
+
 def mark_points(points: Sequence[SingularPoint]) -> Marks:
-    """Points as dots, corners smaller than others, with the count of each kind for a legend."""
-    marks = Marks()
+    """Points as dots, corners smaller than others, with the count of each kind that has no label for a legend."""
+    marks, told = Marks(), {point.kind for point in labelled(points)}
     for kind, count in Counter(point.kind for point in points).items():
         size, colour = POINTS.get(kind, (MARK, DEFECT))
         places = np.array([point.point for point in points if point.kind == kind])
         handle = Line2D([], [], marker="o", markersize=size, color=colour, linestyle="", label=counted(kind, count))
-        marks += Marks(tuple(dots(places, colour, size, HIDDEN)), (), (handle,))
+        marks += Marks(tuple(dots(places, colour, size, HIDDEN)), (), () if kind in told else (handle,))
     return marks
 
 
@@ -130,12 +138,24 @@ def mark_boxes(boxes: Floats, size: float) -> Marks:
         return Marks()
     middles, halves = boxes.mean(axis=2), np.maximum(np.diff(boxes, axis=2)[..., 0], LEAST_BOX * size) / 2
     _, kept = np.unique(np.floor(middles / (CROWD * size)), axis=0, return_index=True)
-    corners = np.array([(i, j, k) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
-    ends = [(a, b) for a in range(8) for b in range(a) if (corners[a] != corners[b]).sum() == 1]
-    outlines = middles[kept, None, None] + corners[np.array(ends)] * halves[kept, None, None]
+    shown = np.stack([middles - halves, middles + halves], axis=2)[kept]
     handle = Line2D([], [], marker="s", markersize=6, markerfacecolor="none", color=UNDECIDED, linestyle="")
     handle.set_label(f"undecided: {plural(len(boxes), 'box', 'boxes')}")
-    return Marks((Stroke(outlines.reshape(-1, 2, 3), UNDECIDED, 1.0, HIDDEN),), (), (handle,))
+    return Marks((Stroke(outlines(shown), UNDECIDED, 1.0, HIDDEN),), (), (handle,))
+
+
+def outlines(boxes: Floats) -> Floats:
+    """The edges (12n, 2, 3) of boxes (n, 3, 2).
+
+    Examples
+    --------
+    >>> np.abs(np.diff(outlines(np.array([[[0, 1], [0, 2], [0, 3]]])), axis=1)).sum()
+    np.int64(24)
+    """
+    corners = list(product((0, 1), repeat=3))
+    ends = np.array([(a, b) for a, b in combinations(corners, 2) if sum(map(int.__ne__, a, b)) == 1])
+    edges: Floats = np.take_along_axis(boxes[:, None, None], ends[None, ..., None], axis=4)[..., 0]
+    return edges.reshape(-1, 2, 3)
 
 
 def _edges(curves: Sequence[SingularCurve | Feature]) -> list[SingularCurve]:

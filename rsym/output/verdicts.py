@@ -87,8 +87,7 @@ def plot_verdict(
     --------
     >>> import math, rsym
     >>> from rsym import x, y
-    >>> from rsym.verify.bodies.report import BodyReport
-    from rsym.verify.report import Cover
+    >>> from rsym.verify.report import Cover
     >>> disc = rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-2, 2), (-2, 2)))
     >>> none = np.empty((0, 2, 2))
     >>> report = SmoothnessReport("UNDECIDED", "G0", (), (), math.inf, Cover(disc.bounds, none, none, none, 0), {})
