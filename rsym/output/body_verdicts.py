@@ -16,7 +16,7 @@ from rsym.output import axes3d
 from rsym.output.ink import Stroke
 from rsym.output.joins import PALE
 from rsym.output.paints import coat_of
-from rsym.output.singular import Marks, labelled, mark_boxes, mark_curves, mark_points, outlines
+from rsym.output.singular import Limits, Marks, labelled, mark_boxes, mark_curves, mark_points, outlines
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
@@ -38,8 +38,12 @@ def draw_body_verdict(
     resolution: int,
     elevation: float = 22.0,
     azimuth: float = -55.0,
+    angles: Limits | None = None,
+    jumps: Limits | None = None,
 ) -> ShadedMesh:
     """The body that a report is about, with what is singular on it, a title and, on a new figure, a legend.
+
+    `angles` and `jumps` are the ends of the scales of colours, for pictures that share them.
 
     Examples
     --------
@@ -56,7 +60,8 @@ def draw_body_verdict(
     body = _mesh(shape, report, resolution, letters)
     coat = coat_of(body, body.normals, colour, colour_by, shape, letters)
     size = float(np.ptp(body.vertices, axis=0).max())
-    marks = mark_curves(report.curves, size) + mark_points(report.points) + mark_boxes(report.undecided, size)
+    marks = mark_curves(report.curves, size, angles, jumps) + mark_points(report.points)
+    marks += mark_boxes(report.undecided, size)
     frame = [] if len(body.faces) > 1 else [Stroke(outlines(np.array([report.cover.bounds])), FRAME, 0.6)]
     artist = ShadedMesh(body, coat, features=False, strokes=[*frame, *marks.strokes], bars=marks.bars)
     show(artist, ax, elevation, azimuth)

@@ -32,6 +32,7 @@ Floats = NDArray[np.float64]
 Limits: TypeAlias = tuple[float, float]
 
 HIDDEN = 0.15  # the share that shows through the body
+MANY, THIN = 40, 0.65  # so many curves are drawn so much thinner, and hidden ones not at all
 CASING = 1.4  # points of white around a line, so that it stands out from stripes and colours
 FINE, DASH = 0.01, 0.02  # of the body's size: the pieces of a line, and of a dashed one
 # Parts of perceptually uniform maps: a yellow line is too pale on a pale body, and no colour is in both.
@@ -97,16 +98,18 @@ def mark_curves(
     """
     known = [*(one for one in curves if isinstance(one, SingularCurve)), *_edges(curves)]
     bars = {"angle": _angle_bar(angles or _angle_limits(known)), "jump": _jump_bar(jumps or _jump_limits(known))}
+    width, hidden = (THIN, 0.0) if len(known) > MANY else (1.0, HIDDEN)
     drawn, handles, used = [], list[Artist](), list[Bar]()
     for kind, look in LOOKS.items():
         alike = [curve for curve in known if curve.kind == kind]
         if not alike:
             continue
         bar = bars.get(look.scale)
-        drawn.append(_stroke(alike, look, bar, size))
+        pieces, light = _coloured(alike, look, bar, size)
+        drawn.append(Stroke(pieces, look.colour if light is None else light, width * look.width, hidden))
         used += [bar] if bar else []
         handles += [] if bar else [_handle(counted(kind, len(alike)), look)]
-    cased = [Stroke(stroke.pieces, "white", stroke.width + CASING) for stroke in drawn]
+    cased = [Stroke(stroke.pieces, "white", stroke.width + width * CASING) for stroke in drawn]
     return Marks((*cased, *drawn), tuple(used[::-1]), tuple(handles))
 
 
@@ -169,15 +172,17 @@ def _edges(curves: Sequence[SingularCurve | Feature]) -> list[SingularCurve]:
     ]
 
 
-def _stroke(curves: Sequence[SingularCurve], look: Look, bar: Bar | None, size: float) -> Stroke:
-    """All curves of one kind."""
+def _coloured(
+    curves: Sequence[SingularCurve], look: Look, bar: Bar | None, size: float
+) -> tuple[Floats, Floats | None]:
+    """Pieces of all curves of one kind, and their light if it follows from a scale."""
     found = [_pieces(curve.points, _values(curve, look.scale), size, look.dash) for curve in curves]
     pieces, values = (np.concatenate(part) for part in zip(*found, strict=True))
     if bar is None:
-        return Stroke(pieces, look.colour, look.width, HIDDEN)
+        return pieces, None
     light = decode(bar.scale.to_rgba(values)[:, :3])
     light[np.isnan(values)] = linear(UNDEFINED)
-    return Stroke(pieces, light, look.width, HIDDEN)
+    return pieces, light
 
 
 def _values(curve: SingularCurve, scale: str) -> Floats:
