@@ -145,10 +145,11 @@ def test_the_legend_tells_what_the_bars_do_not():
     report = body_reports.box()
     joint = dataclasses.replace(body_reports.capsule().curves[0], kind="smooth joint", continuity="G2")
     doubtful = dataclasses.replace(joint, kind="unresolved", continuity="broken")
+    place = dataclasses.replace(doubtful, points=np.array([[1.0, 0.0, 0.0]]))
     figure = rsym.plot_verdict(
         dataclasses.replace(
             report,
-            curves=(*report.curves, joint, doubtful, doubtful),
+            curves=(*report.curves, joint, doubtful, doubtful, place),
             points=(*report.points, *body_reports.double_cone().points),
             cover=body_reports.undecided().cover,
         ),
@@ -156,7 +157,7 @@ def test_the_legend_tells_what_the_bars_do_not():
         resolution=16,
     )
     texts = {text.get_text() for text in figure.legends[0].get_texts()}
-    assert texts == {"smooth joint", "2 unresolved places", "8 corners", "undecided: 2 boxes"}
+    assert texts == {"smooth joint", "2 unresolved places", "unresolved place", "8 corners", "undecided: 2 boxes"}
     assert [text.get_text().strip() for text in figure.axes[0].texts] == ["node"]
 
 

@@ -49,7 +49,7 @@ def test_equal_curves_are_told_together():
     assert "all principal curvatures lie in [0, 2.063]; those found go from 0 to 2." in first
     assert "2 curvature jumps between tube and cap, closed, within [-0.5, 0.5] x [-0.5, 0.5] x [-1, 1]" in line
     # The circumference of a polygon of 64 sides.
-    assert f"total length {2 * 64 * math.sin(math.pi / 64):.5g}:" in line
+    assert f"total length {2 * 64 * math.sin(math.pi / 64):.4g}:" in line
     assert "the normal curvature jumps by 2; G1, proved" in line
 
 
@@ -83,9 +83,28 @@ def test_of_a_varying_edge_the_worst_is_told_as_exactly_as_it_is_known():
 def test_every_kind_of_curve_has_its_words(kind, continuity, words):
     curve = dataclasses.replace(body_reports.capsule().curves[0], kind=kind, continuity=continuity, reason="why.")
     assert words in str(curve)
-    assert str(curve).endswith("; why")
+    assert str(curve).endswith("; traced with proof")
+    assert str(dataclasses.replace(curve, proved=False)).endswith(", not proved; traced with proof; why")
     report = dataclasses.replace(body_reports.capsule(), curves=(curve,))
     assert str(report).splitlines()[1].startswith("  also " if continuity == "G2" else "  1. ")
+
+
+def test_an_unresolved_box_is_a_place():
+    normals = body_reports.capsule().curves[0].normals[:1]
+    unknown = np.array([math.nan])
+    points = np.array([[0.5, 1e-40, 2.0]])
+    box = SingularCurve(points, 0.0123, "unresolved", "G0", ("a", "b"), normals, unknown, unknown, reason="why")
+    assert str(box) == (
+        "unresolved place between a and b at (0.5, 0, 2) within 0.013: what happens here is not resolved; "
+        "G0, not proved; why"
+    )
+    other = dataclasses.replace(box, points=points + 1, reason="why not")
+    report = dataclasses.replace(body_reports.undecided(), curves=(box, other))
+    line = str(report).splitlines()[1]
+    assert line == (
+        "  1. 2 unresolved places between a and b, within [0.5, 1.5] x [0, 1] x [2, 3]: "
+        "what happens here is not resolved; G0, not proved; why; why not"
+    )
 
 
 @pytest.mark.parametrize("kind", ["cone tip", "node", "tangency", "isolated point", "end", "no sign change"])

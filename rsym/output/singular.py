@@ -98,6 +98,7 @@ def mark_curves(
     """
     known = [*(one for one in curves if isinstance(one, SingularCurve)), *_edges(curves)]
     bars = {"angle": _angle_bar(angles or _angle_limits(known)), "jump": _jump_bar(jumps or _jump_limits(known))}
+    known, places = [one for one in known if len(one.points) > 1], [one for one in known if len(one.points) == 1]
     width, hidden = (THIN, 0.0) if len(known) > MANY else (1.0, HIDDEN)
     drawn, handles, used = [], list[Artist](), list[Bar]()
     for kind, look in LOOKS.items():
@@ -110,7 +111,16 @@ def mark_curves(
         used += [bar] if bar else []
         handles += [] if bar else [_handle(counted(kind, len(alike)), look)]
     cased = [Stroke(stroke.pieces, "white", stroke.width + width * CASING) for stroke in drawn]
-    return Marks((*cased, *drawn), tuple(used[::-1]), tuple(handles))
+    return Marks((*cased, *drawn), tuple(used[::-1]), tuple(handles)) + _open_places(places)
+
+
+def _open_places(curves: Sequence[SingularCurve]) -> Marks:
+    """What may be a curve and has one point as dots."""
+    if not curves:
+        return Marks()
+    places = np.concatenate([curve.points for curve in curves])
+    handle = _dot("unresolved", len(curves), CORNER, UNDECIDED)
+    return Marks(tuple(dots(places, UNDECIDED, CORNER, HIDDEN)), (), (handle,))
 
 
 def _handle(label: str, look: Look) -> Artist:
@@ -130,9 +140,13 @@ def mark_points(points: Sequence[SingularPoint]) -> Marks:
     for kind, count in Counter(point.kind for point in points).items():
         size, colour = POINTS.get(kind, (MARK, DEFECT))
         places = np.array([point.point for point in points if point.kind == kind])
-        handle = Line2D([], [], marker="o", markersize=size, color=colour, linestyle="", label=counted(kind, count))
+        handle = _dot(kind, count, size, colour)
         marks += Marks(tuple(dots(places, colour, size, HIDDEN)), (), () if kind in told else (handle,))
     return marks
+
+
+def _dot(kind: str, count: int, size: float, colour: str) -> Artist:
+    return Line2D([], [], marker="o", markersize=size, color=colour, linestyle="", label=counted(kind, count))
 
 
 def mark_boxes(boxes: Floats, size: float) -> Marks:

@@ -41,7 +41,7 @@ def _alike(found: Sequence[One]) -> list[tuple[One, ...]]:
     """Those of one kind and class between the same definitions, in the order of the first of each."""
     together: dict[object, list[One]] = {}
     for one in found:
-        together.setdefault((one.kind, one.continuity, one.proved, one.reason, frozenset(one.names)), []).append(one)
+        together.setdefault((one.kind, one.continuity, one.proved, frozenset(one.names)), []).append(one)
     return [tuple(group) for group in together.values()]
 
 

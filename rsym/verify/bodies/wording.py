@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.verify.bodies.groups import Group, groups
-from rsym.verify.bodies.phrases import SHORT, between, counted, interval, of, place, short
+from rsym.verify.bodies.phrases import SHORT, between, counted, extents, interval, of, place, short
 from rsym.verify.wording import PLAIN as PLAIN_KINDS
 from rsym.verify.wording import measured, plural, rounded_up, significant, statement_sentences, verdict_text
 
 if TYPE_CHECKING:
     from rsym.verify.bodies.report import BodyReport, SingularCurve, SingularPoint
 
+REASONS = 2  # that a line gives
 PLAIN: Mapping[str, str] = {
     **PLAIN_KINDS,
     "smooth joint": "the curvature is continuous",
@@ -91,13 +92,18 @@ def curves_text(curves: Sequence[SingularCurve]) -> str:
 through the inside is 90; G0, proved; traced with proof
     """
     first = curves[0]
-    several = len(curves) > 1
-    kind = counted(first.kind, len(curves))
-    length = f"{'total length' if several else 'length'} {short(sum(curve.length for curve in curves))}"
-    reason = f"; {first.reason.rstrip('.')}" if first.reason else ""
-    status = "proved" if first.proved else "not proved"
-    where = f"{kind}{between(first.names)}{_extent(curves)}, {length}"
-    return f"{where}: {curves_effect(curves)}; {first.continuity}, {status}; {_traced(curves)}{reason}"
+    status = f"{first.continuity}, {'proved' if first.proved else 'not proved'}"
+    length = sum(curve.length for curve in curves)
+    parts = [f"{counted(first.kind, len(curves))}{between(first.names)}{_extent(curves)}"]
+    parts += [f"{'total length' if len(curves) > 1 else 'length'} {short(length)}"] if length else []
+    told = [curves_effect(curves), status, *([_traced(curves)] if length else []), *_reasons(curves)]
+    return f"{', '.join(parts)}: {'; '.join(told)}"
+
+
+def _reasons(found: Sequence[SingularCurve | SingularPoint]) -> list[str]:
+    """Why what is not proved, or not traced, is not; of several the first of each."""
+    open_ = [one for one in found if not (one.proved and getattr(one, "traced", True))]
+    return list(dict.fromkeys(one.reason.strip("; .") for one in open_ if one.reason))[:REASONS]
 
 
 def curves_effect(curves: Sequence[SingularCurve]) -> str:
@@ -145,11 +151,12 @@ def _is_constant(values: NDArray[np.float64], error: float) -> bool:
 
 def _extent(curves: Sequence[SingularCurve]) -> str:
     """From where to where one open curve goes; of others the box about them."""
+    if len(curves) == 1 and len(curves[0].points) == 1:
+        return f" at {place(curves[0].points[0])} within {rounded_up(curves[0].radius, 2)}"
     if len(curves) == 1 and not curves[0].closed:
         first, last = (place(point) for point in (curves[0].points[0], curves[0].points[-1]))
         return f" from {first} to {last}"
-    points = np.concatenate([curve.points for curve in curves])
-    box = " x ".join(f"[{short(low)}, {short(high)}]" for low, high in zip(points.min(0), points.max(0), strict=True))
+    box = extents(np.concatenate([curve.points for curve in curves]))
     closed = sum(curve.closed for curve in curves)
     if closed in (0, len(curves)):
         return f", {'closed, ' if closed else ''}within {box}"
@@ -177,7 +184,7 @@ def points_text(points: Sequence[SingularPoint]) -> str:
     near = f" within {rounded_up(radius, 2)}" if radius > significant(*np.ravel([one.point for one in points])) else ""
     where = ", ".join(place(point.point) for point in points)
     status = f"{first.continuity}, {'proved' if first.proved else 'not proved'}"
-    told = "; ".join(filter(None, [points_effect(points), status, first.reason.rstrip(".")]))
+    told = "; ".join(filter(None, [points_effect(points), status, *_reasons(points)]))
     return f"{counted(first.kind, len(points))}{of(first.names)} at {where}{near}: {told}"
 
 
