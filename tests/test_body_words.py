@@ -72,6 +72,14 @@ def test_of_a_varying_edge_the_worst_is_told_as_exactly_as_it_is_known():
     assert str(varying).endswith("G0, not proved; traced numerically")
 
 
+def test_what_is_not_known_of_an_edge_is_not_told():
+    plain = body_reports.edge([[0, 0, 0], [0, 1, 0]], [0, 0, 1], [1, 0, 0], ("", ""))
+    worst_unknown = dataclasses.replace(plain, tangent_jump=math.nan, tangent_jump_error=math.nan)
+    assert "edge from (0, 0, 0) to (0, 1, 0), length 1: the tangent plane turns by 90 degrees" in str(worst_unknown)
+    nothing = dataclasses.replace(worst_unknown, tangent_jumps=np.full(2, math.nan))
+    assert ": the tangent plane turns; G0" in str(nothing)
+
+
 @pytest.mark.parametrize(
     ("kind", "continuity", "words"),
     [

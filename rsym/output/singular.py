@@ -97,7 +97,7 @@ def mark_curves(
     [('dihedral angle in degrees', (60.0, 90.0, 120.0))]
     """
     known = [*(one for one in curves if isinstance(one, SingularCurve)), *_edges(curves)]
-    bars = {"angle": _angle_bar(angles or _angle_limits(known)), "jump": _jump_bar(jumps or _jump_limits(known))}
+    bars = {"angle": _angle_bar(angles or angle_limits(known)), "jump": _jump_bar(jumps or jump_limits(known))}
     known, places = [one for one in known if len(one.points) > 1], [one for one in known if len(one.points) == 1]
     width, hidden = (THIN, 0.0) if len(known) > MANY else (1.0, HIDDEN)
     drawn, handles, used = [], list[Artist](), list[Bar]()
@@ -237,7 +237,7 @@ def _jump_bar(limits: Limits) -> Bar:
     return Bar(_scale("jump", limits), "jump of normal curvature, dashed", "neither")
 
 
-def _angle_limits(curves: Sequence[SingularCurve]) -> Limits:
+def angle_limits(curves: Sequence[SingularCurve]) -> Limits:
     """Multiples of 30 degrees, between which the dihedral angles of the edges lie."""
     known = _finite([curve.dihedral_angles for curve in curves if curve.kind == "edge"])
     if not len(known):
@@ -247,7 +247,7 @@ def _angle_limits(curves: Sequence[SingularCurve]) -> Limits:
     return (low, high) if low < high else (low - ROUND, high + ROUND)
 
 
-def _jump_limits(curves: Sequence[SingularCurve]) -> Limits:
+def jump_limits(curves: Sequence[SingularCurve]) -> Limits:
     """From none to the largest."""
     largest = _finite([curve.curvature_jumps for curve in curves if curve.kind == "curvature jump"]).max(initial=0.0)
     return 0.0, float(largest) or 1.0

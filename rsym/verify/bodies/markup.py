@@ -48,6 +48,11 @@ def body_html(report: BodyReport) -> str:
 
 
 def _row(label: str, group: Group) -> str:
+    return f"<tr>{''.join(cell('td', text) for text in (label, *group_cells(group)))}</tr>"
+
+
+def group_cells(group: Group) -> tuple[str, ...]:
+    """What a row of a table tells of a group, under `HEADER` without its first column."""
     first = group.first
     names = " | ".join(dict.fromkeys(cut(name) for name in first.names if name))
     proved = "✓ yes" if first.proved else "✗ no"
@@ -58,5 +63,4 @@ def _row(label: str, group: Group) -> str:
     else:
         count, effect, traced = len(group.points), points_effect(group.points), ""
         where = ", ".join([place(one.point) for one in group.points[:PLACES]] + ["..."] * (count > PLACES))
-    cells = (label, first.kind, str(count), names, where, effect, first.continuity, proved, traced)
-    return f"<tr>{''.join(cell('td', text) for text in cells)}</tr>"
+    return first.kind, str(count), names, where, effect, first.continuity, proved, traced

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 REASONS = 2  # that a line gives
 PLAIN: Mapping[str, str] = {
     **PLAIN_KINDS,
+    "edge": "the tangent plane turns",
     "smooth joint": "the curvature is continuous",
     "isolated point": "the boundary is a single point",
     "node": "several sheets pass through one point",
@@ -109,7 +110,7 @@ def _reasons(found: Sequence[SingularCurve | SingularPoint]) -> list[str]:
 def curves_effect(curves: Sequence[SingularCurve]) -> str:
     """What one sees, walking across the curves along the boundary."""
     kind = curves[0].kind
-    if kind == "edge":
+    if kind == "edge" and any(np.isfinite(curve.tangent_jumps).any() for curve in curves):
         worst = _worst(curves, "tangent_jump")
         turn = _spread([curve.tangent_jumps for curve in curves], worst.tangent_jump, worst.tangent_jump_error)
         return f"the tangent plane turns by {turn} degrees, {_inner_angle(curves, worst)}"
@@ -117,7 +118,7 @@ def curves_effect(curves: Sequence[SingularCurve]) -> str:
         worst = _worst(curves, "curvature_jump")
         jump = _spread([curve.curvature_jumps for curve in curves], worst.curvature_jump, worst.curvature_jump_error)
         return f"the normal curvature jumps by {jump}"
-    return PLAIN.get(kind, kind)
+    return PLAIN.get(kind, "")
 
 
 def _worst(curves: Sequence[SingularCurve], name: str) -> SingularCurve:
@@ -127,7 +128,8 @@ def _worst(curves: Sequence[SingularCurve], name: str) -> SingularCurve:
 def _inner_angle(curves: Sequence[SingularCurve], worst: SingularCurve) -> str:
     """The dihedral angles; that at the worst place as exactly as the turn is known."""
     sharpest = int(np.argmax(np.nan_to_num(worst.tangent_jumps, nan=-math.inf)))
-    angle = 180 - worst.tangent_jump if worst.convex[sharpest] else 180 + worst.tangent_jump
+    turn = worst.tangent_jumps[sharpest] if math.isnan(worst.tangent_jump) else worst.tangent_jump
+    angle = 180 - turn if worst.convex[sharpest] else 180 + turn
     known = np.concatenate([curve.dihedral_angles for curve in curves])
     known = known[np.isfinite(known)]
     if not len(known) or _is_constant(known, worst.tangent_jump_error):
@@ -139,6 +141,8 @@ def _spread(samples: Sequence[NDArray[np.float64]], worst: float, error: float) 
     """The least and the greatest of values along curves, or the one that all are."""
     known = np.concatenate([np.empty(0), *samples])
     known = known[np.isfinite(known)]
+    if math.isnan(worst):
+        worst = float(known.max()) if len(known) else math.nan
     if not len(known) or _is_constant(np.append(known, worst), error):
         return measured(worst, error)
     return f"{short(known.min())} to {measured(worst, error)}"
