@@ -86,12 +86,15 @@ def bodies() -> list[tuple[str, Shape, str | None, float]]:
 def judge() -> list[Judged]:
     """The verdicts, found anew."""
     # The models of this package are of use without the library that proves.
+    from rsym.verify.bodies.report import BodyReport
     from rsym.verify.smoothness import verify_smoothness
 
-    return [
-        Judged(name, shape, verify_smoothness(shape, method="space"), colour_by, azimuth)
-        for name, shape, colour_by, azimuth in bodies()
-    ]
+    judged = []
+    for name, shape, colour_by, azimuth in bodies():
+        report = verify_smoothness(shape, method="space")
+        assert isinstance(report, BodyReport)
+        judged.append(Judged(name, shape, report, colour_by, azimuth))
+    return judged
 
 
 def draw_verdicts() -> Drawing:
