@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rsym.codegen.balls import arb
 from rsym.verify.bodies.continuation import Curve, Knot, Tube, others
-from rsym.verify.bodies.following import ACCURACY, Ground, Path, Walk
+from rsym.verify.bodies.following import ACCURACY, Ground, Path, Walk, cut
 from rsym.verify.bodies.region import Region
 from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.krawczyk import Point, image, inverse
@@ -171,7 +171,7 @@ class Search:
             back = self._path(seed, -1, forth.knots[-1] if forth.end == "lost" else None)
         if not forth.tubes and (back is None or not back.tubes):
             return False
-        self._keep(_joined(forth, back))
+        self._keep(_joined(forth, back, ACCURACY * self.curve.extent))
         return True
 
     def _keep(self, component: Component) -> None:
@@ -191,12 +191,15 @@ class Search:
         return Walk(self.curve, self.ground.without_corners(), seed, sense, goal).path()
 
 
-def _joined(forth: Path, back: Path | None) -> Component:
+def _joined(forth: Path, back: Path | None, beyond: float) -> Component:
     if back is None:
         return Component(forth.knots, forth.tubes, ("closed", "closed"))
     if back.end == "met":
         return Component(forth.knots + back.knots[-2::-1], forth.tubes + back.tubes[::-1], ("closed", "closed"))
-    return Component(back.knots[:0:-1] + forth.knots, back.tubes[::-1] + forth.tubes, (back.end, forth.end))
+    # The first tube of either way goes back a little, perhaps beyond the end of the other.
+    ahead = [cut(tube, back.knots[-1], -1, beyond) for tube in forth.tubes[:1]] + forth.tubes[1:]
+    behind = [cut(tube, forth.knots[-1], 1, beyond) for tube in back.tubes[:1]] + back.tubes[1:]
+    return Component(back.knots[:0:-1] + forth.knots, behind[::-1] + ahead, (back.end, forth.end))
 
 
 def narrowed(curve: Curve, box: Point) -> Point | None:

@@ -72,7 +72,14 @@ class Walk:
         self._width = 0
 
     def path(self) -> Path:
-        """Follow the curve to its end."""
+        """Follow the curve to its end; no tube goes on beyond it, so that what is there is not taken for followed."""
+        path = self._path()
+        if path.end in {"closed", "met"}:
+            return path
+        beyond = ACCURACY * self.curve.extent
+        return replace(path, tubes=[cut(tube, path.knots[-1], self.sense, beyond) for tube in path.tubes])
+
+    def _path(self) -> Path:
         knots, tubes = [self.start], []
         longest = LONGEST * self.curve.extent
         length = longest
@@ -140,7 +147,7 @@ class Walk:
             return None
         if np.linalg.norm(found.middle - knot.middle) < 4 * ACCURACY * self.curve.extent:
             return _Step(knot, tube, "face")
-        return _Step(found, _cut(tube, knot, found, ACCURACY * self.curve.extent), "face")
+        return _Step(found, tube, "face")
 
     def _end(self, inner: Array, outer: Array, tube: Tube) -> Knot | None:
         for _ in range(_HALVINGS):
@@ -194,11 +201,13 @@ def covers(region: Region, tube: Tube, start: Knot, end: Knot) -> bool:
     return False
 
 
-def _cut(tube: Tube, last: Knot, end: Knot, beyond: float) -> Tube:
-    """The tube up to an end of the curve, and hardly beyond."""
-    before, t = (float(knot.sides[tube.axis].mid()) for knot in (last, end))
+def cut(tube: Tube, end: Knot, sense: int, beyond: float) -> Tube:
+    """The tube up to an end of the curve that it holds, and hardly beyond, for a way with or against the curve."""
+    if not tube.contains(end.sides):
+        return tube
+    t = float(end.sides[tube.axis].mid())
     low, high = tube.span
-    span = (low, min(high, t + beyond)) if t > before else (max(low, t - beyond), high)
+    span = (low, min(high, t + beyond)) if tube.sense == sense else (max(low, t - beyond), high)
     return replace(tube, span=span)
 
 
