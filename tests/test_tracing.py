@@ -114,19 +114,25 @@ def test_the_curve_of_viviani_but_for_its_node():
     assert {math.copysign(1, loop.points[1, 2]) for loop in curves} == {1, -1}
 
 
-def test_the_edges_of_a_cube_end_on_faces_of_boxes_or_in_its_corners():
-    low, high = -0.7, 0.3
+def test_a_curve_ends_on_the_face_where_it_leaves_the_boxes():
+    """In the boxes on the right the rim is an arc: one coordinate of its ends is a side of a box, the others follow."""
+    sides = set()
 
-    def inner(box):
-        return box[2][0] >= low and box[2][1] <= high
+    def right(box):
+        if box[0][0] >= 0:
+            sides.update(*box[:2])
+        return box[0][0] >= 0
 
-    open_ended = [curve for curve in traced(CUBE, 3.2, keep=inner) if np.ptp(curve.points[:, 2]) > 0.1]
-    assert len(open_ended) == 4
-    for edge in open_ended:
-        ends = np.sort(edge.points[[0, -1], 2])
-        # The boxes of an octree of this cube have such faces.
-        assert_close(ends, np.round((ends + 1.632) / 3.2 * 1024) * 3.2 / 1024 - 1.632, atol=1e-12)
-        assert_close(edge.dihedral_angles, np.full(len(edge.points), 90.0), atol=1e-9)
+    (arc,) = traced(rsym.conjunction(BALL, z - HALF), 2.5, keep=right)
+    assert arc.traced
+    assert not arc.closed
+    for end in arc.points[[0, -1]]:
+        assert sides & set(end[:2])
+        assert_close(np.hypot(end[0], end[1]), math.sqrt(0.75), atol=1e-15)
+    assert arc.points[:, 0].min() >= 0
+
+
+def test_the_edges_of_a_cube_end_in_its_corners():
     corners = [
         (tuple((value - 0.06, value + 0.06) for value in point), SingularPoint(point, 1e-15, "corner", "G0"))
         for point in itertools.product((-1.0, 1.0), repeat=3)
@@ -152,6 +158,21 @@ def test_a_capsule_has_two_circles_where_its_curvature_jumps():
         assert_close(circle.curvature_jumps, np.full(len(circle.points), 2.0), atol=1e-9)
         assert abs(circle.curvature_jump - 2) <= circle.curvature_jump_error < 1e-9
         assert_close(np.hypot(*circle.points[:, 1:].T), np.full(len(circle.points), 0.5), atol=1e-12)
+
+
+def test_the_jump_across_an_oblique_joint():
+    """-2*c*u**2 more in the second derivatives on one side, u oblique: a jump of 2*c*(b . grad u)**2/|grad F|."""
+    u = x + y / 2 - z / 3 + sp.Rational(1, 5)
+    (joint,) = traced(1 - x**2 - 2 * y**2 - 3 * z**2 - sp.Rational(3, 4) * sp.Max(u, 0) ** 2, 2.5)
+    assert joint.proved
+    assert joint.continuity == "G1"
+    gradient, switch = -2 * joint.points * [1, 2, 3], np.array([1, 1 / 2, -1 / 3])
+    size = np.linalg.norm(gradient, axis=1)[:, None]
+    assert_close(joint.normals, np.stack([-gradient / size] * 2, axis=1), atol=1e-12)
+    along = np.cross(gradient, switch)
+    b = np.cross(along / np.linalg.norm(along, axis=1)[:, None], -gradient / size)
+    assert_close(joint.curvature_jumps, 1.5 * (b @ switch) ** 2 / size[:, 0], atol=1e-12)
+    assert_close(joint.curvature_jump, joint.curvature_jumps.max(), atol=1e-12)
 
 
 def test_fillets_end_in_a_jump_of_one_over_the_radius_or_smoothly():
