@@ -269,7 +269,8 @@ def _numbered(builder: Builder, tree: Tree) -> Formation:
             gates.append((part.kind, place, other, test))
             place = _Place(True, len(gates) - 1)
         known[part] = place
-    numbered = (Gate(op, *(k + len(leaves) * is_gate for is_gate, k in pair), test) for op, *pair, test in gates)
+    count = len(leaves)
+    numbered = (Gate(op, a.after(count), b.after(count), test) for op, a, b, test in gates)
     return Formation(builder, tuple(leaves), tuple(numbered), tuple(tests))
 
 
@@ -278,6 +279,10 @@ class _Place(NamedTuple):
 
     is_gate: bool
     number: int
+
+    def after(self, leaves: int) -> int:
+        """The number among leaves and gates together."""
+        return self.number + leaves * self.is_gate
 
 
 def _postorder(

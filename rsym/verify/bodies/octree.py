@@ -118,7 +118,7 @@ class Octree:
         if len(boxes) < MANY:
             return False
         settled = [*(part for parts in self.found.regular.values() for part in parts), *joined_boxes(self.found)]
-        return area(boxes) < DETAIL * sum(area(part) for part in settled)
+        return bool(area(boxes) < DETAIL * sum(area(part) for part in settled))
 
     def _leave(self, boxes: Boxes) -> None:
         self.found.left.extend((box, Inspection("open")) for box in _listed(boxes))
@@ -202,7 +202,8 @@ class Octree:
                 number = self.images.formed.value if defined[at] else model.root
                 near = bool(widths[at] <= CORNERS_FROM * self.extent)
                 inspected = inspect(model.over(box), self.extent, number, corners=near)
-                if inspected.kind != "open":
+                settled = inspected.kind != "open" and (inspected.corner is None or inspected.corner.point is not None)
+                if settled:
                     self._note(box, inspected)
                 elif widths[at] <= self.smallest:
                     found.left.append((box, inspected))
