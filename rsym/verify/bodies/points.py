@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from rsym.codegen.balls import ctx
-from rsym.verify.bodies.candidates import places
+from rsym.verify.bodies.candidates import Place, places
 from rsym.verify.bodies.clusters import Cluster, clusters
 from rsym.verify.bodies.corners import floats
 from rsym.verify.bodies.even_roots import is_regular_through_root
@@ -139,17 +139,21 @@ def _classified(model: Model, cluster: Cluster, extent: float, names: Names | No
         local = model.over(cluster.hull)
         found = sheets(local, model.root) or Sheets((model.root,), Literal(model.root), (model.root,))
     called = called_of(found, names)
-    best = None
-    reach = 2 * cluster.radius + cluster.width
-    for place in islice(places(model, local, found, cluster.centre, reach), MOST_PLACES):
-        best = place.point if best is None else best
-        if place.proved:
-            point = classify_place(model, place, names)
-            if point is not None:
-                return point
+    seen: list[Place] = []
+    for place in islice(places(model, local, found, cluster.centre, cluster.radius), MOST_PLACES):
+        if not cluster.may_hold(place.point):
+            continue
+        seen.append(place)
+        point = classify_place(model, place, names) if place.proved else None
+        if point is not None:
+            return point
+    for place in seen:
+        point = classify_place(model, place, names, apparent=True)
+        if point is not None:
+            return point
     if not probe:
         return replace(unresolved, names=called)
-    centre, away = (cluster.centre, cluster.radius) if best is None else (floats(best), 0.0)
+    centre, away = (floats(seen[0].point), 0.0) if seen else (cluster.centre, cluster.radius)
     return _probed(model, replace(unresolved, point=centre, names=called), away, extent)
 
 
