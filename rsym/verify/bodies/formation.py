@@ -6,8 +6,8 @@ formulas is a gate of its own. Blends stay whole: their fillets are no edges.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
@@ -39,12 +39,17 @@ class Gate(NamedTuple):
 
 @dataclass(frozen=True)
 class Formation:
-    """Leaves and tests as nodes of a builder, and the gates that join them; the last gate has the sign of omega."""
+    """Leaves and tests as nodes of a builder, and the gates that join them; the last gate has the sign of omega.
+
+    `definitions` are the leaves as they are written; of a leaf that is a factor of some, `origins` are these.
+    """
 
     builder: Builder
     leaves: tuple[int, ...]
     gates: tuple[Gate, ...]
     tests: tuple[int, ...] = ()
+    definitions: tuple[int, ...] = ()
+    origins: Mapping[int, Sequence[int]] = field(default_factory=dict)
 
     @cached_property
     def value(self) -> int:
@@ -198,7 +203,8 @@ def formation(model: Model, legal: Callable[[int], bool]) -> Formation:
         else:
             kind = "min" if (operation in CONJUNCTIONS) == (part.sign > 0) else "max"
             done[part] = _combined(relations, kind, [done[operand] for operand in operands])
-    return _numbered(builder, done[root])
+    formed = _numbered(builder, done[root])
+    return replace(formed, definitions=tuple(dict.fromkeys(leaves)), origins=relations.origins)
 
 
 def _leaf(model: Model, relations: Relations, leaf: int) -> Tree:

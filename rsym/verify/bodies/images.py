@@ -136,8 +136,8 @@ class Images:
         count = len(leaves)
         alive, joined = self.formed.alive(low[:count], high[:count], (low[count:], high[count:]))
         signs = (low > 0).astype(np.int8) - (high < 0).astype(np.int8)
-        defined: Flags = np.isfinite(found["whole"]).all(axis=0)
-        return alive, joined, defined, signs
+        whole = found["whole"]
+        return alive, joined, np.isfinite(whole[0]) & np.isfinite(whole[1]), signs
 
     def sign(self, boxes: Boxes) -> NDArray[np.int8]:
         """The sign of omega on boxes, 0 where it is not known."""
@@ -215,7 +215,7 @@ class _Bent(NamedTuple):
 
     operator: IntervalFunction
     slopes: IntervalFunction
-    count: int
+    entries: int
 
     def leans(self, slopes: Mapping[str, Ends]) -> list[Array]:
         """The multiples of the node that cancel the slopes of the entries along its gradient; 0 where there is none."""
@@ -223,7 +223,7 @@ class _Bent(NamedTuple):
         normal = [middle[f"value {k}"] for k in range(3)]
         result = []
         with np.errstate(all="ignore"):
-            for part in OPERATOR[: self.count]:
+            for part in OPERATOR[: self.entries]:
                 product = sum(middle[f"{part} {k}"] * normal[k] for k in range(3))
                 lean = -product / sum(np.square(component) for component in normal)
                 result.append(np.where(np.isfinite(lean), lean, 0.0))

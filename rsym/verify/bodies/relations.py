@@ -28,6 +28,7 @@ class Relations:
         self.comparable = len(leaves) <= MANY
         self.leaves = tuple(dict.fromkeys(leaves)) if self.comparable else ()
         self.symbols = [sp.Symbol(name, real=True) for name in model.builder.coordinates]
+        self.origins: dict[int, list[int]] = {}  # of a factor, the leaves that have it
         self._orders: dict[tuple[int, int], bool] = {}
 
     @cached_property
@@ -66,7 +67,7 @@ class Relations:
         return len(multiples) > 1
 
     def split(self, leaf: int) -> tuple[int, int] | None:
-        """(d, rest) with the sign of the leaf that of d*rest, d a factor that another leaf has too; rest may be 1."""
+        """Nodes d, rest such that the leaf has the sign of d*rest, d a factor that another leaf has too; rest may be 1."""
         if leaf not in self.polynomials:
             return None
         constant, factors = self._factors[leaf]
@@ -76,7 +77,9 @@ class Relations:
                 rest = sp.Mul(constant, *(f.as_expr() ** p for f, p in factors if f != factor)) * factor.as_expr() ** (
                     power - 1
                 )
-                return lower(builder, factor.as_expr()), lower(builder, sp.sympify(rest))
+                node = lower(builder, factor.as_expr())
+                self.origins.setdefault(node, []).append(leaf)
+                return node, lower(builder, sp.sympify(rest))
         return None
 
     def is_never_less(self, f: int, g: int) -> bool:
