@@ -88,7 +88,7 @@ def _curvature(body: str, shape: Shape, letters: Mapping[str, Any] | None = None
     from rsym.verify.smoothness import verify_smoothness
 
     report = verify_smoothness(shape, letters=letters)
-    assert isinstance(report, SmoothnessReport)
+    assert isinstance(report, SmoothnessReport)  # in the plane, and by the meridian
     return Claim(CURVATURE, body, shape, report)
 
 

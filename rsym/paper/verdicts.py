@@ -83,6 +83,7 @@ def bodies() -> list[tuple[str, Shape, str | None, float]]:
 def judge() -> list[Judged]:
     """The verdicts, found anew."""
     # The models of this package are of use without the library that proves.
+    from rsym.verify.bodies.report import BodyReport
     from rsym.verify.smoothness import verify_smoothness
 
     judged = []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -72,7 +72,11 @@ def study_body(
 def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
     """The report on a body that was studied; `sharpened`: with bounds of the curvatures, which take longest."""
     model, found = study.images.model, study.found
-    corners = [(box, one.point) for box, one in found.corners if one.point is not None]
+    corners = [
+        (box, replace(one.point, names=tuple(dict.fromkeys(map(study.naming, one.sheets)))))
+        for box, one in found.corners
+        if one.point is not None
+    ]
     curves = _curves(study, corners)
     classified = classify_points(model, found.left, study.extent, study.naming, curves)
     points = [*_distinct([point for _, point in corners]), *classified.points]
