@@ -59,17 +59,17 @@ def test_a_concave_edge_has_more_than_half_a_turn_inside():
     assert "turns by 90 degrees, the angle through the inside is 270;" in inner
 
 
-def test_of_a_varying_edge_the_worst_is_told_as_exactly_as_it_is_known():
+def test_of_a_varying_edge_the_range_is_told():
     plain = body_reports.edge([[0, 0, 0], [0, 1, 0], [0, 2, 0]], [0, 0, 1], [1, 0, 0], ("a", "a"))
     turns = np.array([30.0, 60.0, 80.0])
     varying = dataclasses.replace(
         plain, tangent_jumps=turns, tangent_jump=80.123456, tangent_jump_error=1e-4, traced=False, proved=False
     )
     assert "edge within a from" in str(varying)
-    assert "turns by 30 to 80.1235 ± 0.0002 degrees, the angle through the inside is between 100 and 150" in str(
-        varying
-    )
+    assert "turns by 30 to 80.12 degrees, the angle through the inside is between 100 and 150" in str(varying)
     assert str(varying).endswith("G0, not proved; traced numerically")
+    doubtful = dataclasses.replace(plain, tangent_jump_error=1e-4)
+    assert "turns by 90.0000 ± 0.0002 degrees, the angle through the inside is 90.0000 ± 0.0002;" in str(doubtful)
 
 
 def test_what_is_not_known_of_an_edge_is_not_told():

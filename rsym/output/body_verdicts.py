@@ -20,9 +20,9 @@ from rsym.output.singular import Limits, Marks, labelled, mark_boxes, mark_curve
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
-from rsym.verify.bodies.phrases import counted
+from rsym.verify.bodies.phrases import noun
 from rsym.verify.bodies.report import BodyReport
-from rsym.verify.wording import plural, rounded_up
+from rsym.verify.wording import rounded_up
 
 FRAME = "#aaaaaa"
 TITLE, ROW = 0.5, 0.3  # inches, for the title and for a row of a legend
@@ -115,7 +115,7 @@ def verdict_title(report: BodyReport) -> str:
     'REFUTED: G0, not G2, proved: 1 cone tip, for some a in [1, 2]'
     """
     found = Counter(one.kind for one in report.defects)
-    kinds = ", ".join(plural(count, counted(kind, 1), counted(kind, 2)[2:]) for kind, count in found.items())
+    kinds = ", ".join(f"{count} {noun(kind, count)}" for kind, count in found.items())
     answers = {
         "CERTIFIED": f"{report.continuity}, proved",
         "REFUTED": f"{report.continuity}, not G2, proved: {kinds}",

@@ -139,6 +139,7 @@ def mark_points(points: Sequence[SingularPoint]) -> Marks:
     marks, told = Marks(), {point.kind for point in labelled(points)}
     for kind, count in Counter(point.kind for point in points).items():
         size, colour = POINTS.get(kind, (MARK, DEFECT))
+        size *= THIN if count > MANY else 1.0
         places = np.array([point.point for point in points if point.kind == kind])
         handle, hidden = _dot(kind, count, size, colour), HIDDEN if kind == "corner" else HIDDEN_POINT
         marks += Marks(tuple(dots(places, colour, size, hidden)), (), () if kind in told else (handle,))

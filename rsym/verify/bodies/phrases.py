@@ -9,7 +9,7 @@ from decimal import ROUND_CEILING, Context, Decimal
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.verify.wording import number, plural, significant
+from rsym.verify.wording import number, significant
 
 LONGEST = 40  # characters of a definition: one without a name goes by its formula
 SHORT = 4  # digits where no error is known, or none matters
@@ -67,7 +67,18 @@ def counted(kind: str, count: int) -> str:
     >>> counted("edge", 1), counted("edge", 12), counted("tangency", 2)
     ('edge', '12 edges', '2 tangencies')
     """
-    return SINGLE.get(kind, kind) if count == 1 else plural(count, kind, SEVERAL.get(kind, ""))
+    return noun(kind, count) if count == 1 else f"{count} {noun(kind, count)}"
+
+
+def noun(kind: str, count: int) -> str:
+    """What one or several of a kind are called.
+
+    Examples
+    --------
+    >>> noun("node", 1), noun("node", 2), noun("unresolved", 1)
+    ('node', 'nodes', 'unresolved place')
+    """
+    return SINGLE.get(kind, kind) if count == 1 else SEVERAL.get(kind, f"{kind}s")
 
 
 def place(point: Sequence[float] | NDArray[np.float64]) -> str:

@@ -147,7 +147,8 @@ def _spread(samples: Sequence[NDArray[np.float64]], worst: float, error: float) 
         worst = float(known.max()) if len(known) else math.nan
     if not len(known) or _is_constant(np.append(known, worst), error):
         return measured(worst, error)
-    return f"{short(known.min())} to {measured(worst, error)}"
+    # The largest of samples need not be the largest along a curve: many digits would say more than is known.
+    return f"{short(known.min())} to {short(worst)}"
 
 
 def _is_constant(values: NDArray[np.float64], error: float) -> bool:
