@@ -104,7 +104,14 @@ def verify_smoothness(
 
 def verdict_of(shape: Shape, *, bounds: Any, letters: Mapping[Any, Any] | None, budget: int) -> str:
     """The verdict alone, without a sharp bound of the curvature."""
-    return _report(_study(shape, bounds, letters, SMALLEST, budget, None), sharpening=0).verdict
+    return quick_report(shape, bounds=bounds, letters=letters, budget=budget).verdict
+
+
+def quick_report(
+    shape: Shape, *, bounds: Any, letters: Mapping[Any, Any] | None, budget: int, sharpening: int = 0
+) -> SmoothnessReport:
+    """The report with a bound of the curvature on which only so many boxes are spent."""
+    return _report(_study(shape, bounds, letters, SMALLEST, budget, None), sharpening=sharpening)
 
 
 @dataclass(frozen=True)
