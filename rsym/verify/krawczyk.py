@@ -57,7 +57,7 @@ def refined(values: Callable[[Point], Sequence[arb]], jacobian: Callable[[Point]
         if moved is None or not all(a.overlaps(b) for a, b in zip(moved, box, strict=True)):
             break
         narrowed = _meet(moved, box)
-        if all(float(new.rad()) > SLOWEST * float(old.rad()) for new, old in zip(narrowed, box, strict=True)):
+        if all(float(new.rad()) >= SLOWEST * float(old.rad()) for new, old in zip(narrowed, box, strict=True)):
             break
         box = narrowed
     return box
