@@ -21,8 +21,8 @@ BEND = 0.04  # radians: where a polyline turns more it is refined; the sagitta i
 FINEST = 1e-8  # of the extent: segments at a corner are no longer than this
 PASSES = 64  # from a cell to FINEST a tip of 35 degrees takes 45
 # Shares of a segment at which the boundary is sought on the normal through its middle, ever farther away. A tip of
-# 28 degrees cut off by a segment rises twice its length.
-REACH = (0.0, 1 / 64, 1 / 16, 1 / 4, 1 / 2, 1.0, 2.0)
+# 28 degrees cut off by a segment rises twice its length, one of 7 degrees eight times.
+REACH = (0.0, 1 / 64, 1 / 16, 1 / 4, 1 / 2, 1.0, 2.0, 4.0, 8.0)
 HALVINGS = 50
 NODES = (np.array([-1.0, 0.0, 1.0]) * np.sqrt(0.6) + 1) / 2  # of Gauss, exact to degree 5
 WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18
@@ -179,6 +179,20 @@ def distance(first: Boundary, second: Boundary) -> float:
     0.1
     """
     return max(_farthest(first, second), _farthest(second, first))
+
+
+def distances_to(points: Floats, other: Boundary) -> Floats:
+    """The distance of each point (n, 2) from the polylines of a boundary.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> disc = boundary(rsym.Shape(1 - x**2 - y**2, (x, y)), ((-2, 2), (-2, 2)), 64)
+    >>> distances_to(np.array([[0.0, 3.0], [0.25, 0.0]]), disc).round(3)
+    array([2.  , 0.75])
+    """
+    return _to_segments(points, *_segments(other))
 
 
 def _farthest(one: Boundary, other: Boundary) -> float:

@@ -97,7 +97,8 @@ def _meshed(shape: Shape) -> Measured:
     gradient = compile_shape(shape, ("gradient",))(*surface.vertices.T)["gradient"]
     deviations = np.abs(np.linalg.norm(gradient, axis=1) - 1)
     deviation = float(np.nanmax(deviations)) if np.isfinite(deviations).any() else math.nan
-    return Measured(surface, surface.status.volume, deviation, 3)
+    status = surface.status
+    return Measured(surface, math.nan if status.clipped else status.volume, deviation, 3)
 
 
 def price(before: Measured, after: Measured, report: Verdict) -> Price:

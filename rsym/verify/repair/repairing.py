@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
@@ -140,7 +141,11 @@ def _priced(shape: Shape, before: Any, good: list[Outcome], bad: list[Rejected])
     candidates = []
     for one in good:
         assert one.report is not None
-        cost = price(original, measured(one.shape, one.report), one.report)
+        new = measured(one.shape, one.report)
+        if math.isnan(new.volume) and not math.isnan(original.volume):
+            bad.append(Rejected(one.move, one.text, "the boundary leaves the bounds, within which it is certified"))
+            continue
+        cost = price(original, new, one.report)
         candidates.append(Candidate(one.shape, one.move, one.text, one.report, cost, one.note))
     candidates.sort(key=lambda one: (one.price.distance, one.price.curvature_bound))
     return RepairReport(shape, before, tuple(candidates), tuple(bad))

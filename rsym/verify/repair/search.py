@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from decimal import Decimal
 from fractions import Fraction
 
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.progress import Progress, report
 from rsym.verify.repair.anatomy import Verdict
-from rsym.verify.repair.moves import Family, number_text, short
+from rsym.verify.repair.moves import Family, short
 from rsym.verify.report import CERTIFIED, REFUTED
 from rsym.verify.smoothness import verdict_of, verify_smoothness
 from rsym.verify.wording import number, rounded_up
 
 GENTLER = 10  # the second size that is offered is at least so many times the first
 DIGITS = (3, 4, 6, 9)  # of a size that was narrowed down, as few as certify: three add at most a hundredth
+ENOUGH = 1000  # a size is not narrowed down closer than a share of this: it is rounded to three digits
 QUICK = 4_000  # boxes for a verdict on the way: the body of Fig. 11 takes 130
 
 
@@ -48,11 +50,11 @@ class Judge:
 
     def quick(self, shape: Shape) -> str:
         """What a shape lacks, as far as a verdict without a sharp bound of the curvature tells."""
-        if self.curvature is not None:
-            return self.failure(self.report(shape))
         self._count()
         word = verdict_of(shape, bounds=None, letters=None, budget=QUICK)
-        return "" if word == CERTIFIED else word
+        if word != CERTIFIED or self.curvature is None:
+            return "" if word == CERTIFIED else word
+        return self.failure(self.report(shape))
 
     def failure(self, verdict: Verdict) -> str:
         """What a verdict lacks."""
@@ -134,17 +136,18 @@ def _narrowed(
     """The smallest good size within the tolerance, in few digits, and what is known of a smaller one."""
     assert family.unit is not None
     bad, good = bracket
-    word = ""
-    while good - bad > Fraction(tolerance) * family.unit:
+    note = ""
+    while good - bad > max(Fraction(tolerance) * family.unit, good / ENOUGH):
         # Long fractions cost time: the verdict is about exact numbers.
-        middle = ((bad + good) / 2).limit_denominator(int(64 / (good - bad)) + 1)
+        middle = round((bad + good) / 2, 1 - Decimal(float(good - bad)).adjusted())
         found = family.step(shape, judge.before, middle)
         failure = judge.quick(found[0]) if found is not None else "nothing"
         if failure:
-            bad, word = middle, failure
+            bad = middle
+            if found is not None and failure == REFUTED:
+                note = f"{found[1]} is not enough, REFUTED"
         else:
             good = middle
-    note = f"a change by {number_text(bad)} is still {word}" if word == REFUTED else ""
     for size in (*(short(float(good), digits, up=True) for digits in DIGITS), good):
         outcome = attempt(family, shape, size, judge)
         if outcome is not None and not outcome.failure:

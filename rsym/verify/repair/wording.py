@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from rsym.verify.markup import SIGNS
 from rsym.verify.records import plain
 from rsym.verify.repair.prices import price_words
-from rsym.verify.wording import plural
+from rsym.verify.wording import plural, rounded_up
 
 if TYPE_CHECKING:
     from rsym.verify.repair.report import RepairReport
@@ -52,7 +52,10 @@ def _headline(report: RepairReport) -> str:
     before = report.before
     if before.verdict == "CERTIFIED" and not report.candidates and not report.rejected:
         return f"CERTIFIED, {before.continuity}, as it is: nothing to repair."
-    found = f"{before.verdict}, {before.continuity}, with {plural(len(before.defects), 'defect')}"
+    lack = f"with {plural(len(before.defects), 'defect')}"
+    if before.verdict == "CERTIFIED":
+        lack = f"its curvature only bounded by {rounded_up(before.curvature_bound)}"
+    found = f"{before.verdict}, {before.continuity}, {lack}"
     if not report.candidates:
         return f"{found}; no candidate was found."
     return f"{found}; {plural(len(report.candidates), 'certified candidate')}, the least moved first."
