@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ from closeness import assert_close
 
 import rsym
 from rsym import x, y, z
+from rsym.verify.bodies.clusters import clusters
 from rsym.verify.bodies.corners import Corner, corner
+from rsym.verify.bodies.points import Classified, classify_points, is_degenerate
 from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.local import Model
 
@@ -137,3 +140,144 @@ def test_a_corner_outside_the_box_is_known_but_not_its_own():
     found = corner(model.over(((0.01, 0.11), (-0.05, 0.05), (-0.05, 0.05))))
     assert found is not None
     assert (found.exists, found.point) == (True, None)
+
+
+def classified(expression, point=(0, 0, 0), width=2.0**-12) -> Classified:
+    """What 64 boxes around a point are taken for, the point off their sides."""
+    model = model_of(expression)
+    steps = [(width * (k - 1.7), width * (k - 0.7)) for k in range(4)]
+    ends = [[(float(c) + low, float(c) + high) for low, high in steps] for c in point]
+    return classify_points(model, [(box, None) for box in product(*ends)], 4.0, names=lambda node: f"node {node}")
+
+
+def the_point(expression, point=(0, 0, 0)) -> SingularPoint:
+    found = classified(expression, point)
+    assert (len(found.points), found.curves, found.regular) == (1, (), ())
+    assert_close(found.points[0].point, [float(c) for c in point], atol=1e-12)
+    assert found.points[0].proved
+    return found.points[0]
+
+
+def ball(centre, radius):
+    return radius**2 - sum((c - m) ** 2 for c, m in zip((x, y, z), centre, strict=True))
+
+
+APART = rsym.disjunction(ball((-1, 0, 0), 1), ball((1, 0, 0), 1))
+COMMON = rsym.conjunction(ball((-1, 0, 0), 1), ball((1, 0, 0), 1))
+WITHIN = rsym.disjunction(ball((-1, 0, 0), 1), ball((-2, 0, 0), 2))
+BETWEEN = rsym.conjunction(ball((-2, 0, 0), 2), -ball((-1, 0, 0), 1))  # a crescent, closed to a horn in the point
+RADIUS = sp.sqrt(x**2 + y**2)
+
+
+@pytest.mark.parametrize(
+    ("expression", "kind", "continuity", "degenerate"),
+    [
+        (z**2 - x**2 - y**2, "node", "broken", True),
+        (x**2 + y**2 - z**2, "node", "broken", True),
+        (x * y - z**2 + x**3, "node", "broken", True),
+        (x * y * z, "node", "broken", True),
+        (-(x**2) - y**2 - z**2, "isolated point", "broken", True),
+        (x**2 + 2 * y**2 + z**2 - x * y, "isolated point", "broken", True),
+        (-sp.sqrt(x**2 + y**2 + z**2), "isolated point", "broken", True),
+        (RADIUS - abs(z), "node", "broken", True),
+        (APART, "tangency", "broken", True),
+        (COMMON, "isolated point", "broken", True),
+        (WITHIN, "tangency", "analytic", False),
+        (BETWEEN, "tangency", "broken", True),
+        (rsym.conjunction(z - x**2 + y**2, z + x**2 - y**2), "tangency", "G0", False),  # edges cross in a saddle
+        (rsym.conjunction(z - x**2 + y**2, -z - x**2 + 2 * y**2), "tangency", "broken", True),
+    ],
+)
+def test_points_without_a_tangent_plane_of_one_sheet(expression, kind, continuity, degenerate):
+    found = the_point(expression)
+    assert (found.kind, found.continuity, is_degenerate(found)) == (kind, continuity, degenerate)
+
+
+IRRATIONAL = (sp.sqrt(2), sp.sqrt(3), sp.sqrt(5))
+SHIFTED = sp.sqrt((x - sp.sqrt(2)) ** 2 + (y - sp.sqrt(3)) ** 2)
+
+
+@pytest.mark.parametrize(
+    ("expression", "point", "turn"),
+    [
+        (z - 2 * RADIUS, (0, 0, 0), 2 * math.atan(2)),  # opposite normals (2, 0, -1) and (-2, 0, -1)
+        (z - sp.sqrt(5) - sp.sqrt(3) * SHIFTED, IRRATIONAL, 2 * math.pi / 3),
+        (2 * RADIUS - z, (0, 0, 0), 2 * math.atan(2)),  # a pit
+        (1 - z - sp.sqrt(x**2 + 4 * y**2), (0, 0, 1), 2 * math.atan(2)),  # elliptic: the steepest generators
+        (3 - x - rsym.trimming(sp.sqrt(y**2 + z**2), 4 - x), (3, 0, 0), math.pi / 2),  # a trimmed nose
+        # Oblique: normals d/2 - (1/2, 0, 1), d a unit vector, lie within asin(1/2 / sqrt(5/4)) of their axis.
+        (z + x / 2 - sp.sqrt(x**2 + y**2 + z**2) / 2, (0, 0, 0), 2 * math.asin(1 / math.sqrt(5))),
+    ],
+)
+def test_tips_of_cones(expression, point, turn):
+    found = the_point(expression, point)
+    assert (found.kind, found.continuity, is_degenerate(found)) == ("cone tip", "G0", False)
+    assert_close(found.tangent_jump, math.degrees(turn), atol=1e-9)
+    assert found.names
+
+
+def pyramid(sides, slope):
+    turns = [2 * sp.pi * k / sides for k in range(sides)]
+    return rsym.conjunction(*(1 - z - slope * (sp.cos(turn) * x + sp.sin(turn) * y) for turn in turns))
+
+
+@pytest.mark.parametrize(
+    ("expression", "turn"),
+    [
+        (pyramid(4, 1), math.acos(1 / 2)),  # normals (1, 0, 1), (0, 1, 1)
+        (pyramid(6, 2), math.acos((4 * math.cos(math.pi / 3) + 1) / 5)),
+        (1 - abs(x) - abs(y) - z, math.acos(1 / 3)),  # normals (1, 1, 1), (1, -1, 1)
+        (-pyramid(4, 1), math.acos(1 / 2)),
+    ],
+)
+def test_apices_of_pyramids(expression, turn):
+    found = the_point(expression, (0, 0, 1))
+    assert (found.kind, found.continuity) == ("corner", "G0")
+    assert_close(found.tangent_jump, math.degrees(turn), atol=1e-12)
+
+
+def test_two_pyramids_that_share_an_apex_make_a_node():
+    sides = [z - x, z + x, z - y, z + y]
+    found = the_point(rsym.disjunction(rsym.conjunction(*sides), rsym.conjunction(*(-side for side in sides))))
+    assert (found.kind, is_degenerate(found)) == ("node", True)
+
+
+def test_what_is_even_in_a_root_is_smooth():
+    for meridian in (RADIUS**2, sp.cos(RADIUS), sp.sqrt(1 + RADIUS**4), RADIUS * sp.sin(RADIUS)):
+        found = classified(z - meridian.subs({x: 0, y: 0}) - meridian, (0, 0, float(2 * meridian.subs({x: 0, y: 0}))))
+        assert (found.points, found.curves, len(found.regular)) == ((), (), 64)
+    for meridian in (sp.sin(RADIUS), RADIUS**3 + RADIUS):
+        assert not classified(z - meridian).regular
+
+
+def test_what_no_proof_settles_is_called_numerical():
+    # Four sheets through one irrational point: no rational arithmetic proves that the fourth does.
+    moved = pyramid(4, 1).subs(x, x - sp.sqrt(2))
+    (point,) = classified(moved, (sp.sqrt(2), 0, 1)).points
+    assert (point.kind, point.proved) == ("corner", False)
+    assert_close(point.tangent_jump, 90, atol=1e-6)  # of all normals on a small sphere
+    # Two spikes without a regular quadratic form, sharper than the lattice of directions sees.
+    (point,) = classified(z**4 - x**2 - y**2).points
+    assert (point.kind, point.proved) == ("unresolved", False)
+    # A double cone and a plane, where the third derivatives decide.
+    (point,) = classified(sp.expand(z * (z**2 - x**2 - y**2)) + x**4).points
+    assert (point.kind, point.proved) == ("node", False)
+    # Three sheets that miss each other by 1e-30 make corners of their own.
+    off = sp.Rational(1, 10**30)
+    (point,) = classified(rsym.conjunction(1 - z - x, 1 - z + x, 1 - z - y + off, 1 - z + y), (0, 0, 1)).points
+    assert (point.kind, point.proved) == ("corner", True)
+    assert point.reason.startswith("3 analytic sheets")
+
+
+def test_thousands_of_boxes_fall_into_clusters():
+    width = 2.0**-10
+    line = [((k * width, (k + 1) * width), (0.0, width), (0.0, width)) for k in range(3000)]
+    apart = [tuple((2.0 * n, 2.0 * n + w) for _ in range(3)) for n, w in ((2, width), (3, 4 * width))]
+    small = ((4.0 - width / 4, 4.0),) * 3  # touches the first of them in a corner, and is smaller
+    found = clusters([*line, *apart, small])
+    assert [len(one.boxes) for one in found] == [3000, 2, 1]
+    assert found[0].is_long
+    assert not found[1].is_long
+    points = found[0].ordered()
+    assert (np.diff(points[:, 0]) > 0).all()
+    assert_close(points[[0, -1], 0], [width / 2, 2999.5 * width], atol=3 * width)

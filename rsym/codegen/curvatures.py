@@ -131,7 +131,7 @@ class Curvatures:
         return d, s, scale, b.sqrt(b.add(b.square(d), b.square(s)))
 
     def operator(self, side: int) -> tuple[int, int, int]:
-        """The shape operator (uu, uv, vv) in a frame that is smooth where the normal is not (0, 0, -side), side 1 or -1."""
+        """The shape operator (uu, uv, vv) in a frame that is smooth unless the normal is (0, 0, -side); side: 1, -1."""
         self._require_space("principal_curvatures")
         u, v = self._frame_on(side)
         return self._bent(u, u), self._bent(u, v), self._bent(v, v)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from rsym.codegen.balls import arb, ctx
+from rsym.codegen.balls import arb, ctx, hypotenuse
 from rsym.verify.bodies.formulas import Formula, Literal, replaced
 from rsym.verify.bodies.links import Link, octants
 from rsym.verify.bodies.report import SingularPoint
@@ -146,16 +146,20 @@ def _inside(around: Link, sheet: int) -> int:
 def outward(at: Local, number: int, inside: int) -> Vector:
     """The unit normal of a sheet that points away from the side of this sign; for 0 that of the positive side."""
     x, y, z = at.gradient(number)
-    size = (x**2 + y**2 + z**2).sqrt() * (-1 if inside >= 0 else 1)
+    size = length((x, y, z)) * (-1 if inside >= 0 else 1)
     return x / size, y / size, z / size
+
+
+def length(vector: Vector) -> arb:
+    """The length of a vector."""
+    return hypotenuse(hypotenuse(vector[0], vector[1]), vector[2])
 
 
 def angle(a: Vector, b: Vector) -> arb:
     """The angle between two vectors in degrees."""
     cross = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-    sine = sum((part**2 for part in cross), arb(0)).sqrt()
     cosine = sum((u * v for u, v in zip(a, b, strict=True)), arb(0))
-    return arb.atan2(sine, cosine) * 180 / arb.pi()
+    return arb.atan2(length(cross), cosine) * 180 / arb.pi()
 
 
 def floats(vector: Sequence[arb]) -> tuple[float, float, float]:
@@ -169,7 +173,7 @@ def error(value: arb) -> float:
     return float(arb(value.rad()).upper()) + 2.0**-52 * float(abs(value).upper())
 
 
-def radius(point: Sequence[arb]) -> float:
+def radius_of(point: Sequence[arb]) -> float:
     """How far the truth can be from the rounded middle of a box."""
     return math.hypot(*(error(part) for part in point))
 
@@ -195,18 +199,19 @@ def _point(
     kind = "corner" if around.is_disc else "node"
     return SingularPoint(
         point=floats(at.sides[:3]),
-        radius=radius(at.sides[:3]),
+        radius=radius_of(at.sides[:3]),
         kind=kind,
         continuity="G0" if around.is_disc else "broken",
         names=tuple(dict.fromkeys(map(names, found.origins))) if names else (),
         tangent_jump=float(jump.mid()),
         tangent_jump_error=error(jump),
         proved=True,
-        reason=_reason(around, "three analytic sheets meet at independent normals"),
+        reason=describe(around, "three analytic sheets meet at independent normals"),
     )
 
 
-def _reason(around: Link, start: str) -> str:
+def describe(around: Link, start: str) -> str:
+    """What small spheres see of sheets."""
     if around.is_disc:
         return f"{start}; small spheres see one curve of the boundary"
     pieces = f"{around.components(1)} pieces of the inside and {around.components(-1)} of the outside"

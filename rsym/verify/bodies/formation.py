@@ -6,8 +6,8 @@ formulas is a gate of its own. Blends stay whole: their fillets are no edges.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
@@ -39,12 +39,17 @@ class Gate(NamedTuple):
 
 @dataclass(frozen=True)
 class Formation:
-    """Leaves and tests as nodes of a builder, and the gates that join them; the last gate has the sign of omega."""
+    """Leaves and tests as nodes of a builder, and the gates that join them; the last gate has the sign of omega.
+
+    `definitions` are the leaves as they are written; of a leaf that is a factor of some, `origins` are these.
+    """
 
     builder: Builder
     leaves: tuple[int, ...]
     gates: tuple[Gate, ...]
     tests: tuple[int, ...] = ()
+    definitions: tuple[int, ...] = ()
+    origins: Mapping[int, Sequence[int]] = field(default_factory=dict)
 
     @cached_property
     def value(self) -> int:
@@ -198,7 +203,8 @@ def formation(model: Model, legal: Callable[[int], bool]) -> Formation:
         else:
             kind = "min" if (operation in CONJUNCTIONS) == (part.sign > 0) else "max"
             done[part] = _combined(relations, kind, [done[operand] for operand in operands])
-    return _numbered(builder, done[root])
+    formed = _numbered(builder, done[root])
+    return replace(formed, definitions=tuple(dict.fromkeys(leaves)), origins=relations.origins)
 
 
 def _leaf(model: Model, relations: Relations, leaf: int) -> Tree:
@@ -269,7 +275,8 @@ def _numbered(builder: Builder, tree: Tree) -> Formation:
             gates.append((part.kind, place, other, test))
             place = _Place(True, len(gates) - 1)
         known[part] = place
-    numbered = (Gate(op, *(k + len(leaves) * is_gate for is_gate, k in pair), test) for op, *pair, test in gates)
+    count = len(leaves)
+    numbered = (Gate(op, a.after(count), b.after(count), test) for op, a, b, test in gates)
     return Formation(builder, tuple(leaves), tuple(numbered), tuple(tests))
 
 
@@ -278,6 +285,10 @@ class _Place(NamedTuple):
 
     is_gate: bool
     number: int
+
+    def after(self, leaves: int) -> int:
+        """The number among leaves and gates together."""
+        return self.number + leaves * self.is_gate
 
 
 def _postorder(

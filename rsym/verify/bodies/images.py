@@ -7,6 +7,7 @@ is positive, a denominator is not zero, and so on. They are those of `generators
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from rsym.codegen.builder import Builder
 from rsym.codegen.fields import Calculus
-from rsym.codegen.intervals import IntervalFunction
+from rsym.codegen.intervals import IntervalFunction, Range
 from rsym.codegen.program import assemble, live
 from rsym.verify.bodies.formation import Formation
 from rsym.verify.domains import switch_of
@@ -28,7 +29,8 @@ Ends: TypeAlias = tuple[Array, Array]
 Flags: TypeAlias = NDArray[np.bool_]
 
 SIDE = "side of the frame"  # an input; no letter of a user has a space in its name
-LARGEST = 20_000  # operations of a shape operator whose images are sharpened, which multiplies them by ten
+OPERATOR = ("uu", "uv", "vv")
+LARGEST = 2_000  # operations of a shape operator whose images are sharpened, which multiplies them by ten
 
 
 class Condition(NamedTuple):
@@ -106,7 +108,7 @@ class Images:
     def __init__(self, model: Model, formed: Formation, letters: Mapping[str, Interval]) -> None:
         self.model, self.formed, self.letters = model, formed, letters
         self._slopes: dict[int, _Slopes] = {}
-        self._bending: dict[int, IntervalFunction] = {}
+        self._bending: dict[int, _Bent] = {}
 
     @cached_property
     def _values(self) -> IntervalFunction:
@@ -134,12 +136,20 @@ class Images:
         count = len(leaves)
         alive, joined = self.formed.alive(low[:count], high[:count], (low[count:], high[count:]))
         signs = (low > 0).astype(np.int8) - (high < 0).astype(np.int8)
-        return alive, joined, np.isfinite(found["whole"]).all(axis=0), signs
+        whole = found["whole"]
+        return alive, joined, np.isfinite(whole[0]) & np.isfinite(whole[1]), signs
 
-    def _on(self, function: IntervalFunction, boxes: Boxes, side: float | None = None) -> Mapping[str, Ends]:
-        letters = self.letters if side is None else {**self.letters, SIDE: (side, side)}
+    def sign(self, boxes: Boxes) -> NDArray[np.int8]:
+        """The sign of omega on boxes, 0 where it is not known."""
+        low, high = self._on(self._values, boxes)["whole"]
+        return (low > 0).astype(np.int8) - (high < 0).astype(np.int8)
+
+    def _on(
+        self, function: IntervalFunction, boxes: Boxes, side: float | None = None, more: Sequence[Array] = ()
+    ) -> Mapping[str, Ends]:
+        letters: Mapping[str, Range] = self.letters if side is None else {**self.letters, SIDE: side}
         with np.errstate(all="ignore"):
-            return function(list(boxes[..., 0].T), list(boxes[..., 1].T), letters)
+            return function([*boxes[..., 0].T, *more], [*boxes[..., 1].T, *more], letters)
 
     def slopes(self, node: int, boxes: Boxes) -> tuple[Array, Array, Flags]:
         """The gradient of a node over boxes, (3, n) lower and upper, and where the node is certainly analytic."""
@@ -164,30 +174,70 @@ class Images:
         return _Slopes(self._function(outputs, sharpened=[name for name in outputs if name.startswith("slope")]), tests)
 
     def curvatures(self, node: int, boxes: Boxes) -> tuple[Ends, Ends]:
-        """Bounds (low, high) of the principal curvatures of a node's level surfaces over boxes, and of its value."""
-        low, high, _ = self.slopes(node, boxes)
+        """Bounds (low, high) of the principal curvatures of the zero set of a node in boxes, and of its value.
+
+        On f = 0 the shape operator is what it is plus any multiple of f: the multiple that cancels its slope along
+        the normal in the middle of a box leaves an image too wide by the square of the width only.
+        """
         if node not in self._bending:
             self._bending[node] = self._bent(node)
+        bent = self._bending[node]
+        low, high, _ = self.slopes(node, boxes)
         upper = low[2] + high[2] >= 0
         found = np.empty((4, 2, len(boxes)))
         for own, side in ((upper, 1.0), (~upper, -1.0)):
-            bounds = self._on(self._bending[node], boxes[own], side)
-            found[..., own] = [bounds[name] for name in ("uu", "uv", "vv", "value")]
+            leans = bent.leans(self._on(bent.slopes, _middles(boxes[own]), side))
+            bounds = self._on(bent.operator, boxes[own], side, leans)
+            found[..., own] = [bounds[name] for name in (*OPERATOR, "value")]
         (al, ah), (sl, sh), (cl, ch), (value, top) = found
         shear = np.maximum(np.abs(sl), np.abs(sh))
         return (_eigenvalue(al, cl, shear, -1), _eigenvalue(ah, ch, shear, 1)), (value, top)
 
-    def _bent(self, node: int) -> IntervalFunction:
-        builder = self.model.builder
-        operator = Calculus(builder, node).curvatures.operator(builder.input(SIDE))
-        outputs = dict(zip(("uu", "uv", "vv"), operator, strict=True))
-        sharpened = ("value", *outputs) if len(live(builder.nodes, operator)) < LARGEST / 10 else ("value",)
-        return self._function({"value": node, **outputs}, more=(SIDE,), sharpened=sharpened)
+    def _bent(self, node: int) -> _Bent:
+        b = self.model.builder
+        operator = Calculus(b, node).curvatures.operator(b.input(SIDE))
+        sharp = len(live(b.nodes, operator)) < LARGEST
+        slopes = {f"value {k}": value for k, value in enumerate(self.model.gradient(node))}
+        outputs, leans = {"value": node}, []
+        for part, entry in zip(OPERATOR, operator, strict=True):
+            if sharp:
+                leans.append(f"lean {part}")
+                slopes |= {f"{part} {k}": value for k, value in enumerate(self.model.gradient(entry))}
+                entry = b.add(entry, b.mul(b.input(leans[-1]), node))
+            outputs[part] = entry
+        program = self._function(outputs, more=(SIDE, *leans), sharpened=tuple(outputs) if sharp else ("value",))
+        varying = replace(program, program=program.program.varying(leans))
+        return _Bent(varying, self._function(slopes, more=(SIDE,)), len(leans))
+
+
+class _Bent(NamedTuple):
+    """The shape operator of a node over boxes, its slopes at points, and how many of its entries lean on the node."""
+
+    operator: IntervalFunction
+    slopes: IntervalFunction
+    entries: int
+
+    def leans(self, slopes: Mapping[str, Ends]) -> list[Array]:
+        """The multiples of the node that cancel the slopes of the entries along its gradient; 0 where there is none."""
+        middle = {name: (low + high) / 2 for name, (low, high) in slopes.items()}
+        normal = [middle[f"value {k}"] for k in range(3)]
+        result = []
+        with np.errstate(all="ignore"):
+            for part in OPERATOR[: self.entries]:
+                product = sum(middle[f"{part} {k}"] * normal[k] for k in range(3))
+                lean = -product / sum(np.square(component) for component in normal)
+                result.append(np.where(np.isfinite(lean), lean, 0.0))
+        return result
 
 
 class _Slopes(NamedTuple):
     function: IntervalFunction
     tests: list[tuple[Condition, ...]] | None
+
+
+def _middles(boxes: Boxes) -> Boxes:
+    middle = boxes.mean(axis=-1)
+    return np.stack([middle, middle], axis=-1)
 
 
 def _eigenvalue(a: Array, c: Array, shear: Array, sign: int) -> Array:

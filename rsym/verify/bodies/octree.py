@@ -7,7 +7,7 @@ two that cross; balls decide what is left. The results do not depend on how many
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 from typing import Any, NamedTuple
 
@@ -42,8 +42,14 @@ class Subdivision:
     corners: list[tuple[Box, Corner]] = field(default_factory=list)
     double: list[Box] = field(default_factory=list)
     left: list[tuple[Box, Inspection]] = field(default_factory=list)
+    late: list[Box] = field(default_factory=list)  # regular, but found so only afterwards
     examined: int = 0
     inspected: int = 0
+
+    def without(self, boxes: Sequence[Box]) -> Subdivision:
+        """The same, with some boxes that were left over found to be regular after all."""
+        settled = set(boxes)
+        return replace(self, left=[pair for pair in self.left if pair[0] not in settled], late=list(boxes))
 
 
 class Sheets(NamedTuple):
@@ -107,7 +113,7 @@ class Octree:
         divided |= state.hard & (widths > BALLS_FROM * self.extent)
         self._inspect(state, widths, defined)
         self._leave(level[divided & (widths <= self.smallest)])
-        following = level[divided & (widths > self.smallest)]
+        following: Boxes = level[divided & (widths > self.smallest)]
         if self.found.examined + 8 * len(following) > self.budget or self._is_detail(following):
             self._leave(following)
             return following[:0]
@@ -118,7 +124,7 @@ class Octree:
         if len(boxes) < MANY:
             return False
         settled = [*(part for parts in self.found.regular.values() for part in parts), *joined_boxes(self.found)]
-        return area(boxes) < DETAIL * sum(area(part) for part in settled)
+        return bool(area(boxes) < DETAIL * sum(area(part) for part in settled))
 
     def _leave(self, boxes: Boxes) -> None:
         self.found.left.extend((box, Inspection("open")) for box in _listed(boxes))
@@ -202,7 +208,8 @@ class Octree:
                 number = self.images.formed.value if defined[at] else model.root
                 near = bool(widths[at] <= CORNERS_FROM * self.extent)
                 inspected = inspect(model.over(box), self.extent, number, corners=near)
-                if inspected.kind != "open":
+                settled = inspected.kind != "open" and (inspected.corner is None or inspected.corner.point is not None)
+                if settled:
                     self._note(box, inspected)
                 elif widths[at] <= self.smallest:
                     found.left.append((box, inspected))

@@ -28,6 +28,7 @@ class Relations:
         self.comparable = len(leaves) <= MANY
         self.leaves = tuple(dict.fromkeys(leaves)) if self.comparable else ()
         self.symbols = [sp.Symbol(name, real=True) for name in model.builder.coordinates]
+        self.origins: dict[int, list[int]] = {}  # of a factor, the leaves that have it
         self._orders: dict[tuple[int, int], bool] = {}
 
     @cached_property
@@ -66,17 +67,17 @@ class Relations:
         return len(multiples) > 1
 
     def split(self, leaf: int) -> tuple[int, int] | None:
-        """(d, rest) with the sign of the leaf that of d*rest, d a factor that another leaf has too; rest may be 1."""
+        """Nodes d, r such that the leaf has the sign of d*r; d is a factor that another leaf has too, r may be 1."""
         if leaf not in self.polynomials:
             return None
         constant, factors = self._factors[leaf]
         for factor, power in factors:
             if factor in self._shared and power % 2 == 1:
-                builder = self.model.builder
-                rest = sp.Mul(constant, *(f.as_expr() ** p for f, p in factors if f != factor)) * factor.as_expr() ** (
-                    power - 1
-                )
-                return lower(builder, factor.as_expr()), lower(builder, sp.sympify(rest))
+                powers = (f.as_expr() ** (p - 1 if f == factor else p) for f, p in factors)
+                parts = [lower(self.model.builder, part) for part in (factor.as_expr(), sp.Mul(constant, *powers))]
+                for part in parts:
+                    self.origins.setdefault(part, []).append(leaf)
+                return parts[0], parts[1]
         return None
 
     def is_never_less(self, f: int, g: int) -> bool:
