@@ -1,6 +1,8 @@
+import json
 import math
 
 import mpmath as mp
+import pytest
 import sympy as sp
 from closeness import assert_close
 
@@ -100,3 +102,142 @@ def test_flat_points_are_no_inflections():
     peaks = [one for one in report.extrema if not one.flat]
     assert len(peaks) == 4
     assert_close([one.curvature for one in peaks], [3 * 2**-0.25] * 4, rtol=1e-14)
+
+
+def paper_omega(x0, r):
+    """The paper's body at a2 = 6, written out."""
+    t = (25 - x0**2) / 10
+    gap = (mp.sqrt(t**2 + r**4) - t) / 2
+    return (8 - x0) * (6 + x0) / 40 - mp.mpf(1) / 10 - mp.sqrt(r**2 + gap**2)
+
+
+def bend_of_the_meridian(point):
+    """The curvature at a point by differences of the meridian as a graph, with no formula of implicit curves."""
+    x0, r0 = map(mp.mpf, point)
+    if abs(r0) < 1e-9:
+        return abs(mp.diff(lambda r: mp.findroot(lambda s: paper_omega(s, r), x0), 0, 2))
+
+    def radius(s):
+        return mp.findroot(lambda r: paper_omega(s, r), r0)
+
+    return -mp.diff(radius, x0, 2) / (1 + mp.diff(radius, x0) ** 2) ** mp.mpf("1.5")
+
+
+def test_the_body_of_the_paper_as_a_body_of_revolution():
+    report = fairness(rsym.revolve(rsym.paper.skeleton_body()), letters={"a2": 6})
+    along, across = report.curvatures
+    assert report.kind, report.verdict == ("body of revolution", "CERTIFIED")
+    assert report.complete
+    assert report.inflections == ()
+    own = [one for one in report.extrema if one.quantity == along.name]
+    assert [one.kind[:3] for one in own] == ["min", "max", "min", "max", "min", "max", "min"]
+    with mp.workdps(40):
+        for one in own:
+            assert_close(one.curvature, float(bend_of_the_meridian(one.point)), rtol=1e-10)
+    tip = own[0]
+    assert_close(tip.point, [float(mp.findroot(lambda s: paper_omega(s, 0), -5.1)), 0], atol=1e-12)
+    assert_close(tip.curvature, 4.3007, atol=5e-5)
+    at_the_tip = [one.curvature for one in report.extrema if one.quantity == across.name and one.point[0] < -5.17]
+    assert_close(at_the_tip, [tip.curvature], rtol=1e-14)  # an umbilic
+    for bounds in (along, across):
+        assert bounds.least.bound <= bounds.least.attained
+        assert bounds.greatest.attained <= bounds.greatest.bound <= 1.01 * bounds.greatest.attained
+        assert bounds.variation.attained <= bounds.variation.bound <= 1.011 * bounds.variation.attained
+
+
+def test_a_stadium_is_broken_at_its_joints_and_constant_between():
+    report = fairness(STADIUM)
+    assert (report.verdict, report.continuity) == ("REFUTED", "G1")
+    assert report.constant == (True,)
+    (bounds,) = report.curvatures
+    assert (bounds.least.bound, bounds.variation.bound) == (0, 0)
+    assert 1 <= bounds.greatest.bound < 1.02
+    assert "broken at 4 places" in str(report)
+    assert_close(report.measures["length"].value, 4 + 2 * math.pi, rtol=1e-13)
+    assert_close(report.measures["area"].value, 4 + math.pi, rtol=1e-13)
+    assert_close(report.measures["bending_energy"].value, 2 * math.pi, rtol=1e-13)
+
+
+def test_a_torus_and_an_ellipsoid():
+    # A torus of radii 2 and 1: k1 = 1, k2 = cos/(2 + cos), between -1 and 1/3; (k2)' = -2 sin/(2 + cos)**2.
+    ring = rsym.Shape(16 * y**2 - (x**2 + y**2 + 3) ** 2, (x, y), bounds=((-2, 2), (-4, 4)))
+    report = fairness(rsym.revolve(ring), tolerance=1e-3)
+    along, across = report.curvatures
+    assert report.constant == (True, False)
+    assert report.complete
+    steepest = mp.findroot(lambda t: mp.diff(lambda s: 2 * mp.sin(s) / (2 + mp.cos(s)) ** 2, t), 2)
+    for peak, truth in (
+        (along.least, 1.0),
+        (along.greatest, 1.0),
+        (across.least, -1.0),
+        (across.greatest, 1 / 3),
+        (across.variation, float(2 * mp.sin(steepest) / (2 + mp.cos(steepest)) ** 2)),
+    ):
+        assert_close(peak.bound, truth, atol=2e-3)
+        assert_close(peak.attained, truth, atol=2e-3)
+    assert sorted((one.kind, one.point[1]) for one in report.extrema) == [("maximum", 3.0), ("minimum", 1.0)]
+    assert sorted(one.point for one in report.inflections) == [(-1.0, 2.0), (1.0, 2.0)]
+    sizes = [report.measures[name].value for name in ("area", "volume", "bending_energy")]
+    willmore = mp.quad(lambda t: (1 + (mp.cos(t) / (2 + mp.cos(t))) ** 2) * 2 * mp.pi * (2 + mp.cos(t)), [0, 2 * mp.pi])
+    assert_close(sizes, [8 * math.pi**2, 4 * math.pi**2, float(willmore)], rtol=1e-12)
+    oval = fairness(rsym.revolve(ELLIPSE))
+    assert oval.complete
+    found = {
+        (bounds.name.split()[1], peak.attained)
+        for bounds in oval.curvatures
+        for peak in (bounds.least, bounds.greatest)
+    }
+    assert found == {("of", 0.25), ("of", 2.0), ("across", 1.0), ("across", 2.0)}
+    assert_close(oval.measures["volume"].value, 4 / 3 * math.pi * A * B**2, rtol=1e-13)
+
+
+def test_a_corner_breaks_the_curve_and_nothing_beyond_it_counts():
+    half = fairness(rsym.Shape(rsym.conjunction(1 - x**2 / 4 - y**2, x + y / 3), (x, y), bounds=((-3, 3), (-2, 2))))
+    assert (half.verdict, half.continuity, len(half.smoothness.defects)) == ("REFUTED", "G0", 2)
+    assert sorted((one.kind, *one.point) for one in half.extrema) == [("maximum", 2.0, 0.0), ("minimum", 0.0, 1.0)]
+    # The chord goes through the centre: half the ellipse and a diameter.
+    assert_close(half.measures["area"].value, math.pi, rtol=1e-9)
+    end = 1 / math.sqrt(1 / 36 + 1)
+    length = 2 * float(mp.ellipe(1 - mp.mpf(B) ** 2 / A**2)) * A + 2 * end * math.hypot(1, 1 / 3)
+    assert_close(half.measures["length"].value, length, rtol=1e-9)
+
+
+def test_words_and_records():
+    report = fairness(ELLIPSE, tolerance=0.2)
+    record = json.loads(report.to_json())
+    assert record["format"] == "rsym-fairness-report"
+    assert record["complete"] is True
+    assert len(record["extrema"]) == 4
+    assert record["curvatures"][0]["greatest"]["bound"] >= 2
+    assert record["measures"]["length"]["estimated_error"] < 1e-9
+    text = str(report)
+    assert "2 maxima, 2 minima and no inflection; these are all, which is proved" in text
+    assert "greatest curvature" in text
+    assert "<table>" in report._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "meant"),
+    [
+        ({"tolerance": 0}, "tolerance"),
+        ({"letters": {"a": (1, 2)}}, "ranges"),
+        ({"bounds": ((5, 6), (5, 6))}, "no regular boundary"),
+    ],
+)
+def test_what_is_refused(arguments, meant):
+    a = sp.Symbol("a", real=True)
+    oval = rsym.Shape(1 - x**2 / a**2 - y**2, (x, y), letters={a: 2}, bounds=((-3, 3), (-2, 2)))
+    with pytest.raises(rsym.RsymError, match=meant):
+        fairness(oval, **arguments)
+
+
+def test_a_spent_budget_is_admitted():
+    report = fairness(rsym.paper.skeleton_body(), letters={"a2": 6}, budget=150)
+    assert not report.complete
+    assert any(not proved for _, proved in report.statements)
+    assert report.curvatures[0].greatest.bound >= 4.42600989
+
+
+def test_progress_can_cancel():
+    with pytest.raises(rsym.RsymError, match="cancelled"):
+        fairness(ELLIPSE, progress=lambda done, total: False)

@@ -97,18 +97,20 @@ def fairness(
     plane = meridian(shape if bounds is None else shape.replace(bounds=bounds))[0] if body else shape
     model = Model(plane.replace(expression=cleaned(plane.expression)), values, body=body)
     region: Box = tuple((float(low), float(high)) for low, high in smoothness.cover.bounds)
-    found = search(model, _boxes(smoothness), region, tolerance=tolerance, budget=budget, progress=progress)
+    arcs = Arcs(model)
+    boxes = _boxes(smoothness)
+    found = search(arcs, boxes, region, tolerance=tolerance, budget=budget, progress=progress)
     if not found.done:
         raise RsymError(
             "no regular boundary was found within the bounds", code="no-boundary", remedy="give wider bounds"
         )
-    arcs = Arcs(model)
     sampler = Sampler(arcs, [bent.piece for bent, _ in found.done])
     box = bounds_of(plane, None if body else bounds)
     lines = combs(plane, teeth=TEETH, bounds=box, letters={name: float(low) for name, (low, _) in values.items()})
     joints = [joint.point for joint in (*smoothness.defects, *smoothness.joints)]
     kind = "body of revolution" if body else "curve"
-    return _report(kind, smoothness, found, arcs, *measures(sampler, lines, joints))
+    names = (model.builder.coordinates[0], "radius") if body else model.builder.coordinates
+    return _report(kind, names, smoothness, found, arcs, *measures(sampler, lines, joints))
 
 
 def _boxes(smoothness: SmoothnessReport) -> list[Box]:
@@ -118,6 +120,7 @@ def _boxes(smoothness: SmoothnessReport) -> list[Box]:
 
 def _report(
     kind: str,
+    coordinates: tuple[str, ...],
     smoothness: SmoothnessReport,
     found: Found,
     arcs: Arcs,
@@ -131,11 +134,13 @@ def _report(
     constant = _constant(found, arcs)
     return FairnessReport(
         kind=kind,
+        coordinates=coordinates,
         smoothness=smoothness,
         curvatures=tuple(CurvatureBounds(name, *peaks(found.done, k)) for k, name in enumerate(NAMES[kind])),
         extrema=tuple(one for one in zeros if one.kind != "inflection"),
         inflections=tuple(one for one in zeros if one.kind == "inflection"),
-        complete=not (undecided or alike or found.lost or len(smoothness.undecided)),
+        complete=all(one.proved for one in zeros)
+        and not (undecided or alike or found.lost or len(smoothness.undecided)),
         constant=constant,
         measures=sizes,
         profiles=profiles,

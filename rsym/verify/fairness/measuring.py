@@ -106,7 +106,7 @@ def measures(
         value, doubt = float(fine.sum()), float(np.abs(fine - rough).sum())
         result[name] = Measure(value, doubt + ROUNDING * abs(value))
     profiles = [_profile(sampler, points, part[-1]) for points, part in zip(lines, totals[0], strict=True)]
-    return result, tuple(profiles)
+    return result, tuple(half for one in profiles for half in (_upper(one) if body else [one]))
 
 
 def _closed(points: Floats) -> bool:
@@ -162,6 +162,23 @@ def _profile(sampler: Sampler, points: Floats, lengths: Floats) -> Profile:
     count = 2 if sampler.model.body else 1
     rows = sampler(points)
     return Profile(points, np.append(0.0, np.cumsum(lengths)), rows[4 : 4 + count].T, rows[4 + count :].T)
+
+
+def _upper(profile: Profile) -> list[Profile]:
+    """The runs of a meridian with a radius that is not negative; a closed line that crosses the axis begins there."""
+    points, length = profile.points, profile.length
+    above = points[:, 1] >= 0
+    if above.all() or not above.any():
+        return [profile] if above.all() else []
+    rows = np.concatenate([points, profile.curvature, profile.variation], axis=1)
+    if profile.closed:
+        start = int(np.flatnonzero(~above)[0])
+        rows = np.concatenate([rows[start:], rows[1 : start + 1]])
+        length = np.append(0.0, np.cumsum(np.roll(np.diff(length), -start)))
+    (found,) = np.nonzero(rows[:, 1] >= 0)
+    runs = np.split(found, np.flatnonzero(np.diff(found) > 1) + 1)
+    parts = [(rows[run], length[run] - length[run[0]]) for run in runs if len(run) > 1]
+    return [Profile(part[:, :2], along, part[:, 2:4], part[:, 4:]) for part, along in parts]
 
 
 def with_joints(points: Floats, joints: Sequence[Sequence[float]], body: bool) -> Floats:

@@ -27,6 +27,7 @@ def fairness_record(report: FairnessReport) -> dict[str, Any]:
         "format": FORMAT,
         "version": VERSION,
         "kind": report.kind,
+        "coordinates": list(report.coordinates),
         "verdict": report.verdict,
         "continuity": report.continuity,
         "letters": {name: plain(ends) for name, ends in report.smoothness.letters.items()},

@@ -123,6 +123,8 @@ class FairnessReport:
     ----------
     kind : str
         "curve", "body of revolution" (all is said of its meridian, with points (axis, radius)) or "body".
+    coordinates : tuple of str
+        The names of those of a point.
     smoothness : SmoothnessReport or BodyReport
         The verdict: below G2 the boundary is broken at the defects, and the bounds hold between them.
     curvatures : tuple of CurvatureBounds
@@ -137,7 +139,7 @@ class FairnessReport:
         "length" and "area" of a curve, "area" and "volume" of a body, "bending_energy", the integral of the squares of
         the curvatures, and "variation_energy", that of the squares of their variations; numerical.
     profiles, bands
-        The curvatures along each line, numerically, and piece by piece, proved; for pictures.
+        The curvatures along each line (each half of a meridian), numerically, and piece by piece, proved; for pictures.
     statements : pairs
         Sentences, each with whether it is proved.
 
@@ -145,6 +147,7 @@ class FairnessReport:
     """
 
     kind: str
+    coordinates: tuple[str, ...]
     smoothness: SmoothnessReport | BodyReport
     curvatures: tuple[CurvatureBounds, ...]
     extrema: tuple[Extremum, ...]

@@ -35,7 +35,7 @@ class Found:
 
 
 def search(
-    model: Model,
+    arcs: Arcs,
     boxes: Iterable[Box],
     bounds: Box,
     *,
@@ -44,7 +44,7 @@ def search(
     progress: Progress | None = None,
 ) -> Found:
     """All pieces of the boundary in settled boxes, divided until the tolerance is met or the budget spent."""
-    arcs, result, extent = Arcs(model), Found(), extent_of(bounds)
+    model, result, extent = arcs.model, Found(), extent_of(bounds)
     todo: list[Piece] = []
     with ctx.workprec(PRECISION):
         for box in boxes:

@@ -88,7 +88,8 @@ def _inflection(
         return ()
     if enclosed.first.contains(0):
         # Where k'' is not zero, k is strictly convex or concave along the piece: it touches 0 in its extremum alone.
-        return () if extremum and extremum[0].flat and bent.piece.crosses else None
+        flat = any(one.flat and _is_in(one.place, bent.piece.box) for one in extremum or ())
+        return () if flat and bent.piece.crosses else None
     if not bent.piece.analytic:
         return None
     found = _located(arcs.model, bent.piece, arcs.quantities(bent.piece.arc.function)[number].value)
@@ -111,11 +112,15 @@ def _located(model: Model, piece: Piece, node: int) -> tuple[arb, ...] | None:
         assert sharp is not None
         assert sharp.box is not None
         place = sharp.box
-        if not all(ball.overlaps(side(*ends)) for ball, ends in zip(place, piece.whole, strict=True)):
+        if not _is_in(place, piece.whole):
             return ()
         if piece.joined and not model.on(place).sign(piece.arc.side) > 0:
             return ()  # on the continuation of the arc, or in the joint itself, of which others speak
     return place
+
+
+def _is_in(place: tuple[arb, ...], box: Box) -> bool:
+    return all(ball.overlaps(side(*ends)) for ball, ends in zip(place, box, strict=True))
 
 
 def _roomy(piece: Piece) -> Box:
