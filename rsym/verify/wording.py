@@ -8,6 +8,7 @@ from decimal import ROUND_CEILING, Context
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from rsym.verify.bodies.report import BodyReport
     from rsym.verify.report import Joint, SmoothnessReport
 
 # A double says nothing beyond so many digits, and an error below them is not worth a word.
@@ -44,21 +45,31 @@ def report_text(report: SmoothnessReport) -> str:
 def _sentences(report: SmoothnessReport) -> Iterator[str]:
     yield f"{headline(report)}."
     yield cover_text(report)
+    yield from statement_sentences(report.statements)
+
+
+def statement_sentences(statements: Sequence[tuple[str, bool]]) -> Iterator[str]:
+    """What is proved in one sentence, what is numerical in another."""
     for proved, word in ((True, "Proved"), (False, "Numerical, not proved")):
-        said = [sentence.rstrip(".") for sentence, status in report.statements if status == proved]
+        said = [sentence.rstrip(".") for sentence, status in statements if status == proved]
         if said:
             yield f"{word}: {'; '.join(said)}."
 
 
 def headline(report: SmoothnessReport) -> str:
     """The verdict, of which body with which letters, and whether it is proved."""
-    letters = letters_text(report.letters, "some" if report.verdict in {"REFUTED", "DEGENERATE"} else "every")
     what = "the surface of revolution with the meridian" if report.body else "the boundary"
+    return verdict_text(report, what, "curve")
+
+
+def verdict_text(report: SmoothnessReport | BodyReport, what: str, expected: str) -> str:
+    """A verdict on what should be such a curve or surface."""
+    letters = letters_text(report.letters, "some" if report.verdict in {"REFUTED", "DEGENERATE"} else "every")
     about = within(what, report.cover.bounds, letters)
     answers = {
         "CERTIFIED": f"{about} is {report.continuity}; this is proved",
         "REFUTED": f"{about} is not G2 but {report.continuity}; this is proved",
-        "DEGENERATE": f"{about} is no curve, or not everywhere",
+        "DEGENERATE": f"{about} is no {expected}, or not everywhere",
     }
     undecided = f"whether {about} is G2 is neither proved nor refuted"
     return f"{report.verdict}: {answers.get(report.verdict, undecided)}"
