@@ -22,6 +22,7 @@ from rsym.surfaces.networks.tensor import TensorProductSurface
 from rsym.surfaces.networks.transition import TransitionSurface
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.proofs.exact_values import exact_values
+from rsym.surfaces.splitting import split_patch
 from rsym.surfaces.symbols import u, v
 
 R = sp.Rational
@@ -315,3 +316,29 @@ def test_no_random_join_is_judged_wrongly():
         if level.status == "within":
             assert 0 < level.least <= level.most <= level.room
         assert Fraction(level.least) >= 0
+
+
+@pytest.mark.parametrize("lift", [R(1, 1000), R(1, 10**8)])
+def test_a_crack_is_proved_by_the_distance_of_one_point_from_the_other_edge(lift):
+    """The edge that is lifted runs at another speed: the point that is farthest is compared with all of the other."""
+    arch = ParametricSurface((u, -v, u * (1 - u)))
+    lifted = ParametricSurface(((u + u**2) / 2, v, (u + u**2) / 2 * (1 - (u + u**2) / 2) + lift))
+    edge = only_edge(arch, lifted)
+    gap = edge.proof.levels[0]
+    assert (edge.verdict, edge.proved, gap.status) == ("REFUTED", None, "different")
+    assert 0.99 * edge.gap.value < gap.least <= edge.gap.value * (1 + 1e-9) <= lift * (1 + 1e-8)
+
+
+def test_one_spline_across_its_own_knots_and_a_loft_across_its_sections():
+    """A simple knot of a cubic is C2, a double one C1, a triple one C0; composite Hermite functions are C1."""
+    rng = np.random.default_rng(11)
+    for count, proved in ((1, "G2"), (2, "G1"), (3, "G0")):
+        knots = [0.0] * 4 + [0.5] * count + [1.0] * 4
+        along = [np.mean(knots[i + 1 : i + 4]) for i in range(4 + count)]
+        grid = np.meshgrid(along, np.arange(4.0) / 3, indexing="ij")
+        net = np.stack([*grid, rng.integers(-8, 9, (4 + count, 4)) / 16], -1)
+        first, second = split_patch(BSplineSurface(net, knots=(knots, [0.0] * 4 + [1.0] * 4)))
+        assert only_edge(first, second).proved == proved
+    loft = HermiteSurface([(u, R(k), R(k**3) * u) for k in range(4)])
+    assert [only_edge(*split_patch(loft, v=[k])).proved for k in (1, 2)] == ["G1", "G1"]
+    assert only_edge(*split_patch(loft, v=[0.5])).proved == "G2"

@@ -39,7 +39,7 @@ def with_proof(edge: CommonEdge, stretch: Stretch, formulas: Sequence[PatchFormu
     rooms = (STRICTNESS * room.gap, math.sin(math.radians(STRICTNESS * room.angle)), STRICTNESS * room.curvature)
     worst = [one.parameters[0][along] for one in (edge.gap, edge.angle, edge.curvature_jump)]
     first, second = (formulas[place] for place in edge.patches)
-    return replace(edge, proof=prove(Task(stretch, (first, second), rooms, worst)))
+    return replace(edge, proof=prove(Task(stretch, (first, second), rooms, worst, edge.gap.value)))
 
 
 def pole_with_proof(pole: Pole, group: Sequence[Border], formulas: Sequence[PatchFormula]) -> Pole:

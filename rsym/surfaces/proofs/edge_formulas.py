@@ -18,6 +18,7 @@ from rsym.surfaces.joints.edges import Edge
 from rsym.surfaces.patch import Patch
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part, Specialised
 from rsym.surfaces.proofs.spline_edges import spline_jet
+from rsym.surfaces.splitting import PatchPiece
 
 # Position and derivatives (i, j): i times along the edge, j times out of the patch.
 ORDERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
@@ -36,6 +37,10 @@ class Walk(NamedTuple):
     def inverse(self, s: Fraction) -> Fraction:
         """The common parameter of a place of the edge."""
         return (s - self.start) / self.speed
+
+
+# The edge as it is.
+ALONG = Walk(Fraction(0), Fraction(1))
 
 
 class Jet(NamedTuple):
@@ -63,7 +68,7 @@ class PatchFormula:
     """
 
     def __init__(self, patch: Patch, letters: Mapping[str, Fraction]) -> None:
-        self.patch, self.letters = patch, letters
+        self.patch, self.letters = patch.patch if isinstance(patch, PatchPiece) else patch, letters
         self._program: tuple[Builder, dict[tuple[int, int], list[int]]] | None = None
 
     def jet(
@@ -88,10 +93,11 @@ class PatchFormula:
             found = {order: [_horner(target, one, place) for one in vectors[order]] for order in orders}
             return found, set(map(walk.inverse, knots))
         builder, known = self._formulas()
-        end = Fraction(str(exact(self.patch.domain[edge.across][int(edge.upper)])))
+        end = Fraction(str(exact(edge.patch.domain[edge.across][int(edge.upper)])))
         names = ("u", "v") if edge.across == 0 else ("v", "u")
         letters = {name: target.const(value) for name, value in self.letters.items()}
-        copy = Specialised(builder, target, {**letters, names[0]: target.const(end), names[1]: place}, part)
+        inputs = {**letters, names[0]: target.const(end), names[1]: place}
+        copy = Specialised(builder, target, inputs, part, (names[0], -1 if edge.upper else 1))
         turned = {order: known[order[::-1] if edge.across == 0 else order] for order in orders}
         return {order: [copy.node(one) for one in vector] for order, vector in turned.items()}, copy.borders
 

@@ -23,7 +23,7 @@ from rsym.codegen.builder import Builder
 from rsym.codegen.program import Node
 from rsym.surfaces.functions.entries import exact as decimal
 from rsym.surfaces.joints.edges import Edge
-from rsym.surfaces.proofs.edge_formulas import ORDERS, PatchFormula, Walk
+from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, PatchFormula, Walk
 from rsym.surfaces.proofs.edge_proof import DIFFERENT, EQUAL, LEVELS, EdgeProof, Level, nothing
 from rsym.surfaces.proofs.enclosures import BITS
 from rsym.surfaces.proofs.exact_values import exact_values
@@ -31,7 +31,6 @@ from rsym.surfaces.proofs.sides import COUNT, Side, Vector, cross, dot
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
 from rsym.verify.report import CERTIFIED, REFUTED, UNDECIDED
 
-ALONG = Walk(Fraction(0), Fraction(1))
 # Of a known direction: point, A and B.
 DIRECTIONS = ((0, 0), (0, 1), (0, 2))
 # Of the first patch both ends and one place between them, where sines of the angle may be simple numbers.

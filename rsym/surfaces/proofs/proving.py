@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
 
+from rsym.surfaces.proofs.apart import distance_from
 from rsym.surfaces.proofs.deflation import regular_end
 from rsym.surfaces.proofs.edge_formulas import ORDERS, Walk
 from rsym.surfaces.proofs.edge_proof import DIFFERENT, EQUAL, LEVELS, NUMERICAL, WITHIN, EdgeProof, Level, nothing
@@ -16,6 +17,8 @@ from rsym.surfaces.proofs.specialised import NoProof, Part
 from rsym.surfaces.proofs.stretches import Task, pairs, walks
 from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
+# The share of a measured gap that is to be proved.
+NEARLY = 0.99
 # The arcsine of a float and its degrees are right to three units in the last place.
 ROUNDING = 1e-14
 # A neighbourhood of an end that is left out is no longer than this share of the edge.
@@ -52,7 +55,7 @@ def _look_at_worst(task: Task, both: tuple[Walk, Walk], bounds: Bounds) -> None:
 def _proved(task: Task, both: tuple[Walk, Walk], whole: Part, bounds: Bounds) -> EdgeProof:
     alive = bounds.alive
     if alive == 0:
-        return _answer(Facts(), bounds, (whole,), (), whole, "")
+        return _apart(task)
     parts = pairs(task, both, whole, ORDERS[:1] if alive == 1 else ORDERS)
     found = [facts(pair, alive) for pair in parts]
     if not all(one.regular for one in found):
@@ -71,7 +74,21 @@ def _proved(task: Task, both: tuple[Walk, Walk], whole: Part, bounds: Bounds) ->
             bounds.most[2] = 0.0
             bounds.open.clear()
             _cover(parts, wanted, bounds)
+    if bounds.alive == 0:
+        return _apart(task)
     return _answer(Facts(vanishing), bounds, bounds.open, removed, whole, "")
+
+
+def _apart(task: Task) -> EdgeProof:
+    """What is proved where points with equal parameters differ: that one is away from all of the other edge."""
+    sides = [*zip(task.edges, task.formulas, strict=True)]
+    place = task.worst[0]
+    wanted = max(task.rooms[0], NEARLY * task.gap)
+    least = distance_from(sides[0], Fraction(place), sides[1], wanted)
+    if least == 0:
+        return nothing("the edges run at different speeds")
+    gap = Level(LEVELS[0], DIFFERENT, least=least, place=place, room=task.rooms[0])
+    return EdgeProof(REFUTED, (gap, Level(LEVELS[1]), Level(LEVELS[2])))
 
 
 def _cover(parts: Sequence[Pair], wanted: Sequence[bool], bounds: Bounds) -> None:
@@ -115,9 +132,6 @@ def _answer(
     narrow = BESIDE * (whole[1] - whole[0])
     inner = [part for part in left if not set(part) & set(whole) or part[1] - part[0] > narrow]
     levels = [_level(level, known.vanishing[level], bounds, not inner) for level in range(3)]
-    if levels[0].status == DIFFERENT:
-        # The points compared are not those that are nearest, if the parameters do not run at one speed.
-        levels[0], reason = Level(LEVELS[0], room=bounds.rooms[0]), "the edges run at different speeds, or apart"
     beside = () if inner else tuple((float(a), float(b)) for a, b in left)
     held = all(one.holds for one in levels) and not beside
     verdict = REFUTED if any(one.status == DIFFERENT for one in levels) else CERTIFIED if held else UNDECIDED

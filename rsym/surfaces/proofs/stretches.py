@@ -11,7 +11,7 @@ from rsym.codegen.builder import Builder
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.joints.edge_matching import Stretch
 from rsym.surfaces.joints.edges import Edge
-from rsym.surfaces.proofs.edge_formulas import ORDERS, PatchFormula, Walk
+from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, PatchFormula, Walk
 from rsym.surfaces.proofs.enclosures import Pair
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
 
@@ -26,13 +26,15 @@ MOST_PARTS = 64
 class Task:
     """A stretch, the formulas of its patches, what counts as none, and where the samples were worst.
 
-    rooms: a gap (length), the sine of an angle, a jump of curvature. worst: parameters of the first edge.
+    rooms: a gap (length), the sine of an angle, a jump of curvature. worst: parameters of the first edge; gap: the
+    distance found at the first of them.
     """
 
     stretch: Stretch
     formulas: tuple[PatchFormula, PatchFormula]
     rooms: tuple[float, float, float]
     worst: Sequence[float]
+    gap: float
 
     @property
     def edges(self) -> tuple[Edge, Edge]:
@@ -47,7 +49,7 @@ def walks(stretch: Stretch) -> tuple[tuple[Walk, Walk], Part]:
     low, high = (_simple(t, first.edge.interval) for t in stretch.interval)
     start, stop = (_simple(float(s), second.edge.interval) for s in (stretch.s[0], stretch.s[-1]))
     speed = (stop - start) / (high - low)
-    return (Walk(Fraction(0), Fraction(1)), Walk(start - speed * low, speed)), (low, high)
+    return (ALONG, Walk(start - speed * low, speed)), (low, high)
 
 
 def _simple(value: float, interval: tuple[float, float]) -> Fraction:
