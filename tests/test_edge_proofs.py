@@ -346,6 +346,13 @@ def test_one_spline_across_its_own_knots_and_a_loft_across_its_sections():
     assert only_edge(*split_patch(loft, v=[0.5])).proved == "G2"
 
 
+def test_on_a_line_between_pieces_the_side_of_the_patch_counts():
+    kinked = ParametricSurface((u, v, sp.Piecewise((0, u < 1), (u - 1, True))), ((0, 2), (0, 1)))
+    first, second = split_patch(kinked, u=[1])
+    flat = ParametricSurface((1 + u, v, 0))
+    assert (only_edge(first, flat).verdict, only_edge(first, second).verdict) == ("CERTIFIED", "REFUTED")
+
+
 def test_the_legend_of_a_picture_counts_what_is_proved():
     axes = Figure().add_subplot(projection="3d")
     patches = [FLOOR, ParametricSurface((-u, v, u)), ParametricSurface((1 + u, v, 0)), Lambdified((u, -v, 0))]
