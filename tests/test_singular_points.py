@@ -311,6 +311,9 @@ def test_what_no_proof_settles_is_called_numerical():
     (point,) = classified(moved, (sp.sqrt(2), 0, 1)).points
     assert (point.kind, point.proved) == ("corner", False)
     assert_close(point.tangent_jump, 60, atol=1e-9)
+    # Balls whose radii are floats touch up to rounding.
+    (point,) = classified(rsym.disjunction(ball((-0.75, 0, 0), 0.75), ball((0.8, 0, 0), 0.8))).points
+    assert (point.kind, point.continuity, point.proved) == ("tangency", "broken", False)
     # Two spikes without a regular quadratic form, sharper than the lattice of directions sees.
     (point,) = classified(z**4 - x**2 - y**2).points
     assert (point.kind, point.proved) == ("unresolved", False)

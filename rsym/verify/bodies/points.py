@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import islice
+from itertools import islice, product
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,8 @@ DEGENERATIONS = frozenset({"node", "isolated point", "no sign change", "end"})
 MOST_CLASSIFIED = 48  # clusters that are looked at closer, each for some tenths of a second
 MOST_PROBED = 12  # of them by numbers
 MOST_PLACES = 6  # guesses of the point of one cluster
+APPARENT = (30, 12)  # digits of what is taken for zero where nothing is proved: all, or those of a model in floats
+SHORT = 1_000  # of the extent: what is undecided along less than that is a point, of a cusp perhaps
 VIEWS = 5  # spheres around a point, each a quarter as large as the one before
 
 
@@ -95,7 +97,7 @@ def classify_points(
     """
     classifier = _Classifier(model, extent, names)
     for cluster in clusters([box for box, _ in left]):
-        if cluster.is_long:
+        if cluster.is_long and cluster.radius > extent / SHORT:
             classifier.curves += _unless_known(_curve(cluster), curves)
         else:
             classifier.add(cluster)
@@ -184,8 +186,8 @@ class _Classifier:
                 near.append(place)
                 if place.proved and (point := classify_place(model, place, names)) is not None:
                     return point
-        for place in near:
-            if (point := classify_place(model, place, names, apparent=True)) is not None:
+        for digits, place in product(APPARENT, near):
+            if (point := classify_place(model, place, names, apparent=digits)) is not None:
                 return point
         unresolved = replace(_open(cluster), names=called_of(found, names))
         if self._probed >= MOST_PROBED:
