@@ -37,9 +37,6 @@ from rsym.verify.local import Local, Model
 
 Names: TypeAlias = Callable[[int], str]
 
-# Degrees between the outward normals of two sheets that touch: opposite where the body or its outside is pinched.
-TURNS = {"broken": arb(180), "G0": arb(0), "analytic": arb(0)}
-
 
 def classify_place(
     model: Model, place: Place, names: Names | None = None, *, apparent: int = 0
@@ -79,7 +76,7 @@ def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -
         for k, slope in enumerate(at.gradient(f)):
             if not slope.contains(0) and known.vanishes(*across(model, f, g, k)):
                 judgement = touching(at, f, g, numbered(found))
-                return None if judgement is None else _point(place, judgement, called, TURNS[judgement.continuity])
+                return None if judgement is None else _contact(place, judgement, called)
         return None
     arrangement = _arrangement(at, found)
     if arrangement is None or not arrangement[1]:
@@ -90,6 +87,12 @@ def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -
     kind, continuity = ("corner", "G0") if around.is_disc else ("node", "broken")
     reason = describe(around, f"{len(found.leaves)} analytic sheets meet")
     return _point(place, Judgement(kind, continuity, reason), called, _jump(at, found, around))
+
+
+def _contact(place: Place, judgement: Judgement, called: tuple[str, ...]) -> SingularPoint:
+    """The outward normals are opposite where the body or its outside is pinched."""
+    turn = math.nan if judgement.kind != "tangency" else 180 if judgement.continuity == "broken" else 0
+    return _point(place, judgement, called, arb(turn))
 
 
 def _arrangement(at: Local, found: Sheets) -> tuple[Link, bool] | None:

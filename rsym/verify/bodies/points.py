@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from rsym.codegen.balls import ctx
+from rsym.codegen.balls import arb, ctx
 from rsym.verify.bodies.candidates import Place, places
 from rsym.verify.bodies.clusters import Cluster, clusters
+from rsym.verify.bodies.contacts import touch_once
 from rsym.verify.bodies.corners import Corner, corner, floats
 from rsym.verify.bodies.even_roots import is_regular_through_root
 from rsym.verify.bodies.formulas import Literal
@@ -27,7 +28,7 @@ from rsym.verify.bodies.sheets import Sheets, sheets
 from rsym.verify.bodies.spheres import COARSE, Sampler, sampler, views
 from rsym.verify.covering import PRECISION
 from rsym.verify.generators import generators
-from rsym.verify.local import Box, Local, Model
+from rsym.verify.local import Box, Local, Model, side
 
 # Kinds of points at which there is no surface; a tangency is one too where it is "broken".
 DEGENERATIONS = frozenset({"node", "isolated point", "no sign change", "end"})
@@ -165,11 +166,25 @@ class _Classifier:
                 return
             found = corner(local, names=self.names)
         if found is None:
-            self._points.append(self._classified(cluster))
+            point = self._classified(cluster)
+            self._points.append(point)
+            if point.continuity == "analytic" and point.proved and self._is_all(cluster, point):
+                self._regular += cluster.boxes
             return
         self._corners += [(box, found) for box in cluster.boxes]
         if found.point is not None:
             self._points.append(found.point)
+
+    def _is_all(self, cluster: Cluster, point: SingularPoint) -> bool:
+        """Whether two leaves touch at a point and nowhere else in the hull of a cluster, which holds the point."""
+        with ctx.workprec(PRECISION):
+            place = [arb(part, point.radius) for part in point.point]
+            local = self.model.on([side(*ends).union(part) for ends, part in zip(cluster.hull, place, strict=True)])
+            found = sheets(local, self.model.root)
+            if found is None or len(found.leaves) != 2 or not all(generators(local, f).analytic for f in found.leaves):
+                return False
+            f, g = found.leaves
+            return touch_once(local, self.model.on(place), f, g)
 
     def _classified(self, cluster: Cluster) -> SingularPoint:
         """By the first place that proves something, else by numbers."""
