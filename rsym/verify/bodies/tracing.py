@@ -138,7 +138,7 @@ def _between(jumps: Jumps, component: Component, kind: str) -> list[str]:
     low = min((0.0 if ball is None else float(ball.lower()) for ball in balls), default=0.0)
     high = max((math.inf if ball is None else float(ball.upper()) for ball in balls), default=math.inf)
     what, unit = ("angle", " degrees") if kind == "edge" else ("jump of curvature", "")
-    if not high < most:  # NaN too
+    if not high < most or (low <= 0 and kind != "edge"):  # NaN too
         return [f"between the points the {what} is not enclosed"]
     return [
         f"all along the {what} lies between {max(low, 0) * (1 - _ROUNDED):.4g} and {high * (1 + _ROUNDED):.4g}{unit}"
