@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 from collections import defaultdict
 from fractions import Fraction
 
@@ -74,6 +75,12 @@ def traced(expression, size, *, letters=None, smallest=1e-2, keep=lambda box: Tr
     ]
 
 
+def all_along(curve):
+    """The enclosure of the jump between the points too."""
+    low, high = re.search(r"all along .* between (\S+) and (\S+?)(?: degrees)?;", curve.reason).groups()
+    return float(low), float(high)
+
+
 def test_the_rim_of_a_cut_ball():
     (rim,) = traced(rsym.conjunction(BALL, z - HALF), 2.5)
     assert rim.traced
@@ -88,6 +95,8 @@ def test_the_rim_of_a_cut_ball():
     assert_close(rim.tangent_jump, 120, atol=1e-12)
     assert 0 < rim.tangent_jump_error < 1e-12
     assert_close(rim.dihedral_angles, np.full(len(rim.points), 60.0), atol=1e-12)
+    low, high = all_along(rim)
+    assert 110 < low < 120 < high < 130
     # The ball lies to the left, seen from outside: below the plane's normal the curve runs clockwise around z.
     steps = np.cross(rim.points[:-1], rim.points[1:])[:, 2]
     assert (np.sign(steps) == np.sign(steps[0])).all()
@@ -157,6 +166,8 @@ def test_a_capsule_has_two_circles_where_its_curvature_jumps():
         assert circle.tangent_jump == 0
         assert_close(circle.curvature_jumps, np.full(len(circle.points), 2.0), atol=1e-9)
         assert abs(circle.curvature_jump - 2) <= circle.curvature_jump_error < 1e-9
+        low, high = all_along(circle)
+        assert 1.5 < low < 2 < high < 2.5
         assert_close(np.hypot(*circle.points[:, 1:].T), np.full(len(circle.points), 0.5), atol=1e-12)
 
 

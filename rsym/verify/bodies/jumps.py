@@ -8,6 +8,7 @@ the shape operators differ only in kappa. Source: Goldman, CAGD 22 (2005) 632-65
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,6 +26,9 @@ from rsym.verify.vanishing import vanishes_with
 Array = NDArray[np.float64]
 
 WORDS = {"equal": "proved equal", "zero": "equal to 25 digits, which is no proof", "jump": "proved to differ"}
+
+# An arc is cut into so many if the first number leaves its jump without bounds.
+_PIECES = (1, 4)
 
 
 @dataclass(frozen=True)
@@ -67,10 +71,17 @@ class Jumps:
         with ctx.workprec(PRECISE):
             return self._at(self.curve.narrowed(knot.sides, knot.axis))
 
-    def between(self, tube: Tube, start: Knot, end: Knot) -> Jump:
-        """What the jump is everywhere on the arc between two points."""
-        t = sorted(float(knot.sides[tube.axis].mid()) for knot in (start, end))
-        return self._at(tube.over(t[0], t[1], tube.width))
+    def between(self, tube: Tube, start: Knot, end: Knot, level: int) -> tuple[float, float] | None:
+        """Bounds of the angle (level 0) or of the jump of curvature on the arc between two points, None without any."""
+        low, high = sorted(float(knot.sides[tube.axis].mid()) for knot in (start, end))
+        for pieces in _PIECES:
+            t = [low + (high - low) * number / pieces for number in range(pieces)] + [high]
+            jumps = [self._at(tube.over(*part, tube.width)) for part in itertools.pairwise(t)]
+            balls = [jump.curvature if level else jump.turn for jump in jumps]
+            ends = [float(end) for ball in balls if ball is not None for end in (ball.lower(), ball.upper())]
+            if len(ends) == 2 * pieces and all(0 < end < (math.inf if level else 180) for end in ends):  # NaN is not
+                return min(ends), max(ends)
+        return None
 
     def _at(self, sides: Sequence[arb]) -> Jump:
         local, order = self.curve.on(sides), self.meeting.contact
