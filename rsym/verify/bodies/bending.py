@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rsym.verify.bodies.boxes import halves
 from rsym.verify.bodies.curvature_bounds import bent
 from rsym.verify.bodies.images import Array, Boxes, Flags, Images
-from rsym.verify.bodies.octree import Subdivision, halves
+from rsym.verify.bodies.octree import Subdivision
 
 TIGHT = 0.05  # of an end of what is attained: the enclosure may exceed it by this share
 FLAT = 0.002  # of the largest curvature: an end nearer to 0 than this is taken for 0, and not pursued further
