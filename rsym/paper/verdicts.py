@@ -100,7 +100,7 @@ def draw_verdicts() -> Drawing:
     curves = [curve for one in judged for curve in one.report.curves]
     angles, jumps = angle_limits(curves), jump_limits(curves)
     figure = Figure(figsize=SIZE)
-    for one, place in zip(judged, _places(), strict=True):
+    for one, place in zip(judged, _places(), strict=False):
         _draw(figure, one, place, angles, jumps)
     for bar, bottom in zip(mark_curves(curves, 1.0, angles, jumps).bars, (0.65, 0.15), strict=False):
         _draw_bar(figure, bar, bottom)
