@@ -39,15 +39,15 @@ def small(monkeypatch):
 def test_the_verdicts_are_found_in_the_run_by_boxes_in_space(small):
     (box, capsule) = verdicts.judge()
     assert small == ["space", "space"]
-    assert (box.report.verdict, box.summary) == ("REFUTED", "12 curves, 8 points")
-    assert capsule.summary == "2 curves"
+    assert (box.report.verdict, box.summary) == ("REFUTED", "12 edges, 8 corners")
+    assert capsule.summary == "2 curvature jumps"
 
 
 def test_the_page_shows_the_bodies_and_lists_what_was_found(small, tmp_path):
     (result,) = rsym.paper.reproduce(tmp_path, only=["verdicts"])
     rows = result.table.rows
     assert [row[:2] for row in rows if row[0]] == [("A box", "REFUTED"), ("A capsule", "REFUTED")]
-    assert len(rows) == 12 + 8 + 1
+    assert len(rows) == 2 + 12 + 8 + 1
     assert rows[-1][2:] == (
         *("curvature jump", "2", "tube | cap", "length 6.281", "the normal curvature jumps by 2", "G1"),
         *("✓ yes", "2 of 2"),
@@ -64,7 +64,7 @@ def test_all_pictures_share_their_scales(small):
     assert_close(labels["dihedral angle in degrees"], (60, 120), atol=1e-12)
     assert_close(labels["jump of normal curvature, dashed"], (0, 2), atol=1e-12)
     titles = [text.get_text() for text in figure.texts]
-    assert titles == ["A box: REFUTED, G0", "12 curves, 8 points", "A capsule: REFUTED, G1", "2 curves"]
+    assert titles == ["A box: REFUTED, G0", "12 edges, 8 corners", "A capsule: REFUTED, G1", "2 curvature jumps"]
 
 
 def test_the_bodies_of_the_page_are_those_that_the_captions_promise():
