@@ -14,7 +14,7 @@ from rsym.verify.bodies.octree import Subdivision, halves
 TIGHT = 0.05  # of an end of what is attained: the enclosure may exceed it by this share
 FLAT = 0.002  # of the largest curvature: an end nearer to 0 than this is taken for 0, and not pursued further
 BUDGET = 400_000  # boxes, some 30 microseconds each
-FINEST = 2.0**-20  # of the extent: where curvature grows beyond all bounds narrower boxes say no more
+FINEST = 2.0**-20  # of the extent: narrower boxes are not divided, smaller curvatures than its inverse are 0
 BESIDE = 2.0**-30  # of the largest coordinate: so far from a point of the boundary omega is looked at
 
 
@@ -28,12 +28,11 @@ class Bending:
 
 def bending(images: Images, found: Subdivision) -> Bending:
     """The principal curvatures on all settled boxes of a subdivision."""
-    sheets = _by_node(found)
-    search = _Search(images)
-    parts = [_Part(search, node, np.concatenate(boxes)) for node, boxes in sheets.items()]
-    extent = max((float(np.ptp(part.boxes, axis=(0, 2)).max()) for part in parts if len(part.boxes)), default=0.0)
+    sheets = {node: np.concatenate(boxes) for node, boxes in _by_node(found).items()}
+    search = _Search(images, max((float(np.ptp(boxes, axis=(0, 2)).max()) for boxes in sheets.values()), default=1.0))
+    parts = [_Part(search, node, boxes) for node, boxes in sheets.items()]
     while search.spent < BUDGET:
-        marked = [part.offending(search.ends, FINEST * extent) for part in parts]
+        marked = [part.offending(search.ends) for part in parts]
         if not any(own.any() for own in marked):
             break
         for part, own in zip(parts, marked, strict=True):
@@ -59,8 +58,8 @@ def _by_node(found: Subdivision) -> Mapping[int, Sequence[Boxes]]:
 class _Search:
     """Bounds over boxes, the extremes at points in them, and how many boxes were bounded."""
 
-    def __init__(self, images: Images) -> None:
-        self.images = images
+    def __init__(self, images: Images, extent: float) -> None:
+        self.images, self.extent = images, extent
         self.attained = np.array([np.inf, -np.inf])
         self.spent = 0
 
@@ -70,7 +69,7 @@ class _Search:
         if not np.isfinite(self.attained).all():
             return np.array([np.inf, -np.inf])
         size = np.abs(self.attained)
-        slack = np.where(size > FLAT * size.max(), TIGHT * size, FLAT * size.max())
+        slack = np.where(size > FLAT * size.max(), TIGHT * size, FLAT * size.max()) + FINEST / self.extent
         result: Array = self.attained + [-1, 1] * slack
         return result
 
@@ -81,7 +80,7 @@ class _Search:
         new = (found.curvatures[:, 1] < self.attained[0]) | (found.curvatures[:, 0] > self.attained[1])
         new[new] = self._is_boundary(found.points[new], found.normals[new])
         low, high = found.curvatures[new, 1], found.curvatures[new, 0]
-        self.attained = np.array([low.min(initial=self.attained[0]), high.max(initial=self.attained[1])])
+        self.attained = np.array([low.min(initial=self.attained[0]), high.max(initial=self.attained[1])]) + 0.0
         return found.boxes, found.low, found.high
 
     def _is_boundary(self, points: Array, normals: Array) -> Flags:
@@ -99,9 +98,9 @@ class _Part:
         self.search, self.node = search, node
         self.boxes, self.low, self.high = search.bounded(node, boxes)
 
-    def offending(self, ends: Array, finest: float) -> Flags:
+    def offending(self, ends: Array) -> Flags:
         """The boxes whose bounds reach beyond these ends, the finest left out."""
-        wide = (self.boxes[..., 1] - self.boxes[..., 0]).max(axis=1, initial=0) > finest
+        wide = (self.boxes[..., 1] - self.boxes[..., 0]).max(axis=1, initial=0) > FINEST * self.search.extent
         result: Flags = ((self.low < ends[0]) | (self.high > ends[1])) & wide
         return result
 
