@@ -29,7 +29,7 @@ Array: TypeAlias = NDArray[np.float64]
 Boxes: TypeAlias = NDArray[np.float64]  # (n, 3, 2)
 Ends: TypeAlias = tuple[Array, Array]
 Flags: TypeAlias = NDArray[np.bool_]
-SMALL = 50  # operations: to compile fewer takes longer than NumPy needs for a hundred thousand boxes
+SMALL = 25  # operations: to compile fewer takes longer than NumPy needs for a hundred thousand boxes
 
 
 class Condition(NamedTuple):
