@@ -149,6 +149,6 @@ def body_of(expression):
     return Shape(expression, (x, y, z), bounds=WINDOW)
 
 
-def numbered(kind, count, seed=20261121):
-    """The first bodies of a kind, each from a generator of its own."""
-    return [kind(np.random.default_rng([seed, k])) for k in range(count)]
+def numbered(kind, number):
+    """One of the bodies of a kind, from a generator of its own."""
+    return kind(np.random.default_rng([20261121, number]))

@@ -7,7 +7,7 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from rsym.verify.bodies.images import Boxes
+from rsym.verify.bodies.images import Boxes, Flags
 from rsym.verify.bodies.inspection import GROWN
 from rsym.verify.covering import OFF_CENTRE
 from rsym.verify.local import Box
@@ -33,16 +33,20 @@ def eighths(region: Box) -> Iterator[Boxes]:
 
 def halves(boxes: Boxes) -> Boxes:
     """Each box cut in two across all sides of at least 0.7 of its longest; the parts of one box follow each other."""
+    width = boxes[..., 1] - boxes[..., 0]
+    return cut(boxes, width >= 0.7 * width.max(axis=1, keepdims=True, initial=0))
+
+
+def cut(boxes: Boxes, sides: Flags) -> Boxes:
+    """Each box cut in two across the marked of its sides (n, 3)."""
     low, high = boxes[..., 0], boxes[..., 1]
-    width = high - low
-    long = width >= 0.7 * width.max(axis=1, keepdims=True, initial=0)
-    middle = low + width / 2
+    middle = low + (high - low) / 2
     parts = []
     for corner in product((0, 1), repeat=3):
         take = np.array(corner, bool)
-        start = np.where(long & take, middle, low)
-        end = np.where(long & ~take, middle, high)
-        parts.append(np.where((long | ~take)[..., None], np.stack([start, end], axis=-1), np.nan))
+        start = np.where(sides & take, middle, low)
+        end = np.where(sides & ~take, middle, high)
+        parts.append(np.where((sides | ~take)[..., None], np.stack([start, end], axis=-1), np.nan))
     stacked = np.stack(parts, axis=1).reshape(-1, 3, 2)
     kept: Boxes = stacked[~np.isnan(stacked).any(axis=(1, 2))]
     return kept
