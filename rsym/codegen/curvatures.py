@@ -103,9 +103,13 @@ class Curvatures:
     @cached_property
     def _frame(self) -> tuple[list[int], list[int]]:
         """Two unit tangent vectors, orthogonal to rounding for every normal (Duff et al., JCGT 6 (2017) 1)."""
+        b, z = self.builder, self.normal[2]
+        one = b.const(1)
+        return self._frame_on(b.select(b.const(0), z, b.neg(one), one))
+
+    def _frame_on(self, sign: int) -> tuple[list[int], list[int]]:
         b, (x, y, z) = self.builder, self.normal
         one = b.const(1)
-        sign = b.select(b.const(0), z, b.neg(one), one)
         a = b.div(b.const(-1), b.add(sign, z))
         product = b.mul(b.mul(x, y), a)
         return (
@@ -125,6 +129,12 @@ class Curvatures:
         scale = b.make("max", b.abs(difference), b.abs(shear))
         d, s = (b.div(part, self._or_one(scale)) for part in (difference, shear))
         return d, s, scale, b.sqrt(b.add(b.square(d), b.square(s)))
+
+    def operator(self, side: int) -> tuple[int, int, int]:
+        """The shape operator (uu, uv, vv) in a frame that is smooth unless the normal is (0, 0, -side); side: 1, -1."""
+        self._require_space("principal_curvatures")
+        u, v = self._frame_on(side)
+        return self._bent(u, u), self._bent(u, v), self._bent(v, v)
 
     def _or_one(self, size: int) -> int:
         """A size, 1 where it is 0; NaN stays NaN."""

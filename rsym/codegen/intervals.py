@@ -94,6 +94,8 @@ class IntervalFunction:
         As in `compile`; the bits do not depend on it.
     sharpened : tuple of int, optional
         Nodes whose bounds are intersected with their mean-value form.
+    strict : bool
+        Whether nothing is said of what may be undefined somewhere on a box.
 
     Examples
     --------
@@ -109,11 +111,12 @@ class IntervalFunction:
     backend: str | None = None
     threads: int | None = None
     sharpened: tuple[int, ...] = ()
+    strict: bool = False
 
     @cached_property
     def bounds(self) -> Program:
         """The program of the bounds."""
-        return interval_program(self.program, self.sharpened)
+        return interval_program(self.program, self.sharpened, self.strict)
 
     @cached_property
     def function(self) -> CompiledFunction:

@@ -110,7 +110,7 @@ def sign_form(builder: Builder, number: int) -> SignForm:
     joined: list[tuple[str, Operand, Operand]] = []
     parameters: dict[tuple[str, int], None] = {}
     done: dict[Signed, Operand] = {}
-    for part, operands in _postorder(builder, _stripped(builder, number, 1)):
+    for part, operands in _postorder(builder, stripped(builder, number, 1)):
         if not operands:
             leaf = part.number if part.sign > 0 else builder.neg(part.number)
             done[part] = Operand(False, leaves.setdefault(leaf, len(leaves)))
@@ -151,7 +151,7 @@ def _postorder(builder: Builder, root: Signed) -> Iterator[tuple[Signed, list[Si
             continue
         operation, arguments, _ = builder.nodes[part.number]
         joins = operation in CONJUNCTIONS or operation in DISJUNCTIONS
-        operands = [_stripped(builder, argument, part.sign) for argument in arguments[:2]] if joins else []
+        operands = [stripped(builder, argument, part.sign) for argument in arguments[:2]] if joins else []
         if ready or not operands:
             seen.add(part)
             yield part, operands
@@ -160,7 +160,7 @@ def _postorder(builder: Builder, root: Signed) -> Iterator[tuple[Signed, list[Si
             stack.extend((operand, False) for operand in reversed(operands))
 
 
-def _stripped(builder: Builder, number: int, sign: int) -> Signed:
+def stripped(builder: Builder, number: int, sign: int) -> Signed:
     """Without negations and negative constants, which count, positive factors, odd powers and normalisation."""
     while True:
         operation, arguments, data = builder.nodes[number]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -80,13 +81,24 @@ def add_axes(figure: FigureBase, place: Any) -> BodyAxes:
     return axes
 
 
-def colour_bar(axes: Axes3D, scale: ScalarMappable, label: str) -> None:
+@dataclass(frozen=True)
+class Bar:
+    """What a colour bar shows: a scale, its name, whether values may lie beyond its ends, and where its ticks are."""
+
+    scale: ScalarMappable
+    label: str
+    extend: str = "both"
+    ticks: tuple[float, ...] | None = None
+
+
+def colour_bar(axes: Axes3D, shown: Bar) -> None:
     """Widen a figure that one 3D axes fills, and put a colour bar beside it."""
     figure: Any = axes.figure
     left = _widen(axes, BAR_ROOM)
     width = figure.get_size_inches()[0]
-    bar = figure.colorbar(scale, cax=figure.add_axes((left, 0.2, 0.16 / width, 0.6)), extend="both")
-    bar.set_label(label)
+    place = figure.add_axes((left, 0.2, 0.16 / width, 0.6))
+    bar = figure.colorbar(shown.scale, cax=place, extend=shown.extend, ticks=shown.ticks)
+    bar.set_label(shown.label)
     bar.ax.tick_params(labelsize=8, length=2)
 
 
@@ -113,6 +125,17 @@ def _widen(axes: Axes3D, room: float) -> float:
     figure.set_size_inches(wide, height)
     axes.set_position((place.x0 * width / wide, place.y0, place.width * width / wide, place.height))
     return float(width / wide)
+
+
+def add_room(axes: Axes3D, *, below: float, above: float) -> None:
+    """Add so many inches below and above all that a figure shows."""
+    figure: Any = axes.figure
+    width, height = figure.get_size_inches()
+    tall = height + below + above
+    figure.set_size_inches(width, tall)
+    for one in figure.axes:
+        place = one.get_position(original=True)
+        one.set_position((place.x0, (place.y0 * height + below) / tall, place.width, place.height * height / tall))
 
 
 def require_axes3d(axes: object) -> Axes3D:

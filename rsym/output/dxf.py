@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError
 from rsym.sampling.sections import Section
 from rsym.sampling.sharp.features import Feature
+from rsym.verify.bodies.report import SingularCurve
 
 # The values of $INSUNITS.
 UNITS: Mapping[str, int] = MappingProxyType({"mm": 4, "cm": 5, "in": 1})
@@ -44,8 +45,8 @@ def dxf(shown: Sequence[Section], unit: str, scale: float) -> bytes:
     )
 
 
-def features_dxf(features: Sequence[Feature], unit: str, scale: float) -> bytes:
-    """Encode features: polylines in space, those between two parts on one layer named after both.
+def features_dxf(features: Sequence[Feature | SingularCurve], unit: str, scale: float) -> bytes:
+    """Encode features, or singular curves: polylines in space, those between two parts on one layer named after both.
 
     Examples
     --------
@@ -55,9 +56,7 @@ def features_dxf(features: Sequence[Feature], unit: str, scale: float) -> bytes:
     >>> features_dxf(rsym.mesh(ball & side, 16).features, "mm", 1.0).count(b"BALL-CUT") > 40
     True
     """
-    return _document(
-        [("-".join(map(_layer_part, feature.names)), scale * feature.points) for feature in features], unit, flat=False
-    )
+    return _document([(_layer_of(feature.names), scale * feature.points) for feature in features], unit, flat=False)
 
 
 def check_unit(unit: str, scale: float) -> None:
@@ -68,6 +67,10 @@ def check_unit(unit: str, scale: float) -> None:
             code="unit",
             remedy='for example unit="mm", scale=1.0',
         )
+
+
+def _layer_of(names: Sequence[str]) -> str:
+    return "-".join(_layer_part(name) for name in names if name) or "CURVES"
 
 
 def _layer_part(name: str) -> str:

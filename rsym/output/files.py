@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 
@@ -13,6 +13,8 @@ from rsym.output.atomic import write_atomically
 from rsym.output.dxf import check_unit, features_dxf
 from rsym.output.interactive import page, page_of_parts
 from rsym.sampling.mesh import Mesh
+from rsym.sampling.sharp.features import Feature
+from rsym.verify.bodies.report import SingularCurve
 
 # Formats that hold colours.
 COLOURED: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(
@@ -107,16 +109,22 @@ def write(mesh: Mesh, path: str | os.PathLike[str], *, colour_by: str | None = N
     return write_atomically(path, encode(mesh))
 
 
-def write_features(mesh: Mesh, path: str | os.PathLike[str], *, unit: str = "mm", scale: float = 1.0) -> Path:
+def write_features(
+    mesh: Mesh | Sequence[Feature | SingularCurve],
+    path: str | os.PathLike[str],
+    *,
+    unit: str = "mm",
+    scale: float = 1.0,
+) -> Path:
     """Write the curves along which the leaves of a mesh meet as polylines in space, in DXF (release 12, ASCII).
 
     The curves between two parts are on one layer, named after both: ``BONNET-WHEEL_ARCHES``.
-    The file appears whole or not at all, and the same mesh gives the same bytes.
+    The file appears whole or not at all, and the same curves give the same bytes.
 
     Parameters
     ----------
-    mesh : Mesh
-        With features: of method "sharp".
+    mesh : Mesh or sequence of curves
+        A mesh with features, so of method "sharp"; or some of them, or the singular curves of a `BodyReport`.
     path : str or path-like
         Where to; the name ends in ``.dxf``.
     unit : {"mm", "cm", "in"}
@@ -127,7 +135,7 @@ def write_features(mesh: Mesh, path: str | os.PathLike[str], *, unit: str = "mm"
     Raises
     ------
     RsymError
-        For another suffix or unit, a scale that is not positive, or a mesh without features.
+        For another suffix or unit, a scale that is not positive, or no curves.
 
     Examples
     --------
@@ -145,10 +153,13 @@ def write_features(mesh: Mesh, path: str | os.PathLike[str], *, unit: str = "mm"
             f"features are written as .dxf, got {str(path)!r}", code="suffix", remedy="end the name with .dxf"
         )
     check_unit(unit, scale)
-    if not mesh.features:
+    features = mesh.features if isinstance(mesh, Mesh) else mesh
+    if not features:
         raise RsymError(
-            "the mesh has no features: its leaves meet nowhere, or are not known",
+            "the mesh has no features: its leaves meet nowhere, or are not known"
+            if isinstance(mesh, Mesh)
+            else "expected curves, got none",
             code="no-features",
-            remedy='take method="sharp"',
+            remedy='take a mesh of method="sharp", or a report with curves',
         )
-    return write_atomically(path, features_dxf(mesh.features, unit, scale))
+    return write_atomically(path, features_dxf(features, unit, scale))

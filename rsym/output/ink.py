@@ -20,7 +20,11 @@ SMOOTH = 10.0  # degrees: where leaves meet at a smaller angle nobody sees an ed
 # Where surfaces touch, points that are a little off their common curve have any angle between the normals up to 60
 # degrees, but a quarter of them has less than 10.
 TOUCHING = 0.25
-STEP = 0.5  # samples between two dots of a line: nearer ones look the same
+RIM = 1.4  # points: what is left white around a dot
+SHADES = 1 << 20  # of ink: far more than a picture has
+# Samples between two dots of a line, nearer ones look the same; as a share of its width they leave the border of a wide
+# line straight to a 250th of it.
+STEP, STRIDE = 0.5, 0.125
 # What hides a line is nearer by this many samples; a plane beside it is followed so far, as it may be seen at a slant.
 NEAR, SLANT = 1.0, 20.0
 AROUND = [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)]
@@ -30,11 +34,12 @@ AROUND = [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)]
 class Stroke:
     """Straight pieces (n, 2, 3) in space to draw with a body; one whose ends are equal is a round dot.
 
-    `width` is in points; `hidden` is the share of the ink that is left where the body hides a piece.
+    `colour` is one for all, as matplotlib writes colours, or the linear light (n, 3) of each; `width` is in points;
+    `hidden` is the share of the ink that is left where the body hides a piece.
     """
 
     pieces: Floats
-    colour: str = INK
+    colour: str | Floats = INK
     width: float = 0.7
     hidden: float = 0.0
 
@@ -45,7 +50,7 @@ def draw_lines(
     triangles: Triangles,
     lines: Floats,
     width: float,
-    colour: str = INK,
+    colour: str | Floats = INK,
     hidden: float = 0.0,
 ) -> None:
     """Draw straight lines on a body, or in the space around it, into its picture.
@@ -75,25 +80,28 @@ def draw_lines(
     >>> (samples[1, :, 3] > 0.5).astype(int)
     array([1, 1, 1, 1, 0, 0, 0, 1, 1, 1])
     """
-    dots = _dots(lines)
+    dots, lines_of = _dots(lines, max(STEP, STRIDE * width))
     visible = _is_visible(dots, nearest, triangles)
-    ink = _spread(dots[visible], width, nearest.shape)
+    inks = [(1.0, *_spread(dots[visible], lines_of[visible], width, nearest.shape))]
     if hidden:
-        ink = np.maximum(ink, hidden * _spread(dots[~visible], width, nearest.shape))
-    share = ink.reshape(nearest.shape)[..., None]
-    samples *= 1 - share
-    samples[..., :3] += share * linear(colour)
-    samples[..., 3:] += share
+        inks.insert(0, (hidden, *_spread(dots[~visible], lines_of[~visible], width, nearest.shape)))
+    colours = linear(colour)[None] if isinstance(colour, str) else colour
+    flat = samples.reshape(-1, 4)
+    for strength, where, share, line in inks:
+        ink = (strength * share)[:, None]
+        flat[where] *= 1 - ink
+        flat[where, :3] += ink * colours[line if len(colours) > 1 else 0]
+        flat[where, 3:] += ink
 
 
-def _dots(lines: Floats) -> Floats:
-    """Points (n, 3) along the lines, closer than half a sample."""
+def _dots(lines: Floats, step: float) -> tuple[Floats, Ints]:
+    """Points (n, 3) along the lines, at most a step of the picture apart, and which line each is on."""
     starts, ways = lines[:, 0], lines[:, 1] - lines[:, 0]
-    counts = np.ceil(np.hypot(ways[:, 0], ways[:, 1]) / STEP).astype(np.int64).clip(1)
+    counts = np.ceil(np.hypot(ways[:, 0], ways[:, 1]) / step).astype(np.int64).clip(1)
     which = np.repeat(np.arange(len(counts)), counts)
     share = (np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts) + 0.5) / counts[which]
     dots: Floats = starts[which] + share[:, None] * ways[which]
-    return dots
+    return dots, which
 
 
 def _is_visible(dots: Floats, nearest: Ints, triangles: Triangles) -> NDArray[np.bool_]:
@@ -115,9 +123,9 @@ def _is_visible(dots: Floats, nearest: Ints, triangles: Triangles) -> NDArray[np
     return np.asarray(inside & (visible | empty))
 
 
-def _spread(dots: Floats, width: float, size: tuple[int, ...]) -> NDArray[np.float32]:
-    """The share of each sample (h*w,) that round dots cover."""
-    ink = np.zeros(size[0] * size[1], np.float32)
+def _spread(dots: Floats, names: Ints, width: float, size: tuple[int, ...]) -> tuple[Ints, Floats, Ints]:
+    """The samples that round dots cover, the share of each, and the name of the dot that covers it most, the last."""
+    best = np.zeros(size[0] * size[1], np.int64)
     reach = int(np.ceil(width / 2 + 0.5))
     corner = np.floor(dots[:, :2]).astype(np.int64)
     for i in range(-reach, reach + 1):
@@ -126,8 +134,16 @@ def _spread(dots: Floats, width: float, size: tuple[int, ...]) -> NDArray[np.flo
             away = np.hypot(column + 0.5 - dots[:, 0], row + 0.5 - dots[:, 1])
             share = np.clip(width / 2 + 0.5 - away, 0.0, min(width, 1.0))
             there = (share > 0) & (row >= 0) & (row < size[0]) & (column >= 0) & (column < size[1])
-            np.maximum.at(ink, row[there] * size[1] + column[there], share[there].astype(np.float32))
-    return ink
+            keys = np.rint(share[there] * SHADES).astype(np.int64) << 32 | names[there]
+            np.maximum.at(best, row[there] * size[1] + column[there], keys)
+    where = np.flatnonzero(best)
+    return where, (best[where] >> 32) / SHADES, best[where] & 0xFFFFFFFF
+
+
+def dots(points: Floats, colour: str, size: float, hidden: float) -> list[Stroke]:
+    """Round dots with a white rim, so that they stand out from lines and dark surfaces."""
+    twice = np.stack([points, points], axis=1)
+    return [Stroke(twice, "white", size + RIM), Stroke(twice, colour, size, hidden)]
 
 
 def visible(features: Sequence[Feature], least: float) -> list[Feature]:

@@ -11,9 +11,9 @@ import numpy as np
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
-from rsym.output.ink import INK, Stroke
+from rsym.output.ink import INK, Stroke, dots
 from rsym.output.paints import MAPS
-from rsym.output.patches import Lines, coat_of_patches, dots, shaded, tessellations
+from rsym.output.patches import Lines, coat_of_patches, shaded, tessellations
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import pieces
 from rsym.surfaces.joints.continuity import continuity_report
@@ -91,10 +91,10 @@ def _strokes(report: EdgeReport) -> list[Stroke]:
     for edge in sorted(report.edges, key=_rank, reverse=True):
         drawn.append(Stroke(pieces(edge.points), COLOURS[edge.continuity], WIDTH, HIDDEN))
     for pole in sorted(report.poles, key=_rank, reverse=True):
-        drawn += dots(np.array([pole.point]), COLOURS[pole.continuity], MARK)
+        drawn += dots(np.array([pole.point]), COLOURS[pole.continuity], MARK, HIDDEN)
     if report.defects:
         worst = report.defects[0]
-        drawn += dots(np.array([worst.worst.point]), COLOURS[worst.continuity], MARK)
+        drawn += dots(np.array([worst.worst.point]), COLOURS[worst.continuity], MARK, HIDDEN)
     return drawn
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
-from rsym.output.ink import INK, Stroke
+from rsym.output.ink import INK, Stroke, dots
 from rsym.output.paints import MAPS, Coat, between_corners, one_colour, part_coat, robust_limits, value_coat, zebra
 from rsym.output.shading import BODY
 from rsym.output.surfaces import ShadedMesh, show
@@ -27,7 +27,7 @@ Lines: TypeAlias = int | tuple[ArrayLike, ArrayLike]
 
 LINES = 8  # intervals of the parameter lines
 LINE_WIDTH, EDGE_WIDTH, CURVE_WIDTH, NET_WIDTH = 0.4, 1.1, 1.5, 0.8  # points
-DOT, RIM = 3.6, 1.4  # of a point, and what is left white around it
+DOT = 3.6  # points
 CURVE, NET, POINT = "#8c2d04", "#6a3d9a", "#b2182b"
 SAMPLES = 201  # of a curve
 HIDDEN = 0.3  # the share of a net or a curve that shows through the surface
@@ -107,7 +107,7 @@ def plot_patches(
     strokes = [
         *[Stroke(pieces(_polyline(curve, letters)), CURVE, CURVE_WIDTH, HIDDEN) for curve in curves],
         *([] if net is None else _net(_checked(net, 3, "a net"), patches)),
-        *([] if points is None else dots(_checked(points, None, "points").reshape(-1, 3), POINT)),
+        *([] if points is None else dots(_checked(points, None, "points").reshape(-1, 3), POINT, DOT, HIDDEN)),
     ]
     parts = tessellations(patches, lines, resolution, letters, curved=colour_by in MAPS)
     coat = coat_of_patches(parts, colour, colour_by, limits)
@@ -214,13 +214,7 @@ def _net(net: Floats, patches: Patches) -> list[Stroke]:
     along_u = np.concatenate([net, net[:1]]) if round_u else net
     along_v = np.concatenate([net, net[:, :1]], axis=1) if round_v else net
     legs = np.concatenate([pieces(along_v), pieces(along_u.swapaxes(0, 1))])
-    return [Stroke(legs, NET, NET_WIDTH, HIDDEN), *dots(net.reshape(-1, 3), NET)]
-
-
-def dots(points: Floats, colour: str, size: float = DOT) -> list[Stroke]:
-    """Round dots with a white rim, so that they stand out from lines and dark surfaces."""
-    twice = np.stack([points, points], axis=1)
-    return [Stroke(twice, "white", size + RIM), Stroke(twice, colour, size, HIDDEN)]
+    return [Stroke(legs, NET, NET_WIDTH, HIDDEN), *dots(net.reshape(-1, 3), NET, DOT, HIDDEN)]
 
 
 def _polyline(curve: SpaceCurve | ArrayLike, letters: Mapping[Any, float] | None) -> Floats:

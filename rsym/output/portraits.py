@@ -8,7 +8,6 @@ from typing import Any, TypeAlias
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from rsym.codegen.kernel import compile
 from rsym.errors import RsymWarning
@@ -76,15 +75,15 @@ def draw_portrait(
         body = mesh(_thickened(shape, box), resolution)
     artist = plot_mesh(body, ax=axes, elevation=elevation, azimuth=azimuth)
     axes.set_axis_off()
-    _fill(figure, artist, np.array(place))
+    fill(figure, artist, place)
     return artist
 
 
-def _fill(figure: Figure, artist: ShadedMesh, place: NDArray[np.float64]) -> None:
+def fill(figure: Figure, artist: ShadedMesh, place: Place) -> None:
     """Enlarge the axes about the body until it fills the place."""
     axes: Any = artist.axes
     page = np.tile(figure.bbox.size, 2)
-    left, bottom, width, height = place * page
+    left, bottom, width, height = np.array(place) * page
     body = artist.get_window_extent()
     room = 2 * MARGIN * figure.dpi / 72
     growth = min((width - room) / body.width, (height - room) / body.height)

@@ -19,7 +19,10 @@ from rsym.output.ink import SMOOTH, Stroke, draw_lines, visible
 from rsym.output.paints import Coat, Spots, coat_of
 from rsym.output.rasteriser import Triangles, rasterise, snap
 from rsym.output.shading import BODY, hollows, mean_depth, reduce, shade, unit
+from rsym.output.singular import mark_curves
 from rsym.sampling.mesh import Mesh
+from rsym.sampling.sharp.features import Feature
+from rsym.verify.bodies.report import SingularCurve
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -43,6 +46,7 @@ def plot_mesh(
     colour_by: str | ArrayLike | None = None,
     shape: Shape | None = None,
     letters: Mapping[Any, float] | None = None,
+    curves: Sequence[SingularCurve | Feature] = (),
 ) -> ShadedMesh:
     """Draw a mesh as a shaded body with hidden surfaces removed.
 
@@ -72,6 +76,9 @@ def plot_mesh(
     shape, letters
         What the mesh was made of: needed for curvatures (not by a mesh of patches), and for a zebra that is exact
         between vertices.
+    curves : sequence
+        Singular curves of a `BodyReport`, or `mesh.features`: edges in colours of the dihedral angle, jumps of the
+        curvature dashed; ``artist.bars`` has the scales of their colours.
 
     Returns
     -------
@@ -97,7 +104,9 @@ def plot_mesh(
     True
     """
     coat = coat_of(mesh, mesh.normals, colour, colour_by, shape, letters)
-    return show(ShadedMesh(mesh, coat, edges=edges, features=features), ax, elevation, azimuth)
+    marks = mark_curves(curves, float(np.ptp(mesh.vertices, axis=0).max()))
+    artist = ShadedMesh(mesh, coat, edges=edges, features=features, strokes=marks.strokes, bars=marks.bars)
+    return show(artist, ax, elevation, azimuth)
 
 
 def show(artist: ShadedMesh, ax: Axes3D | None, elevation: float, azimuth: float) -> ShadedMesh:
@@ -119,7 +128,9 @@ def explain(artist: ShadedMesh) -> None:
     """Put a colour bar or a legend beside a body that has a figure of its own."""
     axes: Any = artist.axes
     if artist.scale is not None:
-        axes3d.colour_bar(axes, artist.scale, artist.scale_label)
+        axes3d.colour_bar(axes, axes3d.Bar(artist.scale, artist.scale_label))
+    for bar in artist.bars:
+        axes3d.colour_bar(axes, bar)
     if artist.parts:
         axes3d.legend(axes, artist.parts)
 
@@ -143,6 +154,7 @@ class ShadedMesh(Artist):
         edges: bool = False,
         features: bool | float = True,
         strokes: Sequence[Stroke] = (),
+        bars: Sequence[axes3d.Bar] = (),
     ) -> None:
         super().__init__()
         self.mesh = mesh
@@ -154,6 +166,7 @@ class ShadedMesh(Artist):
         self.low, self.high = self.points.min(axis=0), self.points.max(axis=0)
         self.normals = mesh.normals
         self.paint, self.scale, self.scale_label, self.parts = coat.paint, coat.scale, coat.label, coat.parts
+        self.bars = tuple(bars)
         self._state: object = None
         self._drawn = (np.zeros(2, np.int64), np.zeros((0, 0, 4), np.uint8))
         # Above panes, grid and axis lines, like the collections of mplot3d.

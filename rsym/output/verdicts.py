@@ -14,6 +14,8 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from rsym.model.shape import Shape
+from rsym.output.axes3d import require_axes3d
+from rsym.output.body_verdicts import draw_body_verdict
 from rsym.output.certificates import (
     CERTIFICATES,
     DEFECT,
@@ -26,11 +28,13 @@ from rsym.output.certificates import (
 )
 from rsym.output.combs import plot_curvature_comb
 from rsym.output.magnified import draw_magnified
+from rsym.verify.bodies.report import BodyReport
 from rsym.verify.report import SmoothnessReport
 from rsym.verify.wording import plural
 
 Floats = NDArray[np.float64]
 
+CELLS, BODY_CELLS = 600, 160  # along the longer side
 WIDTH = 8.0  # inches
 TALLEST, FLATTEST = 0.62, 0.25  # height of the main panel as a share of its width
 WINDOW = 2.7  # inches, the widest
@@ -44,33 +48,40 @@ DIRECTIONS = np.exp(2j * np.pi * np.arange(16) / 16)
 
 
 def plot_verdict(
-    report: SmoothnessReport,
+    report: SmoothnessReport | BodyReport,
     shape: Shape,
     *,
     ax: Axes | None = None,
     magnified: int = 4,
     comb: bool = True,
-    resolution: int = 600,
+    colour_by: str | None = None,
+    resolution: int | None = None,
+    elevation: float = 22.0,
+    azimuth: float = -55.0,
 ) -> Figure:
     """The boundary that a report is about, coloured by what is proved of it, its defects marked and magnified.
 
     Behind it stand the boxes of the proof, on it the curvature as a comb. A body of revolution is shown as its
-    meridian with the mirror image; letters that were intervals are taken in their middle.
+    meridian with the mirror image. Any other body is shown in space: edges in colours of the dihedral angle, jumps of
+    the curvature dashed, points as dots, undecided boxes as outlines. Letters that were intervals are taken in their
+    middle.
 
     Parameters
     ----------
-    report : SmoothnessReport
+    report : SmoothnessReport or BodyReport
         What `verify_smoothness` answered.
     shape : Shape
         The shape it was asked about.
     ax : matplotlib axes, optional
-        Draw the main panel alone there; without it a new figure is made.
+        Draw the main panel alone there; without it a new figure is made. For a body in space 3D axes.
     magnified : int
-        How many defects get a window of their own, the worst first.
+        How many defects in the plane get a window of their own, the worst first.
     comb : bool
-        Whether to draw the curvature.
-    resolution : int
-        Cells along the longer side for the boundary.
+        Whether to draw the curvature in the plane.
+    colour_by, elevation, azimuth
+        Of a body in space, as for `plot_mesh`: with ``colour_by="zebra"`` the stripes show what the classes mean.
+    resolution : int, optional
+        Cells along the longer side: 600 in the plane, 160 in space.
 
     Examples
     --------
@@ -83,8 +94,16 @@ def plot_verdict(
     >>> print(plot_verdict(report, disc, resolution=32).axes[0].get_title().partition(":")[0])
     UNDECIDED
     """
+    if isinstance(report, BodyReport):
+        axes = None if ax is None else require_axes3d(ax)
+        cells = resolution or BODY_CELLS
+        return _figure_of(
+            draw_body_verdict(
+                report, shape, ax=axes, colour_by=colour_by, resolution=cells, elevation=elevation, azimuth=azimuth
+            )
+        )
     about = subject(report, shape)
-    lines = about.lines(about.bounds, resolution)
+    lines = about.lines(about.bounds, resolution or CELLS)
     windows = 0 if ax is not None else min(max(0, magnified), len(report.defects))
     if ax is not None:
         figure, main, rest = _figure_of(ax), ax, list[Axes]()
@@ -217,7 +236,7 @@ def _legend(report: SmoothnessReport, lines: Sequence[Floats]) -> list[Artist]:
     return handles
 
 
-def _figure_of(ax: Axes) -> Figure:
-    figure = ax.get_figure(root=True)
+def _figure_of(artist: Artist) -> Figure:
+    figure = artist.get_figure(root=True)
     assert isinstance(figure, Figure)
     return figure

@@ -87,7 +87,9 @@ def _curvature(body: str, shape: Shape, letters: Mapping[str, Any] | None = None
     # The models of this package are of use without the library that proves.
     from rsym.verify.smoothness import verify_smoothness
 
-    return Claim(CURVATURE, body, shape, verify_smoothness(shape, letters=letters))
+    report = verify_smoothness(shape, letters=letters)
+    assert isinstance(report, SmoothnessReport)  # in the plane, and by the meridian
+    return Claim(CURVATURE, body, shape, report)
 
 
 def normalisations() -> list[tuple[str, ...]]:

@@ -16,9 +16,9 @@ from rsym.verify.local import Local
 from rsym.verify.locus import chosen
 
 BRANCHING = frozenset({"abs", "sign", "min", "max", "select"})
-_JOINT = frozenset("r0_conjunction r0_disjunction versine gap r0m_conjunction r0m_disjunction r0m_partial".split())
-_NORMS = frozenset("norm rp_conjunction rp_disjunction rp_versine joining equivalence".split())
-_ENTIRE = frozenset("const input add mul neg powi sin cos exp".split())
+JOINT = frozenset("r0_conjunction r0_disjunction versine gap r0m_conjunction r0m_disjunction r0m_partial".split())
+NORMS = frozenset("norm rp_conjunction rp_disjunction rp_versine joining equivalence".split())
+ENTIRE = frozenset("const input add mul neg powi sin cos exp".split())
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def generators(local: Local, number: int) -> Generators:
             continue
         seen.add(part)
         operation, arguments, _ = nodes[part]
-        if operation in _ENTIRE:
+        if operation in ENTIRE:
             stack.extend(arguments)
             continue
         if operation in BRANCHING - {"sign"} and (branch := chosen(local, part)) is not None:
@@ -72,7 +72,7 @@ def generators(local: Local, number: int) -> Generators:
 def is_analytic_at(local: Local, number: int) -> bool:
     """Whether an operation is analytic at all arguments that it takes on the box."""
     operation, arguments, _ = local.model.builder.nodes[number]
-    if operation in _ENTIRE or operation == "undefined":
+    if operation in ENTIRE or operation == "undefined":
         return operation != "undefined"
     if operation in {"abs", "div", "min", "max", "select", "sign"}:
         tested = arguments[1] if operation == "div" else switch_of(local.model.builder, number)
@@ -91,7 +91,7 @@ def _is_analytic_pair(local: Local, number: int) -> bool:
     builder = local.model.builder
     operation, arguments, _ = builder.nodes[number]
     first, second = (local.nonzero(argument) for argument in arguments[:2])
-    if operation in _JOINT or operation == "monomial":
+    if operation in JOINT or operation == "monomial":
         return (first or second) and is_legal(local, number)
     if operation == "trimming":
         return local.sign(number) > 0  # then neither root is zero
@@ -100,7 +100,7 @@ def _is_analytic_pair(local: Local, number: int) -> bool:
     if operation in {"r_alpha_conjunction", "r_alpha_disjunction"}:
         alpha = local.value(arguments[2])
         return (first or second) and alpha is not None and bool(alpha > -1) and bool(alpha < 1)
-    if operation in _NORMS:
+    if operation in NORMS:
         order = builder.value(arguments[2])
         even = order is not None and order > 0 and order.denominator == 1 and order % 2 == 0
         if even and operation not in {"joining", "rp_versine"}:

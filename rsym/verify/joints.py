@@ -145,7 +145,7 @@ def _judged(point: Point, arriving: Jet, leaving: Jet, order: float) -> Joint | 
     (ax, ay), (bx, by) = arriving.tangent, leaving.tangent
     turn = abs(arb.atan2(ax * by - ay * bx, ax * bx + ay * by)) * 180 / arb.pi()
     jump, derivative = abs(leaving.curvature - arriving.curvature), abs(leaving.derivative - arriving.derivative)
-    steps = [_step(turn, order >= 2), _step(jump, order >= 3), _step(derivative, order >= 4)]
+    steps = [step_of(turn, order >= 2), step_of(jump, order >= 3), step_of(derivative, order >= 4)]
     for level, (name, kind) in enumerate((("G0", "corner"), ("G1", "curvature jump"), ("G2", "smooth joint"))):
         if steps[level] == "jump":
             proved = level < 2 or steps[:2] == ["equal", "equal"]
@@ -161,7 +161,7 @@ def _judged(point: Point, arriving: Jet, leaving: Jet, order: float) -> Joint | 
     return _joint(point, "smooth joint", f"G{level}", arriving, leaving, turn, jump, derivative, proved, steps)
 
 
-def _step(difference: arb, structural: bool) -> str:
+def step_of(difference: arb, structural: bool) -> str:
     """Whether a difference is proved "equal" or a "jump", is "zero" to the working precision, or is "open"."""
     if structural or difference.is_zero():
         return "equal"

@@ -41,7 +41,7 @@ def report_html(report: SmoothnessReport) -> str:
     title = f'<p><b style="color: {colour}">{sign} {word}</b>: {escape(rest)}.</p>'
     rows = [_row(str(place), joint) for place, joint in enumerate(report.defects, 1)]
     rows += [_row("", joint) for joint in report.joints]
-    head = "".join(_cell("th", name) for name in HEADER)
+    head = "".join(cell("th", name) for name in HEADER)
     table = f"<table><tr>{head}</tr>{''.join(rows)}</table>" if rows else ""
     notes = [cover_text(report)]
     notes += [f"{'Proved' if proved else 'Not proved'}: {text}" for text, proved in report.statements]
@@ -55,8 +55,9 @@ def _row(label: str, joint: Joint) -> str:
     proved = "✓ yes" if joint.proved else "✗ no"
     place = ", ".join(map(number, joint.point))
     cells = (label, f"({place})", joint.kind, joint.continuity, turn, " | ".join(sides), proved)
-    return f"<tr>{''.join(_cell('td', cell) for cell in cells)}</tr>"
+    return f"<tr>{''.join(cell('td', text) for text in cells)}</tr>"
 
 
-def _cell(tag: str, text: str) -> str:
+def cell(tag: str, text: str) -> str:
+    """A cell of a table, its text escaped."""
     return f'<{tag} style="text-align: left">{escape(text)}</{tag}>'

@@ -36,6 +36,18 @@ def meridian(shape: Shape) -> tuple[Shape, int]:
     >>> meridian(body)[0].expression
     -x**2 - 2*y**2 + 4
     """
+    found = find_meridian(shape)
+    if found is None:
+        raise RsymError(
+            "the body is to be judged by its meridian, and it is not seen to be a body of revolution",
+            code="dimension",
+            remedy='give the plane profile, a body made by rsym.revolve(profile), or method="space"',
+        )
+    return found
+
+
+def find_meridian(shape: Shape) -> tuple[Shape, int] | None:
+    """The meridian and the axis as above; None if the equation does not show them."""
     for axis in range(3):
         along = shape.coordinates[axis]
         first, second = (symbol for symbol in shape.coordinates if symbol != along)
@@ -46,11 +58,7 @@ def meridian(shape: Shape) -> tuple[Shape, int]:
                 across = [max(map(abs, shape.bounds[k])) for k in range(3) if k != axis]
                 bounds = (shape.bounds[axis], (-math.hypot(*across), math.hypot(*across)))
             return Shape(expression, (along, first), letters=shape.letters, bounds=bounds), axis
-    raise RsymError(
-        "a shape in space must be a body of revolution here, and this one is not seen to be",
-        code="dimension",
-        remedy="give the plane profile, or a body made by rsym.revolve(profile)",
-    )
+    return None
 
 
 def in_radius(expression: sp.Expr, first: sp.Symbol, second: sp.Symbol) -> sp.Expr | None:

@@ -15,19 +15,16 @@ from rsym.codegen.balls import IMAGES, arb, root, square
 from rsym.codegen.differentiation import RULES
 from rsym.verify.local import Local
 
-Vector: TypeAlias = tuple[arb, arb]
-ZERO = (arb(0), arb(0))
+Vector: TypeAlias = tuple[arb, ...]
 
 
 def _combined(factors: Sequence[arb], gradients: Sequence[Vector]) -> Vector:
-    x, y = ZERO
-    for factor, (along_x, along_y) in zip(factors, gradients, strict=True):
-        x, y = x + factor * along_x, y + factor * along_y
-    return x, y
+    scaled = ([factor * part for part in gradient] for factor, gradient in zip(factors, gradients, strict=True))
+    return tuple(sum(parts, arb(0)) for parts in zip(*scaled, strict=True))
 
 
 def _either(a: Vector, b: Vector) -> Vector:
-    return a[0].union(b[0]), a[1].union(b[1])
+    return tuple(first.union(second) for first, second in zip(a, b, strict=True))
 
 
 @dataclass(frozen=True)
@@ -61,10 +58,11 @@ class Size:
 
     def gradient(self, slopes: Sequence[arb], gradients: Sequence[Vector]) -> Vector | None:
         """That of u or of -u."""
-        (x, y), slope = gradients[0], slopes[0]
+        own, slope = gradients[0], slopes[0]
+        opposite = tuple(-part for part in own)
         if slope > 0:
-            return x, y
-        return (-x, -y) if slope < 0 else _either((x, y), (-x, -y))
+            return own
+        return opposite if slope < 0 else _either(own, opposite)
 
 
 @dataclass(frozen=True)

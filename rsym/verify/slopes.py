@@ -13,6 +13,7 @@ All decisions are taken on a box that is a neighbourhood of p, so that they hold
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rsym.codegen.balls import Step, arb, exact, run
@@ -37,7 +38,7 @@ class Slopes:
     """The rules that lead from the slopes of the coordinates to that of a node."""
 
     number: int
-    coordinates: tuple[int, int]
+    coordinates: tuple[int, ...]
     rules: tuple[tuple[int, Rule], ...]
 
     def at(self, direction: Vector) -> dict[int, arb | None]:
@@ -48,28 +49,38 @@ class Slopes:
 
     def gradient(self, direction: Vector) -> Vector | None:
         """A box of all limits of the gradient of the node at p + r d for r -> 0, d in some directions."""
+        places = range(len(self.coordinates))
+        return self._limits(direction, [tuple(arb(int(own == other)) for other in places) for own in places])
+
+    def growth(self, direction: Vector, way: Vector) -> arb | None:
+        """A ball around all limits of the derivative in one way at p + r d for r -> 0, d in some directions."""
+        found = self._limits(direction, [(part,) for part in way])
+        return None if found is None else found[0]
+
+    def _limits(self, direction: Vector, seeds: Sequence[Vector]) -> Vector | None:
+        """Derivatives, given those of the coordinates."""
         slopes = self.at(direction)
-        found: dict[int, Vector] = dict(zip(self.coordinates, ((arb(1), arb(0)), (arb(0), arb(1))), strict=True))
+        found = dict(zip(self.coordinates, seeds, strict=True))
         for part, rule in self.rules:
             own = [slope for argument in rule.arguments if (slope := slopes[argument]) is not None]
             gradients = [found[argument] for argument in rule.arguments if argument in found]
             if len(own) == len(gradients) == len(rule.arguments):
                 value = rule.gradient(own, gradients)
                 if value is not None:
-                    found[part] = value
+                    found[part] = value or tuple(arb(0) for _ in seeds[0])  # of a constant
         return found.get(self.number)
 
 
 def slopes_of(local: Local, known: Exact, number: int) -> Slopes | None:
     """The slopes of a node; None where a rule is missing."""
     builder = local.model.builder
-    x, y = (builder.input(name) for name in builder.coordinates)
+    coordinates = tuple(builder.input(name) for name in builder.coordinates)
     rules: dict[int, Rule] = {}
     for part in local.model.order(number):
-        rule = None if part in (x, y) else _rule(local, known, part)
-        if rule is not None and all(argument in rules or argument in (x, y) for argument in rule.arguments):
+        rule = None if part in coordinates else _rule(local, known, part)
+        if rule is not None and all(argument in rules or argument in coordinates for argument in rule.arguments):
             rules[part] = rule
-    if number not in rules and number not in (x, y):
+    if number not in rules and number not in coordinates:
         return None
     needed, stack = set(), [number]
     while stack:
@@ -77,7 +88,7 @@ def slopes_of(local: Local, known: Exact, number: int) -> Slopes | None:
         if part not in needed and part in rules:
             needed.add(part)
             stack.extend(rules[part].arguments)
-    return Slopes(number, (x, y), tuple((part, rule) for part, rule in rules.items() if part in needed))
+    return Slopes(number, coordinates, tuple((part, rule) for part, rule in rules.items() if part in needed))
 
 
 def _rule(local: Local, known: Exact, part: int) -> Rule | None:
@@ -111,8 +122,11 @@ def _rarer(local: Local, known: Exact, part: int) -> Rule | None:
     if operation == "trimming":
         s, t = arguments
         inner = builder.nodes[s]
-        if inner.operation != "mul" or inner.arguments[0] != inner.arguments[1] or not known.vanishes(s):
+        if not known.vanishes(s):
             return None
+        if inner.operation != "mul" or inner.arguments[0] != inner.arguments[1]:
+            found = squares(local, known, s) if local.sign(t) > 0 else None  # sqrt(s) but for the fourth order of it
+            return None if found is None else _length([*found, (arb(0), t)])
         f = inner.arguments[0]
         if not known.vanishes(f):
             return None
@@ -121,15 +135,17 @@ def _rarer(local: Local, known: Exact, part: int) -> Rule | None:
         return End((f, t)) if known.vanishes(t) else None
     if operation == "sqrt":
         found = squares(local, known, arguments[0])
-        if found is None:
-            return None
-        return Length(tuple(node for _, node in found), tuple(factor for factor, _ in found))
+        return None if found is None else _length(found)
     if operation in POWERS and known.vanishes(arguments[0]):
         exponent = builder.value(arguments[1])
         if exponent == 1:
             return Size(arguments[:1]) if operation == "absolute_power" else Linear(arguments[:1], (arb(1),))
         return Linear(arguments[:1], (arb(0),)) if exponent is not None and exponent > 1 else None
     return None
+
+
+def _length(pairs: list[tuple[arb, int]]) -> Length:
+    return Length(tuple(node for _, node in pairs), tuple(factor for factor, _ in pairs))
 
 
 def _is_apart(local: Local, part: int) -> bool:

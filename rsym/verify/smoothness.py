@@ -14,8 +14,12 @@ from numpy.typing import NDArray
 from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
+from rsym.verify.bodies.report import BodyReport
+from rsym.verify.bodies.verdict import BUDGET as BODY_BUDGET
+from rsym.verify.bodies.verdict import Study, report_body, study_body
 from rsym.verify.cleaning import cleaned
 from rsym.verify.covering import Covering, cover, extent_of
 from rsym.verify.evidence import has_boundary, statements
@@ -31,11 +35,12 @@ from rsym.verify.report import (
     Joint,
     SmoothnessReport,
 )
-from rsym.verify.revolution import meridian
+from rsym.verify.revolution import find_meridian, meridian
 from rsym.verify.sharpening import sharpened_bound
 from rsym.verify.suspects import DEGENERATIONS, classify_suspects
 
 BUDGET = 20_000  # boxes: the body of Fig. 11 takes 130, a lemniscate with its node 240, the car 200 to 900
+METHODS = ("auto", "meridian", "space")
 SMALLEST = 2.0**-22  # of the extent: a suspect of this size is located, not divided
 SHARPENING = 3_000  # boxes spent on the bound of the curvature: 5 to 12 % above the largest, a third on a hard one
 BELOW_AXIS = 0.02  # the share of the radius on the far side of the axis of a body
@@ -46,11 +51,12 @@ def verify_smoothness(
     *,
     bounds: Any = None,
     letters: Mapping[Any, Any] | None = None,
+    method: str = "auto",
     smallest: float = SMALLEST,
-    budget: int = BUDGET,
+    budget: int | None = None,
     progress: Progress | None = None,
-) -> SmoothnessReport:
-    """Prove or refute that the boundary omega = 0 is a curve, or a body of revolution, of continuous curvature (G2).
+) -> SmoothnessReport | BodyReport:
+    """Prove or refute that the boundary omega = 0 is a curve or a surface of continuous curvature (G2).
 
     The bounds are subdivided. A box is discarded where omega has no zero; it is certified where every generator of
     non-smoothness that is alive (the zero of a root, |.|, a tie, a denominator) and one component of grad omega
@@ -61,28 +67,32 @@ def verify_smoothness(
     Parameters
     ----------
     shape : Shape
-        In the plane, or a body of revolution, which is judged by its meridian; points of its report are (axis, radius).
+        In the plane or in space.
     bounds : sequence of pairs, optional
         The statement is about the boundary within these; by default the bounds of the shape.
     letters : mapping, optional
         Values by name, each taken at its exact value. A pair (low, high) is a range: CERTIFIED then holds for every
         value in it, REFUTED for at least one.
+    method : {"auto", "meridian", "space"}
+        How a body is judged. "meridian": a body of revolution by its meridian; points of the report are (axis, radius).
+        "space": any body, by boxes in space. "auto": by the meridian where the equation shows that there is one.
     smallest : float
         Boxes are divided down to this share of the extent.
-    budget : int
+    budget : int, optional
         The greatest number of boxes to examine.
     progress : callable, optional
         ``progress(examined, budget)``, now and then; an answer of False cancels.
 
     Returns
     -------
-    SmoothnessReport
-        ``.verdict`` is "CERTIFIED", "REFUTED", "DEGENERATE" or "UNDECIDED".
+    SmoothnessReport or BodyReport
+        ``.verdict`` is "CERTIFIED", "REFUTED", "DEGENERATE" or "UNDECIDED"; the second for a body judged in space: its
+        defects are curves and points, and ``.curvatures`` encloses both principal curvatures.
 
     Raises
     ------
     RsymError
-        Without bounds, for an unknown letter, or for a shape in space that is not a body of revolution.
+        For an unknown letter or method, without bounds in the plane, or by the meridian where there is none.
 
     Source: the criterion of curvature continuity; interval methods after Moore and Krawczyk.
 
@@ -98,8 +108,36 @@ def verify_smoothness(
     >>> report.verdict, report.continuity, round(report.defects[0].tangent_jump, 9)
     ('REFUTED', 'G0', 90.0)
     """
-    study = _study(shape, bounds, letters, smallest, budget, progress)
-    return _report(study)
+    if _in_space(shape, method):
+        return report_body(_study_in_space(shape, bounds, letters, smallest, budget, progress))
+    return _report(_study(shape, bounds, letters, smallest, budget or BUDGET, progress))
+
+
+def _in_space(shape: Any, method: str) -> bool:
+    """Whether a shape is to be judged by boxes in space."""
+    if not isinstance(shape, Shape):
+        raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape")
+    if method not in METHODS:
+        raise RsymError(f"no method {method!r}", code="unknown-method", remedy=f"choose from {', '.join(METHODS)}")
+    if shape.dimension == 2:
+        if method == "auto":
+            return False
+        raise RsymError(f"method {method!r} is for bodies, this shape is plane", code="dimension")
+    return method == "space" or (method == "auto" and find_meridian(shape) is None)
+
+
+def _study_in_space(
+    shape: Shape,
+    bounds: Any,
+    letters: Mapping[Any, Any] | None,
+    smallest: float,
+    budget: int | None,
+    progress: Progress | None,
+) -> Study:
+    values = ranges_of(shape.letters, letters)
+    middles = {name: float((low + high) / 2) for name, (low, high) in values.items()}
+    box = bounds_or_extent(shape, bounds, middles)
+    return study_body(shape, box, values, smallest=smallest, budget=budget or BODY_BUDGET, progress=progress)
 
 
 def verdict_of(shape: Shape, *, bounds: Any, letters: Mapping[Any, Any] | None, budget: int) -> str:
@@ -109,8 +147,11 @@ def verdict_of(shape: Shape, *, bounds: Any, letters: Mapping[Any, Any] | None, 
 
 def quick_report(
     shape: Shape, *, bounds: Any, letters: Mapping[Any, Any] | None, budget: int, sharpening: int = 0
-) -> SmoothnessReport:
-    """The report with a bound of the curvature on which only so many boxes are spent."""
+) -> SmoothnessReport | BodyReport:
+    """The report with a bound of the curvature on which only so many boxes are spent, in the plane."""
+    if _in_space(shape, "auto"):
+        study = _study_in_space(shape, bounds, letters, SMALLEST, budget * BODY_BUDGET // BUDGET, None)
+        return report_body(study, sharpened=sharpening > 0)
     return _report(_study(shape, bounds, letters, SMALLEST, budget, None), sharpening=sharpening)
 
 
@@ -132,8 +173,6 @@ def _study(
     budget: int,
     progress: Progress | None,
 ) -> _Study:
-    if not isinstance(shape, Shape):
-        raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape")
     body = shape.dimension == 3
     plane = _meridian_within(shape, bounds) if body else shape
     plane = plane.replace(expression=cleaned(plane.expression))

@@ -104,7 +104,7 @@ def _directed(model: Model, place: Place) -> Joint | None:
         zero = locate(local, Arc(*place.pair))
     if zero is None or zero.box is None:
         return None
-    return classify_by_directions(model, zero.box, frozenset(place.pair))
+    return classify_by_directions(model, (zero.box[0], zero.box[1]), frozenset(place.pair))
 
 
 def _polygon(model: Model, finding: Finding, point: tuple[arb, arb]) -> Joint | None:

@@ -8,10 +8,13 @@ from decimal import ROUND_CEILING, Context
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from rsym.verify.bodies.report import BodyReport
     from rsym.verify.report import Joint, SmoothnessReport
 
 # A double says nothing beyond so many digits, and an error below them is not worth a word.
 DIGITS = 12
+# Values of so many letters are a sentence; of more only the first few are told.
+MOST_LETTERS, FIRST_LETTERS = 8, 3
 PLAIN: Mapping[str, str] = {
     "cusp": "the boundary runs back on itself",
     "unbounded curvature": "the curvature grows without bound",
@@ -44,21 +47,31 @@ def report_text(report: SmoothnessReport) -> str:
 def _sentences(report: SmoothnessReport) -> Iterator[str]:
     yield f"{headline(report)}."
     yield cover_text(report)
+    yield from statement_sentences(report.statements)
+
+
+def statement_sentences(statements: Sequence[tuple[str, bool]]) -> Iterator[str]:
+    """What is proved in one sentence, what is numerical in another."""
     for proved, word in ((True, "Proved"), (False, "Numerical, not proved")):
-        said = [sentence.rstrip(".") for sentence, status in report.statements if status == proved]
+        said = [sentence.rstrip(".") for sentence, status in statements if status == proved]
         if said:
             yield f"{word}: {'; '.join(said)}."
 
 
 def headline(report: SmoothnessReport) -> str:
     """The verdict, of which body with which letters, and whether it is proved."""
-    letters = letters_text(report.letters, "some" if report.verdict in {"REFUTED", "DEGENERATE"} else "every")
     what = "the surface of revolution with the meridian" if report.body else "the boundary"
+    return verdict_text(report, what, "curve")
+
+
+def verdict_text(report: SmoothnessReport | BodyReport, what: str, expected: str) -> str:
+    """A verdict on what should be such a curve or surface."""
+    letters = letters_text(report.letters, "some" if report.verdict in {"REFUTED", "DEGENERATE"} else "every")
     about = within(what, report.cover.bounds, letters)
     answers = {
         "CERTIFIED": f"{about} is {report.continuity}; this is proved",
         "REFUTED": f"{about} is not G2 but {report.continuity}; this is proved",
-        "DEGENERATE": f"{about} is no curve, or not everywhere",
+        "DEGENERATE": f"{about} is no {expected}, or not everywhere",
     }
     undecided = f"whether {about} is G2 is neither proved nor refuted"
     return f"{report.verdict}: {answers.get(report.verdict, undecided)}"
@@ -79,14 +92,20 @@ def within(what: str, bounds: Sequence[tuple[float, float]], letters: str) -> st
 def letters_text(letters: Mapping[str, tuple[float, float]], which: str = "every") -> str:
     """Letters that are intervals first: what is certified holds for every value in them, what is refuted for some.
 
+    Of many values the first are told.
+
     Examples
     --------
     >>> letters_text({"a": (5.0, 5.0), "a2": (5.32, 8.0)})
     'for every a2 in [5.32, 8] with a = 5'
+    >>> letters_text({f"a{k}": (k, k) for k in range(44)})
+    'with a0 = 0, a1 = 1, a2 = 2 and 41 other letters'
     """
     ranges = [f"{name} in [{number(low)}, {number(high)}]" for name, (low, high) in letters.items() if low < high]
     values = [f"{name} = {number(low)}" for name, (low, high) in letters.items() if not low < high]
     of_ranges = f"for {which} {' and '.join(ranges)}" if ranges else ""
+    if len(values) > MOST_LETTERS:
+        values = [f"{', '.join(values[:FIRST_LETTERS])} and {len(values) - FIRST_LETTERS} other letters"]
     return " ".join(part for part in (of_ranges, f"with {', '.join(values)}" if values else "") if part)
 
 

@@ -10,6 +10,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.verify.bodies.markup import body_html
+from rsym.verify.bodies.records import body_json
+from rsym.verify.bodies.wording import body_text, curves_text, points_text
 from rsym.verify.report import CONTINUITIES
 
 Array: TypeAlias = NDArray[np.float64]
@@ -84,6 +87,9 @@ class SingularCurve:
         inner: NDArray[np.bool_] = np.einsum("ij,ij->i", turn, along) >= 0
         return inner
 
+    def __str__(self) -> str:
+        return curves_text((self,))
+
     def __repr__(self) -> str:
         shape = "closed" if self.closed else "open"
         between = " | ".join(map(repr, self.names))
@@ -108,6 +114,9 @@ class SingularPoint:
     tangent_jump_error: float = math.nan
     proved: bool = False
     reason: str = ""
+
+    def __str__(self) -> str:
+        return points_text((self,))
 
 
 Defect: TypeAlias = SingularCurve | SingularPoint
@@ -192,9 +201,19 @@ class BodyReport:
         """The share of the boundary that is undecided, by area."""
         return self.cover.undecided_share
 
+    def __str__(self) -> str:
+        return body_text(self)
+
     def __repr__(self) -> str:
         found = f"{len(self.curves)} curves, {len(self.points)} points"
         return f"<BodyReport {self.verdict}, {self.continuity}, {found}>"
+
+    def to_json(self, *, boxes: bool = False) -> str:
+        """The report for programs: JSON with stable keys, null where a number is unknown or has no bound."""
+        return body_json(self, boxes=boxes)
+
+    def _repr_html_(self) -> str:
+        return body_html(self)
 
 
 def is_defect(one: Defect) -> bool:

@@ -1,0 +1,95 @@
+"""`rsym compare`: designs side by side, each with what is proved of its curvature."""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rsym.commands.options import Commands, add_command, add_revolve, load_model, progress_bar
+from rsym.errors import RsymError
+
+if TYPE_CHECKING:
+    from rsym.commands.options import Chosen
+
+
+def add(commands: Commands) -> None:
+    """Describe the command."""
+    parser = add_command(
+        commands,
+        "compare",
+        "compare designs by continuity, curvature, its variation and extrema",
+        "rsym compare skeleton --letters blunt.json sharp.json -o designs.png",
+        run,
+    )
+    parser.add_argument("model", metavar="MODEL", help="a model file (.rf), or a shipped one such as car or skeleton")
+    parser.add_argument(
+        "--letters",
+        nargs="+",
+        metavar="FILE",
+        help="one design each, as rsym.save_letters writes them (default: the variants of the model)",
+    )
+    parser.add_argument("--shape", metavar="NAME", help="another definition of the model than omega or the last")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="LETTER=VALUE", help="a value of all designs, before their own"
+    )
+    add_revolve(parser)
+    parser.add_argument("--json", action="store_true", help="print the table with all reports as JSON")
+    parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the designs: .png, .svg or .pdf")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Judge all designs and print the table."""
+    from rsym.model.constructions import revolve
+    from rsym.output.designs import plot_designs
+    from rsym.output.pictures import picture_suffix, write_picture
+    from rsym.verify.fairness.designs import compare_designs
+
+    if options.output is not None:
+        picture_suffix(options.output)
+    files = options.letters
+    options.letters = options.variant = None
+    chosen = load_model(options)
+    designs = _files(chosen, files) if files else _variants(chosen)
+    shape = revolve(chosen.shape, axis=options.revolve) if options.revolve else chosen.shape
+    with progress_bar("design", "comparing") as progress:
+        table = compare_designs(shape, designs, progress=progress)
+    if options.output is not None:
+        write_picture(plot_designs(table), options.output)
+    print(table.to_json() if options.json else table)
+
+
+def _files(chosen: Chosen, files: list[str]) -> dict[str, dict[str, float]]:
+    """The letters of each file that the shape needs, named by the file without its folder if that tells them apart."""
+    from rsym.model.letters import Letters
+    from rsym.output.presets import load_letters
+    from rsym.verify.fairness.designs import named
+
+    letters, designs = Letters(chosen.model.letters), {}
+    stems = Counter(Path(file).stem for file in files)
+    for file in files:
+        values = load_letters(file)
+        with named(file):
+            letters.changed(values)  # a file is written for the whole model: only what that does not know is refused
+        name = Path(file).stem if stems[Path(file).stem] == 1 else file
+        if name in designs:
+            raise RsymError("this file is given twice", code="designs", where=file, remedy="give each design once")
+        designs[name] = {key: value for key, value in values.items() if key in chosen.shape.letters}
+    return designs
+
+
+def _variants(chosen: Chosen) -> dict[str, dict[str, float]]:
+    variants = chosen.model.variants
+    if not variants:
+        raise RsymError(
+            "this model has no variants to compare",
+            code="designs",
+            where=str(chosen.path),
+            remedy="give --letters with a file for each design; rsym.save_letters writes one",
+        )
+    needed = chosen.shape.letters
+    return {
+        variant: {name: float(letter.default) for name, letter in letters.items() if name in needed}
+        for variant, letters in variants.items()
+    }

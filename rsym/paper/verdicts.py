@@ -1,0 +1,151 @@
+"""Bodies with their verdicts: the car, what has edges, what only its curvature gives away, and what is smooth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rsym.model.blends.fillets import fillet
+from rsym.model.constructions import revolve
+from rsym.model.primitives.space import box, capsule, half_space
+from rsym.model.shape import Shape
+from rsym.output.axes3d import Bar, add_axes
+from rsym.output.body_verdicts import draw_body_verdict
+from rsym.output.portraits import Place, fill
+from rsym.output.singular import Limits, angle_limits, jump_limits, mark_curves
+from rsym.paper.drawing import Drawing, Table, letters_text, triangles_in
+from rsym.paper.models import car, skeleton_body
+from rsym.verify.bodies.groups import groups
+from rsym.verify.bodies.markup import HEADER, group_cells
+from rsym.verify.bodies.phrases import interval
+from rsym.verify.bodies.report import BodyReport
+from rsym.verify.wording import plural, rounded_up
+
+SIZE = (9.6, 10.6)  # inches
+WIDE = 0.9  # of the width, for the bodies; the rest is for the bars
+CAR, COLUMNS, ROWS = 0.4, 3, 2  # of the height, for the car; rows and columns of the others
+TITLE = 0.04  # of the height, for a title and what is said below it
+CELLS = 160  # along the longest side of a mesh
+ROUND = ((-1.7, 1.7), (-1.2, 1.2), (-1.2, 1.2))  # the bounds of bodies
+ROOM = ((-0.4, 1.2), (-0.8, 0.8), (-0.4, 1.2))  # about the fillets, with a little of both faces
+NOSE = ((-6.5, -4.0), (-0.8, 0.8), (-0.8, 0.8))
+REMARK = (
+    "Each body is judged as a general one, by boxes in space, and the verdicts are found anew in each run. Edges have "
+    "the colour of the dihedral angle, measured through the inside: below 180 degrees they are convex. Dashed: the "
+    "tangent plane is continuous, the curvature is not. The stripes of a zebra break at an edge and kink where the "
+    "curvature jumps."
+)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A body, how it is shown, and its verdict."""
+
+    name: str
+    shape: Shape
+    report: BodyReport
+    colour_by: str | None
+    azimuth: float
+
+    @property
+    def summary(self) -> str:
+        """What was found, in a few words."""
+        curvatures = self.report.curvatures
+        told = [plural(len(self.report.curves), "curve")] if self.report.curves else []
+        told += [plural(len(self.report.points), "point")] if self.report.points else []
+        told += [f"curvatures in {interval(*curvatures)}"] if np.isfinite(curvatures).all() and not told else []
+        if len(self.report.undecided):
+            told.append(f"{rounded_up(100 * self.report.undecided_share, 2)} % undecided")
+        return ", ".join(told)
+
+
+def bodies() -> list[tuple[str, Shape, str | None, float]]:
+    """Names, shapes, what they are coloured by, and from where they are seen."""
+    floor, wall = half_space((0, 0, -1)), half_space((-1, 0, 0))
+    rounded, cubic = (fillet(floor, wall, Fraction(1, 2), kind).replace(bounds=ROOM) for kind in ("G1", "G2"))
+    body = skeleton_body()
+    pointed, smooth = (revolve(body.with_letters({"a2": value})).replace(bounds=NOSE) for value in (5.3, 6))
+    return [
+        ("The car", car(), None, 48.0),
+        ("A box", box(2, Fraction(8, 5), Fraction(6, 5)).replace(bounds=ROUND), None, -55.0),
+        ("A capsule", capsule((-1, 0, 0), (1, 0, 0), Fraction(1, 2)).replace(bounds=ROUND), "zebra", -55.0),
+        ("Fig. 12, $a_2 = 5.3$", pointed, None, -150.0),
+        ("A fillet of radius ½", rounded, "zebra", -55.0),
+        ("A cubic fillet", cubic, "zebra", -55.0),
+        ("Fig. 12, $a_2 = 6$", smooth, None, -150.0),
+    ]
+
+
+def judge() -> list[Judged]:
+    """The verdicts, found anew."""
+    # The models of this package are of use without the library that proves.
+    from rsym.verify.bodies.report import BodyReport
+    from rsym.verify.smoothness import verify_smoothness
+
+    judged = []
+    for name, shape, colour_by, azimuth in bodies():
+        report = verify_smoothness(shape, method="space")
+        assert isinstance(report, BodyReport)
+        judged.append(Judged(name, shape, report, colour_by, azimuth))
+    return judged
+
+
+def draw_verdicts() -> Drawing:
+    """The car above, other bodies below in rows; every group of curves and points in the table."""
+    judged = judge()
+    curves = [curve for one in judged for curve in one.report.curves]
+    angles, jumps = angle_limits(curves), jump_limits(curves)
+    figure = Figure(figsize=SIZE)
+    for one, place in zip(judged, _places(), strict=True):
+        _draw(figure, one, place, angles, jumps)
+    for bar, bottom in zip(mark_curves(curves, 1.0, angles, jumps).bars, (0.65, 0.15), strict=False):
+        _draw_bar(figure, bar, bottom)
+    table = Table(("body", "verdict", *HEADER[1:]), tuple(row for one in judged for row in _rows(one)))
+    return Drawing(figure, letters_text(car().letters), triangles_in(figure), REMARK, table)
+
+
+def _places() -> list[Place]:
+    """The car on top, the others in rows."""
+    width, height = WIDE / COLUMNS, (1 - CAR) / ROWS
+    below = [(k * width, (ROWS - 1 - row) * height, width, height) for row in range(ROWS) for k in range(COLUMNS)]
+    return [(0.0, 1 - CAR, WIDE, CAR), *below]
+
+
+def _draw(figure: Figure, one: Judged, place: Place, angles: Limits, jumps: Limits) -> None:
+    left, bottom, width, height = place
+    axes = add_axes(figure, place)
+    artist = draw_body_verdict(
+        one.report,
+        one.shape,
+        ax=axes,
+        colour_by=one.colour_by,
+        resolution=CELLS,
+        azimuth=one.azimuth,
+        angles=angles,
+        jumps=jumps,
+    )
+    axes.set_axis_off()
+    axes.set_title("")
+    fill(figure, artist, (left, bottom, width, height - TITLE))
+    title = f"{one.name}: {one.report.verdict}, {one.report.continuity}"
+    figure.text(left + width / 2, bottom + height - 0.012, title, ha="center", va="center", fontsize=10)
+    figure.text(left + width / 2, bottom + height - 0.03, one.summary, ha="center", va="center", fontsize=8)
+
+
+def _draw_bar(figure: Figure, bar: Bar, bottom: float) -> None:
+    axes = figure.add_axes((WIDE + 0.01, bottom, 0.014, 0.3))
+    drawn = figure.colorbar(bar.scale, cax=axes, ticks=bar.ticks)
+    drawn.set_label(bar.label, fontsize=9)
+    axes.tick_params(labelsize=8)
+
+
+def _rows(one: Judged) -> Iterator[tuple[str, ...]]:
+    """The verdict, then what is below G2 and what is not."""
+    blank = ("",) * (len(HEADER) - 1)
+    found = [group for part in groups(one.report) for group in part]
+    for number, cells in enumerate([group_cells(group) for group in found] or [blank]):
+        yield (one.name, one.report.verdict, *cells) if number == 0 else ("", "", *cells)

@@ -1,0 +1,138 @@
+"""Clusters: boxes that touch, gathered in time proportional to their number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from rsym.codegen.balls import arb
+from rsym.verify.local import Box, side
+
+LONG = 50  # widths of a box: a longer cluster of few boxes is a curve
+FEW = 40  # boxes for each width of length: a curve that is undecided leaves up to three by three, a surface far more
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """Boxes that hang together, of a model of three coordinates."""
+
+    boxes: tuple[Box, ...]
+
+    @cached_property
+    def ends(self) -> NDArray[np.float64]:
+        """(n, 3, 2)."""
+        return np.array([box[:3] for box in self.boxes], dtype=np.float64)
+
+    @cached_property
+    def width(self) -> float:
+        """The largest side of a box."""
+        return float((self.ends[..., 1] - self.ends[..., 0]).max())
+
+    @cached_property
+    def hull(self) -> Box:
+        """The box around all."""
+        low, high = self.ends[..., 0].min(axis=0), self.ends[..., 1].max(axis=0)
+        return tuple((float(a), float(b)) for a, b in zip(low, high, strict=True))
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        """The middle of the hull."""
+        x, y, z = (low + (high - low) / 2 for low, high in self.hull)
+        return x, y, z
+
+    @property
+    def radius(self) -> float:
+        """Half the diagonal of the hull: all boxes lie within it."""
+        return math.nextafter(math.dist(*zip(*self.hull, strict=True)) / 2, math.inf)
+
+    def may_hold(self, point: Sequence[arb]) -> bool:
+        """Whether a point may lie in one of the boxes."""
+        return any(
+            all(part.overlaps(side(*ends)) for part, ends in zip(point, box[:3], strict=True)) for box in self.boxes
+        )
+
+    @property
+    def is_long(self) -> bool:
+        """Whether the boxes lie along a curve."""
+        extent = max(high - low for low, high in self.hull)
+        return extent > LONG * self.width and len(self.boxes) < FEW * extent / self.width
+
+    def ordered(self) -> NDArray[np.float64]:
+        """Middles of the boxes along the curve that they make, two widths apart or more: each step to the nearest.
+
+        A closed curve repeats its first point.
+        """
+        middles = self.ends.mean(axis=2)
+        direction = np.linalg.svd(middles - middles.mean(axis=0), full_matrices=False)[2][0]
+        tree, here = cKDTree(middles), int((middles @ direction).argmin())
+        left, chain = np.ones(len(middles), bool), [here]
+        while True:
+            left[tree.query_ball_point(middles[here], 2 * self.width)] = False
+            near = np.array(sorted(tree.query_ball_point(middles[here], 6 * self.width)))
+            near = near[left[near]]
+            if not len(near):
+                break
+            here = int(near[np.linalg.norm(middles[near] - middles[here], axis=1).argmin()])
+            chain.append(here)
+        points: NDArray[np.float64] = middles[chain]
+        closed = len(chain) > 8 and math.dist(points[0], points[-1]) < 6 * self.width
+        return np.concatenate([points, points[:1]]) if closed else points
+
+
+def clusters(boxes: Sequence[Box]) -> list[Cluster]:
+    """The boxes in groups of those that touch, in the order of their first boxes.
+
+    Examples
+    --------
+    >>> unit = ((0.0, 1.0), (0.0, 1.0))
+    >>> [len(one.boxes) for one in clusters([((0.0, 1.0), *unit), ((5.0, 6.0), *unit), ((1.0, 1.5), *unit)])]
+    [2, 1]
+    """
+    parents = list(range(len(boxes)))
+
+    def top(number: int) -> int:
+        while parents[number] != number:
+            parents[number] = parents[parents[number]]
+            number = parents[number]
+        return number
+
+    for first, second in _touching(boxes):
+        a, b = sorted((top(first), top(second)))
+        parents[b] = a
+    groups: dict[int, list[Box]] = {}
+    for number, box in enumerate(boxes):
+        groups.setdefault(top(number), []).append(box)
+    return [Cluster(tuple(group)) for group in groups.values()]
+
+
+def _touching(boxes: Sequence[Box]) -> Iterator[tuple[int, int]]:
+    """Pairs of boxes that touch, each at least once: by a grid for every size, which is that of its cells."""
+    sizes = [math.frexp(max(high - low for low, high in box[:3]))[1] for box in boxes]
+    grids: dict[int, dict[tuple[int, ...], list[int]]] = {size: {} for size in sorted(set(sizes))}
+    for number, (box, size) in enumerate(zip(boxes, sizes, strict=True)):
+        for cell in _cells(box, size):
+            grids[size].setdefault(cell, []).append(number)
+    for number, (box, size) in enumerate(zip(boxes, sizes, strict=True)):
+        for other_size, grid in grids.items():
+            if other_size < size:
+                continue
+            for cell in _cells(box, other_size):
+                for other in grid.get(cell, ()):
+                    if other != number and _touch(box, boxes[other]):
+                        yield number, other
+
+
+def _cells(box: Box, size: int) -> Iterator[tuple[int, ...]]:
+    scale = 2.0**size
+    return product(*(range(math.floor(low / scale), math.floor(high / scale) + 1) for low, high in box[:3]))
+
+
+def _touch(a: Box, b: Box) -> bool:
+    return all(first[0] <= second[1] and second[0] <= first[1] for first, second in zip(a[:3], b[:3], strict=True))

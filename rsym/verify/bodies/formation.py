@@ -1,0 +1,163 @@
+"""The formation of a body: leaves joined by gates, and which leaves can be the boundary on each of many boxes.
+
+As in the sign form a conjunction is a min, a disjunction a max, positive factors drop; a choice between two
+formulas is a gate of its own. Blends stay whole: their fillets are no edges.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.builder import Builder
+from rsym.verify.bodies.formulas import Formula, Literal, essential, leaves_of, replaced
+from rsym.verify.bodies.formulas import gate as joined
+
+Array: TypeAlias = NDArray[np.float64]
+Flags: TypeAlias = NDArray[np.bool_]
+
+FEW = 6  # leaves of which all 3^6 combinations of signs are tried
+MIN, MAX, OPEN = 1, 2, 3  # what joins the leaves of a box: a min or a max of two, or anything else
+
+
+class Gate(NamedTuple):
+    """A min, max or choice of two operands: leaves by number, earlier gates after them; a choice by a test's sign."""
+
+    operation: str
+    first: int
+    second: int
+    test: int = -1
+
+
+@dataclass(frozen=True)
+class Formation:
+    """Leaves and tests as nodes of a builder, and the gates that join them; the last gate has the sign of omega.
+
+    `definitions` are the leaves as they are written; of a leaf that is a factor of some, `origins` are these.
+    """
+
+    builder: Builder
+    leaves: tuple[int, ...]
+    gates: tuple[Gate, ...]
+    tests: tuple[int, ...] = ()
+    definitions: tuple[int, ...] = ()
+    origins: Mapping[int, Sequence[int]] = field(default_factory=dict)
+
+    @cached_property
+    def value(self) -> int:
+        """The node of the last gate, which has the sign of omega wherever omega is defined."""
+        nodes, zero = list(self.leaves), self.builder.const(0)
+        for gate in self.gates:
+            pair = nodes[gate.first], nodes[gate.second]
+            if gate.operation == "select":
+                nodes.append(self.builder.select(self.tests[gate.test], zero, *pair))
+            else:
+                nodes.append(self.builder.make(gate.operation, *pair))
+        return nodes[-1]
+
+    @cached_property
+    def _literals(self) -> list[Literal]:
+        """Each leaf as one of the first of its kind, or its negative."""
+        places: dict[int, Literal] = {}
+        for place, leaf in enumerate(self.leaves):
+            places.setdefault(leaf, Literal(place))
+            places.setdefault(self.builder.neg(leaf), Literal(place, -1))
+        return [places[leaf] for leaf in self.leaves]
+
+    def logic(self, signs: Sequence[int]) -> Formula | None:
+        """The sign of omega by those leaves, by place, on which it depends; None where a choice is open.
+
+        `signs` are those of the leaves and then of the tests, 0 where they are not known.
+        """
+        parts: list[Formula] = [sign or literal for sign, literal in zip(signs, self._literals, strict=False)]
+        for operation, first, second, test in self.gates:
+            if operation == "select":
+                chosen = signs[len(self.leaves) + test]
+                if not chosen and parts[first] != parts[second]:
+                    return None
+                parts.append(parts[first if chosen >= 0 else second])
+            else:
+                parts.append(joined(operation, parts[first], parts[second]))
+        formula = parts[-1]
+        if len(leaves_of(formula)) > FEW:
+            return formula
+        needed = essential(formula)
+        return replaced(formula, {leaf: 1 for leaf in leaves_of(formula) if leaf not in needed})
+
+    def alive(self, low: Array, high: Array, tests: tuple[Array, Array]) -> tuple[Flags, NDArray[np.int8]]:
+        """Which leaves can be zero on the boundary in each box, and what joins them.
+
+        Parameters
+        ----------
+        low, high : (leaves, n) float64
+            Bounds of the leaves over the boxes.
+        tests : two (tests, n) float64
+            Bounds of the tests.
+
+        Returns
+        -------
+        (leaves, n) bool, (n,) int8
+            The second is MIN or MAX where two leaves are alive that one such gate joins, 0 where none or one is, OPEN
+            where more can be said only by looking closer.
+        """
+        leaf = np.eye(len(self.leaves), dtype=bool)[:, :, None]
+        parts = [
+            _Part(a, b, own & (a <= 0) & (b >= 0), np.zeros(a.shape, np.int8))
+            for a, b, own in zip(low, high, leaf, strict=True)
+        ]
+        for gate in self.gates:
+            first, second = parts[gate.first], parts[gate.second]
+            if gate.operation == "select":
+                parts.append(_choice(first, second, tests[0][gate.test], tests[1][gate.test]))
+            else:
+                parts.append(_smaller(first, second) if gate.operation == "min" else _larger(first, second))
+        return parts[-1].alive, parts[-1].joined
+
+
+class _Part(NamedTuple):
+    """Bounds of a gate, the leaves alive in it (leaves, n), and what joins them."""
+
+    low: Array
+    high: Array
+    alive: Flags
+    joined: NDArray[np.int8]
+
+
+def _smaller(f: _Part, g: _Part) -> _Part:
+    low, high = np.minimum(f.low, g.low), np.minimum(f.high, g.high)
+    first, second = (g.low > 0) | (f.high < g.low), (f.low > 0) | (g.high < f.low)
+    return _joined(f, g, low, high, (first, second), MIN)
+
+
+def _larger(f: _Part, g: _Part) -> _Part:
+    low, high = np.maximum(f.low, g.low), np.maximum(f.high, g.high)
+    first, second = (g.high < 0) | (f.low > g.high), (f.high < 0) | (g.low > f.high)
+    return _joined(f, g, low, high, (first, second), MAX)
+
+
+def _joined(f: _Part, g: _Part, low: Array, high: Array, only: tuple[Flags, Flags], operation: int) -> _Part:
+    """Of both operands, or of one where the other does not count."""
+    undecided = (low <= 0) & (high >= 0)
+    both = ~only[0] & ~only[1]
+    alive = (f.alive & ~only[1] | g.alive & ~only[0]) & undecided
+    plain = (f.joined == 0) & (g.joined == 0)
+    joined = np.where(both, np.where(plain, operation, OPEN), np.where(only[0], f.joined, g.joined))
+    return _Part(low, high, alive, np.where(undecided & (alive.sum(axis=0) > 1), joined, 0).astype(np.int8))
+
+
+def _choice(f: _Part, g: _Part, low: Array, high: Array) -> _Part:
+    """The first where the test is positive, the second where it is not."""
+    first, second = low > 0, high < 0
+    both = ~first & ~second
+    bounds = (
+        np.where(first, f.low, np.where(second, g.low, np.minimum(f.low, g.low))),
+        np.where(first, f.high, np.where(second, g.high, np.maximum(f.high, g.high))),
+    )
+    alive = (f.alive & ~second | g.alive & ~first) & (bounds[0] <= 0) & (bounds[1] >= 0)
+    joined = np.where(both, OPEN, np.where(first, f.joined, g.joined))
+    return _Part(*bounds, alive, np.where(alive.any(axis=0), joined, 0).astype(np.int8))

@@ -1,0 +1,138 @@
+"""Logic with three values: the sign of a formula of sheets, 0 on the boundary.
+
+A conjunction has the smaller sign of its operands, a disjunction the larger, a product their product: Kleene's
+strong logic, which is the sign of an R-operation where operands are zero too. Source: Kleene (1952), section 64.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import product
+from typing import TypeAlias
+
+
+@dataclass(frozen=True)
+class Literal:
+    """The sign of a leaf, times a sign."""
+
+    leaf: int
+    sign: int = 1
+
+
+@dataclass(frozen=True)
+class Gate:
+    """A "min", "max" or "product" of formulas."""
+
+    operation: str
+    operands: tuple[Formula, ...]
+
+
+Formula: TypeAlias = int | Literal | Gate  # a whole number is a sign that is known
+
+_VALUES: dict[str, Callable[[list[int]], int]] = {"min": min, "max": max, "product": math.prod}
+
+
+def ternary(formula: Formula, signs: Mapping[int, int]) -> int:
+    """The sign of a formula, given those of its leaves.
+
+    Examples
+    --------
+    >>> both = gate("min", Literal(1), Literal(2, -1))
+    >>> ternary(both, {1: 1, 2: -1}), ternary(both, {1: 1, 2: 0})
+    (1, 0)
+    """
+    if isinstance(formula, int):
+        return formula
+    if isinstance(formula, Literal):
+        return formula.sign * signs[formula.leaf]
+    return _VALUES[formula.operation]([ternary(operand, signs) for operand in formula.operands])
+
+
+def gate(operation: str, *operands: Formula) -> Formula:
+    """The formula of operands, without those whose known signs do not count.
+
+    Examples
+    --------
+    >>> gate("min", 1, Literal(5)), gate("max", 1, Literal(5)), gate("product", -1, Literal(5))
+    (Literal(leaf=5, sign=1), 1, Literal(leaf=5, sign=-1))
+    """
+    known = [operand for operand in operands if isinstance(operand, int)]
+    open_ones = list(dict.fromkeys(operand for operand in operands if not isinstance(operand, int)))
+    if operation == "product":
+        sign = math.prod(known)
+        rest = [operand for operand in operands if not isinstance(operand, int)]
+        if not rest:
+            return sign
+        return signed(rest[0] if len(rest) == 1 else Gate("product", tuple(rest)), sign)
+    absorbing = -1 if operation == "min" else 1
+    if absorbing in known:
+        return absorbing
+    if not open_ones:
+        return -absorbing
+    return open_ones[0] if len(open_ones) == 1 else Gate(operation, tuple(open_ones))
+
+
+def signed(formula: Formula, sign: int) -> Formula:
+    """A formula times a sign; De Morgan moves it to the leaves."""
+    if sign > 0:
+        return formula
+    if isinstance(formula, int):
+        return -formula
+    if isinstance(formula, Literal):
+        return Literal(formula.leaf, -formula.sign)
+    if formula.operation == "product":
+        return Gate("product", (signed(formula.operands[0], -1), *formula.operands[1:]))
+    dual = "max" if formula.operation == "min" else "min"
+    return Gate(dual, tuple(signed(operand, -1) for operand in formula.operands))
+
+
+def leaves_of(formula: Formula) -> tuple[int, ...]:
+    """The leaves of a formula, in the order in which they are first met."""
+    return tuple(dict.fromkeys(_leaves(formula)))
+
+
+def _leaves(formula: Formula) -> Iterator[int]:
+    if isinstance(formula, Literal):
+        yield formula.leaf
+    elif isinstance(formula, Gate):
+        for operand in formula.operands:
+            yield from _leaves(operand)
+
+
+def essential(formula: Formula) -> tuple[int, ...]:
+    """The leaves on which the sign of a formula depends anywhere, its zeros included.
+
+    Examples
+    --------
+    >>> essential(gate("max", Literal(1), gate("min", Literal(1), Literal(2))))
+    (1,)
+    >>> essential(gate("max", gate("min", Literal(1), Literal(2)), gate("min", Literal(1), Literal(2, -1))))
+    (1, 2)
+    """
+    leaves = leaves_of(formula)
+    found = []
+    for leaf in leaves:
+        others = [other for other in leaves if other != leaf]
+        for signs in product((-1, 0, 1), repeat=len(others)):
+            known = dict(zip(others, signs, strict=True))
+            if len({ternary(formula, {**known, leaf: sign}) for sign in (-1, 0, 1)}) > 1:
+                found.append(leaf)
+                break
+    return tuple(found)
+
+
+def replaced(formula: Formula, substitutes: Mapping[int, Formula]) -> Formula:
+    """The formula with other formulas in the place of some leaves.
+
+    Examples
+    --------
+    >>> replaced(gate("min", Literal(1), Literal(2, -1)), {2: Literal(3)})
+    Gate(operation='min', operands=(Literal(leaf=1, sign=1), Literal(leaf=3, sign=-1)))
+    """
+    if isinstance(formula, int):
+        return formula
+    if isinstance(formula, Literal):
+        return signed(substitutes.get(formula.leaf, Literal(formula.leaf)), formula.sign)
+    return gate(formula.operation, *(replaced(operand, substitutes) for operand in formula.operands))

@@ -1,0 +1,198 @@
+"""Images of leaves over many boxes at once, in float64 with outward rounding: values and derivatives.
+
+A leaf is analytic on a box where each of its conditions holds, which are read off its operations: a root's radicand
+is positive, a denominator is not zero, and so on. They are those of `generators`, for a whole level of boxes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from itertools import combinations_with_replacement, product
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.builder import Builder
+from rsym.codegen.differentiation import derivative
+from rsym.codegen.intervals import IntervalFunction
+from rsym.codegen.program import assemble, live
+from rsym.verify.bodies.centred import Centred
+from rsym.verify.bodies.formation import Formation
+from rsym.verify.domains import switch_of
+from rsym.verify.generators import ENTIRE, JOINT, NORMS
+from rsym.verify.local import Interval, Model
+
+Array: TypeAlias = NDArray[np.float64]
+Boxes: TypeAlias = NDArray[np.float64]  # (n, 3, 2)
+Ends: TypeAlias = tuple[Array, Array]
+Flags: TypeAlias = NDArray[np.bool_]
+
+
+class Condition(NamedTuple):
+    """A node that must not be zero, or must be positive."""
+
+    node: int
+    positive: bool = False
+
+
+def conditions(builder: Builder, number: int) -> list[tuple[Condition, ...]] | None:
+    """For each operation that is not entire, tests of which one must hold for a node to be analytic; None if unknown.
+
+    Examples
+    --------
+    >>> builder = Builder(("x", "y", "z"), ())
+    >>> x, y = builder.input("x"), builder.input("y")
+    >>> conditions(builder, builder.sqrt(builder.add(x, y)))
+    [(Condition(node=2, positive=True),)]
+    >>> conditions(builder, builder.mul(x, y))
+    []
+    """
+    found: list[tuple[Condition, ...]] = []
+    for part in live(builder.nodes, [number]):
+        tests = _tests(builder, part)
+        if tests is None:
+            return None
+        found.extend(tests)
+    return list(dict.fromkeys(found))
+
+
+def _tests(builder: Builder, part: int) -> list[tuple[Condition, ...]] | None:
+    operation, arguments, _ = builder.nodes[part]
+    if operation in ENTIRE:
+        return []
+    if operation in {"abs", "sign", "min", "max", "select"}:
+        return [(Condition(switch_of(builder, part)),)]
+    if operation == "div":
+        return [(Condition(arguments[1]),)]
+    if operation in {"sqrt", "log", "pow"}:
+        return [(Condition(arguments[0], True),)]
+    if operation in {"absolute_power", "signed_power"}:
+        return [(Condition(arguments[0]),)]
+    if operation == "trimming":
+        return [(Condition(part, True),)]
+    if operation in {"normalised", "atan2"}:
+        return [(Condition(arguments[0]), Condition(arguments[1], True))]
+    if operation in JOINT or operation == "monomial" or operation in {"r_alpha_conjunction", "r_alpha_disjunction"}:
+        either = (Condition(arguments[0]), Condition(arguments[1]))
+        return [either] if _is_legal(builder, part) else None
+    if operation in NORMS and _is_legal(builder, part):
+        order = builder.value(arguments[2])
+        even = order is not None and order.denominator == 1 and order % 2 == 0
+        if even and operation not in {"joining", "rp_versine"}:
+            return [(Condition(arguments[0]), Condition(arguments[1]))]
+        return [(Condition(arguments[0]),), (Condition(arguments[1]),)]
+    return None
+
+
+def _is_legal(builder: Builder, part: int) -> bool:
+    """Whether the parameter of an R-operation is a number in its range."""
+    operation, arguments, _ = builder.nodes[part]
+    if len(arguments) == 2:
+        return True
+    value = builder.value(arguments[2])
+    if value is None:
+        return False
+    if operation.startswith("r_alpha"):
+        return -1 < value < 1
+    return value > 1 if operation.startswith("rp") else value >= 1
+
+
+class Images:
+    """What float64 intervals say of the leaves of a formation, and of other nodes, over boxes."""
+
+    def __init__(self, model: Model, formed: Formation, letters: Mapping[str, Interval]) -> None:
+        self.model, self.formed, self.letters = model, formed, letters
+        self._slopes: dict[int, _Slopes] = {}
+        self._bends: dict[int, IntervalFunction] = {}
+
+    @cached_property
+    def _values(self) -> IntervalFunction:
+        nodes = {f"leaf {k}": node for k, node in enumerate(self.formed.leaves)}
+        nodes |= {f"test {k}": node for k, node in enumerate(self.formed.tests)}
+        return self._function({**nodes, "whole": self.model.root}, sharpened=tuple(nodes))
+
+    def _function(self, outputs: Mapping[str, int], *, sharpened: Sequence[str] = ()) -> IntervalFunction:
+        builder = self.model.builder
+        program = assemble(builder.nodes, builder.coordinates, builder.letters, outputs)
+        numbers = dict(program.outputs)
+        return IntervalFunction(program, sharpened=tuple(numbers[name] for name in sharpened), strict=True)
+
+    def alive(self, boxes: Boxes) -> tuple[Flags, NDArray[np.int8], Flags, NDArray[np.int8]]:
+        """The leaves alive on boxes, what joins them, where omega is certainly defined all over the box, and signs.
+
+        The signs are those of leaves and tests, 0 where they are not known.
+        """
+        found = self._on(self._values, boxes)
+        leaves = [found[f"leaf {k}"] for k in range(len(self.formed.leaves))]
+        tests = [found[f"test {k}"] for k in range(len(self.formed.tests))]
+        low, high = (np.array([bounds[end] for bounds in (*leaves, *tests)]) for end in (0, 1))
+        count = len(leaves)
+        alive, joined = self.formed.alive(low[:count], high[:count], (low[count:], high[count:]))
+        signs = (low > 0).astype(np.int8) - (high < 0).astype(np.int8)
+        whole = found["whole"]
+        return alive, joined, np.isfinite(whole[0]) & np.isfinite(whole[1]), signs
+
+    def sign(self, boxes: Boxes) -> NDArray[np.int8]:
+        """The sign of omega on boxes, 0 where it is not known."""
+        low, high = self._on(self._values, boxes)["whole"]
+        return (low > 0).astype(np.int8) - (high < 0).astype(np.int8)
+
+    def _on(self, function: IntervalFunction, boxes: Boxes) -> Mapping[str, Ends]:
+        with np.errstate(all="ignore"):
+            return function([*boxes[..., 0].T], [*boxes[..., 1].T], self.letters)
+
+    def slopes(self, node: int, boxes: Boxes) -> tuple[Array, Array, Flags]:
+        """The gradient of a node over boxes, (3, n) lower and upper, and where the node is certainly analytic."""
+        _, (low, high), analytic = self.first(node, boxes)
+        return low, high, analytic
+
+    def first(self, node: int, boxes: Boxes) -> tuple[Ends, Ends, Flags]:
+        """The value (n,) and the gradient (3, n) of a node over boxes, and where it is certainly analytic."""
+        if node not in self._slopes:
+            self._slopes[node] = self._made(node)
+        made = self._slopes[node]
+        found = self._on(made.function, boxes)
+        analytic = np.full(len(boxes), made.tests is not None)
+        for tests in made.tests or ():
+            holds = np.zeros(len(boxes), bool)
+            for test in tests:
+                low, high = found[f"node {test.node}"]
+                holds |= (low > 0) if test.positive else (low > 0) | (high < 0)
+            analytic &= holds
+        low, high = (np.array([found[f"slope {k}"][end] for k in range(3)]) for end in (0, 1))
+        return found["value"], (low, high), analytic
+
+    def _made(self, node: int) -> _Slopes:
+        tests = conditions(self.model.builder, node)
+        outputs = {f"slope {k}": slope for k, slope in enumerate(self.model.gradient(node))}
+        outputs |= {"value": node} | {f"node {test.node}": test.node for either in tests or () for test in either}
+        return _Slopes(self._function(outputs, sharpened=[name for name in outputs if name.startswith("slope")]), tests)
+
+    def bends(self, node: int, boxes: Boxes) -> tuple[Centred, Centred]:
+        """The second (3, 3, n) and third (3, 3, 3, n) derivatives of a node over boxes."""
+        if node not in self._bends:
+            self._bends[node] = self._function(self._higher(node))
+        found = self._on(self._bends[node], boxes)
+        tensors = []
+        for order in (2, 3):
+            places = list(combinations_with_replacement(range(3), order))
+            low, high = (np.array([found[str(place)][end] for place in places]) for end in (0, 1))
+            index = [places.index((*sorted(place),)) for place in product(range(3), repeat=order)]
+            tensors.append(Centred.between(low, high)[np.array(index).reshape([3] * order)])
+        return tensors[0], tensors[1]
+
+    def _higher(self, node: int) -> dict[str, int]:
+        """The second and third derivatives by the coordinates along which they are taken."""
+        b, names = self.model.builder, self.model.builder.coordinates
+        made: dict[tuple[int, ...], int] = {(k,): slope for k, slope in enumerate(self.model.gradient(node))}
+        for order in (2, 3):
+            for places in combinations_with_replacement(range(3), order):
+                made[places] = derivative(b, made[places[:-1]], names[places[-1]])
+        return {str(places): number for places, number in made.items() if len(places) > 1}
+
+
+class _Slopes(NamedTuple):
+    function: IntervalFunction
+    tests: list[tuple[Condition, ...]] | None

@@ -1,0 +1,61 @@
+"""Whether vectors of intervals are linearly independent, for many boxes at once, rounding included."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+Ends: TypeAlias = tuple[Array, Array]
+
+UNIT = 2.0**-51  # of the size of an operand: two roundings, and the rounding of that bound
+
+
+def independent(vectors: Sequence[Ends]) -> NDArray[np.bool_]:
+    """Where one to three vectors, each (3, n) lower and upper ends, are independent whatever they are inside these.
+
+    One vector is where a component excludes zero, two are where a component of the vector product does, three where
+    the determinant does; more never are.
+
+    Examples
+    --------
+    >>> x, y = (np.array([[a], [b], [0.0]]) for a, b in ((1.0, 0.0), (0.2, 1.0)))
+    >>> independent([(x - 0.1, x + 0.1), (y - 0.1, y + 0.1)]), independent([(x - 0.1, x + 0.1), (x, x)])
+    (array([ True]), array([False]))
+    """
+    minors = [(low, high) for low, high in zip(*vectors[0], strict=True)]
+    if len(vectors) > 3:
+        return np.zeros(len(minors[0][0]), bool)
+    if len(vectors) > 1:
+        p, q = ([(low, high) for low, high in zip(*vector, strict=True)] for vector in vectors[:2])
+        minors = [_difference(_product(p[i], q[j]), _product(p[j], q[i])) for i, j in ((1, 2), (2, 0), (0, 1))]
+    if len(vectors) == 3:
+        parts = [_product(minor, (low, high)) for minor, low, high in zip(minors, *vectors[2], strict=True)]
+        minors = [_sum(_sum(parts[0], parts[1]), parts[2])]
+    result: NDArray[np.bool_] = np.logical_or.reduce([(low > 0) | (high < 0) for low, high in minors])
+    return result
+
+
+def _product(a: Ends, b: Ends) -> Ends:
+    with np.errstate(all="ignore"):
+        corners = np.stack([u * v for u, v in product(a, b)])
+        known = np.isfinite(corners).all(axis=0)
+        slack = UNIT * np.abs(corners).max(axis=0) + 1e-300
+        low, high = corners.min(axis=0) - slack, corners.max(axis=0) + slack
+    return np.where(known, low, -np.inf), np.where(known, high, np.inf)
+
+
+def _sum(a: Ends, b: Ends) -> Ends:
+    with np.errstate(all="ignore"):
+        low, high = a[0] + b[0], a[1] + b[1]
+        slack = UNIT * (np.abs(low) + np.abs(high))
+        low, high = low - slack, high + slack
+    return np.where(np.isnan(low), -np.inf, low), np.where(np.isnan(high), np.inf, high)
+
+
+def _difference(a: Ends, b: Ends) -> Ends:
+    return _sum(a, (-b[1], -b[0]))

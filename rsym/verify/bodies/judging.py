@@ -1,0 +1,161 @@
+"""What a boundary is at a point that is known exactly, proved in one of three ways.
+
+By the arrangement of analytic sheets on small spheres, by second derivatives, or by the one-sided derivative of
+omega along all rays.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TypeAlias
+
+from rsym.codegen.balls import arb, ctx
+from rsym.verify.bodies.candidates import Place, across
+from rsym.verify.bodies.contacts import Judgement, touching, without_gradient
+from rsym.verify.bodies.corners import (
+    PRECISE,
+    describe,
+    determinant,
+    error,
+    floats,
+    largest_angle,
+    numbered,
+    outward,
+    radius_of,
+)
+from rsym.verify.bodies.formulas import ternary
+from rsym.verify.bodies.links import Link, link
+from rsym.verify.bodies.rays import FINE, FINEST, Rays, rays_at
+from rsym.verify.bodies.report import SingularPoint
+from rsym.verify.bodies.sheets import Sheets, sheets
+from rsym.verify.bodies.tips import largest_turn
+from rsym.verify.bodies.zeros import Known, known_at
+from rsym.verify.generators import generators
+from rsym.verify.local import Local, Model
+
+Names: TypeAlias = Callable[[int], str]
+
+
+def classify_place(
+    model: Model, place: Place, names: Names | None = None, *, apparent: bool = False
+) -> SingularPoint | None:
+    """What the boundary is at a point that is known exactly, proved; None where nothing is, or where it is regular.
+
+    `apparent` takes for zero what is so to all digits; then the result is not proved.
+    """
+    with ctx.workprec(PRECISE):
+        known = known_at(model, place, apparent=apparent)
+        found = sheets(known.local, model.root)
+        if found is None or not all(generators(known.local, leaf).analytic for leaf in found.leaves):
+            point = _of_rays(place, known, found, None, names, "cone tip")
+        else:
+            point = _of_sheets(place, known, found, names)
+    if point is None or not apparent:
+        return point
+    return replace(point, proved=False, reason=f"if what vanishes to 30 digits is zero: {point.reason}")
+
+
+def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -> SingularPoint | None:
+    """One leaf without a gradient, two that touch, three or more through one point."""
+    model, at, called = known.local.model, known.at, called_of(found, names)
+    if not known.vanishes(*found.leaves):
+        return None
+    if len(found.leaves) == 1:
+        (leaf,) = found.leaves
+        judgement = None
+        if known.vanishes(*model.gradient(leaf)):
+            judgement = without_gradient(at, leaf, ternary(found.formula, {leaf: 1}))
+        return None if judgement is None else _point(place, judgement, called, arb(math.nan))
+    if len(found.leaves) == 2:
+        f, g = found.leaves
+        for k, slope in enumerate(at.gradient(f)):
+            if not slope.contains(0) and known.vanishes(*across(model, f, g, k)):
+                judgement = touching(at, f, g, numbered(found))
+                return None if judgement is None else _point(place, judgement, called, arb(0))
+        return None
+    arrangement = _arrangement(at, found)
+    if arrangement is None or not arrangement[1]:
+        return _of_rays(place, known, found, None if arrangement is None else arrangement[0], names, "corner")
+    around = arrangement[0]
+    if not around.edges:
+        return None
+    kind, continuity = ("corner", "G0") if around.is_disc else ("node", "broken")
+    reason = describe(around, f"{len(found.leaves)} analytic sheets meet")
+    return _point(place, Judgement(kind, continuity, reason), called, _jump(at, found, around))
+
+
+def _arrangement(at: Local, found: Sheets) -> tuple[Link, bool] | None:
+    """Three or more sheets, and whether the signs of all determinants of their gradients are proved."""
+    if len(found.leaves) < 3:
+        return None
+    gradients = [at.gradient(leaf) for leaf in found.leaves]
+    proved = True
+
+    def orientation(i: int, j: int, k: int) -> int:
+        nonlocal proved
+        value = determinant([gradients[i], gradients[j], gradients[k]])
+        proved = proved and not value.contains(0)
+        return 1 if value > 0 else -1 if value < 0 else 0
+
+    around = link(numbered(found), orientation, len(gradients))
+    return None if around is None else (around, proved)
+
+
+def _jump(at: Local, found: Sheets, around: Link) -> arb:
+    return largest_angle(around, [outward(at, leaf, -1) for leaf in found.leaves])
+
+
+def _of_rays(
+    place: Place, known: Known, found: Sheets | None, around: Link | None, names: Names | None, kind: str
+) -> SingularPoint | None:
+    """What the one-sided derivative proves, from coarse cells of directions or from fine ones."""
+    called = called_of(found, names) if found is not None else ()
+    for finest in (FINE, FINEST):
+        rays = rays_at(known.local.model, known, finest)
+        if rays is None:
+            return None
+        judgement = _judged(rays, kind)
+        if judgement is None:
+            continue
+        if judgement.continuity == "broken":
+            return _point(place, judgement, called, arb(math.nan))
+        if found is not None and around is not None and around.edges:
+            return _point(place, judgement, called, _jump(known.at, found, around))
+        turn, off = largest_turn(rays)
+        return replace(_point(place, judgement, called, arb(0)), tangent_jump=turn, tangent_jump_error=off)
+    return None
+
+
+def _judged(rays: Rays, kind: str) -> Judgement | None:
+    """What the signs of the one-sided derivative say."""
+    start = "the one-sided derivative of omega"
+    if rays.signs.all() and len(set(rays.signs.tolist())) == 1:
+        return Judgement("isolated point", "broken", f"{start} is zero in no direction")
+    pieces = rays.components(1), rays.components(-1)
+    if max(pieces) > 1:
+        reason = f"small spheres see {pieces[0]} or more pieces of the inside and {pieces[1]} or more of the outside"
+        return Judgement("node", "broken", reason)
+    if rays.upward is not None and rays.is_bent:
+        return Judgement(kind, "G0", f"a surface, as omega grows along one direction, but {start} has no tangent plane")
+    return None
+
+
+def _point(place: Place, judgement: Judgement, called: tuple[str, ...], jump: arb) -> SingularPoint:
+    return SingularPoint(
+        point=floats(place.point),
+        radius=radius_of(place.point),
+        kind=judgement.kind,
+        continuity=judgement.continuity,
+        names=called,
+        tangent_jump=float(jump.mid()),
+        tangent_jump_error=error(jump),
+        proved=True,
+        reason=judgement.reason,
+    )
+
+
+def called_of(found: Sheets, names: Names | None) -> tuple[str, ...]:
+    """The names of the definitions that some sheets belong to."""
+    return tuple(dict.fromkeys(map(names, found.origins))) if names else ()

@@ -1,0 +1,146 @@
+"""Jumps across a singular curve: in the plane normal to the curve, how two sheets of a boundary continue each other.
+
+With n = -grad F/|grad F| the outward normal of a sheet {F = 0}, t the unit tangent of the curve and b = t x n, the
+normal curvature across the curve is kappa = -b^T H b/|grad F|, H the matrix of second derivatives of F; it is positive
+where the inside is convex. Along the curve both sheets have all else in common: where the normals agree all along,
+the shape operators differ only in kappa. Source: Goldman, CAGD 22 (2005) 632-658.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.balls import arb, ctx, root, square
+from rsym.codegen.fields import Calculus
+from rsym.verify.bodies.continuation import Curve, Knot, Tube, cross, dot
+from rsym.verify.joints import PRECISE, Meeting, step_of
+from rsym.verify.local import Local
+from rsym.verify.vanishing import vanishes_with
+
+Array = NDArray[np.float64]
+
+WORDS = {"equal": "proved equal", "zero": "equal to 25 digits, which is no proof", "jump": "proved to differ"}
+
+
+@dataclass(frozen=True)
+class Jump:
+    """What is known at one point: both normals, the angle between them in degrees and the jump of the curvature.
+
+    `steps` says of normals and curvatures whether they are "equal", proved to "jump", numerically "zero" or "open".
+    """
+
+    normals: Array
+    turn: arb
+    curvature: arb | None
+    steps: tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The class of a whole curve, from its worst points."""
+
+    kind: str
+    continuity: str
+    proved: bool
+    reason: str
+
+
+class Jumps:
+    """The jumps along the curve in which two sheets meet."""
+
+    def __init__(self, curve: Curve, meeting: Meeting) -> None:
+        self.curve, self.meeting, model = curve, meeting, curve.model
+        self._hessians = [Calculus(model.builder, arc.function).hessian for arc in meeting.arcs]
+
+    def at(self, knot: Knot) -> Jump:
+        """The jump at a point of the curve, as precise as it must be to decide."""
+        jump = self._at(knot.sides)
+        if knot.axis is None or all(step in {"equal", "jump"} for step in jump.steps) or jump.steps[0] == "jump":
+            return jump
+        with ctx.workprec(PRECISE):
+            return self._at(self.curve.narrowed(knot.sides, knot.axis))
+
+    def between(self, tube: Tube, start: Knot, end: Knot) -> Jump:
+        """What the jump is everywhere on the arc between two points."""
+        t = sorted(float(knot.sides[tube.axis].mid()) for knot in (start, end))
+        return self._at(tube.over(t[0], t[1], tube.width))
+
+    def _at(self, sides: Sequence[arb]) -> Jump:
+        local, order = self.curve.on(sides), self.meeting.contact
+        gradients = [local.gradient(arc.function) for arc in self.meeting.arcs]
+        sizes = [_size(gradient) for gradient in gradients]
+        normals = [[-one / size for one in gradient] for gradient, size in zip(gradients, sizes, strict=True)]
+        along = cross(*self.curve.slopes(local))
+        length = _size(along)
+        tangent = [one / length for one in along]
+        middles = np.array([[float(one.mid()) for one in normal] for normal in normals])
+        turn = _turn(normals, tangent)
+        first = step_of(turn, order >= 2)
+        if first == "jump":
+            return Jump(middles, turn, None, (first, "open"))
+        kappas = [self._across(local, number, normals[number], tangent) / sizes[number] for number in range(2)]
+        jump = abs(kappas[0] - kappas[1])
+        return Jump(middles, turn, jump, (first, step_of(jump, order >= 3)))
+
+    def _across(self, local: Local, number: int, normal: list[arb], tangent: list[arb]) -> arb:
+        """-b^T H b of one sheet."""
+        b = cross(tangent, normal)
+        total = arb(0)
+        for row in range(3):
+            for column in range(row + 1):
+                value = local.value(self._hessians[number][row][column])
+                entry = arb(0, math.inf) if value is None else value
+                total -= (1 if row == column else 2) * b[row] * b[column] * entry
+        return total
+
+    def is_common(self, knot: Knot) -> bool:
+        """Whether both sheets certainly end in this curve: continuity across it, or zeros that are known, prove it."""
+        first, second = self.meeting.arcs
+        if self.meeting.contact >= 1:
+            return True
+        return vanishes_with(self.curve.on(knot.sides), (first.function, first.side), second.function)
+
+
+def _size(vector: Sequence[arb]) -> arb:
+    size = root(square(vector[0]) + square(vector[1]) + square(vector[2]))
+    assert size is not None
+    return size
+
+
+def _turn(normals: Sequence[list[arb]], tangent: list[arb]) -> arb:
+    """The angle between two normals in degrees; both are orthogonal to the tangent, so is their product parallel."""
+    sine, cosine = abs(dot(cross(*normals), tangent)), dot(*normals)
+    # A ball across the negative axis has all angles.
+    angle = arb.pi() - arb.atan2(sine, -cosine) if cosine < 0 else arb.atan2(sine, cosine)
+    return abs(angle) * 180 / arb.pi()
+
+
+def judge(jumps: Sequence[Jump], contact: float, common: bool) -> Judgement:
+    """The class of a curve from the jumps at points of it; `common`: both sheets certainly end in it there."""
+    turns, bends = ([jump.steps[level] for jump in jumps] for level in range(2))
+    normals = f"normals {_words(turns, contact >= 2)}"
+    if not common:
+        return Judgement("unresolved", "G0", False, "the sheets need not end in the same curve")
+    if "jump" in turns:
+        return Judgement("edge", "G0", True, normals)
+    if "open" in turns or not turns:
+        return Judgement("unresolved", "G0", False, "whether the normals agree stays open")
+    both = f"{normals}, curvatures across {_words(bends, contact >= 3)}"
+    if "jump" in bends:
+        return Judgement("curvature jump", "G1", True, both)
+    if "open" in bends:
+        return Judgement("unresolved", "G1", False, f"{normals}; whether the curvatures agree stays open")
+    return Judgement("smooth joint", "G3" if contact >= 4 else "G2", contact >= 3, both)
+
+
+def _words(steps: Sequence[str], structural: bool) -> str:
+    """The worst of the steps, and at how many points it was found."""
+    worst = next((word for word in ("jump", "open", "zero") if word in steps), "equal")
+    if structural:
+        return f"{WORDS['equal']} all along"
+    return f"{WORDS.get(worst, 'not decided')} at {steps.count(worst)} of {len(steps)} points"

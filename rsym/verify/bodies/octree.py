@@ -1,0 +1,283 @@
+"""The octree: boxes into which a region in space falls until each is settled, or too small to go on.
+
+A level of boxes at a time: intervals in float64 discard most and settle nearly all that hold one analytic sheet or
+two that cross; balls decide what is left. The results do not depend on how many threads there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise, product
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.balls import ctx
+from rsym.sampling.progress import Progress, report
+from rsym.verify.bodies.corners import Corner
+from rsym.verify.bodies.formation import MAX, MIN, OPEN
+from rsym.verify.bodies.formulas import Formula, leaves_of, ternary
+from rsym.verify.bodies.images import Array, Boxes, Flags, Images
+from rsym.verify.bodies.independence import independent
+from rsym.verify.bodies.inspection import GROWN, SIGNS, Inspection, inspect
+from rsym.verify.covering import OFF_CENTRE, PRECISION
+from rsym.verify.joints import Arc, Meeting
+from rsym.verify.local import Box
+
+COARSEST = 1 / 16  # of the extent: larger boxes are divided, so that the cover follows the boundary
+BALLS_FROM = 1 / 32  # of the extent: on larger boxes balls rarely say more than float64 intervals
+MANY, DETAIL = 4096, 1e-3  # boxes that make less than this share of the boundary are left as they are
+CORNERS_FROM = 1 / 64  # of the extent: a curve runs nearly straight through a box with a corner
+
+
+@dataclass
+class Subdivision:
+    """Settled boxes by what was found on them, and those left over."""
+
+    regular: dict[int, list[Boxes]] = field(default_factory=dict)  # by the node of the sheet
+    order: float = np.inf  # the lowest of the regular sheets
+    joined: dict[Meeting, list[Boxes]] = field(default_factory=dict)
+    corners: list[tuple[Box, Corner]] = field(default_factory=list)
+    double: list[Box] = field(default_factory=list)
+    left: list[tuple[Box, Inspection]] = field(default_factory=list)
+    late: list[Box] = field(default_factory=list)  # regular, but found so only afterwards
+    examined: int = 0
+    inspected: int = 0
+
+    def without(self, boxes: Sequence[Box]) -> Subdivision:
+        """The same, with some boxes that were left over found to be regular after all."""
+        settled = set(boxes)
+        return replace(self, left=[pair for pair in self.left if pair[0] not in settled], late=list(boxes))
+
+
+class Sheets(NamedTuple):
+    """The functions of the sheets on a box, and what joins two; none where it takes a closer look to know them."""
+
+    nodes: tuple[int, ...]
+    gate: int
+
+
+HARD = Sheets((), OPEN)
+
+
+class _State(NamedTuple):
+    """A level of boxes, which of them are to be divided, and which need a closer look."""
+
+    level: Boxes
+    divided: Flags
+    hard: Flags
+
+
+class Octree:
+    """Subdivides a region level by level."""
+
+    def __init__(
+        self,
+        images: Images,
+        region: Box,
+        *,
+        smallest: float,
+        budget: int,
+        inspections: int,
+        progress: Progress | None = None,
+    ) -> None:
+        self.images, self.region = images, region
+        self.extent = max(high - low for low, high in region[:3])
+        self.smallest, self.budget, self.inspections = smallest, budget, inspections
+        self.progress = progress
+        self.found = Subdivision()
+        self._known: dict[tuple[int, ...], Sheets | None] = {}
+
+    def run(self) -> Subdivision:
+        """Subdivide until every box is settled, narrower than `smallest`, or too many."""
+        level = np.array(list(_first(self.region)))
+        while len(level):
+            self.found.examined += len(level)
+            report(self.progress, min(self.found.examined, self.budget), self.budget)
+            level = self._level(level)
+        report(self.progress, self.budget, self.budget)
+        return self.found
+
+    def _level(self, level: Boxes) -> Boxes:
+        alive, joined, defined, signs = self.images.alive(level)
+        keep = alive.any(axis=0) | ~defined
+        level, alive, joined, defined, signs = level[keep], alive[:, keep], joined[keep], defined[keep], signs[:, keep]
+        widths = (level[..., 1] - level[..., 0]).max(axis=1)
+        divided = widths > COARSEST * self.extent
+        small = np.flatnonzero(~divided)
+        state = _State(level, divided, np.zeros(len(level), bool))
+        for sheets, own in self._grouped(alive[:, small], joined[small], defined[small], signs[:, small]).items():
+            self._settle(sheets, small[own], state)
+        divided |= state.hard & (widths > BALLS_FROM * self.extent)
+        self._inspect(state, widths, defined)
+        self._leave(level[divided & (widths <= self.smallest)])
+        following: Boxes = level[divided & (widths > self.smallest)]
+        if self.found.examined + 8 * len(following) > self.budget or self._is_detail(following):
+            self._leave(following)
+            return following[:0]
+        return halves(following)
+
+    def _is_detail(self, boxes: Boxes) -> bool:
+        """Whether so many boxes make so little of the boundary that dividing them further would not be worth it."""
+        if len(boxes) < MANY:
+            return False
+        settled = [*(part for parts in self.found.regular.values() for part in parts), *joined_boxes(self.found)]
+        return bool(area(boxes) < DETAIL * sum(area(part) for part in settled))
+
+    def _leave(self, boxes: Boxes) -> None:
+        self.found.left.extend((box, Inspection("open")) for box in _listed(boxes))
+
+    def _grouped(
+        self, alive: Flags, joined: NDArray[np.int8], defined: Flags, signs: NDArray[np.int8]
+    ) -> dict[Sheets, NDArray[np.int64]]:
+        """The boxes by the sheets that they can hold; those that hold none are left out."""
+        groups: dict[Sheets, list[NDArray[np.int64]]] = {}
+        count = alive.sum(axis=0)
+        simple = defined & ((count == 1) | ((count == 2) & (joined != OPEN)))
+        leaves = self.images.formed.leaves
+        codes = np.where(count == 1, 0, joined).astype(np.int8)
+        for place, pattern in _patterns(np.concatenate([alive, codes[None]]), np.flatnonzero(simple)):
+            nodes = tuple(leaves[k] for k in np.flatnonzero(pattern[:-1]))
+            groups.setdefault(Sheets(nodes, int(pattern[-1])), []).append(place)
+        for place, pattern in _patterns(signs, np.flatnonzero(~simple & defined)):
+            found = self._logic(tuple(pattern.tolist()))
+            if found is not None:
+                groups.setdefault(found, []).append(place)
+        groups.setdefault(HARD, []).append(np.flatnonzero(~defined))
+        return {sheets: np.concatenate(places) for sheets, places in groups.items()}
+
+    def _logic(self, signs: tuple[int, ...]) -> Sheets | None:
+        """The sheets of boxes on which the leaves have these signs; None where there are none."""
+        if signs not in self._known:
+            formula = self.images.formed.logic(signs)
+            self._known[signs] = HARD if formula is None else self._sheets(formula)
+        return self._known[signs]
+
+    def _sheets(self, formula: Formula) -> Sheets | None:
+        leaves = leaves_of(formula)
+        b, nodes = self.images.model.builder, self.images.formed.leaves
+        if len(leaves) > 2:
+            return Sheets(tuple(nodes[k] for k in leaves), OPEN)
+        table = {signs: ternary(formula, dict(zip(leaves, signs, strict=True))) for signs in SIGNS[len(leaves)]}
+        inside = [signs for signs, value in table.items() if value > 0]
+        if len(inside) in {0, len(table)}:
+            return HARD if 0 in table.values() else None
+        if len(leaves) == 2 and len(inside) == 2:
+            return HARD
+        # Of two leaves one combination of signs is inside, the conjunction, or one outside, the disjunction.
+        odd = inside[0] if len(inside) == 1 else next(signs for signs in table if signs not in inside)
+        turned = 1 if len(inside) == 1 else -1
+        signed = (nodes[k] if sign * turned > 0 else b.neg(nodes[k]) for k, sign in zip(leaves, odd, strict=True))
+        return Sheets(tuple(signed), 0 if len(leaves) == 1 else MIN if turned > 0 else MAX)
+
+    def _settle(self, sheets: Sheets, own: NDArray[np.int64], state: _State) -> None:
+        """Boxes with one sheet are settled where it is regular, those with two where they cross."""
+        if not sheets.nodes:
+            state.hard[own] = True
+            return
+        boxes, count = state.level[own], len(sheets.nodes)
+        slopes = [self.images.slopes(node, boxes if count == 1 else _grown(boxes)) for node in sheets.nodes]
+        analytic = np.logical_and.reduce([flags for _, _, flags in slopes])
+        crossing = independent([(low, high) for low, high, _ in slopes])
+        state.hard[own[~analytic | (crossing & (count == 3))]] = True
+        state.divided[own[analytic & ~crossing]] = True
+        done = boxes[analytic & crossing]
+        if len(done) and count == 1:
+            self.found.regular.setdefault(sheets.nodes[0], []).append(done)
+        elif len(done) and count == 2:
+            self.found.joined.setdefault(self._meeting(sheets), []).append(done)
+
+    def _meeting(self, sheets: Sheets) -> Meeting:
+        f, g = sheets.nodes
+        b = self.images.model.builder
+        sides = (g, f) if sheets.gate == MIN else (b.neg(g), b.neg(f))
+        return Meeting((Arc(f, sides[0]), Arc(g, sides[1])), 1)
+
+    def _inspect(self, state: _State, widths: Array, defined: Flags) -> None:
+        """What balls say of hard boxes, one by one; those that stay open are divided, the smallest are left."""
+        model, found = self.images.model, self.found
+        with ctx.workprec(PRECISION):
+            for at in np.flatnonzero(state.hard & ~state.divided):
+                if found.inspected >= self.inspections:
+                    state.divided[at] = True
+                    continue
+                found.inspected += 1
+                (box,) = _listed(state.level[at : at + 1])
+                number = self.images.formed.value if defined[at] else model.root
+                near = bool(widths[at] <= CORNERS_FROM * self.extent)
+                inspected = inspect(model.over(box), self.extent, number, corners=near)
+                settled = inspected.kind != "open" and (inspected.corner is None or inspected.corner.point is not None)
+                if settled:
+                    self._note(box, inspected)
+                elif widths[at] <= self.smallest:
+                    found.left.append((box, inspected))
+                else:
+                    state.divided[at] = True
+
+    def _note(self, box: Box, inspected: Inspection) -> None:
+        found = self.found
+        if inspected.kind == "regular":
+            found.regular.setdefault(inspected.nodes[0], []).append(np.array([box]))
+            found.order = min(found.order, inspected.order)
+        elif inspected.meeting is not None:
+            found.joined.setdefault(inspected.meeting, []).append(np.array([box]))
+        elif inspected.corner is not None:
+            found.corners.append((box, inspected.corner))
+        elif inspected.kind == "double":
+            found.double.append(box)
+
+
+def _patterns(rows: NDArray[Any], own: NDArray[np.int64]) -> Iterator[tuple[NDArray[np.int64], NDArray[Any]]]:
+    """The columns of an array that are equal: their places among `own`, and what they are."""
+    if len(own):
+        patterns, inverse = np.unique(rows[:, own], axis=1, return_inverse=True)
+        order = np.argsort(inverse.ravel(), kind="stable")
+        ends = np.cumsum(np.bincount(inverse.ravel(), minlength=patterns.shape[1]))
+        for k, places in enumerate(np.split(own[order], ends[:-1])):
+            yield places, patterns[:, k]
+
+
+def _listed(boxes: Boxes) -> list[Box]:
+    return [tuple((low, high) for low, high in box) for box in boxes.tolist()]
+
+
+def _grown(boxes: Boxes) -> Boxes:
+    margin = GROWN * (boxes[..., 1] - boxes[..., 0])
+    return np.stack([boxes[..., 0] - margin, boxes[..., 1] + margin], axis=-1)
+
+
+def _first(region: Box) -> Iterator[Boxes]:
+    """The region cut in eight, off its planes of symmetry."""
+    cuts = [(low, low + OFF_CENTRE * (high - low), high) for low, high in region[:3]]
+    for box in product(*(pairwise(cut) for cut in cuts)):
+        yield np.array(box)
+
+
+def halves(boxes: Boxes) -> Boxes:
+    """Each box cut in two across all sides of at least 0.7 of its longest; the parts of one box follow each other."""
+    low, high = boxes[..., 0], boxes[..., 1]
+    width = high - low
+    long = width >= 0.7 * width.max(axis=1, keepdims=True, initial=0)
+    middle = low + width / 2
+    parts = []
+    for corner in product((0, 1), repeat=3):
+        take = np.array(corner, bool)
+        start = np.where(long & take, middle, low)
+        end = np.where(long & ~take, middle, high)
+        parts.append(np.where((long | ~take)[..., None], np.stack([start, end], axis=-1), np.nan))
+    stacked = np.stack(parts, axis=1).reshape(-1, 3, 2)
+    kept: Boxes = stacked[~np.isnan(stacked).any(axis=(1, 2))]
+    return kept
+
+
+def area(boxes: Boxes) -> float:
+    """The area of one side of each box, added up."""
+    return float(np.square((boxes[..., 1] - boxes[..., 0]).max(axis=1, initial=0)).sum())
+
+
+def joined_boxes(found: Subdivision) -> Sequence[Boxes]:
+    """All boxes in which sheets meet."""
+    corners = [np.array([box]) for box, _ in found.corners]
+    return [*(boxes for group in found.joined.values() for boxes in group), *corners]

@@ -1,0 +1,190 @@
+"""Tracing: all components of a singular curve in a union of boxes, each followed by certified continuation."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.balls import arb, ctx
+from rsym.sampling.progress import Progress, report
+from rsym.verify.bodies.components import Component, Search, ends
+from rsym.verify.bodies.continuation import Curve, Knot
+from rsym.verify.bodies.jumps import Jump, Jumps, judge
+from rsym.verify.bodies.report import SingularCurve, SingularPoint
+from rsym.verify.covering import PRECISION
+from rsym.verify.joints import Meeting
+from rsym.verify.local import Box, Model, side
+
+Array = NDArray[np.float64]
+
+_ROUNDED = 5e-4  # what four digits may lose
+
+
+def trace(
+    model: Model,
+    meeting: Meeting,
+    names: tuple[str, str],
+    boxes: Sequence[Box],
+    *,
+    extent: float,
+    corners: Sequence[tuple[Box, SingularPoint]] = (),
+    progress: Progress | None = None,
+) -> list[SingularCurve]:
+    """The curves in which two sheets of a boundary meet, with their classes.
+
+    Parameters
+    ----------
+    model : Model
+        A shape with three coordinates.
+    meeting : Meeting
+        The two sheets, {F1 = 0, G1 >= 0} and {F2 = 0, G2 >= 0}.
+    names : pair of str
+        The definitions of the sheets, in the order of the meeting.
+    boxes : sequence of Box
+        Disjoint but for their faces. In each, grown by a quarter of its width on every side, the functions are
+        analytic, no gradient of F is parallel to that of G, and the boundary is the union of the sheets.
+    extent : float
+        The size of the whole body: what the accuracies are shares of.
+    corners : sequence of (Box, SingularPoint)
+        Small boxes and the points in them at which such curves end.
+    progress : callable, optional
+        Called with the boxes done and their number.
+
+    Returns
+    -------
+    list of SingularCurve
+        The first sheet lies to the left, seen from outside. An "unresolved" one of a single point stands for a box
+        that stays open: it may hold a curve.
+
+    Examples
+    --------
+    >>> from rsym import Shape, conjunction, x, y, z
+    >>> from rsym.verify.joints import Arc
+    >>> model = Model(Shape(conjunction(1 - x**2 - y**2 - z**2, z + y), (x, y, z)), {})
+    >>> ball, plane = model.builder.nodes[model.root].arguments
+    >>> sheets = Meeting((Arc(ball, plane), Arc(plane, ball)), 1)
+    >>> (arc,) = trace(model, sheets, ("ball", "plane"), [((0.25, 1.25), (-1.0, 1.0), (-1.0, 1.0))], extent=2.0)
+    >>> arc.traced, arc.proved, arc.kind, round(arc.tangent_jump, 9), arc.points[[0, -1], 0]
+    (True, True, 'edge', 90.0, array([0.25, 0.25]))
+    """
+    found: list[SingularCurve] = []
+    groups: dict[Box, list[Box]] = {}
+    for box in boxes:
+        groups.setdefault(box[3:], []).append(box)
+    done = 0
+    with ctx.workprec(PRECISION):
+        for letters, group in groups.items():
+            curve = Curve(model, _pair(meeting), [side(*one) for one in letters], extent)
+            search = Search(curve, group, corners)
+            for box in group:
+                search.account(box)
+                done += 1
+                report(progress, done, len(boxes))
+            found.extend(_described(search, meeting, names))
+    return found
+
+
+def _pair(meeting: Meeting) -> tuple[int, int]:
+    return meeting.arcs[0].function, meeting.arcs[0].side
+
+
+def _described(search: Search, meeting: Meeting, names: tuple[str, str]) -> list[SingularCurve]:
+    """The components as curves, then the boxes that stay open."""
+    curves = [_singular(search, component, meeting, names) for component in search.components]
+    return curves + [_unresolved(search, box, meeting, names) for box in search.open]
+
+
+def _singular(search: Search, component: Component, meeting: Meeting, names: tuple[str, str]) -> SingularCurve:
+    jumps, knots = Jumps(search.curve, meeting), component.knots
+    found = [jumps.at(knot) for knot in knots]
+    # Only in the boxes it is proved that the boundary is both sheets.
+    certain = [knot.axis is not None and search.ground.boxes.holds(knot.middle) for knot in knots]
+    own = list(itertools.compress(found, certain))
+    common = all(jumps.is_common(knot) for knot in itertools.compress(knots, certain))
+    judged = judge(own, meeting.contact, common)
+    turn, turn_error = _worst([(jump.turn, jump.steps[0]) for jump in own])
+    bend, bend_error = _worst([(jump.curvature, jump.steps[1]) for jump in own if jump.curvature is not None])
+    return SingularCurve(
+        points=np.array([knot.middle for knot in knots]),
+        radius=max(knot.radius for knot in knots),
+        kind=judged.kind,
+        continuity=judged.continuity,
+        names=names,
+        normals=np.array([jump.normals for jump in found]),
+        tangent_jumps=_sizes(found, 0),
+        curvature_jumps=_sizes(found, 1),
+        tangent_jump=turn,
+        tangent_jump_error=turn_error,
+        curvature_jump=bend,
+        curvature_jump_error=bend_error,
+        traced="lost" not in component.ends and not search.open,
+        proved=judged.proved,
+        reason="; ".join([judged.reason, *_between(jumps, component, judged.kind), *_remarks(search, component)]),
+    )
+
+
+def _between(jumps: Jumps, component: Component, kind: str) -> list[str]:
+    """The jump between the points, enclosed over the tubes."""
+    if kind not in {"edge", "curvature jump"}:
+        return []
+    pairs = zip(component.tubes, itertools.pairwise(component.knots), strict=True)
+    arcs = [jumps.between(tube, *ends) for tube, ends in pairs]
+    balls = [arc.turn if kind == "edge" else arc.curvature for arc in arcs]
+    most = 180.0 if kind == "edge" else math.inf
+    low = min((0.0 if ball is None else float(ball.lower()) for ball in balls), default=0.0)
+    high = max((math.inf if ball is None else float(ball.upper()) for ball in balls), default=math.inf)
+    what, unit = ("angle", " degrees") if kind == "edge" else ("jump of curvature", "")
+    if not high < most:  # NaN too
+        return [f"between the points the {what} is not enclosed"]
+    return [
+        f"all along the {what} lies between {max(low, 0) * (1 - _ROUNDED):.4g} and {high * (1 + _ROUNDED):.4g}{unit}"
+    ]
+
+
+def _remarks(search: Search, component: Component) -> list[str]:
+    followed = "the continuation fails at an end" if "lost" in component.ends else "one curve, followed all along"
+    if not search.open:
+        return [followed]
+    return [followed, f"{len(search.open)} of {len(search.boxes)} boxes stay open and may hold another curve"]
+
+
+def _sizes(jumps: Sequence[Jump], level: int) -> Array:
+    """The jumps at all points: 0 where proved equal, NaN where there is none."""
+    found = []
+    for jump in jumps:
+        value = jump.turn if level == 0 else jump.curvature
+        equal = jump.steps[level] == "equal"
+        found.append(math.nan if value is None else 0.0 if equal else float(value.mid()))
+    return np.array(found)
+
+
+def _worst(jumps: Sequence[tuple[arb, str]]) -> tuple[float, float]:
+    """The largest of the jumps and its error; 0 where all are proved equal."""
+    if not jumps:
+        return math.nan, math.nan
+    if all(step == "equal" for _, step in jumps):
+        return 0.0, 0.0
+    worst = max((value for value, _ in jumps), key=lambda value: float(value.mid()))
+    return float(worst.mid()), float(arb(worst.rad()).upper()) + 2.0**-52 * float(abs(worst).upper())
+
+
+def _unresolved(search: Search, box: Box, meeting: Meeting, names: tuple[str, str]) -> SingularCurve:
+    """A box in which a curve was neither found nor excluded, as a curve of one point."""
+    sides = [side(*one) for one in box[:3]]
+    low, high = ends(sides)
+    point = tuple(one.mid() for one in sides)
+    return SingularCurve(
+        points=((low + high) / 2)[None],
+        radius=float(np.linalg.norm(high - low)) / 2,
+        kind="unresolved",
+        continuity="G0",
+        names=names,
+        normals=Jumps(search.curve, meeting).at(Knot(point, None, np.zeros(3))).normals[None],
+        tangent_jumps=np.array([math.nan]),
+        curvature_jumps=np.array([math.nan]),
+        reason="a box in which a curve was neither found nor excluded",
+    )

@@ -1,0 +1,1 @@
+"""Fairness: bounds on curvature and its variation, extrema of curvature located, measures of bending."""

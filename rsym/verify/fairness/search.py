@@ -1,0 +1,137 @@
+"""Branch and bound along a boundary: pieces are divided until their bounds are tight and every zero is settled.
+
+Divided are, round by round, the pieces whose bound of a curvature or of its derivative exceeds what is attained at a
+point of the boundary by more than the tolerance, and those in which a zero of either is neither excluded nor located.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from rsym.codegen.balls import arb, ctx
+from rsym.sampling.progress import Progress, report
+from rsym.verify.covering import PRECISION, extent_of
+from rsym.verify.fairness.bending import Arcs, Bent
+from rsym.verify.fairness.pieces import Piece, divided, narrowed, pieces_of
+from rsym.verify.fairness.report import Peak
+from rsym.verify.fairness.zeros import Settled, Zero, settle
+from rsym.verify.local import Box, Model
+
+SMALLEST = 2.0**-24  # of the extent: pieces so narrow are not divided
+# The variation is at least this share of the square of the largest curvature to be bounded with the tolerance.
+VARIATION = 1e-3
+
+
+@dataclass
+class Found:
+    """The pieces with their curvatures, what is settled of their zeros, and boxes of which nothing is known."""
+
+    done: list[tuple[Bent, Settled]] = field(default_factory=list)
+    lost: list[Box] = field(default_factory=list)
+    examined: int = 0
+
+
+def search(
+    arcs: Arcs,
+    boxes: Iterable[Box],
+    bounds: Box,
+    *,
+    tolerance: float,
+    budget: int,
+    progress: Progress | None = None,
+) -> Found:
+    """All pieces of the boundary in settled boxes, divided until the tolerance is met or the budget spent."""
+    model, result, extent = arcs.model, Found(), extent_of(bounds)
+    todo: list[Piece] = []
+    with ctx.workprec(PRECISION):
+        for box in boxes:
+            pieces = pieces_of(model, box, extent)
+            todo += pieces or []
+            if pieces is None:
+                result.lost.append(box)
+        while todo:
+            for piece in todo:
+                result.examined += 1
+                narrow = narrowed(model, piece)
+                if narrow is not None:
+                    bent = arcs.bent(narrow)
+                    result.done.append((bent, settle(arcs, bent)))
+                if result.examined % 64 == 0:
+                    report(progress, min(result.examined, budget), budget)
+            todo = _next(model, result, tolerance, budget, SMALLEST * extent)
+    report(progress, budget, budget)
+    return result
+
+
+def _next(model: Model, result: Found, tolerance: float, budget: int, smallest: float) -> list[Piece]:
+    """Take the pieces that are not yet good enough out of those done, in parts."""
+    coarse = _too_wide(result.done, tolerance)
+    kept: list[tuple[Bent, Settled]] = []
+    todo: list[Piece] = []
+    for (bent, settled), wide in zip(result.done, coarse, strict=True):
+        good = not wide and not settled.open
+        if good or bent.piece.width < smallest or result.examined + len(todo) >= budget:
+            kept.append((bent, settled))
+        else:
+            todo += divided(model, bent.piece)
+    result.done = kept
+    return todo
+
+
+def _too_wide(done: Sequence[tuple[Bent, Settled]], tolerance: float) -> list[bool]:
+    """Which pieces have a bound that exceeds what is attained by more than the tolerance."""
+    result = [False] * len(done)
+    for number in range(len(done[0][0].curvatures) if done else 0):
+        low, high, variation = peaks(done, number)
+        scale = max(abs(low.attained), abs(high.attained))
+        for k, (bent, settled) in enumerate(done):
+            own = bent.curvatures[number]
+            steep = max(variation.attained, scale**2 * (1 if settled.alike else VARIATION))
+            result[k] |= not (
+                float(own.value.upper()) <= high.attained + tolerance * scale
+                and float(own.value.lower()) >= low.attained - tolerance * scale
+                and float(abs(own.first).upper()) <= variation.attained + tolerance * steep
+            )
+    return result
+
+
+def peaks(done: Sequence[tuple[Bent, Settled]], number: int) -> tuple[Peak, Peak, Peak]:
+    """The least and the greatest value of a curvature, and the greatest size of its derivative along the arc."""
+    values = [bent.curvatures[number].value for bent, _ in done]
+    slopes = [abs(bent.curvatures[number].first) for bent, _ in done]
+    points = [(bent.at[number].value, bent.place) for bent, _ in done if bent.own]
+    points += [(zero.value, zero.place) for _, settled in done for zero in settled.zeros if zero.number == number]
+    steep = [(abs(bent.at[number].first), bent.place) for bent, _ in done if bent.own]
+    return (
+        _peak(min(float(value.lower()) for value in values), min(points, key=_middle, default=None)),
+        _peak(max(float(value.upper()) for value in values), max(points, key=_middle, default=None)),
+        _peak(max(float(slope.upper()) for slope in slopes), max(steep, key=_middle, default=None)),
+    )
+
+
+def _middle(pair: tuple[arb, Any]) -> float:
+    return float(pair[0].mid())
+
+
+def _peak(bound: float, best: tuple[arb, Sequence[arb] | None] | None) -> Peak:
+    if best is None or best[1] is None:
+        return Peak(bound, math.nan, ())
+    return Peak(bound, float(best[0].mid()), tuple(float(ball.mid()) for ball in best[1]))
+
+
+def distinct(zeros: Iterable[Zero]) -> list[Zero]:
+    """Neighbouring pieces may find the same zero."""
+    result: list[Zero] = []
+    for zero in zeros:
+        same = (
+            other.number == zero.number
+            and other.kind == zero.kind
+            and all(a.overlaps(b) for a, b in zip(other.place, zero.place, strict=True))
+            for other in result
+        )
+        if not any(same):
+            result.append(zero)
+    return result
