@@ -61,6 +61,7 @@ from .output.files import write, write_features
 from .output.joins import plot_continuity
 from .output.patches import plot_patches
 from .output.presets import load_letters, save_letters
+from .output.repairs import plot_repair
 from .output.sections import plot_sections, write_sections
 from .output.surfaces import plot_mesh
 from .output.sweep import plot_sweep
@@ -81,6 +82,8 @@ from .verify.lint.linting import lint
 from .verify.lint.report import Finding, LintReport
 from .verify.normalisation import verify_normalisation
 from .verify.normalisation_report import NormalisationReport
+from .verify.repair.repairing import repair
+from .verify.repair.report import RepairReport
 from .verify.report import Joint, SmoothnessReport
 from .verify.smoothness import verify_smoothness
 from .verify.threshold import Threshold, smoothness_threshold
@@ -103,6 +106,7 @@ __all__ = [
     "NormalisationReport",
     "R0m",
     "RAlpha",
+    "RepairReport",
     "Rho",
     "Rp",
     "RsymError",
@@ -189,6 +193,7 @@ __all__ = [
     "plot_gallery",
     "plot_mesh",
     "plot_patches",
+    "plot_repair",
     "plot_sections",
     "plot_sweep",
     "plot_verdict",
@@ -200,6 +205,7 @@ __all__ = [
     "quadric",
     "rectangle",
     "regular_polygon",
+    "repair",
     "revolve",
     "rfAND",
     "rfNOT",
