@@ -1,6 +1,5 @@
 """Verdicts on bodies in space, against what is known of each by hand."""
 
-
 import numpy as np
 import pytest
 import random_bodies
