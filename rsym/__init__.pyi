@@ -51,6 +51,7 @@ from .model.symmetry.screws import coil, screw, wound
 from .model.symmetry.waves import triangle_wave
 from .model.systems import R0, R1, R0m, RAlpha, Rp
 from .model.thickness import offset, shell
+from .output.atlas import plot_atlas
 from .output.cards import cards, plot_gallery
 from .output.combs import plot_curvature_comb
 from .output.comparison import compare_patches
@@ -71,6 +72,9 @@ from .sampling.mesh import Mesh
 from .sampling.meshing import Mesher, mesh
 from .sampling.sections import Section, sections
 from .sampling.sharp.features import Feature
+from .verify.atlas.atlas import smoothness_atlas
+from .verify.atlas.report import SmoothnessAtlas
+from .verify.atlas.threshold_curve import ThresholdCurve
 from .verify.continuity import ContinuityReport, continuity
 from .verify.curves import Curve
 from .verify.lint.linting import lint
@@ -106,8 +110,10 @@ __all__ = [
     "Sardf",
     "Section",
     "Shape",
+    "SmoothnessAtlas",
     "SmoothnessReport",
     "Threshold",
+    "ThresholdCurve",
     "analytic_condition",
     "arc",
     "blend_on_skeleton",
@@ -175,6 +181,7 @@ __all__ = [
     "normalise",
     "offset",
     "paper",
+    "plot_atlas",
     "plot_continuity",
     "plot_curvature_comb",
     "plot_field",
@@ -207,6 +214,7 @@ __all__ = [
     "segment",
     "shell",
     "slab",
+    "smoothness_atlas",
     "smoothness_threshold",
     "source",
     "space_curve",

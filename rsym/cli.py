@@ -15,11 +15,11 @@ import warnings
 from collections.abc import Sequence
 from typing import Any
 
-from rsym.commands import compare, fields, letters, lint, mesh, reproduce, sections, show, sweep, verify
+from rsym.commands import compare, fields, letters, lint, mesh, repair, reproduce, sections, show, sweep, verify
 from rsym.errors import RsymError, RsymWarning
 
 # Another command is one module beside these, and its name here and above.
-COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh, verify, compare, lint)
+COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh, verify, compare, repair, lint)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

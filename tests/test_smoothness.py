@@ -288,11 +288,15 @@ def test_the_bodies_of_fig_12_have_a_conical_tip():
     assert_close(report.defects[0].point, (-4.992121096289474, 0), atol=1e-9)
 
 
-def test_a_shape_in_space_that_is_no_body_of_revolution_is_refused():
-    with pytest.raises(RsymError, match="body of revolution"):
-        body(1 - x**2 - 2 * y**2 - 3 * z**2)
-    with pytest.raises(RsymError, match="body of revolution"):
-        body(conjunction(DISC, y + Q(1, 2)))
+def test_only_a_body_of_revolution_has_a_meridian():
+    for expression in (1 - x**2 - 2 * y**2 - 3 * z**2, conjunction(DISC, y + Q(1, 2))):
+        shape = Shape(expression, (x, y, z), bounds=((-2, 2),) * 3)
+        with pytest.raises(RsymError, match="not seen to be a body of revolution"):
+            rsym.verify_smoothness(shape, method="meridian")
+    with pytest.raises(RsymError, match="no method 'axis'"):
+        rsym.verify_smoothness(shape, method="axis")
+    with pytest.raises(RsymError, match="this shape is plane"):
+        rsym.verify_smoothness(Shape(DISC, (x, y), bounds=SQUARE), method="space")
 
 
 # Input.

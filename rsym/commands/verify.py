@@ -24,6 +24,12 @@ def add(commands: Commands) -> None:
     )
     add_model(parser, "a value that comes first; a2=5.32:8 asks for every value between")
     add_revolve(parser)
+    parser.add_argument(
+        "--method",
+        choices=["auto", "space"],
+        default="auto",
+        help="auto: a body of revolution by its meridian; space: any body by boxes in space (default: auto)",
+    )
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
     parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the verdict: .png, .svg or .pdf")
     instead = parser.add_mutually_exclusive_group()
@@ -55,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
         picture_suffix(options.output)
     shape = load_shape(options)
     with progress_bar("box", "verifying") as progress:
-        report = verify_smoothness(shape, letters=intervals, progress=progress)
+        report = verify_smoothness(shape, letters=intervals, method=options.method, progress=progress)
     if options.output is not None:
         write_picture(plot_verdict(report, shape), options.output)
     print(report.to_json() if options.json else report)

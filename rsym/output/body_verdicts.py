@@ -20,7 +20,7 @@ from rsym.output.singular import Limits, Marks, labelled, mark_boxes, mark_curve
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
-from rsym.verify.bodies.phrases import counted
+from rsym.verify.bodies.phrases import noun
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.wording import rounded_up
 
@@ -60,8 +60,8 @@ def draw_body_verdict(
     body = _mesh(shape, report, resolution, letters)
     coat = coat_of(body, body.normals, colour, colour_by, shape, letters)
     size = float(np.ptp(body.vertices, axis=0).max())
-    marks = mark_curves(report.curves, size, angles, jumps) + mark_points(report.points)
-    marks += mark_boxes(report.undecided, size)
+    marks = mark_curves(report.curves, size, angles, jumps) + mark_boxes(report.undecided, size)
+    marks += mark_points(report.points)
     frame = [] if len(body.faces) > 1 else [Stroke(outlines(np.array([report.cover.bounds])), FRAME, 0.6)]
     artist = ShadedMesh(body, coat, features=False, strokes=[*frame, *marks.strokes], bars=marks.bars)
     show(artist, ax, elevation, azimuth)
@@ -112,10 +112,10 @@ def verdict_title(report: BodyReport) -> str:
     >>> none, nothing = np.empty((0, 3, 2)), (float("nan"),) * 2
     >>> cover, tip = BodyCover((), none, none, none, 0), SingularPoint((0.0, 0.0, 1.0), 0.0, "cone tip", "G0")
     >>> verdict_title(BodyReport("REFUTED", "G0", (), (tip,), nothing, nothing, cover, {"a": (1, 2)}))
-    'REFUTED: G0, not G2, proved: cone tip, for some a in [1, 2]'
+    'REFUTED: G0, not G2, proved: 1 cone tip, for some a in [1, 2]'
     """
     found = Counter(one.kind for one in report.defects)
-    kinds = ", ".join(counted(kind, count) for kind, count in found.items())
+    kinds = ", ".join(f"{count} {noun(kind, count)}" for kind, count in found.items())
     answers = {
         "CERTIFIED": f"{report.continuity}, proved",
         "REFUTED": f"{report.continuity}, not G2, proved: {kinds}",

@@ -31,7 +31,7 @@ from rsym.verify.wording import plural
 Floats = NDArray[np.float64]
 Limits: TypeAlias = tuple[float, float]
 
-HIDDEN = 0.15  # the share that shows through the body
+HIDDEN, HIDDEN_POINT = 0.15, 0.5  # the share that shows through the body
 MANY, THIN = 40, 0.65  # so many curves are drawn so much thinner, and hidden ones not at all
 CASING = 1.4  # points of white around a line, so that it stands out from stripes and colours
 FINE, DASH = 0.01, 0.02  # of the body's size: the pieces of a line, and of a dashed one
@@ -139,9 +139,10 @@ def mark_points(points: Sequence[SingularPoint]) -> Marks:
     marks, told = Marks(), {point.kind for point in labelled(points)}
     for kind, count in Counter(point.kind for point in points).items():
         size, colour = POINTS.get(kind, (MARK, DEFECT))
+        size *= THIN if count > MANY else 1.0
         places = np.array([point.point for point in points if point.kind == kind])
-        handle = _dot(kind, count, size, colour)
-        marks += Marks(tuple(dots(places, colour, size, HIDDEN)), (), () if kind in told else (handle,))
+        handle, hidden = _dot(kind, count, size, colour), HIDDEN if kind == "corner" else HIDDEN_POINT
+        marks += Marks(tuple(dots(places, colour, size, hidden)), (), () if kind in told else (handle,))
     return marks
 
 

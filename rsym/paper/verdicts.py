@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -23,10 +22,8 @@ from rsym.paper.models import car, skeleton_body
 from rsym.verify.bodies.groups import groups
 from rsym.verify.bodies.markup import HEADER, group_cells
 from rsym.verify.bodies.phrases import interval
+from rsym.verify.bodies.report import BodyReport
 from rsym.verify.wording import plural, rounded_up
-
-if TYPE_CHECKING:
-    from rsym.verify.bodies.report import BodyReport
 
 SIZE = (9.6, 10.6)  # inches
 WIDE = 0.9  # of the width, for the bodies; the rest is for the bars

@@ -142,10 +142,17 @@ def _study_in_space(
 
 def verdict_of(shape: Shape, *, bounds: Any, letters: Mapping[Any, Any] | None, budget: int) -> str:
     """The verdict alone, without a sharp bound of the curvature."""
+    return quick_report(shape, bounds=bounds, letters=letters, budget=budget).verdict
+
+
+def quick_report(
+    shape: Shape, *, bounds: Any, letters: Mapping[Any, Any] | None, budget: int, sharpening: int = 0
+) -> SmoothnessReport | BodyReport:
+    """The report with a bound of the curvature on which only so many boxes are spent, in the plane."""
     if _in_space(shape, "auto"):
         study = _study_in_space(shape, bounds, letters, SMALLEST, budget * BODY_BUDGET // BUDGET, None)
-        return report_body(study, sharpened=False).verdict
-    return _report(_study(shape, bounds, letters, SMALLEST, budget, None), sharpening=0).verdict
+        return report_body(study, sharpened=sharpening > 0)
+    return _report(_study(shape, bounds, letters, SMALLEST, budget, None), sharpening=sharpening)
 
 
 @dataclass(frozen=True)

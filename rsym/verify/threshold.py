@@ -90,7 +90,7 @@ def smoothness_threshold(
     values = ranges_of(shape.letters, letters)
     if name not in values:
         ranges_of(shape.letters, {name: 0})  # raises, with a proposal
-    low, high = _ends(shape, name, between)
+    low, high = range_of(shape, name, between)
     trials: list[tuple[float, str]] = []
 
     def verdict(value: Fraction) -> str:
@@ -112,7 +112,8 @@ def smoothness_threshold(
     return Threshold(name, float(refuted), float(certified), tuple(trials))
 
 
-def _ends(shape: Shape, name: str, between: tuple[Any, Any] | None) -> tuple[Fraction, Fraction]:
+def range_of(shape: Shape, name: str, between: tuple[Any, Any] | None = None) -> tuple[Fraction, Fraction]:
+    """Where a letter is varied: between two values, else over its own range, else from half to twice its default."""
     item = shape.letters[name]
     default = Fraction(item.default)
     half, double = sorted((default / 2, default * 2))

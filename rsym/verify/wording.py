@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 # A double says nothing beyond so many digits, and an error below them is not worth a word.
 DIGITS = 12
+# Values of so many letters are a sentence; of more only the first few are told.
+MOST_LETTERS, FIRST_LETTERS = 8, 3
 PLAIN: Mapping[str, str] = {
     "cusp": "the boundary runs back on itself",
     "unbounded curvature": "the curvature grows without bound",
@@ -90,14 +92,20 @@ def within(what: str, bounds: Sequence[tuple[float, float]], letters: str) -> st
 def letters_text(letters: Mapping[str, tuple[float, float]], which: str = "every") -> str:
     """Letters that are intervals first: what is certified holds for every value in them, what is refuted for some.
 
+    Of many values the first are told.
+
     Examples
     --------
     >>> letters_text({"a": (5.0, 5.0), "a2": (5.32, 8.0)})
     'for every a2 in [5.32, 8] with a = 5'
+    >>> letters_text({f"a{k}": (k, k) for k in range(44)})
+    'with a0 = 0, a1 = 1, a2 = 2 and 41 other letters'
     """
     ranges = [f"{name} in [{number(low)}, {number(high)}]" for name, (low, high) in letters.items() if low < high]
     values = [f"{name} = {number(low)}" for name, (low, high) in letters.items() if not low < high]
     of_ranges = f"for {which} {' and '.join(ranges)}" if ranges else ""
+    if len(values) > MOST_LETTERS:
+        values = [f"{', '.join(values[:FIRST_LETTERS])} and {len(values) - FIRST_LETTERS} other letters"]
     return " ".join(part for part in (of_ranges, f"with {', '.join(values)}" if values else "") if part)
 
 

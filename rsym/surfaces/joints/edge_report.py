@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.surfaces.joints.edge_wording import report_html, report_text
+from rsym.surfaces.proofs.edge_proof import EdgeProof
+from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
 Array = NDArray[np.float64]
 
@@ -79,12 +81,24 @@ class Meeting:
 
     gap (length), angle (degrees, between the normals) and curvature_jump (one over length) are the greatest found.
     continuity: "broken" (apart), "G0", "G1" or "G2" within the tolerances. undefined: samples without a normal.
+    proof: what is proved of it, if a proof was asked for.
     """
 
     patches: tuple[int, ...]
     edges: tuple[str, ...]
     greatest: Greatest
     undefined: int
+    proof: EdgeProof | None = field(default=None, kw_only=True)
+
+    @property
+    def verdict(self) -> str:
+        """CERTIFIED, REFUTED, DEGENERATE or UNDECIDED: whether it is proved to be G2."""
+        return UNDECIDED if self.proof is None else self.proof.verdict
+
+    @property
+    def proved(self) -> str | None:
+        """The highest class that is proved."""
+        return None if self.proof is None else self.proof.proved
 
     @property
     def gap(self) -> Extreme:
@@ -164,7 +178,7 @@ class FreeEdge:
 class EdgeReport:
     """Where patches meet and how smoothly: common edges and poles, the worst first, then what is free.
 
-    Numerical: decided by samples with the errors told, not proved.
+    `continuity` is numerical, decided by samples with the errors told; `verdict` is proved, if proofs were asked for.
 
     Examples
     --------
@@ -189,6 +203,24 @@ class EdgeReport:
     def continuity(self) -> str | None:
         """The lowest class of all; None if nothing meets."""
         return min((one.continuity for one in self.meetings), key=CONTINUITIES.index, default=None)
+
+    @property
+    def verdict(self) -> str | None:
+        """CERTIFIED, every edge and pole is proved G2; REFUTED, one is proved not to be; DEGENERATE; or UNDECIDED.
+
+        None if nothing meets, or no proof was asked for.
+        """
+        found = {one.verdict for one in self.meetings}
+        asked = any(one.proof is not None for one in self.meetings)
+        return (
+            next((one for one in (REFUTED, DEGENERATE, UNDECIDED, CERTIFIED) if one in found), None) if asked else None
+        )
+
+    @property
+    def proved(self) -> str | None:
+        """The highest class that is proved of every edge and pole; None if there is none."""
+        held = [one.proved for one in self.meetings]
+        return None if None in held else min((one for one in held if one), key=CONTINUITIES.index, default=None)
 
     @property
     def defects(self) -> tuple[Meeting, ...]:

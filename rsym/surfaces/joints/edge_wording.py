@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from html import escape
 from typing import TYPE_CHECKING
 
+from rsym.surfaces.joints.proof_wording import proof_text, verdict_text
 from rsym.verify.wording import measured, number, plural
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 # Okabe and Ito's colours, told apart by everybody; the words say the same.
 COLOURS: Mapping[str, str] = {"broken": "#d55e00", "G0": "#e69f00", "G1": "#56b4e9", "G2": "#0072b2"}
 NUMERICAL = "Numerical: decided by samples, not proved"
+PROOF = "proof"
 HEADER = ("", "patches", "class", "gap", "angle", "curvature jump", "worst at", "parameters")
 # Lines and names beyond these are counted, not shown: the report has them all.
 LINES, NAMES = 20, 12
@@ -45,6 +47,7 @@ def meeting_text(meeting: Meeting) -> str:
         effect = f"nothing is known of the {'normals' if meeting.continuity == 'G0' else 'curvatures'}"
     notes = [f"{plural(meeting.undefined, 'sample')} without a normal"] if meeting.undefined else []
     notes += ["normals to different sides"] if getattr(meeting, "flipped", False) else []
+    notes += [proof_text(meeting.proof)] if meeting.proof else []
     at = f"worst at {_point(meeting.worst.point)}, {_parameters(meeting.worst)}"
     return "; ".join([f"{_who(meeting)}: {meeting.continuity}", effect, at, *notes])
 
@@ -52,7 +55,7 @@ def meeting_text(meeting: Meeting) -> str:
 def report_html(report: EdgeReport) -> str:
     """A headline, a table of the meetings, and what is free."""
     headline, *rest = _sentences(report)
-    head = "".join(_cell("th", name) for name in HEADER)
+    head = "".join(_cell("th", name) for name in (*HEADER, *([PROOF] if report.verdict else [])))
     rows = "".join(_row(place, one) for place, one in enumerate(report.meetings, 1))
     table = f"<table><tr>{head}</tr>{rows}</table>" if rows else ""
     colour = COLOURS.get(report.continuity or "", "inherit")
@@ -78,6 +81,8 @@ def _sentences(report: EdgeReport) -> Iterator[str]:
     shown = ", ".join(free[:NAMES]) + (f" and {len(free) - NAMES} more" if len(free) > NAMES else "")
     yield f"Free: {shown}." if free else "No edge is free."
     yield f"{NUMERICAL}; size {number(float(f'{report.size:.4g}'))}."
+    if report.verdict:
+        yield verdict_text(report)
 
 
 def _row(place: int, meeting: Meeting) -> str:
@@ -88,7 +93,9 @@ def _row(place: int, meeting: Meeting) -> str:
     ]
     who = [_cell("td", str(place)), _cell("td", _who(meeting))]
     who += [_cell("td", meeting.continuity, f"; border-left: 4px solid {COLOURS[meeting.continuity]}")]
-    cells = [_cell("td", cell) for cell in (*amounts, _point(meeting.worst.point), _parameters(meeting.worst))]
+    places = [_point(meeting.worst.point), _parameters(meeting.worst)]
+    proof = [f"{meeting.verdict}: {proof_text(meeting.proof)}"] if meeting.proof else []
+    cells = [_cell("td", cell) for cell in (*amounts, *places, *proof)]
     return f"<tr>{''.join(who + cells)}</tr>"
 
 

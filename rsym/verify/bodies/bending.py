@@ -6,15 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rsym.verify.bodies.images import Array, Boxes, Images
+from rsym.verify.bodies.curvature_bounds import bent
+from rsym.verify.bodies.images import Array, Boxes, Flags, Images
 from rsym.verify.bodies.octree import Subdivision, halves
 
-TIGHT = 0.05  # of the curvature: the enclosure may exceed what is attained by this share
-FLAT = 0.002  # of the largest curvature: an end near 0 is not pursued beyond this
-BUDGET = 3_000_000  # boxes, a microsecond or two each
-STEPS = 4  # of Newton's method from the middle of a box to the sheet
+TIGHT = 0.05  # of an end of what is attained: the enclosure may exceed it by this share
+FLAT = 0.002  # of the largest curvature: an end nearer to 0 than this is taken for 0, and not pursued further
+BUDGET = 400_000  # boxes, some 30 microseconds each
+FINEST = 2.0**-20  # of the extent: where curvature grows beyond all bounds narrower boxes say no more
+BESIDE = 2.0**-30  # of the largest coordinate: so far from a point of the boundary omega is looked at
 
 
 @dataclass(frozen=True)
@@ -27,19 +28,19 @@ class Bending:
 
 def bending(images: Images, found: Subdivision) -> Bending:
     """The principal curvatures on all settled boxes of a subdivision."""
-    parts = [_Part(images, node, np.concatenate(boxes)) for node, boxes in _by_node(found).items()]
-    spent = sum(len(part.boxes) for part in parts)
-    attained = np.array([np.inf, -np.inf])
-    for part in parts:
-        attained = part.sample(part.boxes, attained)
-    while spent < BUDGET and (worst := _offending(parts, attained)):
-        for part, own in worst:
-            spent += 8 * int(own.sum())
-            attained = part.refine(own, attained)
+    sheets = _by_node(found)
+    search = _Search(images)
+    parts = [_Part(search, node, np.concatenate(boxes)) for node, boxes in sheets.items()]
+    extent = max((float(np.ptp(part.boxes, axis=(0, 2)).max()) for part in parts if len(part.boxes)), default=0.0)
+    while search.spent < BUDGET:
+        marked = [part.offending(search.ends, FINEST * extent) for part in parts]
+        if not any(own.any() for own in marked):
+            break
+        for part, own in zip(parts, marked, strict=True):
+            part.refine(own)
     low = min((float(part.low.min(initial=np.inf)) for part in parts), default=np.inf)
     high = max((float(part.high.max(initial=-np.inf)) for part in parts), default=-np.inf)
-    if not np.isfinite(attained).all():
-        attained = np.array([np.nan, np.nan])
+    attained = search.attained if np.isfinite(search.attained).all() else np.array([np.nan, np.nan])
     return Bending((low, high), (float(attained[0]), float(attained[1])))
 
 
@@ -55,73 +56,61 @@ def _by_node(found: Subdivision) -> Mapping[int, Sequence[Boxes]]:
     return result
 
 
-def _offending(parts: Sequence[_Part], attained: Array) -> list[tuple[_Part, NDArray[np.bool_]]]:
-    """The boxes whose bounds reach too far beyond what is attained."""
-    if not np.isfinite(attained).all():
-        ends = np.array([np.inf, -np.inf])
-    else:
-        slack = np.maximum(TIGHT * np.abs(attained), FLAT * np.abs(attained).max())
-        ends = attained + [-1, 1] * slack
-    marked = [(part, (part.low < ends[0]) | (part.high > ends[1])) for part in parts]
-    return [(part, own) for part, own in marked if own.any()]
+class _Search:
+    """Bounds over boxes, the extremes at points in them, and how many boxes were bounded."""
+
+    def __init__(self, images: Images) -> None:
+        self.images = images
+        self.attained = np.array([np.inf, -np.inf])
+        self.spent = 0
+
+    @property
+    def ends(self) -> Array:
+        """What bounds may reach to: a little beyond what is attained."""
+        if not np.isfinite(self.attained).all():
+            return np.array([np.inf, -np.inf])
+        size = np.abs(self.attained)
+        slack = np.where(size > FLAT * size.max(), TIGHT * size, FLAT * size.max())
+        result: Array = self.attained + [-1, 1] * slack
+        return result
+
+    def bounded(self, node: int, boxes: Boxes) -> tuple[Boxes, Array, Array]:
+        """The parts of boxes that a sheet may meet, and bounds of its principal curvatures there."""
+        self.spent += len(boxes)
+        found = bent(self.images, node, boxes)
+        new = (found.curvatures[:, 1] < self.attained[0]) | (found.curvatures[:, 0] > self.attained[1])
+        new[new] = self._is_boundary(found.points[new], found.normals[new])
+        low, high = found.curvatures[new, 1], found.curvatures[new, 0]
+        self.attained = np.array([low.min(initial=self.attained[0]), high.max(initial=self.attained[1])])
+        return found.boxes, found.low, found.high
+
+    def _is_boundary(self, points: Array, normals: Array) -> Flags:
+        """Whether omega changes its sign near points: of the sheets in a box one may be cut off there."""
+        step = BESIDE * np.abs(points).max(initial=1.0) * normals
+        inside, outside = (self.images.sign(np.stack([points + side, points + side], -1)) for side in (step, -step))
+        result: Flags = inside * outside < 0
+        return result
 
 
 class _Part:
     """The boxes of one sheet, with bounds of its curvatures."""
 
-    def __init__(self, images: Images, node: int, boxes: Boxes) -> None:
-        self.images, self.node = images, node
-        self.boxes, self.low, self.high = self._bounded(boxes)
+    def __init__(self, search: _Search, node: int, boxes: Boxes) -> None:
+        self.search, self.node = search, node
+        self.boxes, self.low, self.high = search.bounded(node, boxes)
 
-    def _bounded(self, boxes: Boxes) -> tuple[Boxes, Array, Array]:
-        """The boxes that the sheet may meet, and the bounds."""
-        (low, high), value = self.images.curvatures(self.node, boxes)
-        met = (value[0] <= 0) & (value[1] >= 0)
-        return boxes[met], low[met], high[met]
-
-    def refine(self, own: NDArray[np.bool_], attained: Array) -> Array:
-        """Divide some boxes; what is attained in the parts is added."""
-        parts = halves(self.boxes[own])
-        alive = self.images.alive(parts)[0].any(axis=0)
-        boxes, low, high = self._bounded(parts[alive])
-        attained = self.sample(boxes, attained)
-        self.boxes = np.concatenate([self.boxes[~own], boxes])
-        self.low = np.concatenate([self.low[~own], low])
-        self.high = np.concatenate([self.high[~own], high])
-        return attained
-
-    def sample(self, boxes: Boxes, attained: Array) -> Array:
-        """The extremes with those at points of the sheet in these boxes, where it is the boundary."""
-        points = boxes.mean(axis=-1)
-        for _ in range(STEPS):
-            _, value = self.images.curvatures(self.node, _at(points))
-            low, high, _ = self.images.slopes(self.node, _at(points))
-            slope = ((low + high) / 2).T
-            with np.errstate(all="ignore"):
-                step = (value[0] + value[1]) / 2 / np.square(slope).sum(axis=1)
-            points = points - np.where(np.isfinite(step), step, np.inf)[:, None] * slope
-            kept = ((points >= boxes[..., 0]) & (points <= boxes[..., 1])).all(axis=1)
-            points, boxes = points[kept], boxes[kept]
-        points = points[self._is_boundary(points)]
-        (low, high), _ = self.images.curvatures(self.node, _at(points))
-        finite = np.isfinite(low) & np.isfinite(high)
-        found = np.array([low[finite].min(initial=np.inf), high[finite].max(initial=-np.inf)])
-        result: Array = np.array([min(found[0], attained[0]), max(found[1], attained[1])])
+    def offending(self, ends: Array, finest: float) -> Flags:
+        """The boxes whose bounds reach beyond these ends, the finest left out."""
+        wide = (self.boxes[..., 1] - self.boxes[..., 0]).max(axis=1, initial=0) > finest
+        result: Flags = ((self.low < ends[0]) | (self.high > ends[1])) & wide
         return result
 
-    def _is_boundary(self, points: Array) -> NDArray[np.bool_]:
-        """Whether omega changes its sign near a point: of the sheets in a box one may be cut off there."""
-        low, high, _ = self.images.slopes(self.node, _at(points))
-        slope = ((low + high) / 2).T
-        length = np.linalg.norm(slope, axis=1, keepdims=True)
-        scale = np.abs(points).max(initial=1.0) * 2.0**-30
-        with np.errstate(all="ignore"):
-            step = scale * slope / length
-        inside, outside = (self.images.sign(_at(points + side * step)) for side in (1, -1))
-        result: NDArray[np.bool_] = inside * outside < 0
-        return result
-
-
-def _at(points: Array) -> Boxes:
-    """Points as boxes without extent."""
-    return np.stack([points, points], axis=-1)
+    def refine(self, own: Flags) -> None:
+        """Divide these boxes."""
+        if own.any():
+            parts = halves(self.boxes[own])
+            parts = parts[self.search.images.alive(parts)[0].any(axis=0)]
+            boxes, low, high = self.search.bounded(self.node, parts)
+            self.boxes = np.concatenate([self.boxes[~own], boxes])
+            self.low = np.concatenate([self.low[~own], low])
+            self.high = np.concatenate([self.high[~own], high])

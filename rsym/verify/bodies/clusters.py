@@ -10,8 +10,10 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from rsym.verify.local import Box
+from rsym.codegen.balls import arb
+from rsym.verify.local import Box, side
 
 LONG = 50  # widths of a box: a longer cluster of few boxes is a curve
 FEW = 40  # boxes for each width of length: a curve that is undecided leaves up to three by three, a surface far more
@@ -50,6 +52,12 @@ class Cluster:
         """Half the diagonal of the hull: all boxes lie within it."""
         return math.nextafter(math.dist(*zip(*self.hull, strict=True)) / 2, math.inf)
 
+    def may_hold(self, point: Sequence[arb]) -> bool:
+        """Whether a point may lie in one of the boxes."""
+        return any(
+            all(part.overlaps(side(*ends)) for part, ends in zip(point, box[:3], strict=True)) for box in self.boxes
+        )
+
     @property
     def is_long(self) -> bool:
         """Whether the boxes lie along a curve."""
@@ -63,16 +71,15 @@ class Cluster:
         """
         middles = self.ends.mean(axis=2)
         direction = np.linalg.svd(middles - middles.mean(axis=0), full_matrices=False)[2][0]
-        here = int((middles @ direction).argmin())
+        tree, here = cKDTree(middles), int((middles @ direction).argmin())
         left, chain = np.ones(len(middles), bool), [here]
         while True:
-            distances = np.linalg.norm(middles - middles[here], axis=1)
-            left &= distances > 2 * self.width
-            if not left.any():
+            left[tree.query_ball_point(middles[here], 2 * self.width)] = False
+            near = np.array(sorted(tree.query_ball_point(middles[here], 6 * self.width)))
+            near = near[left[near]]
+            if not len(near):
                 break
-            here = int(np.where(left, distances, np.inf).argmin())
-            if distances[here] > 6 * self.width:
-                break
+            here = int(near[np.linalg.norm(middles[near] - middles[here], axis=1).argmin()])
             chain.append(here)
         points: NDArray[np.float64] = middles[chain]
         closed = len(chain) > 8 and math.dist(points[0], points[-1]) < 6 * self.width

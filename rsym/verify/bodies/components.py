@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rsym.codegen.balls import arb
 from rsym.verify.bodies.continuation import Curve, Knot, Tube, others
-from rsym.verify.bodies.following import ACCURACY, Path, Walk
+from rsym.verify.bodies.following import ACCURACY, Ground, Path, Walk, cut
 from rsym.verify.bodies.region import Region
 from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.krawczyk import Point, image, inverse
@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 
 # Of the extent: what lies so close to a face is on it.
 _TOLERANCE = 2.0**-32
+# A corner known worse than to this share of the extent is no end of a curve.
+_SHARP = 1e-6
 # Parts into which a box may fall before it stays open.
 _PARTS = 400
 # Where Newton's method has found nothing new it is tried again in parts that are halved so often.
@@ -96,11 +98,12 @@ def ends(sides: Sequence[arb]) -> tuple[Array, Array]:
     return np.nextafter(low, -np.inf), np.nextafter(high, np.inf)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Component:
-    """One component: its points along grad F x grad G, and how it ends on both sides."""
+    """One component: its points along grad F x grad G, the tubes between them, and how it ends on both sides."""
 
     knots: list[Knot]
+    tubes: list[Tube]
     ends: tuple[str, str]
 
 
@@ -109,15 +112,19 @@ class Search:
 
     def __init__(self, curve: Curve, boxes: Sequence[Box], corners: Sequence[tuple[Box, SingularPoint]]) -> None:
         self.curve, self.boxes = curve, boxes
-        self.corners = [knot for _, point in corners if (knot := self._corner(point)) is not None]
-        self.region = Region([*boxes, *(box for box, _ in corners)], _TOLERANCE * curve.extent)
-        self.inner = Region(boxes, _TOLERANCE * curve.extent)
+        knots = [(box, knot) for box, point in corners if (knot := self._corner(point)) is not None]
+        inner, further = (
+            Region(union, _TOLERANCE * curve.extent) for union in (boxes, [*boxes, *(box for box, _ in knots)])
+        )
+        self.ground = Ground(inner, further, [knot for _, knot in knots])
         self.tubes = Tubes(curve)
         self.components: list[Component] = []
         self.open: list[Box] = []
 
     def _corner(self, corner: SingularPoint) -> Knot | None:
-        """A corner as a point of the curve, if it may lie on it."""
+        """A corner as a point of the curve, if it may lie on it and is known well enough."""
+        if corner.radius > _SHARP * self.curve.extent:
+            return None
         sides = tuple(arb(value, corner.radius) for value in corner.point)
         if not all(value.contains(0) for value in self.curve.values(self.curve.on(sides))):
             return None
@@ -149,26 +156,50 @@ class Search:
     def _seek(self, middle: Array) -> bool:
         """Look for a new component close to a point, and follow it."""
         point = self.curve.newton(middle)
-        if point is None or not self.inner.holds(point) or self.tubes.contain([arb(value) for value in point.tolist()]):
+        if point is None or not self.ground.boxes.holds(point):
             return False
-        direction = np.array([float(one.mid()) for one in self.curve.tangent([arb(value) for value in point.tolist()])])
+        sides = [arb(value) for value in point.tolist()]
+        if self.tubes.contain(sides):
+            return False
+        direction = np.array([float(one.mid()) for one in self.curve.tangent(sides)])
         seed = self.curve.knot(point, int(np.abs(direction).argmax()))
         if seed is None:
             return False
-        forth = Walk(self.curve, self.region, seed, 1, self.corners).path()
-        back = None if forth.end == "closed" else Walk(self.curve, self.region, seed, -1, self.corners).path()
-        tubes = forth.tubes + ([] if back is None else back.tubes)
-        if not tubes:
+        forth = self._path(seed, 1)
+        back = None
+        if forth.end != "closed":
+            back = self._path(seed, -1, forth.knots[-1] if forth.end == "lost" else None)
+        if not forth.tubes and (back is None or not back.tubes):
             return False
-        self.tubes.add(tubes)
-        self.components.append(_joined(forth, back))
+        self._keep(_joined(forth, back, ACCURACY * self.curve.extent))
         return True
 
+    def _keep(self, component: Component) -> None:
+        """Take a component; of those that are one curve, for a face is grazed or an end was lost, the longest."""
+        self.tubes.add(component.tubes)
+        own = Tubes(self.curve)
+        own.add(component.tubes)
+        same = [known for known in self.components if any(own.contain(knot.sides) for knot in known.knots)]
+        longest = max([*same, component], key=lambda one: len(one.knots))
+        self.components = [*(known for known in self.components if known not in same), longest]
 
-def _joined(forth: Path, back: Path | None) -> Component:
+    def _path(self, seed: Knot, sense: int, goal: Knot | None = None) -> Path:
+        """Follow the curve to a corner, else to the face on which it enters the box of one."""
+        path = Walk(self.curve, self.ground, seed, sense, goal).path()
+        if path.end == "corner" or self.ground.boxes.holds(path.knots[-1].middle):
+            return path
+        return Walk(self.curve, self.ground.without_corners(), seed, sense, goal).path()
+
+
+def _joined(forth: Path, back: Path | None, beyond: float) -> Component:
     if back is None:
-        return Component(forth.knots, ("closed", "closed"))
-    return Component(back.knots[:0:-1] + forth.knots, (back.end, forth.end))
+        return Component(forth.knots, forth.tubes, ("closed", "closed"))
+    if back.end == "met":
+        return Component(forth.knots + back.knots[-2::-1], forth.tubes + back.tubes[::-1], ("closed", "closed"))
+    # The first tube of either way goes back a little, perhaps beyond the end of the other.
+    ahead = [cut(tube, back.knots[-1], -1, beyond) for tube in forth.tubes[:1]] + forth.tubes[1:]
+    behind = [cut(tube, forth.knots[-1], 1, beyond) for tube in back.tubes[:1]] + back.tubes[1:]
+    return Component(back.knots[:0:-1] + forth.knots, behind[::-1] + ahead, (back.end, forth.end))
 
 
 def narrowed(curve: Curve, box: Point) -> Point | None:

@@ -65,13 +65,13 @@ def hessian(at: Local, number: int) -> list[list[arb]]:
     return [at.gradient(first) for first in at.model.gradient(number)]
 
 
-def without_gradient(at: Local, leaf: int) -> Judgement | None:
-    """What a leaf is where it and its gradient vanish; None where its quadratic form may be singular."""
+def without_gradient(at: Local, leaf: int, inside: int) -> Judgement | None:
+    """What a leaf is where it and its gradient vanish, `inside` being its sign there; None where that stays open."""
     signs = inertia(hessian(at, leaf))
     if signs is None:
         return None
     if len(set(signs)) == 1:
-        side = "outside" if signs[0] < 0 else "inside"
+        side = "inside" if signs[0] == inside else "outside"
         return Judgement("isolated point", "broken", f"a definite quadratic form: all around it is {side}")
     return Judgement("node", "broken", "the gradient vanishes, and the quadratic form has both signs: a double cone")
 

@@ -29,7 +29,7 @@ OVERLAP = 0.125
 # Newton's method ends with a step below this share of the extent, and fails after so many steps.
 _SETTLED, _STEPS = 2.0**-46, 12
 # Half widths, in shares of the extent, of the boxes in which a point is proved to be the only one.
-_ROOMS = (2.0**-40, 2.0**-28, 2.0**-16, 2.0**-8)
+_ROOMS = (2.0**-40, 2.0**-28, 2.0**-16, 2.0**-8, 2.0**-5)
 
 
 @dataclass(frozen=True)
@@ -85,6 +85,12 @@ class Tube:
         if not (t > self.span[0] and t < self.span[1]):
             return False
         return all(abs(sides[axis] - self._chord(axis, t)) < self.reach for axis in others(self.axis))
+
+    def is_near(self, knot: Knot) -> bool:
+        """Whether a point seems to lie on the arc; no proof."""
+        t = float(knot.middle[self.axis])
+        gap = np.abs(self.middle + self.slope * (t - self.middle[self.axis]) - knot.middle).max()
+        return self.span[0] <= t <= self.span[1] and bool(gap <= self.width + knot.radius)
 
 
 def others(axis: int) -> list[int]:
@@ -188,12 +194,15 @@ class Curve:
         section = _Section(self, box[axis], axis)
         return section.whole(refined(section.values, section.jacobian, tuple(box[other] for other in others(axis))))
 
-    def tube(self, start: Array, end: Array, axis: int, reach: float) -> Tube | None:
-        """The tube around a chord, if the curve is proved to pass it; `reach` is how wide it is to be."""
+    def tube(self, knot: Knot, end: Array, axis: int, reach: float) -> Tube | None:
+        """The tube around a chord from a knot, if the curve is proved to pass it; `reach` is how wide it is to be."""
+        start = knot.middle
         run = float(end[axis] - start[axis])
         middle, slope = (start + end) / 2, (end - start) / run
         slope[axis] = 1.0
+        spread = 2 * float(arb(knot.sides[axis].rad()).upper())
         low, high = sorted((float(start[axis]) - OVERLAP * run, float(end[axis]) + OVERLAP * run))
+        low, high = min(low, float(start[axis]) - spread), max(high, float(start[axis]) + spread)
         tube = Tube(axis, (low, high), middle, slope, reach, reach, 0)
         local = self.on(tube.over(low, high, reach))
         if not self.is_analytic(local):

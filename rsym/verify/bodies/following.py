@@ -26,6 +26,10 @@ _MOST = 20_000
 # Where it grazes the face it is halved to the second one, which is also how far the last tube goes beyond an end.
 _NEAR, ACCURACY = 2.0**-20, 2.0**-30
 _HALVINGS = 40
+# How wide tubes are, in shares of their length: wide ones account for more, narrow ones fit between close curves.
+_REACHES = (1.0, 0.25, 0.0625)
+# Parts of an arc, each of which must lie in one box.
+_PARTS = 256
 
 
 @dataclass(frozen=True)
@@ -43,14 +47,39 @@ class _Step(NamedTuple):
     end: str
 
 
-class Walk:
-    """The way along a curve from one of its points, `sense` 1 along grad F x grad G, -1 against it."""
+@dataclass(frozen=True)
+class Ground:
+    """Where a curve is followed: in boxes, and on from there to one of the corners in further boxes."""
 
-    def __init__(self, curve: Curve, region: Region, start: Knot, sense: int, corners: Sequence[Knot]) -> None:
-        self.curve, self.region, self.start, self.sense, self.corners = curve, region, start, sense, corners
+    boxes: Region
+    further: Region
+    corners: Sequence[Knot]
+
+    def without_corners(self) -> Ground:
+        """The boxes alone."""
+        return Ground(self.boxes, self.boxes, ())
+
+
+class Walk:
+    """The way along a curve from one of its points, `sense` 1 along grad F x grad G, -1 against it.
+
+    `goal` is another point of the curve, at which the way may end as well: the last one of a way that was lost.
+    """
+
+    def __init__(self, curve: Curve, ground: Ground, start: Knot, sense: int, goal: Knot | None = None) -> None:
+        self.curve, self.ground, self.start, self.sense = curve, ground, start, sense
+        self._ends = {"closed": [start], "met": [] if goal is None else [goal], "corner": ground.corners}
+        self._width = 0
 
     def path(self) -> Path:
-        """Follow the curve to its end."""
+        """Follow the curve to its end; no tube goes on beyond it, so that what is there is not taken for followed."""
+        path = self._path()
+        if path.end in {"closed", "met"}:
+            return path
+        beyond = ACCURACY * self.curve.extent
+        return replace(path, tubes=[cut(tube, path.knots[-1], self.sense, beyond) for tube in path.tubes])
+
+    def _path(self) -> Path:
         knots, tubes = [self.start], []
         longest = LONGEST * self.curve.extent
         length = longest
@@ -77,29 +106,32 @@ class Walk:
         target = curve.newton(knot.middle + length * direction, axis)
         if target is None or np.linalg.norm(target - knot.middle) > 2 * length:
             return None
-        tube = curve.tube(knot.middle, target, axis, length)
-        if tube is None or not tube.contains(knot.sides):
-            return None
         ahead = 1 if target[axis] > knot.middle[axis] else -1
-        if tube.sense * self.sense != ahead:
-            return None
-        step = self._met(knot, tube, ahead) or self._inside(knot, tube, target) or self._leaving(knot, tube, target)
-        return step if step is not None and self._covers(step.tube, knot, step.knot) else None
+        for number in range(max(self._width - 1, 0), len(_REACHES)):
+            tube = curve.tube(knot, target, axis, _REACHES[number] * length)
+            if tube is None or tube.sense * self.sense != ahead or not tube.contains(knot.sides):
+                continue
+            step = self._along(knot, tube, target, ahead)
+            if step is not None and self._stays(knot, step):
+                self._width = number
+                return step
+        return None
 
-    def _met(self, knot: Knot, tube: Tube, ahead: int) -> _Step | None:
-        """The first point of the curve, or a corner on it, that the tube holds ahead of the last knot."""
+    def _along(self, knot: Knot, tube: Tube, target: Array, ahead: int) -> _Step | None:
+        """The step in a tube: to the first of the ends that it holds, to the target, or to a face before it."""
         met = []
-        for known in (self.start, *self.corners):
+        for end, known in ((end, one) for end, knots in self._ends.items() for one in knots if one is not knot):
             advance = (known.sides[tube.axis] - knot.sides[tube.axis]) * ahead
-            if advance > 0 and tube.contains(known.sides):
-                met.append((float(advance.mid()), known))
-        if not met:
-            return None
-        first = min(met, key=lambda pair: pair[0])[1]
-        return _Step(first, tube, "closed" if first is self.start else "corner")
+            if tube.contains(known.sides) and advance > 0:
+                met.append((float(advance.mid()), _Step(known, tube, end)))
+            elif tube.is_near(known) and not advance < 0:
+                return None  # on the arc or not, ahead or not: that must be certain
+        if met:
+            return min(met, key=lambda pair: pair[0])[1]
+        return self._inside(knot, tube, target) or self._leaving(knot, tube, target)
 
     def _inside(self, knot: Knot, tube: Tube, target: Array) -> _Step | None:
-        if not self.region.holds(target):
+        if not self.ground.further.holds(target):
             return None
         found = self.curve.knot(target, tube.axis, tube)
         if found is None or _angle(knot.tangent, found.tangent) > TURN:
@@ -108,14 +140,14 @@ class Walk:
 
     def _leaving(self, knot: Knot, tube: Tube, target: Array) -> _Step | None:
         """The end of the curve on the face through which it leaves the boxes."""
-        if self.region.holds(target):
+        if self.ground.further.holds(target):
             return None
         found = self._end(knot.middle, target, tube)
         if found is None:
             return None
         if np.linalg.norm(found.middle - knot.middle) < 4 * ACCURACY * self.curve.extent:
             return _Step(knot, tube, "face")
-        return _Step(found, _cut(tube, knot, found, ACCURACY * self.curve.extent), "face")
+        return _Step(found, tube, "face")
 
     def _end(self, inner: Array, outer: Array, tube: Tube) -> Knot | None:
         for _ in range(_HALVINGS):
@@ -127,11 +159,11 @@ class Walk:
             middle = self.curve.newton((inner + outer) / 2, tube.axis)
             if middle is None:
                 return None
-            inner, outer = (middle, outer) if self.region.holds(middle) else (inner, middle)
+            inner, outer = (middle, outer) if self.ground.further.holds(middle) else (inner, middle)
         return self.curve.knot(inner, tube.axis, tube)
 
     def _on_face(self, inner: Array, outer: Array, tube: Tube) -> Knot | None:
-        face = self.region.face(inner, outer)
+        face = self.ground.further.face(inner, outer)
         if face is None:
             return None
         axis, value = face
@@ -140,32 +172,42 @@ class Walk:
         point = self.curve.newton(guess, axis)
         if point is None or np.linalg.norm(point - inner) > 4 * np.linalg.norm(outer - inner):
             return None
-        return self.curve.knot(point, axis, tube) if self.region.holds(point) else None
+        return self.curve.knot(point, axis, tube) if self.ground.further.holds(point) else None
 
-    def _covers(self, tube: Tube, start: Knot, end: Knot) -> bool:
-        """Whether the arc between two knots lies in the boxes, each grown by a quarter."""
-        ends = [float(knot.sides[tube.axis].mid()) for knot in (start, end)]
-        parts, budget = [(min(ends), max(ends))], 256
-        while parts and budget:
-            low, high = parts.pop()
-            budget -= 1
-            sides = tube.over(low, high, tube.width)
-            slack = self.region.tolerance
-            lows = np.array([float(side.lower()) for side in sides]) - slack
-            highs = np.array([float(side.upper()) for side in sides]) + slack
-            if not self.region.surrounds(lows, highs):
-                if high - low < 4 * tube.width:
-                    return False
-                middle = (low + high) / 2
-                parts += [(low, middle), (middle, high)]
-        return not parts
+    def _stays(self, knot: Knot, step: _Step) -> bool:
+        """Whether the arc up to the next knot lies in the boxes, each grown by a quarter, or in those of a corner."""
+        boxes = self.ground.boxes
+        if step.end != "corner" and boxes.holds(step.knot.middle):
+            return boxes.holds(knot.middle) and covers(boxes, step.tube, knot, step.knot)
+        return covers(self.ground.further, step.tube, knot, step.knot)
 
 
-def _cut(tube: Tube, last: Knot, end: Knot, beyond: float) -> Tube:
-    """The tube up to an end of the curve, and hardly beyond."""
-    before, t = (float(knot.sides[tube.axis].mid()) for knot in (last, end))
+def covers(region: Region, tube: Tube, start: Knot, end: Knot) -> bool:
+    """Whether the arc in a tube between two knots lies in the boxes of a region, each grown by a quarter."""
+    ends = [float(knot.sides[tube.axis].mid()) for knot in (start, end)]
+    parts = [(min(ends), max(ends))]
+    for _ in range(_PARTS):
+        if not parts:
+            return True
+        low, high = parts.pop()
+        sides = tube.over(low, high, tube.width)
+        lows = np.array([float(side.lower()) for side in sides]) - region.tolerance
+        highs = np.array([float(side.upper()) for side in sides]) + region.tolerance
+        if not region.surrounds(lows, highs):
+            if high - low < 4 * tube.width:
+                return False
+            middle = (low + high) / 2
+            parts += [(low, middle), (middle, high)]
+    return False
+
+
+def cut(tube: Tube, end: Knot, sense: int, beyond: float) -> Tube:
+    """The tube up to an end of the curve that it holds, and hardly beyond, for a way with or against the curve."""
+    if not tube.contains(end.sides):
+        return tube
+    t = float(end.sides[tube.axis].mid())
     low, high = tube.span
-    span = (low, min(high, t + beyond)) if t > before else (max(low, t - beyond), high)
+    span = (low, min(high, t + beyond)) if tube.sense == sense else (max(low, t - beyond), high)
     return replace(tube, span=span)
 
 

@@ -1,4 +1,4 @@
-"""Images of leaves over many boxes at once, in float64 with outward rounding: values, gradients, shape operators.
+"""Images of leaves over many boxes at once, in float64 with outward rounding: values and derivatives.
 
 A leaf is analytic on a box where each of its conditions holds, which are read off its operations: a root's radicand
 is positive, a denominator is not zero, and so on. They are those of `generators`, for a whole level of boxes.
@@ -7,17 +7,18 @@ is positive, a denominator is not zero, and so on. They are those of `generators
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
+from itertools import combinations_with_replacement, product
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.codegen.builder import Builder
-from rsym.codegen.fields import Calculus
-from rsym.codegen.intervals import IntervalFunction, Range
+from rsym.codegen.differentiation import derivative
+from rsym.codegen.intervals import IntervalFunction
 from rsym.codegen.program import assemble, live
+from rsym.verify.bodies.centred import Centred
 from rsym.verify.bodies.formation import Formation
 from rsym.verify.domains import switch_of
 from rsym.verify.generators import ENTIRE, JOINT, NORMS
@@ -27,10 +28,6 @@ Array: TypeAlias = NDArray[np.float64]
 Boxes: TypeAlias = NDArray[np.float64]  # (n, 3, 2)
 Ends: TypeAlias = tuple[Array, Array]
 Flags: TypeAlias = NDArray[np.bool_]
-
-SIDE = "side of the frame"  # an input; no letter of a user has a space in its name
-OPERATOR = ("uu", "uv", "vv")
-LARGEST = 2_000  # operations of a shape operator whose images are sharpened, which multiplies them by ten
 
 
 class Condition(NamedTuple):
@@ -108,7 +105,7 @@ class Images:
     def __init__(self, model: Model, formed: Formation, letters: Mapping[str, Interval]) -> None:
         self.model, self.formed, self.letters = model, formed, letters
         self._slopes: dict[int, _Slopes] = {}
-        self._bending: dict[int, _Bent] = {}
+        self._bends: dict[int, IntervalFunction] = {}
 
     @cached_property
     def _values(self) -> IntervalFunction:
@@ -116,11 +113,9 @@ class Images:
         nodes |= {f"test {k}": node for k, node in enumerate(self.formed.tests)}
         return self._function({**nodes, "whole": self.model.root}, sharpened=tuple(nodes))
 
-    def _function(
-        self, outputs: Mapping[str, int], *, more: tuple[str, ...] = (), sharpened: Sequence[str] = ()
-    ) -> IntervalFunction:
+    def _function(self, outputs: Mapping[str, int], *, sharpened: Sequence[str] = ()) -> IntervalFunction:
         builder = self.model.builder
-        program = assemble(builder.nodes, builder.coordinates, (*builder.letters, *more), outputs)
+        program = assemble(builder.nodes, builder.coordinates, builder.letters, outputs)
         numbers = dict(program.outputs)
         return IntervalFunction(program, sharpened=tuple(numbers[name] for name in sharpened), strict=True)
 
@@ -144,15 +139,17 @@ class Images:
         low, high = self._on(self._values, boxes)["whole"]
         return (low > 0).astype(np.int8) - (high < 0).astype(np.int8)
 
-    def _on(
-        self, function: IntervalFunction, boxes: Boxes, side: float | None = None, more: Sequence[Array] = ()
-    ) -> Mapping[str, Ends]:
-        letters: Mapping[str, Range] = self.letters if side is None else {**self.letters, SIDE: side}
+    def _on(self, function: IntervalFunction, boxes: Boxes) -> Mapping[str, Ends]:
         with np.errstate(all="ignore"):
-            return function([*boxes[..., 0].T, *more], [*boxes[..., 1].T, *more], letters)
+            return function([*boxes[..., 0].T], [*boxes[..., 1].T], self.letters)
 
     def slopes(self, node: int, boxes: Boxes) -> tuple[Array, Array, Flags]:
         """The gradient of a node over boxes, (3, n) lower and upper, and where the node is certainly analytic."""
+        _, (low, high), analytic = self.first(node, boxes)
+        return low, high, analytic
+
+    def first(self, node: int, boxes: Boxes) -> tuple[Ends, Ends, Flags]:
+        """The value (n,) and the gradient (3, n) of a node over boxes, and where it is certainly analytic."""
         if node not in self._slopes:
             self._slopes[node] = self._made(node)
         made = self._slopes[node]
@@ -165,89 +162,37 @@ class Images:
                 holds |= (low > 0) if test.positive else (low > 0) | (high < 0)
             analytic &= holds
         low, high = (np.array([found[f"slope {k}"][end] for k in range(3)]) for end in (0, 1))
-        return low, high, analytic
+        return found["value"], (low, high), analytic
 
     def _made(self, node: int) -> _Slopes:
         tests = conditions(self.model.builder, node)
         outputs = {f"slope {k}": slope for k, slope in enumerate(self.model.gradient(node))}
-        outputs |= {f"node {test.node}": test.node for either in tests or () for test in either}
+        outputs |= {"value": node} | {f"node {test.node}": test.node for either in tests or () for test in either}
         return _Slopes(self._function(outputs, sharpened=[name for name in outputs if name.startswith("slope")]), tests)
 
-    def curvatures(self, node: int, boxes: Boxes) -> tuple[Ends, Ends]:
-        """Bounds (low, high) of the principal curvatures of the zero set of a node in boxes, and of its value.
+    def bends(self, node: int, boxes: Boxes) -> tuple[Centred, Centred]:
+        """The second (3, 3, n) and third (3, 3, 3, n) derivatives of a node over boxes."""
+        if node not in self._bends:
+            self._bends[node] = self._function(self._higher(node))
+        found = self._on(self._bends[node], boxes)
+        tensors = []
+        for order in (2, 3):
+            places = list(combinations_with_replacement(range(3), order))
+            low, high = (np.array([found[str(place)][end] for place in places]) for end in (0, 1))
+            index = [places.index((*sorted(place),)) for place in product(range(3), repeat=order)]
+            tensors.append(Centred.between(low, high)[np.array(index).reshape([3] * order)])
+        return tensors[0], tensors[1]
 
-        On f = 0 the shape operator is what it is plus any multiple of f: the multiple that cancels its slope along
-        the normal in the middle of a box leaves an image too wide by the square of the width only.
-        """
-        if node not in self._bending:
-            self._bending[node] = self._bent(node)
-        bent = self._bending[node]
-        low, high, _ = self.slopes(node, boxes)
-        upper = low[2] + high[2] >= 0
-        found = np.empty((4, 2, len(boxes)))
-        for own, side in ((upper, 1.0), (~upper, -1.0)):
-            leans = bent.leans(self._on(bent.slopes, _middles(boxes[own]), side))
-            bounds = self._on(bent.operator, boxes[own], side, leans)
-            found[..., own] = [bounds[name] for name in (*OPERATOR, "value")]
-        (al, ah), (sl, sh), (cl, ch), (value, top) = found
-        shear = np.maximum(np.abs(sl), np.abs(sh))
-        return (_eigenvalue(al, cl, shear, -1), _eigenvalue(ah, ch, shear, 1)), (value, top)
-
-    def _bent(self, node: int) -> _Bent:
-        b = self.model.builder
-        operator = Calculus(b, node).curvatures.operator(b.input(SIDE))
-        sharp = len(live(b.nodes, operator)) < LARGEST
-        slopes = {f"value {k}": value for k, value in enumerate(self.model.gradient(node))}
-        outputs, leans = {"value": node}, []
-        for part, entry in zip(OPERATOR, operator, strict=True):
-            if sharp:
-                leans.append(f"lean {part}")
-                slopes |= {f"{part} {k}": value for k, value in enumerate(self.model.gradient(entry))}
-                entry = b.add(entry, b.mul(b.input(leans[-1]), node))
-            outputs[part] = entry
-        program = self._function(outputs, more=(SIDE, *leans), sharpened=tuple(outputs) if sharp else ("value",))
-        varying = replace(program, program=program.program.varying(leans))
-        return _Bent(varying, self._function(slopes, more=(SIDE,)), len(leans))
-
-
-class _Bent(NamedTuple):
-    """The shape operator of a node over boxes, its slopes at points, and how many of its entries lean on the node."""
-
-    operator: IntervalFunction
-    slopes: IntervalFunction
-    entries: int
-
-    def leans(self, slopes: Mapping[str, Ends]) -> list[Array]:
-        """The multiples of the node that cancel the slopes of the entries along its gradient; 0 where there is none."""
-        middle = {name: (low + high) / 2 for name, (low, high) in slopes.items()}
-        normal = [middle[f"value {k}"] for k in range(3)]
-        result = []
-        with np.errstate(all="ignore"):
-            for part in OPERATOR[: self.entries]:
-                product = sum(middle[f"{part} {k}"] * normal[k] for k in range(3))
-                lean = -product / sum(np.square(component) for component in normal)
-                result.append(np.where(np.isfinite(lean), lean, 0.0))
-        return result
+    def _higher(self, node: int) -> dict[str, int]:
+        """The second and third derivatives by the coordinates along which they are taken."""
+        b, names = self.model.builder, self.model.builder.coordinates
+        made: dict[tuple[int, ...], int] = {(k,): slope for k, slope in enumerate(self.model.gradient(node))}
+        for order in (2, 3):
+            for places in combinations_with_replacement(range(3), order):
+                made[places] = derivative(b, made[places[:-1]], names[places[-1]])
+        return {str(places): number for places, number in made.items() if len(places) > 1}
 
 
 class _Slopes(NamedTuple):
     function: IntervalFunction
     tests: list[tuple[Condition, ...]] | None
-
-
-def _middles(boxes: Boxes) -> Boxes:
-    middle = boxes.mean(axis=-1)
-    return np.stack([middle, middle], axis=-1)
-
-
-def _eigenvalue(a: Array, c: Array, shear: Array, sign: int) -> Array:
-    """The larger (sign 1) or smaller (-1) eigenvalue of [[a, s], [s, c]], rounded that way.
-
-    x*x*a + y*y*c + 2*x*y*s on unit vectors is at most what the upper ends of a, c, |s| give, and at least what the
-    lower ends of a, c and the upper of |s| give. Each of the five operations errs by half a unit of the largest.
-    """
-    with np.errstate(all="ignore"):
-        value = 0.5 * (a + c) + sign * np.hypot(0.5 * (a - c), shear)
-        error = 2.0**-49 * (np.abs(a) + np.abs(c) + shear)
-    result: Array = np.where(np.isnan(value), sign * np.inf, value + sign * error)
-    return result

@@ -25,59 +25,65 @@ from rsym.verify.bodies.corners import (
     outward,
     radius_of,
 )
+from rsym.verify.bodies.formulas import ternary
 from rsym.verify.bodies.links import Link, link
-from rsym.verify.bodies.rays import FINEST, Rays, exact_at, rays_at
+from rsym.verify.bodies.rays import FINE, FINEST, Rays, rays_at
 from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.sheets import Sheets, sheets
 from rsym.verify.bodies.tips import largest_turn
+from rsym.verify.bodies.zeros import Known, known_at
 from rsym.verify.generators import generators
 from rsym.verify.local import Local, Model
-from rsym.verify.vanishing import Exact
 
 Names: TypeAlias = Callable[[int], str]
 
 
-def classify_place(model: Model, place: Place, names: Names | None = None) -> SingularPoint | None:
-    """What the boundary is at a point that is known exactly, proved; None where nothing is, or where it is regular."""
+def classify_place(
+    model: Model, place: Place, names: Names | None = None, *, apparent: bool = False
+) -> SingularPoint | None:
+    """What the boundary is at a point that is known exactly, proved; None where nothing is, or where it is regular.
+
+    `apparent` takes for zero what is so to all digits; then the result is not proved.
+    """
     with ctx.workprec(PRECISE):
-        known = exact_at(model, place.point, place.coordinates, place.zeros)
+        known = known_at(model, place, apparent=apparent)
         found = sheets(known.local, model.root)
-        smooth = found is not None and all(generators(known.local, leaf).analytic for leaf in found.leaves)
-        at = model.on(place.point)
-        around = None
-        if found is not None and smooth and known.vanishes(*found.leaves):
-            judgement = _of_sheets(known, at, found)
-            if judgement is not None:
-                return _point(place, judgement, called_of(found, names), arb(0))
-            around = _arrangement(at, found)
-        called = called_of(found, names) if found is not None else ()
-        if found is not None and around is not None and around[1]:
-            return _corner(place, at, found, around[0], called)
-        if found is not None and smooth and len(found.leaves) < 3:
-            return None
-        rays, judgement = _blown_up(model, known, "corner" if smooth else "cone tip")
-        if rays is None or judgement is None:
-            return None
-        if judgement.continuity == "broken":
-            return _point(place, judgement, called, arb(math.nan))
-        if found is not None and around is not None and around[0].edges:
-            return _point(place, judgement, called, _jump(at, found, around[0]))
-        turn, off = largest_turn(rays)
-        return replace(_point(place, judgement, called, arb(0)), tangent_jump=turn, tangent_jump_error=off)
+        if found is None or not all(generators(known.local, leaf).analytic for leaf in found.leaves):
+            point = _of_rays(place, known, found, None, names, "cone tip")
+        else:
+            point = _of_sheets(place, known, found, names)
+    if point is None or not apparent:
+        return point
+    return replace(point, proved=False, reason=f"if what vanishes to 30 digits is zero: {point.reason}")
 
 
-def _of_sheets(known: Exact, at: Local, found: Sheets) -> Judgement | None:
-    """One leaf without a gradient, or two that touch."""
-    model = at.model
+def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -> SingularPoint | None:
+    """One leaf without a gradient, two that touch, three or more through one point."""
+    model, at, called = known.local.model, known.at, called_of(found, names)
+    if not known.vanishes(*found.leaves):
+        return None
     if len(found.leaves) == 1:
         (leaf,) = found.leaves
-        return without_gradient(at, leaf) if known.vanishes(*model.gradient(leaf)) else None
+        judgement = None
+        if known.vanishes(*model.gradient(leaf)):
+            judgement = without_gradient(at, leaf, ternary(found.formula, {leaf: 1}))
+        return None if judgement is None else _point(place, judgement, called, arb(math.nan))
     if len(found.leaves) == 2:
         f, g = found.leaves
         for k, slope in enumerate(at.gradient(f)):
             if not slope.contains(0) and known.vanishes(*across(model, f, g, k)):
-                return touching(at, f, g, numbered(found))
-    return None
+                judgement = touching(at, f, g, numbered(found))
+                return None if judgement is None else _point(place, judgement, called, arb(0))
+        return None
+    arrangement = _arrangement(at, found)
+    if arrangement is None or not arrangement[1]:
+        return _of_rays(place, known, found, None if arrangement is None else arrangement[0], names, "corner")
+    around = arrangement[0]
+    if not around.edges:
+        return None
+    kind, continuity = ("corner", "G0") if around.is_disc else ("node", "broken")
+    reason = describe(around, f"{len(found.leaves)} analytic sheets meet")
+    return _point(place, Judgement(kind, continuity, reason), called, _jump(at, found, around))
 
 
 def _arrangement(at: Local, found: Sheets) -> tuple[Link, bool] | None:
@@ -97,30 +103,33 @@ def _arrangement(at: Local, found: Sheets) -> tuple[Link, bool] | None:
     return None if around is None else (around, proved)
 
 
-def _corner(place: Place, at: Local, found: Sheets, around: Link, called: tuple[str, ...]) -> SingularPoint | None:
-    if not around.edges:
-        return None
-    reason = describe(around, f"{len(found.leaves)} analytic sheets meet")
-    kind, continuity = ("corner", "G0") if around.is_disc else ("node", "broken")
-    return _point(place, Judgement(kind, continuity, reason), called, _jump(at, found, around))
-
-
 def _jump(at: Local, found: Sheets, around: Link) -> arb:
     return largest_angle(around, [outward(at, leaf, -1) for leaf in found.leaves])
 
 
-def _blown_up(model: Model, known: Exact, kind: str) -> tuple[Rays | None, Judgement | None]:
+def _of_rays(
+    place: Place, known: Known, found: Sheets | None, around: Link | None, names: Names | None, kind: str
+) -> SingularPoint | None:
     """What the one-sided derivative proves, from coarse cells of directions or from fine ones."""
-    rays, judgement = rays_at(model, known), None
-    if rays is not None:
-        judgement = _of_rays(rays, kind)
-        if judgement is None and (rays := rays_at(model, known, FINEST)) is not None:
-            judgement = _of_rays(rays, kind)
-    return rays, judgement
+    called = called_of(found, names) if found is not None else ()
+    for finest in (FINE, FINEST):
+        rays = rays_at(known.local.model, known, finest)
+        if rays is None:
+            return None
+        judgement = _judged(rays, kind)
+        if judgement is None:
+            continue
+        if judgement.continuity == "broken":
+            return _point(place, judgement, called, arb(math.nan))
+        if found is not None and around is not None and around.edges:
+            return _point(place, judgement, called, _jump(known.at, found, around))
+        turn, off = largest_turn(rays)
+        return replace(_point(place, judgement, called, arb(0)), tangent_jump=turn, tangent_jump_error=off)
+    return None
 
 
-def _of_rays(rays: Rays, kind: str) -> Judgement | None:
-    """What the one-sided derivative proves."""
+def _judged(rays: Rays, kind: str) -> Judgement | None:
+    """What the signs of the one-sided derivative say."""
     start = "the one-sided derivative of omega"
     if rays.signs.all() and len(set(rays.signs.tolist())) == 1:
         return Judgement("isolated point", "broken", f"{start} is zero in no direction")

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rsym.codegen.balls import arb, ctx, root, square
 from rsym.codegen.fields import Calculus
-from rsym.verify.bodies.continuation import Curve, Knot, cross, dot
+from rsym.verify.bodies.continuation import Curve, Knot, Tube, cross, dot
 from rsym.verify.joints import PRECISE, Meeting, step_of
 from rsym.verify.local import Local
 from rsym.verify.vanishing import vanishes_with
@@ -64,6 +64,11 @@ class Jumps:
             return jump
         with ctx.workprec(PRECISE):
             return self._at(self.curve.narrowed(knot.sides, knot.axis))
+
+    def between(self, tube: Tube, start: Knot, end: Knot) -> Jump:
+        """What the jump is everywhere on the arc between two points."""
+        t = sorted(float(knot.sides[tube.axis].mid()) for knot in (start, end))
+        return self._at(tube.over(t[0], t[1], tube.width))
 
     def _at(self, sides: Sequence[arb]) -> Jump:
         local, order = self.curve.on(sides), self.meeting.contact

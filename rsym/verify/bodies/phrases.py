@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from decimal import ROUND_CEILING, Context, Decimal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.verify.wording import number, plural, significant
+from rsym.verify.wording import number, significant
 
 LONGEST = 40  # characters of a definition: one without a name goes by its formula
 SHORT = 4  # digits where no error is known, or none matters
+NOTHING = -9  # the power of ten of a scale that is nothing beside it
 SLACK = 1e-6  # of a unit: what is so near a round number is that number
 SINGLE: Mapping[str, str] = {"unresolved": "unresolved place"}
 SEVERAL: Mapping[str, str] = {
@@ -66,7 +67,18 @@ def counted(kind: str, count: int) -> str:
     >>> counted("edge", 1), counted("edge", 12), counted("tangency", 2)
     ('edge', '12 edges', '2 tangencies')
     """
-    return SINGLE.get(kind, kind) if count == 1 else plural(count, kind, SEVERAL.get(kind, ""))
+    return noun(kind, count) if count == 1 else f"{count} {noun(kind, count)}"
+
+
+def noun(kind: str, count: int) -> str:
+    """What one or several of a kind are called.
+
+    Examples
+    --------
+    >>> noun("node", 1), noun("node", 2), noun("unresolved", 1)
+    ('node', 'nodes', 'unresolved place')
+    """
+    return SINGLE.get(kind, kind) if count == 1 else SEVERAL.get(kind, f"{kind}s")
 
 
 def place(point: Sequence[float] | NDArray[np.float64]) -> str:
@@ -81,29 +93,37 @@ def place(point: Sequence[float] | NDArray[np.float64]) -> str:
     return f"({', '.join(number(end if abs(end) > nothing else 0.0) for end in point)})"
 
 
-def short(value: float) -> str:
-    """A number in few digits, without a negative zero.
+def short(value: float, scale: float = 0.0) -> str:
+    """A number in few digits, 0 if it is nothing beside the scale.
 
     Examples
     --------
-    >>> short(3.14159265), short(-1e-17)
-    ('3.142', '-1e-17')
+    >>> short(3.14159265), short(-1e-17), short(-1e-17, scale=1.0)
+    ('3.142', '-1e-17', '0')
     """
-    return f"{value + 0.0:.{SHORT}g}"
+    return "0" if abs(value) < 10.0**NOTHING * scale else f"{value + 0.0:.{SHORT}g}"
 
 
-def interval(low: float, high: float) -> str:
-    """An enclosure in few digits that still encloses.
+def interval(low: float, high: float, scale: float = 0.0) -> str:
+    """An enclosure in few digits that still encloses, none of them beyond a billionth of the scale and the ends.
 
     Examples
     --------
     >>> interval(-1.000001, 2.000001), interval(0.99999, 1.00001)
     ('[-1.001, 2.001]', '[0.9999, 1.001]')
+    >>> interval(-3e-300, 0.5), interval(-2e-28, 1e-28, scale=1.0)
+    ('[-1e-10, 0.5]', '[-1e-09, 1e-09]')
     """
-    ends = (
-        float(Context(4, rounding).create_decimal(end)) for end, rounding in ((low, ROUND_FLOOR), (high, ROUND_CEILING))
-    )
-    return f"[{', '.join(f'{end:.4g}' for end in ends)}]"
+    largest = max(abs(low), abs(high), scale)
+    nothing = Decimal(10) ** (NOTHING + math.floor(math.log10(largest))) if largest > 0 else Decimal(0)
+    return f"[{_outward(-Decimal(low), nothing, -1)}, {_outward(Decimal(high), nothing, 1)}]"
+
+
+def _outward(end: Decimal, nothing: Decimal, sign: int) -> str:
+    """sign*end rounded away from the inside, its size `nothing` at least or 0."""
+    if abs(end) < nothing:
+        end = nothing if end > 0 else Decimal(0)
+    return f"{sign * float(Context(4, ROUND_CEILING).create_decimal(end)) + 0.0:.4g}"
 
 
 def extents(points: NDArray[np.float64]) -> str:

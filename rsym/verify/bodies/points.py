@@ -9,39 +9,52 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from rsym.codegen.balls import ctx
-from rsym.verify.bodies.candidates import places
+from rsym.verify.bodies.candidates import Place, places
 from rsym.verify.bodies.clusters import Cluster, clusters
-from rsym.verify.bodies.corners import floats
+from rsym.verify.bodies.corners import Corner, corner, floats
 from rsym.verify.bodies.even_roots import is_regular_through_root
 from rsym.verify.bodies.formulas import Literal
 from rsym.verify.bodies.judging import Names, called_of, classify_place
 from rsym.verify.bodies.report import SingularCurve, SingularPoint
 from rsym.verify.bodies.sheets import Sheets, sheets
-from rsym.verify.bodies.spheres import COARSE, views
+from rsym.verify.bodies.spheres import COARSE, Sampler, sampler, views
 from rsym.verify.covering import PRECISION
 from rsym.verify.generators import generators
-from rsym.verify.local import Box, Model
+from rsym.verify.local import Box, Local, Model
 
 # Kinds of points at which there is no surface; a tangency is one too where it is "broken".
 DEGENERATIONS = frozenset({"node", "isolated point", "no sign change", "end"})
 MOST_CLASSIFIED = 48  # clusters that are looked at closer, each for some tenths of a second
 MOST_PROBED = 12  # of them by numbers
 MOST_PLACES = 6  # guesses of the point of one cluster
+VIEWS = 5  # spheres around a point, each a quarter as large as the one before
 
 
 @dataclass(frozen=True)
 class Classified:
-    """Points, undecided curves, and the boxes on which the boundary turned out to be regular and analytic."""
+    """What boxes that were left over turned out to hold.
+
+    Attributes
+    ----------
+    points, curves
+        What is singular or undecided there.
+    regular : tuple of Box
+        Those on which the boundary is a regular analytic sheet.
+    corners : tuple of (Box, Corner)
+        Those on which three sheets are proved to meet in one of the points, or along their edges alone.
+    """
 
     points: tuple[SingularPoint, ...]
     curves: tuple[SingularCurve, ...]
-    regular: tuple[Box, ...]
+    regular: tuple[Box, ...] = ()
+    corners: tuple[tuple[Box, Corner], ...] = ()
 
 
 def is_degenerate(point: SingularPoint) -> bool:
@@ -80,19 +93,13 @@ def classify_points(
     >>> point.kind, point.point, point.proved, is_degenerate(point)
     ('node', (0.0, 0.0, 0.0), True, True)
     """
-    points: list[SingularPoint] = []
-    undecided: list[SingularCurve] = []
-    regular: list[Box] = []
-    for number, cluster in enumerate(clusters([box for box, _ in left])):
+    classifier = _Classifier(model, extent, names)
+    for cluster in clusters([box for box, _ in left]):
         if cluster.is_long:
-            undecided += _unless_known(_curve(cluster), curves)
-            continue
-        if number < MOST_CLASSIFIED and is_regular(model, cluster):
-            regular += cluster.boxes
-            continue
-        probe = len(points) < MOST_PROBED
-        points.append(_classified(model, cluster, extent, names, probe) if number < MOST_CLASSIFIED else _open(cluster))
-    return Classified(tuple(points), tuple(undecided), tuple(regular))
+            classifier.curves += _unless_known(_curve(cluster), curves)
+        else:
+            classifier.add(cluster)
+    return classifier.result
 
 
 def _open(cluster: Cluster) -> SingularPoint:
@@ -117,58 +124,98 @@ def _unless_known(curve: SingularCurve, known: Sequence[SingularCurve]) -> list[
     return [] if bool((distances < 4 * curve.radius).all()) else [curve]
 
 
-def is_regular(model: Model, cluster: Cluster) -> bool:
-    """Whether all boxes of a cluster hold one leaf, analytic (even in what is under its roots) and with a gradient."""
-    with ctx.workprec(PRECISION):
-        local = model.over((*cluster.hull, *cluster.boxes[0][3:]))
-        found = sheets(local, model.root)
-        if found is None or len(found.leaves) != 1:
-            return False
-        (leaf,) = found.leaves
-        if generators(local, leaf).analytic:
-            return any(slope > 0 or slope < 0 for slope in local.gradient(leaf))
-        return is_regular_through_root(local, leaf)
+def is_regular(local: Local) -> bool:
+    """Whether a box holds one leaf alone, analytic (even in what is under its roots) and with a gradient."""
+    found = sheets(local, local.model.root)
+    if found is None or len(found.leaves) != 1:
+        return False
+    (leaf,) = found.leaves
+    if generators(local, leaf).analytic:
+        return any(slope > 0 or slope < 0 for slope in local.gradient(leaf))
+    return is_regular_through_root(local, leaf)
 
 
-def _classified(model: Model, cluster: Cluster, extent: float, names: Names | None, probe: bool) -> SingularPoint:
-    """By the first place that proves something, else by numbers."""
-    unresolved = _open(cluster)
-    if len(model.axes) > 3:
-        return unresolved
-    with ctx.workprec(PRECISION):
-        local = model.over(cluster.hull)
-        found = sheets(local, model.root) or Sheets((model.root,), Literal(model.root), (model.root,))
-    called = called_of(found, names)
-    best = None
-    reach = 2 * cluster.radius + cluster.width
-    for place in islice(places(model, local, found, cluster.centre, reach), MOST_PLACES):
-        best = place.point if best is None else best
-        if place.proved:
-            point = classify_place(model, place, names)
-            if point is not None:
+class _Classifier:
+    """Takes one cluster after the other."""
+
+    def __init__(self, model: Model, extent: float, names: Names | None) -> None:
+        self.model, self.extent, self.names = model, extent, names
+        self.curves: list[SingularCurve] = []
+        self._points: list[SingularPoint] = []
+        self._regular: list[Box] = []
+        self._corners: list[tuple[Box, Corner]] = []
+        self._looked_at = self._probed = 0
+
+    @property
+    def result(self) -> Classified:
+        return Classified(tuple(self._points), tuple(self.curves), tuple(self._regular), tuple(self._corners))
+
+    def add(self, cluster: Cluster) -> None:
+        """Settle the boxes of a cluster, or note one point for it."""
+        self._looked_at += 1
+        if self._looked_at > MOST_CLASSIFIED:
+            self._points.append(_open(cluster))
+            return
+        with ctx.workprec(PRECISION):
+            local = self.model.over((*cluster.hull, *cluster.boxes[0][3:]))
+            if is_regular(local):
+                self._regular += cluster.boxes
+                return
+            found = corner(local, names=self.names)
+        if found is None:
+            self._points.append(self._classified(cluster))
+            return
+        self._corners += [(box, found) for box in cluster.boxes]
+        if found.point is not None:
+            self._points.append(found.point)
+
+    def _classified(self, cluster: Cluster) -> SingularPoint:
+        """By the first place that proves something, else by numbers."""
+        model, names = self.model, self.names
+        if len(model.axes) > 3:
+            return _open(cluster)
+        with ctx.workprec(PRECISION):
+            local = model.over(cluster.hull)
+            found = sheets(local, model.root) or Sheets((model.root,), Literal(model.root), (model.root,))
+        guesses = islice(places(model, local, found, cluster.centre, cluster.radius), MOST_PLACES)
+        near: list[Place] = []
+        for place in guesses:
+            if cluster.may_hold(place.point):
+                near.append(place)
+                if place.proved and (point := classify_place(model, place, names)) is not None:
+                    return point
+        for place in near:
+            if (point := classify_place(model, place, names, apparent=True)) is not None:
                 return point
-    if not probe:
-        return replace(unresolved, names=called)
-    centre, away = (cluster.centre, cluster.radius) if best is None else (floats(best), 0.0)
-    return _probed(model, replace(unresolved, point=centre, names=called), away, extent)
+        unresolved = replace(_open(cluster), names=called_of(found, names))
+        if self._probed >= MOST_PROBED:
+            return unresolved
+        self._probed += 1
+        if near:
+            return self._seen_from(replace(unresolved, point=floats(near[0].point)))
+        (view,) = views(self._sampler, cluster.centre, [4 * cluster.radius])
+        return replace(unresolved, reason=f"numerically: a sphere four times as large sees {view}")
 
+    @cached_property
+    def _sampler(self) -> Sampler:
+        return sampler(self.model)
 
-def _probed(model: Model, point: SingularPoint, away: float, extent: float) -> SingularPoint:
-    """What small spheres see, numerically; they stay larger than what is not known of the centre."""
-    seen = views(model, point.point, max(extent / 400, 300 * away))
-    last = seen[-1]
-    reason = f"numerically: small spheres see {last}"
-    if any((view.inside, view.outside) != (last.inside, last.outside) for view in seen[2:]):
-        return replace(point, reason="the pieces that small spheres see do not settle")
-    if last.undefined:
-        return replace(point, kind="end", reason=reason)
-    if min(last.inside, last.outside) == 0:
-        return replace(point, reason=reason)  # an isolated point, or a spike too sharp to be seen
-    if max(last.inside, last.outside) > 1:
-        return replace(point, kind="node", reason=reason)
-    off = abs(seen[-2].turn - last.turn) + COARSE
-    reason += f"; the normals on them differ by up to {last.turn:.3g} degrees"
-    if last.turn > 10 * off:
+    def _seen_from(self, point: SingularPoint) -> SingularPoint:
+        """What ever smaller spheres see around a point, numerically."""
+        seen = views(self._sampler, point.point, [self.extent / 400 / 4**step for step in range(VIEWS)])
+        last = seen[-1]
+        reason = f"numerically: small spheres see {last}"
+        if any((view.inside, view.outside) != (last.inside, last.outside) for view in seen[2:]):
+            return replace(point, reason="the pieces that small spheres see do not settle")
+        if last.undefined:
+            return replace(point, kind="end", reason=reason)
+        if min(last.inside, last.outside) == 0:
+            return replace(point, reason=reason)  # an isolated point, or a spike too sharp to be seen
+        if max(last.inside, last.outside) > 1:
+            return replace(point, kind="node", reason=reason)
+        turn, off = last.turn, abs(seen[-2].turn - last.turn) + COARSE
+        reason += f"; the normals on them differ by up to {turn:.3g} degrees"
+        if not turn > 10 * off:
+            return replace(point, reason=reason)
         kind = "cone tip" if len(point.names) < 2 else "corner"
-        return replace(point, kind=kind, continuity="G0", tangent_jump=last.turn, tangent_jump_error=off, reason=reason)
-    return replace(point, reason=reason)
+        return replace(point, kind=kind, continuity="G0", tangent_jump=turn, tangent_jump_error=off, reason=reason)

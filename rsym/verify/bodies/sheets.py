@@ -49,9 +49,11 @@ def sheets(local: Local, number: int) -> Sheets | None:
     """
     origins: dict[int, int] = {}
     formula = _formula(local, number, origins)
-    if formula is None or len(leaves_of(formula)) > MOST:
+    if formula is None or len(leaves_of(formula)) > 2 * MOST:
         return None
     formula = _merged(local, formula)
+    if len(leaves_of(formula)) > MOST:
+        return None
     if len(leaves_of(formula)) <= FEW:
         needed = essential(formula)
         formula = replaced(formula, {leaf: 1 for leaf in leaves_of(formula) if leaf not in needed})

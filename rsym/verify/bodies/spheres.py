@@ -25,8 +25,6 @@ from rsym.verify.local import Model
 Array: TypeAlias = NDArray[np.float64]
 
 FINENESS = 24  # steps along an edge of the cube of directions: cones of 4 degrees are seen
-RADII = 5
-SHRINKING = 4.0
 HALVINGS = 30
 COARSE = 0.2  # degrees that the largest angle between normals so far apart may miss
 
@@ -45,32 +43,39 @@ class View:
         return f"{self.inside} pieces of the inside and {self.outside} of the outside{nan}"
 
 
-def views(model: Model, centre: Sequence[float], radius: float) -> list[View]:
-    """What spheres see, the first of the given radius, each a quarter as large as the one before.
+Sampler: TypeAlias = Callable[[Array], Array]
 
-    Examples
-    --------
-    >>> import rsym
-    >>> from rsym import x, y, z
-    >>> cone = Model(rsym.Shape(z**2 - x**2 - y**2, (x, y, z)), {})
-    >>> print(views(cone, (0.0, 0.0, 0.0), 0.1)[-1])
-    2 pieces of the inside and 1 of the outside
-    """
+
+def sampler(model: Model) -> Sampler:
+    """A function of points (n, 3): omega and its gradient there, (4, n)."""
     nodes = (model.root, *model.gradient(model.root))
     function = NumpyFunction(expand(model.builder.program({str(place): node for place, node in enumerate(nodes)})))
     letters = [float((model.letters[name][0] + model.letters[name][1]) / 2) for name in model.builder.letters]
-    directions, pairs = _lattice()
 
     def sampled(points: Array) -> Array:
         outputs = [np.empty(len(points)) for _ in nodes]
         function.run([np.ascontiguousarray(row) for row in points.T], letters, outputs)
         return np.stack(outputs)
 
-    radii = [radius / SHRINKING**step for step in range(RADII)]
+    return sampled
+
+
+def views(sampled: Sampler, centre: Sequence[float], radii: Sequence[float]) -> list[View]:
+    """What spheres around a point see.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> cone = Model(rsym.Shape(z**2 - x**2 - y**2, (x, y, z)), {})
+    >>> print(views(sampler(cone), (0.0, 0.0, 0.0), [0.1])[0])
+    2 pieces of the inside and 1 of the outside
+    """
+    directions, pairs = _lattice()
     return [_view(sampled, np.asarray(centre) + size * directions, pairs) for size in radii]
 
 
-def _view(sampled: Callable[[Array], Array], points: Array, pairs: NDArray[np.int64]) -> View:
+def _view(sampled: Sampler, points: Array, pairs: NDArray[np.int64]) -> View:
     signs = _signs(sampled(points)[0])
     counts = {sign: _pieces(signs == sign, pairs) for sign in (1, -1)}
     inner, outer = pairs[:, signs[pairs[0]] * signs[pairs[1]] < 0]

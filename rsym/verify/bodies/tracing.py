@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -19,6 +20,8 @@ from rsym.verify.joints import Meeting
 from rsym.verify.local import Box, Model, side
 
 Array = NDArray[np.float64]
+
+_ROUNDED = 5e-4  # what four digits may lose
 
 
 def trace(
@@ -56,6 +59,17 @@ def trace(
     list of SingularCurve
         The first sheet lies to the left, seen from outside. An "unresolved" one of a single point stands for a box
         that stays open: it may hold a curve.
+
+    Examples
+    --------
+    >>> from rsym import Shape, conjunction, x, y, z
+    >>> from rsym.verify.joints import Arc
+    >>> model = Model(Shape(conjunction(1 - x**2 - y**2 - z**2, z + y), (x, y, z)), {})
+    >>> ball, plane = model.builder.nodes[model.root].arguments
+    >>> sheets = Meeting((Arc(ball, plane), Arc(plane, ball)), 1)
+    >>> (arc,) = trace(model, sheets, ("ball", "plane"), [((0.25, 1.25), (-1.0, 1.0), (-1.0, 1.0))], extent=2.0)
+    >>> arc.traced, arc.proved, arc.kind, round(arc.tangent_jump, 9), arc.points[[0, -1], 0]
+    (True, True, 'edge', 90.0, array([0.25, 0.25]))
     """
     found: list[SingularCurve] = []
     groups: dict[Box, list[Box]] = {}
@@ -85,43 +99,57 @@ def _described(search: Search, meeting: Meeting, names: tuple[str, str]) -> list
 
 
 def _singular(search: Search, component: Component, meeting: Meeting, names: tuple[str, str]) -> SingularCurve:
-    jumps = Jumps(search.curve, meeting)
-    found = [jumps.at(knot) for knot in component.knots]
-    own = [jump for jump, knot in zip(found, component.knots, strict=True) if knot.axis is not None]
-    judged = judge(own, meeting.contact, jumps.is_common(component.knots[0]))
-    turns, bends = _sizes(found, 0), _sizes(found, 1)
-    turn, turn_error = _worst([jump.turn for jump in own], [jump.steps[0] for jump in own])
-    bend, bend_error = _worst(
-        [jump.curvature for jump in own if jump.curvature is not None],
-        [jump.steps[1] for jump in own if jump.curvature is not None],
-    )
-    lost = "lost" in component.ends
+    jumps, knots = Jumps(search.curve, meeting), component.knots
+    found = [jumps.at(knot) for knot in knots]
+    # Only in the boxes it is proved that the boundary is both sheets.
+    certain = [knot.axis is not None and search.ground.boxes.holds(knot.middle) for knot in knots]
+    own = list(itertools.compress(found, certain))
+    common = all(jumps.is_common(knot) for knot in itertools.compress(knots, certain))
+    judged = judge(own, meeting.contact, common)
+    turn, turn_error = _worst([(jump.turn, jump.steps[0]) for jump in own])
+    bend, bend_error = _worst([(jump.curvature, jump.steps[1]) for jump in own if jump.curvature is not None])
     return SingularCurve(
-        points=np.array([knot.middle for knot in component.knots]),
-        radius=max(knot.radius for knot in component.knots),
+        points=np.array([knot.middle for knot in knots]),
+        radius=max(knot.radius for knot in knots),
         kind=judged.kind,
         continuity=judged.continuity,
         names=names,
         normals=np.array([jump.normals for jump in found]),
-        tangent_jumps=turns,
-        curvature_jumps=bends,
+        tangent_jumps=_sizes(found, 0),
+        curvature_jumps=_sizes(found, 1),
         tangent_jump=turn,
         tangent_jump_error=turn_error,
         curvature_jump=bend,
         curvature_jump_error=bend_error,
-        traced=not (lost or search.open),
+        traced="lost" not in component.ends and not search.open,
         proved=judged.proved,
-        reason=judged.reason + _remarks(search, component),
+        reason="; ".join([judged.reason, *_between(jumps, component, judged.kind), *_remarks(search, component)]),
     )
 
 
-def _remarks(search: Search, component: Component) -> str:
-    remarks = ["; the curve is one, between its points by certified continuation"]
-    if "lost" in component.ends:
-        remarks = ["; the continuation fails at an end"]
-    if search.open:
-        remarks.append(f"; {len(search.open)} of {len(search.boxes)} boxes stay open and may hold another curve")
-    return "".join(remarks)
+def _between(jumps: Jumps, component: Component, kind: str) -> list[str]:
+    """The jump between the points, enclosed over the tubes."""
+    if kind not in {"edge", "curvature jump"}:
+        return []
+    pairs = zip(component.tubes, itertools.pairwise(component.knots), strict=True)
+    arcs = [jumps.between(tube, *ends) for tube, ends in pairs]
+    balls = [arc.turn if kind == "edge" else arc.curvature for arc in arcs]
+    most = 180.0 if kind == "edge" else math.inf
+    low = min((0.0 if ball is None else float(ball.lower()) for ball in balls), default=0.0)
+    high = max((math.inf if ball is None else float(ball.upper()) for ball in balls), default=math.inf)
+    what, unit = ("angle", " degrees") if kind == "edge" else ("jump of curvature", "")
+    if not high < most:  # NaN too
+        return [f"between the points the {what} is not enclosed"]
+    return [
+        f"all along the {what} lies between {max(low, 0) * (1 - _ROUNDED):.4g} and {high * (1 + _ROUNDED):.4g}{unit}"
+    ]
+
+
+def _remarks(search: Search, component: Component) -> list[str]:
+    followed = "the continuation fails at an end" if "lost" in component.ends else "one curve, followed all along"
+    if not search.open:
+        return [followed]
+    return [followed, f"{len(search.open)} of {len(search.boxes)} boxes stay open and may hold another curve"]
 
 
 def _sizes(jumps: Sequence[Jump], level: int) -> Array:
@@ -134,13 +162,13 @@ def _sizes(jumps: Sequence[Jump], level: int) -> Array:
     return np.array(found)
 
 
-def _worst(values: Sequence[arb], steps: Sequence[str]) -> tuple[float, float]:
-    """The largest of the jumps and its error."""
-    if not values:
+def _worst(jumps: Sequence[tuple[arb, str]]) -> tuple[float, float]:
+    """The largest of the jumps and its error; 0 where all are proved equal."""
+    if not jumps:
         return math.nan, math.nan
-    if all(step == "equal" for step in steps):
+    if all(step == "equal" for _, step in jumps):
         return 0.0, 0.0
-    worst = max(values, key=lambda value: float(value.mid()))
+    worst = max((value for value, _ in jumps), key=lambda value: float(value.mid()))
     return float(worst.mid()), float(arb(worst.rad()).upper()) + 2.0**-52 * float(abs(worst).upper())
 
 

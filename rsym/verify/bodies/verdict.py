@@ -12,7 +12,7 @@ import numpy as np
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.progress import Progress
 from rsym.verify.bodies.bending import Bending, bending
-from rsym.verify.bodies.formation import formation
+from rsym.verify.bodies.forming import formation
 from rsym.verify.bodies.images import Images
 from rsym.verify.bodies.naming import Naming
 from rsym.verify.bodies.octree import Octree, Subdivision, joined_boxes
@@ -28,6 +28,7 @@ from rsym.verify.wording import plural
 BUDGET = 1_000_000  # boxes: a ball takes 8 000, the car 120 000
 INSPECTIONS = 20_000  # boxes that balls look at, a millisecond or a few each; the car takes 1 300
 SMALLEST = 2.0**-22  # of the extent: what is smaller is located, not divided
+SAME = 1e-12  # of the extent: points that are nearer than their accuracies and this are one
 TRIED = 2_000  # boxes at whose corners a change of sign is sought
 
 
@@ -79,7 +80,7 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
     ]
     curves = _curves(study, corners)
     classified = classify_points(model, found.left, study.extent, study.naming, curves)
-    points = [*_distinct([point for _, point in corners]), *classified.points]
+    points = _distinct([*(point for _, point in corners), *classified.points], SAME * study.extent)
     curves = [*curves, *classified.curves]
     found = found.without(classified.regular)
     exists = _exists(study.images, found)
@@ -113,12 +114,12 @@ def _box(sides: Sequence[Sequence[float]]) -> Box:
     return tuple((low, high) for low, high in sides)
 
 
-def _distinct(points: Sequence[SingularPoint]) -> list[SingularPoint]:
-    """Neighbouring boxes find the same corner."""
+def _distinct(points: Sequence[SingularPoint], near: float) -> list[SingularPoint]:
+    """Neighbouring boxes find the same corner; the proved one is kept."""
     result: list[SingularPoint] = []
     for point in sorted(points, key=_badness):
-        near = (math.dist(point.point, other.point) - point.radius - other.radius for other in result)
-        if not any(gap <= 1e-12 * max(map(abs, point.point), default=0.0) for gap in near):
+        gaps = (math.dist(point.point, other.point) - point.radius - other.radius for other in result)
+        if not any(gap <= near for gap in gaps):
             result.append(point)
     return result
 

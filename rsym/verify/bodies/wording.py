@@ -66,12 +66,14 @@ def curvatures_text(report: BodyReport) -> str:
     examined = f"{plural(report.cover.examined, 'box was', 'boxes were')} examined"
     if not (math.isfinite(report.curvature_bound) and len(report.cover.certified)):
         return f"{examined}."
-    proved = f"where they prove the boundary regular, all principal curvatures lie in {interval(*report.curvatures)}"
+    scale = max(report.curvature_bound, 2 / max(high - low for low, high in report.cover.bounds))
+    proved = interval(*report.curvatures, scale)
+    told = f"{examined}; where they prove the boundary regular, all principal curvatures lie in {proved}"
     if not all(map(math.isfinite, report.attained)):
-        return f"{examined}; {proved}."
-    low, high = map(short, report.attained)
+        return f"{told}."
+    low, high = (short(value, scale) for value in report.attained)
     found = f"all found are {low}" if low == high else f"those found go from {low} to {high}"
-    return f"{examined}; {proved}; {found}."
+    return f"{told}; {found}."
 
 
 def group_text(group: Group) -> str:
@@ -145,7 +147,8 @@ def _spread(samples: Sequence[NDArray[np.float64]], worst: float, error: float) 
         worst = float(known.max()) if len(known) else math.nan
     if not len(known) or _is_constant(np.append(known, worst), error):
         return measured(worst, error)
-    return f"{short(known.min())} to {measured(worst, error)}"
+    # The largest of samples need not be the largest along a curve: many digits would say more than is known.
+    return f"{short(known.min())} to {short(worst)}"
 
 
 def _is_constant(values: NDArray[np.float64], error: float) -> bool:

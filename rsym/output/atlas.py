@@ -1,0 +1,188 @@
+"""An atlas of two letters as a figure: what is certified by its greatest curvature, what is refuted, and the line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import matplotlib.patheffects
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import LogNorm
+from matplotlib.contour import QuadContourSet
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+from numpy.typing import NDArray
+
+from rsym.model.names import typeset_name
+from rsym.output.certificates import DEFECT
+from rsym.verify.atlas.report import SmoothnessAtlas
+from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
+
+Floats = NDArray[np.float64]
+
+SIZE = (6.4, 5.0)  # inches: the width of a page of text
+COLOUR_MAP = "viridis_r"  # dark where the boundary is sharp
+# Outside this share of the values the colours say no more: beside a threshold the curvature grows without bound.
+ROBUST = 0.97
+LOOKS = {
+    CERTIFIED: ("#dce9d5", "#b7cdaa", ""),
+    REFUTED: ("#f6e3d8", "#dcae94", "////"),
+    DEGENERATE: ("#ededed", "#c0c0c0", "...."),
+    UNDECIDED: ("#ffffff", "#8a8a8a", ""),
+}
+LABELS = {
+    CERTIFIED: "certified: curvature continuous, proved",
+    REFUTED: "refuted: not continuous, proved",
+    DEGENERATE: "no boundary, proved",
+    UNDECIDED: "undecided",
+}
+INK = "#1a1a1a"
+
+
+def plot_atlas(
+    atlas: SmoothnessAtlas,
+    *,
+    ax: Axes | None = None,
+    rectangles: bool = True,
+    levels: Sequence[float] | None = None,
+) -> Figure:
+    """The plane of two letters: certified in the colours of the greatest curvature, refuted hatched, the threshold.
+
+    Colours and level lines are those of the greatest curvature found, which are numerical; where certified ends and
+    refuted begins is proved.
+
+    Parameters
+    ----------
+    atlas : SmoothnessAtlas
+        What `smoothness_atlas` answered.
+    ax : matplotlib axes, optional
+        Draw there; without it a new figure is made.
+    rectangles : bool
+        Whether to draw the outlines of the rectangles of the proof.
+    levels : sequence of float, optional
+        Greatest curvatures whose level lines are drawn; by default 1, 2, 5, 10, ... as far as they occur.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> ellipse = rsym.Shape(1 - (x / 2) ** 2 - y**2, (x, y), bounds=((-3, 3), (-2, 2)))
+    >>> round_ = rsym.Shape(4 - x**2 - y**2, (x, y), letters={"a": 1, "b": 2}, bounds=((-3, 3), (-3, 3)))
+    >>> figure = plot_atlas(rsym.smoothness_atlas(round_, "a", "b"))
+    >>> figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()
+    ('$a$', '$b$')
+    """
+    alone = ax is None
+    if ax is None:
+        import matplotlib.pyplot
+
+        _, ax = matplotlib.pyplot.subplots(figsize=SIZE, layout="constrained")
+    _draw_parts(ax, atlas, outlines=rectangles)
+    colours = _draw_curvature(ax, atlas, levels)
+    _draw_thresholds(ax, atlas)
+    (a, b), (c, d) = atlas.region
+    u, v = atlas.defaults
+    shown = a <= u <= b and c <= v <= d
+    if shown:
+        ax.plot(u, v, "o", markersize=6.5, color=INK, markeredgecolor="white", markeredgewidth=1.2, zorder=7)
+    ax.set(xlim=(a, b), ylim=(c, d))
+    ax.set_xlabel(f"${typeset_name(atlas.letters[0])}$", fontsize=12)
+    ax.set_ylabel(f"${typeset_name(atlas.letters[1])}$", fontsize=12)
+    ax.tick_params(labelsize=9)
+    figure = ax.get_figure(root=True)
+    assert isinstance(figure, Figure)
+    if colours is not None:
+        _colour_bar(figure, ax, colours)
+    if alone:
+        figure.legend(handles=_legend(atlas, shown), loc="outside lower center", ncols=2, fontsize=8, frameon=False)
+    return figure
+
+
+def _draw_parts(ax: Axes, atlas: SmoothnessAtlas, *, outlines: bool) -> None:
+    for verdict, (face, edge, hatch) in LOOKS.items():
+        corners = [[(a, c), (b, c), (b, d), (a, d)] for (a, b), (c, d) in atlas.parts(verdict)]
+        if not corners:
+            continue
+        # Hatching by part would be cut anew in each: it lies over all of them, the outlines over it.
+        ax.add_collection(PolyCollection(corners, facecolors=face, edgecolors="none", zorder=1), autolim=False)
+        if hatch:
+            marks = PolyCollection(corners, facecolors="none", edgecolors=edge, linewidths=0, hatch=hatch, zorder=2)
+            ax.add_collection(marks, autolim=False)
+        if outlines:
+            lines = PolyCollection(corners, facecolors="none", edgecolors=INK, linewidths=0.25, alpha=0.35, zorder=4)
+            ax.add_collection(lines, autolim=False)
+
+
+def _draw_curvature(ax: Axes, atlas: SmoothnessAtlas, levels: Sequence[float] | None) -> ScalarMappable | None:
+    """The map of the greatest curvature and its level lines, labelled."""
+    lines = atlas.curvature.level_lines(levels)
+    if not len(atlas.curvature.values):
+        return None
+    u, v = atlas.curvature.lattice()
+    shown = np.ma.masked_invalid(atlas.curvature.on((u, v)).T)
+    if shown.mask.all():
+        return None
+    low, high = float(shown.min()), float(np.quantile(shown.compressed(), ROBUST))
+    norm = LogNorm(low, max(high, 1.01 * low), clip=True)
+    artist = ax.pcolormesh(u, v, shown, cmap=COLOUR_MAP, norm=norm, shading="nearest", rasterized=True, zorder=3)
+    if lines:
+        _draw_levels(ax, u, v, shown, [level for level, _ in lines])
+    return artist
+
+
+def _draw_levels(ax: Axes, u: Floats, v: Floats, shown: Floats, levels: Sequence[float]) -> QuadContourSet:
+    drawn = ax.contour(u, v, np.log(shown), levels=np.log(levels), colors="white", linewidths=0.9, zorder=5)
+    names = {math.log(level): f"{level:g}" for level in levels}
+    texts = ax.clabel(drawn, fmt=lambda value: names[min(names, key=lambda known: abs(known - value))], fontsize=8)
+    for text in texts:
+        text.set_color("white")
+        text.set_path_effects([matplotlib.patheffects.withStroke(linewidth=1.6, foreground="#303030")])
+        text.set_zorder(6)
+    return drawn
+
+
+def _draw_thresholds(ax: Axes, atlas: SmoothnessAtlas) -> None:
+    for curve in atlas.thresholds:
+        for line in curve.middle:
+            ax.plot(*line.T, color=DEFECT, linewidth=1.8, zorder=6, solid_capstyle="butt")
+
+
+def _colour_bar(figure: Figure, ax: Axes, artist: ScalarMappable) -> None:
+    bar = figure.colorbar(artist, ax=ax, pad=0.02, fraction=0.05, aspect=25, extend="max")
+    low, high = artist.get_clim()
+    assert low is not None
+    assert high is not None
+    decades = 10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    ticks = [tick for tick in np.outer(decades, (1, 2, 5)).ravel() if low <= tick <= high]
+    bar.ax.yaxis.set_major_locator(FixedLocator(ticks))
+    bar.ax.yaxis.set_minor_locator(NullLocator())
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    bar.ax.tick_params(labelsize=8, length=2)
+    bar.set_label(r"greatest curvature found, $\max|\kappa|$", fontsize=9)
+
+
+def _legend(atlas: SmoothnessAtlas, shown: bool) -> list[Patch | Line2D]:
+    """What is in the picture, and nothing that is not."""
+    handles: list[Patch | Line2D] = [
+        Patch(facecolor=face, edgecolor=edge, hatch=hatch, linewidth=0.6, label=LABELS[verdict])
+        for verdict, (face, edge, hatch) in LOOKS.items()
+        if len(atlas.parts(verdict)) and not (verdict == CERTIFIED and len(atlas.curvature.values))
+    ]
+    if len(atlas.parts(CERTIFIED)) and len(atlas.curvature.values):
+        handles.append(Patch(facecolor=_middle_colour(), label=LABELS[CERTIFIED]))
+    if atlas.thresholds:
+        handles.append(Line2D([], [], color=DEFECT, linewidth=1.8, label="threshold, enclosed by the undecided strip"))
+    if shown:
+        handles.append(Line2D([], [], marker="o", linestyle="", color=INK, label="the letters of the model"))
+    return handles
+
+
+def _middle_colour() -> tuple[float, float, float, float]:
+    from matplotlib import colormaps
+
+    return colormaps[COLOUR_MAP](0.25)

@@ -1,0 +1,229 @@
+"""The boundary of a plane shape as polylines that follow every bend: areas, volumes and distances, numerical."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from skimage.measure import find_contours
+
+from rsym.model.shape import Shape
+from rsym.sampling.plane import PlaneSampler, plane_sampler
+
+Floats = NDArray[np.float64]
+
+RESOLUTION = 256
+BEND = 0.04  # radians: where a polyline turns more it is refined; the sagitta is a hundredth of the segment
+FINEST = 1e-8  # of the extent: segments at a corner are no longer than this
+PASSES = 64  # from a cell to FINEST a tip of 35 degrees takes 45
+# Shares of a segment at which the boundary is sought on the normal through its middle, ever farther away. A tip of
+# 28 degrees cut off by a segment rises twice its length, one of 7 degrees eight times.
+REACH = (0.0, 1 / 64, 1 / 16, 1 / 4, 1 / 2, 1.0, 2.0, 4.0, 8.0)
+HALVINGS = 50
+NODES = (np.array([-1.0, 0.0, 1.0]) * np.sqrt(0.6) + 1) / 2  # of Gauss, exact to degree 5
+WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18
+TOP = 256  # points whose distance is found exactly at a time
+
+
+@dataclass(frozen=True, eq=False)
+class Boundary:
+    """Polylines (n, 2) with the inside on one side, and a point of the boundary over the middle of each segment.
+
+    A closed line repeats its first point.
+    """
+
+    lines: tuple[Floats, ...]
+    middles: tuple[Floats, ...]
+    slopes: Floats  # |grad omega| at the points
+
+    @property
+    def closed(self) -> bool:
+        """Whether no line ends."""
+        return all(bool((line[0] == line[-1]).all()) for line in self.lines)
+
+    @property
+    def points(self) -> Floats:
+        """All points."""
+        return np.concatenate([np.empty((0, 2)), *self.lines, *self.middles])
+
+    @property
+    def deviation(self) -> float:
+        """The largest | |grad omega| - 1 | found, where there is a gradient; NaN without any."""
+        return float(np.nanmax(np.abs(self.slopes - 1), initial=-np.inf)) if len(self.slopes) else np.nan
+
+    def area(self) -> float:
+        """The area inside."""
+        return float(abs(self._integral(lambda v: v)))
+
+    def volume(self) -> float:
+        """The volume inside the body that turns about the first coordinate; the lines are symmetric to it."""
+        return float(np.pi / 2) * abs(self._integral(lambda v: v * np.abs(v)))
+
+    def _integral(self, weight: Callable[[Floats], Floats]) -> float:
+        """The integral of weight(v) du along the lines, each segment a parabola."""
+        total = 0.0
+        for line, middle in zip(self.lines, self.middles, strict=True):
+            start, end = line[:-1], line[1:]
+            linear, square = -3 * start + 4 * middle - end, 2 * (start - 2 * middle + end)
+            for node, share in zip(NODES, WEIGHTS, strict=True):
+                place, speed = start + node * (linear + node * square), linear + 2 * node * square
+                total += share * float(np.sum(weight(place[:, 1]) * speed[:, 0]))
+        return total
+
+
+def boundary(shape: Shape, bounds: Sequence[Sequence[float]], resolution: int = RESOLUTION) -> Boundary:
+    """The boundary of a plane shape within bounds, refined until no polyline turns by more than `BEND` at a point.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> square = rsym.conjunction(1 - x, 1 + x, 1 - y, 1 + y)
+    >>> found = boundary(rsym.Shape(square, (x, y)), ((-2, 2), (-2, 2)), 32)
+    >>> found.closed, round(found.area(), 9)
+    (True, 4.0)
+    """
+    sampler = plane_sampler(shape, "value", resolution=resolution, bounds=tuple(bounds))
+    extent = max(high - low for low, high in bounds)
+    found = (_crossings(sampler, line) for line in find_contours(sampler.values(), 0.0))
+    lines = tuple(_refined(sampler, line, FINEST * extent) for line in found if len(line) > 2)
+    middles = tuple(_over(sampler, line[:-1], line[1:])[0] for line in lines)
+    every = np.concatenate([np.empty((0, 2)), *lines, *middles])
+    _, gradient = sampler.value_and_gradient(every)
+    return Boundary(lines, middles, np.hypot(*gradient.T))
+
+
+def _crossings(sampler: PlaneSampler, line: Floats) -> Floats:
+    """Where the boundary crosses the edges of the lattice that a contour (n, 2) of indices crosses.
+
+    Unlike Newton's steps this keeps the vertices in their order at corners too.
+    """
+    low, high = np.floor(line), np.ceil(line)
+    below = _inside(sampler, sampler.lattice.points(low))
+    for _ in range(HALVINGS):
+        half = (low + high) / 2
+        same = (_inside(sampler, sampler.lattice.points(half)) == below)[:, None]
+        low, high = np.where(same, half, low), np.where(same, high, half)
+    points = sampler.lattice.points((low + high) / 2)
+    fresh = (np.diff(points, axis=0) != 0).any(axis=1)
+    kept: Floats = points[np.append(True, fresh)]
+    return kept
+
+
+def _inside(sampler: PlaneSampler, points: Floats) -> NDArray[np.bool_]:
+    inside: NDArray[np.bool_] = sampler.value_and_gradient(points)[0] > 0
+    return inside
+
+
+def _refined(sampler: PlaneSampler, line: Floats, finest: float) -> Floats:
+    """Halve the segments at both sides of every bend, again and again."""
+    for _ in range(PASSES):
+        along = np.diff(line, axis=0)
+        length = np.hypot(*along.T)
+        bent = _bends(along, closed=bool((line[0] == line[-1]).all()))
+        wanted = np.flatnonzero((bent[:-1] | bent[1:]) & (length > finest))
+        middles, found = _over(sampler, line[wanted], line[wanted + 1])
+        if not found.any():
+            break
+        line = np.insert(line, wanted[found] + 1, middles[found], axis=0)
+    return line
+
+
+def _bends(along: Floats, *, closed: bool) -> NDArray[np.bool_]:
+    """At each vertex, whether the polyline turns there."""
+    angle = np.arctan2(along[:, 1], along[:, 0])
+    turn = np.abs(np.angle(np.exp(1j * np.diff(angle))))
+    around = abs(np.angle(np.exp(1j * (angle[0] - angle[-1])))) if closed else 0.0
+    return np.concatenate([[around], turn, [around]]) > BEND
+
+
+def _over(sampler: PlaneSampler, start: Floats, end: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """The nearest point of the boundary on the normal through the middle of each segment, and whether there is one."""
+    middle = (start + end) / 2
+    along = end - start
+    normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
+
+    def sign(share: Floats) -> NDArray[np.bool_]:
+        return _inside(sampler, middle + share[:, None] * normal)
+
+    rest = np.zeros(len(middle))
+    here = sign(rest)
+    low, high = rest.copy(), rest.copy()
+    found = np.zeros(len(middle), bool)
+    for before, after in pairwise(REACH):
+        for side in (1.0, -1.0):
+            fresh = ~found & (sign(rest + side * after) != here)
+            low[fresh], high[fresh] = side * before, side * after
+            found |= fresh
+    for _ in range(HALVINGS):
+        half = (low + high) / 2
+        same = sign(half) == here
+        low, high = np.where(same, half, low), np.where(same, high, half)
+    return np.where(found[:, None], middle + ((low + high) / 2)[:, None] * normal, middle), found
+
+
+def distance(first: Boundary, second: Boundary) -> float:
+    """The largest distance of a point of one boundary from the other (Hausdorff's), of the polylines.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> box = ((-2, 2), (-2, 2))
+    >>> disc, larger = (boundary(rsym.Shape(r - x**2 - y**2, (x, y)), box, 64) for r in (1, 1.21))
+    >>> round(distance(disc, larger), 3)
+    0.1
+    """
+    return max(_farthest(first, second), _farthest(second, first))
+
+
+def distances_to(points: Floats, other: Boundary) -> Floats:
+    """The distance of each point (n, 2) from the polylines of a boundary.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> disc = boundary(rsym.Shape(1 - x**2 - y**2, (x, y)), ((-2, 2), (-2, 2)), 64)
+    >>> distances_to(np.array([[0.0, 3.0], [0.25, 0.0]]), disc).round(3)
+    array([2.  , 0.75])
+    """
+    return _to_segments(points, *_segments(other))
+
+
+def _farthest(one: Boundary, other: Boundary) -> float:
+    """The largest distance of a point of one boundary from the polylines of the other."""
+    starts, along = _segments(other)
+    tree = cKDTree(np.concatenate([starts, starts + along]))
+    bound, _ = tree.query(one.points)
+    order = np.argsort(-bound, kind="stable")
+    largest = 0.0
+    for begin in range(0, len(order), TOP):
+        part = order[begin : begin + TOP]
+        if bound[part[0]] <= largest:
+            break
+        largest = max(largest, float(_to_segments(one.points[part], starts, along).max()))
+    return largest
+
+
+def _segments(of: Boundary) -> tuple[Floats, Floats]:
+    """Starts and directions of the segments, each halved at the boundary's point over its middle."""
+    chains = [
+        np.insert(line, np.arange(1, len(line)), middle, axis=0)
+        for line, middle in zip(of.lines, of.middles, strict=True)
+    ]
+    starts = np.concatenate([chain[:-1] for chain in chains])
+    return starts, np.concatenate([chain[1:] for chain in chains]) - starts
+
+
+def _to_segments(points: Floats, starts: Floats, along: Floats) -> Floats:
+    """The distance of each point (n, 2) from the nearest segment."""
+    gap = points[:, None] - starts
+    squared = np.maximum(np.einsum("ij,ij->i", along, along), np.finfo(float).tiny)
+    share = np.clip(np.einsum("nij,ij->ni", gap, along) / squared, 0.0, 1.0)
+    nearest: Floats = np.linalg.norm(gap - share[..., None] * along, axis=2).min(axis=1)
+    return nearest

@@ -1,0 +1,234 @@
+"""A field of polynomials for functions of t: what vanishes there vanishes exactly.
+
+The field has the generators t, pi and e, the sines and cosines of a common measure of all angles, square roots of
+primes, and one generator for every other function of a value. Relations s**2 = 1 - c**2 and g**2 = u are applied
+everywhere. They hold for the functions, so a value that reduces to zero is zero; one that does not may be zero too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import sympy as sp
+from sympy.polys.orderings import lex
+from sympy.polys.rings import PolyElement, PolyRing
+
+from rsym.surfaces.proofs.specialised import NoProof
+
+Polynomial: TypeAlias = PolyElement
+# A polynomial in t, pi and so on for each kind of angle: t, pi t, 1.
+Angle: TypeAlias = tuple[Fraction, Fraction, Fraction, Fraction]
+
+GENERATORS = 20
+T, PI, E = GENERATORS - 1, GENERATORS - 2, GENERATORS - 3
+# Polynomials that are longer only cost time: those of exact arcs have some hundred terms.
+MOST_TERMS = 4_000
+# Sines of greater multiples of the measure are polynomials of higher degree.
+MOST_MULTIPLE = 24
+# Integers under a root are factored if they are shorter.
+FACTORED_BITS = 64
+TWELFTH = 12
+
+
+@dataclass(frozen=True)
+class Value:
+    """A quotient: a polynomial over powers of others, none of which is zero."""
+
+    field: Field
+    above: Polynomial
+    below: Mapping[Polynomial, int]
+
+    def __add__(self, other: Value) -> Value:
+        if self.below == other.below:
+            return self.field.value(self.above + other.above, self.below)
+        whole = {one: max(self.below.get(one, 0), other.below.get(one, 0)) for one in {**self.below, **other.below}}
+        parts = [self.field.raised(one, whole) for one in (self, other)]
+        return self.field.value(parts[0] + parts[1], whole)
+
+    def __neg__(self) -> Value:
+        return Value(self.field, -self.above, self.below)
+
+    def __sub__(self, other: Value) -> Value:
+        return self + -other
+
+    def __mul__(self, other: Value) -> Value:
+        whole = {one: self.below.get(one, 0) + other.below.get(one, 0) for one in {**self.below, **other.below}}
+        return self.field.value(self.above * other.above, whole)
+
+    def __truediv__(self, other: Value) -> Value:
+        return self * self.field.inverse(other)
+
+    def __pow__(self, exponent: int) -> Value:
+        total = self.field.rational(Fraction(1))
+        for _ in range(exponent):
+            total = total * self
+        return total
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether it is proved to vanish."""
+        return not self.above
+
+
+class Field:
+    """The field of one edge; generators are made as they are needed.
+
+    Examples
+    --------
+    >>> field = Field()
+    >>> root = field.root(field.rational(Fraction(2)))
+    >>> (root * root - field.rational(Fraction(2))).is_zero
+    True
+    """
+
+    def __init__(self) -> None:
+        self.ring = PolyRing([f"g{k}" for k in range(GENERATORS)], sp.QQ, lex)
+        self._free = E - 1
+        self._squares: dict[int, Polynomial] = {}
+        self._known: dict[Any, Value] = {}
+        self.measures: list[Fraction] = [Fraction(0)] * 4
+
+    def value(self, above: Polynomial, below: Mapping[Polynomial, int]) -> Value:
+        """A quotient, reduced by the relations."""
+        reduced = self._reduced(above)
+        if len(reduced) > MOST_TERMS:
+            raise NoProof("the formulas are too long for exact arithmetic")
+        return Value(self, reduced, below if reduced else {})
+
+    def rational(self, number: Fraction) -> Value:
+        """A number."""
+        return Value(self, self.ring.ground_new(sp.QQ(number.numerator, number.denominator)), {})
+
+    def generator(self, number: int) -> Value:
+        """A generator."""
+        return Value(self, self.ring.gens[number], {})
+
+    def raised(self, value: Value, below: Mapping[Polynomial, int]) -> Polynomial:
+        """The numerator over a greater denominator."""
+        total = value.above
+        for one, exponent in below.items():
+            for _ in range(exponent - value.below.get(one, 0)):
+                total = self._reduced(total * one)
+        return total
+
+    def inverse(self, value: Value) -> Value:
+        """One over a value."""
+        if value.is_zero:
+            raise NoProof("a denominator vanishes on the edge")
+        total = self.rational(Fraction(1))
+        for one, exponent in value.below.items():
+            total = total * Value(self, one, {}) ** exponent
+        if value.above.is_ground:
+            return total * Value(self, self.ring.ground_new(1 / value.above.LC), {})
+        leading = value.above.LC
+        return self.value(total.above * (1 / leading), {value.above * (1 / leading): 1})
+
+    def root(self, value: Value) -> Value:
+        """A square root: of a rational number by those of primes, of others a generator of its own."""
+        if value.below:
+            raise NoProof("a root of a quotient has no place in exact arithmetic here")
+        if not value.above.is_ground:
+            return self.named(("sqrt", value.above), value.above)
+        number = Fraction(int(value.above.LC.numerator), int(value.above.LC.denominator)) if value.above else Fraction()
+        whole = number.numerator * number.denominator
+        if whole < 0 or whole.bit_length() > FACTORED_BITS:
+            raise NoProof("a root of a number that is negative or too long")
+        total = self.rational(Fraction(1, number.denominator))
+        for prime, exponent in sp.factorint(whole).items() if whole else []:
+            total = total * self.rational(Fraction(int(prime) ** (exponent // 2)))
+            if exponent % 2:
+                total = total * self.named(("sqrt", int(prime)), self.ring.ground_new(int(prime)))
+        return total if whole else self.rational(Fraction())
+
+    def named(self, key: Any, square: Polynomial | None = None) -> Value:
+        """The generator of this name, with the polynomial that its square is, if it is one."""
+        if key not in self._known:
+            if self._free < 0:
+                raise NoProof("the formulas have too many different functions")
+            self._known[key] = self.generator(self._free)
+            if square is not None:
+                self._squares[self._free] = square
+            self._free -= 1
+        return self._known[key]
+
+    def turned(self, value: Value) -> tuple[Value, Value]:
+        """The cosine and the sine of a value."""
+        angle = angle_of(value)
+        if angle is None:
+            return self._pair(("angle", value.above, frozenset(value.below.items())))
+        cosine, sine = self.rational(Fraction(1)), self.rational(Fraction())
+        for kind, (part, measure) in enumerate(zip(angle, self.measures, strict=True)):
+            if part:
+                c, s = self._multiple(kind, part, measure)
+                cosine, sine = cosine * c - sine * s, sine * c + cosine * s
+        return cosine, sine
+
+    def _multiple(self, kind: int, part: Fraction, measure: Fraction) -> tuple[Value, Value]:
+        """The cosine and sine of an angle of one kind by those of its measure."""
+        if kind == 3 and (part * TWELFTH).denominator == 1:
+            return tuple(self._constant(one(sp.pi * sp.Rational(part))) for one in (sp.cos, sp.sin))  # type: ignore[return-value]
+        times = part / measure if measure else Fraction(1, 2)
+        if times.denominator != 1 or abs(times) > MOST_MULTIPLE:
+            raise NoProof("the angles of the formulas have no simple common measure")
+        c, s = self._pair(("measure", kind))
+        cosine, sine = self.rational(Fraction(1)), self.rational(Fraction())
+        for _ in range(abs(int(times))):
+            cosine, sine = cosine * c - sine * s, sine * c + cosine * s
+        return cosine, sine if times > 0 else -sine
+
+    def _pair(self, key: Any) -> tuple[Value, Value]:
+        """Generators of a cosine and a sine."""
+        cosine = self.named(("cos", key))
+        return cosine, self.named(("sin", key), self.ring.one - cosine.above**2)
+
+    def _constant(self, number: sp.Expr) -> Value:
+        """A number of square roots, as SymPy writes sines of twelfths of pi."""
+        if number.is_Rational:
+            return self.rational(Fraction(int(number.p), int(number.q)))
+        inner = [self._constant(one) for one in number.args] if number.is_Add or number.is_Mul else []
+        if number.is_Pow and number.exp == sp.Rational(1, 2):
+            return self.root(self._constant(number.base))
+        if not inner:
+            raise NoProof(f"the number {number} has no place in exact arithmetic here")
+        total = inner[0]
+        for one in inner[1:]:
+            total = total + one if number.is_Add else total * one
+        return total
+
+    def _reduced(self, polynomial: Polynomial) -> Polynomial:
+        """No square of a generator that has a relation; later generators first, their relations have earlier ones."""
+        for number in sorted(self._squares):
+            if any(monomial[number] > 1 for monomial in polynomial):
+                polynomial = self._replaced(polynomial, number, self._squares[number])
+        return polynomial
+
+    def _replaced(self, polynomial: Polynomial, number: int, square: Polynomial) -> Polynomial:
+        """The polynomial with g**2 replaced."""
+        parts: dict[int, dict[tuple[int, ...], Any]] = {}
+        for monomial, coefficient in polynomial.items():
+            halves, rest = divmod(monomial[number], 2)
+            left = (*monomial[:number], rest, *monomial[number + 1 :])
+            parts.setdefault(halves, {})[left] = coefficient
+        total, power = self.ring.zero, self.ring.one
+        for halves in range(max(parts) + 1):
+            if halves in parts:
+                total = total + power * self.ring.from_dict(parts[halves])
+            power = power * square
+        return total
+
+
+def angle_of(value: Value) -> Angle | None:
+    """(a, b, c, d) if the value is a t + b pi t + c + d pi with rational numbers."""
+    found = [Fraction(0)] * 4
+    if value.below:
+        return None
+    for monomial, coefficient in value.above.items():
+        exponents = (monomial[T], monomial[PI])
+        if sum(monomial) != sum(exponents) or max(exponents) > 1:
+            return None
+        kind = {(1, 0): 0, (1, 1): 1, (0, 0): 2, (0, 1): 3}[exponents]
+        found[kind] = Fraction(int(coefficient.numerator), int(coefficient.denominator))
+    return found[0], found[1], found[2], found[3]

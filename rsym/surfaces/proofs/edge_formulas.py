@@ -1,0 +1,125 @@
+"""The derivatives of a patch on an edge as a program of one parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import NamedTuple
+
+import sympy as sp
+
+from rsym.codegen.builder import Builder
+from rsym.codegen.differentiation import derivative
+from rsym.codegen.lowering import lower_all
+from rsym.errors import RsymError
+from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
+from rsym.surfaces.functions.entries import exact
+from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.patch import Patch
+from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part, Specialised
+from rsym.surfaces.proofs.spline_edges import spline_jet
+
+# Position and derivatives (i, j): i times along the edge, j times out of the patch.
+ORDERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+
+
+class Walk(NamedTuple):
+    """The parameter of an edge as a function of the common one: start + speed t."""
+
+    start: Fraction
+    speed: Fraction
+
+    def __call__(self, t: Fraction) -> Fraction:
+        """The place on the edge at the common parameter t."""
+        return self.start + self.speed * t
+
+    def inverse(self, s: Fraction) -> Fraction:
+        """The common parameter of a place of the edge."""
+        return (s - self.start) / self.speed
+
+
+class Jet(NamedTuple):
+    """Nodes of the target, three for each of `ORDERS`, and where on the part other formulas begin."""
+
+    nodes: tuple[int, ...]
+    borders: frozenset[Fraction]
+
+
+class PatchFormula:
+    """A patch and its derivatives to the second order as one program of u and v.
+
+    The formula is that of `Patch.expression`: floats in the data stand for the shortest decimals that they are
+    written as, letters for the exact values of the floats that they have.
+
+    Examples
+    --------
+    >>> from rsym.surfaces.parametric import ParametricSurface
+    >>> from rsym.surfaces.symbols import u, v
+    >>> edge = Edge(ParametricSurface((u, v, u * v)), "u1")
+    >>> target = Builder(("t",), ())
+    >>> jet = PatchFormula(edge.patch, {}).jet(edge, target, (Fraction(0), Fraction(1)), Walk(Fraction(0), Fraction(1)))
+    >>> [target.nodes[number].operation for number in jet.nodes[:3]]
+    ['const', 'input', 'input']
+    """
+
+    def __init__(self, patch: Patch, letters: Mapping[str, Fraction]) -> None:
+        self.patch, self.letters = patch, letters
+        self._program: tuple[Builder, dict[tuple[int, int], list[int]]] | None = None
+
+    def jet(self, edge: Edge, target: Builder, part: Part, walk: Walk) -> Jet:
+        """The derivatives along t and outwards on a part of the edge, by the common parameter."""
+        if isinstance(self.patch, BSplineSurface):
+            ends = sorted([walk(part[0]), walk(part[1])])
+            vectors, knots = spline_jet(self.patch, edge, (ends[0], ends[1]))
+            place = _place(target, walk)
+            nodes = [[_horner(target, one, place) for one in vectors[order]] for order in ORDERS]
+            borders = frozenset(map(walk.inverse, knots))
+        else:
+            builder, known = self._formulas()
+            inputs = {name: target.const(value) for name, value in self.letters.items()}
+            end = Fraction(str(exact(self.patch.domain[edge.across][int(edge.upper)])))
+            names = ("u", "v") if edge.across == 0 else ("v", "u")
+            inputs |= {names[0]: target.const(end), names[1]: _place(target, walk)}
+            copy = Specialised(builder, target, inputs, part)
+            nodes = [[copy.node(one) for one in known[order[::-1] if edge.across == 0 else order]] for order in ORDERS]
+            borders = frozenset(copy.borders)
+        outwards = 1 if edge.upper else -1
+        scales = [target.const(walk.speed**i * outwards**j) for i, j in ORDERS]
+        flat = [target.mul(scale, one) for scale, vector in zip(scales, nodes, strict=True) for one in vector]
+        return Jet(tuple(flat), borders)
+
+    def _formulas(self) -> tuple[Builder, dict[tuple[int, int], list[int]]]:
+        """The program of the whole patch and the nodes of its derivatives."""
+        if self._program is None:
+            builder = Builder(("u", "v"), tuple(self.letters))
+            known = {(0, 0): lower_all(builder, _formula(self.patch))}
+            for i, j in ORDERS[1:]:
+                before, name = ((i - 1, j), "u") if i else ((i, j - 1), "v")
+                known[i, j] = [derivative(builder, one, name) for one in known[before]]
+            self._program = builder, known
+        return self._program
+
+
+def _formula(patch: Patch) -> list[sp.Expr]:
+    """The coordinates, of numbers that a program holds exactly."""
+    try:
+        point = list(patch.expression())
+    except RsymError as error:
+        raise NoProof(f"a {type(patch).__name__} that is not made of formulas") from error
+    unknown = {one for entry in point for one in entry.atoms(sp.NumberSymbol)} - {sp.pi, sp.E}
+    if unknown:
+        raise NoProof(f"the number {min(map(str, unknown))} has no exact form in a program")
+    return point
+
+
+def _place(target: Builder, walk: Walk) -> int:
+    parameter = target.input(PARAMETER)
+    return target.add(target.const(walk.start), target.mul(target.const(walk.speed), parameter))
+
+
+def _horner(target: Builder, coefficients: list[Fraction], place: int) -> int:
+    """The polynomial with these coefficients, the lowest first."""
+    total = target.const(0)
+    for coefficient in reversed(coefficients):
+        total = target.add(target.mul(total, place), target.const(coefficient))
+    return total

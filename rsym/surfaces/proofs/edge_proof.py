@@ -1,0 +1,79 @@
+"""What is proved of a common edge: equal, equal within a bound, different, or nothing."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+# What may be proved of each of G0, G1, G2, from the strongest.
+EQUAL, WITHIN, DIFFERENT, NUMERICAL = "equal", "within", "different", "numerical"
+LEVELS = ("G0", "G1", "G2")
+
+
+@dataclass(frozen=True)
+class Level:
+    """What is proved of the gap (G0), the angle in degrees (G1) or the jump of the normal curvature (G2).
+
+    status : "equal", the difference vanishes identically, by exact arithmetic; "within", it is at most `most` all along
+    the edge, and `room` is not exceeded; "different", it is at least `least`, more than `room`, at the parameter
+    `place` of the first edge; "numerical", nothing is proved.
+
+    Examples
+    --------
+    >>> Level("G1", "within", most=2e-13, room=1e-9).holds
+    True
+    """
+
+    name: str
+    status: str = NUMERICAL
+    most: float = math.inf
+    least: float = 0.0
+    place: float = math.nan
+    room: float = 0.0
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is proved."""
+        return self.status in (EQUAL, WITHIN)
+
+
+@dataclass(frozen=True)
+class EdgeProof:
+    """What is proved of a common edge: `levels` of the gap, the angle and the jump of curvature.
+
+    verdict : "CERTIFIED", it is G2, each level equal or within its room; "REFUTED", it is not, at a place;
+    "DEGENERATE", a patch has no normal along the edge; "UNDECIDED".
+    open : intervals of the parameter of the first edge of which nothing is said, as beside a pole where the normals
+    fade. removed : ends, poles of a patch, where the proof is one of the normals over their distance to it.
+    reason : what kept it from being proved.
+
+    Examples
+    --------
+    >>> within = [Level(name, "equal", most=0.0) for name in ("G0", "G1", "G2")]
+    >>> EdgeProof("CERTIFIED", tuple(within)).proved
+    'G2'
+    """
+
+    verdict: str
+    levels: tuple[Level, Level, Level]
+    open: tuple[tuple[float, float], ...] = ()
+    removed: tuple[float, ...] = ()
+    reason: str = ""
+
+    @property
+    def proved(self) -> str | None:
+        """The highest class that is proved all along the edge, up to `open`."""
+        held = [one.holds for one in self.levels]
+        return ([None, *LEVELS])[[*held, False].index(False)]
+
+
+def nothing(reason: str) -> EdgeProof:
+    """No proof, and why.
+
+    Examples
+    --------
+    >>> nothing("a function of Python").levels[0].status
+    'numerical'
+    """
+    levels = Level("G0"), Level("G1"), Level("G2")
+    return EdgeProof("UNDECIDED", levels, reason=reason)

@@ -1,0 +1,166 @@
+"""A program on a line: inputs replaced by nodes of another program, and pieces chosen that hold on an interval."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import TypeAlias
+
+from rsym.codegen.builder import Builder
+from rsym.errors import RsymError
+
+Part: TypeAlias = tuple[Fraction, Fraction]
+# The parameter of the program of an edge.
+PARAMETER = "t"
+# The formulas of a loft of nine splines have 3 000 nodes; a proof about more would take minutes.
+MOST_NODES = 60_000
+
+
+class NoProof(RsymError):
+    """Why nothing is proved.
+
+    Examples
+    --------
+    >>> NoProof("the edges run at different speeds").code
+    'no-proof'
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, code="no-proof")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return NoProof, (self.message,)
+
+
+class Specialised:
+    """Copies nodes of one program into another one of the parameter t alone, on an interval of t.
+
+    Where a piecewise node has a border inside the interval, the border is noted in `borders` and the piece of the
+    middle is taken: what was copied then holds on the parts between borders only, and they are to be copied anew.
+
+    Examples
+    --------
+    >>> source, target = Builder(("u", "v"), ()), Builder(("t",), ())
+    >>> u, v = source.input("u"), source.input("v")
+    >>> half = source.const(Fraction(1, 2))
+    >>> kinked = source.select(v, half, source.mul(u, v), u)
+    >>> inputs = {"u": target.const(1), "v": target.input("t")}
+    >>> copy = Specialised(source, target, inputs, (Fraction(0), Fraction(1)))
+    >>> copy.node(kinked) == target.input("t"), copy.borders
+    (True, {Fraction(1, 2)})
+    """
+
+    def __init__(self, source: Builder, target: Builder, inputs: Mapping[str, int], part: Part) -> None:
+        self.source, self.target, self.inputs, self.part = source, target, inputs, part
+        self.borders: set[Fraction] = set()
+        self._done: dict[int, int] = {}
+        self._taken: dict[int, int] = {}
+        self._lines: dict[int, tuple[Fraction, Fraction] | None] = {}
+
+    def node(self, number: int) -> int:
+        """The copy of a node; of pieces only the one that is taken is copied."""
+        stack = [number]
+        while stack:
+            current = stack[-1]
+            missing = [] if current in self._done else self._missing(current)
+            if missing:
+                stack += missing
+                continue
+            if current not in self._done:
+                self._done[current] = self._copy(current)
+            stack.pop()
+        if len(self.target.nodes) > MOST_NODES:
+            raise NoProof(f"the formulas have more than {MOST_NODES} nodes")
+        return self._done[number]
+
+    def _missing(self, number: int) -> list[int]:
+        """What has to be copied before this node."""
+        operation, arguments, _ = self.source.nodes[number]
+        if operation != "select":
+            return [one for one in arguments if one not in self._done]
+        missing = [one for one in arguments[:2] if one not in self._done]
+        if missing:
+            return missing
+        if number not in self._taken:
+            above = self._sign(*(self._done[one] for one in arguments[:2])) > 0
+            self._taken[number] = arguments[2] if above else arguments[3]
+        taken = self._taken[number]
+        return [] if taken in self._done else [taken]
+
+    def _copy(self, number: int) -> int:
+        operation, arguments, data = self.source.nodes[number]
+        if operation == "input":
+            return self.inputs[str(data)]
+        if operation == "const":
+            return self.target.make("const", data=data)
+        if operation == "undefined":
+            raise NoProof("a formula is undefined on the edge")
+        if operation == "select":
+            return self._done[self._taken[number]]
+        inner = [self._done[one] for one in arguments]
+        if operation in _PIECEWISE:
+            return _PIECEWISE[operation](self, *inner)
+        if operation in {"div", "sqrt"} and self.target.value(inner[-1]) == 0:
+            raise NoProof("a formula has a root or a denominator that vanishes on the edge")
+        making = getattr(self.target, operation, None) if operation in _FOLDING else None
+        if making is None:
+            return self.target.make(operation, *inner, data=data)
+        return int(making(*inner) if data is None else making(*inner, data))
+
+    def size(self, a: int) -> int:
+        """|a|, one of the two pieces."""
+        return a if self._sign(a, self.target.const(0)) > 0 else self.target.neg(a)
+
+    def greater(self, a: int, b: int) -> int:
+        """The greater of two."""
+        return a if a == b or self._sign(a, b) > 0 else b
+
+    def smaller(self, a: int, b: int) -> int:
+        """The smaller of two."""
+        return b if a == b or self._sign(a, b) > 0 else a
+
+    def _sign(self, a: int, b: int) -> int:
+        """The sign of a - b, linear in t, in the middle of the interval; where it changes inside is noted."""
+        line = self._line(self.target.sub(a, b))
+        if line is None:
+            raise NoProof("where the pieces of a formula meet is not linear in the parameter of the edge")
+        constant, slope = line
+        low, high = self.part
+        middle = constant + slope * (low + high) / 2
+        if slope and low < -constant / slope < high:
+            self.borders.add(-constant / slope)
+            middle = middle or slope
+        if middle == 0:
+            raise NoProof("the edge is where pieces of a formula meet")
+        return 1 if middle > 0 else -1
+
+    def _line(self, number: int) -> tuple[Fraction, Fraction] | None:
+        """(c, d) if the node of the target is c + d t."""
+        if number not in self._lines:
+            self._lines[number] = self._new_line(number)
+        return self._lines[number]
+
+    def _new_line(self, number: int) -> tuple[Fraction, Fraction] | None:
+        operation, arguments, data = self.target.nodes[number]
+        if operation == "const":
+            return (data, Fraction(0)) if isinstance(data, Fraction) else None
+        if operation == "input":
+            return Fraction(0), Fraction(1)
+        inner = [self._line(one) for one in arguments] if operation in {"add", "neg", "mul"} else [None]
+        lines = [one for one in inner if one is not None]
+        if len(lines) < len(inner):
+            return None
+        if operation == "neg":
+            return -lines[0][0], -lines[0][1]
+        (a, b), (c, d) = lines
+        if operation == "add":
+            return a + c, b + d
+        return None if b and d else (a * c, a * d + b * c)
+
+
+_FOLDING = frozenset({"add", "mul", "neg", "div", "powi", "sqrt"})
+_PIECEWISE: Mapping[str, Callable[..., int]] = {
+    "abs": Specialised.size,
+    "max": Specialised.greater,
+    "min": Specialised.smaller,
+}

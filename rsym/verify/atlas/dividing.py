@@ -1,0 +1,145 @@
+"""Division: a rectangle of letters in parts, until what is undecided is a strip narrow enough."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rsym.sampling.progress import Progress, report
+from rsym.verify.atlas.grid import KINDS, Floats, grid_of, narrowest
+from rsym.verify.atlas.judging import Judge, Judgement, Point, Rectangle, middle_of
+from rsym.verify.report import CERTIFIED, REFUTED, UNDECIDED
+
+LABELS = {CERTIFIED: 1.0, REFUTED: -1.0}
+# Off the middle, so that no line of rectangles follows a threshold that is as simple as the ranges, such as a = b.
+CUTS = (15 / 32, 17 / 32)
+HOPELESS = 4  # levels without a verdict even in the middle, from a rectangle to its part, after which it is left
+NEIGHBOURS = 4  # values of either verdict from which the direction of a threshold is told
+NEAREST = 1e-6  # those nearer than this share of the ranges count alike
+STEEPEST = 8.0  # a side is cut at the latest when it is so many times the other, in shares of the ranges
+
+
+@dataclass(frozen=True)
+class _Part:
+    judgement: Judgement
+    silent: int  # how many of its ancestors, without a gap, had no verdict in their middle
+
+
+@dataclass
+class _Known:
+    """The verdicts at single values: 1 certified, -1 refuted; distances are shares of the region."""
+
+    judge: Judge
+    region: Rectangle
+    labels: dict[Point, float] = field(default_factory=dict)
+
+    def add(self, point: Point, verdict: str) -> None:
+        """Note a verdict, if it is one of the two."""
+        if verdict in LABELS:
+            self.labels[point] = LABELS[verdict]
+
+    def is_mixed(self, rectangle: Rectangle) -> bool:
+        """Whether a rectangle holds values of both kinds."""
+        (a, b), (c, d) = rectangle
+        return len({label for (u, v), label in self.labels.items() if a <= u <= b and c <= v <= d}) == len(LABELS)
+
+    def axis_to_cut(self, rectangle: Rectangle) -> int:
+        """The letter along which a rectangle spans more of the change from refuted to certified."""
+        slope = np.abs(self._slope(rectangle))
+        steepness = np.maximum(slope, slope.max() / STEEPEST) if slope.max() > 0 else np.ones(2)
+        return int(np.argmax(steepness * [high - low for low, high in rectangle] / self._widths))
+
+    def is_refuted_at_a_corner(self, rectangle: Rectangle) -> bool:
+        """Whether the corner that is most likely to be refuted is."""
+        slope = self._slope(rectangle)
+        if not slope.any():
+            return False
+        a, b = (ends[int(down < 0)] for ends, down in zip(rectangle, slope, strict=True))
+        if (a, b) not in self.labels:
+            self.add((a, b), self.judge.at((a, b)))
+        return self.labels.get((a, b)) == LABELS[REFUTED]
+
+    @property
+    def _widths(self) -> Floats:
+        return np.array([high - low for low, high in self.region])
+
+    def _slope(self, rectangle: Rectangle) -> Floats:
+        """How the label grows along each letter, by the plane nearest to the labels around; 0 if all are equal."""
+        labels = np.array([*self.labels.values()])
+        away = (np.array([*self.labels]).reshape(-1, 2) - middle_of(rectangle)) / self._widths
+        distance = np.hypot(*away.T)
+        nearest = [np.flatnonzero(labels == label) for label in LABELS.values()]
+        nearest = [found[np.argsort(distance[found], kind="stable")[:NEIGHBOURS]] for found in nearest]
+        if not all(map(len, nearest)):
+            return np.zeros(2)
+        chosen = np.concatenate(nearest)
+        weights = 1 / np.maximum(distance[chosen], NEAREST)
+        system = np.column_stack([np.ones(len(chosen)), away[chosen]]) * weights[:, None]
+        slope: Floats = np.linalg.lstsq(system, labels[chosen] * weights, rcond=1e-6)[0][1:]
+        return slope
+
+
+def divide(
+    judge: Judge, region: Rectangle, *, tolerance: float, budget: int, progress: Progress | None = None
+) -> list[Judgement]:
+    """Rectangles that tile the region, each with its verdict, breadth first.
+
+    Undecided ones are cut until through each of their points a line along one of the letters crosses no more than the
+    share `tolerance` of that letter's range that is undecided, until `budget` rectangles were judged, or where even
+    single values have no verdict.
+    """
+    known = _Known(judge, region)
+    parts = [_judged(judge, region, 0, known)]
+    count = 1
+    while coarse := _coarse(parts, tolerance):
+        following: list[_Part] = []
+        for number, part in enumerate(parts):
+            if number not in coarse or count + 2 > budget:
+                following.append(part)
+                continue
+            for half in _halves(part.judgement.rectangle, known):
+                following.append(_judged(judge, half, part.silent, known))
+                count += 1
+                report(progress, count, budget)
+        if len(following) == len(parts):
+            break
+        parts = following
+    report(progress, budget, budget)
+    return [part.judgement for part in parts]
+
+
+def _judged(judge: Judge, rectangle: Rectangle, silent: int, known: _Known) -> _Part:
+    if known.is_mixed(rectangle):
+        return _Part(Judgement(rectangle, UNDECIDED, UNDECIDED), 0)
+    judgement = judge.judged(rectangle, lambda: known.is_refuted_at_a_corner(rectangle))
+    known.add(middle_of(rectangle), judgement.middle)
+    return _Part(judgement, silent + 1 if judgement.middle == UNDECIDED else 0)
+
+
+def _halves(rectangle: Rectangle, known: _Known) -> list[Rectangle]:
+    axis = known.axis_to_cut(rectangle)
+    low, high = rectangle[axis]
+    at = low + CUTS[axis] * (high - low)
+    other = rectangle[1 - axis]
+    return [((low, at), other), ((at, high), other)] if axis == 0 else [(other, (low, at)), (other, (at, high))]
+
+
+def _coarse(parts: Sequence[_Part], tolerance: float) -> set[int]:
+    """Which of the rectangles are undecided where the undecided is too wide along both letters."""
+    rectangles = np.array([part.judgement.rectangle for part in parts])
+    open_ = np.array([part.judgement.verdict == UNDECIDED for part in parts])
+    hopeless = np.array([part.silent >= HOPELESS for part in parts])
+    splittable = np.array([_is_splittable(part.judgement.rectangle) for part in parts])
+    grid = grid_of(rectangles)
+    kinds = np.array([KINDS[part.judgement.verdict] for part in parts])
+    widths = narrowest(kinds[grid.owner], grid.shares)
+    wide = np.zeros(len(parts), np.bool_)
+    wide[grid.owner[widths > tolerance]] = True
+    return set(np.flatnonzero(wide & open_ & ~hopeless & splittable).tolist())
+
+
+def _is_splittable(rectangle: Rectangle) -> bool:
+    return all(high > math.nextafter(math.nextafter(low, math.inf), math.inf) for low, high in rectangle)

@@ -1,0 +1,133 @@
+"""The verdict of one rectangle of letters: for every value in it, or none."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from rsym.codegen.balls import arb, ball, ctx, exact
+from rsym.codegen.enclosures import Range, ranges_of
+from rsym.codegen.kernel import compile
+from rsym.model.shape import Shape
+from rsym.verify.atlas.refutation import Refuter
+from rsym.verify.covering import PRECISION
+from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED, SmoothnessReport
+from rsym.verify.smoothness import quick_report
+
+Point: TypeAlias = tuple[float, float]
+Rectangle: TypeAlias = tuple[Point, Point]
+
+POINT_BUDGET = 4_000  # boxes for the verdict in the middle: the body of Fig. 11 takes 130
+# A rectangle takes at most so many times the boxes of its middle: those of the body of Fig. 11 that are proved take 1
+# to 3 times as many, and a budget that is exceeded costs no more than the cut that follows.
+WIDER, MORE = 4, 200
+SAMPLES = 65  # along each side of the bounds, for a point well inside and one well outside
+
+
+def middle_of(rectangle: Rectangle) -> Point:
+    """The middle, to the last place of a float."""
+    (a, b), (c, d) = rectangle
+    return a + (b - a) / 2, c + (d - c) / 2
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What is proved of every value in a rectangle, and the verdict in its middle.
+
+    `verdict` is CERTIFIED, REFUTED, DEGENERATE (no boundary within the bounds) or UNDECIDED; no curvature on the
+    boundary is larger in size than `bound`.
+    """
+
+    rectangle: Rectangle
+    verdict: str
+    middle: str
+    bound: float = math.inf
+
+
+class Judge:
+    """Judges rectangles of two letters of one shape.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> judge = Judge(rsym.paper.skeleton_body(), ("a2", "p1"), ((5, 6), (20, 80)))
+    >>> [judge.judged(((a, a + 0.05), (40, 41))).verdict for a in (5.2, 5.28, 5.4)]
+    ['REFUTED', 'UNDECIDED', 'CERTIFIED']
+    """
+
+    def __init__(
+        self,
+        shape: Shape,
+        names: tuple[str, str],
+        region: Rectangle,
+        *,
+        bounds: Any = None,
+        letters: Mapping[Any, Any] | None = None,
+        sharpening: int = 0,
+    ) -> None:
+        self.shape = shape if bounds is None else shape.replace(bounds=bounds)
+        self.names, self.sharpening = names, sharpening
+        self.letters = {str(name): value for name, value in (letters or {}).items()}
+        self.refuter = Refuter(self.shape, self._ranges(region))
+        self.samples = _Samples(self.refuter)
+
+    def at(self, point: Point) -> str:
+        """The verdict at one pair of values."""
+        return self._report(dict(zip(self.names, point, strict=True)), POINT_BUDGET).verdict
+
+    def judged(self, rectangle: Rectangle, suspect: Callable[[], bool] = lambda: False) -> Judgement:
+        """The verdict for every value in a rectangle: first that of its middle, then whether it spreads.
+
+        `suspect` is asked before the costly proof that a rectangle with a smooth middle is smooth throughout; where
+        it answers True that is not tried.
+        """
+        ranges = self._ranges(rectangle)
+        middle = {name: (low + high) / 2 for name, (low, high) in ranges.items()}
+        report = self._report(middle, POINT_BUDGET)
+        verdict, bound = UNDECIDED, math.inf
+        if report.verdict == REFUTED:
+            verdict = REFUTED if self.refuter.joint(ranges, report.defects) is not None else UNDECIDED
+        elif report.verdict in {CERTIFIED, DEGENERATE} and not suspect():
+            whole = self._report(ranges, WIDER * report.cover.examined + MORE, self.sharpening)
+            if whole.verdict == CERTIFIED and self.samples.has_boundary(middle, ranges):
+                verdict, bound = CERTIFIED, whole.curvature_bound
+            elif whole.verdict == DEGENERATE and not _boxes(whole):
+                verdict = DEGENERATE
+        return Judgement(rectangle, verdict, report.verdict, bound)
+
+    def _ranges(self, rectangle: Rectangle) -> dict[str, Range]:
+        return ranges_of(self.shape.letters, {**self.letters, **dict(zip(self.names, rectangle, strict=True))})
+
+    def _report(self, letters: Mapping[str, Any], budget: int, sharpening: int = 0) -> SmoothnessReport:
+        return quick_report(self.shape, bounds=None, letters=letters, budget=budget, sharpening=sharpening)
+
+
+def _boxes(report: SmoothnessReport) -> int:
+    """How many boxes may hold some of the boundary."""
+    cover = report.cover
+    return len(cover.certified) + len(cover.joined) + len(cover.undecided)
+
+
+class _Samples:
+    """Proves that there is a boundary for every value of letters: one point always inside, another always outside."""
+
+    def __init__(self, refuter: Refuter) -> None:
+        self.model, plane = refuter.model, refuter.plane
+        self.grid = np.meshgrid(*(np.linspace(low, high, SAMPLES) for low, high in refuter.bounds), indexing="ij")
+        self.kernel = compile(plane, threads=1)
+
+    def has_boundary(self, middle: Mapping[str, Fraction], ranges: Mapping[str, Range]) -> bool:
+        """Whether omega has both signs for every value in the ranges; the points are sought at their middle."""
+        values = self.kernel(*self.grid, letters={name: float(value) for name, value in middle.items()})["value"]
+        if np.isnan(values).all():
+            return False
+        with ctx.workprec(PRECISION):
+            sides = [ball(exact(ranges[name][0]), exact(ranges[name][1])) for name in self.model.axes[2:]]
+            places = [np.unravel_index(find(values), values.shape) for find in (np.nanargmin, np.nanargmax)]
+            points = [[arb(float(axis[place])) for axis in self.grid] for place in places]
+            return [self.model.on([*point, *sides]).sign(self.model.root) for point in points] == [-1, 1]

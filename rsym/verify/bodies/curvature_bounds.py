@@ -1,0 +1,124 @@
+"""Bounds of the principal curvatures of one sheet over boxes that hold it, with points of the sheet in them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rsym.verify.bodies.centred import Centred, contracted
+from rsym.verify.bodies.curvature_forms import Jet, frames, principal_bounds
+from rsym.verify.bodies.images import Array, Boxes, Flags, Images
+
+STEPS = 3  # of Newton's method from the middle of a box to the sheet: off by h, then h**2, h**4, h**8
+BLOCK = 4096  # boxes at once: their tensors fit into the cache
+
+
+class Bent(NamedTuple):
+    """The parts (n, 3, 2) of boxes that a sheet may meet, bounds there, and rounded values at points of the sheet.
+
+    `low`, `high` (n,) bound the principal curvatures; at `points` (m, 3) with unit `normals` (m, 3) they are
+    `curvatures` (m, 2), the larger first.
+    """
+
+    boxes: Boxes
+    low: Array
+    high: Array
+    points: Array
+    normals: Array
+    curvatures: Array
+
+
+def bent(images: Images, node: int, boxes: Boxes) -> Bent:
+    """The principal curvatures of the zero set of a node f in boxes, positive where f > 0 is convex.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym.verify.bodies.forming import formation
+    >>> from rsym.verify.local import Model
+    >>> model = Model(rsym.sphere(2), {})
+    >>> images = Images(model, formation(model, lambda node: True), {})
+    >>> found = bent(images, model.root, np.array([[(1.9, 2.1), (-0.1, 0.1), (-0.1, 0.1)]]))
+    >>> bool(0.49 < found.low[0] <= 0.5 <= found.high[0] < 0.51), found.curvatures.round(9).tolist()
+    (True, [[0.5, 0.5]])
+    """
+    blocks = [boxes[start : start + BLOCK] for start in range(0, len(boxes), BLOCK)] or [boxes]
+    return Bent(*map(np.concatenate, zip(*(_block(images, node, block) for block in blocks), strict=True)))
+
+
+def _block(images: Images, node: int, boxes: Boxes) -> Bent:
+    boxes = contraction(images, node, boxes)
+    points, reached = _nearest(images, node, boxes)
+    value, gradient, _ = _first(images, node, _at(points))
+    point = Jet(gradient, *images.bends(node, _at(points)))
+    frame = frames(gradient.middle, point.hessian.middle)
+    offset = _seen(boxes, points)
+    low, high = principal_bounds(frame, value, point, _over(images, node, boxes, point, offset), offset)
+    reached &= np.isfinite(frame.curvatures).all(axis=0)
+    return Bent(boxes, low, high, points[reached], frame.vectors[2].T[reached], frame.curvatures.T[reached])
+
+
+def contraction(images: Images, node: int, boxes: Boxes) -> Boxes:
+    """What is left of boxes around a sheet f = 0; those that it does not meet are left out.
+
+    With c the middle, x_k = c_k - (f(c) + the sum over i != k of g_i(B)(x_i - c_i))/g_k(B) on the sheet: a step of
+    the interval Newton method, for each coordinate k along which the gradient g does not vanish. Along the normal a
+    box becomes as narrow as the sheet is curved in it.
+    """
+    value, slope, analytic = _first(images, node, boxes)
+    low, high = value.ends
+    kept = (low <= 0) & (high >= 0)
+    boxes, slope, analytic = boxes[kept], slope[:, kept], analytic[kept]
+    centres = boxes.mean(axis=-1)
+    value, _, _ = _first(images, node, _at(centres))
+    offset = _seen(boxes, centres)
+    result = boxes.copy()
+    for k in range(3):
+        others = [i for i in range(3) if i != k]
+        rest = value + contracted("kn,kn->n", slope[others], offset[others])
+        turned = Centred(np.where(slope.middle[k] < 0, -1.0, 1.0), np.zeros(len(boxes)))
+        inverse = contracted("n,n->n", slope[k], turned).reciprocal()
+        step = contracted("n,n->n", contracted("n,n->n", rest, turned), inverse)
+        low, high = (Centred.exact(centres[:, k]) - step).ends
+        result[:, k, 0] = np.where(analytic, np.maximum(low, boxes[:, k, 0]), boxes[:, k, 0])
+        result[:, k, 1] = np.where(analytic, np.minimum(high, boxes[:, k, 1]), boxes[:, k, 1])
+    return result[np.logical_and.reduce(result[..., 0] <= result[..., 1], axis=1)]
+
+
+def _nearest(images: Images, node: int, boxes: Boxes) -> tuple[Array, Flags]:
+    """A point of each box, and whether it is one of the sheet: Newton's method from the middle."""
+    points = boxes.mean(axis=-1)
+    for _ in range(STEPS):
+        value, gradient, _ = _first(images, node, _at(points))
+        with np.errstate(all="ignore"):
+            step = (gradient.middle * value.middle / np.square(gradient.middle).sum(axis=0)).T
+        points = points - np.where(np.isfinite(step), step, 0.0)
+    inside = np.clip(points, boxes[..., 0], boxes[..., 1])
+    return inside, (inside == points).all(axis=1)
+
+
+def _over(images: Images, node: int, boxes: Boxes, point: Jet, offset: Centred) -> Jet:
+    """The derivatives over the boxes: their images, and the mean-value forms where the node is analytic."""
+    _, gradient, analytic = _first(images, node, boxes)
+    hessian, third = images.bends(node, boxes)
+    third = Centred(third.middle, np.where(analytic, third.radius, np.inf))
+    hessian = hessian.meet(point.hessian + contracted("ijkn,kn->ijn", third, offset))
+    mean = point.gradient + contracted("ijn,jn->in", hessian, offset)
+    mean = Centred(mean.middle, np.where(analytic, mean.radius, np.inf))
+    return Jet(gradient.meet(mean), hessian, third)
+
+
+def _first(images: Images, node: int, boxes: Boxes) -> tuple[Centred, Centred, Flags]:
+    value, (low, high), analytic = images.first(node, boxes)
+    return Centred.between(*value), Centred.between(low, high), analytic
+
+
+def _seen(boxes: Boxes, points: Array) -> Centred:
+    """The boxes (3, n) seen from points of them."""
+    return Centred.between(boxes[..., 0].T, boxes[..., 1].T) - Centred.exact(points.T)
+
+
+def _at(points: Array) -> Boxes:
+    """Points as boxes without extent."""
+    return np.stack([points, points], axis=-1)

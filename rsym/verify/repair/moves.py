@@ -1,0 +1,154 @@
+"""Moves: the declared ways to change a shape, each a family with one size, zero the shape as it is."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context
+from fractions import Fraction
+from typing import TypeAlias
+
+import sympy as sp
+
+from rsym.model.rnodes import ROperation
+from rsym.model.shape import Shape
+from rsym.model.traversal import postorder, with_arguments
+from rsym.verify.repair.anatomy import Verdict
+
+# A shape, its verdict and a size to the changed shape and what was done, or to None if there is nothing to change.
+Operation: TypeAlias = Callable[[sp.Expr, sp.Expr], sp.Expr]
+Step: TypeAlias = Callable[[Shape, Verdict, Fraction], tuple[Shape, str] | None]
+
+# Of the extent. The smallest curvature that a rounding can have is about its inverse; below, only needles.
+SCALE = (Fraction(1, 1000), Fraction(1, 300), Fraction(1, 100), Fraction(1, 30), Fraction(1, 10))
+ROUNDS = 4  # a change may uncover what lay hidden, max(|x| - 1, 0) the |x|
+
+
+@dataclass(frozen=True)
+class Family:
+    """One way to change a shape, by more and more.
+
+    Attributes
+    ----------
+    move : str
+        The name of the move.
+    what : str
+        What is changed.
+    sizes : ascending
+        The sizes to try.
+    step : callable
+        ``step(shape, verdict, size)`` changes what the verdict finds wrong.
+    rounds : int
+        How often it may be applied, each time to its last result.
+    rest : callable, optional
+        The step for what is still wrong when there is nothing left for `step`.
+    unit : Fraction, optional
+        If given, the smallest size that helps is narrowed down between those tried, to a small share of this; else a
+        second and gentler one is offered beside the first.
+    """
+
+    move: str
+    what: str
+    sizes: tuple[Fraction, ...]
+    step: Step
+    rounds: int = 1
+    rest: Step | None = None
+    unit: Fraction | None = None
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is to be repaired, and what the designer has said.
+
+    `size` fixes the radius of roundings and blends, a length; `vary` are the letters that may be moved, None for all.
+    """
+
+    shape: Shape
+    report: Verdict
+    size: Fraction | None = None
+    vary: Sequence[str] | None = None
+
+    def scale(self) -> tuple[Fraction, ...]:
+        """Sizes of roundings, in units of length."""
+        if self.size is not None:
+            return (self.size,)
+        assert self.shape.bounds is not None
+        extent = max(high - low for low, high in self.shape.bounds)
+        return tuple(short(float(share) * extent, 1) for share in SCALE)
+
+
+class Move(ABC):
+    """A declared way to change a shape; a new one is a class with a name and its families.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym.verify.repair.registry import MOVES
+    >>> sorted(MOVES)
+    ['letter', 'pasko', 'rho', 'round']
+    """
+
+    name: str
+
+    @abstractmethod
+    def families(self, request: Request) -> list[Family]:
+        """The ways in which this move may change a shape."""
+
+
+def short(value: float, digits: int = 2, *, up: bool = False) -> Fraction:
+    """A number of few digits near a positive one, or just above it.
+
+    Examples
+    --------
+    >>> short(0.012345), short(0.012345, 3, up=True)
+    (Fraction(3, 250), Fraction(31, 2500))
+    """
+    context = Context(digits, ROUND_CEILING) if up else Context(digits)
+    return Fraction(context.create_decimal(value))
+
+
+def changed(shape: Shape, changes: Mapping[sp.Expr, Callable[[sp.Expr], sp.Expr]]) -> Shape:
+    """A shape with parts of its expression replaced by functions of themselves, their arguments already changed.
+
+    Named parts change with it and keep their names.
+    """
+    roots = (shape.expression, *(part for _, part in shape.parts))
+    done: dict[sp.Basic, sp.Basic] = {}
+    for part in postorder(*roots):
+        arguments = tuple(done[argument] for argument in part.args)
+        new = part if arguments == part.args else with_arguments(part, arguments)
+        done[part] = changes[part](new) if part in changes else new
+    parts = tuple((name, done[part]) for name, part in shape.parts)
+    return Shape(done[shape.expression], shape.coordinates, letters=shape.letters, bounds=shape.bounds, parts=parts)
+
+
+def pair_of(part: sp.Expr, level: int) -> tuple[sp.Expr, sp.Expr]:
+    """The two operands of a fold at a level, all before as one; the arguments of other parts."""
+    if not isinstance(part, ROperation):
+        return part.args[0], part.args[1]
+    return part.func(*part.parameters, *part.operands[: level - 1]), part.operands[level - 1]
+
+
+def folded(part: sp.Expr, levels: Mapping[int, Operation]) -> sp.Expr:
+    """A fold with other operations at some levels, 2 the first."""
+    if not isinstance(part, ROperation):
+        return levels[2](*part.args)
+    result, *rest = part.operands
+    for level, operand in enumerate(rest, 2):
+        result = levels[level](result, operand) if level in levels else part.func(*part.parameters, result, operand)
+    return result
+
+
+def name_of(shape: Shape, part: sp.Expr, longest: int = 40) -> str:
+    """What a part is called in the model, else its formula, cut if it is long."""
+    for name, named in shape.parts:
+        if named == part:
+            return name
+    text = str(part)
+    return text if len(text) <= longest else f"{text[: longest - 3]}..."
+
+
+def number_text(value: Fraction) -> str:
+    """A short number as a decimal."""
+    return f"{float(value):.12g}"

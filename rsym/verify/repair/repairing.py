@@ -1,0 +1,151 @@
+"""Repair: candidates for a boundary of continuous curvature, each proved, each with its price."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from rsym.codegen.enclosures import ranges_of
+from rsym.errors import RsymError
+from rsym.model.shape import Shape
+from rsym.sampling.lattice import bounds_of
+from rsym.sampling.progress import Progress
+from rsym.verify.repair.moves import Move, Request
+from rsym.verify.repair.prices import measured, price
+from rsym.verify.repair.registry import chosen_moves
+from rsym.verify.repair.report import Candidate, Rejected, RepairReport
+from rsym.verify.repair.search import Judge, Outcome, outcomes
+from rsym.verify.smoothness import verify_smoothness
+
+NARROWED = 12  # verdicts that narrow a letter down
+
+
+def repair(
+    shape: Shape,
+    *,
+    bounds: Any = None,
+    letters: Mapping[Any, Any] | None = None,
+    moves: Sequence[str | Move] | None = None,
+    vary: Sequence[Any] | None = None,
+    curvature: float | None = None,
+    radius: float | None = None,
+    tolerance: float = 1e-5,
+    progress: Progress | None = None,
+) -> RepairReport:
+    """Candidates for the smallest change that makes the boundary curvature-continuous (G2); the shape is not changed.
+
+    Each declared move is tried at growing sizes until `verify_smoothness` certifies the result:
+
+    - "letter": one letter goes to the nearest value that certifies, up or down within its range; between sizes tried
+      the threshold is bracketed by verdicts.
+    - "round": roots r that vanish at the defects become sqrt(r**2 + eps**2).
+    - "rho": edges of conjunctions and disjunctions become cubic rho-blends, G2, nothing moved outside a tube.
+    - "pasko": edges become displacement blends, analytic, everything moved a little.
+
+    Sizes of the last three are shares of the extent of the bounds, from a thousandth to a tenth; the smallest that
+    certifies is offered, and one ten times larger that bends less.
+
+    Parameters
+    ----------
+    shape : Shape
+        In the plane or in space; a body of revolution is judged by its meridian, and bodies come back.
+    bounds : sequence of pairs, optional
+        The statements are about the boundary within these; by default the bounds of the shape.
+    letters : mapping, optional
+        Values by name, numbers.
+    moves : sequence of str or Move, optional
+        The moves to try, by default all; a move of your own is a `Move` with its families.
+    vary : sequence of names, optional
+        The letters that may be moved, by default all.
+    curvature : float, optional
+        The largest curvature allowed, in 1/length: only shapes whose proved bound keeps it are candidates.
+    radius : float, optional
+        The size of roundings and blends, a length, in place of those tried.
+    tolerance : float
+        How closely the threshold of a letter is bracketed, as a share of its size.
+    progress : callable, optional
+        ``progress(verdicts, about how many)``; an answer of False cancels.
+
+    Returns
+    -------
+    RepairReport
+        ``.before``, ``.candidates`` (those that move the boundary least first), ``.rejected``; ``str(report)`` is text.
+
+    Raises
+    ------
+    RsymError
+        Without bounds, for unknown letters or moves, letters that are ranges, sizes that are not positive.
+
+    Source: smooth maxima and minima; Rvachev (1982) for the rho-blend, Pasko and Savchenko (1994) for displacements.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> quarter = rsym.Shape(rsym.conjunction(x, y, 1 - x**2 - y**2), (x, y), bounds=((-0.5, 1.5), (-0.5, 1.5)))
+    >>> found = repair(quarter, moves=["rho"], radius=0.1)
+    >>> found.before.verdict, [one.report.continuity for one in found.candidates]
+    ('REFUTED', ['G2'])
+    """
+    shape = _fixed(shape, bounds, letters)
+    request = _request(shape, vary, radius, curvature, tolerance)
+    chosen = chosen_moves(moves)
+    before = verify_smoothness(shape)
+    judge = Judge(before, curvature, progress)
+    if not judge.failure(before):
+        return RepairReport(shape, before, (), ())
+    families = [family for move in chosen for family in move.families(Request(shape, before, *request))]
+    judge.total = sum(len(family.sizes) + NARROWED * (family.unit is not None) for family in families)
+    found = [outcome for family in families for outcome in outcomes(family, shape, judge, tolerance)]
+    good = _distinct(outcome for outcome in found if not outcome.failure)
+    bad = [Rejected(outcome.move, outcome.text, outcome.failure) for outcome in found if outcome.failure]
+    return _priced(shape, before, good, bad)
+
+
+def _distinct(found: Iterable[Outcome]) -> list[Outcome]:
+    """Each shape once: what does not depend on a size comes with every size."""
+    return list({outcome.shape: outcome for outcome in reversed(list(found))}.values())
+
+
+def _fixed(shape: Any, bounds: Any, letters: Mapping[Any, Any] | None) -> Shape:
+    """The shape with the bounds and the values that are asked for."""
+    if not isinstance(shape, Shape):
+        raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape")
+    for name, (low, high) in ranges_of(shape.letters, letters).items():
+        if low != high:
+            raise RsymError(
+                f"the letter {name} has a range; repair takes numbers", code="range", remedy="vary=[...] names letters"
+            )
+    return shape.replace(bounds=bounds_of(shape, bounds)).with_letters(letters or {})
+
+
+def _request(
+    shape: Shape, vary: Sequence[Any] | None, radius: Any, curvature: Any, tolerance: Any
+) -> tuple[Fraction | None, list[str] | None]:
+    for name, value in (("radius", radius), ("curvature", curvature), ("tolerance", tolerance)):
+        if value is not None and not value > 0:
+            raise RsymError(f"the {name} must be positive, got {value!r}", code="parameter", remedy=f"{name}=0.01")
+    names = None if vary is None else [str(name) for name in vary]
+    for name in names or []:
+        shape.letters.values_with({name: shape.letters[name].default if name in shape.letters else 0})
+    return None if radius is None else Fraction(str(radius)), names
+
+
+def _priced(shape: Shape, before: Any, good: list[Outcome], bad: list[Rejected]) -> RepairReport:
+    """Candidates with their prices, sorted; a boundary that leaves the bounds by the change is none."""
+    if not good:
+        return RepairReport(shape, before, (), tuple(bad))
+    original = measured(shape, before)
+    candidates = []
+    for one in good:
+        assert one.report is not None
+        new = measured(one.shape, one.report)
+        if math.isnan(new.volume) and not math.isnan(original.volume):
+            bad.append(Rejected(one.move, one.text, "the boundary leaves the bounds, within which it is certified"))
+            continue
+        cost = price(original, new, one.report)
+        candidates.append(Candidate(one.shape, one.move, one.text, one.report, cost, one.note))
+    candidates.sort(key=lambda one: (one.price.distance, one.price.curvature_bound))
+    return RepairReport(shape, before, tuple(candidates), tuple(bad))
