@@ -301,6 +301,14 @@ def test_apices_of_pyramids(expression, turn):
     assert_close(found.tangent_jump, math.degrees(turn), atol=1e-12)
 
 
+def test_three_dependent_planes_do_not_matter_away_from_the_boundary():
+    # x = 0, y = 0 and x + y = z**2 share a tangent, the z axis: above all is inside there, below it is outside.
+    wedge = rsym.conjunction(x, y, x + y - z**2, z + 3 * x + y)
+    found = the_point(rsym.disjunction(z, wedge))
+    assert (found.kind, found.continuity) == ("corner", "G0")
+    assert found.reason.startswith("5 analytic sheets")
+
+
 def test_two_pyramids_that_share_an_apex_make_a_node():
     sides = [z - x, z + x, z - y, z + y]
     found = the_point(rsym.disjunction(rsym.conjunction(*sides), rsym.conjunction(*(-side for side in sides))))
