@@ -27,7 +27,10 @@ from rsym.verify.smoothness import quick_report
 POINT_BUDGET = 4_000  # boxes for the verdict in the middle: the body of Fig. 11 takes 130
 # A rectangle takes at most so many times the boxes of its middle: those of the body of Fig. 11 that are proved take a
 # third to 5 times as many, and a budget that is exceeded costs no more than the cut that follows.
-WIDER, MORE = 4, 200
+WIDER, MORE, MORE_IN_SPACE = 4, 200, 20_000
+# Boxes in which two sheets may meet, of a body whose middle has no such curve: where there are more there is one for some
+# of the values, which takes long to trace and certifies nothing.
+FEW = 30
 CUT = 3  # points of a curve at which a plane cuts it, evenly spaced
 
 R = TypeVar("R", SmoothnessReport, BodyReport)
@@ -111,10 +114,9 @@ class BodySubject(Subject[BodyReport]):
 
     def spread(self, ranges: Mapping[str, Range], report: BodyReport, sharpening: int) -> Spread:
         """By boxes in space with letters as intervals."""
-        study = study_body(self.shape, self.bounds, ranges, budget=WIDER * report.cover.examined + MORE)
-        # Curves over ranges of letters are long to trace: where the middle has none, they are no proof of smoothness.
-        met = bool(study.found.joined) or bool(study.found.corners)
-        if study.found.left or (met and not report.curves):
+        study = study_body(self.shape, self.bounds, ranges, budget=WIDER * report.cover.examined + MORE_IN_SPACE)
+        met = sum(len(boxes) for groups in study.found.joined.values() for boxes in groups)
+        if study.found.left or study.found.corners or (met > FEW and not report.curves):
             return Spread(UNDECIDED)
         found = report_body(study, sharpened=sharpening > 0)
         if found.verdict == CERTIFIED:
