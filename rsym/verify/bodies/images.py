@@ -107,6 +107,7 @@ class Images:
     def __init__(self, model: Model, formed: Formation, letters: Mapping[str, Interval]) -> None:
         self.model, self.formed, self.letters = model, formed, letters
         self._slopes: dict[int, _Slopes] = {}
+        self._single: dict[int, IntervalFunction] = {}
         self._bends: dict[int, IntervalFunction] = {}
 
     @cached_property
@@ -150,6 +151,16 @@ class Images:
     def _on(self, function: IntervalFunction, boxes: Boxes) -> Mapping[str, Ends]:
         with np.errstate(all="ignore"):
             return function([*boxes[..., 0].T], [*boxes[..., 1].T], self._ends)
+
+    def value(self, node: int, boxes: Boxes) -> Ends:
+        """The value (n,) of a node over boxes."""
+        operation, arguments, _ = self.model.builder.nodes[node]
+        if operation == "neg":
+            low, high = self.value(arguments[0], boxes)
+            return -high, -low
+        if node not in self._single:
+            self._single[node] = self._function({"value": node}, sharpened=("value",))
+        return self._on(self._single[node], boxes)["value"]
 
     def slopes(self, node: int, boxes: Boxes) -> tuple[Array, Array, Flags]:
         """The gradient of a node over boxes, (3, n) lower and upper, and where the node is certainly analytic."""
