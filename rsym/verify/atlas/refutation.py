@@ -12,22 +12,20 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rsym.codegen.balls import arb, ball, ctx, exact
-from rsym.codegen.differentiation import derivative
 from rsym.codegen.enclosures import ranges_of
 from rsym.model.shape import Shape
 from rsym.sampling.lattice import bounds_of
 from rsym.verify.cleaning import cleaned
 from rsym.verify.covering import PRECISION
 from rsym.verify.generators import generators
-from rsym.verify.joints import Meeting, is_transversal, joint, locate, meeting
-from rsym.verify.local import Interval, Local, Model
+from rsym.verify.joints import Arc, Meeting, is_transversal, joint, locate, meeting
+from rsym.verify.local import Interval, Model
 from rsym.verify.locus import reduce
 from rsym.verify.report import CONTINUITIES, Joint
 from rsym.verify.revolution import meridian
 
-# The box in which a joint is sought over its predicted motion: 1.2 suits motions that are nearly linear; a wider box
-# bears more curved ones and is proved less often.
-MARGINS = (1.2, 1.6, 2.4)
+# A box that holds its image is found by growing it to a little more than its image, as often as it is worth trying.
+INFLATION, GROWTHS = 1.1, 10
 NEAREST = 2.0**-20  # a box is no narrower than this, as a share of the extent: the point is known to fewer digits
 TRIED = 3  # defects that are followed, the worst first
 
@@ -90,18 +88,21 @@ class Refuter:
             return next((found for found in followed if found is not None), None)
 
     def _followed(self, ranges: Mapping[str, Interval], defect: Joint) -> Joint | None:
-        names = self.model.axes[2:]
-        sides = [ball(exact(ranges[name][0]), exact(ranges[name][1])) for name in names]
+        """The joint in a box that grows until it holds its own image, at most so many times."""
+        sides = [ball(exact(ranges[name][0]), exact(ranges[name][1])) for name in self.model.axes[2:]]
         extent = max(float(high) - float(low) for low, high in self.bounds)
         least = max(2 * defect.radius, NEAREST * extent)
-        motion = self._motion(defect, [side.mid() for side in sides], sides, least)
-        if motion is None:
+        box = [arb(value, least) for value in defect.point]
+        arcs = self._meeting([*box, *(side.mid() for side in sides)])
+        if arcs is None:
             return None
-        for margin in MARGINS:
-            box = [arb(centre, max(least, margin * way)) for centre, way in zip(defect.point, motion, strict=True)]
-            found = self._proved([*box, *sides])
-            if found is not None:
-                return found
+        for _ in range(GROWTHS):
+            image = self._image(arcs.arcs[0], box, sides)
+            if image is None:
+                return None
+            if all(old.contains_interior(new) for old, new in zip(box, image, strict=True)):
+                return self._proved([*box, *sides])
+            box = [arb(side.mid(), max(least, INFLATION * float(arb(side.rad())))) for side in image]
         return None
 
     def _meeting(self, sides: Sequence[arb]) -> Meeting | None:
@@ -110,32 +111,27 @@ class Refuter:
         found = generators(local, locus.nodes[0]) if locus.kind == "leaf" else None
         return None if found is not None and found.analytic else meeting(local, locus, found)
 
-    def _motion(
-        self, defect: Joint, middle: Sequence[arb], sides: Sequence[arb], least: float
-    ) -> tuple[float, float] | None:
-        """How far the joint moves to first order, along both coordinates: dp = -J^-1 dH/dl dl."""
-        arcs = self._meeting([*(arb(value, least) for value in defect.point), *middle])
-        if arcs is None:
+    def _image(self, arc: Arc, box: Sequence[arb], sides: Sequence[arb]) -> list[arb] | None:
+        """The image of a box under Krawczyk's operator; None where there is none, or one wider than the bounds."""
+        pair, middle = (arc.function, arc.side), [side.mid() for side in box]
+        centre = self.model.on([*middle, *(side.mid() for side in sides)])
+        here, whole = self.model.on([*middle, *sides]), self.model.on([*box, *sides])
+        (a, b), (c, d) = ([value.mid() for value in centre.gradient(number)] for number in pair)
+        determinant = (a * d - b * c).mid()
+        if not determinant.is_finite() or determinant == 0:
             return None
-        at = self.model.on([*map(arb, defect.point), *middle])
-        pair = (arcs.arcs[0].function, arcs.arcs[0].side)
-        slopes = [self._slopes(at, number) for number in pair]
-        if None in slopes:
+        inverse = ((d / determinant, -b / determinant), (-c / determinant, a / determinant))
+        values = [value for value in map(here.value, pair) if value is not None]
+        if len(values) < len(pair):
             return None
-        (a, b, *f), (c, d, *g) = (slope for slope in slopes if slope is not None)
-        determinant = a * d - b * c
-        if not determinant:
-            return None
-        radii = [float(arb(side.rad())) for side in sides]
-        x = sum(abs((d * u - b * v) / determinant) * r for u, v, r in zip(f, g, radii, strict=True))
-        y = sum(abs((a * v - c * u) / determinant) * r for u, v, r in zip(f, g, radii, strict=True))
-        return x, y
-
-    def _slopes(self, at: Local, number: int) -> list[float] | None:
-        """The derivatives of a node along all axes, as floats: a prediction needs no proof."""
-        found = [at.value(derivative(self.model.builder, number, name)) for name in self.model.axes]
-        known = [float(value.mid()) for value in found if value is not None and value.is_finite()]
-        return known if len(known) == len(found) else None
+        slopes = [whole.gradient(number) for number in pair]
+        image = []
+        for row, (p, q) in enumerate(inverse):
+            rests = [(row == k) - p * slopes[0][k] - q * slopes[1][k] for k in (0, 1)]
+            moved = middle[row] - p * values[0] - q * values[1]
+            image.append(moved + sum(rest * (side - side.mid()) for rest, side in zip(rests, box, strict=True)))
+        reach = max(high - low for low, high in self.bounds)
+        return image if all(side.is_finite() and float(side.rad()) < reach for side in image) else None
 
     def _proved(self, sides: Sequence[arb]) -> Joint | None:
         """The joint in a box for all letters in their ranges, if it is one, inside the bounds, and a defect."""

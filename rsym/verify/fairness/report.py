@@ -58,7 +58,7 @@ class CurvatureBounds:
 class Extremum:
     """A place where a curvature is extreme along the boundary, or changes its sign.
 
-    kind: "maximum", "minimum", "saddle" (of a body in space) or "inflection"; `quantity` names the curvature. The
+    kind: "maximum", "minimum" or "inflection"; `quantity` names the curvature. The
     place is within `radius` of `point`, and the curvature within `error` of `curvature`. `proved`: there is exactly
     one such place within the radius. `flat`: the curvature touches zero there without changing its sign.
 
