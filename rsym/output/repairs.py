@@ -83,9 +83,8 @@ def plot_repair(report: RepairReport, *, shown: int = 6) -> Figure:
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> from rsym.verify.repair.repairing import repair
     >>> roof = rsym.Shape(1 - abs(x) - y, (x, y), bounds=((-2, 2), (-2, 2)))
-    >>> figure = plot_repair(repair(roof, moves=["round"], radius=0.1))
+    >>> figure = plot_repair(rsym.repair(roof, moves=["round"], radius=0.1))
     >>> figure.axes[1].get_title()
     '1   |x| rounded by 0.1'
     """
