@@ -247,6 +247,19 @@ def test_what_nothing_helps_is_said():
     assert "no candidate was found" in str(found)
 
 
+def test_a_boundary_may_begin_to_exist():
+    c = sp.Symbol("c", real=True)
+    letters = {c: rsym.Letter(-1, minimum=-2, maximum=3)}
+    nothing = rsym.Shape(c - x**2 - y**2, (x, y), letters=letters, bounds=BOX)
+    found = repair(nothing, moves=["letter"])
+    (one,) = found.candidates
+    assert found.before.verdict == "DEGENERATE"
+    assert 0 < one.shape.letters["c"].default < 0.1
+    assert (one.price.distance, np.isnan(one.price.volume)) == (np.inf, True)
+    assert json.loads(found.to_json())["candidates"][0]["price"]["distance"] is None
+    assert len(plot_repair(found).axes) == 2
+
+
 class Shrink(Move):
     """A stranger's move: the boundary omega = level."""
 

@@ -132,7 +132,8 @@ def view_of(report: RepairReport) -> View:
 def _worst(before: Verdict) -> tuple[Sequence[float], int]:
     """The worst defect, of a curve its middle, and the coordinate along which it runs."""
     if not before.defects:
-        return [float(c) for c in before.undecided[0].mean(axis=1)], 2
+        boxes = before.undecided if len(before.undecided) else np.array([before.cover.bounds])
+        return [float(c) for c in boxes[0].mean(axis=1)], 2
     worst = before.defects[0]
     if not isinstance(worst, SingularCurve):
         return worst.point, 2
@@ -156,7 +157,7 @@ def _draw_window(ax: Axes, shape: Shape, candidate: Candidate, view: View) -> No
     """Both boundaries about the worst defect; coordinates are counted from it."""
     extent = max(high - low for low, high in view.bounds)
     whole = view.boundary(candidate.shape, view.bounds, WHOLE)
-    moved = float(distances_to(np.array([view.point]), whole)[0])
+    moved = float(distances_to(np.array([view.point]), whole)[0]) if whole.lines else math.inf
     size = min(max(SHOWN * moved, LEAST * extent), MOST * extent)
     box = tuple((middle - size, middle + size) for middle in view.point)
     for name, one in (("before", shape), ("after", candidate.shape)):
