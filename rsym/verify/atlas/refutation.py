@@ -13,12 +13,13 @@ from typing import Any
 
 from rsym.codegen.balls import arb, ball, ctx, exact
 from rsym.codegen.enclosures import ranges_of
-from rsym.model.shape import Shape
+from rsym.model.shape import Bounds, Shape
 from rsym.sampling.lattice import bounds_of
 from rsym.verify.cleaning import cleaned
 from rsym.verify.covering import PRECISION
 from rsym.verify.generators import generators
 from rsym.verify.joints import Arc, Meeting, is_transversal, joint, locate, meeting
+from rsym.verify.krawczyk import Point, image, inverse
 from rsym.verify.local import Interval, Model
 from rsym.verify.locus import reduce
 from rsym.verify.report import CONTINUITIES, Joint
@@ -68,18 +69,19 @@ def refuted_throughout(
     >>> refuted_throughout(body, {"a2": (5.15, 5.35)}, defects) is None
     True
     """
-    return Refuter(shape, ranges_of(shape.letters, letters), bounds).joint(ranges_of(shape.letters, letters), defects)
+    shape = shape if bounds is None else shape.replace(bounds=bounds)
+    body = shape.dimension == 3
+    plane = meridian(shape)[0] if body else shape
+    ranges = ranges_of(shape.letters, letters)
+    model = Model(plane.replace(expression=cleaned(plane.expression)), ranges, body=body)
+    return Refuter(model, bounds_of(plane, None)).joint(ranges, defects)
 
 
 class Refuter:
-    """Follows joints of one shape over ranges of its letters, of which `values` tells which are ranges at all."""
+    """Follows joints of a model in the plane over ranges of its letters; they must stay inside the bounds."""
 
-    def __init__(self, shape: Shape, values: Mapping[str, Interval], bounds: Any = None) -> None:
-        shape = shape if bounds is None else shape.replace(bounds=bounds)
-        body = shape.dimension == 3
-        self.plane = meridian(shape)[0] if body else shape
-        self.bounds = bounds_of(self.plane, None)
-        self.model = Model(self.plane.replace(expression=cleaned(self.plane.expression)), values, body=body)
+    def __init__(self, model: Model, bounds: Bounds) -> None:
+        self.model, self.bounds = model, bounds
 
     def joint(self, ranges: Mapping[str, Interval], defects: Sequence[Joint]) -> Joint | None:
         """A defect for every value in the ranges, from those at their middle."""
@@ -97,12 +99,12 @@ class Refuter:
         if arcs is None:
             return None
         for _ in range(GROWTHS):
-            image = self._image(arcs.arcs[0], box, sides)
-            if image is None:
+            moved = self._image(arcs.arcs[0], box, sides)
+            if moved is None:
                 return None
-            if all(old.contains_interior(new) for old, new in zip(box, image, strict=True)):
+            if all(old.contains_interior(new) for old, new in zip(box, moved, strict=True)):
                 return self._proved([*box, *sides])
-            box = [arb(side.mid(), max(least, INFLATION * float(arb(side.rad())))) for side in image]
+            box = [arb(side.mid(), max(least, INFLATION * float(arb(side.rad())))) for side in moved]
         return None
 
     def _meeting(self, sides: Sequence[arb]) -> Meeting | None:
@@ -111,27 +113,18 @@ class Refuter:
         found = generators(local, locus.nodes[0]) if locus.kind == "leaf" else None
         return None if found is not None and found.analytic else meeting(local, locus, found)
 
-    def _image(self, arc: Arc, box: Sequence[arb], sides: Sequence[arb]) -> list[arb] | None:
+    def _image(self, arc: Arc, box: Sequence[arb], sides: Sequence[arb]) -> Point | None:
         """The image of a box under Krawczyk's operator; None where there is none, or one wider than the bounds."""
         pair, middle = (arc.function, arc.side), [side.mid() for side in box]
         centre = self.model.on([*middle, *(side.mid() for side in sides)])
         here, whole = self.model.on([*middle, *sides]), self.model.on([*box, *sides])
-        (a, b), (c, d) = ([value.mid() for value in centre.gradient(number)] for number in pair)
-        determinant = (a * d - b * c).mid()
-        if not determinant.is_finite() or determinant == 0:
-            return None
-        inverse = ((d / determinant, -b / determinant), (-c / determinant, a / determinant))
+        near = inverse([centre.gradient(number) for number in pair])
         values = [value for value in map(here.value, pair) if value is not None]
-        if len(values) < len(pair):
+        if near is None or len(values) < len(pair):
             return None
-        slopes = [whole.gradient(number) for number in pair]
-        image = []
-        for row, (p, q) in enumerate(inverse):
-            rests = [(row == k) - p * slopes[0][k] - q * slopes[1][k] for k in (0, 1)]
-            moved = middle[row] - p * values[0] - q * values[1]
-            image.append(moved + sum(rest * (side - side.mid()) for rest, side in zip(rests, box, strict=True)))
+        found = image(near, values, [whole.gradient(number) for number in pair], tuple(box))
         reach = max(high - low for low, high in self.bounds)
-        return image if all(side.is_finite() and float(side.rad()) < reach for side in image) else None
+        return None if found is None or any(float(side.rad()) > reach for side in found) else found
 
     def _proved(self, sides: Sequence[arb]) -> Joint | None:
         """The joint in a box for all letters in their ranges, if it is one, inside the bounds, and a defect."""
