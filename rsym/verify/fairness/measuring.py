@@ -186,17 +186,17 @@ def with_joints(points: Floats, joints: Sequence[Sequence[float]], body: bool) -
     """The points of a line, with each joint that lies on it in the place of those next to it."""
     places = [(x, y) for x, y in joints] + [(x, -y) for x, y in joints if body and y != 0]
     for place in places:
-        steps = np.hypot(*np.diff(points, axis=0).T)
-        near = np.hypot(*(points - place).T) < NEAR * float(np.median(steps))
+        steps, away = np.hypot(*np.diff(points, axis=0).T), np.hypot(*(points - place).T)
+        usual = float(np.median(steps))
+        near = away < NEAR * usual
         if near[0] and near[-1]:
             points = np.concatenate([[place], points[~near], [place]])
         elif near.any():
             points = np.insert(points[~near], int(near.argmax()), place, axis=0)
-        else:
-            middles = (points[1:] + points[:-1]) / 2
-            distance = np.hypot(*(middles - place).T) / steps
-            if distance.min() < 1:
-                points = np.insert(points, int(distance.argmin()) + 1, place, axis=0)
+        else:  # the tip of a needle may be cut off by a step: the detour over it is the shortest all the same
+            detour = away[1:] + away[:-1] - steps
+            if detour.min() < 2 * usual:
+                points = np.insert(points, int(detour.argmin()) + 1, place, axis=0)
     return points
 
 
