@@ -67,8 +67,10 @@ def search(
 
 
 def _next(model: Model, result: Found, tolerance: float, budget: int, smallest: float) -> list[Piece]:
-    """Take pieces that are not yet good enough out of those done, in parts; once half the budget is spent bounds come
-    first. Narrow pieces come last: those next to a singular point would take all.
+    """Take pieces that are not yet good enough out of those done, in parts.
+
+    Once half the budget is spent, bounds come first. Narrow pieces come last: those next to a singular point would
+    take all.
     """
     wide = _too_wide(result.done, tolerance)
     opened = [settled.open for _, settled in result.done]
