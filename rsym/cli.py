@@ -19,7 +19,7 @@ from rsym.commands import compare, fields, letters, lint, mesh, repair, reproduc
 from rsym.errors import RsymError, RsymWarning
 
 # Another command is one module beside these, and its name here and above.
-COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh, verify, compare, repair, lint)
+COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh, verify, repair, compare, lint)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

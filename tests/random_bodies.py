@@ -27,13 +27,16 @@ def rotation(random):
         a, b, c, d = (int(value) for value in random.integers(-3, 4, 4))
         if n := a * a + b * b + c * c + d * d:
             break
-    return sp.Matrix(
-        [
-            [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],
-            [2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)],
-            [2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d],
-        ]
-    ) / n
+    return (
+        sp.Matrix(
+            [
+                [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],
+                [2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)],
+                [2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d],
+            ]
+        )
+        / n
+    )
 
 
 def placed(random, expression, reach=0.2):
@@ -102,7 +105,7 @@ def regular(random):
         system = SYSTEMS[random.integers(len(SYSTEMS))]
         return placed(random, system.disjunction(*(ball.subs(x, 2 * x) for ball in balls)), 0)[0]
     if kind == 2:  # a cubic fillet between planes at right angles
-        p, (u, v, _) = placed(random, x, 0.2)
+        _, (u, v, _) = placed(random, x, 0.2)
         return rsym.conjunction(u, v, system=rsym.Rho(rational(random, 0.3, 0.8), "G2"))
     return dressed(random, base(random))
 
@@ -121,7 +124,9 @@ def planted(random):
         return kind, body + rational(random, 0.001, 0.2, 1000) * sp.Abs(u, evaluate=False)
     if kind == "jump":
         body, (u, _, _) = placed(random, ellipsoid(random), 0.1)
-        return kind, body + rational(random, 0.01, 0.3) * sp.Max(u - rational(random, -0.3, 0.3), 0, evaluate=False) ** 2
+        return kind, body + rational(random, 0.01, 0.3) * sp.Max(
+            u - rational(random, -0.3, 0.3), 0, evaluate=False
+        ) ** 2
     if kind == "fillet":
         _, (u, v, _) = placed(random, x, 0.2)
         return kind, rsym.conjunction(u, v, system=rsym.Rho(rational(random, 0.3, 0.8)))
@@ -144,6 +149,6 @@ def body_of(expression):
     return Shape(expression, (x, y, z), bounds=WINDOW)
 
 
-def numbered(kind, count, seed=20261121):
-    """The first bodies of a kind, each from a generator of its own."""
-    return [kind(np.random.default_rng([seed, k])) for k in range(count)]
+def numbered(kind, number):
+    """One of the bodies of a kind, from a generator of its own."""
+    return kind(np.random.default_rng([20261121, number]))

@@ -17,6 +17,7 @@ from rsym import x, y
 from rsym.cli import main
 from rsym.output.repairs import plot_repair
 from rsym.sampling.boundaries import boundary, distance
+from rsym.verify.bodies.report import BodyReport
 from rsym.verify.repair.moves import Family, Move
 from rsym.verify.repair.repairing import repair
 
@@ -333,3 +334,28 @@ def test_boundaries_follow_tips_holes_and_ends():
     strips = [boundary(rsym.Shape(y - c, (x, y)), BOX, 16) for c in (0.1, 0.4)]
     assert not strips[0].closed
     assert_close(distance(*strips), 0.3, atol=1e-12)
+
+
+def test_any_body_in_space_is_repaired():
+    """Half a ball, its rim rounded: 2*f*g = e**2 with f = 1 - x**2 - r**2 and g = 2*x, slopes 2 at the rim."""
+    ball = rsym.Shape(1 - x**2 - y**2 - rsym.z**2, (x, y, rsym.z), bounds=((-2, 2),) * 3).named("ball")
+    half = ball & rsym.Shape(2 * x, (x, y, rsym.z)).named("cut")
+    found = repair(half, moves=["round", "letter"], radius=0.25, method="space")
+    assert isinstance(found.before, BodyReport)
+    (one,) = found.candidates
+    assert (one.report.verdict, one.report.continuity) == ("CERTIFIED", "analytic")
+    amount = float(one.change.split()[-1])
+    assert_close(amount, 0.25 * np.sqrt(8), rtol=9e-3)
+
+    def radius_squared(u):
+        return 1 - u * u - amount**2 / (4 * u)
+
+    low, high = brentq(radius_squared, 1e-3, 0.5), brentq(radius_squared, 0.5, 1)
+    volume = np.pi * quad(radius_squared, low, high)[0]
+    assert_close(one.price.volume, volume / (2 * np.pi / 3) - 1, atol=2e-3)
+    along = np.linspace(low, high, 10_001)
+    nearest = np.hypot(along, 1 - np.sqrt(np.maximum(radius_squared(along), 0))).min()
+    assert_close(one.price.distance, max(nearest, low), rtol=9e-3)
+    whole, window = plot_repair(found).axes
+    assert "section" in whole.get_title()
+    assert window.get_title().startswith("1   the root of")

@@ -201,9 +201,9 @@ def classified(expression, point=(0, 0, 0), width=2.0**-12) -> Classified:
     return classify_points(model, [(box, None) for box in product(*ends)], 4.0, names=lambda node: f"node {node}")
 
 
-def the_point(expression, point=(0, 0, 0)) -> SingularPoint:
+def the_point(expression, point=(0, 0, 0), regular=0) -> SingularPoint:
     found = classified(expression, point)
-    assert (len(found.points), found.curves, found.regular) == (1, (), ())
+    assert (len(found.points), found.curves, len(found.regular)) == (1, (), regular)
     assert_close(found.points[0].point, [float(c) for c in point], atol=1e-12)
     assert found.points[0].proved
     return found.points[0]
@@ -242,8 +242,16 @@ RADIUS = sp.sqrt(x**2 + y**2)
     ],
 )
 def test_points_without_a_tangent_plane_of_one_sheet(expression, kind, continuity, degenerate):
-    found = the_point(expression)
+    # Where the boundary is one of two sheets that touch, they are proved to meet nowhere else in the boxes.
+    found = the_point(expression, regular=64 if continuity == "analytic" else 0)
     assert (found.kind, found.continuity, is_degenerate(found)) == (kind, continuity, degenerate)
+
+
+def test_sheets_that_touch_at_two_points_in_a_box_are_not_taken_for_one():
+    wave = z - x**2 * (x - sp.Rational(1, 1000)) ** 2 - y**2  # touches z = 0 at x = 0 and at x = 1/1000
+    far, near = (classified(rsym.disjunction(z, wave), width=width) for width in (2.0**-12, 2.0**-14))
+    assert (len(far.points), len(far.regular)) == (1, 0)
+    assert (len(near.points), len(near.regular)) == (1, 64)
 
 
 IRRATIONAL = (sp.sqrt(2), sp.sqrt(3), sp.sqrt(5))
@@ -311,6 +319,9 @@ def test_what_no_proof_settles_is_called_numerical():
     (point,) = classified(moved, (sp.sqrt(2), 0, 1)).points
     assert (point.kind, point.proved) == ("corner", False)
     assert_close(point.tangent_jump, 60, atol=1e-9)
+    # Balls whose radii are floats touch up to rounding.
+    (point,) = classified(rsym.disjunction(ball((-0.75, 0, 0), 0.75), ball((0.8, 0, 0), 0.8))).points
+    assert (point.kind, point.continuity, point.proved) == ("tangency", "broken", False)
     # Two spikes without a regular quadratic form, sharper than the lattice of directions sees.
     (point,) = classified(z**4 - x**2 - y**2).points
     assert (point.kind, point.proved) == ("unresolved", False)

@@ -17,7 +17,7 @@ from rsym.output.patches import Lines, coat_of_patches, shaded, tessellations
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import pieces
 from rsym.surfaces.joints.continuity import continuity_report
-from rsym.surfaces.joints.edge_report import EdgeReport, Meeting
+from rsym.surfaces.joints.edge_report import EdgeReport, Meeting, is_settled
 from rsym.surfaces.joints.edge_wording import COLOURS
 from rsym.surfaces.patch import Patch
 
@@ -50,7 +50,7 @@ def plot_continuity(
     surfaces : Patch or sequence of Patch
         What is looked at.
     report : EdgeReport, optional
-        What `continuity_report` found on the same patches; without it, it is asked.
+        What `continuity_report` found on the same patches; without it, it is asked. The legend tells what is proved.
     ax : Axes3D, optional
         Where to draw; a new pyplot figure with a legend is made if it is left out. ``artist.parts`` maps the words of
         the legend to colours.
@@ -80,9 +80,17 @@ def plot_continuity(
 
 
 def _legend(report: EdgeReport) -> dict[str, str]:
-    """The classes that occur, the worst first, with how many edges and poles are of it."""
+    """The classes that occur, the worst first, with how many edges and poles are of it, and of how many that is proved.
+
+    G2 is proved where it is certified; less than G2 where all of it is proved and the next class refuted.
+    """
     counts = Counter(one.continuity for one in report.meetings)
-    return {f"{name}: {counts[name]}": colour for name, colour in COLOURS.items() if counts[name]}
+    settled = Counter(one.continuity for one in report.meetings if is_settled(one))
+    return {
+        f"{name}: {counts[name]}{f', {settled[name]} proved' if report.verdict else ''}": colour
+        for name, colour in COLOURS.items()
+        if counts[name]
+    }
 
 
 def _strokes(report: EdgeReport) -> list[Stroke]:

@@ -36,6 +36,8 @@ from .networks.tensor import TensorProductSurface
 from .networks.transition import TransitionSurface
 from .parametric import ParametricSurface
 from .patch import Patch
+from .proofs.edge_proof import EdgeProof
+from .splitting import PatchPiece, split_patch
 
 __all__ = [
     "Answer",
@@ -45,6 +47,7 @@ __all__ = [
     "Called",
     "CompositeCoons",
     "CoonsPatch",
+    "EdgeProof",
     "EdgeReport",
     "Formula",
     "GordonSurface",
@@ -55,6 +58,7 @@ __all__ = [
     "Optimum",
     "ParametricSurface",
     "Patch",
+    "PatchPiece",
     "Plane",
     "Revolution",
     "Segment",
@@ -76,6 +80,7 @@ __all__ = [
     "projections",
     "sphere",
     "sphere_octant",
+    "split_patch",
     "torus",
     "torus_quarter",
     "with_twists",

@@ -22,7 +22,7 @@ from rsym.surfaces.joints.edge_report import (
     badness,
     extreme,
 )
-from rsym.surfaces.joints.edge_verdicts import formulas_of, with_proof
+from rsym.surfaces.joints.edge_verdicts import formulas_of, pole_with_proof, with_proof
 from rsym.surfaces.joints.edges import edges_of
 from rsym.surfaces.joints.poles import SAMPLES, clusters, fan, spread
 from rsym.surfaces.patch import LetterValues, Patch
@@ -114,11 +114,14 @@ normals to different sides
     joined = covered(stretches, lines)
     free = [_free_edge(border, one) for border in lines for one in free_intervals(border, joined[border])]
     edges = [_common_edge(one, angle, curvature) for one in stretches]
+    groups = clusters(points)
+    poles = [_pole(group, angle, curvature) for group in groups]
     if prove:
         formulas = formulas_of(patches, values)
         edges = [with_proof(one, stretch, formulas) for one, stretch in zip(edges, stretches, strict=True)]
+        poles = [pole_with_proof(one, group, formulas) for one, group in zip(poles, groups, strict=True)]
     edges.sort(key=badness)
-    poles = sorted((_pole(group, angle, curvature) for group in clusters(points)), key=badness)
+    poles.sort(key=badness)
     return EdgeReport(tuple(edges), tuple(poles), tuple(free), len(patches), _extent(*grids) if grids else 0.0)
 
 

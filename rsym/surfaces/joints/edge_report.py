@@ -238,6 +238,12 @@ class EdgeReport:
         return report_html(self)
 
 
+def is_settled(meeting: Meeting) -> bool:
+    """Whether the class that samples show is proved: all of it, and that it is no more if it is less than G2."""
+    held = meeting.proved or "broken"
+    return held == meeting.continuity and meeting.verdict == (CERTIFIED if held == "G2" else REFUTED)
+
+
 def badness(meeting: Meeting) -> tuple[int, float]:
     """A key that sorts the worst first: the class, then by how many tolerances it is missed."""
     place = CONTINUITIES.index(meeting.continuity)

@@ -6,12 +6,18 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from rsym.codegen.enclosures import ranges_of
+from rsym.surfaces.joints.borders import Border
 from rsym.surfaces.joints.edge_matching import Stretch
-from rsym.surfaces.joints.edge_report import CommonEdge
+from rsym.surfaces.joints.edge_report import CommonEdge, Pole
+from rsym.surfaces.joints.poles import SAMPLES, fan, spread
 from rsym.surfaces.patch import LetterValues, Patch
 from rsym.surfaces.proofs.edge_formulas import PatchFormula
-from rsym.surfaces.proofs.proving import Task, prove
+from rsym.surfaces.proofs.pole_proofs import Spoke, prove_pole
+from rsym.surfaces.proofs.proving import prove
+from rsym.surfaces.proofs.stretches import Task
 
 # The share of what samples tolerate that a proof does: gaps of 1e-12 of the size, angles of 1e-9 degrees. Rounding in
 # data is far below, and a change of a control point by a millionth is far above.
@@ -33,4 +39,19 @@ def with_proof(edge: CommonEdge, stretch: Stretch, formulas: Sequence[PatchFormu
     rooms = (STRICTNESS * room.gap, math.sin(math.radians(STRICTNESS * room.angle)), STRICTNESS * room.curvature)
     worst = [one.parameters[0][along] for one in (edge.gap, edge.angle, edge.curvature_jump)]
     first, second = (formulas[place] for place in edge.patches)
-    return replace(edge, proof=prove(Task(stretch, (first, second), rooms, worst)))
+    return replace(edge, proof=prove(Task(stretch, (first, second), rooms, worst, edge.gap.value)))
+
+
+def pole_with_proof(pole: Pole, group: Sequence[Border], formulas: Sequence[PatchFormula]) -> Pole:
+    """The same pole with its proof."""
+    directions = fan(group, SAMPLES[0])
+    angles = spread(directions)[1]
+    pair = np.unravel_index(int(np.argmax(np.nan_to_num(angles))), angles.shape)
+    worst = []
+    for place in map(int, pair):
+        number = place // SAMPLES[0]
+        along = 1 - group[number].edge.across
+        worst.append((number, float(directions.parameters[place][along])))
+    room = math.sin(math.radians(STRICTNESS * pole.tolerances.angle))
+    spokes = [Spoke(border.edge, formulas[border.index]) for border in group]
+    return replace(pole, proof=prove_pole(spokes, room, worst))

@@ -26,11 +26,12 @@ def verdict_text(report: EdgeReport) -> str:
     >>> verdict_text(continuity_report(torus(3, 1)[:2], prove=True))
     'Proofs: CERTIFIED (1 of 1 edge CERTIFIED, 1 exactly).'
     """
-    counts = Counter(one.verdict for one in report.edges)
-    exactly = sum(_exact(one.proof) for one in report.edges if one.proof)
-    parts = [f"{counts[word]} of {plural(len(report.edges), 'edge')} {word}" for word in sorted(counts)]
+    parts = []
+    for meetings, noun in ((report.edges, "edge"), (report.poles, "pole")):
+        counts = Counter(one.verdict for one in meetings)
+        parts += [f"{counts[word]} of {plural(len(meetings), noun)} {word}" for word in sorted(counts)]
+    exactly = sum(_exact(one.proof) for one in report.meetings if one.proof)
     parts += [f"{exactly} exactly"] if exactly else []
-    parts += [f"{plural(len(report.poles), 'pole')} not proved"] if report.poles else []
     return f"Proofs: {report.verdict} ({', '.join(parts)})."
 
 

@@ -16,6 +16,7 @@ import sympy as sp
 from sympy.polys.orderings import lex
 from sympy.polys.rings import PolyElement, PolyRing
 
+from rsym.codegen.balls import arb
 from rsym.surfaces.proofs.specialised import NoProof
 
 Polynomial: TypeAlias = PolyElement
@@ -24,8 +25,9 @@ Angle: TypeAlias = tuple[Fraction, Fraction, Fraction, Fraction]
 
 GENERATORS = 20
 T, PI, E = GENERATORS - 1, GENERATORS - 2, GENERATORS - 3
-# Polynomials that are longer only cost time: those of exact arcs have some hundred terms.
-MOST_TERMS = 4_000
+# Polynomials that are longer cost more time than balls do: those of exact arcs have 132 terms, those of arcs whose
+# corner data are rounded a thousand, and take seconds.
+MOST_TERMS = 300
 # Sines of greater multiples of the measure are polynomials of higher degree.
 MOST_MULTIPLE = 24
 # Integers under a root are factored if they are shorter.
@@ -89,14 +91,26 @@ class Field:
         self._free = E - 1
         self._squares: dict[int, Polynomial] = {}
         self._known: dict[Any, Value] = {}
+        # The primes whose roots generators are.
+        self.primes: dict[int, int] = {}
         self.measures: list[Fraction] = [Fraction(0)] * 4
 
     def value(self, above: Polynomial, below: Mapping[Polynomial, int]) -> Value:
-        """A quotient, reduced by the relations."""
+        """A quotient, reduced by the relations and by denominators that divide it."""
         reduced = self._reduced(above)
         if len(reduced) > MOST_TERMS:
             raise NoProof("the formulas are too long for exact arithmetic")
-        return Value(self, reduced, below if reduced else {})
+        left = dict(below) if reduced else {}
+        for one in list(left):
+            while left.get(one):
+                quotient, rest = reduced.div(one)
+                if rest:
+                    break
+                reduced = quotient
+                left[one] -= 1
+            if not left[one]:
+                del left[one]
+        return Value(self, reduced, left)
 
     def rational(self, number: Fraction) -> Value:
         """A number."""
@@ -140,7 +154,9 @@ class Field:
         for prime, exponent in sp.factorint(whole).items() if whole else []:
             total = total * self.rational(Fraction(int(prime) ** (exponent // 2)))
             if exponent % 2:
-                total = total * self.named(("sqrt", int(prime)), self.ring.ground_new(int(prime)))
+                root = self.named(("sqrt", int(prime)), self.ring.ground_new(int(prime)))
+                self.primes[root.above.LM.index(1)] = int(prime)
+                total = total * root
         return total if whole else self.rational(Fraction())
 
     def named(self, key: Any, square: Polynomial | None = None) -> Value:
@@ -153,6 +169,18 @@ class Field:
                 self._squares[self._free] = square
             self._free -= 1
         return self._known[key]
+
+    def balls(self, t: Any) -> dict[int, Any]:
+        """Balls for the generators of which one is known, over a ball of t: cosines and sines lie in [-1, 1]."""
+        known = {T: t, PI: arb.pi(), E: arb.const_e()}
+        known |= {number: arb(prime).sqrt() for number, prime in self.primes.items()}
+        turning = [value.above.LM for key, value in self._known.items() if key[0] in {"cos", "sin"}]
+        return known | {powers.index(1): arb(0, 1) for powers in turning}
+
+    @property
+    def varying(self) -> frozenset[int]:
+        """The generators that are not known to be constant."""
+        return frozenset(range(GENERATORS)) - {PI, E, *self.primes}
 
     def turned(self, value: Value) -> tuple[Value, Value]:
         """The cosine and the sine of a value."""

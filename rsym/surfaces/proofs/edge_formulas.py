@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -18,6 +18,7 @@ from rsym.surfaces.joints.edges import Edge
 from rsym.surfaces.patch import Patch
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part, Specialised
 from rsym.surfaces.proofs.spline_edges import spline_jet
+from rsym.surfaces.splitting import PatchPiece
 
 # Position and derivatives (i, j): i times along the edge, j times out of the patch.
 ORDERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
@@ -36,6 +37,10 @@ class Walk(NamedTuple):
     def inverse(self, s: Fraction) -> Fraction:
         """The common parameter of a place of the edge."""
         return (s - self.start) / self.speed
+
+
+# The edge as it is.
+ALONG = Walk(Fraction(0), Fraction(1))
 
 
 class Jet(NamedTuple):
@@ -63,30 +68,38 @@ class PatchFormula:
     """
 
     def __init__(self, patch: Patch, letters: Mapping[str, Fraction]) -> None:
-        self.patch, self.letters = patch, letters
+        self.patch, self.letters = patch.patch if isinstance(patch, PatchPiece) else patch, letters
         self._program: tuple[Builder, dict[tuple[int, int], list[int]]] | None = None
 
-    def jet(self, edge: Edge, target: Builder, part: Part, walk: Walk) -> Jet:
-        """The derivatives along t and outwards on a part of the edge, by the common parameter."""
+    def jet(
+        self, edge: Edge, target: Builder, part: Part, walk: Walk, orders: Sequence[tuple[int, int]] = ORDERS
+    ) -> Jet:
+        """The derivatives along t and outwards on a part of the edge, by the common parameter; of other orders zero."""
+        known, borders = self._vectors(edge, target, part, walk, orders)
+        outwards = 1 if edge.upper else -1
+        zero = [target.const(0)] * 3
+        scales = {(i, j): target.const(walk.speed**i * outwards**j) for i, j in ORDERS}
+        flat = [target.mul(scale, one) for order, scale in scales.items() for one in known.get(order, zero)]
+        return Jet(tuple(flat), frozenset(borders))
+
+    def _vectors(
+        self, edge: Edge, target: Builder, part: Part, walk: Walk, orders: Sequence[tuple[int, int]]
+    ) -> tuple[dict[tuple[int, int], list[int]], set[Fraction]]:
+        """The derivatives by the patch's own parameters, and the borders of pieces."""
+        place = _place(target, walk)
         if isinstance(self.patch, BSplineSurface):
             ends = sorted([walk(part[0]), walk(part[1])])
             vectors, knots = spline_jet(self.patch, edge, (ends[0], ends[1]))
-            place = _place(target, walk)
-            nodes = [[_horner(target, one, place) for one in vectors[order]] for order in ORDERS]
-            borders = frozenset(map(walk.inverse, knots))
-        else:
-            builder, known = self._formulas()
-            inputs = {name: target.const(value) for name, value in self.letters.items()}
-            end = Fraction(str(exact(self.patch.domain[edge.across][int(edge.upper)])))
-            names = ("u", "v") if edge.across == 0 else ("v", "u")
-            inputs |= {names[0]: target.const(end), names[1]: _place(target, walk)}
-            copy = Specialised(builder, target, inputs, part)
-            nodes = [[copy.node(one) for one in known[order[::-1] if edge.across == 0 else order]] for order in ORDERS]
-            borders = frozenset(copy.borders)
-        outwards = 1 if edge.upper else -1
-        scales = [target.const(walk.speed**i * outwards**j) for i, j in ORDERS]
-        flat = [target.mul(scale, one) for scale, vector in zip(scales, nodes, strict=True) for one in vector]
-        return Jet(tuple(flat), borders)
+            found = {order: [_horner(target, one, place) for one in vectors[order]] for order in orders}
+            return found, set(map(walk.inverse, knots))
+        builder, known = self._formulas()
+        end = Fraction(str(exact(edge.patch.domain[edge.across][int(edge.upper)])))
+        names = ("u", "v") if edge.across == 0 else ("v", "u")
+        letters = {name: target.const(value) for name, value in self.letters.items()}
+        inputs = {**letters, names[0]: target.const(end), names[1]: place}
+        copy = Specialised(builder, target, inputs, part, (names[0], -1 if edge.upper else 1))
+        turned = {order: known[order[::-1] if edge.across == 0 else order] for order in orders}
+        return {order: [copy.node(one) for one in vector] for order, vector in turned.items()}, copy.borders
 
     def _formulas(self) -> tuple[Builder, dict[tuple[int, int], list[int]]]:
         """The program of the whole patch and the nodes of its derivatives."""

@@ -20,6 +20,7 @@ from rsym.surfaces.proofs.sides import (
     facing_normals,
     jump_numerator,
     jump_slack,
+    linkage,
     sides,
 )
 from rsym.surfaces.proofs.specialised import Part
@@ -37,15 +38,27 @@ MOST_FAILED = 4
 class Bounds:
     """The greatest gap, sine of the angle and jump of curvature: no more than `most` everywhere, `least` at `places`.
 
-    `open` are intervals of t on which a normal, or a bound that was asked for, is not enclosed.
+    `open` are intervals of t on which a normal, or a bound that was asked for, is not enclosed. On all others |N|**2 of
+    both patches is at least `squares`, and |T|**2 of the first at most `speed`.
     """
 
+    rooms: Sequence[float]
     most: list[float] = field(default_factory=lambda: [0.0] * 3)
     least: list[float] = field(default_factory=lambda: [0.0] * 3)
     places: list[Fraction] = field(default_factory=lambda: [Fraction(0)] * 3)
     folded: Fraction | None = None
     open: list[Part] = field(default_factory=list)
-    examined: int = 0
+    squares: list[float] = field(default_factory=lambda: [math.inf] * 2)
+    speed: float = 0.0
+    # Whether the tangent planes are known to agree.
+    flat: bool = False
+
+    @property
+    def alive(self) -> int:
+        """How many of the levels are not refuted."""
+        held = [least <= room for least, room in zip(self.least, self.rooms, strict=True)]
+        held[1] &= self.folded is None
+        return [*held, False].index(False)
 
 
 class Pair:
@@ -62,16 +75,15 @@ class Pair:
         return sides(values) if whole else None
 
 
-def survey(pair: Pair, rooms: Sequence[float | None], bounds: Bounds) -> None:
-    """Cover a part of the edge and bound what is asked for: rooms has None for what is known to vanish.
+def survey(pair: Pair, wanted: Sequence[bool], bounds: Bounds) -> None:
+    """Cover a part of the edge, enclose the normals there and bound the levels that are wanted.
 
-    A part is divided until its normals are enclosed and what is asked for is below its room, or proved to be above it.
+    A part is divided until what is asked for is below its room, or proved to be above it.
     """
     stack, failed = [(*pair.part, 0)], 0
     while stack:
         start, stop, depth = stack.pop()
-        bounds.examined += 1
-        done = _examined(pair, (start, stop), rooms, bounds)
+        done = _examined(pair, (start, stop), wanted, bounds)
         if done or (depth < DEEPEST and failed < MOST_FAILED):
             middle = (start + stop) / 2
             stack += [] if done else [(middle, stop, depth + 1), (start, middle, depth + 1)]
@@ -87,65 +99,66 @@ def _leave(bounds: Bounds, part: Part) -> None:
     bounds.open.append(part)
 
 
-def look(pair: Pair, place: Fraction, rooms: Sequence[float | None], bounds: Bounds) -> None:
-    """Bound what is asked for from below at one place."""
+def look(pair: Pair, place: Fraction, bounds: Bounds) -> None:
+    """Bound all levels from below at one place."""
     with truncated(0, BITS):
-        values = pair.function(exact(place))
-        if all(one is not None and one[0].is_finite() for one in values):
-            first, second = sides(values)
-            _from_below(first, second, place, rooms, bounds)
+        values = [one for one in pair.function(exact(place)) if one is not None]
+        if len(values) == len(pair.outputs) and all(one[0].is_finite() for one in values):
+            _from_below(*sides(values), place, bounds)
 
 
-def _examined(pair: Pair, part: Part, rooms: Sequence[float | None], bounds: Bounds) -> bool:
-    """Whether everything is enclosed on an interval."""
+def _examined(pair: Pair, part: Part, wanted: Sequence[bool], bounds: Bounds) -> bool:
+    """Whether everything is enclosed on an interval; of edges with a kink that is the gap alone."""
     middle, radius = (part[0] + part[1]) / 2, (part[1] - part[0]) / 2
     with truncated(ORDER, BITS):
         model = _Model.of(pair, middle, radius)
         if model is None:
             return False
-        least = [model.least_square(side) for side in (0, 1)]
-        if any(one is None for one in least):
+        _from_below(*model.middle, middle, bounds)
+        if bounds.alive < 2:
+            return bounds.alive == 0 or not wanted[0] or _bounded(model, (), wanted[:1], bounds)
+        least = [square for side in (0, 1) if (square := model.least_square(side)) is not None]
+        if len(least) < 2 or not _bounded(model, least, wanted, bounds):
             return False
-        return _bounded(model, least, middle, rooms, bounds)
+        bounds.squares = [min(old, _down(new)) for old, new in zip(bounds.squares, least, strict=True)]
+        bounds.speed = max(bounds.speed, _up(model.speed(0)))
+    return True
 
 
-def _bounded(model: _Model, least: Sequence[Any], middle: Fraction, rooms: Sequence[Any], bounds: Bounds) -> bool:
-    """Whether what is asked for is no greater than its room, or proved to be greater; the bounds grow."""
-    _from_below(*model.middle, middle, rooms, bounds)
-    settled, most = True, [0.0] * 3
-    for level, room in enumerate(rooms):
-        if room is None:
-            continue
-        most[level] = _up(_GREATEST[level](model, least))
-        settled &= most[level] <= room or bounds.least[level] > room
-    if settled:
-        bounds.most = [max(pair) for pair in zip(bounds.most, most, strict=True)]
-    return settled
+def _bounded(model: _Model, least: Sequence[Any], wanted: Sequence[bool], bounds: Bounds) -> bool:
+    """Whether what is wanted is no greater than its room, or proved to be greater; the bounds grow."""
+    most = [0.0] * 3
+    for level, asked in enumerate(wanted):
+        if asked and level < bounds.alive:
+            most[level] = _up(model.greatest(level, least, bounds.flat))
+            if not most[level] <= bounds.rooms[level]:
+                return False
+    bounds.most = [max(pair) for pair in zip(bounds.most, most, strict=True)]
+    return True
 
 
-def _from_below(first: Side, second: Side, place: Fraction, rooms: Sequence[Any], bounds: Bounds) -> None:
-    """What is asked for at one place, from series there."""
-    normals = [[one[0] for one in side.normal] for side in (first, second)]
-    lengths = [dot(one, one) for one in normals]
-    gap = _length([one[0] for one in difference(first.point, second.point)])
-    _raise(bounds, 0, gap, place, rooms)
-    if not all(one > 0 for one in lengths):
+def _from_below(first: Side, second: Side, place: Fraction, bounds: Bounds) -> None:
+    """All levels at one place, from series there: the angle where the points agree, the jump where planes do."""
+    first, second = (Side(*([one[0] for one in vector] for vector in side)) for side in (first, second))
+    gap = _length(difference(first.point, second.point))
+    _raise(bounds, 0, gap, place)
+    normals = first.normal, second.normal
+    squares = [dot(one, one) for one in normals]
+    if not (gap <= bounds.rooms[0] and all(one > 0 for one in squares)):
         return
-    product = lengths[0].sqrt() * lengths[1].sqrt()
-    if rooms[1] is not None:
-        _raise(bounds, 1, _length(cross(*normals)) / product, place, rooms)
+    roots = [one.sqrt() for one in squares]
+    sine = _length(cross(*normals)) / (roots[0] * roots[1])
+    _raise(bounds, 1, sine, place)
     if dot(*normals) > 0:
         bounds.folded = place
-    if rooms[2] is not None:
-        roots = [one.sqrt() for one in lengths]
-        values = [Side(*([x[0] for x in vector] for vector in side)) for side in (first, second)]
-        one, other = (curvature(side, length) for side, length in zip(values, roots, strict=True))
-        _raise(bounds, 2, abs(one + other), place, rooms)
+    elif sine <= bounds.rooms[1]:
+        one, other = (curvature(side, root) for side, root in zip((first, second), roots, strict=True))
+        _raise(bounds, 2, abs(one + other), place)
 
 
-def _raise(bounds: Bounds, level: int, value: Any, place: Fraction, rooms: Sequence[Any]) -> None:
+def _raise(bounds: Bounds, level: int, value: Any, place: Fraction) -> None:
     least = _down(value)
-    if rooms[level] is not None and least > bounds.least[level]:
+    if least > bounds.least[level]:
         bounds.least[level], bounds.places[level] = least, place
 
 
@@ -180,24 +193,39 @@ class _Model:
 
     def least_square(self, side: int) -> Any | None:
         """A positive lower bound of |N|**2."""
-        normals = [one[side].normal for one in (self.middle, self.whole)]
+        normals = [one[side].normal for one in self._both]
         square = self.enclosed(*(dot(one, one) for one in normals))
         return square.lower() if square > 0 else None
 
-    def gap(self, least: Sequence[Any]) -> Any:
+    def speed(self, side: int) -> Any:
+        """|T|**2."""
+        return self.enclosed(*(dot(one[side].along, one[side].along) for one in self._both))
+
+    def greatest(self, level: int, least: Sequence[Any], flat: bool) -> Any:
+        """A ball for the gap, the sine of the angle or the jump of curvature; least: bounds of both |N|**2."""
+        if level < 2:
+            return self.sine(least) if level else self.gap()
+        return self.linked_jump(least) if flat else self.jump(least)
+
+    def linked_jump(self, least: Sequence[Any]) -> Any:
+        """The difference of the normal curvatures across the edge, where tangent planes agree; see `sides.linkage`."""
+        numerator = self.enclosed(*(linkage(*one) for one in self._both))
+        return abs(numerator) * self.speed(0).upper() / (least[0] * least[0].sqrt() * least[1])
+
+    def gap(self) -> Any:
         """The distance."""
-        return _length(self.vector(*(difference(one[0].point, one[1].point) for one in (self.middle, self.whole))))
+        return _length(self.vector(*(difference(one[0].point, one[1].point) for one in self._both)))
 
     def sine(self, least: Sequence[Any]) -> Any:
         """The sine of the angle between the normals; infinite where one may be folded back."""
-        pairs = [[side.normal for side in one] for one in (self.middle, self.whole)]
+        pairs = [[side.normal for side in one] for one in self._both]
         if not self.enclosed(*(dot(*one) for one in pairs)) < 0:
             return arb("inf")
         return _length(self.vector(*(cross(*one) for one in pairs))) / (least[0].sqrt() * least[1].sqrt())
 
     def jump(self, least: Sequence[Any]) -> Any:
         """The difference of the normal curvatures across the edge; see `sides.jump_numerator`."""
-        speeds = [self.enclosed(*(dot(one[side].along, one[side].along) for one in self._both)) for side in (0, 1)]
+        speeds = self.speed(0), self.speed(1)
         facing = self.enclosed(*(facing_normals(*one) for one in self._both))
         if not (facing > 0 and all(speed > 0 for speed in speeds)):
             return arb("inf")
@@ -211,9 +239,6 @@ class _Model:
     @property
     def _both(self) -> tuple[tuple[Side, Side], tuple[Side, Side]]:
         return self.middle, self.whole
-
-
-_GREATEST = (_Model.gap, _Model.sine, _Model.jump)
 
 
 def _length(vector: Sequence[Any]) -> Any:

@@ -4,188 +4,161 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
-from rsym.codegen.builder import Builder
-from rsym.surfaces.functions.entries import exact
-from rsym.surfaces.joints.edge_matching import Stretch
-from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.proofs.apart import distance_from
 from rsym.surfaces.proofs.deflation import regular_end
-from rsym.surfaces.proofs.edge_formulas import PatchFormula, Walk
+from rsym.surfaces.proofs.edge_formulas import ORDERS, Walk
 from rsym.surfaces.proofs.edge_proof import DIFFERENT, EQUAL, LEVELS, NUMERICAL, WITHIN, EdgeProof, Level, nothing
 from rsym.surfaces.proofs.enclosures import Bounds, Pair, look, survey
-from rsym.surfaces.proofs.exact_values import exact_values
-from rsym.surfaces.proofs.sides import difference, dot, linkage, sides
-from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
+from rsym.surfaces.proofs.exactly import Facts, facts
+from rsym.surfaces.proofs.specialised import NoProof, Part
+from rsym.surfaces.proofs.stretches import Task, pairs, walks
 from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
-# An end of a stretch that samples found is tried as a fraction so simple: knots and halves are, roots are not.
-SIMPLE = 10_000
-SNAP = 1e-9
+# The share of a measured gap that is to be proved.
+NEARLY = 0.99
 # The arcsine of a float and its degrees are right to three units in the last place.
 ROUNDING = 1e-14
-
-
-@dataclass(frozen=True)
-class Task:
-    """A stretch, the formulas of its patches, what counts as none, and where the samples were worst.
-
-    rooms: a gap (length), the sine of an angle, a jump of curvature. worst: parameters of the first edge.
-    """
-
-    stretch: Stretch
-    formulas: tuple[PatchFormula, PatchFormula]
-    rooms: tuple[float, float, float]
-    worst: Sequence[float]
-
-    @property
-    def edges(self) -> tuple[Edge, Edge]:
-        """Both edges."""
-        first, second = self.stretch.borders
-        return first.edge, second.edge
+# A neighbourhood of an end that is left out is no longer than this share of the edge.
+BESIDE = 2.0**-9
+# Neighbourhoods of poles that are tried: a quarter does for spheres and ellipsoids.
+NEIGHBOURHOODS = (Fraction(1, 4), Fraction(1, 16), Fraction(1, 256))
 
 
 def prove(task: Task) -> EdgeProof:
-    """What is proved of a common edge."""
+    """What is proved of a common edge.
+
+    First the places where samples were worst are looked at: what is refuted there need not be proved elsewhere. Then
+    exact arithmetic is asked what vanishes identically, and balls enclose the normals and what is left.
+    """
     try:
-        return _proved(task)
+        both, whole = walks(task.stretch)
+        bounds = Bounds(task.rooms)
+        _look_at_worst(task, both, bounds)
     except NoProof as error:
         return nothing(error.message)
+    try:
+        return _proved(task, both, whole, bounds)
+    except NoProof as error:
+        return _answer(Facts(), bounds, (whole,), (), whole, error.message)
 
 
-def _proved(task: Task) -> EdgeProof:
-    walks, whole = _walks(task.stretch)
-    pairs = _pairs(task, walks, whole)
-    vanishing = _vanishing(pairs)
-    if vanishing is None:
-        return _without_normal()
-    rooms = [None if known else room for known, room in zip(vanishing, task.rooms, strict=True)]
-    bounds = Bounds()
-    for t in task.worst:
+def _look_at_worst(task: Task, both: tuple[Walk, Walk], bounds: Bounds) -> None:
+    for t in sorted(set(task.worst)):
         place = Fraction(t)
-        for pair in pairs:
-            if pair.part[0] <= place <= pair.part[1]:
-                look(pair, place, rooms, bounds)
-    for pair in pairs:
-        survey(pair, rooms, bounds)
-    removed = _remove_poles(pairs, whole, vanishing, bounds)
-    return _answer(task, vanishing, bounds, removed)
+        for pair in pairs(task, both, (place, place)):
+            look(pair, place, bounds)
 
 
-def _walks(stretch: Stretch) -> tuple[tuple[Walk, Walk], Part]:
-    """Both parameters by that of the first edge, and the interval of it."""
-    first, second = stretch.borders
-    low, high = (_simple(t, first.edge.interval) for t in stretch.interval)
-    start, stop = (_simple(float(s), second.edge.interval) for s in (stretch.s[0], stretch.s[-1]))
-    speed = (stop - start) / (high - low)
-    return (Walk(Fraction(0), Fraction(1)), Walk(start - speed * low, speed)), (low, high)
+def _proved(task: Task, both: tuple[Walk, Walk], whole: Part, bounds: Bounds) -> EdgeProof:
+    alive = bounds.alive
+    if alive == 0:
+        return _apart(task)
+    parts = pairs(task, both, whole, ORDERS[:1] if alive == 1 else ORDERS)
+    found = [facts(pair, alive) for pair in parts]
+    if not all(one.regular for one in found):
+        return EdgeProof(DEGENERATE, nothing("").levels, reason="a patch has no normal along the edge")
+    first, *rest = ([one.vanishing[level] for one in found] for level in range(3))
+    vanishing = (all(first), all(rest[0]), all(rest[1]))
+    small = max((one.linkage for one in found if one.linkage is not None), default=0.0)
+    linked = vanishing[1] and all(one.linkage is not None or one.vanishing[2] for one in found)
+    bounds.flat = vanishing[1]
+    parts, removed = _without_poles(task, parts, whole) if all(vanishing) else (parts, [])
+    wanted = [not one for one in vanishing]
+    _cover(parts, [*wanted[:2], not linked], bounds)
+    if linked and not vanishing[2]:
+        bounds.most[2] = _jump(small, bounds)
+        if bounds.most[2] > bounds.rooms[2]:
+            bounds.most[2] = 0.0
+            bounds.open.clear()
+            _cover(parts, wanted, bounds)
+    if bounds.alive == 0:
+        return _apart(task)
+    return _answer(Facts(vanishing), bounds, bounds.open, removed, whole, "")
 
 
-def _simple(value: float, interval: tuple[float, float]) -> Fraction:
-    """An end of a stretch: an end of the edge, or a simple number next to it."""
-    if value in interval:
-        return Fraction(str(exact(value)))
-    near = Fraction(value).limit_denominator(SIMPLE)
-    return near if abs(float(near) - value) <= SNAP * (interval[1] - interval[0]) else Fraction(value)
+def _apart(task: Task) -> EdgeProof:
+    """What is proved where points with equal parameters differ: that one is away from all of the other edge."""
+    sides = [*zip(task.edges, task.formulas, strict=True)]
+    place = task.worst[0]
+    wanted = max(task.rooms[0], NEARLY * task.gap)
+    least = distance_from(sides[0], Fraction(place), sides[1], wanted)
+    if least == 0:
+        return nothing("the edges run at different speeds")
+    gap = Level(LEVELS[0], DIFFERENT, least=least, place=place, room=task.rooms[0])
+    return EdgeProof(REFUTED, (gap, Level(LEVELS[1]), Level(LEVELS[2])))
 
 
-def _pairs(task: Task, walks: tuple[Walk, Walk], whole: Part) -> list[Pair]:
-    """Both patches on each part between the borders of their pieces."""
-    waiting, found = [whole], []
-    while waiting:
-        part = waiting.pop()
-        target = Builder((PARAMETER,), ())
-        both = zip(task.formulas, task.edges, walks, strict=True)
-        jets = [formula.jet(edge, target, part, walk) for formula, edge, walk in both]
-        borders = sorted({one for jet in jets for one in jet.borders if part[0] < one < part[1]})
-        if borders:
-            places = [part[0], *borders, part[1]]
-            waiting += [*pairwise(places)][::-1]
-        else:
-            found.append(Pair(target.nodes, [number for jet in jets for number in jet.nodes], part))
-    return found
+def _cover(parts: Sequence[Pair], wanted: Sequence[bool], bounds: Bounds) -> None:
+    """Enclose all parts; of an edge with a kink there is nothing to enclose if its points agree exactly."""
+    for pair in parts:
+        if bounds.alive > 1 or wanted[0]:
+            survey(pair, wanted, bounds)
 
 
-def _vanishing(pairs: Sequence[Pair]) -> list[bool] | None:
-    """Whether gap, angle and jump are identically zero, by exact arithmetic; None if there is no normal."""
-    held = [True] * 3
-    for pair in pairs:
-        try:
-            found = _vanishing_on(pair)
-        except NoProof:
-            found = [False] * 3
-        if found is None:
-            return None
-        held = [a and b for a, b in zip(held, found, strict=True)]
-    return held
+def _jump(linkage: float, bounds: Bounds) -> float:
+    """The jump of curvature where tangent planes agree: linkage |T|**2/(|N1|**3 |N2|**2), rounded up."""
+    first, second = bounds.squares
+    below = first * math.sqrt(first) * second
+    return linkage * bounds.speed / below * (1 + ROUNDING) if 0 < below < math.inf else math.inf
 
 
-def _vanishing_on(pair: Pair) -> list[bool] | None:
-    first, second = sides(exact_values(pair.nodes, pair.outputs))
-    normals = first.normal, second.normal
-    if any(all(one.is_zero for one in normal) for normal in normals):
-        return None
-    met = all(one.is_zero for one in difference(first.point, second.point))
-    flat = met and dot(normals[0], second.out).is_zero
-    axis = min((len(one.above), k) for k, one in enumerate(normals[0]) if not one.is_zero)[1]
-    return [met, flat, flat and linkage(first, second, axis).is_zero]
+def _without_poles(task: Task, parts: Sequence[Pair], whole: Part) -> tuple[list[Pair], list[Fraction]]:
+    """The parts without neighbourhoods of the ends at which normals vanish, but not over the distance to them.
+
+    What is known to vanish elsewhere does at such an end too, of the limits of the normals.
+    """
+    left, removed = list(parts), []
+    for place in task.stretch.poles:
+        pair, end = left[place], whole[place]
+        low, high = pair.part
+        for share in NEIGHBOURHOODS:
+            cut = high - (high - low) * share if place else low + (high - low) * share
+            halves = sorted([low, cut, high])
+            beside, rest = [*pairwise(halves)][:: -1 if place else 1]
+            if regular_end(pair, end, beside):
+                left[place] = Pair(pair.nodes, pair.outputs, rest)
+                removed.append(end)
+                break
+    return left, removed
 
 
-def _remove_poles(pairs: Sequence[Pair], whole: Part, vanishing: Sequence[bool], bounds: Bounds) -> list[Fraction]:
-    """Ends at which the normals vanish, but not over the distance to them: what is known to vanish, does there too."""
-    if not all(vanishing):
-        return []
-    removed = []
-    for end, pair in ((whole[0], pairs[0]), (whole[1], pairs[-1])):
-        beside = [part for part in bounds.open if end in part]
-        if beside and regular_end(pair, end, beside[0]):
-            bounds.open.remove(beside[0])
-            removed.append(end)
-    return removed
-
-
-def _answer(task: Task, vanishing: Sequence[bool], bounds: Bounds, removed: Sequence[Fraction]) -> EdgeProof:
-    """The levels and the verdict."""
-    low, high = task.edges[0].interval
-    inner = [part for part in bounds.open if not (float(part[0]) <= low or float(part[1]) >= high)]
-    reason = ""
-    levels = [_level(k, task.rooms[k], vanishing[k], bounds, not inner) for k in range(3)]
-    if levels[0].status == DIFFERENT:
-        levels[0], reason = Level(LEVELS[0]), "the edges run at different speeds, or apart"
-    if not levels[0].holds:
-        levels[1:] = [Level(name) for name in LEVELS[1:]]
-    if levels[1].status == DIFFERENT:
-        levels[2] = Level(LEVELS[2])
-    beside = tuple((float(a), float(b)) for a, b in bounds.open)
-    if any(one.status == DIFFERENT for one in levels):
-        verdict = REFUTED
-    else:
-        verdict = CERTIFIED if all(one.holds for one in levels) and not beside else UNDECIDED
-    if not reason and verdict == UNDECIDED:
-        reason = "the normals are not enclosed away from zero" if inner else "nothing is said beside a pole"
+def _answer(
+    known: Facts, bounds: Bounds, left: Sequence[Part], removed: Sequence[Fraction], whole: Part, reason: str
+) -> EdgeProof:
+    """The levels and the verdict; `left` are intervals of which nothing is said."""
+    narrow = BESIDE * (whole[1] - whole[0])
+    inner = [part for part in left if not set(part) & set(whole) or part[1] - part[0] > narrow]
+    levels = [_level(level, known.vanishing[level], bounds, not inner) for level in range(3)]
+    beside = () if inner else tuple((float(a), float(b)) for a, b in left)
+    held = all(one.holds for one in levels) and not beside
+    verdict = REFUTED if any(one.status == DIFFERENT for one in levels) else CERTIFIED if held else UNDECIDED
+    if verdict == UNDECIDED and not reason:
+        reason = "not all is enclosed" if inner else "nothing is said beside a pole"
     return EdgeProof(verdict, (levels[0], levels[1], levels[2]), beside, tuple(map(float, removed)), reason)
 
 
-def _level(number: int, room: float, vanishes: bool, bounds: Bounds, covered: bool) -> Level:
-    """One level; what fades inside the edge leaves only the gap proved."""
-    least, most = bounds.least[number], bounds.most[number]
+def _level(number: int, vanishes: bool, bounds: Bounds, covered: bool) -> Level:
+    """One level; where normals fade inside the edge only the gap is proved."""
+    least, most, room = bounds.least[number], bounds.most[number], bounds.rooms[number]
+    place = float(bounds.places[number])
+    refuted = least > room
     if number == 1:
         least, most, room = _angle(least, down=True), _angle(most), math.degrees(room)
         if bounds.folded is not None:
-            return Level(LEVELS[1], DIFFERENT, least=90.0, place=float(bounds.folded), room=room)
+            least, place, refuted = 90.0, float(bounds.folded), True
+    if refuted:
+        return Level(LEVELS[number], DIFFERENT, least=least, place=place, room=room)
+    if number >= bounds.alive:
+        return Level(LEVELS[number], room=room)
     if vanishes:
         return Level(LEVELS[number], EQUAL if covered or number == 0 else NUMERICAL, most=0.0, room=room)
-    if least > room:
-        return Level(LEVELS[number], DIFFERENT, least=least, place=float(bounds.places[number]), room=room)
-    return Level(LEVELS[number], WITHIN if covered and most <= room else NUMERICAL, most, least, room=room)
+    proved = covered and most <= room
+    return Level(LEVELS[number], WITHIN if proved else NUMERICAL, most if proved else math.inf, least, room=room)
 
 
 def _angle(sine: float, *, down: bool = False) -> float:
     """An angle in degrees from its sine, rounded up or down."""
     return math.degrees(math.asin(min(sine, 1.0))) * (1 - ROUNDING if down else 1 + ROUNDING)
-
-
-def _without_normal() -> EdgeProof:
-    return EdgeProof(DEGENERATE, nothing("").levels, reason="a patch has no normal along the edge")

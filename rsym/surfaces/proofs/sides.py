@@ -69,15 +69,22 @@ def bending(side: Side, along: Any, out: Any) -> Any:
     return along * along * dot(normal, side.along_along) + mixed + mixed + out * out * dot(normal, side.out_out)
 
 
-def linkage(first: Side, second: Side, axis: int) -> Any:
+def linkage(first: Side, second: Side, axes: Sequence[int] = (0, 1, 2)) -> Any:
     """What vanishes if the curvatures agree, for patches with equal tangent planes: II1(D2, D2) - II2(D2, D2).
 
-    D2 = a D1 + b T with a = (T x D2)_i/N1_i and b = (D2 x D1)_i/N1_i for any axis i;
-    the denominators are multiplied up.
+    D2 = a D1 + b T with a = (T x D2)_i/N1_i and b = (D2 x D1)_i/N1_i for any axis i. The denominators are multiplied
+    up, and axes added: the difference comes with the factor |N1| and the sum of N1_i**2.
     """
     normal = first.normal
-    a, b = cross(first.along, second.out)[axis], cross(second.out, first.out)[axis]
-    return bending(first, b, a) - normal[axis] * normal[axis] * dot(normal, second.out_out)
+    a, b = cross(first.along, second.out), cross(second.out, first.out)
+
+    def product(one: Vector, other: Vector) -> Any:
+        head, *rest = (one[axis] * other[axis] for axis in axes)
+        return sum(rest, head)
+
+    mixed = product(a, b) * dot(normal, first.along_out)
+    own = product(b, b) * dot(normal, first.along_along) + mixed + mixed + product(a, a) * dot(normal, first.out_out)
+    return own - product(normal, normal) * dot(normal, second.out_out)
 
 
 def curvature(side: Side, length: Any) -> Any:

@@ -10,6 +10,9 @@ from rsym.codegen.builder import Builder
 from rsym.errors import RsymError
 
 Part: TypeAlias = tuple[Fraction, Fraction]
+# Coefficients by the names of inputs, "" for the constant.
+Line: TypeAlias = Mapping[str, Fraction]
+ZERO = Fraction(0)
 # The parameter of the program of an edge.
 PARAMETER = "t"
 # The formulas of a loft of nine splines have 3 000 nodes; a proof about more would take minutes.
@@ -37,6 +40,7 @@ class Specialised:
 
     Where a piecewise node has a border inside the interval, the border is noted in `borders` and the piece of the
     middle is taken: what was copied then holds on the parts between borders only, and they are to be copied anew.
+    Where the whole line is a border, the piece on its side `inwards` is taken: an input and the sign of the way.
 
     Examples
     --------
@@ -50,12 +54,19 @@ class Specialised:
     (True, {Fraction(1, 2)})
     """
 
-    def __init__(self, source: Builder, target: Builder, inputs: Mapping[str, int], part: Part) -> None:
-        self.source, self.target, self.inputs, self.part = source, target, inputs, part
+    def __init__(
+        self,
+        source: Builder,
+        target: Builder,
+        inputs: Mapping[str, int],
+        part: Part,
+        inwards: tuple[str, int] | None = None,
+    ) -> None:
+        self.source, self.target, self.inputs, self.part, self.inwards = source, target, inputs, part, inwards
         self.borders: set[Fraction] = set()
         self._done: dict[int, int] = {}
         self._taken: dict[int, int] = {}
-        self._lines: dict[int, tuple[Fraction, Fraction] | None] = {}
+        self._lines: dict[int, dict[int, Line | None]] = {}
 
     def node(self, number: int) -> int:
         """The copy of a node; of pieces only the one that is taken is copied."""
@@ -82,7 +93,7 @@ class Specialised:
         if missing:
             return missing
         if number not in self._taken:
-            above = self._sign(*(self._done[one] for one in arguments[:2])) > 0
+            above = self._sign(*arguments[:2]) > 0
             self._taken[number] = arguments[2] if above else arguments[3]
         taken = self._taken[number]
         return [] if taken in self._done else [taken]
@@ -99,7 +110,7 @@ class Specialised:
             return self._done[self._taken[number]]
         inner = [self._done[one] for one in arguments]
         if operation in _PIECEWISE:
-            return _PIECEWISE[operation](self, *inner)
+            return _PIECEWISE[operation](self, *arguments)
         if operation in {"div", "sqrt"} and self.target.value(inner[-1]) == 0:
             raise NoProof("a formula has a root or a denominator that vanishes on the edge")
         making = getattr(self.target, operation, None) if operation in _FOLDING else None
@@ -109,53 +120,71 @@ class Specialised:
 
     def size(self, a: int) -> int:
         """|a|, one of the two pieces."""
-        return a if self._sign(a, self.target.const(0)) > 0 else self.target.neg(a)
+        return self._done[a] if self._sign(a) > 0 else self.target.neg(self._done[a])
 
     def greater(self, a: int, b: int) -> int:
         """The greater of two."""
-        return a if a == b or self._sign(a, b) > 0 else b
+        return self._done[a if a == b or self._sign(a, b) > 0 else b]
 
     def smaller(self, a: int, b: int) -> int:
         """The smaller of two."""
-        return b if a == b or self._sign(a, b) > 0 else a
+        return self._done[b if a == b or self._sign(a, b) > 0 else a]
 
-    def _sign(self, a: int, b: int) -> int:
+    def _sign(self, a: int, b: int | None = None) -> int:
         """The sign of a - b, linear in t, in the middle of the interval; where it changes inside is noted."""
-        line = self._line(self.target.sub(a, b))
+        known = self._done[a] if b is None else self.target.sub(self._done[a], self._done[b])
+        line = self._line(self.target, known)
         if line is None:
             raise NoProof("where the pieces of a formula meet is not linear in the parameter of the edge")
-        constant, slope = line
         low, high = self.part
+        constant, slope = line.get("", ZERO), line.get(PARAMETER, ZERO)
         middle = constant + slope * (low + high) / 2
         if slope and low < -constant / slope < high:
             self.borders.add(-constant / slope)
             middle = middle or slope
         if middle == 0:
+            middle = self._beside(a, b) if slope == 0 else ZERO
+        if middle == 0:
             raise NoProof("the edge is where pieces of a formula meet")
         return 1 if middle > 0 else -1
 
-    def _line(self, number: int) -> tuple[Fraction, Fraction] | None:
-        """(c, d) if the node of the target is c + d t."""
-        if number not in self._lines:
-            self._lines[number] = self._new_line(number)
-        return self._lines[number]
+    def _beside(self, a: int, b: int | None) -> Fraction:
+        """How a - b, zero on the line, grows from there inwards."""
+        lines = (
+            [{}, self._line(self.source, a)] if b is None else [self._line(self.source, b), self._line(self.source, a)]
+        )
+        if self.inwards is None or None in lines:
+            return ZERO
+        name, way = self.inwards
+        below, above = (line.get(name, ZERO) for line in lines if line is not None)
+        return way * (above - below)
 
-    def _new_line(self, number: int) -> tuple[Fraction, Fraction] | None:
-        operation, arguments, data = self.target.nodes[number]
+    def _line(self, builder: Builder, number: int) -> Line | None:
+        """The coefficients of the inputs, "" for the constant, if a node is linear in them."""
+        known = self._lines.setdefault(id(builder), {})
+        if number not in known:
+            known[number] = self._new_line(builder, number)
+        return known[number]
+
+    def _new_line(self, builder: Builder, number: int) -> Line | None:
+        operation, arguments, data = builder.nodes[number]
         if operation == "const":
-            return (data, Fraction(0)) if isinstance(data, Fraction) else None
+            return {"": data} if isinstance(data, Fraction) else None
         if operation == "input":
-            return Fraction(0), Fraction(1)
-        inner = [self._line(one) for one in arguments] if operation in {"add", "neg", "mul"} else [None]
+            return {str(data): Fraction(1)}
+        inner = [self._line(builder, one) for one in arguments] if operation in {"add", "neg", "mul"} else [None]
         lines = [one for one in inner if one is not None]
         if len(lines) < len(inner):
             return None
         if operation == "neg":
-            return -lines[0][0], -lines[0][1]
-        (a, b), (c, d) = lines
+            return {name: -value for name, value in lines[0].items()}
         if operation == "add":
-            return a + c, b + d
-        return None if b and d else (a * c, a * d + b * c)
+            return {name: lines[0].get(name, ZERO) + lines[1].get(name, ZERO) for name in {**lines[0], **lines[1]}}
+        constants = [line for line in lines if not any(value for name, value in line.items() if name)]
+        if not constants:
+            return None
+        factor, line = constants[0].get("", ZERO), lines[1] if constants[0] is lines[0] else lines[0]
+        return {name: factor * value for name, value in line.items()}
 
 
 _FOLDING = frozenset({"add", "mul", "neg", "div", "powi", "sqrt"})

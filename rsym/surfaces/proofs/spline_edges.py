@@ -34,11 +34,10 @@ def spline_jet(
     spaces = surface.spaces if edge.across == 0 else surface.spaces[::-1]
     net = surface.net if edge.across == 0 else surface.net.swapaxes(0, 1)
     knots = [_knots(space) for space in spaces]
-    low, high = (knots[0][spaces[0].degree], knots[0][-spaces[0].degree - 1])
-    first, fixed = _pieces(knots[0], spaces[0].degree, high if edge.upper else low, edge.upper)
+    end = _fraction(edge.patch.domain[edge.across][int(edge.upper)])
+    first, fixed = _pieces(knots[0], spaces[0].degree, end, edge.upper)
     second, moving = _pieces(knots[1], spaces[1].degree, (part[0] + part[1]) / 2, False)
     used = [[[_fraction(x) for x in net[i % len(net), j % net.shape[1]]] for j in second] for i in first]
-    end = high if edge.upper else low
     vectors = {}
     for i, j in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)):
         across = [_at(_differentiated(one, j), end) for one in fixed]
@@ -59,6 +58,7 @@ def _knots(space: SplineSpace) -> list[Fraction]:
 def _pieces(knots: list[Fraction], degree: int, place: Fraction, before: bool) -> tuple[range, list[Polynomial]]:
     """Numbers and polynomials of the basis functions on the span round a place, or before it."""
     spans = [k for k in range(len(knots) - 1) if knots[k] < knots[k + 1]]
+    before = before or place == knots[-degree - 1]
     inside = [k for k in spans if (knots[k] < place <= knots[k + 1] if before else knots[k] <= place < knots[k + 1])]
     span = inside[0]
     known: dict[int, Polynomial] = {span: [ONE]}

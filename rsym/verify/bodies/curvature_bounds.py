@@ -17,13 +17,14 @@ BLOCK = 4096  # boxes at once: their tensors fit into the cache
 class Bent(NamedTuple):
     """The parts (n, 3, 2) of boxes that a sheet may meet, bounds there, and rounded values at points of the sheet.
 
-    `low`, `high` (n,) bound the principal curvatures; at `points` (m, 3) with unit `normals` (m, 3) they are
-    `curvatures` (m, 2), the larger first.
+    `low`, `high` (n,) bound the principal curvatures, and each side adds its share (n, 3) to their distance; at
+    `points` (m, 3) with unit `normals` (m, 3) they are `curvatures` (m, 2), the larger first.
     """
 
     boxes: Boxes
     low: Array
     high: Array
+    shares: Array
     points: Array
     normals: Array
     curvatures: Array
@@ -54,9 +55,10 @@ def _block(images: Images, node: int, boxes: Boxes) -> Bent:
     point = Jet(gradient, *images.bends(node, _at(points)))
     frame = frames(gradient.middle, point.hessian.middle)
     offset = _seen(boxes, points)
-    low, high = principal_bounds(frame, value, point, _over(images, node, boxes, point, offset), offset)
+    bounds = principal_bounds(frame, value, point, _over(images, node, boxes, point, offset), offset)
     reached &= np.isfinite(frame.curvatures).all(axis=0)
-    return Bent(boxes, low, high, points[reached], frame.vectors[2].T[reached], frame.curvatures.T[reached])
+    found = points, frame.vectors[2].T, frame.curvatures.T
+    return Bent(boxes, bounds.low, bounds.high, bounds.shares.T, *(values[reached] for values in found))
 
 
 def contraction(images: Images, node: int, boxes: Boxes) -> Boxes:

@@ -39,11 +39,11 @@ Names: TypeAlias = Callable[[int], str]
 
 
 def classify_place(
-    model: Model, place: Place, names: Names | None = None, *, apparent: bool = False
+    model: Model, place: Place, names: Names | None = None, *, apparent: int = 0
 ) -> SingularPoint | None:
     """What the boundary is at a point that is known exactly, proved; None where nothing is, or where it is regular.
 
-    `apparent` takes for zero what is so to all digits; then the result is not proved.
+    With `apparent`, what is zero to so many digits is taken for zero; then the result is not proved.
     """
     with ctx.workprec(PRECISE):
         known = known_at(model, place, apparent=apparent)
@@ -54,7 +54,10 @@ def classify_place(
             point = _of_sheets(place, known, found, names)
     if point is None or not apparent:
         return point
-    return replace(point, proved=False, reason=f"if what vanishes to 30 digits is zero: {point.reason}")
+    away = max(point.radius, 10.0 ** (-apparent / 2))
+    return replace(
+        point, radius=away, proved=False, reason=f"if what vanishes to {apparent} digits is zero: {point.reason}"
+    )
 
 
 def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -> SingularPoint | None:
@@ -73,7 +76,7 @@ def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -
         for k, slope in enumerate(at.gradient(f)):
             if not slope.contains(0) and known.vanishes(*across(model, f, g, k)):
                 judgement = touching(at, f, g, numbered(found))
-                return None if judgement is None else _point(place, judgement, called, arb(0))
+                return None if judgement is None else _contact(place, judgement, called)
         return None
     arrangement = _arrangement(at, found)
     if arrangement is None or not arrangement[1]:
@@ -84,6 +87,12 @@ def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -
     kind, continuity = ("corner", "G0") if around.is_disc else ("node", "broken")
     reason = describe(around, f"{len(found.leaves)} analytic sheets meet")
     return _point(place, Judgement(kind, continuity, reason), called, _jump(at, found, around))
+
+
+def _contact(place: Place, judgement: Judgement, called: tuple[str, ...]) -> SingularPoint:
+    """The outward normals are opposite where the body or its outside is pinched."""
+    turn = math.nan if judgement.kind != "tangency" else 180 if judgement.continuity == "broken" else 0
+    return _point(place, judgement, called, arb(turn))
 
 
 def _arrangement(at: Local, found: Sheets) -> tuple[Link, bool] | None:

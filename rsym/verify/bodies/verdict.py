@@ -14,6 +14,7 @@ from rsym.sampling.progress import Progress
 from rsym.verify.bodies.bending import Bending, bending
 from rsym.verify.bodies.forming import formation
 from rsym.verify.bodies.images import Images
+from rsym.verify.bodies.inspection import Inspection
 from rsym.verify.bodies.naming import Naming
 from rsym.verify.bodies.octree import Octree, Subdivision, joined_boxes
 from rsym.verify.bodies.points import classify_points, is_degenerate
@@ -78,7 +79,8 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
         for box, one in found.corners
         if one.point is not None
     ]
-    curves = _curves(study, corners)
+    curves, open_boxes = _curves(study, corners)
+    found = replace(found, left=[*found.left, *((box, Inspection("open")) for box in open_boxes)])
     classified = classify_points(model, found.left, study.extent, study.naming, curves)
     points = _distinct([*(point for _, point in corners), *classified.points], SAME * study.extent)
     curves = [*curves, *classified.curves]
@@ -99,15 +101,24 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
     )
 
 
-def _curves(study: Study, corners: Sequence[tuple[Box, SingularPoint]]) -> list[SingularCurve]:
-    """The curves of each pair of sheets, by the boxes in which these meet."""
-    curves = []
+def _curves(study: Study, corners: Sequence[tuple[Box, SingularPoint]]) -> tuple[list[SingularCurve], list[Box]]:
+    """The curves of each pair of sheets, by the boxes in which these meet; and boxes that may hold more of one."""
+    curves: list[SingularCurve] = []
+    open_boxes: list[Box] = []
     for meeting, groups in study.found.joined.items():
         names = tuple(study.naming(arc.function) for arc in meeting.arcs)
         boxes = [_box(box) for group in groups for box in group.tolist()]
         found = trace(study.images.model, meeting, (names[0], names[1]), boxes, extent=study.extent, corners=corners)
-        curves.extend(found)
-    return curves
+        for curve in found:
+            if curve.kind == "unresolved" and len(curve.points) == 1:
+                open_boxes += [box for box in boxes if _holds(box, curve.points[0])][:1]
+            else:
+                curves.append(curve)
+    return curves, open_boxes
+
+
+def _holds(box: Box, point: Array) -> bool:
+    return all(low <= value <= high for value, (low, high) in zip(point, box, strict=False))
 
 
 def _box(sides: Sequence[Sequence[float]]) -> Box:

@@ -1,0 +1,79 @@
+"""A common edge as both formulas of one parameter, on parts without pieces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+
+from rsym.codegen.builder import Builder
+from rsym.surfaces.functions.entries import exact
+from rsym.surfaces.joints.edge_matching import Stretch
+from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, PatchFormula, Walk
+from rsym.surfaces.proofs.enclosures import Pair
+from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
+
+# An end of a stretch that samples found is tried as a fraction so simple: knots and halves are, roots are not.
+SIMPLE = 10_000
+SNAP = 1e-9
+# Two splines through fifteen points each have some thirty borders; nine splines have a hundred, which take a minute.
+MOST_PARTS = 64
+
+
+@dataclass(frozen=True)
+class Task:
+    """A stretch, the formulas of its patches, what counts as none, and where the samples were worst.
+
+    rooms: a gap (length), the sine of an angle, a jump of curvature. worst: parameters of the first edge; gap: the
+    distance found at the first of them.
+    """
+
+    stretch: Stretch
+    formulas: tuple[PatchFormula, PatchFormula]
+    rooms: tuple[float, float, float]
+    worst: Sequence[float]
+    gap: float
+
+    @property
+    def edges(self) -> tuple[Edge, Edge]:
+        """Both edges."""
+        first, second = self.stretch.borders
+        return first.edge, second.edge
+
+
+def walks(stretch: Stretch) -> tuple[tuple[Walk, Walk], Part]:
+    """Both parameters by that of the first edge, if they run at one speed, and the interval of it."""
+    first, second = stretch.borders
+    low, high = (_simple(t, first.edge.interval) for t in stretch.interval)
+    start, stop = (_simple(float(s), second.edge.interval) for s in (stretch.s[0], stretch.s[-1]))
+    speed = (stop - start) / (high - low)
+    return (ALONG, Walk(start - speed * low, speed)), (low, high)
+
+
+def _simple(value: float, interval: tuple[float, float]) -> Fraction:
+    """An end of a stretch: an end of the edge, or a simple number next to it."""
+    if value in interval:
+        return Fraction(str(exact(value)))
+    near = Fraction(value).limit_denominator(SIMPLE)
+    return near if abs(float(near) - value) <= SNAP * (interval[1] - interval[0]) else Fraction(value)
+
+
+def pairs(task: Task, both: tuple[Walk, Walk], whole: Part, orders: Sequence[tuple[int, int]] = ORDERS) -> list[Pair]:
+    """Both patches on each part between the borders of their pieces; derivatives of other orders are taken as zero."""
+    waiting = [whole]
+    found: list[Pair] = []
+    while waiting:
+        part = waiting.pop()
+        target = Builder((PARAMETER,), ())
+        sides = zip(task.formulas, task.edges, both, strict=True)
+        jets = [formula.jet(edge, target, part, walk, orders) for formula, edge, walk in sides]
+        borders = sorted({one for jet in jets for one in jet.borders if part[0] < one < part[1]})
+        if len(borders) + len(waiting) + len(found) >= MOST_PARTS:
+            raise NoProof(f"the formulas have more than {MOST_PARTS} pieces along the edge")
+        if borders:
+            waiting += [*pairwise([part[0], *borders, part[1]])][::-1]
+        else:
+            found.append(Pair(target.nodes, [number for jet in jets for number in jet.nodes], part))
+    return found
