@@ -55,12 +55,15 @@ from .output.atlas import plot_atlas
 from .output.cards import cards, plot_gallery
 from .output.combs import plot_curvature_comb
 from .output.comparison import compare_patches
+from .output.designs import plot_designs
 from .output.explore import explore, explore_patches
+from .output.fairness import plot_fairness
 from .output.fields import plot_field, plot_fields
 from .output.files import write, write_features
 from .output.joins import plot_continuity
 from .output.patches import plot_patches
 from .output.presets import load_letters, save_letters
+from .output.repairs import plot_repair
 from .output.sections import plot_sections, write_sections
 from .output.surfaces import plot_mesh
 from .output.sweep import plot_sweep
@@ -75,12 +78,19 @@ from .sampling.sharp.features import Feature
 from .verify.atlas.atlas import smoothness_atlas
 from .verify.atlas.report import SmoothnessAtlas
 from .verify.atlas.threshold_curve import ThresholdCurve
+from .verify.bodies.report import BodyCover, BodyReport, SingularCurve, SingularPoint
 from .verify.continuity import ContinuityReport, continuity
 from .verify.curves import Curve
+from .verify.fairness.designs import DesignTable, compare_designs
+from .verify.fairness.fairness import fairness
+from .verify.fairness.report import FairnessReport
 from .verify.lint.linting import lint
 from .verify.lint.report import Finding, LintReport
 from .verify.normalisation import verify_normalisation
 from .verify.normalisation_report import NormalisationReport
+from .verify.repair.prices import Price
+from .verify.repair.repairing import repair
+from .verify.repair.report import RepairReport
 from .verify.report import Joint, SmoothnessReport
 from .verify.smoothness import verify_smoothness
 from .verify.threshold import Threshold, smoothness_threshold
@@ -89,8 +99,12 @@ __all__ = [
     "R0",
     "R1",
     "SIX",
+    "BodyCover",
+    "BodyReport",
     "ContinuityReport",
     "Curve",
+    "DesignTable",
+    "FairnessReport",
     "Feature",
     "Finding",
     "Joint",
@@ -101,8 +115,10 @@ __all__ = [
     "Mesh",
     "Mesher",
     "NormalisationReport",
+    "Price",
     "R0m",
     "RAlpha",
+    "RepairReport",
     "Rho",
     "Rp",
     "RsymError",
@@ -110,6 +126,8 @@ __all__ = [
     "Sardf",
     "Section",
     "Shape",
+    "SingularCurve",
+    "SingularPoint",
     "SmoothnessAtlas",
     "SmoothnessReport",
     "Threshold",
@@ -123,6 +141,7 @@ __all__ = [
     "cards",
     "circle",
     "coil",
+    "compare_designs",
     "compare_patches",
     "compile",
     "cone",
@@ -145,6 +164,7 @@ __all__ = [
     "explore_patches",
     "extent",
     "extrude",
+    "fairness",
     "fillet",
     "frustum",
     "gaussian_curvature",
@@ -184,11 +204,14 @@ __all__ = [
     "plot_atlas",
     "plot_continuity",
     "plot_curvature_comb",
+    "plot_designs",
+    "plot_fairness",
     "plot_field",
     "plot_fields",
     "plot_gallery",
     "plot_mesh",
     "plot_patches",
+    "plot_repair",
     "plot_sections",
     "plot_sweep",
     "plot_verdict",
@@ -200,6 +223,7 @@ __all__ = [
     "quadric",
     "rectangle",
     "regular_polygon",
+    "repair",
     "revolve",
     "rfAND",
     "rfNOT",

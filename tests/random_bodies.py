@@ -105,7 +105,7 @@ def regular(random):
         system = SYSTEMS[random.integers(len(SYSTEMS))]
         return placed(random, system.disjunction(*(ball.subs(x, 2 * x) for ball in balls)), 0)[0]
     if kind == 2:  # a cubic fillet between planes at right angles
-        p, (u, v, _) = placed(random, x, 0.2)
+        _, (u, v, _) = placed(random, x, 0.2)
         return rsym.conjunction(u, v, system=rsym.Rho(rational(random, 0.3, 0.8), "G2"))
     return dressed(random, base(random))
 
@@ -149,6 +149,6 @@ def body_of(expression):
     return Shape(expression, (x, y, z), bounds=WINDOW)
 
 
-def numbered(kind, count, seed=20261121):
-    """The first bodies of a kind, each from a generator of its own."""
-    return [kind(np.random.default_rng([seed, k])) for k in range(count)]
+def numbered(kind, number):
+    """One of the bodies of a kind, from a generator of its own."""
+    return kind(np.random.default_rng([20261121, number]))

@@ -132,7 +132,7 @@ def test_the_share_that_is_undecided_is_a_bound():
     report = body_reports.undecided()
     # Two boxes of side 1/2 among 99 of side 1, counted by the squares of their sides.
     assert_close(report.undecided_share, 0.5 / 99.5, rtol=1e-12)
-    assert "0.51 % of the boundary, in 2 boxes, is undecided" in str(report)
+    assert "Of the boundary 0.51 %, in 2 boxes, is undecided." in str(report)
     assert "for every a in [1, 2]" in str(report)
 
 

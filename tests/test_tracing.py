@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 from collections import defaultdict
 from fractions import Fraction
 
@@ -11,13 +12,14 @@ from closeness import assert_close
 
 import rsym
 from rsym import Shape, x, y, z
-from rsym.codegen.balls import ctx
+from rsym.codegen.balls import arb, ctx
 from rsym.verify.bodies import components, following
 from rsym.verify.bodies.continuation import cross
 from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.tracing import trace
 from rsym.verify.generators import generators
 from rsym.verify.joints import meeting
+from rsym.verify.krawczyk import refined, unique_zero
 from rsym.verify.local import Model
 from rsym.verify.locus import reduce
 
@@ -74,6 +76,12 @@ def traced(expression, size, *, letters=None, smallest=1e-2, keep=lambda box: Tr
     ]
 
 
+def all_along(curve):
+    """The enclosure of the jump between the points too."""
+    low, high = re.search(r"all along .* between (\S+) and (\S+?)(?: degrees)?;", curve.reason).groups()
+    return float(low), float(high)
+
+
 def test_the_rim_of_a_cut_ball():
     (rim,) = traced(rsym.conjunction(BALL, z - HALF), 2.5)
     assert rim.traced
@@ -88,6 +96,8 @@ def test_the_rim_of_a_cut_ball():
     assert_close(rim.tangent_jump, 120, atol=1e-12)
     assert 0 < rim.tangent_jump_error < 1e-12
     assert_close(rim.dihedral_angles, np.full(len(rim.points), 60.0), atol=1e-12)
+    low, high = all_along(rim)
+    assert 110 < low < 120 < high < 130
     # The ball lies to the left, seen from outside: below the plane's normal the curve runs clockwise around z.
     steps = np.cross(rim.points[:-1], rim.points[1:])[:, 2]
     assert (np.sign(steps) == np.sign(steps[0])).all()
@@ -157,6 +167,8 @@ def test_a_capsule_has_two_circles_where_its_curvature_jumps():
         assert circle.tangent_jump == 0
         assert_close(circle.curvature_jumps, np.full(len(circle.points), 2.0), atol=1e-9)
         assert abs(circle.curvature_jump - 2) <= circle.curvature_jump_error < 1e-9
+        low, high = all_along(circle)
+        assert 1.5 < low < 2 < high < 2.5
         assert_close(np.hypot(*circle.points[:, 1:].T), np.full(len(circle.points), 0.5), atol=1e-12)
 
 
@@ -218,6 +230,37 @@ def test_a_letter_that_ranges_moves_the_rim():
         assert (np.linalg.norm(near - rim.points, axis=1) <= rim.radius).all()
         angle = math.degrees(math.acos(-height))
         assert abs(rim.tangent_jump - angle) <= rim.tangent_jump_error
+
+
+def test_each_part_of_a_range_has_a_rim_of_its_own():
+    a = sp.Symbol("a", real=True)
+    shape = Shape(rsym.conjunction(BALL, z - a), (x, y, z), letters={a: 0.5})
+    model = Model(shape, {"a": (Fraction(1, 2), Fraction(502, 1000))})
+    parts = ((0.5, 0.501), (0.501, 0.502))
+    found = [groups(model, (*((-1.275, 1.225),) * 3, part)) for part in parts]
+    (met,) = found[0]
+    rims = trace(model, met, ("ball", "plane"), [box for one in found for box in one[met]], extent=2.5)
+    assert_close([rim.points[0, 2] for rim in rims], [0.5005, 0.5015], atol=1e-12)
+    assert all(rim.traced and rim.closed and rim.radius < 2e-3 for rim in rims)
+
+
+def test_krawczyk_in_space():
+    """x = y, z = 2 x, |p| = 1."""
+
+    def values(point):
+        u, v, w = point
+        return [u - v, w - 2 * u, u**2 + v**2 + w**2 - 1]
+
+    def jacobian(point):
+        u, v, w = point
+        return [[arb(1), arb(-1), arb(0)], [arb(-2), arb(0), arb(1)], [2 * u, 2 * v, 2 * w]]
+
+    zero = unique_zero(values, jacobian, (arb(0.4, 0.1), arb(0.4, 0.1), arb(0.8, 0.1)))
+    assert zero.exists
+    narrow = refined(values, jacobian, zero.box)
+    assert_close([float(side.mid()) for side in narrow], np.array([1, 1, 2]) / math.sqrt(6), atol=1e-15)
+    assert all(float(arb(side.rad())) < 1e-14 for side in narrow)
+    assert not unique_zero(values, jacobian, (arb(2, 0.1),) * 3).exists
 
 
 def test_circles_that_are_close_are_told_apart():

@@ -1,7 +1,9 @@
 """`rsym verify`: what it prints, what it writes, and what its exit code says."""
 
 import json
+import math
 
+import body_reports
 import matplotlib.pyplot
 import pytest
 import reports
@@ -57,6 +59,48 @@ def test_an_undecided_verdict_is_code_3(model, monkeypatch, capsys):
     monkeypatch.setattr(rsym.verify.smoothness, "verify_smoothness", lambda *_, **__: reports.undecided_disc())
     assert main(["verify", model]) == 3
     assert "neither proved nor refuted" in capsys.readouterr().out
+
+
+SPACE = """
+letter r = 1 in [0.5, 2] "radius"
+coordinates x y z
+bounds x [-1.3, 1.2] y [-1.3, 1.2] z [-1.3, 1.2]
+ball = r^2 - x^2 - y^2 - z^2
+cut = rfAND(ball, x - y/3 - 1/5)
+cones = (x - y/8)^2 - (y + x/8)^2 - z^2
+omega = ball
+"""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "verdict", "code", "told"),
+    [
+        ([], "CERTIFIED", 0, "the surface of revolution with the meridian"),
+        (["--method", "space"], "CERTIFIED", 0, "all principal curvatures lie in"),
+        # The plane is 0.2/|(1, -1/3)| from the middle of the ball of radius 1: the cosine of the turn.
+        (["--shape", "cut"], "REFUTED", 1, f"turns by {math.degrees(math.acos(-0.06 * 10**0.5)):.12g} degrees"),
+        (["--shape", "cones"], "DEGENERATE", 3, "  1. node of cones at (0, 0, 0)"),
+    ],
+)
+def test_a_body_in_space_has_its_verdict(arguments, verdict, code, told, tmp_path, capsys):
+    path = tmp_path / "ball.rf"
+    path.write_text(SPACE)
+    assert main(["verify", str(path), *arguments]) == code
+    text = capsys.readouterr().out
+    assert text.startswith(f"{verdict}: ")
+    assert told in text
+
+
+def test_a_body_has_its_picture_and_its_record(tmp_path, monkeypatch, capsys):
+    asked = []
+    report = body_reports.box()
+    monkeypatch.setattr(rsym.verify.smoothness, "verify_smoothness", lambda *_, **how: asked.append(how) or report)
+    path, picture = tmp_path / "box.rf", tmp_path / "box.png"
+    path.write_text("coordinates x y z\nbounds x [-2, 2] y [-2, 2] z [-2, 2]\nomega = rfAND(1 - x^2, 1 - y^2, 1 - z^2)")
+    assert main(["verify", str(path), "--method", "space", "--json", "-o", str(picture)]) == 1
+    assert asked[0]["method"] == "space"
+    assert json.loads(capsys.readouterr().out)["format"] == "rsym-body-report"
+    assert picture.stat().st_size > 20_000
 
 
 def test_the_corner_of_the_paper(capsys):

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import matplotlib.patheffects
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LogNorm
-from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from rsym.model.names import typeset_name
 from rsym.output.certificates import DEFECT
+from rsym.verify.atlas.levels import FEWEST, round_levels
 from rsym.verify.atlas.report import SmoothnessAtlas
 from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
@@ -29,6 +30,7 @@ SIZE = (6.4, 5.0)  # inches: the width of a page of text
 COLOUR_MAP = "viridis_r"  # dark where the boundary is sharp
 # Outside this share of the values the colours say no more: beside a threshold the curvature grows without bound.
 ROBUST = 0.97
+FLAT = 1.1  # a map whose values differ by less has one colour
 LOOKS = {
     CERTIFIED: ("#dce9d5", "#b7cdaa", ""),
     REFUTED: ("#f6e3d8", "#dcae94", "////"),
@@ -120,22 +122,26 @@ def _draw_parts(ax: Axes, atlas: SmoothnessAtlas, *, outlines: bool) -> None:
 
 def _draw_curvature(ax: Axes, atlas: SmoothnessAtlas, levels: Sequence[float] | None) -> ScalarMappable | None:
     """The map of the greatest curvature and its level lines, labelled."""
-    lines = atlas.curvature.level_lines(levels)
-    if not len(atlas.curvature.values):
+    if not _is_mapped(atlas):
         return None
     u, v = atlas.curvature.lattice()
     shown = np.ma.masked_invalid(atlas.curvature.on((u, v)).T)
-    if shown.mask.all():
-        return None
     low, high = float(shown.min()), float(np.quantile(shown.compressed(), ROBUST))
-    norm = LogNorm(low, max(high, 1.01 * low), clip=True)
+    norm = LogNorm(low, high, clip=True)
     artist = ax.pcolormesh(u, v, shown, cmap=COLOUR_MAP, norm=norm, shading="nearest", rasterized=True, zorder=3)
-    if lines:
-        _draw_levels(ax, u, v, shown, [level for level, _ in lines])
+    wanted = [level for level in round_levels(low, high) if level < high] if levels is None else levels
+    if len(wanted):
+        _draw_levels(ax, u, v, shown, wanted)
     return artist
 
 
-def _draw_levels(ax: Axes, u: Floats, v: Floats, shown: Floats, levels: Sequence[float]) -> QuadContourSet:
+def _is_mapped(atlas: SmoothnessAtlas) -> bool:
+    """Whether there is a map of the greatest curvature, and more than one colour in it."""
+    values = atlas.curvature.values
+    return len(values) >= FEWEST and values.max() > FLAT * values.min()
+
+
+def _draw_levels(ax: Axes, u: Floats, v: Floats, shown: Floats, levels: Sequence[float]) -> None:
     drawn = ax.contour(u, v, np.log(shown), levels=np.log(levels), colors="white", linewidths=0.9, zorder=5)
     names = {math.log(level): f"{level:g}" for level in levels}
     texts = ax.clabel(drawn, fmt=lambda value: names[min(names, key=lambda known: abs(known - value))], fontsize=8)
@@ -143,7 +149,6 @@ def _draw_levels(ax: Axes, u: Floats, v: Floats, shown: Floats, levels: Sequence
         text.set_color("white")
         text.set_path_effects([matplotlib.patheffects.withStroke(linewidth=1.6, foreground="#303030")])
         text.set_zorder(6)
-    return drawn
 
 
 def _draw_thresholds(ax: Axes, atlas: SmoothnessAtlas) -> None:
@@ -157,9 +162,7 @@ def _colour_bar(figure: Figure, ax: Axes, artist: ScalarMappable) -> None:
     low, high = artist.get_clim()
     assert low is not None
     assert high is not None
-    decades = 10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    ticks = [tick for tick in np.outer(decades, (1, 2, 5)).ravel() if low <= tick <= high]
-    bar.ax.yaxis.set_major_locator(FixedLocator(ticks))
+    bar.ax.yaxis.set_major_locator(FixedLocator(round_levels(low, high)))
     bar.ax.yaxis.set_minor_locator(NullLocator())
     bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     bar.ax.tick_params(labelsize=8, length=2)
@@ -171,18 +174,12 @@ def _legend(atlas: SmoothnessAtlas, shown: bool) -> list[Patch | Line2D]:
     handles: list[Patch | Line2D] = [
         Patch(facecolor=face, edgecolor=edge, hatch=hatch, linewidth=0.6, label=LABELS[verdict])
         for verdict, (face, edge, hatch) in LOOKS.items()
-        if len(atlas.parts(verdict)) and not (verdict == CERTIFIED and len(atlas.curvature.values))
+        if len(atlas.parts(verdict))
     ]
-    if len(atlas.parts(CERTIFIED)) and len(atlas.curvature.values):
-        handles.append(Patch(facecolor=_middle_colour(), label=LABELS[CERTIFIED]))
+    if _is_mapped(atlas):
+        handles[0].set(facecolor=colormaps[COLOUR_MAP](0.25), edgecolor="none")
     if atlas.thresholds:
         handles.append(Line2D([], [], color=DEFECT, linewidth=1.8, label="threshold, enclosed by the undecided strip"))
     if shown:
         handles.append(Line2D([], [], marker="o", linestyle="", color=INK, label="the letters of the model"))
     return handles
-
-
-def _middle_colour() -> tuple[float, float, float, float]:
-    from matplotlib import colormaps
-
-    return colormaps[COLOUR_MAP](0.25)

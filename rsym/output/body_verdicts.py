@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from collections import Counter
 from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from mpl_toolkits.mplot3d import Axes3D
 
 from rsym.errors import RsymError, RsymWarning
@@ -20,9 +20,8 @@ from rsym.output.singular import Limits, Marks, labelled, mark_boxes, mark_curve
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
-from rsym.verify.bodies.phrases import noun
+from rsym.verify.bodies.phrases import kinds_text, share_text
 from rsym.verify.bodies.report import BodyReport
-from rsym.verify.wording import rounded_up
 
 FRAME = "#aaaaaa"
 TITLE, ROW = 0.5, 0.3  # inches, for the title and for a row of a legend
@@ -89,7 +88,8 @@ def _explain(artist: ShadedMesh, report: BodyReport, marks: Marks, *, whole: boo
     axes = artist.axes
     assert isinstance(axes, Axes3D)
     for point in labelled(report.points):
-        axes.text(*point.point, f"   {point.kind}", fontsize=9, zorder=6)
+        label = axes.text(*point.point, f"   {point.kind}", fontsize=9, zorder=6)
+        label.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
     if not whole:
         axes.set_title(verdict_title(report), fontsize=10)
         return
@@ -114,14 +114,13 @@ def verdict_title(report: BodyReport) -> str:
     >>> verdict_title(BodyReport("REFUTED", "G0", (), (tip,), nothing, nothing, cover, {"a": (1, 2)}))
     'REFUTED: G0, not G2, proved: 1 cone tip, for some a in [1, 2]'
     """
-    found = Counter(one.kind for one in report.defects)
-    kinds = ", ".join(f"{count} {noun(kind, count)}" for kind, count in found.items())
+    kinds = kinds_text(report.defects)
     answers = {
         "CERTIFIED": f"{report.continuity}, proved",
         "REFUTED": f"{report.continuity}, not G2, proved: {kinds}",
         "DEGENERATE": kinds or "no boundary to speak of",
     }
-    undecided = f"on {rounded_up(100 * report.undecided_share, 2)} % of the boundary nothing is proved"
+    undecided = f"on {share_text(report.undecided_share)} of the boundary nothing is proved"
     ranges = [f"{name} in [{low:g}, {high:g}]" for name, (low, high) in report.letters.items() if low < high]
     which = "every" if report.verdict in {"CERTIFIED", "UNDECIDED"} else "some"
     letters = f", for {which} {' and '.join(ranges)}" if ranges else ""

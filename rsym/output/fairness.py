@@ -117,8 +117,9 @@ def curvature_norm(reports: Sequence[FairnessReport]) -> Normalize:
     """One scale for all, linear up to the usual curvature and logarithmic beyond."""
     values = np.concatenate([profile.curvature[:, 0] for report in reports for profile in report.profiles])
     values = values[np.isfinite(values)]
-    low, high = float(values.min(initial=np.inf)), float(values.max(initial=-np.inf))
-    usual = float(np.median(np.abs(values))) if len(values) else 1.0
+    ends = [(report.curvatures[0].least.attained, report.curvatures[0].greatest.attained) for report in reports]
+    low, high = float(np.min(ends)), float(np.max(ends))
+    usual = float(np.median(np.abs(values)))
     if not high - low > 1e-9 * max(abs(low), abs(high)):
         low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
     return AsinhNorm(linear_width=max(usual, 1e-3 * (high - low)), vmin=low, vmax=high)

@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 Limits: TypeAlias = tuple[float, float]
 
 HIDDEN, HIDDEN_POINT = 0.15, 0.5  # the share that shows through the body
-MANY, THIN = 40, 0.65  # so many curves are drawn so much thinner, and hidden ones not at all
+MANY, THIN = 40, 0.65  # more curves or points are drawn so much thinner, and hidden ones not at all
 CASING = 1.4  # points of white around a line, so that it stands out from stripes and colours
 FINE, DASH = 0.01, 0.02  # of the body's size: the pieces of a line, and of a dashed one
 # Parts of perceptually uniform maps: a yellow line is too pale on a pale body, and no colour is in both.
@@ -139,10 +139,10 @@ def mark_points(points: Sequence[SingularPoint]) -> Marks:
     marks, told = Marks(), {point.kind for point in labelled(points)}
     for kind, count in Counter(point.kind for point in points).items():
         size, colour = POINTS.get(kind, (MARK, DEFECT))
-        size *= THIN if count > MANY else 1.0
+        size, shows = (THIN * size, 0.0) if count > MANY else (size, HIDDEN if kind == "corner" else HIDDEN_POINT)
         places = np.array([point.point for point in points if point.kind == kind])
-        handle, hidden = _dot(kind, count, size, colour), HIDDEN if kind == "corner" else HIDDEN_POINT
-        marks += Marks(tuple(dots(places, colour, size, hidden)), (), () if kind in told else (handle,))
+        handle = _dot(kind, count, size, colour)
+        marks += Marks(tuple(dots(places, colour, size, shows)), (), () if kind in told else (handle,))
     return marks
 
 
@@ -159,7 +159,7 @@ def mark_boxes(boxes: Floats, size: float) -> Marks:
     shown = np.stack([middles - halves, middles + halves], axis=2)[kept]
     handle = Line2D([], [], marker="s", markersize=6, markerfacecolor="none", color=UNDECIDED, linestyle="")
     handle.set_label(f"undecided: {plural(len(boxes), 'box', 'boxes')}")
-    return Marks((Stroke(outlines(shown), UNDECIDED, 1.0, HIDDEN),), (), (handle,))
+    return Marks((Stroke(outlines(shown), UNDECIDED, 1.0, HIDDEN if len(shown) <= MANY else 0.0),), (), (handle,))
 
 
 def outlines(boxes: Floats) -> Floats:

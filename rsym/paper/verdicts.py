@@ -21,9 +21,8 @@ from rsym.paper.drawing import Drawing, Table, letters_text, triangles_in
 from rsym.paper.models import car, skeleton_body
 from rsym.verify.bodies.groups import groups
 from rsym.verify.bodies.markup import HEADER, group_cells
-from rsym.verify.bodies.phrases import interval
+from rsym.verify.bodies.phrases import interval, kinds_text, share_text
 from rsym.verify.bodies.report import BodyReport
-from rsym.verify.wording import plural, rounded_up
 
 SIZE = (9.6, 10.6)  # inches
 WIDE = 0.9  # of the width, for the bodies; the rest is for the bars
@@ -54,13 +53,13 @@ class Judged:
     @property
     def summary(self) -> str:
         """What was found, in a few words."""
-        curvatures = self.report.curvatures
-        told = [plural(len(self.report.curves), "curve")] if self.report.curves else []
-        told += [plural(len(self.report.points), "point")] if self.report.points else []
-        told += [f"curvatures in {interval(*curvatures)}"] if np.isfinite(curvatures).all() and not told else []
-        if len(self.report.undecided):
-            told.append(f"{rounded_up(100 * self.report.undecided_share, 2)} % undecided")
-        return ", ".join(told)
+        report = self.report
+        told = [kinds_text((*report.curves, *report.points))] if report.curves or report.points else []
+        if not told and np.isfinite(report.curvatures).all():
+            told = [f"curvatures in {interval(*report.curvatures)}"]
+        return ", ".join(
+            [*told, *([f"{share_text(report.undecided_share)} undecided"] if len(report.undecided) else [])]
+        )
 
 
 def bodies() -> list[tuple[str, Shape, str | None, float]]:
@@ -72,11 +71,11 @@ def bodies() -> list[tuple[str, Shape, str | None, float]]:
     return [
         ("The car", car(), None, 48.0),
         ("A box", box(2, Fraction(8, 5), Fraction(6, 5)).replace(bounds=ROUND), None, -55.0),
-        ("A capsule", capsule((-1, 0, 0), (1, 0, 0), Fraction(1, 2)).replace(bounds=ROUND), "zebra", -55.0),
-        ("Fig. 12, $a_2 = 5.3$", pointed, None, -150.0),
+        ("A capsule of radius ½", capsule((-1, 0, 0), (1, 0, 0), Fraction(1, 2)).replace(bounds=ROUND), "zebra", -55.0),
+        ("Fig. 12, a₂ = 5.3", pointed, None, -150.0),
         ("A fillet of radius ½", rounded, "zebra", -55.0),
         ("A cubic fillet", cubic, "zebra", -55.0),
-        ("Fig. 12, $a_2 = 6$", smooth, None, -150.0),
+        ("Fig. 12, a₂ = 6", smooth, None, -150.0),
     ]
 
 
@@ -100,7 +99,7 @@ def draw_verdicts() -> Drawing:
     curves = [curve for one in judged for curve in one.report.curves]
     angles, jumps = angle_limits(curves), jump_limits(curves)
     figure = Figure(figsize=SIZE)
-    for one, place in zip(judged, _places(), strict=True):
+    for one, place in zip(judged, _places(), strict=False):
         _draw(figure, one, place, angles, jumps)
     for bar, bottom in zip(mark_curves(curves, 1.0, angles, jumps).bars, (0.65, 0.15), strict=False):
         _draw_bar(figure, bar, bottom)
@@ -145,7 +144,6 @@ def _draw_bar(figure: Figure, bar: Bar, bottom: float) -> None:
 
 def _rows(one: Judged) -> Iterator[tuple[str, ...]]:
     """The verdict, then what is below G2 and what is not."""
-    blank = ("",) * (len(HEADER) - 1)
     found = [group for part in groups(one.report) for group in part]
-    for number, cells in enumerate([group_cells(group) for group in found] or [blank]):
-        yield (one.name, one.report.verdict, *cells) if number == 0 else ("", "", *cells)
+    yield one.name, one.report.verdict, *("",) * 4, one.summary, one.report.continuity, "", ""
+    yield from (("", "", *group_cells(group)) for group in found)

@@ -109,7 +109,7 @@ def verify_smoothness(
     ('REFUTED', 'G0', 90.0)
     """
     if _in_space(shape, method):
-        return report_body(_study_in_space(shape, bounds, letters, smallest, budget, progress))
+        return report_body(studied_in_space(shape, bounds, letters, smallest, budget, progress))
     return _report(_study(shape, bounds, letters, smallest, budget or BUDGET, progress))
 
 
@@ -126,14 +126,15 @@ def _in_space(shape: Any, method: str) -> bool:
     return method == "space" or (method == "auto" and find_meridian(shape) is None)
 
 
-def _study_in_space(
+def studied_in_space(
     shape: Shape,
-    bounds: Any,
-    letters: Mapping[Any, Any] | None,
-    smallest: float,
-    budget: int | None,
-    progress: Progress | None,
+    bounds: Any = None,
+    letters: Mapping[Any, Any] | None = None,
+    smallest: float = SMALLEST,
+    budget: int | None = None,
+    progress: Progress | None = None,
 ) -> Study:
+    """What boxes in space say of a body; `rsym.verify.bodies.verdict.report_body` makes a report of it."""
     values = ranges_of(shape.letters, letters)
     middles = {name: float((low + high) / 2) for name, (low, high) in values.items()}
     box = bounds_or_extent(shape, bounds, middles)
@@ -150,7 +151,7 @@ def quick_report(
 ) -> SmoothnessReport | BodyReport:
     """The report with a bound of the curvature on which only so many boxes are spent, in the plane."""
     if _in_space(shape, "auto"):
-        study = _study_in_space(shape, bounds, letters, SMALLEST, budget * BODY_BUDGET // BUDGET, None)
+        study = studied_in_space(shape, bounds, letters, SMALLEST, budget * BODY_BUDGET // BUDGET)
         return report_body(study, sharpened=sharpening > 0)
     return _report(_study(shape, bounds, letters, SMALLEST, budget, None), sharpening=sharpening)
 

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
-from rsym.codegen.enclosures import ranges_of
+from rsym.codegen.enclosures import Range, ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.progress import Progress
 from rsym.verify.atlas.dividing import divide
 from rsym.verify.atlas.greatest import greatest_curvatures
 from rsym.verify.atlas.grid import Floats
-from rsym.verify.atlas.judging import Judge, Rectangle
+from rsym.verify.atlas.judging import Judge, Judgement, Rectangle
 from rsym.verify.atlas.levels import CurvatureMap
 from rsym.verify.atlas.report import SmoothnessAtlas
 from rsym.verify.atlas.strips import thresholds_of
+from rsym.verify.atlas.subjects import PlaneSubject
 from rsym.verify.report import CERTIFIED
 from rsym.verify.threshold import range_of
 
@@ -51,7 +52,8 @@ def smoothness_atlas(
     Parameters
     ----------
     shape : Shape
-        In the plane, or a body of revolution.
+        In the plane or in space, with bounds; a body of revolution is judged by its meridian, others take seconds
+        for each rectangle.
     letter_a, letter_b : str or symbol
         The two letters.
     between : pair of pairs
@@ -78,8 +80,8 @@ def smoothness_atlas(
     Raises
     ------
     RsymError
-        Without bounds, for an unknown letter or one that is given twice, for an empty range, a tolerance that is not a
-        share, and a shape in space that is not a body of revolution.
+        Without bounds, for an unknown letter or one that is given twice, for an empty range, and for a tolerance that
+        is not a share.
 
     Examples
     --------
@@ -109,7 +111,6 @@ def smoothness_atlas(
     parts = divide(judge, region, tolerance=tolerance, budget=budget, progress=counted)
     rectangles = np.array([part.rectangle for part in parts])
     verdicts = tuple(part.verdict for part in parts)
-    certified = rectangles[[verdict == CERTIFIED for verdict in verdicts]]
     ranges = {name: ends for name, ends in ranges_of(shape.letters, letters).items() if name not in names}
     return SmoothnessAtlas(
         letters=names,
@@ -118,7 +119,7 @@ def smoothness_atlas(
         verdicts=verdicts,
         curvature_bounds=np.array([part.bound for part in parts]),
         thresholds=thresholds_of(rectangles, verdicts, names),
-        curvature=_curvatures(judge, region, certified, ranges),
+        curvature=_curvatures(judge, region, parts, ranges),
         defaults=(float(shape.letters[names[0]].default), float(shape.letters[names[1]].default)),
         fixed={name: (float(low), float(high)) for name, (low, high) in ranges.items()},
         judged=len(judged),
@@ -160,17 +161,28 @@ def _inward(low: Fraction, high: Fraction) -> tuple[float, float]:
     )
 
 
-def _curvatures(judge: Judge, region: Rectangle, certified: Floats, ranges: Mapping[str, Any]) -> CurvatureMap:
+def _curvatures(
+    judge: Judge, region: Rectangle, parts: Sequence[Judgement], ranges: Mapping[str, Range]
+) -> CurvatureMap:
     """Sampled at corners and middles of certified rectangles, which crowd at a threshold, and on a lattice."""
-    if not len(certified):
-        return CurvatureMap(np.empty((0, 2)), np.empty(0), certified)
+    kept = [part for part in parts if part.verdict == CERTIFIED]
+    certified = np.array([part.rectangle for part in kept]).reshape(-1, 2, 2)
+    middles = certified.mean(axis=2)
+    subject = judge.subject
+    if not isinstance(subject, PlaneSubject):
+        return _known(middles, np.array([part.greatest for part in kept]), certified)
     corners = [certified[:, [0, 1], [i, j]] for i in (0, 1) for j in (0, 1)]
     axes = (np.linspace(low, high, LATTICE) for low, high in region)
     lattice = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 1, 2)
     inside = np.any(np.all((certified[..., 0] <= lattice) & (lattice <= certified[..., 1]), axis=2), axis=1)
-    points = np.unique(np.concatenate([*corners, certified.mean(axis=2), lattice[inside, 0]]), axis=0)
+    points = np.unique(np.concatenate([*corners, middles, lattice[inside, 0]]), axis=0)
     fixed = {name: float(low + high) / 2 for name, (low, high) in ranges.items()}
-    refuter = judge.refuter
-    values = greatest_curvatures(refuter.plane, refuter.bounds, judge.names, points, fixed, body=refuter.model.body)
+    body = subject.model.body
+    return _known(
+        points, greatest_curvatures(subject.shape, subject.bounds, judge.names, points, fixed, body=body), certified
+    )
+
+
+def _known(points: Floats, values: Floats, certified: Floats) -> CurvatureMap:
     known = values > 0
     return CurvatureMap(points[known], values[known], certified)

@@ -14,18 +14,13 @@ from rsym.codegen.balls import arb, ball, ctx, exact
 from rsym.codegen.enclosures import Range, ranges_of
 from rsym.codegen.kernel import compile
 from rsym.model.shape import Shape
-from rsym.verify.atlas.refutation import Refuter
+from rsym.verify.atlas.subjects import Spread, Subject, subject_of
 from rsym.verify.covering import PRECISION
-from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED, SmoothnessReport
-from rsym.verify.smoothness import quick_report
+from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
 Point: TypeAlias = tuple[float, float]
 Rectangle: TypeAlias = tuple[Point, Point]
 
-POINT_BUDGET = 4_000  # boxes for the verdict in the middle: the body of Fig. 11 takes 130
-# A rectangle takes at most so many times the boxes of its middle: those of the body of Fig. 11 that are proved take 1
-# to 3 times as many, and a budget that is exceeded costs no more than the cut that follows.
-WIDER, MORE = 4, 200
 SAMPLES = 65  # along each side of the bounds, for a point well inside and one well outside
 
 
@@ -40,13 +35,14 @@ class Judgement:
     """What is proved of every value in a rectangle, and the verdict in its middle.
 
     `verdict` is CERTIFIED, REFUTED, DEGENERATE (no boundary within the bounds) or UNDECIDED; no curvature on the
-    boundary is larger in size than `bound`.
+    boundary is larger in size than `bound`; `greatest` is what was found of it, NaN where it was not sought.
     """
 
     rectangle: Rectangle
     verdict: str
     middle: str
     bound: float = math.inf
+    greatest: float = math.nan
 
 
 class Judge:
@@ -73,12 +69,13 @@ class Judge:
         self.shape = shape if bounds is None else shape.replace(bounds=bounds)
         self.names, self.sharpening = names, sharpening
         self.letters = {str(name): value for name, value in (letters or {}).items()}
-        self.refuter = Refuter(self.shape, self._ranges(region))
-        self.samples = _Samples(self.refuter)
+        self.subject = subject_of(self.shape, self._ranges(region))
+        self.samples = _Samples(self.subject)
 
     def at(self, point: Point) -> str:
         """The verdict at one pair of values."""
-        return self._report(dict(zip(self.names, point, strict=True)), POINT_BUDGET).verdict
+        verdict: str = self.subject.at(_middles(self._ranges(((point[0],) * 2, (point[1],) * 2)))).verdict
+        return verdict
 
     def judged(self, rectangle: Rectangle, suspect: Callable[[], bool] = lambda: False) -> Judgement:
         """The verdict for every value in a rectangle: first that of its middle, then whether it spreads.
@@ -87,39 +84,32 @@ class Judge:
         it answers True that is not tried.
         """
         ranges = self._ranges(rectangle)
-        middle = {name: (low + high) / 2 for name, (low, high) in ranges.items()}
-        report = self._report(middle, POINT_BUDGET)
-        verdict, bound = UNDECIDED, math.inf
-        if report.verdict == REFUTED:
-            verdict = REFUTED if self.refuter.joint(ranges, report.defects) is not None else UNDECIDED
+        middle = _middles(ranges)
+        report = self.subject.at(middle)
+        found = Spread(UNDECIDED)
+        if report.verdict == REFUTED and self.subject.is_refuted(ranges, report):
+            found = Spread(REFUTED)
         elif report.verdict in {CERTIFIED, DEGENERATE} and not suspect():
-            whole = self._report(ranges, WIDER * report.cover.examined + MORE, self.sharpening)
-            if whole.verdict == CERTIFIED and self.samples.has_boundary(middle, ranges):
-                verdict, bound = CERTIFIED, whole.curvature_bound
-            elif whole.verdict == DEGENERATE and not _boxes(whole):
-                verdict = DEGENERATE
-        return Judgement(rectangle, verdict, report.verdict, bound)
+            found = self.subject.spread(ranges, report, self.sharpening)
+            if found.verdict == CERTIFIED and not self.samples.has_boundary(middle, ranges):
+                found = Spread(UNDECIDED)
+        return Judgement(rectangle, found.verdict, report.verdict, found.bound, found.greatest)
 
     def _ranges(self, rectangle: Rectangle) -> dict[str, Range]:
         return ranges_of(self.shape.letters, {**self.letters, **dict(zip(self.names, rectangle, strict=True))})
 
-    def _report(self, letters: Mapping[str, Any], budget: int, sharpening: int = 0) -> SmoothnessReport:
-        return quick_report(self.shape, bounds=None, letters=letters, budget=budget, sharpening=sharpening)
 
-
-def _boxes(report: SmoothnessReport) -> int:
-    """How many boxes may hold some of the boundary."""
-    cover = report.cover
-    return len(cover.certified) + len(cover.joined) + len(cover.undecided)
+def _middles(ranges: Mapping[str, Range]) -> dict[str, Fraction]:
+    return {name: (low + high) / 2 for name, (low, high) in ranges.items()}
 
 
 class _Samples:
     """Proves that there is a boundary for every value of letters: one point always inside, another always outside."""
 
-    def __init__(self, refuter: Refuter) -> None:
-        self.model, plane = refuter.model, refuter.plane
-        self.grid = np.meshgrid(*(np.linspace(low, high, SAMPLES) for low, high in refuter.bounds), indexing="ij")
-        self.kernel = compile(plane, threads=1)
+    def __init__(self, subject: Subject[Any]) -> None:
+        self.model = subject.model
+        self.grid = np.meshgrid(*(np.linspace(low, high, SAMPLES) for low, high in subject.bounds), indexing="ij")
+        self.kernel = compile(subject.shape, threads=1)
 
     def has_boundary(self, middle: Mapping[str, Fraction], ranges: Mapping[str, Range]) -> bool:
         """Whether omega has both signs for every value in the ranges; the points are sought at their middle."""
@@ -127,7 +117,8 @@ class _Samples:
         if np.isnan(values).all():
             return False
         with ctx.workprec(PRECISION):
-            sides = [ball(exact(ranges[name][0]), exact(ranges[name][1])) for name in self.model.axes[2:]]
+            names = self.model.axes[self.model.dimension :]
+            sides = [ball(exact(ranges[name][0]), exact(ranges[name][1])) for name in names]
             places = [np.unravel_index(find(values), values.shape) for find in (np.nanargmin, np.nanargmax)]
             points = [[arb(float(axis[place])) for axis in self.grid] for place in places]
             return [self.model.on([*point, *sides]).sign(self.model.root) for point in points] == [-1, 1]

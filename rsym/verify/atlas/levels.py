@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,6 +15,18 @@ from rsym.verify.atlas.grid import Floats
 PIXELS = 400  # along each letter, of the map from which level lines are read
 DECADE = (1.0, 2.0, 5.0)  # levels in each
 FEWEST = 4  # points that make a map
+
+
+def round_levels(low: float, high: float) -> list[float]:
+    """The numbers 1, 2, 5, 10, ... from low to high.
+
+    Examples
+    --------
+    >>> round_levels(0.4, 10)
+    [0.5, 1.0, 2.0, 5.0, 10.0]
+    """
+    powers = range(math.floor(math.log10(low)), math.floor(math.log10(high)) + 1)
+    return [level for power in powers for step in DECADE if low <= (level := step * 10.0**power) <= high]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,9 +74,7 @@ class CurvatureMap:
         if len(self.values) < FEWEST:
             return []
         if levels is None:
-            first, last = np.log10(self.values.min()), np.log10(self.values.max())
-            decades = 10.0 ** np.arange(np.floor(first), np.ceil(last))
-            levels = [level for level in np.outer(decades, DECADE).ravel() if first < np.log10(level) < last]
+            levels = round_levels(float(self.values.min()), float(self.values.max()))
         axes = self.lattice()
         heights = np.log(self.on(axes))
         return [(float(level), isolines(heights, float(np.log(level)), axes)) for level in levels]

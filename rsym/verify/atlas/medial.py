@@ -63,7 +63,23 @@ def _smoothed(line: Floats, width: float, grid: Grid, strip: Marks) -> Floats:
         padded = np.concatenate([before, line, after])
         smooth: Floats = gaussian_filter1d(padded, share * width, axis=0, truncate=3.0)[reach:-reach]
         if strip[_cells(grid, smooth)].all():
-            return smooth
+            line = smooth
+            break
+    return line if closed else _straight_ends(line, round(width), grid, strip)
+
+
+def _straight_ends(line: Floats, length: int, grid: Grid, strip: Marks) -> Floats:
+    """The line with both ends drawn straight on: harmonic functions have level lines at right angles to the border."""
+    for _ in range(2):
+        line = line[::-1]
+        if len(line) > 3 * length:
+            kept = line[length:]
+            slope = (kept[0] - kept[length]) / length
+            drawn = kept[0] + np.arange(3 * length, 0, -1)[:, None] * slope
+            low, high = np.array([side[[0, -1]] for side in grid.lines]).T
+            inside = ((low <= drawn) & (drawn <= high)).all(axis=1) & strip[_cells(grid, drawn)]
+            outside = np.flatnonzero(~inside)
+            line = np.concatenate([drawn[outside[-1] + 1 if len(outside) else 0 :], kept])
     return line
 
 

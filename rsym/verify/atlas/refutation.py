@@ -12,22 +12,21 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rsym.codegen.balls import arb, ball, ctx, exact
-from rsym.codegen.differentiation import derivative
 from rsym.codegen.enclosures import ranges_of
-from rsym.model.shape import Shape
+from rsym.model.shape import Bounds, Shape
 from rsym.sampling.lattice import bounds_of
 from rsym.verify.cleaning import cleaned
 from rsym.verify.covering import PRECISION
 from rsym.verify.generators import generators
-from rsym.verify.joints import Meeting, is_transversal, joint, locate, meeting
-from rsym.verify.local import Interval, Local, Model
+from rsym.verify.joints import Arc, Meeting, is_transversal, joint, locate, meeting
+from rsym.verify.krawczyk import Point, image, inverse
+from rsym.verify.local import Interval, Model
 from rsym.verify.locus import reduce
 from rsym.verify.report import CONTINUITIES, Joint
 from rsym.verify.revolution import meridian
 
-# The box in which a joint is sought over its predicted motion: 1.2 suits motions that are nearly linear; a wider box
-# bears more curved ones and is proved less often.
-MARGINS = (1.2, 1.6, 2.4)
+# A box that holds its image is found by growing it to a little more than its image, as often as it is worth trying.
+INFLATION, GROWTHS = 1.1, 10
 NEAREST = 2.0**-20  # a box is no narrower than this, as a share of the extent: the point is known to fewer digits
 TRIED = 3  # defects that are followed, the worst first
 
@@ -70,18 +69,19 @@ def refuted_throughout(
     >>> refuted_throughout(body, {"a2": (5.15, 5.35)}, defects) is None
     True
     """
-    return Refuter(shape, ranges_of(shape.letters, letters), bounds).joint(ranges_of(shape.letters, letters), defects)
+    shape = shape if bounds is None else shape.replace(bounds=bounds)
+    body = shape.dimension == 3
+    plane = meridian(shape)[0] if body else shape
+    ranges = ranges_of(shape.letters, letters)
+    model = Model(plane.replace(expression=cleaned(plane.expression)), ranges, body=body)
+    return Refuter(model, bounds_of(plane, None)).joint(ranges, defects)
 
 
 class Refuter:
-    """Follows joints of one shape over ranges of its letters, of which `values` tells which are ranges at all."""
+    """Follows joints of a model in the plane over ranges of its letters; they must stay inside the bounds."""
 
-    def __init__(self, shape: Shape, values: Mapping[str, Interval], bounds: Any = None) -> None:
-        shape = shape if bounds is None else shape.replace(bounds=bounds)
-        body = shape.dimension == 3
-        self.plane = meridian(shape)[0] if body else shape
-        self.bounds = bounds_of(self.plane, None)
-        self.model = Model(self.plane.replace(expression=cleaned(self.plane.expression)), values, body=body)
+    def __init__(self, model: Model, bounds: Bounds) -> None:
+        self.model, self.bounds = model, bounds
 
     def joint(self, ranges: Mapping[str, Interval], defects: Sequence[Joint]) -> Joint | None:
         """A defect for every value in the ranges, from those at their middle."""
@@ -90,18 +90,21 @@ class Refuter:
             return next((found for found in followed if found is not None), None)
 
     def _followed(self, ranges: Mapping[str, Interval], defect: Joint) -> Joint | None:
-        names = self.model.axes[2:]
-        sides = [ball(exact(ranges[name][0]), exact(ranges[name][1])) for name in names]
+        """The joint in a box that grows until it holds its own image, at most so many times."""
+        sides = [ball(exact(ranges[name][0]), exact(ranges[name][1])) for name in self.model.axes[2:]]
         extent = max(float(high) - float(low) for low, high in self.bounds)
         least = max(2 * defect.radius, NEAREST * extent)
-        motion = self._motion(defect, [side.mid() for side in sides], sides, least)
-        if motion is None:
+        box = [arb(value, least) for value in defect.point]
+        arcs = self._meeting([*box, *(side.mid() for side in sides)])
+        if arcs is None:
             return None
-        for margin in MARGINS:
-            box = [arb(centre, max(least, margin * way)) for centre, way in zip(defect.point, motion, strict=True)]
-            found = self._proved([*box, *sides])
-            if found is not None:
-                return found
+        for _ in range(GROWTHS):
+            moved = self._image(arcs.arcs[0], box, sides)
+            if moved is None:
+                return None
+            if all(old.contains_interior(new) for old, new in zip(box, moved, strict=True)):
+                return self._proved([*box, *sides])
+            box = [arb(side.mid(), max(least, INFLATION * float(arb(side.rad())))) for side in moved]
         return None
 
     def _meeting(self, sides: Sequence[arb]) -> Meeting | None:
@@ -110,32 +113,18 @@ class Refuter:
         found = generators(local, locus.nodes[0]) if locus.kind == "leaf" else None
         return None if found is not None and found.analytic else meeting(local, locus, found)
 
-    def _motion(
-        self, defect: Joint, middle: Sequence[arb], sides: Sequence[arb], least: float
-    ) -> tuple[float, float] | None:
-        """How far the joint moves to first order, along both coordinates: dp = -J^-1 dH/dl dl."""
-        arcs = self._meeting([*(arb(value, least) for value in defect.point), *middle])
-        if arcs is None:
+    def _image(self, arc: Arc, box: Sequence[arb], sides: Sequence[arb]) -> Point | None:
+        """The image of a box under Krawczyk's operator; None where there is none, or one wider than the bounds."""
+        pair, middle = (arc.function, arc.side), [side.mid() for side in box]
+        centre = self.model.on([*middle, *(side.mid() for side in sides)])
+        here, whole = self.model.on([*middle, *sides]), self.model.on([*box, *sides])
+        near = inverse([centre.gradient(number) for number in pair])
+        values = [value for value in map(here.value, pair) if value is not None]
+        if near is None or len(values) < len(pair):
             return None
-        at = self.model.on([*map(arb, defect.point), *middle])
-        pair = (arcs.arcs[0].function, arcs.arcs[0].side)
-        slopes = [self._slopes(at, number) for number in pair]
-        if None in slopes:
-            return None
-        (a, b, *f), (c, d, *g) = (slope for slope in slopes if slope is not None)
-        determinant = a * d - b * c
-        if not determinant:
-            return None
-        radii = [float(arb(side.rad())) for side in sides]
-        x = sum(abs((d * u - b * v) / determinant) * r for u, v, r in zip(f, g, radii, strict=True))
-        y = sum(abs((a * v - c * u) / determinant) * r for u, v, r in zip(f, g, radii, strict=True))
-        return x, y
-
-    def _slopes(self, at: Local, number: int) -> list[float] | None:
-        """The derivatives of a node along all axes, as floats: a prediction needs no proof."""
-        found = [at.value(derivative(self.model.builder, number, name)) for name in self.model.axes]
-        known = [float(value.mid()) for value in found if value is not None and value.is_finite()]
-        return known if len(known) == len(found) else None
+        found = image(near, values, [whole.gradient(number) for number in pair], tuple(box))
+        reach = max(high - low for low, high in self.bounds)
+        return None if found is None or any(float(side.rad()) > reach for side in found) else found
 
     def _proved(self, sides: Sequence[arb]) -> Joint | None:
         """The joint in a box for all letters in their ranges, if it is one, inside the bounds, and a defect."""

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rsym.verify.bodies.curvature_bounds import bent
+from rsym.verify.bodies.boxes import cut
+from rsym.verify.bodies.curvature_bounds import Bent, bent
 from rsym.verify.bodies.images import Array, Boxes, Flags, Images
-from rsym.verify.bodies.octree import Subdivision, halves
+from rsym.verify.bodies.octree import Subdivision
 
 TIGHT = 0.05  # of an end of what is attained: the enclosure may exceed it by this share
 FLAT = 0.002  # of the largest curvature: an end nearer to 0 than this is taken for 0, and not pursued further
 BUDGET = 400_000  # boxes, some 30 microseconds each
-FINEST = 2.0**-20  # of the extent: where curvature grows beyond all bounds narrower boxes say no more
-BESIDE = 2.0**-30  # of the largest coordinate: so far from a point of the boundary omega is looked at
+FINEST = 2.0**-20  # of the extent: narrower boxes are not divided, smaller curvatures than its inverse are 0
+MATTERS = 0.3  # of the largest share of a side: a fillet between planes takes 3 500 boxes, not 86 000
+BESIDE = 2.0**-30  # of the extent: so far from a point of the boundary omega is looked at
+WHOLE, PART = -1, -2  # in place of a node: the sheet is the boundary all over the box, or somewhere in it
 
 
 @dataclass(frozen=True)
@@ -26,14 +31,24 @@ class Bending:
     attained: tuple[float, float]
 
 
+class Held(NamedTuple):
+    """Boxes (n, 3, 2) of one sheet, and for each where in it the sheet is the boundary.
+
+    That is where the node `sides` (n,) is not negative, if it is not WHOLE or PART.
+    """
+
+    boxes: Boxes
+    sides: NDArray[np.int64]
+
+
 def bending(images: Images, found: Subdivision) -> Bending:
     """The principal curvatures on all settled boxes of a subdivision."""
-    sheets = _by_node(found)
-    search = _Search(images)
-    parts = [_Part(search, node, np.concatenate(boxes)) for node, boxes in sheets.items()]
-    extent = max((float(np.ptp(part.boxes, axis=(0, 2)).max()) for part in parts if len(part.boxes)), default=0.0)
+    sheets = held(found)
+    extent = max((float(np.ptp(sheet.boxes, axis=(0, 2)).max()) for sheet in sheets.values()), default=1.0)
+    search = _Search(images, extent)
+    parts = [_Sheet(search, node, sheet) for node, sheet in sheets.items()]
     while search.spent < BUDGET:
-        marked = [part.offending(search.ends, FINEST * extent) for part in parts]
+        marked = [part.offending(search.ends) for part in parts]
         if not any(own.any() for own in marked):
             break
         for part, own in zip(parts, marked, strict=True):
@@ -41,26 +56,34 @@ def bending(images: Images, found: Subdivision) -> Bending:
     low = min((float(part.low.min(initial=np.inf)) for part in parts), default=np.inf)
     high = max((float(part.high.max(initial=-np.inf)) for part in parts), default=-np.inf)
     attained = search.attained if np.isfinite(search.attained).all() else np.array([np.nan, np.nan])
-    return Bending((low, high), (float(attained[0]), float(attained[1])))
+    return Bending((low + 0.0, high + 0.0), (float(attained[0]), float(attained[1])))
 
 
-def _by_node(found: Subdivision) -> Mapping[int, Sequence[Boxes]]:
+def held(found: Subdivision) -> Mapping[int, Held]:
     """The boxes by the sheets that they hold."""
-    result: dict[int, list[Boxes]] = {node: list(boxes) for node, boxes in found.regular.items()}
-    for meeting, boxes in found.joined.items():
+    listed: dict[int, list[tuple[Boxes, int]]] = {}
+    for node, groups in found.regular.items():
+        listed.setdefault(node, []).extend((group, WHOLE) for group in groups)
+    for meeting, groups in found.joined.items():
         for arc in meeting.arcs:
-            result.setdefault(arc.function, []).extend(boxes)
+            listed.setdefault(arc.function, []).extend((group, arc.side) for group in groups)
     for box, corner in found.corners:
         for node in corner.sheets:
-            result.setdefault(node, []).append(np.array([box]))
-    return result
+            listed.setdefault(node, []).append((np.array([box]), PART))
+    return {
+        node: Held(
+            np.concatenate([boxes for boxes, _ in groups]),
+            np.concatenate([np.full(len(boxes), side) for boxes, side in groups]),
+        )
+        for node, groups in listed.items()
+    }
 
 
 class _Search:
     """Bounds over boxes, the extremes at points in them, and how many boxes were bounded."""
 
-    def __init__(self, images: Images) -> None:
-        self.images = images
+    def __init__(self, images: Images, extent: float) -> None:
+        self.images, self.extent = images, extent
         self.attained = np.array([np.inf, -np.inf])
         self.spent = 0
 
@@ -70,47 +93,79 @@ class _Search:
         if not np.isfinite(self.attained).all():
             return np.array([np.inf, -np.inf])
         size = np.abs(self.attained)
-        slack = np.where(size > FLAT * size.max(), TIGHT * size, FLAT * size.max())
+        slack = np.where(size > FLAT * size.max(), TIGHT * size, FLAT * size.max()) + FINEST / self.extent
         result: Array = self.attained + [-1, 1] * slack
         return result
 
-    def bounded(self, node: int, boxes: Boxes) -> tuple[Boxes, Array, Array]:
-        """The parts of boxes that a sheet may meet, and bounds of its principal curvatures there."""
-        self.spent += len(boxes)
-        found = bent(self.images, node, boxes)
-        new = (found.curvatures[:, 1] < self.attained[0]) | (found.curvatures[:, 0] > self.attained[1])
-        new[new] = self._is_boundary(found.points[new], found.normals[new])
-        low, high = found.curvatures[new, 1], found.curvatures[new, 0]
-        self.attained = np.array([low.min(initial=self.attained[0]), high.max(initial=self.attained[1])])
-        return found.boxes, found.low, found.high
+    def bounded(self, node: int, sheet: Held) -> tuple[Held, Bent]:
+        """The boxes that the boundary may meet, and its curvatures there; what is attained at points is noted."""
+        kept = self._meets(*sheet)
+        boxes, sides = sheet.boxes[kept], sheet.sides[kept]
 
-    def _is_boundary(self, points: Array, normals: Array) -> Flags:
-        """Whether omega changes its sign near points: of the sheets in a box one may be cut off there."""
-        step = BESIDE * np.abs(points).max(initial=1.0) * normals
-        inside, outside = (self.images.sign(np.stack([points + side, points + side], -1)) for side in (step, -step))
-        result: Flags = inside * outside < 0
+        found = bent(self.images, node, boxes)
+        self.spent += len(found.boxes)
+        sides = sides[found.places]
+        new = (found.attained[:, 1] < self.attained[0]) | (found.attained[:, 0] > self.attained[1])
+        new[new] = self._is_boundary(found.points[new], found.normals[new], sides[new])
+        low, high = found.attained[new, 1], found.attained[new, 0]
+        self.attained = np.array([low.min(initial=self.attained[0]), high.max(initial=self.attained[1])]) + 0.0
+        return Held(found.boxes, sides), found
+
+    def _meets(self, boxes: Boxes, sides: NDArray[np.int64]) -> Flags:
+        """Whether a sheet may be the boundary somewhere in boxes."""
+        result = np.ones(len(boxes), bool)
+        for side in np.unique(sides):
+            own = sides == side
+            if side == PART:
+                result[own] = self.images.alive(boxes[own])[0].any(axis=0)
+            elif side != WHOLE:
+                result[own] = self.images.value(side, boxes[own])[1] >= 0
+        return result
+
+    def _is_boundary(self, points: Array, normals: Array, sides: NDArray[np.int64]) -> Flags:
+        """Whether points of a sheet are on the boundary: in a part of it, where omega changes its sign nearby."""
+        result = np.ones(len(points), bool)
+        for side in np.unique(sides):
+            own = sides == side
+            at, along = points[own], BESIDE * self.extent * normals[own]
+            if side == PART:
+                inside, outside = (self.images.sign(np.stack([at + step, at + step], -1)) for step in (along, -along))
+                result[own] = inside * outside < 0
+            elif side != WHOLE:
+                result[own] = self.images.value(side, np.stack([at, at], -1))[0] > 0
         return result
 
 
-class _Part:
+class _Sheet:
     """The boxes of one sheet, with bounds of its curvatures."""
 
-    def __init__(self, search: _Search, node: int, boxes: Boxes) -> None:
+    def __init__(self, search: _Search, node: int, sheet: Held) -> None:
         self.search, self.node = search, node
-        self.boxes, self.low, self.high = search.bounded(node, boxes)
+        self.held, found = search.bounded(node, sheet)
+        self.low, self.high, self.shares = found.low, found.high, found.shares
 
-    def offending(self, ends: Array, finest: float) -> Flags:
+    def offending(self, ends: Array) -> Flags:
         """The boxes whose bounds reach beyond these ends, the finest left out."""
-        wide = (self.boxes[..., 1] - self.boxes[..., 0]).max(axis=1, initial=0) > finest
-        result: Flags = ((self.low < ends[0]) | (self.high > ends[1])) & wide
+        result: Flags = ((self.low < ends[0]) | (self.high > ends[1])) & self._wide(self.held.boxes).any(axis=1)
+        return result
+
+    def _wide(self, boxes: Boxes) -> Flags:
+        """The sides that may be divided."""
+        result: Flags = boxes[..., 1] - boxes[..., 0] > FINEST * self.search.extent
         return result
 
     def refine(self, own: Flags) -> None:
-        """Divide these boxes."""
-        if own.any():
-            parts = halves(self.boxes[own])
-            parts = parts[self.search.images.alive(parts)[0].any(axis=0)]
-            boxes, low, high = self.search.bounded(self.node, parts)
-            self.boxes = np.concatenate([self.boxes[~own], boxes])
-            self.low = np.concatenate([self.low[~own], low])
-            self.high = np.concatenate([self.high[~own], high])
+        """Divide these boxes across the sides that matter; where none is known to, across the longest."""
+        if not own.any():
+            return
+        boxes = self.held.boxes[own]
+        shares = np.where(self._wide(boxes), self.shares[own], 0.0)
+        largest = shares.max(axis=1, keepdims=True)
+        shares = np.where((largest > 0) & (largest < np.inf), shares, boxes[..., 1] - boxes[..., 0])
+        across = shares >= MATTERS * shares.max(axis=1, keepdims=True)
+        sides = np.repeat(self.held.sides[own], 2 ** across.sum(axis=1))
+        held, found = self.search.bounded(self.node, Held(cut(boxes, across), sides))
+        kept = *self.held, self.low, self.high, self.shares
+        pairs = zip(kept, (*held, found.low, found.high, found.shares), strict=True)
+        boxes, sides, self.low, self.high, self.shares = (np.concatenate([old[~own], new]) for old, new in pairs)
+        self.held = Held(boxes, sides)

@@ -31,7 +31,7 @@ Point: TypeAlias = tuple[arb, ...]
 
 TRIPLES = 12  # of leaves: a pyramid of six sides has twenty, of which one will do
 PINNED = 2.0**-90  # half the width of the box in which the equations must have just one zero
-SMALLEST = 2.0**-60  # of a value that is taken for zero at a point that was found
+SMALLEST = 1e-12  # of a value that may be zero at a point that was found
 
 
 class Equations(NamedTuple):

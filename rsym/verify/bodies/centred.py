@@ -16,7 +16,8 @@ Ends: TypeAlias = tuple[Array, Array]
 
 # Sums of at most nine products err by ten units of 2**-53 of the sum of their sizes, thrice; the radius is such a sum.
 SLACK = 2.0**-48
-TINY = 1e-300  # what may underflow
+TINY = 1e-300  # more than what a product loses by underflow
+FAINT = 1e-280  # of a larger sum SLACK covers underflow too
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class Centred:
         with np.errstate(all="ignore"):
             middle = np.where(np.isfinite(low) & np.isfinite(high), low / 2 + high / 2, 0.0)
             radius = np.maximum(high - middle, middle - low)
-            return cls(middle, radius + SLACK * radius + np.where(radius > 0, TINY, 0.0))
+            return cls(middle, radius + SLACK * radius + TINY * np.sign(radius))
 
     @property
     def ends(self) -> Ends:
@@ -94,5 +95,7 @@ def contracted(rule: str, a: Centred, b: Centred) -> Centred:
     sizes, others = np.abs(a.middle), np.abs(b.middle)
     with np.errstate(all="ignore"):
         whole = np.einsum(rule, sizes + a.radius, others + b.radius)
-        radius = whole - np.einsum(rule, sizes, others) + (SLACK * whole + TINY)
+        radius = whole - np.einsum(rule, sizes, others) + SLACK * whole
+        if (whole < FAINT).any():
+            radius += TINY * np.einsum(rule, np.sign(sizes + a.radius), np.sign(others + b.radius))
         return Centred(np.einsum(rule, a.middle, b.middle), radius)

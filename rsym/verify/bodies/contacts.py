@@ -82,17 +82,45 @@ def touching(at: Local, f: int, g: int, formula: Formula) -> Judgement | None:
     That f and g vanish at the point and that their gradients are parallel must be known.
     """
     p, q = at.gradient(f), at.gradient(g)
-    k = max(range(3), key=lambda axis: float(abs(p[axis]).lower()))
+    k = _largest(p)
     if p[k].contains(0) or q[k].contains(0):
         return None
     ratio = q[k] / p[k]
-    first, second = hessian(at, f), hessian(at, g)
+    signs = _bending(at, g, f, ratio)
+    return None if signs is None else _judged(formula, 1 if ratio > 0 else -1, signs)
+
+
+def touch_once(box: Local, at: Local, f: int, g: int) -> bool:
+    """Whether two leaves, analytic on a box, that touch at a point in it, certainly do not meet elsewhere in it.
+
+    Where f = 0 the vector x - p is at right angles to some value of grad f on the box, by the mean value theorem. If
+    g - k f bends one way along all such vectors, g has one sign there, by Taylor's; likewise f where g = 0.
+    """
+    p, q = at.gradient(f), at.gradient(g)
+    k = _largest(p)
+    if p[k].contains(0) or q[k].contains(0):
+        return False
+    ratio = q[k] / p[k]
+    first, second = _bending(box, g, f, ratio), _bending(box, f, g, 1 / ratio)
+    return first is not None and second is not None and len(set(first)) == 1 == len(set(second))
+
+
+def _largest(vector: Sequence[arb]) -> int:
+    return max(range(3), key=lambda axis: float(abs(vector[axis]).lower()))
+
+
+def _bending(local: Local, g: int, f: int, ratio: arb) -> tuple[int, ...] | None:
+    """The signs of the quadratic form of g - ratio f on the planes across grad f; None where one may be zero."""
+    p = local.gradient(f)
+    k = _largest(p)
+    if p[k].contains(0) or not all(part.is_finite() for part in p):
+        return None
+    first, second = hessian(local, f), hessian(local, g)
     difference = arb_mat(3, 3, [second[i][j] - ratio * first[i][j] for i, j in product(range(3), repeat=2)])
     plane = [[p[k] if axis == i else -p[i] if axis == k else arb(0) for axis in range(3)] for i in range(3) if i != k]
     basis = arb_mat(2, 3, [part for row in plane for part in row])
     form = basis * difference * basis.transpose()
-    signs = inertia([[form[i, j] for j in range(2)] for i in range(2)])
-    return None if signs is None else _judged(formula, 1 if ratio > 0 else -1, signs)
+    return inertia([[form[i, j] for j in range(2)] for i in range(2)])
 
 
 def _judged(formula: Formula, way: int, signs: tuple[int, ...]) -> Judgement:

@@ -26,6 +26,7 @@ The frame is orthonormal but for rounding: T_i is tangent for any frame, the oth
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,6 +44,14 @@ class Jet:
     gradient: Centred
     hessian: Centred
     third: Centred
+
+
+class Bounds(NamedTuple):
+    """Lower and upper bounds (n,), and how much each side of a box adds to how far they are apart (3, n)."""
+
+    low: Array
+    high: Array
+    shares: Array
 
 
 @dataclass(frozen=True)
@@ -114,8 +123,8 @@ def _slopes(frame: Centred, forms: _Forms, third: Centred, shifts: Array) -> Cen
     return (turned - twice)[ENTRIES] - contracted("en,kn->ekn", Centred.exact(shifts), forms.normal)
 
 
-def principal_bounds(frame: Frame, value: Centred, point: Jet, box: Jet, offset: Centred) -> Ends:
-    """Lower and upper bounds (n,) of the principal curvatures on f = 0 in boxes.
+def principal_bounds(frame: Frame, value: Centred, point: Jet, box: Jet, offset: Centred) -> Bounds:
+    """Bounds of the principal curvatures on f = 0 in boxes.
 
     Parameters
     ----------
@@ -138,7 +147,10 @@ def principal_bounds(frame: Frame, value: Centred, point: Jet, box: Jet, offset:
     low, high = (_entries(here, shifts) + change).ends
     plain_low, plain_high = _entries(over, shifts).ends
     low, high = np.maximum(low, plain_low), np.minimum(high, plain_high)
-    return _bounds(over, frame.curvatures, low, high)
+    sizes = np.abs(tilted.middle) + tilted.radius
+    with np.errstate(all="ignore"):
+        shares = sizes.max(axis=0) * (np.abs(offset.middle) + offset.radius)
+    return Bounds(*_quotients(over, frame.curvatures, low, high), shares)
 
 
 def _lean(slope: Array, gradient: Array, normal: Array) -> Centred:
@@ -148,7 +160,7 @@ def _lean(slope: Array, gradient: Array, normal: Array) -> Centred:
     return Centred.exact(np.where(np.isfinite(lean), lean, 0.0))
 
 
-def _bounds(over: _Forms, curvatures: Array, low: Array, high: Array) -> Ends:
+def _quotients(over: _Forms, curvatures: Array, low: Array, high: Array) -> Ends:
     """The quotients, from ends of the entries of N."""
     along, slant = over.along.ends, np.abs(over.slant.middle) + over.slant.radius
     shear = np.maximum(np.abs(low[SHEAR]), np.abs(high[SHEAR]))

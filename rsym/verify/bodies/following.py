@@ -16,7 +16,7 @@ from rsym.verify.bodies.region import Region
 Array = NDArray[np.float64]
 
 # In shares of the extent: a polyline of longer steps does not look smooth in a picture; shorter ones lead nowhere.
-LONGEST, SHORTEST = 2.0**-6, 2.0**-26
+LONGEST, SHORTEST = 2.0**-6, 2.0**-38
 # A closed curve has at least 32 points.
 TURN = 2 * math.pi / 32
 # How fast steps grow where the last one was easy.

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from rsym.codegen.builder import Builder
 from rsym.codegen.differentiation import derivative
+from rsym.codegen.interval_arithmetic import neighbours
 from rsym.codegen.intervals import IntervalFunction
 from rsym.codegen.program import assemble, live
 from rsym.verify.bodies.centred import Centred
@@ -28,6 +29,7 @@ Array: TypeAlias = NDArray[np.float64]
 Boxes: TypeAlias = NDArray[np.float64]  # (n, 3, 2)
 Ends: TypeAlias = tuple[Array, Array]
 Flags: TypeAlias = NDArray[np.bool_]
+SMALL = 25  # operations: to compile fewer takes longer than NumPy needs for a hundred thousand boxes
 
 
 class Condition(NamedTuple):
@@ -105,6 +107,7 @@ class Images:
     def __init__(self, model: Model, formed: Formation, letters: Mapping[str, Interval]) -> None:
         self.model, self.formed, self.letters = model, formed, letters
         self._slopes: dict[int, _Slopes] = {}
+        self._single: dict[int, IntervalFunction] = {}
         self._bends: dict[int, IntervalFunction] = {}
 
     @cached_property
@@ -113,11 +116,17 @@ class Images:
         nodes |= {f"test {k}": node for k, node in enumerate(self.formed.tests)}
         return self._function({**nodes, "whole": self.model.root}, sharpened=tuple(nodes))
 
+    @cached_property
+    def _ends(self) -> Mapping[str, tuple[float, float]]:
+        return {name: (neighbours(low)[0], neighbours(high)[1]) for name, (low, high) in self.letters.items()}
+
     def _function(self, outputs: Mapping[str, int], *, sharpened: Sequence[str] = ()) -> IntervalFunction:
         builder = self.model.builder
         program = assemble(builder.nodes, builder.coordinates, builder.letters, outputs)
         numbers = dict(program.outputs)
-        return IntervalFunction(program, sharpened=tuple(numbers[name] for name in sharpened), strict=True)
+        backend = "numpy" if len(program) <= SMALL else None
+        nodes = tuple(numbers[name] for name in sharpened)
+        return IntervalFunction(program, backend, sharpened=nodes, strict=True)
 
     def alive(self, boxes: Boxes) -> tuple[Flags, NDArray[np.int8], Flags, NDArray[np.int8]]:
         """The leaves alive on boxes, what joins them, where omega is certainly defined all over the box, and signs.
@@ -141,7 +150,17 @@ class Images:
 
     def _on(self, function: IntervalFunction, boxes: Boxes) -> Mapping[str, Ends]:
         with np.errstate(all="ignore"):
-            return function([*boxes[..., 0].T], [*boxes[..., 1].T], self.letters)
+            return function([*boxes[..., 0].T], [*boxes[..., 1].T], self._ends)
+
+    def value(self, node: int, boxes: Boxes) -> Ends:
+        """The value (n,) of a node over boxes."""
+        operation, arguments, _ = self.model.builder.nodes[node]
+        if operation == "neg":
+            low, high = self.value(arguments[0], boxes)
+            return -high, -low
+        if node not in self._single:
+            self._single[node] = self._function({"value": node}, sharpened=("value",))
+        return self._on(self._single[node], boxes)["value"]
 
     def slopes(self, node: int, boxes: Boxes) -> tuple[Array, Array, Flags]:
         """The gradient of a node over boxes, (3, n) lower and upper, and where the node is certainly analytic."""

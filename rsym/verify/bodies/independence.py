@@ -40,6 +40,63 @@ def independent(vectors: Sequence[Ends]) -> NDArray[np.bool_]:
     return result
 
 
+def apart(values: Sequence[Ends], slopes: Sequence[Ends], reach: Array) -> NDArray[np.bool_]:
+    """Where two functions certainly have no common zero in a box.
+
+    By the mean-value theorem f - m*g lies in f(c) - m*g(c) + (grad f - m grad g)(x - c) with the slopes over the box;
+    m is that multiple for which the slopes nearly cancel along grad g. A common zero is a zero of that too.
+
+    Parameters
+    ----------
+    values : two pairs of (n,) arrays
+        Ends of f and g in the middle c of each box.
+    slopes : two pairs of (3, n) arrays
+        Ends of their gradients over the boxes.
+    reach : (3, n) array
+        How far the boxes reach from c.
+
+    Examples
+    --------
+    >>> zero, one = np.array([0.0]), np.array([1.0])
+    >>> along, across = np.stack([one, zero, zero]), np.stack([zero, one, zero])
+    >>> parallel = apart([(zero, zero), (one / 4, one / 4)], [(along, along)] * 2, np.full((3, 1), 0.5))
+    >>> crossing = apart([(zero, zero), (one / 4, one / 4)], [(along, along), (across, across)], np.full((3, 1), 0.5))
+    >>> parallel, crossing
+    (array([ True]), array([False]))
+    """
+    (f, g), (p, q) = values, slopes
+    with np.errstate(all="ignore"):
+        middle = (p[0] + p[1]) / 2, (q[0] + q[1]) / 2
+        multiple = -np.einsum("kn,kn->n", *middle) / np.square(middle[1]).sum(axis=0)
+        multiple = np.where(np.isfinite(multiple), multiple, 0.0)
+    scale = multiple, multiple
+    total = _sum(f, _product(g, scale))
+    for k in range(3):
+        slope = _sum((p[0][k], p[1][k]), _product((q[0][k], q[1][k]), scale))
+        total = _sum(total, _product(slope, (-reach[k], reach[k])))
+    result: NDArray[np.bool_] = (total[0] > 0) | (total[1] < 0)
+    return result
+
+
+def step_to_both(values: Sequence[Ends], slopes: Sequence[Ends]) -> Array:
+    """The shortest step (3, n) to where both functions vanish to first order; not finite where there is none.
+
+    Examples
+    --------
+    >>> zero, one = np.array([0.0]), np.array([1.0])
+    >>> planes = [np.stack([one, zero, zero]), np.stack([zero, one, zero])]
+    >>> step_to_both([(one, one), (2 * one, 2 * one)], [(plane, plane) for plane in planes]).T.tolist()
+    [[-1.0, -2.0, -0.0]]
+    """
+    f, g = ((low + high) / 2 for low, high in values)
+    p, q = ((low + high) / 2 for low, high in slopes)
+    pp, pq, qq = ((u * v).sum(axis=0) for u, v in ((p, p), (p, q), (q, q)))
+    with np.errstate(all="ignore"):
+        determinant = pp * qq - pq * pq
+        step: Array = ((pq * g - qq * f) * p + (pq * f - pp * g) * q) / determinant
+    return step
+
+
 def _product(a: Ends, b: Ends) -> Ends:
     with np.errstate(all="ignore"):
         corners = np.stack([u * v for u, v in product(a, b)])

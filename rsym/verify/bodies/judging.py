@@ -31,7 +31,7 @@ from rsym.verify.bodies.rays import FINE, FINEST, Rays, rays_at
 from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.sheets import Sheets, sheets
 from rsym.verify.bodies.tips import largest_turn
-from rsym.verify.bodies.zeros import Known, known_at
+from rsym.verify.bodies.zeros import Apparent, Known, known_at
 from rsym.verify.generators import generators
 from rsym.verify.local import Local, Model
 
@@ -39,11 +39,11 @@ Names: TypeAlias = Callable[[int], str]
 
 
 def classify_place(
-    model: Model, place: Place, names: Names | None = None, *, apparent: bool = False
+    model: Model, place: Place, names: Names | None = None, *, apparent: int = 0
 ) -> SingularPoint | None:
     """What the boundary is at a point that is known exactly, proved; None where nothing is, or where it is regular.
 
-    `apparent` takes for zero what is so to all digits; then the result is not proved.
+    With `apparent`, what is zero to so many digits is taken for zero; then the result is not proved.
     """
     with ctx.workprec(PRECISE):
         known = known_at(model, place, apparent=apparent)
@@ -54,7 +54,10 @@ def classify_place(
             point = _of_sheets(place, known, found, names)
     if point is None or not apparent:
         return point
-    return replace(point, proved=False, reason=f"if what vanishes to 30 digits is zero: {point.reason}")
+    away = max(point.radius, 10.0 ** (-apparent / 2))
+    return replace(
+        point, radius=away, proved=False, reason=f"if what vanishes to {apparent} digits is zero: {point.reason}"
+    )
 
 
 def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -> SingularPoint | None:
@@ -73,7 +76,7 @@ def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -
         for k, slope in enumerate(at.gradient(f)):
             if not slope.contains(0) and known.vanishes(*across(model, f, g, k)):
                 judgement = touching(at, f, g, numbered(found))
-                return None if judgement is None else _point(place, judgement, called, arb(0))
+                return None if judgement is None else _contact(place, judgement, called)
         return None
     arrangement = _arrangement(at, found)
     if arrangement is None or not arrangement[1]:
@@ -86,21 +89,22 @@ def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -
     return _point(place, Judgement(kind, continuity, reason), called, _jump(at, found, around))
 
 
+def _contact(place: Place, judgement: Judgement, called: tuple[str, ...]) -> SingularPoint:
+    """The outward normals are opposite where the body or its outside is pinched."""
+    turn = math.nan if judgement.kind != "tangency" else 180 if judgement.continuity == "broken" else 0
+    return _point(place, judgement, called, arb(turn))
+
+
 def _arrangement(at: Local, found: Sheets) -> tuple[Link, bool] | None:
-    """Three or more sheets, and whether the signs of all determinants of their gradients are proved."""
-    if len(found.leaves) < 3:
-        return None
+    """Three or more sheets, and whether small spheres are proved to see what their tangent planes make."""
     gradients = [at.gradient(leaf) for leaf in found.leaves]
-    proved = True
 
     def orientation(i: int, j: int, k: int) -> int:
-        nonlocal proved
         value = determinant([gradients[i], gradients[j], gradients[k]])
-        proved = proved and not value.contains(0)
         return 1 if value > 0 else -1 if value < 0 else 0
 
     around = link(numbered(found), orientation, len(gradients))
-    return None if around is None else (around, proved)
+    return None if around is None else (around, around.is_stable)
 
 
 def _jump(at: Local, found: Sheets, around: Link) -> arb:
@@ -112,7 +116,7 @@ def _of_rays(
 ) -> SingularPoint | None:
     """What the one-sided derivative proves, from coarse cells of directions or from fine ones."""
     called = called_of(found, names) if found is not None else ()
-    for finest in (FINE, FINEST):
+    for finest in (FINE,) if isinstance(known, Apparent) else (FINE, FINEST):
         rays = rays_at(known.local.model, known, finest)
         if rays is None:
             return None

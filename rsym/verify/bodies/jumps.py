@@ -8,6 +8,7 @@ the shape operators differ only in kappa. Source: Goldman, CAGD 22 (2005) 632-65
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,6 +26,9 @@ from rsym.verify.vanishing import vanishes_with
 Array = NDArray[np.float64]
 
 WORDS = {"equal": "proved equal", "zero": "equal to 25 digits, which is no proof", "jump": "proved to differ"}
+
+# An arc is cut into so many if the first number leaves its jump without bounds.
+_PIECES = (1, 4)
 
 
 @dataclass(frozen=True)
@@ -55,7 +59,9 @@ class Jumps:
 
     def __init__(self, curve: Curve, meeting: Meeting) -> None:
         self.curve, self.meeting, model = curve, meeting, curve.model
-        self._hessians = [Calculus(model.builder, arc.function).hessian for arc in meeting.arcs]
+        builder, functions = model.builder, [arc.function for arc in meeting.arcs]
+        self._hessians = [Calculus(builder, function).hessian for function in functions]
+        self._laplacian = Calculus(builder, builder.sub(*functions)).laplacian
 
     def at(self, knot: Knot) -> Jump:
         """The jump at a point of the curve, as precise as it must be to decide."""
@@ -65,10 +71,17 @@ class Jumps:
         with ctx.workprec(PRECISE):
             return self._at(self.curve.narrowed(knot.sides, knot.axis))
 
-    def between(self, tube: Tube, start: Knot, end: Knot) -> Jump:
-        """What the jump is everywhere on the arc between two points."""
-        t = sorted(float(knot.sides[tube.axis].mid()) for knot in (start, end))
-        return self._at(tube.over(t[0], t[1], tube.width))
+    def between(self, tube: Tube, start: Knot, end: Knot, level: int) -> tuple[float, float] | None:
+        """Bounds of the angle (level 0) or of the jump of curvature on the arc between two points, None without any."""
+        low, high = sorted(float(knot.sides[tube.axis].mid()) for knot in (start, end))
+        for pieces in _PIECES:
+            t = [low + (high - low) * number / pieces for number in range(pieces)] + [high]
+            jumps = [self._at(tube.over(*part, tube.width)) for part in itertools.pairwise(t)]
+            balls = [jump.curvature if level else jump.turn for jump in jumps]
+            ends = [float(end) for ball in balls if ball is not None for end in (ball.lower(), ball.upper())]
+            if len(ends) == 2 * pieces and all(0 < end < (math.inf if level else 180) for end in ends):  # NaN is not
+                return min(ends), max(ends)
+        return None
 
     def _at(self, sides: Sequence[arb]) -> Jump:
         local, order = self.curve.on(sides), self.meeting.contact
@@ -83,20 +96,28 @@ class Jumps:
         first = step_of(turn, order >= 2)
         if first == "jump":
             return Jump(middles, turn, None, (first, "open"))
-        kappas = [self._across(local, number, normals[number], tangent) / sizes[number] for number in range(2)]
-        jump = abs(kappas[0] - kappas[1])
+        jump = self._of_contact(local) if order >= 2 else self._of_sheets(local, normals, tangent, sizes)
         return Jump(middles, turn, jump, (first, step_of(jump, order >= 3)))
 
-    def _across(self, local: Local, number: int, normal: list[arb], tangent: list[arb]) -> arb:
-        """-b^T H b of one sheet."""
-        b = cross(tangent, normal)
-        total = arb(0)
-        for row in range(3):
-            for column in range(row + 1):
-                value = local.value(self._hessians[number][row][column])
-                entry = arb(0, math.inf) if value is None else value
-                total -= (1 if row == column else 2) * b[row] * b[column] * entry
-        return total
+    def _of_contact(self, local: Local) -> arb:
+        """The jump where the functions F differ by h u**2, u the side: the tighter one over a whole tube.
+
+        The second derivatives of the difference are 2 h (grad u)(grad u)^T and its Laplacian is 2 h |grad u|**2, so
+        the jump is |Laplacian| sin(F, u)**2/|grad F|, with the angle between the gradients.
+        """
+        arc = self.meeting.arcs[0]
+        slopes, across = local.gradient(arc.function), local.gradient(arc.side)
+        size = _size(slopes)
+        cosine = dot(slopes, across) / (size * _size(across))
+        return abs(_known(local, self._laplacian)) * (1 - square(cosine)) / size
+
+    def _of_sheets(self, local: Local, normals: Sequence[list[arb]], tangent: list[arb], sizes: Sequence[arb]) -> arb:
+        bends = []
+        for hessian, normal, size in zip(self._hessians, normals, sizes, strict=True):
+            b = cross(tangent, normal)
+            rows = [[_known(local, entry) for entry in row] for row in hessian]
+            bends.append(-dot(b, [dot(row, b) for row in rows]) / size)
+        return abs(bends[0] - bends[1])
 
     def is_common(self, knot: Knot) -> bool:
         """Whether both sheets certainly end in this curve: continuity across it, or zeros that are known, prove it."""
@@ -104,6 +125,11 @@ class Jumps:
         if self.meeting.contact >= 1:
             return True
         return vanishes_with(self.curve.on(knot.sides), (first.function, first.side), second.function)
+
+
+def _known(local: Local, number: int) -> arb:
+    value = local.value(number)
+    return arb(0, math.inf) if value is None else value
 
 
 def _size(vector: Sequence[arb]) -> arb:

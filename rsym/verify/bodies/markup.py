@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 
 from rsym.verify.bodies.groups import Group, groups
 from rsym.verify.bodies.phrases import cut, place, short
-from rsym.verify.bodies.wording import body_headline, curvatures_text, curves_effect, points_effect
+from rsym.verify.bodies.wording import body_headline, curvatures_text, curves_effect, points_effect, undecided_text
 from rsym.verify.markup import SIGNS, cell
-from rsym.verify.wording import rounded_up
 
 if TYPE_CHECKING:
     from rsym.verify.bodies.report import BodyReport
 
 HEADER = ("", "kind", "count", "definitions", "where", "what happens", "continuity", "proved", "traced")
-PLACES = 3  # points that a cell lists
+PLACES, DIGITS = 3, 6  # points that a cell lists, and digits of their coordinates
 
 
 def body_html(report: BodyReport) -> str:
@@ -41,7 +40,7 @@ def body_html(report: BodyReport) -> str:
     table = f"<table><tr>{head}</tr>{''.join(rows)}</table>" if rows else ""
     notes = [curvatures_text(report)]
     if len(report.undecided):
-        notes.append(f"Undecided: {rounded_up(100 * report.undecided_share, 2)} % of the boundary.")
+        notes.append(undecided_text(report))
     notes += [f"{'Proved' if proved else 'Not proved'}: {text}" for text, proved in report.statements]
     small = "".join(f"<br>{escape(note)}" for note in notes).removeprefix("<br>")
     return f'<div>{title}{table}<p style="font-size: smaller">{small}</p></div>'
@@ -62,5 +61,5 @@ def group_cells(group: Group) -> tuple[str, ...]:
         traced = f"{sum(curve.traced for curve in group.curves)} of {count}"
     else:
         count, effect, traced = len(group.points), points_effect(group.points), ""
-        where = ", ".join([place(one.point) for one in group.points[:PLACES]] + ["..."] * (count > PLACES))
+        where = ", ".join([place(one.point, DIGITS) for one in group.points[:PLACES]] + ["..."] * (count > PLACES))
     return first.kind, str(count), names, where, effect, first.continuity, proved, traced

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise, product
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,18 +16,22 @@ from numpy.typing import NDArray
 
 from rsym.codegen.balls import ctx
 from rsym.sampling.progress import Progress, report
+from rsym.verify.bodies.boxes import area, eighths, grown, halves, listed
 from rsym.verify.bodies.corners import Corner
-from rsym.verify.bodies.formation import MAX, MIN, OPEN
+from rsym.verify.bodies.formation import DOUBLE, MAX, MIN, OPEN
 from rsym.verify.bodies.formulas import Formula, leaves_of, ternary
 from rsym.verify.bodies.images import Array, Boxes, Flags, Images
-from rsym.verify.bodies.independence import independent
-from rsym.verify.bodies.inspection import GROWN, SIGNS, Inspection, inspect
-from rsym.verify.covering import OFF_CENTRE, PRECISION
+from rsym.verify.bodies.independence import apart, independent, step_to_both
+from rsym.verify.bodies.inspection import SIGNS, Inspection, inspect, is_even
+from rsym.verify.covering import PRECISION
 from rsym.verify.joints import Arc, Meeting
 from rsym.verify.local import Box
 
 COARSEST = 1 / 16  # of the extent: larger boxes are divided, so that the cover follows the boundary
 BALLS_FROM = 1 / 32  # of the extent: on larger boxes balls rarely say more than float64 intervals
+# Boxes so many and so narrow are those of a surface on which nothing can be proved; the car takes 6 000 at most.
+MOST, WIDE = 50_000, 1 / 128
+BESIDE = 1 + 2.0**-20  # a curve that runs along a side of a box counts as in it
 MANY, DETAIL = 4096, 1e-3  # boxes that make less than this share of the boundary are left as they are
 CORNERS_FROM = 1 / 64  # of the extent: a curve runs nearly straight through a box with a corner
 
@@ -46,10 +50,11 @@ class Subdivision:
     examined: int = 0
     inspected: int = 0
 
-    def without(self, boxes: Sequence[Box]) -> Subdivision:
-        """The same, with some boxes that were left over found to be regular after all."""
-        settled = set(boxes)
-        return replace(self, left=[pair for pair in self.left if pair[0] not in settled], late=list(boxes))
+    def with_late(self, regular: Sequence[Box], corners: Sequence[tuple[Box, Corner]]) -> Subdivision:
+        """The same, with some boxes that were left over found to be regular after all, or to hold a corner."""
+        settled = {*regular, *(box for box, _ in corners)}
+        left = [pair for pair in self.left if pair[0] not in settled]
+        return replace(self, left=left, late=list(regular), corners=[*self.corners, *corners])
 
 
 class Sheets(NamedTuple):
@@ -92,7 +97,7 @@ class Octree:
 
     def run(self) -> Subdivision:
         """Subdivide until every box is settled, narrower than `smallest`, or too many."""
-        level = np.array(list(_first(self.region)))
+        level = np.array(list(eighths(self.region)))
         while len(level):
             self.found.examined += len(level)
             report(self.progress, min(self.found.examined, self.budget), self.budget)
@@ -114,7 +119,8 @@ class Octree:
         self._inspect(state, widths, defined)
         self._leave(level[divided & (widths <= self.smallest)])
         following: Boxes = level[divided & (widths > self.smallest)]
-        if self.found.examined + 8 * len(following) > self.budget or self._is_detail(following):
+        enough = len(following) > MOST and bool(widths.max(initial=0) < WIDE * self.extent)
+        if enough or self.found.examined + 8 * len(following) > self.budget or self._is_detail(following):
             self._leave(following)
             return following[:0]
         return halves(following)
@@ -127,7 +133,7 @@ class Octree:
         return bool(area(boxes) < DETAIL * sum(area(part) for part in settled))
 
     def _leave(self, boxes: Boxes) -> None:
-        self.found.left.extend((box, Inspection("open")) for box in _listed(boxes))
+        self.found.left.extend((box, Inspection("open")) for box in listed(boxes))
 
     def _grouped(
         self, alive: Flags, joined: NDArray[np.int8], defined: Flags, signs: NDArray[np.int8]
@@ -140,7 +146,9 @@ class Octree:
         codes = np.where(count == 1, 0, joined).astype(np.int8)
         for place, pattern in _patterns(np.concatenate([alive, codes[None]]), np.flatnonzero(simple)):
             nodes = tuple(leaves[k] for k in np.flatnonzero(pattern[:-1]))
-            groups.setdefault(Sheets(nodes, int(pattern[-1])), []).append(place)
+            opposite = len(nodes) == 2 and self.images.model.builder.neg(nodes[0]) == nodes[1]
+            sheets = Sheets(nodes[:1], DOUBLE) if opposite else Sheets(nodes, int(pattern[-1]))
+            groups.setdefault(sheets, []).append(place)
         for place, pattern in _patterns(signs, np.flatnonzero(~simple & defined)):
             found = self._logic(tuple(pattern.tolist()))
             if found is not None:
@@ -163,7 +171,7 @@ class Octree:
         table = {signs: ternary(formula, dict(zip(leaves, signs, strict=True))) for signs in SIGNS[len(leaves)]}
         inside = [signs for signs, value in table.items() if value > 0]
         if len(inside) in {0, len(table)}:
-            return HARD if 0 in table.values() else None
+            return None if not leaves else Sheets((nodes[leaves[0]],), DOUBLE) if len(leaves) == 1 else HARD
         if len(leaves) == 2 and len(inside) == 2:
             return HARD
         # Of two leaves one combination of signs is inside, the conjunction, or one outside, the disjunction.
@@ -174,13 +182,23 @@ class Octree:
 
     def _settle(self, sheets: Sheets, own: NDArray[np.int64], state: _State) -> None:
         """Boxes with one sheet are settled where it is regular, those with two where they cross."""
-        if not sheets.nodes:
+        if not sheets.nodes or is_even(self.images.model.builder, sheets.nodes[0]):
             state.hard[own] = True
             return
         boxes, count = state.level[own], len(sheets.nodes)
-        slopes = [self.images.slopes(node, boxes if count == 1 else _grown(boxes)) for node in sheets.nodes]
-        analytic = np.logical_and.reduce([flags for _, _, flags in slopes])
-        crossing = independent([(low, high) for low, high, _ in slopes])
+        slopes, flags = self._slopes(sheets.nodes, boxes if count == 1 else grown(boxes))
+        analytic, crossing = np.logical_and.reduce(flags), independent(slopes)
+        if count == 2:
+            single, passed = self._passed(sheets.nodes, boxes)
+            single &= analytic & independent(slopes[:1]) & independent(slopes[1:])
+            for node in sheets.nodes if single.any() else ():
+                self.found.regular.setdefault(node, []).append(boxes[single])
+            crossing &= passed
+            own, boxes, analytic, crossing = own[~single], boxes[~single], analytic[~single], crossing[~single]
+        if sheets.gate == DOUBLE:
+            both = analytic & crossing & self._changes_sign(sheets.nodes[0], boxes)
+            self.found.double.extend(listed(boxes[both]))
+            analytic, crossing, own, boxes = analytic[~both], crossing[~both] & False, own[~both], boxes[~both]
         state.hard[own[~analytic | (crossing & (count == 3))]] = True
         state.divided[own[analytic & ~crossing]] = True
         done = boxes[analytic & crossing]
@@ -188,6 +206,31 @@ class Octree:
             self.found.regular.setdefault(sheets.nodes[0], []).append(done)
         elif len(done) and count == 2:
             self.found.joined.setdefault(self._meeting(sheets), []).append(done)
+
+    def _slopes(self, nodes: Sequence[int], boxes: Boxes) -> tuple[list[tuple[Array, Array]], list[Flags]]:
+        """The gradients of nodes over boxes, and where they are analytic."""
+        found = [self.images.slopes(node, boxes) for node in nodes]
+        return [(low, high) for low, high, _ in found], [analytic for _, _, analytic in found]
+
+    def _changes_sign(self, node: int, boxes: Boxes) -> Flags:
+        """Whether a node certainly has both signs at corners of a box."""
+        seen = np.zeros((2, len(boxes)), bool)
+        for ends in product((0, 1), repeat=3):
+            points = boxes[:, range(3), list(ends)]
+            low, high = self.images.first(node, np.stack([points, points], axis=-1))[0]
+            seen |= [low > 0, high < 0]
+        both: Flags = np.logical_and(seen[0], seen[1])
+        return both
+
+    def _passed(self, nodes: Sequence[int], boxes: Boxes) -> tuple[Flags, Flags]:
+        """Where two sheets certainly do not meet in a box, and where their curve seems to pass through it."""
+        middle = boxes.mean(axis=-1)
+        points = np.stack([middle, middle], axis=-1)
+        values = [self.images.first(node, points)[0] for node in nodes]
+        # The subtractions are rounded: a unit more is outward.
+        reach = np.maximum(middle - boxes[..., 0], boxes[..., 1] - middle).T * (1 + 2.0**-51)
+        slopes = self._slopes(nodes, boxes)[0]
+        return apart(values, slopes, reach), (np.abs(step_to_both(values, slopes)) <= BESIDE * reach).all(axis=0)
 
     def _meeting(self, sheets: Sheets) -> Meeting:
         f, g = sheets.nodes
@@ -204,7 +247,7 @@ class Octree:
                     state.divided[at] = True
                     continue
                 found.inspected += 1
-                (box,) = _listed(state.level[at : at + 1])
+                (box,) = listed(state.level[at : at + 1])
                 number = self.images.formed.value if defined[at] else model.root
                 near = bool(widths[at] <= CORNERS_FROM * self.extent)
                 inspected = inspect(model.over(box), self.extent, number, corners=near)
@@ -237,44 +280,6 @@ def _patterns(rows: NDArray[Any], own: NDArray[np.int64]) -> Iterator[tuple[NDAr
         ends = np.cumsum(np.bincount(inverse.ravel(), minlength=patterns.shape[1]))
         for k, places in enumerate(np.split(own[order], ends[:-1])):
             yield places, patterns[:, k]
-
-
-def _listed(boxes: Boxes) -> list[Box]:
-    return [tuple((low, high) for low, high in box) for box in boxes.tolist()]
-
-
-def _grown(boxes: Boxes) -> Boxes:
-    margin = GROWN * (boxes[..., 1] - boxes[..., 0])
-    return np.stack([boxes[..., 0] - margin, boxes[..., 1] + margin], axis=-1)
-
-
-def _first(region: Box) -> Iterator[Boxes]:
-    """The region cut in eight, off its planes of symmetry."""
-    cuts = [(low, low + OFF_CENTRE * (high - low), high) for low, high in region[:3]]
-    for box in product(*(pairwise(cut) for cut in cuts)):
-        yield np.array(box)
-
-
-def halves(boxes: Boxes) -> Boxes:
-    """Each box cut in two across all sides of at least 0.7 of its longest; the parts of one box follow each other."""
-    low, high = boxes[..., 0], boxes[..., 1]
-    width = high - low
-    long = width >= 0.7 * width.max(axis=1, keepdims=True, initial=0)
-    middle = low + width / 2
-    parts = []
-    for corner in product((0, 1), repeat=3):
-        take = np.array(corner, bool)
-        start = np.where(long & take, middle, low)
-        end = np.where(long & ~take, middle, high)
-        parts.append(np.where((long | ~take)[..., None], np.stack([start, end], axis=-1), np.nan))
-    stacked = np.stack(parts, axis=1).reshape(-1, 3, 2)
-    kept: Boxes = stacked[~np.isnan(stacked).any(axis=(1, 2))]
-    return kept
-
-
-def area(boxes: Boxes) -> float:
-    """The area of one side of each box, added up."""
-    return float(np.square((boxes[..., 1] - boxes[..., 0]).max(axis=1, initial=0)).sum())
 
 
 def joined_boxes(found: Subdivision) -> Sequence[Boxes]:

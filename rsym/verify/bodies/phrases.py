@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from decimal import ROUND_CEILING, Context, Decimal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.verify.wording import number, significant
+from rsym.verify.wording import DIGITS, rounded_up, significant
 
-LONGEST = 40  # characters of a definition: one without a name goes by its formula
+LONGEST = 48  # characters of a definition: one without a name goes by its formula
 SHORT = 4  # digits where no error is known, or none matters
+LEAST_SHARE = 0.001  # per cent
 NOTHING = -9  # the power of ten of a scale that is nothing beside it
 SLACK = 1e-6  # of a unit: what is so near a round number is that number
 SINGLE: Mapping[str, str] = {"unresolved": "unresolved place"}
@@ -53,8 +56,8 @@ def cut(name: str) -> str:
 
     Examples
     --------
-    >>> cut("bonnet"), cut("x**2 + y**2 + z**2 - 2*x*y - 2*y*z - 2*z*x - 1")
-    ('bonnet', 'x**2 + y**2 + z**2 - 2*x*y - 2*y*z -...')
+    >>> cut("bonnet"), cut("x**2 + y**2 + z**2 - 2*x*y - 2*y*z - 2*z*x - x - y - z")
+    ('bonnet', 'x**2 + y**2 + z**2 - 2*x*y - 2*y*z - 2*z*x -...')
     """
     return name if len(name) <= LONGEST else f"{name[: LONGEST - 3].rstrip()}..."
 
@@ -81,16 +84,40 @@ def noun(kind: str, count: int) -> str:
     return SINGLE.get(kind, kind) if count == 1 else SEVERAL.get(kind, f"{kind}s")
 
 
-def place(point: Sequence[float] | NDArray[np.float64]) -> str:
+def kinds_text(found: Iterable[Any]) -> str:
+    """How many curves or points there are of each kind.
+
+    Examples
+    --------
+    >>> from rsym.verify.bodies.report import SingularPoint
+    >>> kinds_text([SingularPoint((0.0, 0.0, k), 0.0, kind, "G0") for k, kind in enumerate(("corner", "node", "node"))])
+    '1 corner, 2 nodes'
+    """
+    counts = Counter(one.kind for one in found)
+    return ", ".join(f"{count} {noun(kind, count)}" for kind, count in counts.items())
+
+
+def share_text(share: float) -> str:
+    """A share in per cent, rounded up.
+
+    Examples
+    --------
+    >>> share_text(0.00512), share_text(1e-14)
+    ('0.52 %', 'less than 0.001 %')
+    """
+    return f"{rounded_up(100 * share, 2)} %" if 100 * share >= LEAST_SHARE else f"less than {LEAST_SHARE} %"
+
+
+def place(point: Sequence[float] | NDArray[np.float64], digits: int = DIGITS) -> str:
     """A point; what is nothing beside its largest coordinate is 0.
 
     Examples
     --------
-    >>> place((1.0, -0.5, 1 / 3)), place((1e-40, 0.0, 0.2))
-    ('(1, -0.5, 0.333333333333)', '(0, 0, 0.2)')
+    >>> place((1.0, -0.5, 1 / 3)), place((1e-40, 0.0, 0.2)), place((1 / 3, 0, 0), 4)
+    ('(1, -0.5, 0.333333333333)', '(0, 0, 0.2)', '(0.3333, 0, 0)')
     """
     nothing = significant(*point)
-    return f"({', '.join(number(end if abs(end) > nothing else 0.0) for end in point)})"
+    return f"({', '.join(f'{end + 0.0 if abs(end) > nothing else 0.0:.{digits}g}' for end in point)})"
 
 
 def short(value: float, scale: float = 0.0) -> str:

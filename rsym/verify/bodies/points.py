@@ -10,14 +10,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import islice
+from itertools import islice, product
 from typing import Any
 
 import numpy as np
 
-from rsym.codegen.balls import ctx
+from rsym.codegen.balls import arb, ctx
 from rsym.verify.bodies.candidates import Place, places
 from rsym.verify.bodies.clusters import Cluster, clusters
+from rsym.verify.bodies.contacts import touch_once
 from rsym.verify.bodies.corners import Corner, corner, floats
 from rsym.verify.bodies.even_roots import is_regular_through_root
 from rsym.verify.bodies.formulas import Literal
@@ -27,13 +28,15 @@ from rsym.verify.bodies.sheets import Sheets, sheets
 from rsym.verify.bodies.spheres import COARSE, Sampler, sampler, views
 from rsym.verify.covering import PRECISION
 from rsym.verify.generators import generators
-from rsym.verify.local import Box, Local, Model
+from rsym.verify.local import Box, Local, Model, side
 
 # Kinds of points at which there is no surface; a tangency is one too where it is "broken".
 DEGENERATIONS = frozenset({"node", "isolated point", "no sign change", "end"})
 MOST_CLASSIFIED = 48  # clusters that are looked at closer, each for some tenths of a second
 MOST_PROBED = 12  # of them by numbers
 MOST_PLACES = 6  # guesses of the point of one cluster
+APPARENT = (30, 12)  # digits of what is taken for zero where nothing is proved: all, or those of a model in floats
+SHORT = 1_000  # of the extent: what is undecided along less than that is a point, of a cusp perhaps
 VIEWS = 5  # spheres around a point, each a quarter as large as the one before
 
 
@@ -95,7 +98,7 @@ def classify_points(
     """
     classifier = _Classifier(model, extent, names)
     for cluster in clusters([box for box, _ in left]):
-        if cluster.is_long:
+        if cluster.is_long and cluster.radius > extent / SHORT:
             classifier.curves += _unless_known(_curve(cluster), curves)
         else:
             classifier.add(cluster)
@@ -163,11 +166,25 @@ class _Classifier:
                 return
             found = corner(local, names=self.names)
         if found is None:
-            self._points.append(self._classified(cluster))
+            point = self._classified(cluster)
+            self._points.append(point)
+            if point.continuity == "analytic" and point.proved and self._is_all(cluster, point):
+                self._regular += cluster.boxes
             return
         self._corners += [(box, found) for box in cluster.boxes]
         if found.point is not None:
             self._points.append(found.point)
+
+    def _is_all(self, cluster: Cluster, point: SingularPoint) -> bool:
+        """Whether two leaves touch at a point and nowhere else in the hull of a cluster, which holds the point."""
+        with ctx.workprec(PRECISION):
+            place = [arb(part, point.radius) for part in point.point]
+            local = self.model.on([side(*ends).union(part) for ends, part in zip(cluster.hull, place, strict=True)])
+            found = sheets(local, self.model.root)
+            if found is None or len(found.leaves) != 2 or not all(generators(local, f).analytic for f in found.leaves):
+                return False
+            f, g = found.leaves
+            return touch_once(local, self.model.on(place), f, g)
 
     def _classified(self, cluster: Cluster) -> SingularPoint:
         """By the first place that proves something, else by numbers."""
@@ -184,8 +201,8 @@ class _Classifier:
                 near.append(place)
                 if place.proved and (point := classify_place(model, place, names)) is not None:
                     return point
-        for place in near:
-            if (point := classify_place(model, place, names, apparent=True)) is not None:
+        for digits, place in product(APPARENT, near):
+            if (point := classify_place(model, place, names, apparent=digits)) is not None:
                 return point
         unresolved = replace(_open(cluster), names=called_of(found, names))
         if self._probed >= MOST_PROBED:

@@ -131,18 +131,15 @@ def _between(jumps: Jumps, component: Component, kind: str) -> list[str]:
     """The jump between the points, enclosed over the tubes."""
     if kind not in {"edge", "curvature jump"}:
         return []
+    level = 0 if kind == "edge" else 1
+    what, unit = (("angle", " degrees"), ("jump of curvature", ""))[level]
     pairs = zip(component.tubes, itertools.pairwise(component.knots), strict=True)
-    arcs = [jumps.between(tube, *ends) for tube, ends in pairs]
-    balls = [arc.turn if kind == "edge" else arc.curvature for arc in arcs]
-    most = 180.0 if kind == "edge" else math.inf
-    low = min((0.0 if ball is None else float(ball.lower()) for ball in balls), default=0.0)
-    high = max((math.inf if ball is None else float(ball.upper()) for ball in balls), default=math.inf)
-    what, unit = ("angle", " degrees") if kind == "edge" else ("jump of curvature", "")
-    if not high < most:  # NaN too
+    bounds = [jumps.between(tube, start, end, level) for tube, (start, end) in pairs]
+    known = [bound for bound in bounds if bound is not None]
+    if len(known) < len(bounds) or not known:
         return [f"between the points the {what} is not enclosed"]
-    return [
-        f"all along the {what} lies between {max(low, 0) * (1 - _ROUNDED):.4g} and {high * (1 + _ROUNDED):.4g}{unit}"
-    ]
+    low, high = min(low for low, _ in known) * (1 - _ROUNDED), max(high for _, high in known) * (1 + _ROUNDED)
+    return [f"all along the {what} lies between {low:.4g} and {high:.4g}{unit}"]
 
 
 def _remarks(search: Search, component: Component) -> list[str]:

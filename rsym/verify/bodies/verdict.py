@@ -14,6 +14,7 @@ from rsym.sampling.progress import Progress
 from rsym.verify.bodies.bending import Bending, bending
 from rsym.verify.bodies.forming import formation
 from rsym.verify.bodies.images import Images
+from rsym.verify.bodies.inspection import Inspection
 from rsym.verify.bodies.naming import Naming
 from rsym.verify.bodies.octree import Octree, Subdivision, joined_boxes
 from rsym.verify.bodies.points import classify_points, is_degenerate
@@ -78,11 +79,12 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
         for box, one in found.corners
         if one.point is not None
     ]
-    curves = _curves(study, corners)
+    curves, open_boxes = _curves(study, corners)
+    found = replace(found, left=[*found.left, *((box, Inspection("open")) for box in open_boxes)])
     classified = classify_points(model, found.left, study.extent, study.naming, curves)
     points = _distinct([*(point for _, point in corners), *classified.points], SAME * study.extent)
     curves = [*curves, *classified.curves]
-    found = found.without(classified.regular)
+    found = found.with_late(classified.regular, classified.corners)
     exists = _exists(study.images, found)
     verdict = _verdict(found, [*curves, *points], exists)
     bent = bending(study.images, found) if sharpened and exists else Bending((-math.inf, math.inf), (math.nan,) * 2)
@@ -91,7 +93,7 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
         continuity=_continuity(found, curves, points, verdict, exists),
         curves=tuple(sorted(curves, key=_badness)),
         points=tuple(sorted(points, key=_badness)),
-        curvatures=bent.enclosure if not found.left else (-math.inf, math.inf),
+        curvatures=(-math.inf, math.inf) if found.left or found.late else bent.enclosure,
         attained=bent.attained,
         cover=_cover(study.region, found),
         letters={name: (float(low), float(high)) for name, (low, high) in model.letters.items()},
@@ -99,15 +101,24 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
     )
 
 
-def _curves(study: Study, corners: Sequence[tuple[Box, SingularPoint]]) -> list[SingularCurve]:
-    """The curves of each pair of sheets, by the boxes in which these meet."""
-    curves = []
+def _curves(study: Study, corners: Sequence[tuple[Box, SingularPoint]]) -> tuple[list[SingularCurve], list[Box]]:
+    """The curves of each pair of sheets, by the boxes in which these meet; and boxes that may hold more of one."""
+    curves: list[SingularCurve] = []
+    open_boxes: list[Box] = []
     for meeting, groups in study.found.joined.items():
         names = tuple(study.naming(arc.function) for arc in meeting.arcs)
         boxes = [_box(box) for group in groups for box in group.tolist()]
         found = trace(study.images.model, meeting, (names[0], names[1]), boxes, extent=study.extent, corners=corners)
-        curves.extend(found)
-    return curves
+        for curve in found:
+            if curve.kind == "unresolved" and len(curve.points) == 1:
+                open_boxes += [box for box in boxes if _holds(box, curve.points[0])][:1]
+            else:
+                curves.append(curve)
+    return curves, open_boxes
+
+
+def _holds(box: Box, point: Array) -> bool:
+    return all(low <= value <= high for value, (low, high) in zip(point, box, strict=False))
 
 
 def _box(sides: Sequence[Sequence[float]]) -> Box:
@@ -174,10 +185,11 @@ def _badness(one: Defect) -> tuple[float, ...]:
 
 def _cover(region: Box, found: Subdivision) -> BodyCover:
     none = np.empty((0, 3, 2))
+    late: Array = np.array([box[:3] for box in found.late], dtype=np.float64).reshape(-1, 3, 2)
     left: Array = np.array([box[:3] for box, _ in found.left] + found.double, dtype=np.float64).reshape(-1, 3, 2)
     return BodyCover(
         bounds=region,
-        certified=np.concatenate([none, *(part for parts in found.regular.values() for part in parts)]),
+        certified=np.concatenate([none, late, *(part for parts in found.regular.values() for part in parts)]),
         joined=np.concatenate([none, *joined_boxes(found)]),
         undecided=left,
         examined=found.examined,

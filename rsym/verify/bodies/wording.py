@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.verify.bodies.groups import Group, groups
-from rsym.verify.bodies.phrases import SHORT, between, counted, extents, interval, of, place, short
+from rsym.verify.bodies.phrases import SHORT, between, counted, extents, interval, of, place, share_text, short
 from rsym.verify.wording import PLAIN as PLAIN_KINDS
 from rsym.verify.wording import measured, plural, rounded_up, significant, statement_sentences, verdict_text
 
 if TYPE_CHECKING:
     from rsym.verify.bodies.report import BodyReport, SingularCurve, SingularPoint
 
+PLACES = 8  # points that a line lists
 REASONS = 2  # that a line gives
 PLAIN: Mapping[str, str] = {
     **PLAIN_KINDS,
@@ -51,9 +52,14 @@ def _sentences(report: BodyReport) -> Iterator[str]:
     yield f"{body_headline(report)}."
     yield curvatures_text(report)
     if len(report.undecided):
-        share = rounded_up(100 * report.undecided_share, 2)
-        yield f"{share} % of the boundary, in {plural(len(report.undecided), 'box', 'boxes')}, is undecided."
+        yield undecided_text(report)
     yield from statement_sentences(report.statements)
+
+
+def undecided_text(report: BodyReport) -> str:
+    """In how much of the boundary nothing is proved."""
+    boxes = plural(len(report.undecided), "box", "boxes")
+    return f"Of the boundary {share_text(report.undecided_share)}, in {boxes}, is undecided."
 
 
 def body_headline(report: BodyReport) -> str:
@@ -189,7 +195,8 @@ def points_text(points: Sequence[SingularPoint]) -> str:
     first = points[0]
     radius = max(point.radius for point in points)
     near = f" within {rounded_up(radius, 2)}" if radius > significant(*np.ravel([one.point for one in points])) else ""
-    where = ", ".join(place(point.point) for point in points)
+    where = ", ".join(place(point.point) for point in points[:PLACES])
+    where += f" and {len(points) - PLACES} other places" if len(points) > PLACES else ""
     status = f"{first.continuity}, {'proved' if first.proved else 'not proved'}"
     told = "; ".join(filter(None, [points_effect(points), status, *_reasons(points)]))
     return f"{counted(first.kind, len(points))}{of(first.names)} at {where}{near}: {told}"

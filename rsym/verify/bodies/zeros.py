@@ -15,7 +15,6 @@ from rsym.verify.local import Model
 from rsym.verify.polynomials import LARGEST
 from rsym.verify.vanishing import ZERO, Exact
 
-APPARENT = 2.0**-100  # of a value that is zero but for rounding, at a point known to 2**-240
 MOST_TRIED = 24  # nodes at one point that algebra is asked about, which may take a tenth of a second each
 
 _OPERATIONS: dict[str, Callable[..., sp.Expr]] = {
@@ -34,8 +33,8 @@ _OPERATIONS: dict[str, Callable[..., sp.Expr]] = {
 class Known(Exact):
     """What is known exactly at a point, where its coordinates are rational also by algebra: sqrt(2)**2 is 2."""
 
-    def __init__(self, model: Model, place: Place) -> None:
-        super().__init__(model.on([part + arb(0, AROUND) for part in place.point]), place.coordinates, place.zeros)
+    def __init__(self, model: Model, place: Place, around: float = AROUND) -> None:
+        super().__init__(model.on([part + arb(0, around) for part in place.point]), place.coordinates, place.zeros)
         self.at = model.on(place.point)
         self._tried = 0
 
@@ -58,12 +57,16 @@ class Known(Exact):
 
 
 class Apparent(Known):
-    """What would be known if all that seems to be zero were: a node whose values near the point all are tiny."""
+    """What would be known if all were zero that is smaller than 10**-digits at the point."""
+
+    def __init__(self, model: Model, place: Place, digits: int) -> None:
+        super().__init__(model, place, 10.0 ** (-digits / 2))  # wide enough for leaves that nearly vanish
+        self._least = 10.0**-digits
 
     def _value(self, part: int) -> Fraction | None:
         known = super()._value(part)
         value = self.at.value(part)
-        if known is None and value is not None and value.is_finite() and float(abs(value).upper()) < APPARENT:
+        if known is None and value is not None and value.is_finite() and float(abs(value).upper()) < self._least:
             return ZERO
         return known
 
@@ -71,10 +74,10 @@ class Apparent(Known):
         return False
 
 
-def known_at(model: Model, place: Place, *, apparent: bool = False) -> Known:
-    """What is known at a place, or would be."""
+def known_at(model: Model, place: Place, *, apparent: int = 0) -> Known:
+    """What is known at a place, or would be if what is zero to so many digits were zero."""
     with ctx.workprec(PRECISE):
-        return Apparent(model, place) if apparent else Known(model, place)
+        return Apparent(model, place, apparent) if apparent else Known(model, place)
 
 
 def constant_of(model: Model, number: int, inputs: Mapping[str, Fraction | None]) -> sp.Expr | None:

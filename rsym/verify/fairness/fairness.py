@@ -14,14 +14,16 @@ from rsym.model.shape import Shape
 from rsym.sampling.combs import combs
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
+from rsym.verify.bodies.report import BodyReport
 from rsym.verify.cleaning import cleaned
 from rsym.verify.fairness.bending import Arcs
+from rsym.verify.fairness.bodies import body_fairness
 from rsym.verify.fairness.measuring import Sampler, measures
 from rsym.verify.fairness.pieces import outward
 from rsym.verify.fairness.report import Bands, CurvatureBounds, Extremum, FairnessReport, Measure, Profile
 from rsym.verify.fairness.search import Found, distinct, peaks, search
 from rsym.verify.fairness.zeros import Zero
-from rsym.verify.local import Box, Model
+from rsym.verify.local import Box, Interval, Model
 from rsym.verify.report import SmoothnessReport
 from rsym.verify.revolution import meridian
 from rsym.verify.smoothness import verify_smoothness
@@ -37,6 +39,7 @@ def fairness(
     *,
     bounds: Any = None,
     letters: Mapping[Any, Any] | None = None,
+    method: str = "auto",
     tolerance: float = 0.01,
     budget: int = BUDGET,
     progress: Progress | None = None,
@@ -51,11 +54,14 @@ def fairness(
     Parameters
     ----------
     shape : Shape
-        In the plane, or a body of revolution, which is judged by its meridian.
+        In the plane, or a body; one of revolution is judged by its meridian. Of a general body the bounds of the
+        principal curvatures are proved, while the variation, extrema and measures are numerical.
     bounds : sequence of pairs, optional
         All is said of the boundary within these; by default the bounds of the shape.
     letters : mapping, optional
         Numbers by name.
+    method : {"auto", "meridian", "space"}
+        As for `verify_smoothness`.
     tolerance : float
         How far a proved bound may exceed what is attained, as a share of the largest curvature or variation.
     budget : int
@@ -86,13 +92,28 @@ def fairness(
     """
     if not tolerance > 0:
         raise RsymError(f"tolerance must be positive, got {tolerance!r}", code="tolerance", remedy="for example 0.01")
-    smoothness = verify_smoothness(shape, bounds=bounds, letters=letters)
     values = ranges_of(shape.letters, letters)
     ranging = [name for name, (low, high) in values.items() if low != high]
     if ranging:
         raise RsymError(
             f"fairness is that of one design, but {', '.join(ranging)} ranges", code="letters", remedy="give numbers"
         )
+    smoothness = verify_smoothness(shape, bounds=bounds, letters=letters, method=method)
+    if isinstance(smoothness, BodyReport):
+        return body_fairness(shape, smoothness, values)
+    return _of_a_curve(shape, bounds, smoothness, values, tolerance, budget, progress)
+
+
+def _of_a_curve(
+    shape: Shape,
+    bounds: Any,
+    smoothness: SmoothnessReport,
+    values: Mapping[str, Interval],
+    tolerance: float,
+    budget: int,
+    progress: Progress | None,
+) -> FairnessReport:
+    """The report on a plane shape, or on a body of revolution by its meridian."""
     body = shape.dimension == 3
     plane = meridian(shape if bounds is None else shape.replace(bounds=bounds))[0] if body else shape
     model = Model(plane.replace(expression=cleaned(plane.expression)), values, body=body)

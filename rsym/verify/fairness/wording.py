@@ -21,13 +21,16 @@ MEASURES: Mapping[str, str] = {
     "variation_energy": "variation energy",
 }
 HEADER = ("", "proved", "attained", "at")
+LISTED = 24  # places; the report has them all
 SHOWN = 5  # digits of a bound, and more of what is attained
 
 
 def fairness_text(report: FairnessReport) -> str:
     """The whole report."""
     lines = [" ".join(sentences(report)), *aligned([HEADER, *bound_rows(report)])]
-    lines += [f"  {place}. {one}" for place, one in enumerate((*report.extrema, *report.inflections), 1)]
+    places = (*report.extrema, *report.inflections)
+    lines += [f"  {place}. {one}" for place, one in enumerate(places[:LISTED], 1)]
+    lines += [f"  and {len(places) - LISTED} more"] if len(places) > LISTED else []
     return "\n".join(lines)
 
 
@@ -68,14 +71,16 @@ def extrema_sentence(report: FairnessReport) -> str:
         return "Every point is an extremum of the curvature."
     counts = Counter(one.kind for one in report.extrema)
     words = [plural(counts[kind], kind, many) for kind, many in KINDS.items() if counts[kind]]
-    words.append(plural(len(report.inflections), "inflection") if report.inflections else "no inflection")
+    if report.kind != "body":
+        words.append(plural(len(report.inflections), "inflection") if report.inflections else "no inflection")
+    words = words or ["no isolated extremum"]
     what = "curvature has" if len(report.curvatures) == 1 else "curvatures have"
     all_of_them = "these are all, which is proved" if report.complete else "there may be more"
     smooth = not (report.smoothness.defects or getattr(report.smoothness, "joints", ()))
     return f"{'The' if smooth else 'Between joints the'} {what} {_listed(words)}; {all_of_them}."
 
 
-KINDS: Mapping[str, str] = {"maximum": "maxima", "minimum": "minima", "saddle": "saddles"}
+KINDS: Mapping[str, str] = {"maximum": "maxima", "minimum": "minima"}
 
 
 def _listed(words: Sequence[str]) -> str:

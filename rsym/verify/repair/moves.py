@@ -14,6 +14,7 @@ import sympy as sp
 from rsym.model.rnodes import ROperation
 from rsym.model.shape import Shape
 from rsym.model.traversal import postorder, with_arguments
+from rsym.verify.bodies.report import BodyReport
 from rsym.verify.repair.anatomy import Verdict
 
 # A shape, its verdict and a size to the changed shape and what was done, or to None if there is nothing to change.
@@ -22,6 +23,8 @@ Step: TypeAlias = Callable[[Shape, Verdict, Fraction], tuple[Shape, str] | None]
 
 # Of the extent. The smallest curvature that a rounding can have is about its inverse; below, only needles.
 SCALE = (Fraction(1, 1000), Fraction(1, 300), Fraction(1, 100), Fraction(1, 30), Fraction(1, 10))
+# Bodies that do not turn about an axis: boxes are as small as a fillet, so one of a hundredth takes a million.
+SCALE_IN_SPACE = (Fraction(1, 30), Fraction(1, 10))
 ROUNDS = 4  # a change may uncover what lay hidden, max(|x| - 1, 0) the |x|
 
 
@@ -75,7 +78,8 @@ class Request:
             return (self.size,)
         assert self.shape.bounds is not None
         extent = max(high - low for low, high in self.shape.bounds)
-        return tuple(short(float(share) * extent, 1) for share in SCALE)
+        shares = SCALE_IN_SPACE if isinstance(self.report, BodyReport) else SCALE
+        return tuple(short(float(share) * extent, 1) for share in shares)
 
 
 class Move(ABC):

@@ -32,6 +32,7 @@ def repair(
     curvature: float | None = None,
     radius: float | None = None,
     tolerance: float = 1e-5,
+    method: str = "auto",
     progress: Progress | None = None,
 ) -> RepairReport:
     """Candidates for the smallest change that makes the boundary curvature-continuous (G2); the shape is not changed.
@@ -45,7 +46,8 @@ def repair(
     - "pasko": edges become displacement blends, analytic, everything moved a little.
 
     Sizes of the last three are shares of the extent of the bounds, from a thousandth to a tenth; the smallest that
-    certifies is offered, and one ten times larger that bends less.
+    certifies is offered, and one ten times larger that bends less. For bodies that do not turn about an axis they are
+    a thirtieth and a tenth: there a verdict takes minutes, the longer the smaller the fillet.
 
     Parameters
     ----------
@@ -65,6 +67,8 @@ def repair(
         The size of roundings and blends, a length, in place of those tried.
     tolerance : float
         How closely the threshold of a letter is bracketed, as a share of its size.
+    method : str
+        That of `verify_smoothness`.
     progress : callable, optional
         ``progress(verdicts, about how many)``; an answer of False cancels.
 
@@ -85,15 +89,15 @@ def repair(
     >>> import rsym
     >>> from rsym import x, y
     >>> quarter = rsym.Shape(rsym.conjunction(x, y, 1 - x**2 - y**2), (x, y), bounds=((-0.5, 1.5), (-0.5, 1.5)))
-    >>> found = repair(quarter, moves=["rho"], radius=0.1)
+    >>> found = rsym.repair(quarter, moves=["rho"], radius=0.1)
     >>> found.before.verdict, [one.report.continuity for one in found.candidates]
     ('REFUTED', ['G2'])
     """
     shape = _fixed(shape, bounds, letters)
     request = _request(shape, vary, radius, curvature, tolerance)
     chosen = chosen_moves(moves)
-    before = verify_smoothness(shape)
-    judge = Judge(before, curvature, progress)
+    before = verify_smoothness(shape, method=method)
+    judge = Judge(before, curvature, method, progress)
     if not judge.failure(before):
         return RepairReport(shape, before, (), ())
     families = [family for move in chosen for family in move.families(Request(shape, before, *request))]

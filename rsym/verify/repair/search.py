@@ -9,6 +9,7 @@ from fractions import Fraction
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.progress import Progress, report
+from rsym.verify.bodies.report import BodyReport
 from rsym.verify.repair.anatomy import Verdict
 from rsym.verify.repair.moves import Family, short
 from rsym.verify.report import CERTIFIED, REFUTED
@@ -39,6 +40,7 @@ class Judge:
 
     before: Verdict
     curvature: float | None = None
+    method: str = "auto"
     progress: Progress | None = None
     total: int = 0
     asked: int = field(default=0, init=False)
@@ -46,10 +48,12 @@ class Judge:
     def report(self, shape: Shape) -> Verdict:
         """The whole verdict."""
         self._count()
-        return verify_smoothness(shape)
+        return verify_smoothness(shape, method=self.method)
 
     def quick(self, shape: Shape) -> str:
         """What a shape lacks, as far as a verdict without a sharp bound of the curvature tells."""
+        if self.method != "auto":
+            return self.failure(self.report(shape))
         self._count()
         word = verdict_of(shape, bounds=None, letters=None, budget=QUICK)
         if word != CERTIFIED or self.curvature is None:
@@ -64,6 +68,15 @@ class Judge:
             bound = rounded_up(verdict.curvature_bound)
             return f"certified, but the curvature is only bounded by {bound}, not by {number(self.curvature)}"
         return ""
+
+    def judged(self, shape: Shape, *, last: bool) -> tuple[Verdict | None, str]:
+        """A verdict and what it lacks; none where a quick look shows that it lacks something nobody will go on from."""
+        if last or isinstance(self.before, BodyReport):  # the verdict on a body takes a minute
+            failure = self.quick(shape)
+            if failure and (last or failure != REFUTED):
+                return None, failure
+        verdict = self.report(shape)
+        return verdict, self.failure(verdict)
 
     def _count(self) -> None:
         self.asked += 1
@@ -101,7 +114,7 @@ def attempt(family: Family, shape: Shape, size: Fraction, judge: Judge) -> Outco
                 break
             current = found[0]
             words.append(found[1])
-            verdict, failure = _judged(current, judge, family.rounds == 1)
+            verdict, failure = judge.judged(current, last=family.rounds == 1)
             if not failure:
                 break
     except RsymError as error:
@@ -109,14 +122,6 @@ def attempt(family: Family, shape: Shape, size: Fraction, judge: Judge) -> Outco
             raise
         verdict, failure = None, error.message
     return Outcome(family.move, "; then ".join(words), current, verdict, failure) if words or failure else None
-
-
-def _judged(shape: Shape, judge: Judge, quick: bool) -> tuple[Verdict | None, str]:
-    """A verdict and what it lacks; none where a quick look shows that it lacks something."""
-    if quick and (failure := judge.quick(shape)):
-        return None, failure
-    verdict = judge.report(shape)
-    return verdict, judge.failure(verdict)
 
 
 def _gentler(family: Family, shape: Shape, position: int, judge: Judge) -> list[Outcome]:
