@@ -10,7 +10,7 @@ from rsym.model.constructions import revolve
 from rsym.output.axes3d import add_axes
 from rsym.output.fields import plot_fields
 from rsym.output.surfaces import plot_mesh
-from rsym.paper import bodies, claims, poppet, studies, verdicts
+from rsym.paper import atlas, bodies, claims, poppet, studies, verdicts
 from rsym.paper.drawing import Drawing, Recipe, figure_of, letters_text, mesh_quietly
 from rsym.paper.models import BODIES, car, skeleton_body, streamlined
 from rsym.paper.patches import SURFACES
@@ -132,6 +132,7 @@ RECIPES: tuple[Recipe, ...] = (
         equations=studies.REVOLUTION_EQUATIONS,
     ),
     Recipe("claims", "What the source claims, and what holds", "", claims.draw_claims, model=("skeleton", "omega")),
+    Recipe("atlas", "Where the body of Fig. 11 is smooth", "", atlas.draw_atlas, equations=(atlas.CONDITION,)),
     Recipe("verdicts", "Bodies with their verdicts", "", verdicts.draw_verdicts),
     *SURFACES,
     Recipe("gallery", "A gallery of shapes", "", bodies.draw_gallery),

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rsym.sampling.progress import Progress, report
-from rsym.verify.atlas.grid import KINDS, Floats, grid_of, narrowest
+from rsym.verify.atlas.grid import KINDS, Floats, grid_of, run_through, too_wide
 from rsym.verify.atlas.judging import Judge, Judgement, Point, Rectangle, middle_of
 from rsym.verify.report import CERTIFIED, REFUTED, UNDECIDED
 
@@ -128,17 +128,22 @@ def _halves(rectangle: Rectangle, known: _Known) -> list[Rectangle]:
 
 
 def _coarse(parts: Sequence[_Part], tolerance: float) -> set[int]:
-    """Which of the rectangles are undecided where the undecided is too wide along both letters."""
+    """Which of the rectangles to divide: the widest ones on the narrower of two runs that is too wide yet.
+
+    Not the one in which the runs cross: where a strip turns it may be as small as it likes.
+    """
     rectangles = np.array([part.judgement.rectangle for part in parts])
-    open_ = np.array([part.judgement.verdict == UNDECIDED for part in parts])
-    hopeless = np.array([part.silent >= HOPELESS for part in parts])
-    splittable = np.array([_is_splittable(part.judgement.rectangle) for part in parts])
-    grid = grid_of(rectangles)
+    hopeful = np.array([part.silent < HOPELESS and _is_splittable(part.judgement.rectangle) for part in parts])
     kinds = np.array([KINDS[part.judgement.verdict] for part in parts])
-    widths = narrowest(kinds[grid.owner], grid.shares)
-    wide = np.zeros(len(parts), np.bool_)
-    wide[grid.owner[widths > tolerance]] = True
-    return set(np.flatnonzero(wide & open_ & ~hopeless & splittable).tolist())
+    grid = grid_of(rectangles)
+    result: set[int] = set()
+    for axis, wide in enumerate(too_wide(kinds[grid.owner], grid.shares, tolerance)):
+        owner, width = np.moveaxis(grid.owner, axis, 0), np.ptp(rectangles[:, axis], axis=1)
+        for row, column in np.argwhere(np.moveaxis(wide, axis, 0)):
+            line = owner[:, column]
+            run = [number for number in run_through(kinds[line] == 0, line, row) if hopeful[number]]
+            result.update(number for number in run if width[number] == max(width[run]))
+    return result
 
 
 def _is_splittable(rectangle: Rectangle) -> bool:

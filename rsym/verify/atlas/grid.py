@@ -76,6 +76,27 @@ def narrowest(kinds: Ints, shares: Sequence[Floats]) -> Floats:
     return np.minimum(along, across)
 
 
+def too_wide(kinds: Ints, shares: Sequence[Floats], tolerance: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """The open cells that are too wide along both letters, by the letter along which they are narrower."""
+    along, across = (_widths(kinds, shares[0]), _widths(kinds.T, shares[1]).T)
+    wide = np.minimum(along, across) > tolerance
+    return wide & (along <= across), wide & (along > across)
+
+
+def run_through(marked: NDArray[np.bool_], line: Ints, place: int) -> list[int]:
+    """The different entries of a line of cells on the run of marked ones through a place.
+
+    Examples
+    --------
+    >>> run_through(np.array([True, True, False, True]), np.array([5, 7, 7, 8]), 0)
+    [5, 7]
+    """
+    gaps = np.flatnonzero(~marked)
+    first = gaps[gaps < place].max(initial=-1) + 1
+    last = gaps[gaps > place].min(initial=len(line))
+    return sorted(set(line[first:last].tolist()))
+
+
 def _widths(kinds: Ints, shares: Floats) -> Floats:
     lengths = run_lengths(kinds == 0, shares)
     before, after = _carried(kinds), _carried(kinds[::-1])[::-1]

@@ -28,8 +28,8 @@ POINT_BUDGET = 4_000  # boxes for the verdict in the middle: the body of Fig. 11
 # A rectangle takes at most so many times the boxes of its middle: those of the body of Fig. 11 that are proved take a
 # third to 5 times as many, and a budget that is exceeded costs no more than the cut that follows.
 WIDER, MORE, MORE_IN_SPACE = 4, 200, 20_000
-# Boxes in which two sheets may meet, of a body whose middle has no such curve: where there are more there is one for some
-# of the values, which takes long to trace and certifies nothing.
+# Boxes in which two sheets may meet, of a body whose middle has no such curve: where there are more there is one for
+# some of the values, which takes long to trace and certifies nothing.
 FEW = 30
 CUT = 3  # points of a curve at which a plane cuts it, evenly spaced
 

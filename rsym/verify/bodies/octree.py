@@ -50,10 +50,11 @@ class Subdivision:
     examined: int = 0
     inspected: int = 0
 
-    def without(self, boxes: Sequence[Box]) -> Subdivision:
-        """The same, with some boxes that were left over found to be regular after all."""
-        settled = set(boxes)
-        return replace(self, left=[pair for pair in self.left if pair[0] not in settled], late=list(boxes))
+    def with_late(self, regular: Sequence[Box], corners: Sequence[tuple[Box, Corner]]) -> Subdivision:
+        """The same, with some boxes that were left over found to be regular after all, or to hold a corner."""
+        settled = {*regular, *(box for box, _ in corners)}
+        left = [pair for pair in self.left if pair[0] not in settled]
+        return replace(self, left=left, late=list(regular), corners=[*self.corners, *corners])
 
 
 class Sheets(NamedTuple):
