@@ -68,11 +68,15 @@ HARD = Sheets((), OPEN)
 
 
 class _State(NamedTuple):
-    """A level of boxes, which of them are to be divided, and which need a closer look."""
+    """A level of boxes, which of them are to be divided, and which need a closer look.
+
+    `beside`: the places of boxes in which two sheets cross, if at all, and their curve seems not to pass.
+    """
 
     level: Boxes
     divided: Flags
     hard: Flags
+    beside: list[tuple[Sheets, NDArray[np.int64]]]
 
 
 class Octree:
@@ -112,16 +116,17 @@ class Octree:
         widths = (level[..., 1] - level[..., 0]).max(axis=1)
         divided = widths > COARSEST * self.extent
         small = np.flatnonzero(~divided)
-        state = _State(level, divided, np.zeros(len(level), bool))
+        state = _State(level, divided, np.zeros(len(level), bool), [])
         for sheets, own in self._grouped(alive[:, small], joined[small], defined[small], signs[:, small]).items():
             self._settle(sheets, small[own], state)
         divided |= state.hard & (widths > BALLS_FROM * self.extent)
         self._inspect(state, widths, defined)
-        self._leave(level[divided & (widths <= self.smallest)])
-        following: Boxes = level[divided & (widths > self.smallest)]
+        tiny = widths <= self.smallest
+        self._leave(state, divided & tiny)
+        following: Boxes = level[divided & ~tiny]
         enough = len(following) > MOST and bool(widths.max(initial=0) < WIDE * self.extent)
         if enough or self.found.examined + 8 * len(following) > self.budget or self._is_detail(following):
-            self._leave(following)
+            self._leave(state, divided & ~tiny)
             return following[:0]
         return halves(following)
 
@@ -132,8 +137,14 @@ class Octree:
         settled = [*(part for parts in self.found.regular.values() for part in parts), *joined_boxes(self.found)]
         return bool(area(boxes) < DETAIL * sum(area(part) for part in settled))
 
-    def _leave(self, boxes: Boxes) -> None:
-        self.found.left.extend((box, Inspection("open")) for box in listed(boxes))
+    def _leave(self, state: _State, own: Flags) -> None:
+        """Boxes that are not divided any more: those beside the curve of two sheets are settled all the same."""
+        for sheets, crossing in state.beside:
+            settled = crossing[own[crossing]]
+            if len(settled):
+                self.found.joined.setdefault(self._meeting(sheets), []).append(state.level[settled])
+                own[settled] = False
+        self.found.left.extend((box, Inspection("open")) for box in listed(state.level[own]))
 
     def _grouped(
         self, alive: Flags, joined: NDArray[np.int8], defined: Flags, signs: NDArray[np.int8]
@@ -193,6 +204,7 @@ class Octree:
             single &= analytic & independent(slopes[:1]) & independent(slopes[1:])
             for node in sheets.nodes if single.any() else ():
                 self.found.regular.setdefault(node, []).append(boxes[single])
+            state.beside.append((sheets, own[analytic & crossing & ~passed & ~single]))
             crossing &= passed
             own, boxes, analytic, crossing = own[~single], boxes[~single], analytic[~single], crossing[~single]
         if sheets.gate == DOUBLE:
