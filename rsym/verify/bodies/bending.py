@@ -13,6 +13,7 @@ from rsym.verify.bodies.boxes import cut
 from rsym.verify.bodies.curvature_bounds import Bent, bent
 from rsym.verify.bodies.images import Array, Boxes, Flags, Images
 from rsym.verify.bodies.octree import Subdivision
+from rsym.verify.bodies.simplest import simplest
 
 TIGHT = 0.05  # of an end of what is attained: the enclosure may exceed it by this share
 FLAT = 0.002  # of the largest curvature: an end nearer to 0 than this is taken for 0, and not pursued further
@@ -43,7 +44,7 @@ class Held(NamedTuple):
 
 def bending(images: Images, found: Subdivision) -> Bending:
     """The principal curvatures on all settled boxes of a subdivision."""
-    sheets = held(found)
+    sheets = _simplest(images, held(found))
     extent = max((float(np.ptp(sheet.boxes, axis=(0, 2)).max()) for sheet in sheets.values()), default=1.0)
     search = _Search(images, extent)
     parts = [_Sheet(search, node, sheet) for node, sheet in sheets.items()]
@@ -77,6 +78,15 @@ def held(found: Subdivision) -> Mapping[int, Held]:
         )
         for node, groups in listed.items()
     }
+
+
+def _simplest(images: Images, sheets: Mapping[int, Held]) -> Mapping[int, Held]:
+    """The boxes by the simplest functions that are zero on the sheets."""
+    listed: dict[int, list[Held]] = {}
+    for node, sheet in sheets.items():
+        for simple, places in simplest(images, node, sheet.boxes):
+            listed.setdefault(simple, []).append(Held(sheet.boxes[places], sheet.sides[places]))
+    return {node: Held(*map(np.concatenate, zip(*parts, strict=True))) for node, parts in listed.items()}
 
 
 class _Search:
