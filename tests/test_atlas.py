@@ -191,7 +191,7 @@ def test_the_greatest_curvature_of_a_body_counts_its_circles():
 
 def test_a_run_between_cells_of_one_kind_is_an_island():
     kinds = np.array([[1], [0], [-1], [0], [-1]])
-    assert narrowest(kinds, (np.full(5, 0.2), np.ones(1)))[[1, 3], 0].tolist() == [0.2, 0.8]
+    assert narrowest(kinds, (np.full(5, 0.2), np.ones(1)))[[1, 3], 0].tolist() == [0.2, 3.2]
 
 
 def test_lines_that_touch_in_a_corner_are_closed_each_by_itself():
