@@ -90,7 +90,7 @@ from .verify.normalisation import verify_normalisation
 from .verify.normalisation_report import NormalisationReport
 from .verify.repair.prices import Price
 from .verify.repair.repairing import repair
-from .verify.repair.report import Candidate, RepairReport
+from .verify.repair.report import RepairReport
 from .verify.report import Joint, SmoothnessReport
 from .verify.smoothness import verify_smoothness
 from .verify.threshold import Threshold, smoothness_threshold
@@ -101,7 +101,6 @@ __all__ = [
     "SIX",
     "BodyCover",
     "BodyReport",
-    "Candidate",
     "ContinuityReport",
     "Curve",
     "DesignTable",

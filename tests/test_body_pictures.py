@@ -1,6 +1,7 @@
 """Pictures of verdicts on bodies: every curve has its colour where a camera of its own says that it is."""
 
 import dataclasses
+import itertools
 
 import body_reports
 import matplotlib as mpl
@@ -132,6 +133,19 @@ def test_a_figure_has_a_colour_bar_with_its_limits(make, shape, label, limits):
     assert bar.get_ylabel() == label
     assert_close(bar.get_ylim(), limits, atol=1e-12)
     assert figure.get_suptitle().startswith("REFUTED: ")
+
+
+def test_several_bars_stand_side_by_side():
+    report = dataclasses.replace(
+        body_reports.box(), curves=(*body_reports.box().curves, *body_reports.capsule().curves)
+    )
+    figure = rsym.plot_verdict(report, body_reports.BOX, colour_by="mean_curvature", resolution=16)
+    figure.canvas.draw()
+    boxes = [one.get_tightbbox() for one in figure.axes[1:]]
+    assert len(boxes) == 3
+    for left, right in itertools.pairwise(sorted(boxes, key=lambda box: box.x0)):
+        assert left.x1 < right.x0
+    assert max(box.x1 for box in boxes) <= figure.bbox.x1
 
 
 def test_a_body_without_singular_curves_has_neither_bar_nor_legend():

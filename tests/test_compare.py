@@ -64,12 +64,9 @@ def test_designs_keep_their_order_and_the_best_is_marked(table):
 
 def test_bounds_in_the_table_are_rounded_outwards(table):
     for design, a in zip(table.designs, (1.25, 3), strict=True):
-        low, high = (
-            next(column for column in table.columns if column.heading == name)
-            for name in ("curvature >=", "curvature <=")
-        )
-        assert float(low.text(design)) <= 1 / a**2
-        assert a <= float(high.text(design))
+        cells = {column.heading: column.text(design) for column in table.columns}
+        assert float(cells["curvature >="]) <= design.peak("least").bound <= 1 / a**2
+        assert a <= design.peak("greatest").bound <= float(cells["curvature <="])
 
 
 def test_the_table_as_a_record(table):

@@ -202,6 +202,20 @@ def test_a_corner_breaks_the_curve_and_nothing_beyond_it_counts():
     assert_close(half.measures["length"].value, length, rtol=1e-9)
 
 
+@pytest.mark.parametrize(("height", "kept"), [("1/10000", [(0, 1)]), ("-1/10000", [(-2, 0), (0, 1), (2, 0)])])
+def test_a_vertex_next_to_a_joint_counts_on_its_own_side_only(height, kept):
+    cut = rsym.conjunction(1 - x**2 / 4 - y**2, y - sp.Rational(height))
+    report = fairness(rsym.Shape(cut, (x, y), bounds=((-3, 3), (-2, 2))))
+    assert report.complete
+    assert sorted((round(one.point[0]), round(one.point[1])) for one in report.extrema) == kept
+
+
+def test_a_circle_is_known_when_its_equation_has_another_factor():
+    product = sp.expand((1 - x**2 - y**2) * (x + 3))
+    assert fairness(rsym.Shape(product, (x, y), bounds=((-2, 2), (-2, 2)))).constant == (True,)
+    assert fairness(ELLIPSE, tolerance=0.5).constant == (False,)
+
+
 def test_words_and_records():
     report = fairness(ELLIPSE, tolerance=0.2)
     record = json.loads(report.to_json())

@@ -124,7 +124,7 @@ def test_the_lines_about_curvature():
 
 def test_the_lines_about_smoothness():
     space = {"rsym": rsym}
-    (code,) = [code for code in PYTHON if "verify_smoothness" in code]
+    (code,) = [code for code in PYTHON if "smoothness_threshold" in code]
     shown = {}
     for line in code.strip().splitlines():
         statement, _, comment = line.partition("  # ")
@@ -142,11 +142,49 @@ def test_the_lines_about_smoothness():
     assert Path("verdict.png").stat().st_size > 20_000
 
 
+def test_the_lines_about_bodies(monkeypatch):
+    (code,) = [code for code in PYTHON if "smoothness_atlas" in code]
+    space = {"rsym": rsym, "x": rsym.x, "y": rsym.y, "nose": rsym.paper.skeleton_body()}
+    shown = {}
+    for line in code.strip().splitlines():
+        statement, _, comment = line.partition("  # ")
+        if re.match(r"[\w, ]+ = ", statement):
+            exec(statement, space)
+        else:
+            shown[comment] = eval(statement, space)
+    verdict, names, angle, _, change, distance, extrema, _ = shown.items()
+    for said, found in (verdict, names, change):
+        assert said == repr(found)
+    for said, found in (angle, extrema):
+        assert said.split(",")[0] == str(found)
+    assert 0 < distance[1] < 0.1
+    assert 0.9 < space["low"] <= 1 <= space["high"] < 1.1
+    assert {"CERTIFIED", "REFUTED"} <= set(space["atlas"].verdicts)
+
+
+def test_the_commands_about_bodies(monkeypatch):
+    (commands,) = [code for code in PLAIN if code.startswith("rsym verify car")]
+    skeleton = rsym.paper.skeleton_body()
+    for name, value in {"slim": 6, "blunt": 7}.items():
+        rsym.save_letters(skeleton.with_letters({"a2": value}), f"{name}.json")
+    car = rsym.paper.car()
+    # The car's verdict and the whole list of repairs take as long as all the rest: a part of each here.
+    window = rsym.verify_smoothness(car, bounds=((3, 8), (8, 18), (0, 4)))
+    monkeypatch.setattr(rsym.verify.smoothness, "verify_smoothness", lambda *_, **__: window)
+    first, second, third = (command.split()[1:] for command in commands.strip().splitlines())
+    assert main(first) == 1
+    monkeypatch.undo()
+    assert main([*second, "--move", "letter", "--vary", "a2"]) == 0
+    assert main(third) == 0
+    for name in ("verdict", "repaired", "designs"):
+        assert Path(f"{name}.png").stat().st_size > 20_000
+
+
 def test_the_commands_about_smoothness(capsys, monkeypatch):
     # Found for the lines above; a dozen verdicts once more would take as long as all the rest.
     bracket = Threshold("a2", 5.3076, 5.3078, ())
     monkeypatch.setattr(rsym.verify.threshold, "smoothness_threshold", lambda *_, **__: bracket)
-    (commands,) = [code for code in PLAIN if code.startswith("rsym verify")]
+    (commands,) = [code for code in PLAIN if code.startswith("rsym verify skeleton")]
     assert [main(command.split()[1:]) for command in commands.strip().splitlines()] == [0, 0, 1, 0, 1]
     assert Path("verdict.png").stat().st_size > 20_000
     assert "a2 = 5.3077" in capsys.readouterr().out

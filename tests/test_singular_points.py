@@ -16,13 +16,15 @@ import rsym
 from rsym import x, y, z
 from rsym.codegen.balls import exact
 from rsym.verify.bodies.clusters import clusters
+from rsym.verify.bodies.components import narrowed
+from rsym.verify.bodies.continuation import Curve
 from rsym.verify.bodies.corners import Corner, corner
 from rsym.verify.bodies.even_roots import is_regular_through_root
 from rsym.verify.bodies.formulas import ternary
 from rsym.verify.bodies.points import Classified, classify_points, is_degenerate
 from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.sheets import sheets
-from rsym.verify.local import Model
+from rsym.verify.local import Model, side
 
 
 def model_of(expression):
@@ -299,6 +301,14 @@ def test_apices_of_pyramids(expression, turn):
     assert_close(found.tangent_jump, math.degrees(turn), atol=1e-12)
 
 
+def test_three_dependent_planes_do_not_matter_away_from_the_boundary():
+    # x = 0, y = 0 and x + y = z**2 share a tangent, the z axis: above all is inside there, below it is outside.
+    wedge = rsym.conjunction(x, y, x + y - z**2, z + 3 * x + y)
+    found = the_point(rsym.disjunction(z, wedge))
+    assert (found.kind, found.continuity) == ("corner", "G0")
+    assert found.reason.startswith("5 analytic sheets")
+
+
 def test_two_pyramids_that_share_an_apex_make_a_node():
     sides = [z - x, z + x, z - y, z + y]
     found = the_point(rsym.disjunction(rsym.conjunction(*sides), rsym.conjunction(*(-side for side in sides))))
@@ -370,3 +380,16 @@ def test_thousands_of_boxes_fall_into_clusters():
     points = found[0].ordered()
     assert (np.diff(points[:, 0]) > 0).all()
     assert_close(points[[0, -1], 0], [width / 2, 2999.5 * width], atol=3 * width)
+
+
+def test_beside_a_contact_sheets_are_told_apart():
+    # They touch in (2, -1, 2)/3. At a distance of 0.068 either passes through a box of a width of 0.02.
+    model = model_of(rsym.disjunction(ball((0, 0, 0), 1), ball((1, -sp.Rational(1, 2), 1), sp.Rational(1, 2))))
+    first, second = model.builder.nodes[model.root].arguments[:2]
+    curve = Curve(model, (first, second), [], 2.0)
+    apart, around = (
+        tuple(side(low, low + 0.02) for low in corner) for corner in ((0.63, -0.31, 0.71), (0.66, -0.34, 0.66))
+    )
+    assert all(value.contains(0) for value in curve.values(curve.on(apart)))
+    assert narrowed(curve, apart) is None
+    assert narrowed(curve, around) is not None

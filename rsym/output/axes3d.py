@@ -117,13 +117,14 @@ def named_colours(figure: Figure, colours: Mapping[str, str]) -> Legend:
 
 
 def _widen(axes: Axes3D, room: float) -> float:
-    """Add so many inches on the right of a figure that one 3D axes fills; return the share where they begin."""
+    """Add so many inches on the right of all that a figure shows; return the share where they begin."""
     figure: Any = axes.figure
     width, height = figure.get_size_inches()
-    place = axes.get_position(original=True)
     wide = width + room
     figure.set_size_inches(wide, height)
-    axes.set_position((place.x0 * width / wide, place.y0, place.width * width / wide, place.height))
+    for one in figure.axes:
+        place = one.get_position(original=True)
+        one.set_position((place.x0 * width / wide, place.y0, place.width * width / wide, place.height))
     return float(width / wide)
 
 

@@ -87,10 +87,17 @@ def _legend(report: EdgeReport) -> dict[str, str]:
     counts = Counter(one.continuity for one in report.meetings)
     settled = Counter(one.continuity for one in report.meetings if is_settled(one))
     return {
-        f"{name}: {counts[name]}{f', {settled[name]} proved' if report.verdict else ''}": colour
+        f"{name}: {_count(counts[name], settled[name] if report.verdict else 0)}": colour
         for name, colour in COLOURS.items()
         if counts[name]
     }
+
+
+def _count(all_of_them: int, proved: int) -> str:
+    """How many, and how many of them are proved."""
+    if not proved:
+        return str(all_of_them)
+    return f"{all_of_them} proved" if proved == all_of_them else f"{all_of_them}, {proved} proved"
 
 
 def _strokes(report: EdgeReport) -> list[Stroke]:

@@ -83,9 +83,8 @@ def plot_repair(report: RepairReport, *, shown: int = 6) -> Figure:
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> from rsym.verify.repair.repairing import repair
     >>> roof = rsym.Shape(1 - abs(x) - y, (x, y), bounds=((-2, 2), (-2, 2)))
-    >>> figure = plot_repair(repair(roof, moves=["round"], radius=0.1))
+    >>> figure = plot_repair(rsym.repair(roof, moves=["round"], radius=0.1))
     >>> figure.axes[1].get_title()
     '1   |x| rounded by 0.1'
     """
@@ -133,7 +132,8 @@ def view_of(report: RepairReport) -> View:
 def _worst(before: Verdict) -> tuple[Sequence[float], int]:
     """The worst defect, of a curve its middle, and the coordinate along which it runs."""
     if not before.defects:
-        return [float(c) for c in before.undecided[0].mean(axis=1)], 2
+        boxes = before.undecided if len(before.undecided) else np.array([before.cover.bounds])
+        return [float(c) for c in boxes[0].mean(axis=1)], 2
     worst = before.defects[0]
     if not isinstance(worst, SingularCurve):
         return worst.point, 2
@@ -157,7 +157,7 @@ def _draw_window(ax: Axes, shape: Shape, candidate: Candidate, view: View) -> No
     """Both boundaries about the worst defect; coordinates are counted from it."""
     extent = max(high - low for low, high in view.bounds)
     whole = view.boundary(candidate.shape, view.bounds, WHOLE)
-    moved = float(distances_to(np.array([view.point]), whole)[0])
+    moved = float(distances_to(np.array([view.point]), whole)[0]) if whole.lines else math.inf
     size = min(max(SHOWN * moved, LEAST * extent), MOST * extent)
     box = tuple((middle - size, middle + size) for middle in view.point)
     for name, one in (("before", shape), ("after", candidate.shape)):

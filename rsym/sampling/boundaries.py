@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -53,7 +54,8 @@ class Boundary:
     @property
     def deviation(self) -> float:
         """The largest | |grad omega| - 1 | found, where there is a gradient; NaN without any."""
-        return float(np.nanmax(np.abs(self.slopes - 1), initial=-np.inf)) if len(self.slopes) else np.nan
+        known = self.slopes[np.isfinite(self.slopes)]
+        return float(np.abs(known - 1).max()) if len(known) else np.nan
 
     def area(self) -> float:
         """The area inside."""
@@ -169,6 +171,8 @@ def _over(sampler: PlaneSampler, start: Floats, end: Floats) -> tuple[Floats, ND
 def distance(first: Boundary, second: Boundary) -> float:
     """The largest distance of a point of one boundary from the other (Hausdorff's), of the polylines.
 
+    Infinite if one of them is empty.
+
     Examples
     --------
     >>> import rsym
@@ -178,6 +182,8 @@ def distance(first: Boundary, second: Boundary) -> float:
     >>> round(distance(disc, larger), 3)
     0.1
     """
+    if not (first.lines and second.lines):
+        return math.inf
     return max(_farthest(first, second), _farthest(second, first))
 
 

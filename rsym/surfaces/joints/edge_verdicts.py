@@ -37,7 +37,9 @@ def with_proof(edge: CommonEdge, stretch: Stretch, formulas: Sequence[PatchFormu
     """The same edge with its proof."""
     room, along = edge.tolerances, 1 - stretch.borders[0].edge.across
     rooms = (STRICTNESS * room.gap, math.sin(math.radians(STRICTNESS * room.angle)), STRICTNESS * room.curvature)
-    worst = [one.parameters[0][along] for one in (edge.gap, edge.angle, edge.curvature_jump)]
+    found = (edge.gap.value, math.radians(edge.angle.value), edge.curvature_jump.value)
+    extremes = zip((edge.gap, edge.angle, edge.curvature_jump), found, rooms, strict=True)
+    worst = [one.parameters[0][along] for one, value, most in extremes if value > most]
     first, second = (formulas[place] for place in edge.patches)
     return replace(edge, proof=prove(Task(stretch, (first, second), rooms, worst, edge.gap.value)))
 

@@ -96,21 +96,22 @@ class Field:
         self.measures: list[Fraction] = [Fraction(0)] * 4
 
     def value(self, above: Polynomial, below: Mapping[Polynomial, int]) -> Value:
-        """A quotient, reduced by the relations and by denominators that divide it."""
+        """A quotient, reduced by the relations."""
         reduced = self._reduced(above)
         if len(reduced) > MOST_TERMS:
             raise NoProof("the formulas are too long for exact arithmetic")
-        left = dict(below) if reduced else {}
-        for one in list(left):
+        return Value(self, reduced, below if reduced else {})
+
+    def cancelled(self, value: Value) -> Value:
+        """The same without the denominators that divide the numerator."""
+        above, left = value.above, dict(value.below)
+        for one in value.below:
             while left.get(one):
-                quotient, rest = reduced.div(one)
+                quotient, rest = above.div(one)
                 if rest:
                     break
-                reduced = quotient
-                left[one] -= 1
-            if not left[one]:
-                del left[one]
-        return Value(self, reduced, left)
+                above, left[one] = quotient, left[one] - 1
+        return Value(self, above, {one: exponent for one, exponent in left.items() if exponent})
 
     def rational(self, number: Fraction) -> Value:
         """A number."""

@@ -34,7 +34,7 @@ def exact_values(nodes: Sequence[Node], outputs: Sequence[int], at: Fraction | N
     _evaluated(field, nodes, order, parameter, angles)
     field.measures = [_measure([angle[kind] for angle in angles]) for kind in range(4)]
     known = _evaluated(field, nodes, order, parameter, None)
-    return [known[number] for number in outputs]  # type: ignore[misc]
+    return [field.cancelled(value) for number in outputs if (value := known[number]) is not None]
 
 
 def _measure(parts: Sequence[Fraction]) -> Fraction:

@@ -21,6 +21,7 @@ from rsym.codegen.ball_series import SeriesFunction, arb, truncated
 from rsym.codegen.balls import ball, exact
 from rsym.codegen.builder import Builder
 from rsym.codegen.program import Node
+from rsym.errors import RsymError
 from rsym.surfaces.functions.entries import exact as decimal
 from rsym.surfaces.joints.edges import Edge
 from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, PatchFormula, Walk
@@ -87,7 +88,7 @@ def prove_pole(spokes: Sequence[Spoke], room: float, worst: Sequence[tuple[int, 
             return _refuted(least, room, worst[0][1])
         held = [_vanishing_by_either(spoke, spokes[0]) for spoke in spokes]
         smooth = all(met and flat for met, flat, _ in held) and all(map(_turns, spokes))
-    except NoProof as error:
+    except RsymError as error:
         return nothing(error.message)
     if not smooth:
         return nothing("the normals at the pole are not proved to agree")

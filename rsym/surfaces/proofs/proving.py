@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
 
+from rsym.errors import RsymError
 from rsym.surfaces.proofs.apart import distance_from
 from rsym.surfaces.proofs.deflation import regular_end
 from rsym.surfaces.proofs.edge_formulas import ORDERS, Walk
@@ -37,7 +38,7 @@ def prove(task: Task) -> EdgeProof:
         both, whole = walks(task.stretch)
         bounds = Bounds(task.rooms)
         _look_at_worst(task, both, bounds)
-    except NoProof as error:
+    except RsymError as error:  # of a formula that no program can hold, too
         return nothing(error.message)
     try:
         return _proved(task, both, whole, bounds)
@@ -81,10 +82,11 @@ def _proved(task: Task, both: tuple[Walk, Walk], whole: Part, bounds: Bounds) ->
 
 def _apart(task: Task) -> EdgeProof:
     """What is proved where points with equal parameters differ: that one is away from all of the other edge."""
-    sides = [*zip(task.edges, task.formulas, strict=True)]
-    place = task.worst[0]
-    wanted = max(task.rooms[0], NEARLY * task.gap)
-    least = distance_from(sides[0], Fraction(place), sides[1], wanted)
+    least, place = 0.0, math.nan
+    if task.gap > task.rooms[0]:
+        sides, place = [*zip(task.edges, task.formulas, strict=True)], task.worst[0]
+        wanted = max(task.rooms[0], NEARLY * task.gap)
+        least = distance_from(sides[0], Fraction(place), sides[1], wanted)
     if least == 0:
         return nothing("the edges run at different speeds")
     gap = Level(LEVELS[0], DIFFERENT, least=least, place=place, room=task.rooms[0])

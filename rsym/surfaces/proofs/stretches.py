@@ -26,8 +26,8 @@ MOST_PARTS = 64
 class Task:
     """A stretch, the formulas of its patches, what counts as none, and where the samples were worst.
 
-    rooms: a gap (length), the sine of an angle, a jump of curvature. worst: parameters of the first edge; gap: the
-    distance found at the first of them.
+    rooms: a gap (length), the sine of an angle, a jump of curvature. worst: parameters of the first edge at which the
+    samples exceed them; gap: the greatest distance of the samples.
     """
 
     stretch: Stretch
@@ -48,6 +48,8 @@ def walks(stretch: Stretch) -> tuple[tuple[Walk, Walk], Part]:
     first, second = stretch.borders
     low, high = (_simple(t, first.edge.interval) for t in stretch.interval)
     start, stop = (_simple(float(s), second.edge.interval) for s in (stretch.s[0], stretch.s[-1]))
+    if low == high or start == stop:
+        raise NoProof("one of the edges is too short beside the other")
     speed = (stop - start) / (high - low)
     return (ALONG, Walk(start - speed * low, speed)), (low, high)
 

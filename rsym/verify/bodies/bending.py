@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rsym.verify.bodies.boxes import cut
 from rsym.verify.bodies.curvature_bounds import Bent, bent
 from rsym.verify.bodies.images import Array, Boxes, Flags, Images
 from rsym.verify.bodies.octree import Subdivision
+from rsym.verify.bodies.simplest import simplest
 
 TIGHT = 0.05  # of an end of what is attained: the enclosure may exceed it by this share
 FLAT = 0.002  # of the largest curvature: an end nearer to 0 than this is taken for 0, and not pursued further
 BUDGET = 400_000  # boxes, some 30 microseconds each
 FINEST = 2.0**-20  # of the extent: narrower boxes are not divided, smaller curvatures than its inverse are 0
 MATTERS = 0.3  # of the largest share of a side: a fillet between planes takes 3 500 boxes, not 86 000
-BESIDE = 2.0**-30  # of the largest coordinate: so far from a point of the boundary omega is looked at
+BESIDE = 2.0**-30  # of the extent: so far from a point of the boundary omega is looked at
+WHOLE, PART = -1, -2  # in place of a node: the sheet is the boundary all over the box, or somewhere in it
 
 
 @dataclass(frozen=True)
@@ -28,11 +32,22 @@ class Bending:
     attained: tuple[float, float]
 
 
+class Held(NamedTuple):
+    """Boxes (n, 3, 2) of one sheet, and for each where in it the sheet is the boundary.
+
+    That is where the node `sides` (n,) is not negative, if it is not WHOLE or PART.
+    """
+
+    boxes: Boxes
+    sides: NDArray[np.int64]
+
+
 def bending(images: Images, found: Subdivision) -> Bending:
     """The principal curvatures on all settled boxes of a subdivision."""
-    sheets = {node: np.concatenate(boxes) for node, boxes in _by_node(found).items()}
-    search = _Search(images, max((float(np.ptp(boxes, axis=(0, 2)).max()) for boxes in sheets.values()), default=1.0))
-    parts = [_Part(search, node, boxes) for node, boxes in sheets.items()]
+    sheets = _simplest(images, held(found))
+    extent = max((float(np.ptp(sheet.boxes, axis=(0, 2)).max()) for sheet in sheets.values()), default=1.0)
+    search = _Search(images, extent)
+    parts = [_Sheet(search, node, sheet) for node, sheet in sheets.items()]
     while search.spent < BUDGET:
         marked = [part.offending(search.ends) for part in parts]
         if not any(own.any() for own in marked):
@@ -45,16 +60,33 @@ def bending(images: Images, found: Subdivision) -> Bending:
     return Bending((low + 0.0, high + 0.0), (float(attained[0]), float(attained[1])))
 
 
-def _by_node(found: Subdivision) -> Mapping[int, Sequence[Boxes]]:
+def held(found: Subdivision) -> Mapping[int, Held]:
     """The boxes by the sheets that they hold."""
-    result: dict[int, list[Boxes]] = {node: list(boxes) for node, boxes in found.regular.items()}
-    for meeting, boxes in found.joined.items():
+    listed: dict[int, list[tuple[Boxes, int]]] = {}
+    for node, groups in found.regular.items():
+        listed.setdefault(node, []).extend((group, WHOLE) for group in groups)
+    for meeting, groups in found.joined.items():
         for arc in meeting.arcs:
-            result.setdefault(arc.function, []).extend(boxes)
+            listed.setdefault(arc.function, []).extend((group, arc.side) for group in groups)
     for box, corner in found.corners:
         for node in corner.sheets:
-            result.setdefault(node, []).append(np.array([box]))
-    return result
+            listed.setdefault(node, []).append((np.array([box]), PART))
+    return {
+        node: Held(
+            np.concatenate([boxes for boxes, _ in groups]),
+            np.concatenate([np.full(len(boxes), side) for boxes, side in groups]),
+        )
+        for node, groups in listed.items()
+    }
+
+
+def _simplest(images: Images, sheets: Mapping[int, Held]) -> Mapping[int, Held]:
+    """The boxes by the simplest functions that are zero on the sheets."""
+    listed: dict[int, list[Held]] = {}
+    for node, sheet in sheets.items():
+        for simple, places in simplest(images, node, sheet.boxes):
+            listed.setdefault(simple, []).append(Held(sheet.boxes[places], sheet.sides[places]))
+    return {node: Held(*map(np.concatenate, zip(*parts, strict=True))) for node, parts in listed.items()}
 
 
 class _Search:
@@ -75,35 +107,56 @@ class _Search:
         result: Array = self.attained + [-1, 1] * slack
         return result
 
-    def bounded(self, node: int, boxes: Boxes) -> Bent:
-        """Bounds of the principal curvatures of a sheet; what is attained at points of it is noted."""
-        self.spent += len(boxes)
-        found = bent(self.images, node, boxes)
-        new = (found.curvatures[:, 1] < self.attained[0]) | (found.curvatures[:, 0] > self.attained[1])
-        new[new] = self._is_boundary(found.points[new], found.normals[new])
-        low, high = found.curvatures[new, 1], found.curvatures[new, 0]
-        self.attained = np.array([low.min(initial=self.attained[0]), high.max(initial=self.attained[1])]) + 0.0
-        return found
+    def bounded(self, node: int, sheet: Held) -> tuple[Held, Bent]:
+        """The boxes that the boundary may meet, and its curvatures there; what is attained at points is noted."""
+        kept = self._meets(*sheet)
+        boxes, sides = sheet.boxes[kept], sheet.sides[kept]
 
-    def _is_boundary(self, points: Array, normals: Array) -> Flags:
-        """Whether omega changes its sign near points: of the sheets in a box one may be cut off there."""
-        step = BESIDE * np.abs(points).max(initial=1.0) * normals
-        inside, outside = (self.images.sign(np.stack([points + side, points + side], -1)) for side in (step, -step))
-        result: Flags = inside * outside < 0
+        found = bent(self.images, node, boxes)
+        self.spent += len(found.boxes)
+        sides = sides[found.places]
+        new = (found.attained[:, 1] < self.attained[0]) | (found.attained[:, 0] > self.attained[1])
+        new[new] = self._is_boundary(found.points[new], found.normals[new], sides[new])
+        low, high = found.attained[new, 1], found.attained[new, 0]
+        self.attained = np.array([low.min(initial=self.attained[0]), high.max(initial=self.attained[1])]) + 0.0
+        return Held(found.boxes, sides), found
+
+    def _meets(self, boxes: Boxes, sides: NDArray[np.int64]) -> Flags:
+        """Whether a sheet may be the boundary somewhere in boxes."""
+        result = np.ones(len(boxes), bool)
+        for side in np.unique(sides):
+            own = sides == side
+            if side == PART:
+                result[own] = self.images.alive(boxes[own])[0].any(axis=0)
+            elif side != WHOLE:
+                result[own] = self.images.value(side, boxes[own])[1] >= 0
+        return result
+
+    def _is_boundary(self, points: Array, normals: Array, sides: NDArray[np.int64]) -> Flags:
+        """Whether points of a sheet are on the boundary: in a part of it, where omega changes its sign nearby."""
+        result = np.ones(len(points), bool)
+        for side in np.unique(sides):
+            own = sides == side
+            at, along = points[own], BESIDE * self.extent * normals[own]
+            if side == PART:
+                inside, outside = (self.images.sign(np.stack([at + step, at + step], -1)) for step in (along, -along))
+                result[own] = inside * outside < 0
+            elif side != WHOLE:
+                result[own] = self.images.value(side, np.stack([at, at], -1))[0] > 0
         return result
 
 
-class _Part:
+class _Sheet:
     """The boxes of one sheet, with bounds of its curvatures."""
 
-    def __init__(self, search: _Search, node: int, boxes: Boxes) -> None:
+    def __init__(self, search: _Search, node: int, sheet: Held) -> None:
         self.search, self.node = search, node
-        found = search.bounded(node, boxes)
-        self.boxes, self.low, self.high, self.shares = found[:4]
+        self.held, found = search.bounded(node, sheet)
+        self.low, self.high, self.shares = found.low, found.high, found.shares
 
     def offending(self, ends: Array) -> Flags:
         """The boxes whose bounds reach beyond these ends, the finest left out."""
-        result: Flags = ((self.low < ends[0]) | (self.high > ends[1])) & self._wide(self.boxes).any(axis=1)
+        result: Flags = ((self.low < ends[0]) | (self.high > ends[1])) & self._wide(self.held.boxes).any(axis=1)
         return result
 
     def _wide(self, boxes: Boxes) -> Flags:
@@ -115,12 +168,14 @@ class _Part:
         """Divide these boxes across the sides that matter; where none is known to, across the longest."""
         if not own.any():
             return
-        boxes = self.boxes[own]
+        boxes = self.held.boxes[own]
         shares = np.where(self._wide(boxes), self.shares[own], 0.0)
         largest = shares.max(axis=1, keepdims=True)
         shares = np.where((largest > 0) & (largest < np.inf), shares, boxes[..., 1] - boxes[..., 0])
-        parts = cut(boxes, shares >= MATTERS * shares.max(axis=1, keepdims=True))
-        found = self.search.bounded(self.node, parts[self.search.images.alive(parts)[0].any(axis=0)])
-        kept = self.boxes[~own], self.low[~own], self.high[~own], self.shares[~own]
-        joined = (np.concatenate(pair) for pair in zip(kept, found[:4], strict=True))
-        self.boxes, self.low, self.high, self.shares = joined
+        across = shares >= MATTERS * shares.max(axis=1, keepdims=True)
+        sides = np.repeat(self.held.sides[own], 2 ** across.sum(axis=1))
+        held, found = self.search.bounded(self.node, Held(cut(boxes, across), sides))
+        kept = *self.held, self.low, self.high, self.shares
+        pairs = zip(kept, (*held, found.low, found.high, found.shares), strict=True)
+        boxes, sides, self.low, self.high, self.shares = (np.concatenate([old[~own], new]) for old, new in pairs)
+        self.held = Held(boxes, sides)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rsym.verify.bodies.centred import Centred, contracted
 from rsym.verify.bodies.curvature_forms import Jet, frames, principal_bounds
@@ -17,17 +18,19 @@ BLOCK = 4096  # boxes at once: their tensors fit into the cache
 class Bent(NamedTuple):
     """The parts (n, 3, 2) of boxes that a sheet may meet, bounds there, and rounded values at points of the sheet.
 
-    `low`, `high` (n,) bound the principal curvatures, and each side adds its share (n, 3) to their distance; at
-    `points` (m, 3) with unit `normals` (m, 3) they are `curvatures` (m, 2), the larger first.
+    `places` (n,) are the numbers of the boxes. `low`, `high` (n,) bound the principal curvatures, and each side adds
+    its share (n, 3) to their distance. At the points (n, 3) with their unit normals (n, 3) the curvatures are
+    `attained` (n, 2), the larger first; NaN where no point of the sheet was found in the box.
     """
 
+    places: NDArray[np.int64]
     boxes: Boxes
     low: Array
     high: Array
     shares: Array
     points: Array
     normals: Array
-    curvatures: Array
+    attained: Array
 
 
 def bent(images: Images, node: int, boxes: Boxes) -> Bent:
@@ -41,28 +44,29 @@ def bent(images: Images, node: int, boxes: Boxes) -> Bent:
     >>> model = Model(rsym.sphere(2), {})
     >>> images = Images(model, formation(model, lambda node: True), {})
     >>> found = bent(images, model.root, np.array([[(1.9, 2.1), (-0.1, 0.1), (-0.1, 0.1)]]))
-    >>> bool(0.49 < found.low[0] <= 0.5 <= found.high[0] < 0.51), found.curvatures.round(9).tolist()
+    >>> bool(0.49 < found.low[0] <= 0.5 <= found.high[0] < 0.51), found.attained.round(9).tolist()
     (True, [[0.5, 0.5]])
     """
-    blocks = [boxes[start : start + BLOCK] for start in range(0, len(boxes), BLOCK)] or [boxes]
-    return Bent(*map(np.concatenate, zip(*(_block(images, node, block) for block in blocks), strict=True)))
+    numbers = np.arange(len(boxes))
+    blocks = [numbers[start : start + BLOCK] for start in range(0, len(boxes), BLOCK)] or [numbers]
+    found = [_block(images, node, boxes[block], block) for block in blocks]
+    return Bent(*map(np.concatenate, zip(*found, strict=True)))
 
 
-def _block(images: Images, node: int, boxes: Boxes) -> Bent:
-    boxes = contraction(images, node, boxes)
+def _block(images: Images, node: int, boxes: Boxes, numbers: NDArray[np.int64]) -> Bent:
+    boxes, met = contraction(images, node, boxes)
     points, reached = _nearest(images, node, boxes)
     value, gradient, _ = _first(images, node, _at(points))
     point = Jet(gradient, *images.bends(node, _at(points)))
     frame = frames(gradient.middle, point.hessian.middle)
     offset = _seen(boxes, points)
     bounds = principal_bounds(frame, value, point, _over(images, node, boxes, point, offset), offset)
-    reached &= np.isfinite(frame.curvatures).all(axis=0)
-    found = points, frame.vectors[2].T, frame.curvatures.T
-    return Bent(boxes, bounds.low, bounds.high, bounds.shares.T, *(values[reached] for values in found))
+    attained = np.where(reached[:, None], frame.curvatures.T, np.nan)
+    return Bent(numbers[met], boxes, *bounds[:2], bounds.shares.T, points, frame.vectors[2].T, attained)
 
 
-def contraction(images: Images, node: int, boxes: Boxes) -> Boxes:
-    """What is left of boxes around a sheet f = 0; those that it does not meet are left out.
+def contraction(images: Images, node: int, boxes: Boxes) -> tuple[Boxes, Flags]:
+    """What is left of boxes around a sheet f = 0, and which these were: those that it does not meet are left out.
 
     With c the middle, x_k = c_k - (f(c) + the sum over i != k of g_i(B)(x_i - c_i))/g_k(B) on the sheet: a step of
     the interval Newton method, for each coordinate k along which the gradient g does not vanish. Along the normal a
@@ -85,7 +89,9 @@ def contraction(images: Images, node: int, boxes: Boxes) -> Boxes:
         low, high = (Centred.exact(centres[:, k]) - step).ends
         result[:, k, 0] = np.where(analytic, np.maximum(low, boxes[:, k, 0]), boxes[:, k, 0])
         result[:, k, 1] = np.where(analytic, np.minimum(high, boxes[:, k, 1]), boxes[:, k, 1])
-    return result[np.logical_and.reduce(result[..., 0] <= result[..., 1], axis=1)]
+    left = np.logical_and.reduce(result[..., 0] <= result[..., 1], axis=1)
+    kept[kept] = left
+    return result[left], kept
 
 
 def _nearest(images: Images, node: int, boxes: Boxes) -> tuple[Array, Flags]:

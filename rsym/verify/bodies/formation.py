@@ -22,7 +22,8 @@ Array: TypeAlias = NDArray[np.float64]
 Flags: TypeAlias = NDArray[np.bool_]
 
 FEW = 6  # leaves of which all 3^6 combinations of signs are tried
-MIN, MAX, OPEN = 1, 2, 3  # what joins the leaves of a box: a min or a max of two, or anything else
+# What joins the leaves of a box: a min or a max of two, anything else, or a leaf and its negative, zero at most.
+MIN, MAX, OPEN, DOUBLE = 1, 2, 3, 4
 
 
 class Gate(NamedTuple):

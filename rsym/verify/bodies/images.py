@@ -78,8 +78,8 @@ def _tests(builder: Builder, part: int) -> list[tuple[Condition, ...]] | None:
         return [(Condition(arguments[0]), Condition(arguments[1], True))]
     if operation in JOINT or operation == "monomial" or operation in {"r_alpha_conjunction", "r_alpha_disjunction"}:
         either = (Condition(arguments[0]), Condition(arguments[1]))
-        return [either] if _is_legal(builder, part) else None
-    if operation in NORMS and _is_legal(builder, part):
+        return [either] if is_legal(builder, part) else None
+    if operation in NORMS and is_legal(builder, part):
         order = builder.value(arguments[2])
         even = order is not None and order.denominator == 1 and order % 2 == 0
         if even and operation not in {"joining", "rp_versine"}:
@@ -88,7 +88,7 @@ def _tests(builder: Builder, part: int) -> list[tuple[Condition, ...]] | None:
     return None
 
 
-def _is_legal(builder: Builder, part: int) -> bool:
+def is_legal(builder: Builder, part: int) -> bool:
     """Whether the parameter of an R-operation is a number in its range."""
     operation, arguments, _ = builder.nodes[part]
     if len(arguments) == 2:
@@ -107,6 +107,7 @@ class Images:
     def __init__(self, model: Model, formed: Formation, letters: Mapping[str, Interval]) -> None:
         self.model, self.formed, self.letters = model, formed, letters
         self._slopes: dict[int, _Slopes] = {}
+        self._single: dict[int, IntervalFunction] = {}
         self._bends: dict[int, IntervalFunction] = {}
 
     @cached_property
@@ -150,6 +151,23 @@ class Images:
     def _on(self, function: IntervalFunction, boxes: Boxes) -> Mapping[str, Ends]:
         with np.errstate(all="ignore"):
             return function([*boxes[..., 0].T], [*boxes[..., 1].T], self._ends)
+
+    def value(self, node: int, boxes: Boxes) -> Ends:
+        """The value (n,) of a node over boxes."""
+        operation, arguments, _ = self.model.builder.nodes[node]
+        if operation == "neg":
+            low, high = self.value(arguments[0], boxes)
+            return -high, -low
+        if node not in self._single:
+            self._single[node] = self._function({"value": node}, sharpened=("value",))
+        return self._on(self._single[node], boxes)["value"]
+
+    def signs(self, nodes: Sequence[int], boxes: Boxes) -> NDArray[np.int8]:
+        """The signs of nodes all over boxes, (nodes, n); 0 where they are not known or a node may be undefined."""
+        numbers = {f"node {node}": node for node in nodes}
+        found = self._on(self._function(numbers), boxes)
+        low, high = (np.array([found[name][end] for name in numbers]) for end in (0, 1))
+        return (low > 0).astype(np.int8) - (high < 0).astype(np.int8)
 
     def slopes(self, node: int, boxes: Boxes) -> tuple[Array, Array, Flags]:
         """The gradient of a node over boxes, (3, n) lower and upper, and where the node is certainly analytic."""

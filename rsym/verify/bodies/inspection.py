@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from rsym.codegen.balls import arb
+from rsym.codegen.builder import Builder
 from rsym.verify.bodies.corners import Corner, corner
 from rsym.verify.bodies.formulas import ternary
 from rsym.verify.bodies.sheets import sheets
@@ -69,8 +70,8 @@ def locus_of(local: Local, number: int) -> Locus:
     b, leaves = local.model.builder, found.leaves
     table = {signs: ternary(found.formula, dict(zip(leaves, signs, strict=True))) for signs in SIGNS[len(leaves)]}
     inside = [signs for signs, value in table.items() if value > 0]
-    if len(inside) in (0, len(table)) or 0 in table.values():
-        return NONE if 0 not in table.values() else locus
+    if len(inside) in (0, len(table)):
+        return NONE if not leaves else Locus("double", leaves) if len(leaves) == 1 else locus
     if len(leaves) == 1:
         return Locus("leaf", (leaves[0] if inside[0][0] > 0 else b.neg(leaves[0]),))
     if len(inside) == 2:
@@ -135,6 +136,14 @@ def _is_transversal(local: Local, sheets: Meeting) -> bool:
         if not any(component > 0 or component < 0 for component in cross):
             return False
     return True
+
+
+def is_even(builder: Builder, number: int) -> bool:
+    """Whether a node shows by its operation that it is zero without a change of sign, if at all."""
+    operation, arguments, data = builder.nodes[number]
+    while operation == "neg" or (operation == "mul" and builder.value(arguments[0]) is not None):
+        operation, arguments, data = builder.nodes[arguments[-1]]
+    return (operation == "mul" and arguments[0] == arguments[1]) or (operation == "powi" and int(str(data)) % 2 == 0)
 
 
 def _double(local: Local, locus: Locus) -> Inspection:

@@ -31,7 +31,7 @@ from rsym.verify.bodies.rays import FINE, FINEST, Rays, rays_at
 from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.sheets import Sheets, sheets
 from rsym.verify.bodies.tips import largest_turn
-from rsym.verify.bodies.zeros import Known, known_at
+from rsym.verify.bodies.zeros import Apparent, Known, known_at
 from rsym.verify.generators import generators
 from rsym.verify.local import Local, Model
 
@@ -96,20 +96,15 @@ def _contact(place: Place, judgement: Judgement, called: tuple[str, ...]) -> Sin
 
 
 def _arrangement(at: Local, found: Sheets) -> tuple[Link, bool] | None:
-    """Three or more sheets, and whether the signs of all determinants of their gradients are proved."""
-    if len(found.leaves) < 3:
-        return None
+    """Three or more sheets, and whether small spheres are proved to see what their tangent planes make."""
     gradients = [at.gradient(leaf) for leaf in found.leaves]
-    proved = True
 
     def orientation(i: int, j: int, k: int) -> int:
-        nonlocal proved
         value = determinant([gradients[i], gradients[j], gradients[k]])
-        proved = proved and not value.contains(0)
         return 1 if value > 0 else -1 if value < 0 else 0
 
     around = link(numbered(found), orientation, len(gradients))
-    return None if around is None else (around, proved)
+    return None if around is None else (around, around.is_stable)
 
 
 def _jump(at: Local, found: Sheets, around: Link) -> arb:
@@ -121,7 +116,7 @@ def _of_rays(
 ) -> SingularPoint | None:
     """What the one-sided derivative proves, from coarse cells of directions or from fine ones."""
     called = called_of(found, names) if found is not None else ()
-    for finest in (FINE, FINEST):
+    for finest in (FINE,) if isinstance(known, Apparent) else (FINE, FINEST):
         rays = rays_at(known.local.model, known, finest)
         if rays is None:
             return None

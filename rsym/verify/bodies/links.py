@@ -5,7 +5,8 @@ constant; arcs between the cells lie on one sheet, vertices on two or more. Wher
 the point are independent, all combinations of signs occur. In general they are the covectors of the oriented
 matroid of the gradients: cocircuits are the signs of all sheets along the cross products of two gradients, and
 every covector is a composition of them. If no three gradients are dependent, the arrangement on small spheres is
-that of the tangent planes, for crossings at angles stay when the circles are bent a little.
+that of the tangent planes, for crossings at angles stay when the circles are bent a little; a vertex of three circles
+may fall apart, which does not matter away from the boundary.
 Source: Bjorner, Las Vergnas, Sturmfels, White and Ziegler, Oriented Matroids (1999), section 3.7.
 """
 
@@ -90,6 +91,19 @@ class Link:
         If both are connected no two cells of one touch at a vertex alone: a loop through both would part the others.
         """
         return not self.cracked and self.components(1) == 1 == self.components(-1)
+
+    @cached_property
+    def is_stable(self) -> bool:
+        """Whether the boundary avoids all vertices of three sheets or more, which curved sheets may part anyhow.
+
+        There the formula must have one sign, whatever the signs of these sheets are.
+        """
+        for vertex in self._parts[0]:
+            if vertex.count(0) > 2:
+                choices = product(*((sign,) if sign else (-1, 0, 1) for sign in vertex))
+                if {self.sign(choice) for choice in choices} not in ({1}, {-1}):
+                    return False
+        return True
 
     @cached_property
     def edges(self) -> tuple[Edge, ...]:

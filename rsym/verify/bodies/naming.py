@@ -10,6 +10,7 @@ from rsym.codegen.program import live
 from rsym.codegen.sign_form import SignForm
 from rsym.model.shape import Shape
 
+NUMBERED = "leaf "  # a definition without a name whose formula is too long to be one
 BETWEEN = " / "  # what stands between the names of definitions that have a face in common
 
 
@@ -34,6 +35,8 @@ class Naming:
     ) -> None:
         self._builder = builder
         names = leaf_names(SignForm(builder, tuple(definitions), ()), shape)
+        if len(names) == 1 and names[0].startswith(NUMBERED):
+            names = ("omega",)
         self._names = dict(zip(definitions, names, strict=True))
         for node, own in origins.items():
             self._names[node] = BETWEEN.join(dict.fromkeys(self._names[one] for one in own))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,17 +18,19 @@ from rsym.codegen.balls import ctx
 from rsym.sampling.progress import Progress, report
 from rsym.verify.bodies.boxes import area, eighths, grown, halves, listed
 from rsym.verify.bodies.corners import Corner
-from rsym.verify.bodies.formation import MAX, MIN, OPEN
+from rsym.verify.bodies.formation import DOUBLE, MAX, MIN, OPEN
 from rsym.verify.bodies.formulas import Formula, leaves_of, ternary
 from rsym.verify.bodies.images import Array, Boxes, Flags, Images
 from rsym.verify.bodies.independence import apart, independent, step_to_both
-from rsym.verify.bodies.inspection import SIGNS, Inspection, inspect
+from rsym.verify.bodies.inspection import SIGNS, Inspection, inspect, is_even
 from rsym.verify.covering import PRECISION
 from rsym.verify.joints import Arc, Meeting
 from rsym.verify.local import Box
 
 COARSEST = 1 / 16  # of the extent: larger boxes are divided, so that the cover follows the boundary
 BALLS_FROM = 1 / 32  # of the extent: on larger boxes balls rarely say more than float64 intervals
+# Boxes so many and so narrow are those of a surface on which nothing can be proved; the car takes 6 000 at most.
+MOST, WIDE = 50_000, 1 / 128
 BESIDE = 1 + 2.0**-20  # a curve that runs along a side of a box counts as in it
 MANY, DETAIL = 4096, 1e-3  # boxes that make less than this share of the boundary are left as they are
 CORNERS_FROM = 1 / 64  # of the extent: a curve runs nearly straight through a box with a corner
@@ -47,10 +50,11 @@ class Subdivision:
     examined: int = 0
     inspected: int = 0
 
-    def without(self, boxes: Sequence[Box]) -> Subdivision:
-        """The same, with some boxes that were left over found to be regular after all."""
-        settled = set(boxes)
-        return replace(self, left=[pair for pair in self.left if pair[0] not in settled], late=list(boxes))
+    def with_late(self, regular: Sequence[Box], corners: Sequence[tuple[Box, Corner]]) -> Subdivision:
+        """The same, with some boxes that were left over found to be regular after all, or to hold a corner."""
+        settled = {*regular, *(box for box, _ in corners)}
+        left = [pair for pair in self.left if pair[0] not in settled]
+        return replace(self, left=left, late=list(regular), corners=[*self.corners, *corners])
 
 
 class Sheets(NamedTuple):
@@ -64,11 +68,15 @@ HARD = Sheets((), OPEN)
 
 
 class _State(NamedTuple):
-    """A level of boxes, which of them are to be divided, and which need a closer look."""
+    """A level of boxes, which of them are to be divided, and which need a closer look.
+
+    `beside`: the places of boxes in which two sheets cross, if at all, and their curve seems not to pass.
+    """
 
     level: Boxes
     divided: Flags
     hard: Flags
+    beside: list[tuple[Sheets, NDArray[np.int64]]]
 
 
 class Octree:
@@ -108,15 +116,17 @@ class Octree:
         widths = (level[..., 1] - level[..., 0]).max(axis=1)
         divided = widths > COARSEST * self.extent
         small = np.flatnonzero(~divided)
-        state = _State(level, divided, np.zeros(len(level), bool))
+        state = _State(level, divided, np.zeros(len(level), bool), [])
         for sheets, own in self._grouped(alive[:, small], joined[small], defined[small], signs[:, small]).items():
             self._settle(sheets, small[own], state)
         divided |= state.hard & (widths > BALLS_FROM * self.extent)
         self._inspect(state, widths, defined)
-        self._leave(level[divided & (widths <= self.smallest)])
-        following: Boxes = level[divided & (widths > self.smallest)]
-        if self.found.examined + 8 * len(following) > self.budget or self._is_detail(following):
-            self._leave(following)
+        tiny = widths <= self.smallest
+        self._leave(state, divided & tiny)
+        following: Boxes = level[divided & ~tiny]
+        enough = len(following) > MOST and bool(widths.max(initial=0) < WIDE * self.extent)
+        if enough or self.found.examined + 8 * len(following) > self.budget or self._is_detail(following):
+            self._leave(state, divided & ~tiny)
             return following[:0]
         return halves(following)
 
@@ -127,8 +137,14 @@ class Octree:
         settled = [*(part for parts in self.found.regular.values() for part in parts), *joined_boxes(self.found)]
         return bool(area(boxes) < DETAIL * sum(area(part) for part in settled))
 
-    def _leave(self, boxes: Boxes) -> None:
-        self.found.left.extend((box, Inspection("open")) for box in listed(boxes))
+    def _leave(self, state: _State, own: Flags) -> None:
+        """Boxes that are not divided any more: those beside the curve of two sheets are settled all the same."""
+        for sheets, crossing in state.beside:
+            settled = crossing[own[crossing]]
+            if len(settled):
+                self.found.joined.setdefault(self._meeting(sheets), []).append(state.level[settled])
+                own[settled] = False
+        self.found.left.extend((box, Inspection("open")) for box in listed(state.level[own]))
 
     def _grouped(
         self, alive: Flags, joined: NDArray[np.int8], defined: Flags, signs: NDArray[np.int8]
@@ -141,7 +157,9 @@ class Octree:
         codes = np.where(count == 1, 0, joined).astype(np.int8)
         for place, pattern in _patterns(np.concatenate([alive, codes[None]]), np.flatnonzero(simple)):
             nodes = tuple(leaves[k] for k in np.flatnonzero(pattern[:-1]))
-            groups.setdefault(Sheets(nodes, int(pattern[-1])), []).append(place)
+            opposite = len(nodes) == 2 and self.images.model.builder.neg(nodes[0]) == nodes[1]
+            sheets = Sheets(nodes[:1], DOUBLE) if opposite else Sheets(nodes, int(pattern[-1]))
+            groups.setdefault(sheets, []).append(place)
         for place, pattern in _patterns(signs, np.flatnonzero(~simple & defined)):
             found = self._logic(tuple(pattern.tolist()))
             if found is not None:
@@ -164,7 +182,7 @@ class Octree:
         table = {signs: ternary(formula, dict(zip(leaves, signs, strict=True))) for signs in SIGNS[len(leaves)]}
         inside = [signs for signs, value in table.items() if value > 0]
         if len(inside) in {0, len(table)}:
-            return HARD if 0 in table.values() else None
+            return None if not leaves else Sheets((nodes[leaves[0]],), DOUBLE) if len(leaves) == 1 else HARD
         if len(leaves) == 2 and len(inside) == 2:
             return HARD
         # Of two leaves one combination of signs is inside, the conjunction, or one outside, the disjunction.
@@ -175,7 +193,7 @@ class Octree:
 
     def _settle(self, sheets: Sheets, own: NDArray[np.int64], state: _State) -> None:
         """Boxes with one sheet are settled where it is regular, those with two where they cross."""
-        if not sheets.nodes:
+        if not sheets.nodes or is_even(self.images.model.builder, sheets.nodes[0]):
             state.hard[own] = True
             return
         boxes, count = state.level[own], len(sheets.nodes)
@@ -184,10 +202,15 @@ class Octree:
         if count == 2:
             single, passed = self._passed(sheets.nodes, boxes)
             single &= analytic & independent(slopes[:1]) & independent(slopes[1:])
-            for node in sheets.nodes:
+            for node in sheets.nodes if single.any() else ():
                 self.found.regular.setdefault(node, []).append(boxes[single])
+            state.beside.append((sheets, own[analytic & crossing & ~passed & ~single]))
             crossing &= passed
             own, boxes, analytic, crossing = own[~single], boxes[~single], analytic[~single], crossing[~single]
+        if sheets.gate == DOUBLE:
+            both = analytic & crossing & self._changes_sign(sheets.nodes[0], boxes)
+            self.found.double.extend(listed(boxes[both]))
+            analytic, crossing, own, boxes = analytic[~both], crossing[~both] & False, own[~both], boxes[~both]
         state.hard[own[~analytic | (crossing & (count == 3))]] = True
         state.divided[own[analytic & ~crossing]] = True
         done = boxes[analytic & crossing]
@@ -200,6 +223,16 @@ class Octree:
         """The gradients of nodes over boxes, and where they are analytic."""
         found = [self.images.slopes(node, boxes) for node in nodes]
         return [(low, high) for low, high, _ in found], [analytic for _, _, analytic in found]
+
+    def _changes_sign(self, node: int, boxes: Boxes) -> Flags:
+        """Whether a node certainly has both signs at corners of a box."""
+        seen = np.zeros((2, len(boxes)), bool)
+        for ends in product((0, 1), repeat=3):
+            points = boxes[:, range(3), list(ends)]
+            low, high = self.images.first(node, np.stack([points, points], axis=-1))[0]
+            seen |= [low > 0, high < 0]
+        both: Flags = np.logical_and(seen[0], seen[1])
+        return both
 
     def _passed(self, nodes: Sequence[int], boxes: Boxes) -> tuple[Flags, Flags]:
         """Where two sheets certainly do not meet in a box, and where their curve seems to pass through it."""

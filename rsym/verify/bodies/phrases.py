@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rsym.verify.wording import DIGITS, rounded_up, significant
 
-LONGEST = 40  # characters of a definition: one without a name goes by its formula
+LONGEST = 48  # characters of a definition: one without a name goes by its formula
 SHORT = 4  # digits where no error is known, or none matters
 LEAST_SHARE = 0.001  # per cent
 NOTHING = -9  # the power of ten of a scale that is nothing beside it
@@ -56,8 +56,8 @@ def cut(name: str) -> str:
 
     Examples
     --------
-    >>> cut("bonnet"), cut("x**2 + y**2 + z**2 - 2*x*y - 2*y*z - 2*z*x - 1")
-    ('bonnet', 'x**2 + y**2 + z**2 - 2*x*y - 2*y*z -...')
+    >>> cut("bonnet"), cut("x**2 + y**2 + z**2 - 2*x*y - 2*y*z - 2*z*x - x - y - z")
+    ('bonnet', 'x**2 + y**2 + z**2 - 2*x*y - 2*y*z - 2*z*x -...')
     """
     return name if len(name) <= LONGEST else f"{name[: LONGEST - 3].rstrip()}..."
 

@@ -45,6 +45,16 @@ class SingularCurve:
     proved : bool
         Whether the continuity is proved: that it is no more at a point of the curve, for one below G2; that it is no
         less all along it, else.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> bounds = ((-1.2, 1.3), (-1.3, 1.2), (-0.5, 1.3))
+    >>> half = rsym.Shape(rsym.conjunction(1 - x**2 - y**2 - z**2, z), (x, y, z), bounds=bounds)
+    >>> (rim,) = rsym.verify_smoothness(half, method="space").curves
+    >>> rim.kind, rim.closed, rim.traced, rim.names, round(float(rim.dihedral_angles.max()), 9)
+    ('edge', True, True, ('-x**2 - y**2 - z**2 + 1', 'z'), 90.0)
     """
 
     points: Array
@@ -103,6 +113,15 @@ class SingularPoint:
     `point` is within `radius` of the truth. kind: "corner" (three or more sheets meet), "cone tip", "node", "tangency",
     "isolated point", "end", "no sign change" or "unresolved". `tangent_jump` is the largest angle between normals at
     the point in degrees, NaN where it is not known; names: the definitions that meet.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> corner = rsym.Shape(rsym.conjunction(x, y, z), (x, y, z), bounds=((-1, 1.1),) * 3)
+    >>> (point,) = rsym.verify_smoothness(corner).points
+    >>> point.kind, point.point, point.names
+    ('corner', (0.0, 0.0, 0.0), ('x', 'y', 'z'))
     """
 
     point: tuple[float, float, float]
@@ -128,6 +147,13 @@ class BodyCover:
 
     certified: a regular surface of the class proved; joined: two analytic sheets that meet along a curve of the
     report, or three in a corner; undecided: nothing is proved.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> cover = rsym.verify_smoothness(rsym.sphere(), method="space").cover
+    >>> cover.certified.shape[1:], len(cover.undecided), cover.undecided_share
+    ((3, 2), 0, 0.0)
     """
 
     bounds: tuple[tuple[float, float], ...]
@@ -168,6 +194,13 @@ class BodyReport:
         NaN where none was sought.
     statements : pairs
         Sentences, each with whether it is proved.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> report = rsym.verify_smoothness(rsym.box(1, 1, 1))
+    >>> report.verdict, report.continuity, len(report.curves), len(report.points)
+    ('REFUTED', 'G0', 12, 8)
     """
 
     verdict: str

@@ -24,9 +24,9 @@ from rsym.verify.local import Model
 
 Array: TypeAlias = NDArray[np.float64]
 
-FINENESS = 24  # steps along an edge of the cube of directions: cones of 4 degrees are seen
+FINENESS = 40  # steps along an edge of the cube of directions: cones of 3 degrees are seen
 HALVINGS = 30
-COARSE = 0.2  # degrees that the largest angle between normals so far apart may miss
+COARSE = 2.0  # degrees that the largest angle between normals so far apart may miss
 
 
 @dataclass(frozen=True)

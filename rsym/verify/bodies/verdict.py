@@ -84,7 +84,7 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
     classified = classify_points(model, found.left, study.extent, study.naming, curves)
     points = _distinct([*(point for _, point in corners), *classified.points], SAME * study.extent)
     curves = [*curves, *classified.curves]
-    found = found.without(classified.regular)
+    found = found.with_late(classified.regular, classified.corners)
     exists = _exists(study.images, found)
     verdict = _verdict(found, [*curves, *points], exists)
     bent = bending(study.images, found) if sharpened and exists else Bending((-math.inf, math.inf), (math.nan,) * 2)
@@ -93,7 +93,7 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
         continuity=_continuity(found, curves, points, verdict, exists),
         curves=tuple(sorted(curves, key=_badness)),
         points=tuple(sorted(points, key=_badness)),
-        curvatures=bent.enclosure if not found.left else (-math.inf, math.inf),
+        curvatures=(-math.inf, math.inf) if found.left or found.late else bent.enclosure,
         attained=bent.attained,
         cover=_cover(study.region, found),
         letters={name: (float(low), float(high)) for name, (low, high) in model.letters.items()},
@@ -185,10 +185,11 @@ def _badness(one: Defect) -> tuple[float, ...]:
 
 def _cover(region: Box, found: Subdivision) -> BodyCover:
     none = np.empty((0, 3, 2))
+    late: Array = np.array([box[:3] for box in found.late], dtype=np.float64).reshape(-1, 3, 2)
     left: Array = np.array([box[:3] for box, _ in found.left] + found.double, dtype=np.float64).reshape(-1, 3, 2)
     return BodyCover(
         bounds=region,
-        certified=np.concatenate([none, *(part for parts in found.regular.values() for part in parts)]),
+        certified=np.concatenate([none, late, *(part for parts in found.regular.values() for part in parts)]),
         joined=np.concatenate([none, *joined_boxes(found)]),
         undecided=left,
         examined=found.examined,

@@ -63,13 +63,16 @@ class Arcs:
             self._constant[function] = constant_curvatures(self.model, function)
         return self._constant[function]
 
-    def enclosed(self, local: Local, function: int) -> tuple[Enclosed, ...]:
-        """Balls around the quantities on a box."""
+    def enclosed(self, local: Local, function: int, orders: int = 2) -> tuple[Enclosed, ...]:
+        """Balls around the quantities on a box, and around so many derivatives: the second is the dearest."""
         found = []
         for quantity, constant in zip(self.quantities(function), self.constant(function), strict=True):
-            value = _whole(local.value(quantity.value))
-            slopes = [arb(0) if constant else _whole(local.value(node)) for node in (quantity.first, quantity.second)]
-            found.append(Enclosed(value, *slopes))
+            nodes = (quantity.first, quantity.second)
+            slopes = [
+                arb(0) if constant else _whole(local.value(node) if order < orders else None)
+                for order, node in enumerate(nodes)
+            ]
+            found.append(Enclosed(_whole(local.value(quantity.value)), *slopes))
         return tuple(found)
 
     def bent(self, piece: Piece) -> Bent:
@@ -84,7 +87,7 @@ class Arcs:
             return Bent(piece, natural)
         with ctx.workprec(POINT_BITS):
             there = self.model.on(place)
-            at = self.enclosed(there, function)
+            at = self.enclosed(there, function, 1)
             own = lies_within(place, piece, there)
         speed = _whole(local.value(self._tangents[function][piece.free]))
         arc = (axis - axis.mid()) / speed

@@ -54,6 +54,16 @@ class DesignTable:
     """Designs in the order given, one row each; the best value of each column is marked.
 
     A bound of the curvature is proved; measures are numerical. Sizes (length, area, volume) have no best.
+
+    Examples
+    --------
+    >>> import rsym, sympy as sp
+    >>> from rsym import x, y
+    >>> a = sp.Symbol("a", real=True)
+    >>> oval = rsym.Shape(1 - x**2 / a**2 - y**2, (x, y), letters={a: 2}, bounds=((-4, 4), (-2, 2)))
+    >>> table = compare_designs(oval, {"round": {"a": 1.25}, "long": {"a": 3}}, tolerance=0.1)
+    >>> [line.split()[:3] for line in str(table).splitlines()[1:3]]
+    [['round', 'CERTIFIED', 'analytic'], ['long', 'CERTIFIED', 'analytic']]
     """
 
     designs: tuple[Design, ...]

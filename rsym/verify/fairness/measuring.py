@@ -25,6 +25,7 @@ Floats = NDArray[np.float64]
 
 NODES = (8, 5)  # of Gauss's rules: the second tells the error of the first
 NEWTON_STEPS = 8
+NEAR = 0.02  # of the usual step: points so close to a joint may lie on either side of it
 ROUNDING = 1e-14  # of a measure, what float64 loses
 
 
@@ -182,14 +183,20 @@ def _upper(profile: Profile) -> list[Profile]:
 
 
 def with_joints(points: Floats, joints: Sequence[Sequence[float]], body: bool) -> Floats:
-    """The points of a line, with a joint in the step across which the line turns or its curvature jumps."""
+    """The points of a line, with each joint that lies on it in the place of those next to it."""
     places = [(x, y) for x, y in joints] + [(x, -y) for x, y in joints if body and y != 0]
     for place in places:
-        middles = (points[1:] + points[:-1]) / 2
-        distance = np.hypot(*(middles - place).T) / np.hypot(*np.diff(points, axis=0).T)
-        step = int(distance.argmin())
-        if distance[step] < 1:
-            points = np.insert(points, step + 1, place, axis=0)
+        steps, away = np.hypot(*np.diff(points, axis=0).T), np.hypot(*(points - place).T)
+        usual = float(np.median(steps))
+        near = away < NEAR * usual
+        if near[0] and near[-1]:
+            points = np.concatenate([[place], points[~near], [place]])
+        elif near.any():
+            points = np.insert(points[~near], int(near.argmax()), place, axis=0)
+        else:  # the tip of a needle may be cut off by a step: the detour over it is the shortest all the same
+            detour = away[1:] + away[:-1] - steps
+            if detour.min() < 2 * usual:
+                points = np.insert(points, int(detour.argmin()) + 1, place, axis=0)
     return points
 
 

@@ -38,6 +38,12 @@ class CurvatureBounds:
 
     The variation is the derivative with respect to arc length along the curve or the meridian; of a principal
     curvature of a general body it is the length of its gradient along the surface.
+
+    Examples
+    --------
+    >>> none = Peak(0.0, 0.0, ())
+    >>> CurvatureBounds("curvature", Peak(-3.1, -3.0, (1.0, 0.0)), Peak(2.1, 2.0, (0.0, 1.0)), none).size
+    Peak(bound=3.1, attained=3.0, point=(1.0, 0.0), proved=True)
     """
 
     name: str
@@ -142,6 +148,18 @@ class FairnessReport:
         The curvatures along each line (each half of a meridian), numerically, and piece by piece, proved; for pictures.
     statements : pairs
         Sentences, each with whether it is proved.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> from rsym.verify.fairness.fairness import fairness
+    >>> report = fairness(rsym.Shape(1 - x**2 / 4 - y**2, (x, y), bounds=((-3, 3), (-2, 2))))
+    >>> (bounds,) = report.curvatures
+    >>> bounds.greatest.attained, bounds.greatest.bound < 2.03, report.complete, len(report.extrema)
+    (2.0, True, True, 4)
+    >>> round(report.measures["area"].value / 3.141592653589793, 9)
+    2.0
 
     Source of the energies: Moreton and Sequin, Functional optimization for fair surface design (1992).
     """

@@ -67,18 +67,27 @@ def search(
 
 
 def _next(model: Model, result: Found, tolerance: float, budget: int, smallest: float) -> list[Piece]:
-    """Take the pieces that are not yet good enough out of those done, in parts."""
-    coarse = _too_wide(result.done, tolerance)
-    kept: list[tuple[Bent, Settled]] = []
-    todo: list[Piece] = []
-    for (bent, settled), wide in zip(result.done, coarse, strict=True):
-        good = not wide and not settled.open
-        if good or bent.piece.width < smallest or result.examined + len(todo) >= budget:
-            kept.append((bent, settled))
-        else:
-            todo += divided(model, bent.piece)
-    result.done = kept
-    return todo
+    """Take pieces that are not yet good enough out of those done, in parts.
+
+    Once half the budget is spent, bounds come first. Narrow pieces come last: those next to a singular point would
+    take all.
+    """
+    wide = _too_wide(result.done, tolerance)
+    opened = [settled.open for _, settled in result.done]
+    either = [a or b for a, b in zip(wide, opened, strict=True)]
+    flags = (either,) if 2 * result.examined < budget else (wide, opened)
+    widths = [bent.piece.width for bent, _ in result.done]
+    choices = ([n for n, width in enumerate(widths) if some[n] and width > smallest] for some in flags)
+    wanted = sorted(next(filter(None, choices), []), key=lambda number: -widths[number])
+    parts: dict[int, list[Piece]] = {}
+    left = budget - result.examined
+    for number in wanted:
+        if left <= 0:
+            break
+        parts[number] = divided(model, result.done[number][0].piece)
+        left -= len(parts[number])
+    result.done = [pair for number, pair in enumerate(result.done) if number not in parts]
+    return [piece for some in parts.values() for piece in some]
 
 
 def _too_wide(done: Sequence[tuple[Bent, Settled]], tolerance: float) -> list[bool]:

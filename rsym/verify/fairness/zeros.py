@@ -146,7 +146,7 @@ def _looks_constant(arcs: Arcs, bent: Bent, number: int) -> bool:
     if other is None:
         return False
     with ctx.workprec(POINT_BITS):
-        return _is_zero(arcs.enclosed(arcs.model.on(other), piece.arc.function)[number].first)
+        return _is_zero(arcs.enclosed(arcs.model.on(other), piece.arc.function, 1)[number].first)
 
 
 def _is_zero(ball: arb) -> bool:

@@ -7,7 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from rsym.codegen.balls import arb, ctx
 from rsym.codegen.enclosures import ranges_of
@@ -27,6 +29,7 @@ from rsym.verify.revolution import meridian
 
 Verdict: TypeAlias = SmoothnessReport | BodyReport
 Point: TypeAlias = tuple[float, ...]
+Floats: TypeAlias = NDArray[np.float64]
 
 PRECISION = 106  # bits; differences over STEP lose 20 of them
 STEP = 2.0**-20  # of the extent: how far from a point slopes are taken; boundaries hardly bend over it
@@ -112,29 +115,37 @@ class Anatomy:
         nodes = self.model.builder.nodes
         return set(live(nodes, [outside])) - set(live(nodes, inside))
 
-    def value(self, expression: sp.Expr, point: Sequence[float]) -> float:
+    def value(self, expression: sp.Expr, point: Sequence[float] | Floats) -> float:
         """The value of an expression in the coordinates and letters of the shape; NaN where there is none."""
         with ctx.workprec(PRECISION):
-            found = self.model.on([arb(c) for c in point]).value(lower(self.model.builder, expression))
+            found = self.model.on([arb(float(c)) for c in point]).value(lower(self.model.builder, expression))
             return math.nan if found is None else float(found.mid())
 
     def gradient(self, expression: sp.Expr, point: Point) -> list[float]:
         """Central differences."""
-        step = STEP * self.extent
-        sides = self._around(expression, point)
-        return [(after - before) / (2 * step) for before, after in sides]
+        ways = np.eye(len(point))
+        return [self._difference(expression, point, way) for way in ways]
 
-    def slope(self, expression: sp.Expr, point: Point) -> float:
-        """How fast an expression that is zero at a point and behaves as a distance grows from there."""
+    def _difference(self, expression: sp.Expr, point: Point, way: Floats) -> float:
         step = STEP * self.extent
-        return math.hypot(*(math.hypot(*pair) / math.sqrt(2) / step for pair in self._around(expression, point)))
+        before, after = (self.value(expression, np.asarray(point) + sign * step * way) for sign in (-1, 1))
+        return (after - before) / (2 * step)
 
-    def _around(self, expression: sp.Expr, point: Point) -> list[tuple[float, float]]:
+    def slope(self, root: sp.Expr, point: Point) -> float:
+        """How fast a root that is zero at a point grows from there, in the direction in which it grows fastest.
+
+        Its square is a quadratic form there, of which this is the root of the largest eigenvalue.
+        """
+        ways = np.eye(len(point))
+        form = np.array([[self._form(root, point, one + other) for other in ways] for one in ways])
+        form -= [[self._form(root, point, one - other) for other in ways] for one in ways]
+        return math.sqrt(max(0.0, float(np.linalg.eigvalsh(form / 4)[-1]))) if np.isfinite(form).all() else math.nan
+
+    def _form(self, root: sp.Expr, point: Point, way: Floats) -> float:
+        """The mean square of a root at both sides of a point, in units of the step."""
         step = STEP * self.extent
-        neighbours = [
-            [(*point[:k], point[k] + sign * step, *point[k + 1 :]) for sign in (-1, 1)] for k in range(len(point))
-        ]
-        return [(self.value(expression, before), self.value(expression, after)) for before, after in neighbours]
+        ends = (self.value(root, np.asarray(point) + sign * step * way) / step for sign in (-1, 1))
+        return sum(end * end for end in ends) / 2
 
 
 def is_root(part: sp.Basic) -> bool:

@@ -210,15 +210,24 @@ def _rho(part: sp.Expr, size: Fraction, geometry: Geometry) -> Operation:
         radius, cosine, ratio = map(sp.Rational, (size * geometry.slope, geometry.cosine, geometry.ratio))
     system = Rho(radius, "G2", cosine=cosine)
     operation = system.conjunction if _joins(part) else system.disjunction
-    return lambda f, g: operation(f, ratio * g)
+    return lambda f, g: operation(f, _times(ratio, g))
 
 
 def _pasko(part: sp.Expr, size: Fraction, geometry: Geometry) -> Operation:
     reach, ratio = sp.Rational(size * geometry.slope), sp.Rational(geometry.ratio)
     height = sp.Rational(DEPTH) * reach
-    if _joins(part):
-        return lambda f, g: R0.conjunction(f, ratio * g) + Displacement(-height, reach, reach, f, ratio * g)
-    return lambda f, g: R0.disjunction(f, ratio * g) + Displacement(height, reach, reach, f, ratio * g)
+    operation, sign = (R0.conjunction, -1) if _joins(part) else (R0.disjunction, 1)
+
+    def displaced(f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        scaled = _times(ratio, g)
+        return operation(f, scaled) + Displacement(sign * height, reach, reach, f, scaled)
+
+    return displaced
+
+
+def _times(ratio: sp.Expr, g: sp.Expr) -> sp.Expr:
+    """A multiple of a face that leaves it whole: a name may belong to it."""
+    return sp.Mul(ratio, g, evaluate=False) if g.is_Add and ratio != 1 else ratio * g
 
 
 def _joins(part: sp.Expr) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsym.codegen.kernel import compile as compile_shape
+from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.boundaries import Boundary, boundary, distance
 from rsym.sampling.distances import distance_to_mesh
@@ -64,7 +65,7 @@ def price_words(price: Price) -> tuple[str, str, str, str]:
     what = "area" if price.dimension == 2 else "volume"
     normalised = {"none": "not normalised before or after"}.get(price.normalisation, "")
     return (
-        f"moved by up to {price.distance:.3g}",
+        "nothing to measure from" if math.isinf(price.distance) else f"moved by up to {price.distance:.3g}",
         f"{what} unknown" if math.isnan(price.volume) else f"{what} {100 * price.volume:+.2g} %",
         f"curvature at most {rounded_up(price.curvature_bound)}",
         normalised or f"normalisation {price.normalisation}",
@@ -73,9 +74,12 @@ def price_words(price: Price) -> tuple[str, str, str, str]:
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """The boundary of a shape, sampled; what it holds, NaN if it has ends; and the deviation of |grad omega| from 1."""
+    """The boundary of a shape, sampled; what it holds, NaN if it has ends; and the deviation of |grad omega| from 1.
 
-    surface: Boundary | Mesh
+    `surface` is None where a body has none.
+    """
+
+    surface: Boundary | Mesh | None
     volume: float
     deviation: float
     dimension: int
@@ -93,7 +97,12 @@ def measured(shape: Shape, report: Verdict) -> Measured:
 
 
 def _meshed(shape: Shape) -> Measured:
-    surface = mesh(shape, CELLS)
+    try:
+        surface = mesh(shape, CELLS)
+    except RsymError as error:
+        if error.code != "no-surface":
+            raise
+        return Measured(None, math.nan, math.nan, 3)
     gradient = compile_shape(shape, ("gradient",))(*surface.vertices.T)["gradient"]
     deviations = np.abs(np.linalg.norm(gradient, axis=1) - 1)
     deviation = float(np.nanmax(deviations)) if np.isfinite(deviations).any() else math.nan
@@ -115,7 +124,9 @@ def price(before: Measured, after: Measured, report: Verdict) -> Price:
     )
 
 
-def _distance(first: Boundary | Mesh, second: Boundary | Mesh) -> float:
+def _distance(first: Boundary | Mesh | None, second: Boundary | Mesh | None) -> float:
+    if first is None or second is None:
+        return math.inf
     if isinstance(first, Boundary) and isinstance(second, Boundary):
         return distance(first, second)
     assert isinstance(first, Mesh)

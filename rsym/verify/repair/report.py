@@ -64,6 +64,15 @@ class RepairReport:
         Every one is proved to be curvature-continuous; their prices are numerical but for the bound of the curvature.
     rejected : tuple of Rejected
         What was tried in vain.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> roof = rsym.Shape(1 - abs(x) - y, (x, y), bounds=((-2, 2), (-2, 2)))
+    >>> report = rsym.repair(roof, moves=["round"], radius=0.1)
+    >>> report.candidates
+    (<Candidate: |x| rounded by 0.1>,)
     """
 
     shape: Shape

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from itertools import combinations
 
 import sympy as sp
 
@@ -86,7 +87,7 @@ def _root(culprit: Culprit) -> sp.Expr | None:
     if isinstance(part, sp.Pow):
         return part.base if isinstance(part.base, sp.Abs) else sp.sqrt(part.base)
     if isinstance(part, sp.Max | sp.Min):
-        return sum((sp.Abs(a - b) for a in part.args for b in part.args), sp.S.Zero)
+        return sum((sp.Abs(a - b) for a, b in combinations(part.args, 2)), sp.S.Zero)
     if not isinstance(part, ROperation):
         return part
     f, g = pair_of(part, culprit.level)

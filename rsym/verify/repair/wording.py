@@ -29,9 +29,8 @@ def repair_text(report: RepairReport) -> str:
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> from rsym.verify.repair.repairing import repair
     >>> disc = rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-2, 2), (-2, 2)))
-    >>> print(repair_text(repair(disc)))
+    >>> print(repair_text(rsym.repair(disc)))
     CERTIFIED, analytic, as it is: nothing to repair.
     """
     return "\n".join(_lines(report))

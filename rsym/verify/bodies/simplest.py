@@ -1,0 +1,127 @@
+"""The simplest function with the same zero set and the same signs, for many boxes at once: `locus.reduce` in float64.
+
+On a box where the sign of a test is known, branches are decided, positive factors drop, and of a conjunction whose
+one operand is positive the other is left. What is left has tighter images: a fillet is flat beside its edge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.builder import Builder
+from rsym.codegen.expansion import SIMPLE
+from rsym.codegen.program import live
+from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.verify.bodies.images import Boxes, Images, is_legal
+from rsym.verify.domains import switch_of
+
+BRANCHING = frozenset({"abs", "sign", "min", "max", "select"})
+RARE = 1 / 64  # of the boxes: for fewer another function is not worth its compilation
+
+
+def simplest(images: Images, node: int, boxes: Boxes) -> Iterator[tuple[int, NDArray[np.int64]]]:
+    """Functions that have the zeros and signs of a node on boxes on which it is defined, and the places of these.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> from rsym.verify.bodies.forming import formation
+    >>> from rsym.verify.local import Model
+    >>> model = Model(rsym.Shape((x - 1) * (2 + abs(y)), (x, y, z)), {})
+    >>> images = Images(model, formation(model, lambda node: True), {})
+    >>> ((found, places),) = simplest(images, model.root, np.array([[(0.9, 1.1), (0.2, 0.3), (0.0, 0.1)]]))
+    >>> model.builder.nodes[found].operation, places
+    ('add', array([0]))
+    """
+    builder = images.model.builder
+    tests = list(_tests(builder, node))
+    signs = images.signs(tests, boxes)
+    patterns, inverse = np.unique(signs, axis=1, return_inverse=True)
+    found: dict[int, list[NDArray[np.int64]]] = {}
+    for k in range(patterns.shape[1]):
+        places = np.flatnonzero(inverse.ravel() == k)
+        known = {test: int(sign) for test, sign in zip(tests, patterns[:, k], strict=True) if sign}
+        found.setdefault(_simple(builder, node, known), []).append(places)
+    rest = [np.empty(0, np.int64)]
+    for simple, parts in found.items():
+        places = np.concatenate(parts)
+        if simple != node and len(places) > RARE * len(boxes):
+            yield simple, places
+        else:
+            rest.append(places)
+    if len(places := np.concatenate(rest)):
+        yield node, places
+
+
+def _tests(builder: Builder, node: int) -> Iterator[int]:
+    """The nodes whose signs may make the node simpler; at least one."""
+    tests = {node: None}
+    outer = {node}  # what the zeros are those of, if factors drop
+    for part in reversed(live(builder.nodes, [node])):
+        operation, arguments, _ = builder.nodes[part]
+        if operation in BRANCHING:
+            tests[switch_of(builder, part)] = None
+        elif operation in CONJUNCTIONS | DISJUNCTIONS and is_legal(builder, part):
+            tests |= dict.fromkeys(arguments[:2])
+        if part not in outer or operation == "add":
+            continue
+        outer |= set(arguments)
+        if operation in {"mul", "div"}:
+            tests |= dict.fromkeys(arguments)
+    return iter(tests)
+
+
+def _simple(builder: Builder, node: int, known: Mapping[int, int]) -> int:
+    """The function where the tests have these signs; on such a box every step keeps its zeros and its signs."""
+    done: dict[int, int] = {}
+    for part in live(builder.nodes, [node]):
+        done[part] = _decided(builder, part, done, known)
+    signs = {done.get(test, test): sign for test, sign in known.items()}
+    number, sign = done[node], 1
+    while True:
+        operation, arguments, data = builder.nodes[number]
+        if operation == "neg":
+            number, sign = arguments[0], -sign
+        elif operation == "normalised" or (operation == "powi" and isinstance(data, int) and data % 2 == 1):
+            number = arguments[0]
+        elif operation == "div" and (arguments[1] in signs or builder.nonnegative[arguments[1]]):
+            number, sign = arguments[0], sign * signs.get(arguments[1], 1)
+        elif operation == "mul" and (arguments[0] in signs or arguments[1] in signs):
+            factor, other = arguments if arguments[0] in signs else arguments[::-1]
+            number, sign = other, sign * signs[factor]
+        elif operation in CONJUNCTIONS | DISJUNCTIONS and is_legal(builder, number):
+            idle = 1 if operation in CONJUNCTIONS else -1
+            left = [other for one, other in (arguments[:2], arguments[1::-1]) if signs.get(one) == idle]
+            if not left:
+                break
+            number = left[0]
+        else:
+            break
+    return number if sign > 0 else builder.neg(number)
+
+
+def _decided(builder: Builder, part: int, done: Mapping[int, int], known: Mapping[int, int]) -> int:
+    """A node with its branches decided, equal to it on the box."""
+    operation, arguments, data = builder.nodes[part]
+    inner = tuple(done[argument] for argument in arguments)
+    sign = known.get(switch_of(builder, part), 0) if operation in BRANCHING else 0
+    if sign:
+        if operation == "abs":
+            return inner[0] if sign > 0 else builder.neg(inner[0])
+        if operation == "sign":
+            return builder.const(sign)
+        if operation == "select":
+            return inner[2 if sign > 0 else 3]
+        return inner[0 if (sign > 0) == (operation == "max") else 1]
+    if inner == arguments:
+        return part
+    if operation in SIMPLE:
+        return SIMPLE[operation](builder, *inner)
+    if operation == "powi":
+        assert isinstance(data, int)
+        return builder.powi(inner[0], data)
+    return builder.div(*inner) if operation == "div" else builder.make(operation, *inner, data=data)
