@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,8 +17,8 @@ from rsym.verify.bodies.simplest import simplest
 
 TIGHT = 0.05  # of an end of what is attained: the enclosure may exceed it by this share
 FLAT = 0.002  # of the largest curvature: an end nearer to 0 than this is taken for 0, and not pursued further
-BUDGET = 400_000  # boxes, some 30 microseconds each
-IDLE, LITTLE = 4, 0.99  # rounds that narrow the enclosure by less than a hundredth: letters that range keep it wide
+BUDGET = 150_000  # boxes, some 15 microseconds each; a torus takes 36 000, a skeleton body 106 000
+RANGING = 40_000  # where letters range: what is attained is for their middles, and no bound comes near it
 FINEST = 2.0**-20  # of the extent: narrower boxes are not divided, smaller curvatures than its inverse are 0
 MATTERS = 0.3  # of the largest share of a side: a fillet between planes takes 3 500 boxes, not 86 000
 BESIDE = 2.0**-30  # of the extent: so far from a point of the boundary omega is looked at
@@ -49,26 +49,17 @@ def bending(images: Images, found: Subdivision) -> Bending:
     extent = max((float(np.ptp(sheet.boxes, axis=(0, 2)).max()) for sheet in sheets.values()), default=1.0)
     search = _Search(images, extent)
     parts = [_Sheet(search, node, sheet) for node, sheet in sheets.items()]
-    ranging = any(low != high for low, high in images.letters.values())
-    budget = BUDGET // 10 if ranging else BUDGET  # what a range of letters adds no division takes away
-    low, high, idle = *_ends(parts), 0
-    while search.spent < budget and idle < IDLE:
+    budget = RANGING if any(low != high for low, high in images.letters.values()) else BUDGET
+    while search.spent < budget:
         marked = [part.offending(search.ends) for part in parts]
         if not any(own.any() for own in marked):
             break
         for part, own in zip(parts, marked, strict=True):
             part.refine(own)
-        width = high - low
-        low, high = _ends(parts)
-        idle = idle + 1 if np.isfinite(width) and high - low > LITTLE * width else 0
+    low = min((float(part.low.min(initial=np.inf)) for part in parts), default=np.inf)
+    high = max((float(part.high.max(initial=-np.inf)) for part in parts), default=-np.inf)
     attained = search.attained if np.isfinite(search.attained).all() else np.array([np.nan, np.nan])
     return Bending((low + 0.0, high + 0.0), (float(attained[0]), float(attained[1])))
-
-
-def _ends(parts: Sequence[_Sheet]) -> tuple[float, float]:
-    """The least and the greatest bound."""
-    low = min((float(part.low.min(initial=np.inf)) for part in parts), default=np.inf)
-    return low, max((float(part.high.max(initial=-np.inf)) for part in parts), default=-np.inf)
 
 
 def held(found: Subdivision) -> Mapping[int, Held]:
