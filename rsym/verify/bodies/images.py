@@ -18,7 +18,7 @@ from rsym.codegen.builder import Builder
 from rsym.codegen.differentiation import derivative
 from rsym.codegen.interval_arithmetic import neighbours
 from rsym.codegen.intervals import IntervalFunction
-from rsym.codegen.program import assemble, live
+from rsym.codegen.program import Node, assemble, live
 from rsym.verify.bodies.centred import Centred
 from rsym.verify.bodies.formation import Formation
 from rsym.verify.domains import switch_of
@@ -88,6 +88,12 @@ def _tests(builder: Builder, part: int) -> list[tuple[Condition, ...]] | None:
     return None
 
 
+def _is_root(builder: Builder, node: Node) -> bool:
+    """Whether an operation has no value where its first argument is negative."""
+    exponent = builder.value(node.arguments[1]) if node.operation == "pow" else None
+    return node.operation in {"sqrt", "log"} or (exponent is not None and exponent.denominator > 1)
+
+
 def is_legal(builder: Builder, part: int) -> bool:
     """Whether the parameter of an R-operation is a number in its range."""
     operation, arguments, _ = builder.nodes[part]
@@ -120,13 +126,15 @@ class Images:
     def _ends(self) -> Mapping[str, tuple[float, float]]:
         return {name: (neighbours(low)[0], neighbours(high)[1]) for name, (low, high) in self.letters.items()}
 
-    def _function(self, outputs: Mapping[str, int], *, sharpened: Sequence[str] = ()) -> IntervalFunction:
+    def _function(
+        self, outputs: Mapping[str, int], *, sharpened: Sequence[str] = (), strict: bool = True
+    ) -> IntervalFunction:
         builder = self.model.builder
         program = assemble(builder.nodes, builder.coordinates, builder.letters, outputs)
         numbers = dict(program.outputs)
         backend = "numpy" if len(program) <= SMALL else None
         nodes = tuple(numbers[name] for name in sharpened)
-        return IntervalFunction(program, backend, sharpened=nodes, strict=True)
+        return IntervalFunction(program, backend, sharpened=nodes, strict=strict)
 
     def alive(self, boxes: Boxes) -> tuple[Flags, NDArray[np.int8], Flags, NDArray[np.int8]]:
         """The leaves alive on boxes, what joins them, where omega is certainly defined all over the box, and signs.
@@ -142,6 +150,23 @@ class Images:
         signs = (low > 0).astype(np.int8) - (high < 0).astype(np.int8)
         whole = found["whole"]
         return alive, joined, np.isfinite(whole[0]) & np.isfinite(whole[1]), signs
+
+    @cached_property
+    def _where_defined(self) -> IntervalFunction:
+        """Omega where it is defined, and the arguments that must not be negative for it to be."""
+        builder = self.model.builder
+        operations = [builder.nodes[part] for part in live(builder.nodes, [self.model.root])]
+        chosen = any(node.operation == "select" for node in operations)  # a branch that is not taken may be undefined
+        roots = [node.arguments[0] for node in operations if not chosen and _is_root(builder, node)]
+        outputs = {"whole": self.model.root} | {f"root {k}": node for k, node in enumerate(dict.fromkeys(roots))}
+        return self._function(outputs, strict=False)
+
+    def is_empty(self, boxes: Boxes) -> Flags:
+        """Where omega certainly is zero at no point of a box at which it is defined, or is defined at none."""
+        found = dict(self._on(self._where_defined, boxes))
+        low, high = found.pop("whole")
+        empty: Flags = np.logical_or.reduce([(low > 0) | (high < 0), *(top < 0 for _, top in found.values())])
+        return empty
 
     def sign(self, boxes: Boxes) -> NDArray[np.int8]:
         """The sign of omega on boxes, 0 where it is not known."""

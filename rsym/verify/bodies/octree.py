@@ -112,6 +112,7 @@ class Octree:
     def _level(self, level: Boxes) -> Boxes:
         alive, joined, defined, signs = self.images.alive(level)
         keep = alive.any(axis=0) | (joined == OPEN) | ~defined
+        keep[~defined] = ~self.images.is_empty(level[~defined])
         level, alive, joined, defined, signs = level[keep], alive[:, keep], joined[keep], defined[keep], signs[:, keep]
         widths = (level[..., 1] - level[..., 0]).max(axis=1)
         divided = widths > COARSEST * self.extent

@@ -93,7 +93,7 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
         continuity=_continuity(found, curves, points, verdict, exists),
         curves=tuple(sorted(curves, key=_badness)),
         points=tuple(sorted(points, key=_badness)),
-        curvatures=(-math.inf, math.inf) if found.left or found.late else bent.enclosure,
+        curvatures=(-math.inf, math.inf) if found.left or found.late or found.double else bent.enclosure,
         attained=bent.attained,
         cover=_cover(study.region, found),
         letters={name: (float(low), float(high)) for name, (low, high) in model.letters.items()},
