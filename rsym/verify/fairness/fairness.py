@@ -68,7 +68,8 @@ def fairness(
     budget : int
         The greatest number of pieces to examine.
     progress : callable, optional
-        ``progress(examined, budget)``, now and then; an answer of False cancels.
+        ``progress(examined, budget)``, now and then, first of the verdict, then of the curvatures; an answer of False
+        cancels.
 
     Returns
     -------
@@ -100,7 +101,7 @@ def fairness(
         raise RsymError(
             f"fairness is that of one design, but {', '.join(ranging)} ranges", code="letters", remedy="give numbers"
         )
-    smoothness = verify_smoothness(shape, bounds=bounds, letters=letters, method=method)
+    smoothness = verify_smoothness(shape, bounds=bounds, letters=letters, method=method, progress=progress)
     if isinstance(smoothness, BodyReport):
         return body_fairness(shape, smoothness, values)
     return _of_a_curve(shape, bounds, smoothness, values, tolerance, budget, progress)

@@ -17,7 +17,7 @@ from rsym.verify.repair.moves import Move, Request
 from rsym.verify.repair.prices import measured, price
 from rsym.verify.repair.registry import chosen_moves
 from rsym.verify.repair.report import Candidate, Rejected, RepairReport
-from rsym.verify.repair.search import Judge, Outcome, outcomes
+from rsym.verify.repair.search import Judge, Outcome, outcomes, within
 from rsym.verify.smoothness import verify_smoothness
 
 NARROWED = 12  # verdicts that narrow a letter down
@@ -71,12 +71,13 @@ def repair(
     method : str
         That of `verify_smoothness`.
     progress : callable, optional
-        ``progress(verdicts, about how many)``; an answer of False cancels.
+        ``progress(verdicts, about how many)``, also within a verdict; an answer of False cancels.
 
     Returns
     -------
     RepairReport
-        ``.before``, ``.candidates`` (those that move the boundary least first), ``.rejected``; ``str(report)`` is text.
+        ``.before``, ``.candidates`` (those that move the boundary least first), ``.rejected``, ``.needed``;
+        ``str(report)`` is text.
 
     Raises
     ------
@@ -97,10 +98,10 @@ def repair(
     shape = _fixed(shape, bounds, letters)
     request = _request(shape, vary, radius, curvature, tolerance)
     chosen = chosen_moves(moves)
-    before = verify_smoothness(shape, method=method)
+    before = verify_smoothness(shape, method=method, progress=within(progress, 0, 1))
     judge = Judge(before, curvature, method, progress)
     if not judge.failure(before):
-        return RepairReport(shape, before, (), ())
+        return RepairReport(shape, before, (), (), needed=False)
     families = [family for move in chosen for family in move.families(Request(shape, before, *request))]
     judge.total = sum(len(family.sizes) + NARROWED * (family.unit is not None) for family in families)
     found = [outcome for family in families for outcome in outcomes(family, shape, judge, tolerance)]
