@@ -191,7 +191,9 @@ def test_the_greatest_curvature_of_a_body_counts_its_circles():
 
 def test_a_run_between_cells_of_one_kind_is_an_island():
     kinds = np.array([[1], [0], [-1], [0], [-1]])
-    assert narrowest(kinds, (np.full(5, 0.2), np.ones(1)))[[1, 3], 0].tolist() == [0.2, 0.8]
+    crossing, island = narrowest(kinds, (np.full(5, 0.01), np.ones(1)))[[1, 3], 0]
+    assert_close(crossing, 0.01, atol=1e-12)
+    assert_close(island, 0.16, atol=1e-12)
 
 
 def test_lines_that_touch_in_a_corner_are_closed_each_by_itself():

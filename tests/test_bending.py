@@ -78,6 +78,15 @@ def test_extremes(shape, low, high):
     assert_encloses(bending_of(shape), low, high, share=0.051, flat=1e-12)
 
 
+def test_a_range_of_letters():
+    r = sp.Symbol("r", real=True)
+    shape = rsym.Shape(r**2 - x**2 - y**2 - z**2, (x, y, z), letters={r: 1}, bounds=((-1.6, 1.61),) * 3)
+    study = study_body(shape, shape.bounds, ranges_of(shape.letters, {"r": (1, sp.Rational(5, 4))}))
+    low, high = bending(study.images, study.found).enclosure
+    assert 0.7 < low <= 0.8
+    assert 1 <= high < 1.15
+
+
 def test_quartic():
     expression = 1 - x**4 - y**4 - z**4
     found = bending_of(rsym.Shape(expression, (x, y, z), bounds=((-2.1, 2.05),) * 3))

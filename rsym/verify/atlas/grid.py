@@ -15,7 +15,8 @@ Ints = NDArray[np.int64]
 
 # What stands in a cell; the signs tell certified from refuted.
 KINDS = {CERTIFIED: 1, REFUTED: -1, UNDECIDED: 0, DEGENERATE: 2}
-ISLAND = 4.0
+# An undecided island beside a threshold widens its enclosure: it counts as so many times as wide as it is.
+ISLAND = 16.0
 
 
 @dataclass(frozen=True, eq=False)

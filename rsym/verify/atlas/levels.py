@@ -38,12 +38,12 @@ class CurvatureMap:
     Examples
     --------
     >>> points = np.array([[0, 0], [1, 0], [0, 1], [1, 1.0]])
-    >>> shown = CurvatureMap(points, np.exp(points[:, 0]), np.array([[[0, 1], [0, 1.0]]]))
-    >>> shown.on((np.array([0.5]), np.array([0.25]))).round(6)
-    array([[1.648721]])
-    >>> ((line,),) = [lines for level, lines in shown.level_lines() if level == 2]
-    >>> bool(abs(line[:, 0] - np.log(2)).max() < 1e-3)
-    True
+    >>> shown = CurvatureMap(points, 3 / (1 + points[:, 0]), np.array([[[0, 1], [0, 1.0]]]))
+    >>> shown.on((np.array([0.25]), np.array([0.5]))).round(6)
+    array([[2.4]])
+    >>> ((level, (line,)),) = shown.level_lines()
+    >>> level, bool(abs(line[:, 0] - 0.5).max() < 1e-3)
+    (2.0, True)
     """
 
     points: Floats
@@ -51,14 +51,17 @@ class CurvatureMap:
     certified: Floats
 
     def on(self, axes: tuple[Floats, Floats]) -> Floats:
-        """The map on a lattice, smooth in the logarithm between the points; NaN where smoothness is not certified."""
+        """The map on a lattice; NaN where smoothness is not certified.
+
+        Between the points the radius is interpolated: towards a corner it falls to zero, as a rule in proportion.
+        """
         result = np.full((len(axes[0]), len(axes[1])), np.nan)
         if len(self.values) < FEWEST:
             return result
         low, width = self.points.min(axis=0), np.ptp(self.points, axis=0)
-        smooth = CloughTocher2DInterpolator((self.points - low) / width, np.log(self.values))
+        smooth = CloughTocher2DInterpolator((self.points - low) / width, 1 / self.values)
         places = np.meshgrid(*((axis - low[k]) / width[k] for k, axis in enumerate(axes)), indexing="ij")
-        values = np.exp(smooth(*places))
+        values = 1 / np.clip(smooth(*places), 1 / self.values.max(), 1 / self.values.min())
         for sides in self.certified:
             inside = np.ix_(*((low <= axis) & (axis <= high) for axis, (low, high) in zip(axes, sides, strict=True)))
             result[inside] = values[inside]

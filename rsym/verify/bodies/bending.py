@@ -17,7 +17,8 @@ from rsym.verify.bodies.simplest import simplest
 
 TIGHT = 0.05  # of an end of what is attained: the enclosure may exceed it by this share
 FLAT = 0.002  # of the largest curvature: an end nearer to 0 than this is taken for 0, and not pursued further
-BUDGET = 400_000  # boxes, some 30 microseconds each
+BUDGET = 150_000  # boxes, some 15 microseconds each; a torus takes 36 000, a skeleton body 106 000
+RANGING = 40_000  # where letters range: what is attained is for their middles, and no bound comes near it
 FINEST = 2.0**-20  # of the extent: narrower boxes are not divided, smaller curvatures than its inverse are 0
 MATTERS = 0.3  # of the largest share of a side: a fillet between planes takes 3 500 boxes, not 86 000
 BESIDE = 2.0**-30  # of the extent: so far from a point of the boundary omega is looked at
@@ -48,7 +49,8 @@ def bending(images: Images, found: Subdivision) -> Bending:
     extent = max((float(np.ptp(sheet.boxes, axis=(0, 2)).max()) for sheet in sheets.values()), default=1.0)
     search = _Search(images, extent)
     parts = [_Sheet(search, node, sheet) for node, sheet in sheets.items()]
-    while search.spent < BUDGET:
+    budget = RANGING if any(low != high for low, high in images.letters.values()) else BUDGET
+    while search.spent < budget:
         marked = [part.offending(search.ends) for part in parts]
         if not any(own.any() for own in marked):
             break

@@ -16,9 +16,12 @@ of f, which is zero on the sheet: N = N(c) + m f(c) + (C(B) + m g(B)).(B - c), w
 
     C_ij = -(D(T_i, T_j) - d_i H(n, T_j) - d_j H(n, T_i)) - K H(n) delta_ij,   d_i = H(T_i)/w = the gradient of a_i.
 
-m cancels the slope along the normal. So bounds exceed what is attained in B by the order of h**2: where a curvature
-has an extreme, the slopes C of its entry vanish. The largest value of N(v, v) on unit vectors is at most the larger
-eigenvalue for the upper ends of N_11, N_22 and of |N_12|, the least at least the smaller for the lower ends.
+m cancels the slope along the normal; m = 0, and the image of N itself, are better where letters range and f(c) with
+them, so the three are intersected. With the first, bounds exceed what is attained in B by the order of h**2: where a
+curvature has an extreme, the slopes C of its entry vanish.
+
+The largest value of N(v, v) on unit vectors is at most the larger eigenvalue for the upper ends of N_11, N_22 and of
+|N_12|, the least at least the smaller for the lower ends.
 
 The frame is orthonormal but for rounding: T_i is tangent for any frame, the other formulas are off by FRAME.
 """
@@ -144,9 +147,10 @@ def principal_bounds(frame: Frame, value: Centred, point: Jet, box: Jet, offset:
     lean = _lean(slope.middle, box.gradient.middle, frame.vectors[2])
     tilted = slope + contracted("en,kn->ekn", lean, box.gradient)
     change = contracted("ekn,kn->en", tilted, offset) + contracted("en,n->en", lean, value)
-    low, high = (_entries(here, shifts) + change).ends
-    plain_low, plain_high = _entries(over, shifts).ends
-    low, high = np.maximum(low, plain_low), np.minimum(high, plain_high)
+    start = _entries(here, shifts)
+    ways = start + change, start + contracted("ekn,kn->en", slope, offset), _entries(over, shifts)
+    lows, highs = zip(*(way.ends for way in ways), strict=True)
+    low, high = np.maximum.reduce(lows), np.minimum.reduce(highs)
     sizes = np.abs(tilted.middle) + tilted.radius
     with np.errstate(all="ignore"):
         shares = sizes.max(axis=0) * (np.abs(offset.middle) + offset.radius)

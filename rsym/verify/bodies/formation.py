@@ -104,11 +104,11 @@ class Formation:
         -------
         (leaves, n) bool, (n,) int8
             The second is MIN or MAX where two leaves are alive that one such gate joins, 0 where none or one is, OPEN
-            where more can be said only by looking closer.
+            where more can be said only by looking closer: a choice may change the sign where no leaf is zero.
         """
         leaf = np.eye(len(self.leaves), dtype=bool)[:, :, None]
         parts = [
-            _Part(a, b, own & (a <= 0) & (b >= 0), np.zeros(a.shape, np.int8))
+            _Part(a, b, own & (a <= 0) & (b >= 0), np.zeros(a.shape, np.int8), np.zeros(a.shape, bool))
             for a, b, own in zip(low, high, leaf, strict=True)
         ]
         for gate in self.gates:
@@ -117,16 +117,18 @@ class Formation:
                 parts.append(_choice(first, second, tests[0][gate.test], tests[1][gate.test]))
             else:
                 parts.append(_smaller(first, second) if gate.operation == "min" else _larger(first, second))
-        return parts[-1].alive, parts[-1].joined
+        whole = parts[-1]
+        return whole.alive, np.where(whole.forked, OPEN, whole.joined).astype(np.int8)
 
 
 class _Part(NamedTuple):
-    """Bounds of a gate, the leaves alive in it (leaves, n), and what joins them."""
+    """Bounds of a gate, the leaves alive in it (leaves, n), what joins them, and whether a choice is open."""
 
     low: Array
     high: Array
     alive: Flags
     joined: NDArray[np.int8]
+    forked: Flags
 
 
 def _smaller(f: _Part, g: _Part) -> _Part:
@@ -148,17 +150,19 @@ def _joined(f: _Part, g: _Part, low: Array, high: Array, only: tuple[Flags, Flag
     alive = (f.alive & ~only[1] | g.alive & ~only[0]) & undecided
     plain = (f.joined == 0) & (g.joined == 0)
     joined = np.where(both, np.where(plain, operation, OPEN), np.where(only[0], f.joined, g.joined))
-    return _Part(low, high, alive, np.where(undecided & (alive.sum(axis=0) > 1), joined, 0).astype(np.int8))
+    joined = np.where(undecided & (alive.sum(axis=0) > 1), joined, 0).astype(np.int8)
+    return _Part(low, high, alive, joined, (f.forked & ~only[1] | g.forked & ~only[0]) & undecided)
 
 
 def _choice(f: _Part, g: _Part, low: Array, high: Array) -> _Part:
     """The first where the test is positive, the second where it is not."""
     first, second = low > 0, high < 0
-    both = ~first & ~second
     bounds = (
         np.where(first, f.low, np.where(second, g.low, np.minimum(f.low, g.low))),
         np.where(first, f.high, np.where(second, g.high, np.maximum(f.high, g.high))),
     )
-    alive = (f.alive & ~second | g.alive & ~first) & (bounds[0] <= 0) & (bounds[1] >= 0)
-    joined = np.where(both, OPEN, np.where(first, f.joined, g.joined))
-    return _Part(*bounds, alive, np.where(alive.any(axis=0), joined, 0).astype(np.int8))
+    undecided = (bounds[0] <= 0) & (bounds[1] >= 0)
+    alive = (f.alive & ~second | g.alive & ~first) & undecided
+    joined = np.where(first, f.joined, g.joined)
+    forked = np.where(first, f.forked, second & g.forked | ~second) & undecided
+    return _Part(*bounds, alive, np.where(alive.any(axis=0), joined, 0).astype(np.int8), forked)

@@ -123,6 +123,31 @@ def essential(formula: Formula) -> tuple[int, ...]:
     return tuple(found)
 
 
+def as_gate(formula: Formula) -> tuple[str, tuple[int, ...]] | None:
+    """The operation and the signs of one or two leaves that a formula joins by a "min" or "max"; None if it does not.
+
+    They agree for leaves that are zero too: -|u| is zero on a sheet without a change of sign, and no leaf.
+
+    Examples
+    --------
+    >>> as_gate(gate("max", Literal(1), Literal(2, -1))), as_gate(gate("max", Literal(1), Literal(1, -1)))
+    (('max', (1, -1)), None)
+    """
+    leaves = leaves_of(formula)
+    if not 1 <= len(leaves) <= 2:
+        return None
+    table = {values: ternary(formula, dict(zip(leaves, values, strict=True))) for values in _ternaries(len(leaves))}
+    for operation, signs in product(("min", "max"), product((1, -1), repeat=len(leaves))):
+        own = Gate(operation, tuple(Literal(place, sign) for place, sign in enumerate(signs)))
+        if all(ternary(own, dict(enumerate(values))) == value for values, value in table.items()):
+            return operation, signs
+    return None
+
+
+def _ternaries(count: int) -> Iterator[tuple[int, ...]]:
+    return product((-1, 0, 1), repeat=count)
+
+
 def replaced(formula: Formula, substitutes: Mapping[int, Formula]) -> Formula:
     """The formula with other formulas in the place of some leaves.
 

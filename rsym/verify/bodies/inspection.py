@@ -9,7 +9,7 @@ from itertools import product
 from rsym.codegen.balls import arb
 from rsym.codegen.builder import Builder
 from rsym.verify.bodies.corners import Corner, corner
-from rsym.verify.bodies.formulas import ternary
+from rsym.verify.bodies.formulas import as_gate
 from rsym.verify.bodies.sheets import sheets
 from rsym.verify.generators import Generators, generators
 from rsym.verify.joints import Meeting, meeting
@@ -18,7 +18,6 @@ from rsym.verify.locus import NONE, Locus, reduce
 from rsym.verify.resolution import contact
 
 GROWN = 0.25  # of the width of a box, on every side: what is proved of two sheets holds a little beyond the box
-SIGNS = {count: list(product((1, -1), repeat=count)) for count in range(3)}
 SMOOTH = 3  # sheets that agree to this order have one curvature
 FINE = 1 / 4096  # of the extent: below it a leaf of finite class is accepted as it is
 
@@ -67,19 +66,14 @@ def locus_of(local: Local, number: int) -> Locus:
     found = sheets(local, number)
     if found is None or len(found.leaves) > 2:
         return locus
-    b, leaves = local.model.builder, found.leaves
-    table = {signs: ternary(found.formula, dict(zip(leaves, signs, strict=True))) for signs in SIGNS[len(leaves)]}
-    inside = [signs for signs, value in table.items() if value > 0]
-    if len(inside) in (0, len(table)):
-        return NONE if not leaves else Locus("double", leaves) if len(leaves) == 1 else locus
-    if len(leaves) == 1:
-        return Locus("leaf", (leaves[0] if inside[0][0] > 0 else b.neg(leaves[0]),))
-    if len(inside) == 2:
-        return locus
-    odd = inside[0] if len(inside) == 1 else next(signs for signs in table if signs not in inside)
-    signs = odd if len(inside) == 1 else tuple(-sign for sign in odd)
+    b, leaves, single = local.model.builder, found.leaves, as_gate(found.formula)
+    if not leaves:
+        return NONE
+    if single is None:
+        return Locus("double", leaves) if len(leaves) == 1 else locus
+    operation, signs = single
     nodes = tuple(leaf if sign > 0 else b.neg(leaf) for leaf, sign in zip(leaves, signs, strict=True))
-    return Locus("conjunction" if len(inside) == 1 else "disjunction", nodes)
+    return Locus("leaf" if len(leaves) == 1 else "conjunction" if operation == "min" else "disjunction", nodes)
 
 
 def _leaf(local: Local, extent: float, number: int, locus: Locus) -> Inspection:

@@ -19,10 +19,10 @@ from rsym.sampling.progress import Progress, report
 from rsym.verify.bodies.boxes import area, eighths, grown, halves, listed
 from rsym.verify.bodies.corners import Corner
 from rsym.verify.bodies.formation import DOUBLE, MAX, MIN, OPEN
-from rsym.verify.bodies.formulas import Formula, leaves_of, ternary
+from rsym.verify.bodies.formulas import Formula, as_gate, leaves_of
 from rsym.verify.bodies.images import Array, Boxes, Flags, Images
 from rsym.verify.bodies.independence import apart, independent, step_to_both
-from rsym.verify.bodies.inspection import SIGNS, Inspection, inspect, is_even
+from rsym.verify.bodies.inspection import Inspection, inspect, is_even
 from rsym.verify.covering import PRECISION
 from rsym.verify.joints import Arc, Meeting
 from rsym.verify.local import Box
@@ -111,7 +111,7 @@ class Octree:
 
     def _level(self, level: Boxes) -> Boxes:
         alive, joined, defined, signs = self.images.alive(level)
-        keep = alive.any(axis=0) | ~defined
+        keep = alive.any(axis=0) | (joined == OPEN) | ~defined
         level, alive, joined, defined, signs = level[keep], alive[:, keep], joined[keep], defined[keep], signs[:, keep]
         widths = (level[..., 1] - level[..., 0]).max(axis=1)
         divided = widths > COARSEST * self.extent
@@ -152,7 +152,7 @@ class Octree:
         """The boxes by the sheets that they can hold; those that hold none are left out."""
         groups: dict[Sheets, list[NDArray[np.int64]]] = {}
         count = alive.sum(axis=0)
-        simple = defined & ((count == 1) | ((count == 2) & (joined != OPEN)))
+        simple = defined & (joined != OPEN) & (count <= 2)
         leaves = self.images.formed.leaves
         codes = np.where(count == 1, 0, joined).astype(np.int8)
         for place, pattern in _patterns(np.concatenate([alive, codes[None]]), np.flatnonzero(simple)):
@@ -175,21 +175,17 @@ class Octree:
         return self._known[signs]
 
     def _sheets(self, formula: Formula) -> Sheets | None:
-        leaves = leaves_of(formula)
+        leaves, single = leaves_of(formula), as_gate(formula)
         b, nodes = self.images.model.builder, self.images.formed.leaves
+        if not leaves:
+            return None
         if len(leaves) > 2:
             return Sheets(tuple(nodes[k] for k in leaves), OPEN)
-        table = {signs: ternary(formula, dict(zip(leaves, signs, strict=True))) for signs in SIGNS[len(leaves)]}
-        inside = [signs for signs, value in table.items() if value > 0]
-        if len(inside) in {0, len(table)}:
-            return None if not leaves else Sheets((nodes[leaves[0]],), DOUBLE) if len(leaves) == 1 else HARD
-        if len(leaves) == 2 and len(inside) == 2:
-            return HARD
-        # Of two leaves one combination of signs is inside, the conjunction, or one outside, the disjunction.
-        odd = inside[0] if len(inside) == 1 else next(signs for signs in table if signs not in inside)
-        turned = 1 if len(inside) == 1 else -1
-        signed = (nodes[k] if sign * turned > 0 else b.neg(nodes[k]) for k, sign in zip(leaves, odd, strict=True))
-        return Sheets(tuple(signed), 0 if len(leaves) == 1 else MIN if turned > 0 else MAX)
+        if single is None:
+            return Sheets((nodes[leaves[0]],), DOUBLE) if len(leaves) == 1 else HARD
+        operation, signs = single
+        signed = (nodes[k] if sign > 0 else b.neg(nodes[k]) for k, sign in zip(leaves, signs, strict=True))
+        return Sheets(tuple(signed), 0 if len(leaves) == 1 else MIN if operation == "min" else MAX)
 
     def _settle(self, sheets: Sheets, own: NDArray[np.int64], state: _State) -> None:
         """Boxes with one sheet are settled where it is regular, those with two where they cross."""

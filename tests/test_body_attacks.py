@@ -1,0 +1,52 @@
+"""Bodies made to deceive: each has a defect, or none, that a verdict might miss."""
+
+import pytest
+import sympy as sp
+
+import rsym
+from rsym import Shape, x, y, z
+from rsym.verify.bodies.verdict import report_body, study_body
+
+Q = sp.Rational
+SQUARES = x**2 + y**2 + z**2
+BALL = 1 - SQUARES
+WINDOW = ((-1.61, 1.6), (-1.6, 1.62), (-1.59, 1.6))
+
+
+def body(expression, bounds=WINDOW, budget=5_000):
+    return report_body(study_body(Shape(expression, (x, y, z), bounds=bounds), bounds, {}, budget=budget))
+
+
+# A choice may jump across zero where neither of its branches vanishes: half a ball, its flat side without a zero.
+JUMPS = {
+    "choice of signs": rsym.conjunction(BALL, sp.Piecewise((1, x > Q(1, 10)), (-1, True))),
+    "choice of a sheet": sp.Piecewise((BALL, x > Q(1, 10)), (-1, True)),
+    "choice beyond an edge": rsym.conjunction(BALL, sp.Piecewise((1, y > Q(3, 10)), (x + Q(1, 10), True))),
+}
+
+
+@pytest.mark.parametrize("name", JUMPS)
+def test_a_jump_across_zero_is_no_smooth_boundary(name):
+    report = body(JUMPS[name])
+    assert report.verdict in ("REFUTED", "UNDECIDED")
+    assert len(report.cover.undecided)
+
+
+# omega is 0 on the inner sphere, and positive on both of its sides.
+INNER = Q(1, 4) - SQUARES
+CRACKS = {
+    "two operands": rsym.disjunction(INNER, -INNER),
+    "three operands": rsym.disjunction(INNER, -INNER, -(INNER**2)),
+}
+
+
+@pytest.mark.parametrize("name", CRACKS)
+def test_a_zero_within_a_body_is_no_smooth_boundary(name):
+    report = body(rsym.conjunction(BALL, CRACKS[name]))
+    assert report.verdict in ("DEGENERATE", "UNDECIDED")
+    assert len(report.cover.undecided)
+
+
+def test_two_halves_of_a_body_that_share_a_face_are_cracked():
+    report = body(rsym.disjunction(INNER, -INNER))
+    assert (report.verdict, report.continuity) == ("DEGENERATE", "broken")
