@@ -20,6 +20,7 @@ FLAT = 0.002  # of the largest curvature: an end nearer to 0 than this is taken 
 BUDGET = 150_000  # boxes, some 15 microseconds each; a torus takes 36 000, a skeleton body 106 000
 RANGING = 40_000  # where letters range: what is attained is for their middles, and no bound comes near it
 FINEST = 2.0**-20  # of the extent: narrower boxes are not divided, smaller curvatures than its inverse are 0
+AT_ONCE = 10_000  # boxes divided at a time, the worst first: where the budget does not reach it goes to what matters
 MATTERS = 0.3  # of the largest share of a side: a fillet between planes takes 3 500 boxes, not 86 000
 BESIDE = 2.0**-30  # of the extent: so far from a point of the boundary omega is looked at
 WHOLE, PART = -1, -2  # in place of a node: the sheet is the boundary all over the box, or somewhere in it
@@ -51,11 +52,12 @@ def bending(images: Images, found: Subdivision) -> Bending:
     parts = [_Sheet(search, node, sheet) for node, sheet in sheets.items()]
     budget = RANGING if any(low != high for low, high in images.letters.values()) else BUDGET
     while search.spent < budget:
-        marked = [part.offending(search.ends) for part in parts]
-        if not any(own.any() for own in marked):
+        excess = [part.excess(search.ends) for part in parts]
+        worst = np.sort(np.concatenate(excess or [np.zeros(1)]))[-AT_ONCE:]
+        if not worst.max(initial=0.0) > 0:
             break
-        for part, own in zip(parts, marked, strict=True):
-            part.refine(own)
+        for part, own in zip(parts, excess, strict=True):
+            part.refine((own >= worst[0]) & (own > 0))
     low = min((float(part.low.min(initial=np.inf)) for part in parts), default=np.inf)
     high = max((float(part.high.max(initial=-np.inf)) for part in parts), default=-np.inf)
     attained = search.attained if np.isfinite(search.attained).all() else np.array([np.nan, np.nan])
@@ -156,10 +158,10 @@ class _Sheet:
         self.held, found = search.bounded(node, sheet)
         self.low, self.high, self.shares = found.low, found.high, found.shares
 
-    def offending(self, ends: Array) -> Flags:
-        """The boxes whose bounds reach beyond these ends, the finest left out."""
-        result: Flags = ((self.low < ends[0]) | (self.high > ends[1])) & self._wide(self.held.boxes).any(axis=1)
-        return result
+    def excess(self, ends: Array) -> Array:
+        """How far the bounds of boxes reach beyond these ends; 0 for the finest."""
+        beyond = np.maximum(0.0, np.maximum(ends[0] - self.low, self.high - ends[1]))
+        return np.where(self._wide(self.held.boxes).any(axis=1), beyond, 0.0)
 
     def _wide(self, boxes: Boxes) -> Flags:
         """The sides that may be divided."""
