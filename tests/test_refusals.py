@@ -49,6 +49,13 @@ def test_sizes_budgets_and_letters(shape, question, given, code):
     assert raised.value.remedy
 
 
+@pytest.mark.parametrize("draw", [rsym.plot_repair, rsym.plot_designs, rsym.plot_fairness, rsym.plot_atlas])
+def test_pictures_of_what_is_no_report(draw):
+    with pytest.raises(rsym.RsymError, match=r"expected a \w+, got int") as raised:
+        draw(3)
+    assert raised.value.code == "report"
+
+
 @pytest.mark.parametrize("designs", [[{"a": 1}], {"one": 3}], ids=["no mapping", "no letters"])
 def test_designs_that_are_none(designs):
     with pytest.raises(rsym.RsymError):

@@ -57,6 +57,22 @@ def figure_of(artist: Artist) -> Figure:
     return whole
 
 
+def require_report(given: object, expected: type, question: str) -> None:
+    """Refuse to draw what no answer to the question is.
+
+    Examples
+    --------
+    >>> require_report(3, dict, "rsym.repair(shape)")
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: expected a dict, got int; remedy: ask rsym.repair(shape)
+    """
+    if not isinstance(given, expected):
+        raise RsymError(
+            f"expected a {expected.__name__}, got {type(given).__name__}", code="report", remedy=f"ask {question}"
+        )
+
+
 def picture_suffix(path: str | os.PathLike[str]) -> str:
     """The suffix of a picture's name, one that `write_picture` knows: asked before the work, not after it."""
     suffix = Path(path).suffix.lower()
