@@ -1,7 +1,8 @@
 """The command line: `rsym fields`, `rsym mesh` and the others of `rsym.commands`.
 
 Exit codes: 0 done, 1 input refused, 2 usage; `rsym verify` answers 0 certified, 1 refuted,
-3 undecided or degenerate; `rsym lint` 0 clean, 1 findings. Everything heavy is imported by
+3 undecided or degenerate; `rsym repair` 0 with candidates or without need, 1 without candidates;
+`rsym lint` 0 clean, 1 findings. Everything heavy is imported by
 the command that needs it, so `rsym --help` answers at once.
 """
 

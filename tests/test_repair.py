@@ -236,7 +236,7 @@ def test_a_minimum_whose_value_matters_is_no_edge():
 
 def test_what_is_certified_is_left_alone():
     found = repair(rsym.Shape(1 - x**2 - y**2, (x, y), bounds=BOX))
-    assert (found.candidates, found.rejected) == ((), ())
+    assert (found.candidates, found.rejected, found.needed) == ((), (), False)
     assert str(found) == "CERTIFIED, analytic, as it is: nothing to repair."
 
 
@@ -245,6 +245,16 @@ def test_what_nothing_helps_is_said():
     assert found.candidates == ()
     assert [other.move for other in found.rejected] == ["round", "rho", "pasko"]
     assert "no candidate was found" in str(found)
+
+
+def test_where_nothing_could_be_tried_the_repair_has_failed_too():
+    """There is no letter to move: neither a corner nor a curvature that is too large is then called repaired."""
+    for found in (
+        repair(CORNER, moves=["letter"]),
+        repair(rsym.Shape(1 - x**2 - y**2, (x, y), bounds=BOX), moves=["letter"], curvature=0.5),
+    ):
+        assert (found.candidates, found.rejected, found.needed) == ((), (), True)
+        assert str(found).endswith("no candidate was found.")
 
 
 def test_a_boundary_may_begin_to_exist():
@@ -285,8 +295,8 @@ def test_a_move_of_ones_own():
         ({"moves": ["rond"]}, "move"),
         ({"vary": ["q"]}, "unknown-letter"),
         ({"letters": {"q": 1}}, "unknown-letter"),
-        ({"radius": 0}, "parameter"),
-        ({"curvature": -1}, "parameter"),
+        ({"radius": 0}, "radius"),
+        ({"curvature": -1}, "curvature"),
     ],
 )
 def test_bad_input_is_refused(arguments, code):

@@ -14,7 +14,7 @@ from rsym.codegen.fields import checked_fields, gather, program_of
 from rsym.codegen.intervals import Bounds, IntervalFunction
 from rsym.codegen.program import Program
 from rsym.errors import RsymError
-from rsym.model.letters import Letters, real_number
+from rsym.model.letters import Letters, mapping_of, real_number
 from rsym.model.shape import Shape
 
 Range: TypeAlias = tuple[Fraction, Fraction]
@@ -95,7 +95,7 @@ def ranges_of(letters: Letters, changes: Mapping[Any, Any] | None) -> dict[str, 
     >>> ranges_of(as_letters({"a": 5, "b": 6}), {"a": (5.25, 8)})
     {'a': (Fraction(21, 4), Fraction(8, 1)), 'b': (Fraction(6, 1), Fraction(6, 1))}
     """
-    pairs = {str(key): _pair(str(key), value) for key, value in (changes or {}).items()}
+    pairs = {str(key): _pair(str(key), value) for key, value in mapping_of(changes).items()}
     for end in (0, 1):
         letters.values_with({name: pair[end] for name, pair in pairs.items()})
     known = {name: (letter.default, letter.default) for name, letter in letters.items()} | pairs

@@ -29,7 +29,7 @@ def add(commands: Commands) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Look for candidates and print them; 0 if there are some or none is needed, else 1."""
+    """Look for candidates and print them; the exit code is 0 if there are some or none is needed, else 1."""
     from rsym.output.pictures import picture_suffix, write_picture
     from rsym.output.repairs import plot_repair
     from rsym.verify.repair.repairing import repair
@@ -49,4 +49,4 @@ def run(options: argparse.Namespace) -> int:
     print(report.to_json() if options.json else report)
     if options.output is not None and report.candidates:
         write_picture(plot_repair(report), options.output)
-    return 0 if report.candidates or not report.rejected else 1
+    return 0 if report.candidates or not report.needed else 1

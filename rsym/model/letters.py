@@ -99,7 +99,7 @@ class Letters(Mapping[str, Letter]):
     def values_with(self, changes: Mapping[Any, Any] | None) -> dict[str, float]:
         """Every letter's value, the defaults overridden by `changes` (names or symbols to numbers)."""
         values = {name: float(item.default) for name, item in self.items()}
-        for key, value in (changes or {}).items():
+        for key, value in mapping_of(changes).items():
             name = str(key)
             if name not in values:
                 raise RsymError(
@@ -134,6 +134,23 @@ def as_letters(letters: Mapping[Any, Any] | None) -> Letters:
     return Letters(
         {str(key): item if isinstance(item, Letter) else Letter(item) for key, item in (letters or {}).items()}
     )
+
+
+def mapping_of(letters: Any) -> Mapping[Any, Any]:
+    """Letters as they were given, none for None; what is no mapping is refused.
+
+    Examples
+    --------
+    >>> mapping_of({"a": 5})
+    {'a': 5}
+    """
+    if letters is not None and not isinstance(letters, Mapping):
+        raise RsymError(
+            f"letters must be a mapping of names to values, got {letters!r}",
+            code="letters",
+            remedy='for example {"a": 5}',
+        )
+    return letters or {}
 
 
 def real_number(value: Any, what: str) -> Number:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from rsym.model.names import typeset_name
 from rsym.output.certificates import DEFECT
+from rsym.output.pictures import figure_of, require_report
 from rsym.verify.atlas.levels import FEWEST, round_levels
 from rsym.verify.atlas.report import SmoothnessAtlas
 from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
@@ -79,6 +80,7 @@ def plot_atlas(
     >>> figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()
     ('$a$', '$b$')
     """
+    require_report(atlas, SmoothnessAtlas, "rsym.smoothness_atlas(shape, letter_a, letter_b)")
     alone = ax is None
     if ax is None:
         import matplotlib.pyplot
@@ -96,8 +98,7 @@ def plot_atlas(
     ax.set_xlabel(f"${typeset_name(atlas.letters[0])}$", fontsize=12)
     ax.set_ylabel(f"${typeset_name(atlas.letters[1])}$", fontsize=12)
     ax.tick_params(labelsize=9)
-    figure = ax.get_figure(root=True)
-    assert isinstance(figure, Figure)
+    figure = figure_of(ax)
     if colours is not None:
         _colour_bar(figure, ax, colours)
     if alone:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from rsym.errors import RsymError
 from rsym.model.names import typeset_name
 from rsym.output.fairness import colour_bar, curvature_label, curvature_norm, draw_curvature
+from rsym.output.pictures import require_report
 from rsym.verify.fairness.designs import Design, DesignTable
 from rsym.verify.fairness.wording import directed
 from rsym.verify.wording import number
@@ -45,6 +46,7 @@ def plot_designs(table: DesignTable) -> Figure:
     >>> [ax.get_title().partition(":")[0] for ax in figure.axes[:2]]
     ['round', 'long']
     """
+    require_report(table, DesignTable, "rsym.compare_designs(shape, designs)")
     import matplotlib.pyplot
 
     reports = [design.report for design in table.designs]

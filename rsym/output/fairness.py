@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.output.pictures import require_report
 from rsym.verify.fairness.fairness import fairness
 from rsym.verify.fairness.report import Extremum, FairnessReport, Profile
 
@@ -61,6 +62,7 @@ def plot_fairness(subject: FairnessReport | Shape) -> Figure:
     ['$x$', 'arc length']
     """
     report = fairness(subject) if isinstance(subject, Shape) else subject
+    require_report(report, FairnessReport, "rsym.fairness(shape)")
     if not report.profiles:
         raise RsymError(
             "a body that is not one of revolution has no meridian to draw",

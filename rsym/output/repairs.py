@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.output.certificates import CERTIFICATES, DEFECT
+from rsym.output.pictures import require_report
 from rsym.output.verdicts import plot_verdict
 from rsym.sampling.boundaries import Boundary, boundary, distances_to
 from rsym.sampling.lattice import bounds_of
@@ -88,6 +89,7 @@ def plot_repair(report: RepairReport, *, shown: int = 6) -> Figure:
     >>> figure.axes[1].get_title()
     '1   |x| rounded by 0.1'
     """
+    require_report(report, RepairReport, "rsym.repair(shape)")
     candidates = report.candidates[:shown]
     if not candidates:
         raise RsymError("there is no candidate to show", code="no-candidate", remedy="print the report: it says why")

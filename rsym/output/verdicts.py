@@ -28,6 +28,7 @@ from rsym.output.certificates import (
 )
 from rsym.output.combs import plot_curvature_comb
 from rsym.output.magnified import draw_magnified
+from rsym.output.pictures import figure_of
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.report import SmoothnessReport
 from rsym.verify.wording import plural
@@ -97,7 +98,7 @@ def plot_verdict(
     if isinstance(report, BodyReport):
         axes = None if ax is None else require_axes3d(ax)
         cells = resolution or BODY_CELLS
-        return _figure_of(
+        return figure_of(
             draw_body_verdict(
                 report, shape, ax=axes, colour_by=colour_by, resolution=cells, elevation=elevation, azimuth=azimuth
             )
@@ -106,7 +107,7 @@ def plot_verdict(
     lines = about.lines(about.bounds, resolution or CELLS)
     windows = 0 if ax is not None else min(max(0, magnified), len(report.defects))
     if ax is not None:
-        figure, main, rest = _figure_of(ax), ax, list[Axes]()
+        figure, main, rest = figure_of(ax), ax, list[Axes]()
     else:
         figure, main, rest = _page(lines, report, windows)
     handles = _draw_main(main, report, about, lines, windows, comb)
@@ -234,9 +235,3 @@ def _legend(report: SmoothnessReport, lines: Sequence[Floats]) -> list[Artist]:
     if report.defects:
         handles.append(Line2D([], [], marker="o", color=DEFECT, linestyle="", label="defect"))
     return handles
-
-
-def _figure_of(artist: Artist) -> Figure:
-    figure = artist.get_figure(root=True)
-    assert isinstance(figure, Figure)
-    return figure

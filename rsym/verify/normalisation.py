@@ -15,6 +15,7 @@ from rsym.model.shape import Shape
 from rsym.sampling.contours import level_lines
 from rsym.sampling.lattice import bounds_of, lattice_over
 from rsym.sampling.smooth import smooth_mesh
+from rsym.verify.arguments import require_shape
 from rsym.verify.local import Box, Model
 from rsym.verify.normal_cover import NormalCover, cover_boundary, feasible_order
 from rsym.verify.normal_derivatives import NormalDerivatives
@@ -128,8 +129,7 @@ def verify_normalisation(
 
 
 def _check(shape: Any, order: Any, tolerance: Any) -> None:
-    if not isinstance(shape, Shape):
-        raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape")
+    require_shape(shape)
     if isinstance(order, bool) or not isinstance(order, int) or order < 1:
         raise RsymError(f"the order must be a positive integer, got {order!r}", code="order", remedy="use order=1")
     if not tolerance > 0:

@@ -17,6 +17,7 @@ from rsym.model.shape import Shape
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
+from rsym.verify.arguments import require_count, require_positive, require_shape
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.bodies.verdict import BUDGET as BODY_BUDGET
 from rsym.verify.bodies.verdict import Study, report_body, study_body
@@ -92,7 +93,8 @@ def verify_smoothness(
     Raises
     ------
     RsymError
-        For an unknown letter or method, without bounds in the plane, or by the meridian where there is none.
+        For an unknown letter or method, a size or budget that is not positive, without bounds in the plane, or by the
+        meridian where there is none.
 
     Source: the criterion of curvature continuity; interval methods after Moore and Krawczyk.
 
@@ -108,6 +110,9 @@ def verify_smoothness(
     >>> report.verdict, report.continuity, round(report.defects[0].tangent_jump, 9)
     ('REFUTED', 'G0', 90.0)
     """
+    require_positive("smallest", smallest, f"for example {SMALLEST}")
+    if budget is not None:
+        require_count("budget", budget, f"leave it out, or for example {BUDGET}")
     if _in_space(shape, method):
         return report_body(studied_in_space(shape, bounds, letters, smallest, budget, progress))
     return _report(_study(shape, bounds, letters, smallest, budget or BUDGET, progress))
@@ -115,14 +120,15 @@ def verify_smoothness(
 
 def _in_space(shape: Any, method: str) -> bool:
     """Whether a shape is to be judged by boxes in space."""
-    if not isinstance(shape, Shape):
-        raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape")
+    require_shape(shape)
     if method not in METHODS:
         raise RsymError(f"no method {method!r}", code="unknown-method", remedy=f"choose from {', '.join(METHODS)}")
     if shape.dimension == 2:
         if method == "auto":
             return False
-        raise RsymError(f"method {method!r} is for bodies, this shape is plane", code="dimension")
+        raise RsymError(
+            f"method {method!r} is for bodies, this shape is plane", code="dimension", remedy="leave out the method"
+        )
     return method == "space" or (method == "auto" and find_meridian(shape) is None)
 
 

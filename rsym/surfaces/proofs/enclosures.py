@@ -10,10 +10,10 @@ from typing import Any
 
 from rsym.codegen.ball_series import SeriesFunction, arb, truncated
 from rsym.codegen.balls import ball, exact, square
+from rsym.model.vectors import cross
 from rsym.surfaces.proofs.sides import (
     Side,
     Vector,
-    cross,
     curvature,
     difference,
     dot,

@@ -22,13 +22,14 @@ from rsym.codegen.balls import ball, exact
 from rsym.codegen.builder import Builder
 from rsym.codegen.program import Node
 from rsym.errors import RsymError
+from rsym.model.vectors import cross
 from rsym.surfaces.functions.entries import exact as decimal
 from rsym.surfaces.joints.edges import Edge
 from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, PatchFormula, Walk
 from rsym.surfaces.proofs.edge_proof import DIFFERENT, EQUAL, LEVELS, EdgeProof, Level, nothing
 from rsym.surfaces.proofs.enclosures import BITS
 from rsym.surfaces.proofs.exact_values import exact_values
-from rsym.surfaces.proofs.sides import COUNT, Side, Vector, cross, dot
+from rsym.surfaces.proofs.sides import COUNT, Side, Vector, dot
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
 from rsym.verify.report import CERTIFIED, REFUTED, UNDECIDED
 

@@ -13,6 +13,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 # Three coordinates, each a value of a field or a series.
+from rsym.model.vectors import cross
+
 Vector: TypeAlias = Sequence[Any]
 COUNT = 18
 
@@ -45,11 +47,6 @@ def sides(values: Sequence[Any]) -> tuple[Side, Side]:
     halves = values[:COUNT], values[COUNT:]
     first, second = (Side(*(half[k : k + 3] for k in range(0, COUNT, 3))) for half in halves)
     return first, second
-
-
-def cross(a: Vector, b: Vector) -> Vector:
-    """The vector product."""
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def dot(a: Vector, b: Vector) -> Any:

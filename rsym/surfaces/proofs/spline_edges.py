@@ -65,15 +65,15 @@ def _pieces(knots: list[Fraction], degree: int, place: Fraction, before: bool) -
     for k in range(1, degree + 1):
         raised: dict[int, Polynomial] = {}
         for i in range(span - k, span + 1):
-            rising = _ramp(known.get(i), knots[i], knots[i + k], 1)
-            falling = _ramp(known.get(i + 1), knots[i + k + 1], knots[i + 1], -1)
+            rising = _ramp(known.get(i), knots[i], knots[i + k])
+            falling = _ramp(known.get(i + 1), knots[i + k + 1], knots[i + 1])
             raised[i] = [a + b for a, b in zip(_padded(rising, k + 1), _padded(falling, k + 1), strict=True)]
         known = raised
     numbers = range(span - degree, span + 1)
     return numbers, [known[i] for i in numbers]
 
 
-def _ramp(function: Polynomial | None, zero: Fraction, end: Fraction, sign: int) -> Polynomial:
+def _ramp(function: Polynomial | None, zero: Fraction, end: Fraction) -> Polynomial:
     """A function times (t - zero)/(end - zero), none where the knots coincide."""
     if function is None or end == zero:
         return []

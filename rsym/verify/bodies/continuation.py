@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.codegen.balls import arb, ball
+from rsym.model.vectors import cross
 from rsym.verify.generators import generators
 from rsym.verify.krawczyk import Point, image, inverse, refined, unique_zero
 from rsym.verify.local import Local, Model
@@ -154,7 +155,7 @@ class Curve:
                 return np.array(found)
         return None
 
-    def tangent(self, sides: Sequence[arb]) -> list[arb]:
+    def tangent(self, sides: Sequence[arb]) -> Sequence[arb]:
         """Grad F x grad G."""
         return cross(*self.slopes(self.on(sides)))
 
@@ -249,11 +250,6 @@ def _sense(across: Sequence[Sequence[arb]], axis: int) -> int:
     (a, b), (c, d) = [[entry.mid() for entry in row] for row in across]
     component = (b * c - a * d) if axis == 1 else (a * d - b * c)
     return 1 if component > 0 else -1 if component < 0 else 0
-
-
-def cross(a: Sequence[arb], b: Sequence[arb]) -> list[arb]:
-    """The vector product."""
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def dot(a: Sequence[arb], b: Sequence[arb]) -> arb:

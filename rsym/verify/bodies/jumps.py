@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from rsym.codegen.balls import arb, ctx, root, square
 from rsym.codegen.fields import Calculus
-from rsym.verify.bodies.continuation import Curve, Knot, Tube, cross, dot
+from rsym.model.vectors import cross
+from rsym.verify.bodies.continuation import Curve, Knot, Tube, dot
 from rsym.verify.joints import PRECISE, Meeting, step_of
 from rsym.verify.local import Local
 from rsym.verify.vanishing import vanishes_with

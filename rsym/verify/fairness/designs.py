@@ -12,6 +12,7 @@ from typing import Any
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.progress import Progress, report
+from rsym.verify.arguments import require_shape
 from rsym.verify.fairness.fairness import BUDGET, fairness
 from rsym.verify.fairness.markup import table
 from rsym.verify.fairness.records import fairness_record
@@ -169,7 +170,8 @@ def compare_designs(
     >>> found.designs[1].peak("greatest").attained, found.differing
     (3.0, ('a',))
     """
-    if not designs:
+    require_shape(shape)
+    if not designs or not isinstance(designs, Mapping):
         raise RsymError("a comparison needs at least one design", code="designs", remedy='such as {"thin": {"a": 5}}')
     letters = {}
     for name, given in designs.items():

@@ -14,6 +14,7 @@ from rsym.model.shape import Shape
 from rsym.sampling.combs import combs
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
+from rsym.verify.arguments import require_count, require_positive, require_shape
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.cleaning import cleaned
 from rsym.verify.fairness.bending import Arcs
@@ -67,7 +68,8 @@ def fairness(
     budget : int
         The greatest number of pieces to examine.
     progress : callable, optional
-        ``progress(examined, budget)``, now and then; an answer of False cancels.
+        ``progress(examined, budget)``, now and then, first of the verdict, then of the curvatures; an answer of False
+        cancels.
 
     Returns
     -------
@@ -77,8 +79,8 @@ def fairness(
     Raises
     ------
     RsymError
-        As `verify_smoothness`, for a letter that ranges, a tolerance that is not positive, and where there is no
-        regular boundary.
+        As `verify_smoothness`, for a letter that ranges, a tolerance or budget that is not positive, and where there
+        is no regular boundary.
 
     Examples
     --------
@@ -90,15 +92,16 @@ def fairness(
     >>> len(report.extrema), report.complete, 2 <= report.curvatures[0].greatest.bound < 2.03
     (4, True, True)
     """
-    if not tolerance > 0:
-        raise RsymError(f"tolerance must be positive, got {tolerance!r}", code="tolerance", remedy="for example 0.01")
+    require_shape(shape)
+    require_positive("tolerance", tolerance, "for example 0.01")
+    require_count("budget", budget, f"for example {BUDGET}")
     values = ranges_of(shape.letters, letters)
     ranging = [name for name, (low, high) in values.items() if low != high]
     if ranging:
         raise RsymError(
             f"fairness is that of one design, but {', '.join(ranging)} ranges", code="letters", remedy="give numbers"
         )
-    smoothness = verify_smoothness(shape, bounds=bounds, letters=letters, method=method)
+    smoothness = verify_smoothness(shape, bounds=bounds, letters=letters, method=method, progress=progress)
     if isinstance(smoothness, BodyReport):
         return body_fairness(shape, smoothness, values)
     return _of_a_curve(shape, bounds, smoothness, values, tolerance, budget, progress)

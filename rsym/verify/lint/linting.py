@@ -9,6 +9,7 @@ import numpy as np
 
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.verify.arguments import require_shape
 from rsym.verify.lint.faces import face_findings
 from rsym.verify.lint.letter_findings import letter_findings
 from rsym.verify.lint.places import places_of
@@ -83,8 +84,7 @@ def lint(
     >>> rsym.lint(square(0)).clean
     True
     """
-    if not isinstance(shape, Shape):
-        raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape")
+    require_shape(shape)
     if not tolerance > 0:
         raise RsymError(f"the tolerance must be positive, got {tolerance}", code="tolerance", remedy="use 1e-3")
     shape = shape.with_letters(letters or {})

@@ -26,6 +26,8 @@ def chosen_moves(moves: Sequence[str | Move] | None) -> list[Move]:
     ['round']
     """
     names = list(MOVES) if moves is None else moves
+    if isinstance(names, str) or not isinstance(names, Sequence):
+        raise RsymError(f"moves must be a list, got {moves!r}", code="move", remedy=f"such as {list(MOVES)[:2]}")
     for name in names:
         if not isinstance(name, Move) and name not in MOVES:
             raise RsymError(

@@ -12,11 +12,12 @@ from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
+from rsym.verify.arguments import require_positive, require_shape
 from rsym.verify.repair.moves import Move, Request
 from rsym.verify.repair.prices import measured, price
 from rsym.verify.repair.registry import chosen_moves
 from rsym.verify.repair.report import Candidate, Rejected, RepairReport
-from rsym.verify.repair.search import Judge, Outcome, outcomes
+from rsym.verify.repair.search import Judge, Outcome, outcomes, within
 from rsym.verify.smoothness import verify_smoothness
 
 NARROWED = 12  # verdicts that narrow a letter down
@@ -70,12 +71,13 @@ def repair(
     method : str
         That of `verify_smoothness`.
     progress : callable, optional
-        ``progress(verdicts, about how many)``; an answer of False cancels.
+        ``progress(verdicts, about how many)``, also within a verdict; an answer of False cancels.
 
     Returns
     -------
     RepairReport
-        ``.before``, ``.candidates`` (those that move the boundary least first), ``.rejected``; ``str(report)`` is text.
+        ``.before``, ``.candidates`` (those that move the boundary least first), ``.rejected``, ``.needed``;
+        ``str(report)`` is text.
 
     Raises
     ------
@@ -96,10 +98,10 @@ def repair(
     shape = _fixed(shape, bounds, letters)
     request = _request(shape, vary, radius, curvature, tolerance)
     chosen = chosen_moves(moves)
-    before = verify_smoothness(shape, method=method)
+    before = verify_smoothness(shape, method=method, progress=within(progress, 0, 1))
     judge = Judge(before, curvature, method, progress)
     if not judge.failure(before):
-        return RepairReport(shape, before, (), ())
+        return RepairReport(shape, before, (), (), needed=False)
     families = [family for move in chosen for family in move.families(Request(shape, before, *request))]
     judge.total = sum(len(family.sizes) + NARROWED * (family.unit is not None) for family in families)
     found = [outcome for family in families for outcome in outcomes(family, shape, judge, tolerance)]
@@ -113,10 +115,9 @@ def _distinct(found: Iterable[Outcome]) -> list[Outcome]:
     return list({outcome.shape: outcome for outcome in reversed(list(found))}.values())
 
 
-def _fixed(shape: Any, bounds: Any, letters: Mapping[Any, Any] | None) -> Shape:
+def _fixed(shape: Shape, bounds: Any, letters: Mapping[Any, Any] | None) -> Shape:
     """The shape with the bounds and the values that are asked for."""
-    if not isinstance(shape, Shape):
-        raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape")
+    require_shape(shape)
     for name, (low, high) in ranges_of(shape.letters, letters).items():
         if low != high:
             raise RsymError(
@@ -129,12 +130,14 @@ def _request(
     shape: Shape, vary: Sequence[Any] | None, radius: Any, curvature: Any, tolerance: Any
 ) -> tuple[Fraction | None, list[str] | None]:
     for name, value in (("radius", radius), ("curvature", curvature), ("tolerance", tolerance)):
-        if value is not None and not value > 0:
-            raise RsymError(f"the {name} must be positive, got {value!r}", code="parameter", remedy=f"{name}=0.01")
+        if value is not None:
+            require_positive(name, value, f"{name}=0.01")
+    if vary is not None and (isinstance(vary, str) or not isinstance(vary, Sequence)):
+        raise RsymError(f"vary must be a list of letters, got {vary!r}", code="letters", remedy=f'such as ["{vary}"]')
     names = None if vary is None else [str(name) for name in vary]
     for name in names or []:
         shape.letters.values_with({name: shape.letters[name].default if name in shape.letters else 0})
-    return None if radius is None else Fraction(str(radius)), names
+    return None if radius is None else Fraction(str(float(radius))), names
 
 
 def _priced(shape: Shape, before: Any, good: list[Outcome], bad: list[Rejected]) -> RepairReport:

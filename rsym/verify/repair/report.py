@@ -64,6 +64,8 @@ class RepairReport:
         Every one is proved to be curvature-continuous; their prices are numerical but for the bound of the curvature.
     rejected : tuple of Rejected
         What was tried in vain.
+    needed : bool
+        Whether anything was to be repaired; if so, and without candidates, the repair has failed.
 
     Examples
     --------
@@ -79,6 +81,7 @@ class RepairReport:
     before: Verdict
     candidates: tuple[Candidate, ...]
     rejected: tuple[Rejected, ...]
+    needed: bool = True
 
     def __str__(self) -> str:
         return repair_text(self)

@@ -48,7 +48,9 @@ class Judge:
     def report(self, shape: Shape) -> Verdict:
         """The whole verdict."""
         self._count()
-        return verify_smoothness(shape, method=self.method)
+        return verify_smoothness(
+            shape, method=self.method, progress=within(self.progress, self.asked, self._expected())
+        )
 
     def quick(self, shape: Shape) -> str:
         """What a shape lacks, as far as a verdict without a sharp bound of the curvature tells."""
@@ -80,7 +82,21 @@ class Judge:
 
     def _count(self) -> None:
         self.asked += 1
-        report(self.progress, self.asked, max(self.total, self.asked + 1))
+        report(self.progress, self.asked, self._expected())
+
+    def _expected(self) -> int:
+        return max(self.total, self.asked + 1)
+
+
+def within(progress: Progress | None, done: int, total: int) -> Progress | None:
+    """The progress of one verdict among many: the count stands still, an answer of False cancels.
+
+    Examples
+    --------
+    >>> within(lambda done, total: print(done, "of", total), 2, 5)(900, 1000)
+    2 of 5
+    """
+    return None if progress is None else lambda *_: progress(done, total)
 
 
 def outcomes(family: Family, shape: Shape, judge: Judge, tolerance: float) -> list[Outcome]:

@@ -49,7 +49,7 @@ def _lines(report: RepairReport) -> Iterator[str]:
 
 def _headline(report: RepairReport) -> str:
     before = report.before
-    if before.verdict == "CERTIFIED" and not report.candidates and not report.rejected:
+    if not report.needed:
         return f"CERTIFIED, {before.continuity}, as it is: nothing to repair."
     lack = f"with {plural(len(before.defects), 'defect')}"
     if before.verdict == "CERTIFIED":
@@ -101,6 +101,7 @@ def repair_json(report: RepairReport) -> str:
         "format": FORMAT,
         "version": VERSION,
         "before": {"verdict": report.before.verdict, "continuity": report.before.continuity},
+        "needed": report.needed,
         "candidates": candidates,
         "rejected": [asdict(other) for other in report.rejected],
     }
