@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.output.axes3d import require_axes3d
 from rsym.output.body_verdicts import draw_body_verdict
@@ -95,6 +96,12 @@ def plot_verdict(
     >>> print(plot_verdict(report, disc, resolution=32).axes[0].get_title().partition(":")[0])
     UNDECIDED
     """
+    if not isinstance(report, SmoothnessReport | BodyReport):
+        raise RsymError(
+            f"expected what verify_smoothness answers, got {type(report).__name__}",
+            code="report",
+            remedy="plot_verdict(verify_smoothness(shape), shape)",
+        )
     if isinstance(report, BodyReport):
         axes = None if ax is None else require_axes3d(ax)
         cells = resolution or BODY_CELLS

@@ -96,7 +96,7 @@ def smoothness_atlas(
     True
     """
     names = _names(shape, letter_a, letter_b, letters)
-    _check(tolerance, budget)
+    _check(tolerance, budget, between)
     region = (_inward(*range_of(shape, names[0], between[0])), _inward(*range_of(shape, names[1], between[1])))
     for name, (low, high) in zip(names, region, strict=True):
         if not low < high:
@@ -141,7 +141,13 @@ def _names(shape: Shape, first: Any, second: Any, letters: Mapping[Any, Any] | N
     return names
 
 
-def _check(tolerance: float, budget: int) -> None:
+def _check(tolerance: float, budget: int, between: Any) -> None:
+    if not (isinstance(between, Sequence) and len(between) == 2):
+        raise RsymError(
+            f"between must be two ranges, one for each letter, got {between!r}",
+            code="between",
+            remedy="such as between=((5, 6), (20, 80)), with None for the range of the letter itself",
+        )
     if not 0 < tolerance < 1:
         raise RsymError(
             f"the tolerance must be a share between 0 and 1, got {tolerance!r}",
@@ -149,7 +155,9 @@ def _check(tolerance: float, budget: int) -> None:
             remedy=f"such as {TOLERANCE}",
         )
     if isinstance(budget, bool) or not isinstance(budget, int) or budget < 1:
-        raise RsymError(f"the budget must be a positive integer, got {budget!r}", code="budget")
+        raise RsymError(
+            f"the budget must be a positive integer, got {budget!r}", code="budget", remedy=f"such as {BUDGET}"
+        )
 
 
 def _inward(low: Fraction, high: Fraction) -> tuple[float, float]:
