@@ -170,10 +170,10 @@ def test_the_commands_about_bodies(monkeypatch):
     car = rsym.paper.car()
     # The car's verdict and the whole list of repairs take as long as all the rest: a part of each here.
     window = rsym.verify_smoothness(car, bounds=((3, 8), (8, 18), (0, 4)))
-    monkeypatch.setattr(rsym.verify.smoothness, "verify_smoothness", lambda *_, **__: window)
     first, second, third = (command.split()[1:] for command in commands.strip().splitlines())
-    assert main(first) == 1
-    monkeypatch.undo()
+    with monkeypatch.context() as patch:
+        patch.setattr(rsym.verify.smoothness, "verify_smoothness", lambda *_, **__: window)
+        assert main(first) == 1
     assert main([*second, "--move", "letter", "--vary", "a2"]) == 0
     assert main(third) == 0
     for name in ("verdict", "repaired", "designs"):
