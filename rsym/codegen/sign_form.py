@@ -11,7 +11,7 @@ arithmetic stay as they are.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -110,7 +110,7 @@ def sign_form(builder: Builder, number: int) -> SignForm:
     joined: list[tuple[str, Operand, Operand]] = []
     parameters: dict[tuple[str, int], None] = {}
     done: dict[Signed, Operand] = {}
-    for part, operands in _postorder(builder, stripped(builder, number, 1)):
+    for part, operands in postorder(stripped(builder, number, 1), lambda part: _operands(builder, part)):
         if not operands:
             leaf = part.number if part.sign > 0 else builder.neg(part.number)
             done[part] = Operand(False, leaves.setdefault(leaf, len(leaves)))
@@ -141,7 +141,9 @@ class Signed(NamedTuple):
     sign: int
 
 
-def _postorder(builder: Builder, root: Signed) -> Iterator[tuple[Signed, list[Signed]]]:
+def postorder(
+    root: Signed, operands_of: Callable[[Signed], Sequence[Signed]]
+) -> Iterator[tuple[Signed, Sequence[Signed]]]:
     """Each part once, after its operands; a leaf has none. Iterative: nests of five hundred must work."""
     seen: set[Signed] = set()
     stack = [(root, False)]
@@ -149,15 +151,19 @@ def _postorder(builder: Builder, root: Signed) -> Iterator[tuple[Signed, list[Si
         part, ready = stack.pop()
         if part in seen:
             continue
-        operation, arguments, _ = builder.nodes[part.number]
-        joins = operation in CONJUNCTIONS or operation in DISJUNCTIONS
-        operands = [stripped(builder, argument, part.sign) for argument in arguments[:2]] if joins else []
+        operands = operands_of(part)
         if ready or not operands:
             seen.add(part)
             yield part, operands
         else:
             stack.append((part, True))
             stack.extend((operand, False) for operand in reversed(operands))
+
+
+def _operands(builder: Builder, part: Signed) -> Sequence[Signed]:
+    operation, arguments, _ = builder.nodes[part.number]
+    joins = operation in CONJUNCTIONS or operation in DISJUNCTIONS
+    return [stripped(builder, argument, part.sign) for argument in arguments[:2]] if joins else ()
 
 
 def stripped(builder: Builder, number: int, sign: int) -> Signed:

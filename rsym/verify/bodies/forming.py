@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 from rsym.codegen.builder import Builder
-from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS, Signed, stripped
+from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS, Signed, postorder, stripped
 from rsym.verify.bodies.formation import Formation, Gate
 from rsym.verify.bodies.relations import Relations
 from rsym.verify.local import Model
@@ -35,7 +35,7 @@ def formation(model: Model, legal: Callable[[int], bool]) -> Formation:
     done: dict[Signed, Tree] = {}
     builder, leaves = model.builder, []
     root = stripped(builder, model.root, 1)
-    parts = list(_postorder(builder, root, legal))
+    parts = list(postorder(root, lambda part: _operands(builder, part, legal)))
     for part, operands in parts:
         if not operands:
             leaves.append(part.number if part.sign > 0 else builder.neg(part.number))
@@ -136,25 +136,6 @@ class _Place(NamedTuple):
     def after(self, leaves: int) -> int:
         """The number among leaves and gates together."""
         return self.number + leaves * self.is_gate
-
-
-def _postorder(
-    builder: Builder, root: Signed, legal: Callable[[int], bool]
-) -> Iterator[tuple[Signed, Sequence[Signed]]]:
-    """Each part once, after its operands; a leaf has none."""
-    seen: set[Signed] = set()
-    stack = [(root, False)]
-    while stack:
-        part, ready = stack.pop()
-        if part in seen:
-            continue
-        operands = _operands(builder, part, legal)
-        if ready or not operands:
-            seen.add(part)
-            yield part, operands
-        else:
-            stack.append((part, True))
-            stack.extend((operand, False) for operand in reversed(operands))
 
 
 def _operands(builder: Builder, part: Signed, legal: Callable[[int], bool]) -> Sequence[Signed]:
