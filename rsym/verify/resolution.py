@@ -27,7 +27,7 @@ def resolve(local: Local, number: int, switch: int, side: int) -> int:
 
 def _resolved(local: Local, part: int, switch: int, side: int, done: dict[int, int]) -> int:
     builder = local.model.builder
-    operation, arguments, data = builder.nodes[part]
+    operation, arguments, _ = builder.nodes[part]
     inner = tuple(done[argument] for argument in arguments)
     sign = _sign(local, part, switch, side)
     if sign:
@@ -42,6 +42,12 @@ def _resolved(local: Local, part: int, switch: int, side: int, done: dict[int, i
         if operation == "trimming":
             return _trimming(builder, done[builder.nodes[arguments[0]].arguments[0]], inner[1], sign)
         return _power(builder, operation, inner[0], builder.value(arguments[1]) or Fraction(0), sign)
+    return remade(builder, part, inner)
+
+
+def remade(builder: Builder, part: int, inner: tuple[int, ...]) -> int:
+    """A node with other arguments, simplified as the builder does."""
+    operation, arguments, data = builder.nodes[part]
     if inner == arguments:
         return part
     if operation in SIMPLE:

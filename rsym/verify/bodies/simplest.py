@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.codegen.builder import Builder
-from rsym.codegen.expansion import SIMPLE
 from rsym.codegen.program import live
 from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.bodies.images import Boxes, Images, is_legal
 from rsym.verify.domains import switch_of
+from rsym.verify.resolution import remade
 
 BRANCHING = frozenset({"abs", "sign", "min", "max", "select"})
 RARE = 1 / 64  # of the boxes: for fewer another function is not worth its compilation
@@ -106,7 +106,7 @@ def _simple(builder: Builder, node: int, known: Mapping[int, int]) -> int:
 
 def _decided(builder: Builder, part: int, done: Mapping[int, int], known: Mapping[int, int]) -> int:
     """A node with its branches decided, equal to it on the box."""
-    operation, arguments, data = builder.nodes[part]
+    operation, arguments, _ = builder.nodes[part]
     inner = tuple(done[argument] for argument in arguments)
     sign = known.get(switch_of(builder, part), 0) if operation in BRANCHING else 0
     if sign:
@@ -117,11 +117,4 @@ def _decided(builder: Builder, part: int, done: Mapping[int, int], known: Mappin
         if operation == "select":
             return inner[2 if sign > 0 else 3]
         return inner[0 if (sign > 0) == (operation == "max") else 1]
-    if inner == arguments:
-        return part
-    if operation in SIMPLE:
-        return SIMPLE[operation](builder, *inner)
-    if operation == "powi":
-        assert isinstance(data, int)
-        return builder.powi(inner[0], data)
-    return builder.div(*inner) if operation == "div" else builder.make(operation, *inner, data=data)
+    return remade(builder, part, inner)
