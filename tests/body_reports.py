@@ -123,7 +123,7 @@ def undecided():
     left = cubes(circle(1.0, 0.0, 5)[:2], 0.5)
     statements = (("where nothing is proved omega changes its sign", False),)
     boxes = cover(cubes(circle(1.0, 0.5, 99), 1.0), NONE, left)
-    return BodyReport("UNDECIDED", "broken", (), (), (-0.125, 1.5), UNKNOWN, boxes, {"a": (1.0, 2.0)}, statements)
+    return BodyReport("UNDECIDED", "unknown", (), (), (-0.125, 1.5), UNKNOWN, boxes, {"a": (1.0, 2.0)}, statements)
 
 
 EVERY = (box, capsule, notched, ball, double_cone, undecided)

@@ -54,7 +54,7 @@ def degenerate_lemniscate():
 def undecided_disc():
     strip = np.array([[[0.99, 1.01], [k / 100, (k + 1) / 100]] for k in range(-3, 3)])
     cover = Cover(((-2.0, 2.0), (-2.0, 2.0)), ring(), NONE, strip, 512)
-    return SmoothnessReport("UNDECIDED", "broken", (), (), 1.2, cover, {})
+    return SmoothnessReport("UNDECIDED", "unknown", (), (), 1.2, cover, {})
 
 
 def stadium(count=4):

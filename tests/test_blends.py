@@ -353,3 +353,9 @@ def test_intervals_stay_sharp_in_nests_with_letters(family, random):
         ratio = (bounds[:, 1] - bounds[:, 0]) / (1e-3 * abs(gradient).sum(axis=1))
         assert np.median(ratio) < 1.3
         assert np.quantile(ratio, 0.97) < 6
+
+
+def test_a_displacement_that_adds_material_is_not_cut_by_the_bounds_of_its_operands():
+    discs = rsym.disc(1), rsym.disc(1, (1, 0))
+    assert rsym.displacement_blend(*discs, 1).bounds is None
+    assert rsym.displacement_blend(*discs, -1).bounds == (discs[0] | discs[1]).bounds

@@ -50,3 +50,12 @@ def test_a_zero_within_a_body_is_no_smooth_boundary(name):
 def test_two_halves_of_a_body_that_share_a_face_are_cracked():
     report = body(rsym.disjunction(INNER, -INNER))
     assert (report.verdict, report.continuity) == ("DEGENERATE", "broken")
+
+
+def test_a_sheet_without_a_change_of_sign_is_not_regular_however_its_two_sides_are_written():
+    """-|f| beside a ball: the constant is irrational, so that no polynomial shows that one side is minus the other."""
+    sheet = rsym.conjunction(y + x**2 / 3 + sp.pi / 9, -y - x**2 / 3 - sp.pi / 9)
+    ball = Q(1, 16) - (x - Q(1, 2)) ** 2 - (y - Q(1, 2)) ** 2 - (z - Q(1, 3)) ** 2
+    report = body(rsym.disjunction(sheet, ball), ((-1, 1.1), (-1.2, 1), (-1.1, 1.2)), budget=20_000)
+    assert report.verdict in ("DEGENERATE", "UNDECIDED")
+    assert len(report.cover.undecided)

@@ -158,7 +158,7 @@ def test_a_body_without_singular_curves_has_neither_bar_nor_legend():
 def test_the_legend_tells_what_the_bars_do_not():
     report = body_reports.box()
     joint = dataclasses.replace(body_reports.capsule().curves[0], kind="smooth joint", continuity="G2")
-    doubtful = dataclasses.replace(joint, kind="unresolved", continuity="broken")
+    doubtful = dataclasses.replace(joint, kind="unresolved", continuity="unknown")
     place = dataclasses.replace(doubtful, points=np.array([[1.0, 0.0, 0.0]]))
     figure = rsym.plot_verdict(
         dataclasses.replace(

@@ -85,7 +85,7 @@ def test_what_is_not_known_of_an_edge_is_not_told():
     [
         ("smooth joint", "G2", "the curvature is continuous; G2"),
         ("unbounded curvature", "G1", "the curvature grows without bound; G1"),
-        ("unresolved", "broken", "not resolved; broken"),
+        ("unresolved", "unknown", "not resolved; unknown"),
     ],
 )
 def test_every_kind_of_curve_has_its_words(kind, continuity, words):

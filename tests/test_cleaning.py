@@ -8,7 +8,7 @@ import sympy as sp
 from closeness import assert_close
 
 import rsym
-from rsym import conjunction, disjunction, trimming, verify_smoothness, x, y
+from rsym import conjunction, disjunction, trimming, verify_smoothness, x, y, z
 from rsym.model.nodes import expand_nodes
 from rsym.verify.cleaning import cleaned
 
@@ -112,3 +112,15 @@ def test_the_corners_of_a_rectangle_in_roots_are_proved():
     assert len(report.defects) == 4
     assert all(joint.proved and joint.kind == "corner" for joint in report.defects)
     assert_close([joint.tangent_jump for joint in report.defects], [90] * 4, atol=1e-10)
+
+
+@pytest.mark.parametrize("factor", [sp.Rational(1, 10**300), -sp.Rational(1, 10**300), sp.Integer(10) ** 200, 1e-200])
+def test_a_factor_of_omega_beyond_the_range_of_squares_drops(factor):
+    """The boundary is the same, the sign too; with -factor the inside is the outside of the ball."""
+    ball = rsym.Shape(factor * (1 - x**2 - y**2 - z**2), (x, y, z), bounds=((-1.5, 1.6),) * 3)
+    for method in ("space", "meridian"):
+        report = rsym.verify_smoothness(ball, method=method)
+        assert (report.verdict, report.continuity) == ("CERTIFIED", "analytic")
+    low, high = rsym.verify_smoothness(ball, method="space").curvatures
+    assert low <= (1 if factor > 0 else -1) <= high
+    assert high - low < 0.2

@@ -159,12 +159,21 @@ def test_a_sweep_has_at_each_height_the_profile_of_that_height():
     profile = Shape(k**2 - x**2 - s * y**2, (x, y), letters={k: 2, s: 3}, bounds=((-2, 2), (-2, 2)))
     body = rsym.sweep(profile, {k: 2 - z / 4 + s, "s": t * z + s}, 0, t, letters={t: 4})
     assert body.letters.keys() == {"s", "t"}
-    assert body.bounds[2] == (-0.4, 4.4)
+    assert body.bounds is None
     points = RANDOM.uniform(-2, 2, (50, 2))
     for height in (1.0, 3.0):
         lifted = np.column_stack([points, np.full(50, height)])
         inside = values(profile, points, {"k": 5 - height / 4, "s": 4 * height + 3})
         assert ((values(body, lifted) > 0) == (inside > 0)).all()
+
+
+def test_a_sweep_that_grows_is_not_cut_by_the_bounds_of_its_profile():
+    profile = Shape(k**2 - x**2 - y**2, (x, y), letters={k: 1}, bounds=((-1.2, 1.2),) * 2)
+    body = rsym.sweep(profile, {k: 1 + z / 2}, 0, 4)
+    found = rsym.mesh(body, 24)
+    assert found.status.closed
+    assert not found.status.clipped
+    assert_close(found.vertices[:, 0].max(), 3, atol=0.02)
 
 
 def test_a_letter_that_is_known_to_be_positive_is_swept_too():

@@ -148,12 +148,13 @@ def test_a_curve_run_backwards_is_left_as_it_is_entered():
 @pytest.mark.parametrize(
     ("coordinates", "kind", "continuity_", "curvature"),
     [
-        ((t**2, t**4), "smooth joint", "G2", 2),  # a parabola
+        ((t**2, t**4), "smooth joint", "G3", 2),  # a parabola
         ((t**3, t**6 + t**7), "smooth joint", "G2", 2),
         ((t**2, t**3), "unbounded curvature", "G1", math.inf),
         ((t**3, t**5), "unbounded curvature", "G1", math.inf),
         ((t**2 + t**3, t**5), "curvature jump", "G1", 0),
-        ((t**4, t**8), "unresolved", "G0", math.nan),
+        ((t**4, t**8), "smooth joint", "G3", 2),
+        ((t**5, t**10), "unresolved", "G0", math.nan),  # a parabola too, which is not found out
     ],
 )
 def test_a_velocity_that_vanishes_is_seen_through(coordinates, kind, continuity_, curvature):
@@ -162,11 +163,87 @@ def test_a_velocity_that_vanishes_is_seen_through(coordinates, kind, continuity_
     joint = report.joints[0]
     assert (joint.kind, joint.continuity) == (kind, continuity_)
     assert joint.curvatures[1] == curvature or math.isnan(curvature)
-    assert report.verdict == {"unresolved": "DEGENERATE", "smooth joint": "CERTIFIED"}.get(kind, "REFUTED")
+    assert report.verdict == {"unresolved": "UNDECIDED", "smooth joint": "CERTIFIED"}.get(kind, "REFUTED")
     if kind == "smooth joint":
         # The other way round it is entered by a standing end, and leaves by a parabola.
         after = continuity([Curve((-coordinates[0], coordinates[1]), t, 1, 0), Curve((t, t**2), t, 0, 1)])
         assert after.verdict == "CERTIFIED"
+
+
+def reversed_(curve):
+    return Curve(curve.expressions, t, curve.end, curve.start)
+
+
+def test_a_standing_end_is_proved_to_any_class_that_is_claimed():
+    """(t**3, 0) is a straight line: nothing that is certified rests on a joint that is not proved."""
+    line = Curve((t, 0), t, -1, 0)
+    report = continuity([line, Curve((t**3, 0), t, 0, 1)], claim="G3")
+    assert (report.verdict, report.proved, [joint.proved for joint in report.joints]) == ("CERTIFIED", "G3", [True])
+    # y = x**2 + 5 x**3 in another parameter, and entered too; then with a power of x between the second and third.
+    for m in (2, 3, 4):
+        before = Curve((t, t**2 + 5 * t**3, t**3), t, R(-1, 10), 0)
+        x = t**m * (1 + t)
+        after = Curve((x, x**2 + 5 * x**3, x**3), t, 0, R(1, 2))
+        assert continuity([before, after], claim="G3").verdict == "CERTIFIED"
+        assert continuity([reversed_(after), reversed_(before)], claim="G3").verdict == "CERTIFIED"
+        bent = Curve((x, x**2 + R(50001, 10000) * x**3, x**3), t, 0, R(1, 2))
+        (joint,) = continuity([before, bent], claim="G3").joints
+        assert (joint.continuity, joint.proved) == ("G2", True)
+        assert_close(joint.derivative_jump, 6e-4, rtol=1e-9)
+        rough = Curve((x, x**2 + 5 * x**3 + t ** (2 * m + 1), x**3), t, 0, R(1, 2))
+        (joint,) = continuity([before, rough], claim="G3").joints
+        assert (joint.continuity, joint.proved, joint.derivative_jump) == ("G2", True, math.inf)
+
+
+@pytest.mark.parametrize(
+    ("coordinates", "low", "high", "verdict"),
+    [
+        ((t**2, t**3), -1, 1, "REFUTED"),
+        ((t**3, t**6), -1, 1, "CERTIFIED"),
+        ((t**3, t**5), -1, 1, "REFUTED"),  # the curvature is unbounded at 0
+        ((t - sp.sin(t), 1 - sp.cos(t)), 1, 7, "REFUTED"),  # a cycloid's cusp at 2 pi
+        (((t**2 - 2) ** 2, (t**2 - 2) ** 3), 1, 2, "REFUTED"),
+        (((t**2 - 2) ** 3, t * (t**2 - 2) ** 3), 1, 2, "REFUTED"),  # y = sqrt(2 + x**(1/3)) x
+        ((t, 1 / t), -1, 1, "UNDECIDED"),
+        ((t, (9 * t**2 - 6 * t + 1) ** R(3, 2)), -1, 1, "UNDECIDED"),
+        ((t, sp.sqrt(t)), 0, 1, "UNDECIDED"),
+        ((t**2, t**3), 0, 1, "UNDECIDED"),  # at the free end the curvature is unbounded
+        ((t**2 / 10**9, t**2), R(1, 10**6), 1, "CERTIFIED"),
+    ],
+)
+def test_what_lies_between_the_joints_counts(coordinates, low, high, verdict):
+    """The curve goes on smoothly where it ends; only its inside differs."""
+    curve = Curve(coordinates, t, low, high)
+    jets = [[sp.diff(e, t, k).subs(t, high) / math.factorial(k) for k in range(4)] for e in curve.expressions]
+    beyond = Curve([sum(c * t**k for k, c in enumerate(jet)) for jet in jets], t, 0, R(1, 100))
+    report = continuity([curve, beyond])
+    assert report.joints[0].continuity == "G3"
+    assert report.verdict == verdict
+    assert (verdict == "CERTIFIED") == (report.proved == "G3")
+    assert (verdict == "REFUTED") == bool(report.inside) == bool(report.defects) or verdict == "CERTIFIED"
+    assert (verdict == "UNDECIDED") == ("not proved" in str(report))
+
+
+def test_a_curve_that_is_a_point_is_degenerate():
+    assert continuity([Curve((t, 0), t, -1, 0), Curve((0, 0), t, 0, 1)]).verdict == "DEGENERATE"
+
+
+def test_parts_that_nobody_examined_are_told(monkeypatch):
+    from rsym.verify import continuity as module
+    from rsym.verify.curve_interiors import arcs_of
+
+    line, arc_ = Curve((t, 0), t, -1, 0), arc(1, (0, 1), -sp.pi / 2, 0)
+    assert continuity([line, arc_], claim="G1").verdict == "CERTIFIED"
+    lost = [
+        lambda curve: [],
+        lambda curve: [type(one)(one.curve, one.proved[1:], one.open) for one in arcs_of(curve)],
+        lambda curve: [type(one)(one.curve, (*one.proved, *one.proved), one.open) for one in arcs_of(curve)],
+    ]
+    for arcs in lost:
+        monkeypatch.setattr(module, "arcs_of", arcs)
+        report = continuity([line, arc_], claim="G1")
+        assert report.verdict == "UNDECIDED"
+        assert any("please report" in one for one in report.doubts)
 
 
 def test_a_velocity_of_odd_order_at_the_end_points_forwards():

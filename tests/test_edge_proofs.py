@@ -19,13 +19,14 @@ from rsym.surfaces.coons.coons_patches import BicubicCoons, CoonsPatch
 from rsym.surfaces.coons.exact import ellipsoid, sphere, torus
 from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.joints.joining import join
+from rsym.surfaces.networks.gordon import GordonSurface
 from rsym.surfaces.networks.lofts import HermiteSurface, LagrangeSurface
 from rsym.surfaces.networks.tensor import TensorProductSurface
 from rsym.surfaces.networks.transition import TransitionSurface
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.proofs.exact_values import exact_values
 from rsym.surfaces.splitting import split_patch
-from rsym.surfaces.symbols import u, v
+from rsym.surfaces.symbols import t, u, v
 
 R = sp.Rational
 FLOOR = ParametricSurface((u, v, 0))
@@ -76,10 +77,10 @@ def test_bezier_patches_with_ribbons_of_any_speed_and_slant(a, b):
     bent = only_edge(ParametricSurface(point), continued(point, a, b, bend=(0, 0, R(1, 1000))))
     assert (bent.verdict, bent.proved, statuses(bent)) == ("REFUTED", "G1", ("equal", "equal", "different"))
     # q_uu leaves the second form by n_z/1000, which is divided by the square of what q_u has across the edge.
-    t, jump = bent.curvature_jump.parameters[0][1], bent.proof.levels[2]
-    t_, d = (np.array(one.subs(u, 1).subs(v, t), float).ravel() for one in (point.diff(v), point.diff(u)))
+    place, jump = bent.curvature_jump.parameters[0][1], bent.proof.levels[2]
+    t_, d = (np.array(one.subs(u, 1).subs(v, place), float).ravel() for one in (point.diff(v), point.diff(u)))
     normal = np.cross(d, t_) / np.linalg.norm(np.cross(d, t_))
-    width = np.linalg.norm(np.cross(d, t_)) / np.linalg.norm(t_) * float(sp.sympify(a).subs(v, t))
+    width = np.linalg.norm(np.cross(d, t_)) / np.linalg.norm(t_) * float(sp.sympify(a).subs(v, place))
     assert_close(jump.least, abs(normal[2]) / 1000 / width**2, rtol=1e-9)
     assert 0.999 * jump.least < bent.curvature_jump.value < 1.001 * jump.least
 
@@ -149,9 +150,44 @@ def test_poles_of_cones_and_of_surfaces_with_and_without_a_tensor_of_curvature()
     assert {name: (pole.verdict, pole.proved) for name, pole in found.items()} == {
         "cone": ("REFUTED", None),
         "bowl": ("CERTIFIED", "G2"),
-        "tip": ("UNDECIDED", "G1"),
+        "tip": ("REFUTED", "G1"),
     }
+    # The curvature is 2 + 2 sin(2a)**2 in the direction a: no tensor is nearer than 1/2 to all of them, and so the
+    # least greatest difference between two is no more than 2.
+    assert 0.5 < found["tip"].proof.levels[2].least <= 2
     assert 89.9 < found["cone"].proof.levels[1].least <= 90
+
+
+def test_poles_of_whole_turns_of_half_turns_and_of_uneven_ones():
+    """2 pi is taken exactly if it is given so; opposite directions say nothing of one another."""
+    turn = ((0, 2 * sp.pi), (0, 1))
+    ball = ParametricSurface((sp.sin(v) * sp.cos(u), sp.sin(v) * sp.sin(u), sp.cos(v)), turn)
+    assert continuity_report(ball, prove=True).verdict == "CERTIFIED"
+
+    def half(start, height):
+        return ParametricSurface((v * sp.cos(sp.pi * u + start), v * sp.sin(sp.pi * u + start), height))
+
+    two = continuity_report([half(0, v**2), half(sp.pi, v**2)], prove=True)
+    assert two.verdict == "CERTIFIED"
+    two = continuity_report([half(0, v**2), half(sp.pi, 2 * v**2)], prove=True)
+    # Curvatures 2 and 4 in all directions.
+    assert (two.poles[0].verdict, two.poles[0].proved) == ("REFUTED", "G1")
+    assert 1 - 1e-9 < two.poles[0].proof.levels[2].least <= 2
+    uneven = u + sp.sin(u) / 2
+    bowl = ParametricSurface((v * sp.cos(uneven), v * sp.sin(uneven), v**2), ((0, 1), (0, 1)))
+    assert continuity_report(bowl, prove=True).poles[0].verdict == "CERTIFIED"
+
+
+def test_poles_that_are_not_proved_are_not_refuted():
+    """Smooth surfaces, of which the parameters say little at the pole."""
+    turned = u**3  # the directions stand still at u = 0
+    heights = {
+        "still": (v * sp.cos(turned), v * sp.sin(turned), v**2),
+        "twice": (v**2 * sp.cos(u), v**2 * sp.sin(u), 0),
+    }
+    for point in heights.values():
+        (pole,) = continuity_report(ParametricSurface(point, ((-1, 1), (0, 1))), prove=True).poles
+        assert pole.verdict == "UNDECIDED"
 
 
 def halves_of_a_spline(power, factor):
@@ -241,17 +277,63 @@ def test_joined_matrices_of_floats_are_bounded_all_along():
     assert all(level.most < level.room for level in edge.proof.levels)
 
 
-def test_what_is_no_formula_or_runs_at_another_speed_is_called_numerical():
+def test_what_is_no_formula_or_runs_at_an_unknown_speed_is_called_numerical():
     double = Lambdified((u, -v, 0))
     edge = only_edge(FLOOR, double)
     assert (edge.verdict, edge.continuity, edge.proved, statuses(edge)) == (
         "UNDECIDED", "G2", None, ("numerical",) * 3,
     )  # fmt: skip
     assert "formulas" in edge.proof.reason
-    hurried = ParametricSurface(((u + u**2) / 2, -v, 0))
-    edge = only_edge(FLOOR, hurried)
+    edge = only_edge(
+        ParametricSurface(((u + u**5) / 2, v, 0)), ParametricSurface(((sp.exp(u) - 1) / (sp.E - 1), -v, 0))
+    )
     assert (edge.verdict, edge.continuity, statuses(edge)) == ("UNDECIDED", "G2", ("numerical",) * 3)
     assert "speeds" in edge.proof.reason
+
+
+CUBIC = (u, v, u**3 + u * v + v**2)
+TUBE = (sp.cos(u), sp.sin(u), v)
+HURRIED = {
+    "polynomial": (CUBIC, u, (u + u**2) / 2),
+    "backwards": (CUBIC, u, 1 - (u + u**2) / 2),
+    "rational": (CUBIC, u / (2 - u), u),
+    "both": ((u, v, u * v + v**2), (u + u**2) / 2, (u + u**3) / 2),
+    "arc": (TUBE, u, (u + u**2) / 2),
+    "root": ((u, v, u * v), u, sp.sqrt(1 + 3 * u) - 1),
+    "conic": (((1 - u**2) / (1 + u**2), 2 * u / (1 + u**2), v), u, sp.sin(sp.pi * u / 2) / (1 + sp.cos(sp.pi * u / 2))),
+}
+
+
+@pytest.mark.parametrize("name", sorted(HURRIED))
+def test_edges_that_run_at_other_speeds_are_proved_by_one_parameter(name):
+    """One surface on both sides of v = 0, cut and run at two speeds, then with a kink and a jump of curvature."""
+    surface, here, there = HURRIED[name]
+
+    def sheet(by, across, lift=0):
+        point = [sp.sympify(one).subs({u: by, v: across}, simultaneous=True) for one in surface]
+        return ParametricSurface((*point[:2], point[2] + lift))
+
+    first = sheet(here, v)
+    edge = only_edge(first, sheet(there, -v))
+    assert (edge.verdict, statuses(edge)) == ("CERTIFIED", ("equal",) * 3)
+    # Of the tube only what moves it along x is across.
+    lift = v if name not in {"arc", "conic"} else 0
+    for order, proved in ((1, "G0"), (2, "G1")):
+        if lift != 0:
+            edge = only_edge(first, sheet(there, -v, lift**order / 1000))
+            assert (edge.verdict, edge.proved) == ("REFUTED", proved)
+            level = edge.proof.levels[order]
+            assert 0 <= level.place <= 1
+            found = (edge.angle, edge.curvature_jump)[order - 1]
+            assert level.least <= found.value * (1 + 1e-6)
+
+
+def test_a_parameter_that_is_no_more_than_near_is_none():
+    """Edges apart by less than what counts as a gap, and a function that does not end where the other edge does."""
+    nearly = sp.sqrt(R(1, 4) + 2 * u) - R(1, 2) + u * (1 - u) / 10**12
+    assert only_edge(ParametricSurface(((u + u**2) / 2, v, 0)), ParametricSurface((u, -v, u / 10**10))).proved is None
+    edge = only_edge(FLOOR, ParametricSurface((nearly, -v, 0)))
+    assert "different" not in statuses(edge)
 
 
 def test_a_patch_without_normals_is_degenerate():
@@ -260,6 +342,46 @@ def test_a_patch_without_normals_is_degenerate():
     fading = ParametricSurface((u, -v * (u - R(1, 3)) ** 2, 0))
     edge = only_edge(FLOOR, fading)
     assert (edge.verdict, edge.proved) == ("UNDECIDED", "G0")
+
+
+def test_a_plane_whose_parameter_stands_still_on_the_edge_is_not_called_degenerate():
+    for height in (0, v**4, v**6):
+        assert only_edge(FLOOR, ParametricSurface((u, -(v**2), height))).verdict == "UNDECIDED"
+
+
+THIRD = R(1, 3)
+
+
+def pieces(below, above, at, place=THIRD):
+    """A function that is one thing below a place, another above it, and a third there."""
+    return sp.Piecewise((below, u < place), (above, u > place), (at, True))
+
+
+@pytest.mark.parametrize(
+    ("floor", "wall"),
+    [
+        (0, pieces(0, 0, 1)),
+        (pieces(0, 0, 1), pieces(0, 0, 1)),
+        (0, pieces(0, 0, 1, 0)),
+        (0, pieces(0, 0, 1, 1)),
+        (0, sp.Piecewise((1, sp.And(u <= THIRD, u >= THIRD)), (0, True))),
+        (sp.Piecewise((0, u < THIRD), (1, True)), sp.Piecewise((0, u < THIRD), (1, True))),
+        (0, pieces(0, 0, 1, R(1, 2))),  # samples find this one, and leave it out
+        (0, v * pieces(0, 0, 1) + pieces(0, 0, R(1, 10**9))),
+    ],
+)
+def test_the_value_of_a_formula_at_one_place_counts(floor, wall):
+    """Samples pass it by, and the pieces on both sides of it are equal: it is torn at that place."""
+    report = continuity_report([ParametricSurface((u, v, floor)), ParametricSurface((u, -v, wall))], prove=True)
+    assert report.edges
+    assert {edge.verdict for edge in report.edges} == {"UNDECIDED"}
+
+
+def test_pieces_that_meet_are_one_formula():
+    cube = (u - THIRD) ** 3
+    floor = ParametricSurface((u, v, sp.Piecewise((0, u < THIRD), (cube, True))))
+    for wall in (sp.Piecewise((cube, u > THIRD), (0, True)), pieces(0, cube, 0), sp.Max(u - THIRD, 0) ** 3):
+        assert only_edge(floor, ParametricSurface((u, -v, wall))).verdict == "CERTIFIED"
 
 
 def test_letters_have_their_values():
@@ -351,6 +473,27 @@ def test_on_a_line_between_pieces_the_side_of_the_patch_counts():
     first, second = split_patch(kinked, u=[1])
     flat = ParametricSurface((1 + u, v, 0))
     assert (only_edge(first, flat).verdict, only_edge(first, second).verdict) == ("CERTIFIED", "REFUTED")
+
+
+def test_gordon_surfaces():
+    """A network of a polynomial surface goes on as it does; cardinal functions of Hermite are C1 at their knots."""
+
+    def height(x, y):
+        return x**2 * y + x * y**2 / 2 - sp.sin(2 * x) * y**3 / 3
+
+    along = [(t, y, height(t, y)) for y in (0, R(1, 4), R(1, 2), 1)]
+    over = [(x, t, height(x, t)) for x in (0, R(1, 2), 1)]
+    surface = GordonSurface(along, over)
+    for lift, verdict, proved in ((0, "CERTIFIED", "G2"), (u * v, "REFUTED", "G0"), (u**2 * v, "REFUTED", "G1")):
+        beyond = ParametricSurface((1 + u, v, height(1 + u, v) + lift / 1000))
+        edge = only_edge(surface, beyond)
+        assert (edge.verdict, edge.proved) == (verdict, proved)
+    assert only_edge(*split_patch(surface, u=[0.5])).verdict == "CERTIFIED"
+    assert only_edge(*split_patch(surface, u=[0.3])).verdict == "CERTIFIED"
+    more = [(x, t, height(x, t)) for x in (0, R(1, 4), R(1, 2), R(4, 5), 1)]
+    bent = GordonSurface(along[:3], more, cardinals_u="hermite")
+    assert only_edge(*split_patch(bent, u=[0.5])).proved == "G1"
+    assert only_edge(*split_patch(bent, u=[0.3])).verdict == "CERTIFIED"
 
 
 def test_the_legend_of_a_picture_counts_what_is_proved():

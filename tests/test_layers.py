@@ -88,7 +88,7 @@ def test_names_and_sizes_of_modules():
     for module in modules():
         assert module.stem not in FORBIDDEN_NAMES
         lines = (PACKAGE / module).read_text().splitlines()
-        assert len(lines) <= 300, module
+        assert len(lines) <= 400, module
         for node in ast.walk(ast.parse("\n".join(lines))):
             if isinstance(node, ast.FunctionDef):
                 body = node.body[1:] if ast.get_docstring(node) else node.body

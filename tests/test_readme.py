@@ -132,11 +132,12 @@ def test_the_lines_about_smoothness():
             exec(statement, space)
         else:
             shown[comment] = eval(statement, space)
-    answers, place, every, rule, order = shown.items()
+    answers, place, every, rule, early, order = shown.items()
     assert repr(answers[1]) == answers[0]
     for printed, found in zip(re.findall(r"-?\d+\.\d+", place[0]), place[1], strict=True):
         assert str(found).startswith(printed)
     assert every[0].startswith(repr(every[1]))
+    assert early[1] in {"REFUTED", "UNDECIDED"}
     assert order[0].startswith(repr(order[1]))
     assert_close(rule[1], float(re.search(r"> ([\d.]+)", rule[0]).group(1)), atol=1e-3)
     assert Path("verdict.png").stat().st_size > 20_000
@@ -144,7 +145,8 @@ def test_the_lines_about_smoothness():
 
 def test_the_lines_about_bodies(monkeypatch):
     (code,) = [code for code in PYTHON if "smoothness_atlas" in code]
-    space = {"rsym": rsym, "x": rsym.x, "y": rsym.y, "nose": rsym.paper.skeleton_body()}
+    space = {"rsym": rsym, "sp": sp, **{name: getattr(rsym, name) for name in "xyz"}}
+    space["nose"] = rsym.paper.skeleton_body()
     shown = {}
     for line in code.strip().splitlines():
         statement, _, comment = line.partition("  # ")
@@ -152,7 +154,8 @@ def test_the_lines_about_bodies(monkeypatch):
             exec(statement, space)
         else:
             shown[comment] = eval(statement, space)
-    verdict, names, angle, _, change, distance, extrema, _ = shown.items()
+    verdict, names, angle, _, every, change, distance, extrema, _ = shown.items()
+    assert every[0].startswith(repr(every[1]))
     for said, found in (verdict, names, change):
         assert said == repr(found)
     for said, found in (angle, extrema):

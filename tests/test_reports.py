@@ -49,7 +49,7 @@ def test_letters_that_are_intervals_come_first():
         (Joint((0.0, 0.0), 0.0, "smooth joint", "G2", derivative_jump=2.0), "derivative jumps by 2;"),
         (Joint((0.0, 0.0), 0.0, "smooth joint", "G3", derivative_jump=0.0), "curvature is continuous;"),
         (Joint((0.0, 0.0), 0.0, "corner", "G0", tangent_jump=90.0, tangent_jump_error=0.01), "90.00 ± 0.02 degrees;"),
-        (Joint((0.0, 0.0), 0.1, "unresolved", "broken"), "(0, 0) within 0.1"),
+        (Joint((0.0, 0.0), 0.1, "unresolved", "unknown"), "(0, 0) within 0.1"),
     ],
 )
 def test_every_kind_of_place_has_its_words(joint, words):

@@ -126,3 +126,17 @@ def test_a_deep_nest(system, depth):
     kernel = rsym.compile(shape, ("value", "gradient"))
     assert kernel(1.0, 2.0)["value"] < 0
     assert len(rsym.gradient(shape)) == 2
+
+
+@pytest.mark.parametrize("value", [sp.nan * y, sp.oo * y, y - sp.oo, y + sp.zoo, y + sp.I, sp.sqrt(-2) * y])
+def test_what_has_no_real_value_is_no_shape(value):
+    with pytest.raises(RsymError, match="not a real number"):
+        Shape(value, (x, y))
+    with pytest.raises(RsymError, match="not a real number"):
+        Shape(rsym.conjunction(x, value), (x, y))
+
+
+def test_a_branch_may_be_undefined():
+    assert Shape(sp.Piecewise((x, x > y), (sp.nan, True)), (x, y)).dimension == 2
+    kinked = rsym.gradient(Shape(sp.Max(x, y), (x, y)))
+    assert Shape(kinked[0], (x, y)).dimension == 2

@@ -353,7 +353,6 @@ THIN = rsym.disjunction(z - 3 * RADIUS, -z - 3 * RADIUS, sp.sqrt(x**2 + z**2) / 
     [
         THIN,  # two cones, joined by a plate too thin for the cells of directions
         sp.Min(z - RADIUS / 2, abs(x)),  # a cone with a crack in it
-        z - RADIUS * x,  # a tangent plane: the surface is G1
         rsym.disjunction(rsym.conjunction(x, y, z**2 - x - y), rsym.conjunction(z, z + x + 3 * y)),  # a spike as z**2
     ],
 )

@@ -146,8 +146,15 @@ def test_where_there_is_no_boundary():
     touching = verify_normalisation(
         Shape(-((x**2 + y**2 - sp.Rational(1, 4)) ** 2), (x, y), bounds=LINE), resolution=16
     )
-    assert touching.verdict == "DEGENERATE"
+    assert touching.verdict == "UNDECIDED"  # no sample is no proof that there is nothing
     assert not any(proved for _, proved in touching.statements)
+
+
+@pytest.mark.parametrize("omega", [y * abs(y), y**3, y * abs(x)])
+def test_a_boundary_without_a_gradient_is_there_all_the_same(omega):
+    report = verify_normalisation(Shape(omega, (x, y), bounds=LINE), resolution=16)
+    assert report.verdict in {"UNDECIDED", "REFUTED"}
+    assert "no boundary" not in str(report)
 
 
 def test_in_space():

@@ -212,6 +212,8 @@ class Builder:
         inner = self._operand_of("neg", a)
         if inner is not None:
             return self.abs(inner)
+        if self.nodes[a].operation == "sign":
+            return self.square(a)  # where both are not 0 both are 1, and one switch is enough
         return a if self.nonnegative[a] else self.make("abs", a)
 
     def absolute_power(self, a: int, exponent: int) -> int:

@@ -20,23 +20,34 @@ class Definedness:
 
     def __init__(self, nodes: tuple[Node, ...], nonnegative: list[bool]) -> None:
         self._nodes = nodes
+        self._nonnegative = nonnegative
         self._total: list[bool] = []
         for operation, arguments, _ in nodes:
             defined = operation in _TOTAL or (operation == "sqrt" and nonnegative[arguments[0]])
             self._total.append(defined and all(self._total[argument] for argument in arguments))
 
-    def is_total(self, number: int) -> bool:
-        """Defined at every point."""
-        return self._total[number]
+    def causes(self, number: int) -> tuple[int, ...]:
+        """Nodes of which one is undefined wherever this node is, as far down as that can be followed."""
+        found: dict[int, None] = {}
+        seen: set[int] = set()
+        stack = [number]
+        while stack:
+            part = stack.pop()
+            if part in seen or self._total[part]:
+                continue
+            seen.add(part)
+            if self._passes_on(part):
+                stack.extend(self._nodes[part].arguments)
+            else:
+                found[part] = None
+        return tuple(found)
 
-    def cause(self, number: int) -> int:
-        """What alone makes this node undefined where it is so, as far down as there is one such."""
-        while self._nodes[number].operation in _TOTAL & _STRICT:
-            partial = {argument for argument in self._nodes[number].arguments if not self._total[argument]}
-            if len(partial) != 1:
-                break
-            (number,) = partial
-        return number
+    def _passes_on(self, number: int) -> bool:
+        """Whether a node is undefined where an argument is, and only there."""
+        operation, arguments, _ = self._nodes[number]
+        if operation == "sqrt":
+            return self._nonnegative[arguments[0]]
+        return operation in _TOTAL & _STRICT
 
     def fails_with(self, number: int, cause: int) -> bool:
         """Undefined wherever the node `cause` is."""
@@ -56,4 +67,5 @@ class Definedness:
 def is_decisive(definedness: Definedness, node: Node) -> bool:
     """Whether a select has no value where what it compares is undefined."""
     first, second, _, no = node.arguments
-    return all(definedness.is_total(u) or definedness.fails_with(no, definedness.cause(u)) for u in (first, second))
+    causes = [cause for u in (first, second) for cause in definedness.causes(u)]
+    return all(definedness.fails_with(no, cause) for cause in causes)

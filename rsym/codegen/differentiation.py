@@ -1,7 +1,8 @@
 """Derivatives of a program, to any order, at linear cost.
 
 One rule an operation; all rules avoid cancellation, and where a derivative
-does not exist its value is NaN, never a Dirac impulse.
+does not exist its value is NaN, never a Dirac impulse. Choices, sign and the cut
+of atan2 are differentiated side by side: whether the sides agree is asked by `Jumps`.
 """
 
 from __future__ import annotations
@@ -60,6 +61,9 @@ def _mul(b: Builder, number: int, node: Node, d: Sequence[int]) -> int:
     u, v = node.arguments
     if u == v:
         return b.mul(b.const(2), b.mul(u, d[0]))
+    for first, second, slope in ((u, v, d[0]), (v, u, d[1])):
+        if b.nodes[second] == ("abs", (first,), None):
+            return b.mul(b.const(2), b.mul(second, slope))  # w|w| has a derivative at w = 0 too
     return b.add(b.mul(d[0], v), b.mul(u, d[1]))
 
 

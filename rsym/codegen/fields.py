@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from fractions import Fraction
+from functools import cached_property, reduce
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,10 @@ from rsym.codegen import differentiation
 from rsym.codegen.builder import Builder
 from rsym.codegen.curvatures import Curvatures
 from rsym.codegen.differentiation import derivative, dot
+from rsym.codegen.jumps import Jumps, doubt, unless
 from rsym.codegen.lowering import lower
 from rsym.codegen.normalisation import next_order
+from rsym.codegen.precision import FLOAT64
 from rsym.codegen.program import Program
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
@@ -115,6 +118,12 @@ class Calculus:
         """The product of the principal curvatures of the level surfaces."""
         return self.curvatures.gaussian
 
+    def derivatives(self, order: int) -> list[int]:
+        """The value, the gradient, or the different second derivatives."""
+        size = range(len(self.builder.coordinates))
+        second = [(i, j) for i in size for j in size if i <= j] if order == 2 else []
+        return [[self.value], self.gradient][order] if order < 2 else [self.second(i, j) for i, j in second]
+
     def scalar(self, field: str) -> int:
         """The node of a scalar field."""
         if field == "value":
@@ -140,6 +149,73 @@ def outputs_of(calculus: Calculus, field: str) -> dict[str, int]:
         nodes = calculus.hessian if field == "hessian" else calculus.gradient
     names = _part_names(field, len(calculus.builder.coordinates))
     return dict(zip(names.flat, np.asarray(nodes).flat, strict=True))
+
+
+def order_of(field: str) -> int:
+    """The order of the highest derivative that a field is made of.
+
+    Examples
+    --------
+    >>> [order_of(field) for field in ("value", "normalised", "hessian", "normalised_laplacian", "normalised_3")]
+    [0, 1, 2, 3, 3]
+    """
+    if field.startswith("normalised"):
+        head, _, rest = field.removeprefix("normalised").removeprefix("_").partition("_")
+        order, rest = (int(head), rest) if head.isdigit() else (1, f"{head}_{rest}".strip("_"))
+        return order + order_of(rest or "value")
+    return {"value": 0, "gradient": 1, "gradient_squared": 1, "singular": 1}.get(field, 2)
+
+
+class Existence:
+    """Where the derivatives of a function exist, as nodes of its program: NaN takes the place of those that do not.
+
+    `share` is the part of the size of a derivative that a difference between the sides of a switch must exceed to
+    count; less is rounding.
+    """
+
+    def __init__(self, calculus: Calculus, share: Fraction) -> None:
+        self.calculus = calculus
+        self.builder = calculus.builder
+        self.share = share
+        self.jumps = Jumps(calculus.builder)
+        self._doubts: dict[int, int] = {}
+
+    def _size(self, order: int) -> int:
+        """What a jump is measured by: the derivatives of this order, for the value what moves it in its last places."""
+        b, found = self.builder, self.calculus.derivatives(order)
+        sizes = [b.abs(node) for node in found]
+        if order == 0:
+            names = zip(self.calculus.gradient, b.coordinates, strict=True)
+            sizes += [b.abs(b.mul(slope, b.input(name))) for slope, name in names]
+        return reduce(b.add, sizes)
+
+    def doubts(self, order: int) -> int:
+        """Positive where some derivative below an order jumps, else 0; from the third on, on any border at all."""
+        if order not in self._doubts:
+            b = self.builder
+            if order > 2:
+                smooth = all(self._total(k) == b.const(0) for k in range(3))
+                found = b.const(0) if smooth else self.jumps.borders(self.calculus.value)
+            else:
+                below = [doubt(b, self._total(k), self._size(k), self.share) for k in range(order)]
+                found = reduce(b.add, below, b.const(0))
+            self._doubts[order] = found
+        return self._doubts[order]
+
+    def _total(self, order: int) -> int:
+        b = self.builder
+        return reduce(b.add, [self.jumps[node] for node in self.calculus.derivatives(order)])
+
+    def kept(self, field: str, node: int) -> int:
+        """The node of a field, NaN where a derivative that it is made of does not exist."""
+        b, order = self.builder, order_of(field)
+        if order == 0:
+            return node
+        doubts = self.doubts(order)
+        if order <= 2:
+            own = self.jumps[node] if field in {"gradient", "singular", "hessian"} else self._total(order)
+            doubts = b.add(doubts, doubt(b, own, self._size(order), self.share))
+        return unless(b, doubts, node)
 
 
 def gather(parts: Mapping[str, NDArray[Any]], fields: Sequence[str], size: int) -> dict[str, NDArray[Any]]:
@@ -201,21 +277,29 @@ def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
     return _program(builder, Calculus(builder, node if sign > 0 else builder.neg(node)), fields)
 
 
-def program_of(shape: Shape, fields: Sequence[str], *, of: str = "value") -> Program:
-    """The program that computes the fields of a shape, or of the scalar field `of` of the shape."""
+def program_of(
+    shape: Shape, fields: Sequence[str], *, of: str = "value", share: Fraction | None = FLOAT64.rounding
+) -> Program:
+    """The program that computes the fields of a shape, or of the scalar field `of` of the shape.
+
+    Where a derivative does not exist it is NaN; without a `share` that tells a jump from rounding it is that of one
+    side on the border of a choice.
+    """
     builder = _builder_for(shape)
     calculus = Calculus(builder, lower(builder, shape.expression))
     if of != "value":
         calculus = Calculus(builder, calculus.scalar(of))
-    return _program(builder, calculus, fields)
+    return _program(builder, calculus, fields, share)
 
 
 def _builder_for(shape: Shape) -> Builder:
     return Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(shape.letters))
 
 
-def _program(builder: Builder, calculus: Calculus, fields: Sequence[str]) -> Program:
-    outputs: dict[str, int] = {}
-    for field in checked_fields(fields):
-        outputs.update(outputs_of(calculus, field))
-    return builder.program(outputs)
+def _program(builder: Builder, calculus: Calculus, fields: Sequence[str], share: Fraction | None = None) -> Program:
+    found = {field: outputs_of(calculus, field) for field in checked_fields(fields)}
+    if share is not None:
+        existence = Existence(calculus, share)
+        for field, parts in found.items():
+            found[field] = {name: existence.kept(field, node) for name, node in parts.items()}
+    return builder.program({name: node for parts in found.values() for name, node in parts.items()})

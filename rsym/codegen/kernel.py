@@ -158,7 +158,7 @@ def compile(
     names = checked_fields(fields)
     _check_shape(shape)
     precision = precision_named(dtype)
-    program = program_of(shape, names)
+    program = program_of(shape, names, share=precision.rounding)
     return compile_program(program, names, shape, backend=backend, precision=precision, threads=threads)
 
 

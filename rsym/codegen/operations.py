@@ -80,7 +80,7 @@ def r_alpha(sign: int) -> Callable[[Array, Array, Array], Array]:
         root, total = np.hypot(f - alpha * g, np.sqrt((1 - alpha) * (1 + alpha)) * g), f + g
         cancels = sign * total < 0
         value = np.where(cancels, 2 * near * (far / (total - sign * root)), (total + sign * root) / (1 + alpha))
-        fails = (f * f + g * g == 0) | np.isinf(f * f + g * g)
+        fails = (f * f + g * g == 0) | np.isinf(f * f + g * g) | (alpha == 1)
         return np.where(fails & ~np.isnan(alpha), near, value)
 
     return meaning
@@ -121,7 +121,7 @@ def norm(f: Array, g: Array, p: Array) -> Array:
 
 
 def rp(sign: int) -> Callable[[Array, Array, Array], Array]:
-    """F + g + sign*(|f|**p + |g|**p)**(1/p); min or max where that root is 0 or infinite."""
+    """F + g + sign*(|f|**p + |g|**p)**(1/p); min or max where that root is 0 or infinite or the sign would be lost."""
 
     def meaning(f: Array, g: Array, p: Array) -> Array:
         p = np.where(p > 1, p, np.nan)
@@ -130,8 +130,9 @@ def rp(sign: int) -> Callable[[Array, Array, Array], Array]:
         small: Array = np.where(swap, g, f)
         excess = np.expm1(np.log1p(np.float_power(np.abs(small / large), p)) / p)
         value = small + np.where(sign * large < 0, -large * excess, large * (2 + excess))
-        fails = (large == 0) | np.isinf(large)
-        return np.where(fails & ~np.isnan(small + p), np.minimum(f, g) if sign < 0 else np.maximum(f, g), value)
+        near = np.minimum(f, g) if sign < 0 else np.maximum(f, g)
+        fails = (large == 0) | np.isinf(large) | ((np.sign(value) != np.sign(near)) & ~np.isnan(value))
+        return np.where(fails & ~np.isnan(small + p), near, value)
 
     return meaning
 
@@ -144,12 +145,12 @@ def rp_versine(f: Array, g: Array, p: Array) -> Array:
 
 
 def joining(f: Array, g: Array, m: Array) -> Array:
-    """|f|*|g|/(|f|**m + |g|**m)**(1/m); the smaller where that root is 0 or infinite."""
+    """|f|*|g|/(|f|**m + |g|**m)**(1/m); the smaller where that root is 0 or infinite or the quotient rounds to 0."""
     sizes = np.abs(f), np.abs(g)
     small, large = np.minimum(*sizes), np.maximum(*sizes)
     m = np.where(m >= 1, m, np.nan)
     value = small * np.float_power(1 + np.float_power(small / large, m), -1 / m)
-    return np.where(((large == 0) | np.isinf(large)) & ~np.isnan(m), small, value)
+    return np.where(((large == 0) | np.isinf(large) | (value == 0)) & ~np.isnan(m), small, value)
 
 
 def equivalence(f: Array, g: Array, m: Array) -> Array:

@@ -25,6 +25,14 @@ def where_fails(b: Builder, size: int, instead: int, value: int) -> int:
     return b.select(size, largest(b), instead, b.select(smallest(b), size, instead, value))
 
 
+def signed_like(b: Builder, near: int, value: int) -> int:
+    """The value, or `near` where the value has lost the sign of that: what rounds to 0 below the normal numbers."""
+    zero, tiny = b.const(0), smallest(b)
+    positive = b.select(tiny, value, near, value)
+    negative = b.select(value, b.neg(tiny), near, value)
+    return b.select(near, zero, positive, b.select(zero, near, negative, value))
+
+
 def low(b: Builder, f: int, g: int) -> int:
     """The smaller."""
     return b.select(g, f, f, g)

@@ -13,6 +13,7 @@ from rsym.codegen.powers import (
     power,
     radical,
     root,
+    signed_like,
     smallest,
     where_fails,
     whole,
@@ -47,10 +48,15 @@ def _r0(sign: int) -> Expansion:
 
 
 def _r_alpha(sign: int) -> Expansion:
-    """R = sqrt((f - alpha g)**2 + (1 - alpha**2) g**2), a sum of squares, which rounding cannot make negative."""
+    """R = sqrt((f - alpha g)**2 + (1 - alpha**2) g**2), a sum of squares, which rounding cannot make negative.
+
+    For alpha = 1 that is |f - g|, which is finite where f + g + r is not: there the operation is written as min, max.
+    """
 
     def expansion(b: Builder, node: Node) -> int:
         f, g, alpha = node.arguments
+        if b.value(alpha) == 1:
+            return b.make("min" if sign < 0 else "max", f, g)
         alpha = _within(b, alpha, -1, _at_most(b, alpha, 1))
         rest = b.sqrt(b.mul(b.sub(b.const(1), alpha), b.add(b.const(1), alpha)))
         sheared = root(b, b.sub(f, b.mul(alpha, g)), b.mul(rest, g))
@@ -142,7 +148,8 @@ def _rp(sign: int) -> Expansion:
         adds = b.add(small, b.mul(large, b.add(b.const(2), excess)))
         zero = b.const(0)
         value = b.select(large, zero, differs, adds) if sign < 0 else b.select(zero, large, differs, adds)
-        return where_fails(b, b.abs(large), b.make("min" if sign < 0 else "max", f, g), value)
+        near = b.make("min" if sign < 0 else "max", f, g)
+        return where_fails(b, b.abs(large), near, signed_like(b, near, value))
 
     return expansion
 
@@ -180,12 +187,12 @@ def _rp_versine(b: Builder, node: Node) -> int:
 
 
 def _joining(b: Builder, node: Node) -> int:
-    """m/(1 + (m/M)**k)**(1/k), m the smaller and M the larger size, k the order."""
+    """m/(1 + (m/M)**k)**(1/k), m the smaller and M the larger size, k the order; what rounds to 0 is m."""
     f, g, order = node.arguments
     order = _at_least_one(b, order, order)
     small, large = _sizes(b, f, g)
     value = b.div(small, radical(b, b.add(b.const(1), power(b, b.div(small, large), order)), order))
-    return where_fails(b, large, small, value)
+    return where_fails(b, large, small, signed_like(b, small, value))
 
 
 def _equivalence(b: Builder, node: Node) -> int:

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from rsym.errors import RsymError
 
 if TYPE_CHECKING:
+    from tqdm import tqdm
+
     from rsym.language.model import Model
     from rsym.model.letters import Letters
     from rsym.model.shape import Shape
@@ -220,14 +222,32 @@ def load_shape(options: argparse.Namespace) -> Shape:
 
 
 @contextmanager
-def progress_bar(unit: str, label: str) -> Iterator[Callable[[int, int], Any]]:
+def progress_bar(unit: str, label: str) -> Iterator[Bar]:
     """A bar on the terminal, none in a file; what it gives is a ``progress(done, total)``."""
     from tqdm import tqdm
 
     with tqdm(total=1, unit=unit, desc=label, disable=None, leave=False) as bar:
+        yield Bar(bar, label)
 
-        def progress(done: int, total: int) -> None:
-            bar.total, bar.n = total, done
-            bar.refresh()
 
-        yield progress
+class Bar:
+    """A progress as a bar that shows the stage at work and what is undecided so far."""
+
+    def __init__(self, bar: tqdm[Any], label: str) -> None:
+        self._bar, self._label = bar, label
+
+    def describe(self, stage: str, undecided: float) -> None:
+        """Show the stage in front of the bar, and behind it the share that is undecided, if it is known."""
+        self._bar.set_description_str(f"{self._label}: {stage}", refresh=False)
+        if not math.isnan(undecided):
+            self._bar.set_postfix_str(f"undecided {100 * undecided:.2g} %", refresh=False)
+
+    def __call__(self, done: int, total: int) -> None:
+        """Show so many of all steps as done."""
+        self._bar.total, self._bar.n = total, done
+        self._bar.refresh()
+
+
+def add_timeout(parser: argparse.ArgumentParser, end: str) -> None:
+    """The option for a limit of time."""
+    parser.add_argument("--timeout", type=float, metavar="SECONDS", help=f"the time allowed; {end}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from rsym.commands.options import Commands, add_command, add_model, add_revolve, load_shape, progress_bar
+from rsym.commands.options import Commands, add_command, add_model, add_revolve, add_timeout, load_shape, progress_bar
 
 
 def add(commands: Commands) -> None:
@@ -24,6 +24,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--vary", action="append", metavar="LETTER", help="a letter that may be moved (default: all)")
     parser.add_argument("--curvature", type=float, metavar="K", help="the largest curvature allowed")
     parser.add_argument("--radius", type=float, metavar="R", help="the size of roundings and blends, a length")
+    add_timeout(parser, "what was not tried by then is rejected")
     parser.add_argument("--json", action="store_true", help="print the candidates as JSON")
     parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the candidates: .png, .svg or .pdf")
 
@@ -44,6 +45,7 @@ def run(options: argparse.Namespace) -> int:
             vary=options.vary,
             curvature=options.curvature,
             radius=options.radius,
+            timeout=options.timeout,
             progress=progress,
         )
     print(report.to_json() if options.json else report)

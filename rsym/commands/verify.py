@@ -6,7 +6,16 @@ import argparse
 import json
 from collections.abc import Collection, Mapping
 
-from rsym.commands.options import Commands, add_command, add_model, add_revolve, load_shape, progress_bar, ranges
+from rsym.commands.options import (
+    Commands,
+    add_command,
+    add_model,
+    add_revolve,
+    add_timeout,
+    load_shape,
+    progress_bar,
+    ranges,
+)
 from rsym.errors import RsymError
 
 # Exit codes of the design: proved, refuted, neither.
@@ -32,6 +41,7 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
     parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the verdict: .png, .svg or .pdf")
+    add_timeout(parser, "what is not settled by then counts as undecided")
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument(
         "--normalisation",
@@ -60,8 +70,10 @@ def run(options: argparse.Namespace) -> int:
     if options.output is not None:
         picture_suffix(options.output)
     shape = load_shape(options)
-    with progress_bar("box", "verifying") as progress:
-        report = verify_smoothness(shape, letters=intervals, method=options.method, progress=progress)
+    with progress_bar("step", "verifying") as progress:
+        report = verify_smoothness(
+            shape, letters=intervals, method=options.method, timeout=options.timeout, progress=progress
+        )
     if options.output is not None:
         write_picture(plot_verdict(report, shape), options.output)
     print(report.to_json() if options.json else report)
@@ -78,7 +90,9 @@ def _threshold(options: argparse.Namespace, intervals: Mapping[str, tuple[float,
     _refuse(options, "--threshold", intervals.keys() - {name})
     shape = load_shape(options)
     with progress_bar("verdict", "bracketing") as progress:
-        found = smoothness_threshold(shape, name, between=intervals.get(name), progress=progress)
+        found = smoothness_threshold(
+            shape, name, between=intervals.get(name), timeout=options.timeout, progress=progress
+        )
     print(json.dumps(asdict(found), indent=2) if options.json else found)
     return 0
 
@@ -88,7 +102,9 @@ def _normalisation(options: argparse.Namespace, intervals: Mapping[str, tuple[fl
     from rsym.verify.normalisation import verify_normalisation
 
     _refuse(options, "--normalisation", intervals.keys())
-    report = verify_normalisation(load_shape(options), options.normalisation)
+    shape = load_shape(options)
+    with progress_bar("step", "verifying") as progress:
+        report = verify_normalisation(shape, options.normalisation, timeout=options.timeout, progress=progress)
     print(report.to_json() if options.json else report)
     return CODES[report.verdict]
 

@@ -173,6 +173,7 @@ def sweep(
     """The body between two heights whose profile changes with the height: letters of it are functions of z.
 
     Where the profile changes the sides are inclined and omega is not normalised there; `implicit` normalises it.
+    The bounds of the profile hold for its own letters, not for those that change: such a body has none of its own.
 
     Parameters
     ----------
@@ -213,7 +214,9 @@ def sweep(
         parts=tuple((name, substitute(part, changed)) for name, part in profile.parts),
     )
     low, high = number(lower, "the lower end"), number(upper, "the upper end")
-    bounds = _with_heights(profile.bounds, (default(low, moving.letters), default(high, moving.letters)))
+    bounds = _with_heights(
+        None if changed else profile.bounds, (default(low, moving.letters), default(high, moving.letters))
+    )
     slab = between(_third(profile), low, high, moving.letters)
     return _joined(moving, slab, (), system, None, bounds)
 

@@ -8,20 +8,24 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import sympy as sp
+from sympy.functions.elementary.piecewise import ExprCondPair
 
 from rsym.errors import RsymError
+from rsym.model.choices import Choice
 from rsym.model.folds import Fold
 from rsym.model.letters import Letter, Letters, as_letters
 from rsym.model.motions import Movable
 from rsym.model.names import symbol_names
 from rsym.model.symbols import as_expression, real_replacements
 from rsym.model.systems import R0
-from rsym.model.traversal import substitute, symbols_of
+from rsym.model.traversal import postorder, substitute, symbols_of
 
 if TYPE_CHECKING:
     from rsym.model.contracts.summary import Contract
 
 _IN_A_LINE = 8  # letters, in a notebook
+
+_NO_NUMBERS = (sp.oo, -sp.oo, sp.zoo, sp.I)
 
 Bounds: TypeAlias = tuple[tuple[float, float], ...]
 
@@ -49,7 +53,8 @@ class Shape(Movable):
     Raises
     ------
     RsymError
-        For an unknown symbol, conflicting letters, or bounds that are not finite and increasing.
+        For an unknown symbol, conflicting letters, bounds that are not finite and increasing, or an expression that is
+        undefined (nan), infinite or not real.
 
     Examples
     --------
@@ -86,6 +91,7 @@ class Shape(Movable):
                 code="coordinates",
                 remedy="for example (x, y) or (x, y, z)",
             )
+        _check_values(expression)
         real = real_replacements((expression, *coordinates))
         store = object.__setattr__
         store(self, "expression", substitute(expression, real) if real else expression)
@@ -274,6 +280,19 @@ def combine(function: Callable[..., sp.Expr], *operands: Any) -> Any:
         # Two parts of one name stay two: their surfaces share the name.
         parts=tuple(dict.fromkeys(part for shape in shapes for part in shape.parts)),
     )
+
+
+def _check_values(expression: sp.Expr) -> None:
+    """Refuse what has no real value anywhere; a branch of a piecewise function may be undefined."""
+    for part in (sp.Tuple(expression), *postorder(expression)):
+        branches = isinstance(part, ExprCondPair | Choice)
+        for argument in part.args:
+            if argument in _NO_NUMBERS or (argument is sp.nan and not branches):
+                raise RsymError(
+                    f"the expression contains {argument}, which is not a real number",
+                    code="number",
+                    remedy="remove the division by zero or the root of a negative number that it came from",
+                )
 
 
 def _checked_bounds(bounds: Any, dimension: int) -> Bounds:

@@ -89,7 +89,7 @@ def plane_sampler(
         box = tuple(whole[k] for k in free)
     flat = Shape(0, [shape.coordinates[k] for k in free], bounds=box)
     assert flat.bounds is not None
-    program = program_of(shape, ("value", "gradient"), of=field)
+    program = program_of(shape, ("value", "gradient"), of=field, share=None)
     kernel = compile_program(program, ("value", "gradient"), shape)
     return PlaneSampler(kernel, lattice_over(flat.bounds, resolution), free, fixed, letters)
 

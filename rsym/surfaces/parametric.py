@@ -13,7 +13,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.model.symbols import real_replacements
 from rsym.model.traversal import symbols_of
-from rsym.surfaces.functions.entries import entries_and_shape
+from rsym.surfaces.functions.entries import entries_and_shape, exact
 from rsym.surfaces.functions.formulas import CompiledFormulas
 from rsym.surfaces.parameters import as_interval
 from rsym.surfaces.patch import Array, Domain, LetterValues, Orders, Patch
@@ -74,6 +74,13 @@ class ParametricSurface(Patch):
                 remedy="for example ((0, 1), (0, 1))",
             )
         self._domain = as_interval(domain[0], "u"), as_interval(domain[1], "v")
+        ends = [[one if isinstance(one, sp.Expr) else exact(float(one)) for one in pair] for pair in domain]
+        self._ends = tuple((low, high) for low, high in ends)
+
+    @property
+    def ends(self) -> tuple[tuple[sp.Expr, sp.Expr], ...]:
+        """The domain exactly: constants as they were given, and floats as the decimals that they are written as."""
+        return self._ends
 
     @property
     def domain(self) -> Domain:

@@ -4,6 +4,9 @@
   and trimming. The sign of a node is read off its operands; of the roots it is not, for they cancel.
 - Squares leave roots: sqrt(x**2*y**2 + x**2) = |x| sqrt(y**2 + 1), if what stays is never negative (else the root
   would be defined on fewer points: sqrt(x**2*(y - 1)) is 0 on x = 0); and moduli: |x**2*y| = x**2*|y|.
+- Powers of a modulus become nodes with derivatives of their own: |x|**(5/2), x**2*|x| = |x|**3, and so on;
+  written as products their derivatives are quotients by |x|, without a bound on a box around x = 0.
+- A positive quadratic form under a root becomes a sum of squares.
 
 Nothing else. Every rule is an identity of real functions, also of where they are defined.
 """
@@ -16,11 +19,13 @@ from itertools import product
 import sympy as sp
 
 from rsym.model.nodes import Trimming, expand_nodes
+from rsym.model.powers import absolute_power, signed_power
 from rsym.model.rnodes import R0Conjunction, R0Disjunction
 from rsym.model.traversal import postorder, rebuild
 
 ROUNDS = 3  # a rule may make room for another one
 LARGEST = 4_000  # parts of an expression; a larger one is left as it is
+FAR = 2**64  # a factor of omega beyond it drops
 TERMS, DEGREE = 300, 24  # of a polynomial that is expanded or factored, at most
 
 
@@ -44,7 +49,25 @@ def cleaned(expression: sp.Expr) -> sp.Expr:
         if result == expression:
             break
         expression = result
-    return expression
+    return rebuild(expression, _gathered)
+
+
+def without_scale(expression: sp.Expr) -> sp.Expr:
+    """An expression of the same sign: a positive number that all terms share drops if it is far from 1.
+
+    In float64 the squares of values below 1e-154 are 0, and nothing is proved of them.
+
+    Examples
+    --------
+    >>> from rsym import x
+    >>> without_scale((1 - x**2) / 10**300), without_scale((1 - x**2) / 2)
+    (1 - x**2, 1/2 - x**2/2)
+    """
+    if not isinstance(expression, sp.Add | sp.Mul):
+        return expression
+    scale, rest = expression.primitive() if isinstance(expression, sp.Add) else expression.as_coeff_Mul()
+    far = isinstance(scale, sp.Rational) and scale != 0 and not 1 / FAR < abs(scale) < FAR
+    return (rest if scale > 0 else -rest) if far else expression
 
 
 def _recognised(part: sp.Basic) -> sp.Basic | None:
@@ -55,8 +78,34 @@ def _recognised(part: sp.Basic) -> sp.Basic | None:
 
 def _freed(part: sp.Basic) -> sp.Basic | None:
     if isinstance(part, sp.Pow) and isinstance(part.exp, sp.Rational) and part.exp.q == 2:
-        return _root_without_squares(part)
+        return _root_without_squares(part) or _root_of_squares(part)
     return _modulus_without_squares(part) if isinstance(part, sp.Abs) else None
+
+
+def _gathered(part: sp.Basic) -> sp.Basic | None:
+    """u**k |u|**q as |u|**(k + q) for even k, sign(u) |u|**(k + q) for odd: for k >= 0, q > 0 and k + q > 2.
+
+    Both sides are defined wherever u is. Below that order the boundary has a jump of curvature, which is proved by
+    the two sides as they are written.
+    """
+    if not isinstance(part, sp.Mul | sp.Pow):
+        return None
+    factors, changed = list(sp.Mul.make_args(part)), False
+    for factor in sp.Mul.make_args(part):
+        modulus, exponent = factor.as_base_exp()
+        if not (isinstance(modulus, sp.Abs) and isinstance(exponent, sp.Rational) and exponent > 0):
+            continue
+        base = modulus.args[0]
+        power = next((other for other in factors if other.as_base_exp()[0] == base), sp.S.One)
+        times = power.as_base_exp()[1] if power != 1 else sp.S.Zero
+        if not (isinstance(times, sp.Integer) and times >= 0 and times + exponent > 2):
+            continue
+        factors.remove(factor)
+        if power != 1:
+            factors.remove(power)
+        factors.append((absolute_power if times % 2 == 0 else signed_power)(base, times + exponent))
+        changed = True
+    return sp.Mul(*factors) if changed else None
 
 
 def _is_root(part: sp.Basic) -> bool:
@@ -200,6 +249,44 @@ def _root_without_squares(power: sp.Pow) -> sp.Expr | None:
     if outside == 1 or not _is_never_negative(inside):
         return None
     return outside ** (2 * power.exp) * sp.Pow(inside, power.exp)
+
+
+def _root_of_squares(power: sp.Pow) -> sp.Expr | None:
+    """sqrt(x**2 + x*y + y**2) as the root of a sum of squares, (x + y/2)**2 + 3*y**2/4: where it is zero is seen."""
+    atoms = Atoms()
+    found = atoms.polynomials(atoms.masked(power.base))
+    if found is None or not all(atom.is_Symbol for atom in atoms.names):
+        return None
+    if all(max(powers) in (0, 2) for powers in found[0].monoms()):
+        return None  # it is one already, or none
+    squares = diagonal(found[0])
+    if not squares:
+        return None
+    return sp.Pow(sp.Add(*(factor * atoms.unmasked(form) ** 2 for factor, form in squares)), power.exp)
+
+
+def diagonal(polynomial: sp.Poly) -> list[tuple[sp.Rational, sp.Poly]]:
+    """Positive factors and linear polynomials of whose squares a quadratic one is the sum; none if it is not.
+
+    Examples
+    --------
+    >>> x, y = sp.symbols("x y")
+    >>> [(factor, form.as_expr()) for factor, form in diagonal(sp.Poly(x**2 + x * y + y**2, x, y, domain=sp.QQ))]
+    [(1, x + y/2), (3/4, y)]
+    >>> diagonal(sp.Poly(x**2 + 3 * x * y + y**2, x, y, domain=sp.QQ))
+    []
+    """
+    squares: list[tuple[sp.Rational, sp.Poly]] = []
+    while not polynomial.is_zero:
+        gens = polynomial.gens
+        leading = next((x for x in gens if polynomial.total_degree() == 2 == polynomial.degree(x)), None)
+        factor = sp.Integer(0) if leading is None else polynomial.as_expr().coeff(leading, 2)
+        if leading is None or not factor > 0:
+            return []
+        form = sp.Poly(polynomial.diff(leading).as_expr() / (2 * factor), *gens, domain=sp.QQ)
+        squares.append((factor, form))
+        polynomial = sp.Poly(polynomial.as_expr() - factor * form.as_expr() ** 2, *gens, domain=sp.QQ)
+    return squares
 
 
 def _modulus_without_squares(modulus: sp.Abs) -> sp.Expr | None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from rsym.codegen.balls import ctx
 from rsym.codegen.differentiation import derivative
-from rsym.sampling.progress import Progress, report
+from rsym.sampling.effort import Effort
+from rsym.verify.account import Balance
 from rsym.verify.examination import OPEN, Finding, examine
 from rsym.verify.local import Box, Model
 from rsym.verify.pruning import Prune
@@ -22,11 +23,22 @@ OFF_CENTRE = 0.4375 + 1 / 64
 
 @dataclass
 class Covering:
-    """Settled boxes with what was found on them, and the boxes left over."""
+    """Settled boxes with what was found on them, and the boxes left over.
+
+    All boxes that were `made` are settled, left, `divided`, or `empty` of zeros.
+    """
 
     settled: list[tuple[Box, Finding]] = field(default_factory=list)
     left: list[tuple[Box, Finding]] = field(default_factory=list)
     examined: int = 0
+    made: int = 0
+    empty: int = 0
+    divided: int = 0
+
+    @property
+    def balance(self) -> Balance:
+        """The boxes that were made, and those of which it is known what became of them."""
+        return Balance(self.made, self.empty + self.divided + len(self.settled) + len(self.left))
 
 
 def cover(
@@ -36,29 +48,41 @@ def cover(
     smallest: float,
     budget: int,
     prune: Prune | None = None,
-    progress: Progress | None = None,
+    effort: Effort | None = None,
 ) -> Covering:
-    """Subdivide the bounds, breadth first, until every box is settled, narrower than `smallest`, or too many.
+    """Subdivide the bounds, breadth first, until every box is settled, too narrow, too many, or the time is over.
 
     `prune` says of many boxes at once which certainly hold no zero; the others are examined one by one.
     """
-    result, extent = Covering(), extent_of(bounds)
+    result, extent, effort = Covering(), extent_of(bounds), effort or Effort()
     level = list(_first(bounds))
     with ctx.workprec(PRECISION):
         while level:
+            result.made += len(level)
             if prune is not None:
-                level = [box for box, empty in zip(level, prune(level), strict=True) if not empty]
+                kept = [box for box, empty in zip(level, prune(level), strict=True) if not empty]
+                result.empty += len(level) - len(kept)
+                level = kept
             following: list[Box] = []
+            undecided = _undecided(level, result)
             for box in level:
-                if result.examined >= budget:
+                if result.examined >= budget or effort.is_over:
                     result.left.append((box, OPEN))
                     continue
                 following.extend(_settled(model, box, extent, smallest, result))
                 if result.examined % REPORTED == 0:
-                    report(progress, result.examined, budget)
+                    effort.reach(1 - undecided, undecided=undecided)
             level = following
-    report(progress, budget, budget)
+    undecided = _undecided([], result)
+    effort.reach(1 - undecided, undecided=undecided)
     return result
+
+
+def _undecided(level: Sequence[Box], found: Covering) -> float:
+    """The share of the boundary on which nothing is proved yet, each box counted by its longer side."""
+    opened = sum(extent_of(box) for box in level) + sum(extent_of(box) for box, _ in found.left)
+    settled = sum(extent_of(box) for box, _ in found.settled)
+    return opened / (opened + settled) if opened else 0.0
 
 
 def _settled(model: Model, box: Box, extent: float, smallest: float, result: Covering) -> list[Box]:
@@ -66,14 +90,14 @@ def _settled(model: Model, box: Box, extent: float, smallest: float, result: Cov
     result.examined += 1
     finding = examine(model.over(box), extent)
     width = max(high - low for low, high in box[:2])
-    if finding.kind == "regular" and width > extent * COARSEST and len(box) == 2:
+    coarse = finding.kind == "regular" and width > extent * COARSEST and len(box) == 2
+    if coarse or (finding.kind == "open" and width > smallest):
+        result.divided += 1
         return halves(model, box)
-    if finding.kind == "open":
-        if width > smallest:
-            return halves(model, box)
-        result.left.append((box, finding))
-    elif finding.kind != "empty":
-        result.settled.append((box, finding))
+    if finding.kind == "empty":
+        result.empty += 1
+    else:
+        (result.left if finding.kind == "open" else result.settled).append((box, finding))
     return []
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
 
 import sympy as sp
@@ -15,7 +16,7 @@ from rsym.verify.constants import enclosed, exact, vanishes
 FUNCTIONS = (sp.sin, sp.cos, sp.tan, sp.exp, sp.log, sp.sinh, sp.cosh, sp.tanh, sp.atan)
 ANALYTIC = (sp.Symbol, sp.Rational, sp.NumberSymbol, sp.Add, sp.Mul, sp.Pow, *FUNCTIONS)
 # A velocity that vanishes to a higher order than this is no longer examined.
-HIGHEST_ORDER = 3
+HIGHEST_ORDER = 4
 
 Vector = tuple[sp.Expr, ...]
 
@@ -87,9 +88,10 @@ class End:
     """One end of a curve, exactly: the point, a vector along the tangent, the curvature vector, the rate of change.
 
     Where p' is not zero, K = p_ss = (p''|p'|^2 - p'(p'.p''))/|p'|^4 and rate = dK/dt, so that p_sss = rate/|p'|.
-    Where p' = ... = p^(m-1) = 0, the tangent is that of p^(m), K = 2 m!^2/(2m)! n/|p^(m)|^2 with n the part
-    of p^(2m) across it; K is unbounded if the part across it of p^(m+1), ..., p^(2m-1) is not zero. What cannot be
-    decided is None, `doubt` says why; `standing`: no derivative up to the third but vanishes.
+    Where p' = ... = p^(m-1) = 0, see `_standing`: the tangent is that of p^(m), and the curve is
+    looked at as a graph over it; K is `unbounded`, or its rate is (`rough`), where fractional powers remain. What
+    cannot be decided is None, `doubt` says why; `standing`: no derivative up to the fourth but vanishes. `order` is
+    m, 0 if it is not known.
     """
 
     point: Vector
@@ -99,6 +101,8 @@ class End:
     unbounded: bool = False
     doubt: str = ""
     standing: bool = False
+    rough: bool = False
+    order: int = 0
 
 
 def dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
@@ -131,6 +135,10 @@ def all_vanish(vector: Sequence[sp.Expr]) -> bool | None:
     >>> all_vanish((sp.Integer(0), sp.sqrt(4) - 2)), all_vanish((sp.Integer(0), sp.Integer(1)))
     (True, False)
     """
+    # Balls are cheap, algebra is not: one component that is not zero is enough.
+    balls = [enclosed(component) for component in vector]
+    if any(ball is not None and (ball > 0 or ball < 0) for ball in balls):
+        return False
     found = [vanishes(component) for component in vector]
     return False if False in found else None if None in found else True
 
@@ -149,32 +157,59 @@ def end_of(curve: Curve, at_start: bool) -> End:
     """
     place = curve.start if at_start else curve.end
     point = tuple(_at(expression, curve, place) for expression in curve.expressions)
-    if not all(_analytic(expression, curve, place) for expression in curve.expressions):
+    if not is_analytic_at(curve, place):
         return End(point, doubt="the coordinates are not known to be analytic here; another parameter may be")
-    jets = [_derivative(curve, place, order) for order in range(1, 2 * HIGHEST_ORDER + 1)]
     for order in range(1, HIGHEST_ORDER + 1):
-        still = all_vanish(jets[order - 1])
+        first = derivative_at(curve, place, order)
+        still = all_vanish(first)
         if still is None:
             return End(point, doubt="whether the velocity is zero is not decided")
         if not still:
-            return _moving(point, jets, order, at_start)
-    return End(point, doubt="the first three derivatives are zero", standing=True)
+            return _moving(curve, place, order, at_start)
+    return End(point, doubt="the first four derivatives are zero", standing=True)
 
 
 def _at(expression: sp.Expr, curve: Curve, place: sp.Expr) -> sp.Expr:
     return expression.subs(curve.parameter, place)
 
 
-def _derivative(curve: Curve, place: sp.Expr, order: int) -> Vector:
-    """With respect to a parameter that grows along the curve."""
+def derivative_at(curve: Curve, place: sp.Expr, order: int) -> Vector:
+    """The derivative of some order at a place, with respect to a parameter that grows along the curve.
+
+    Examples
+    --------
+    >>> t = sp.Symbol("t")
+    >>> derivative_at(Curve((t**2, t**3), t, 1, 0), sp.Integer(1), 1)
+    (-2, -3)
+    """
     return tuple(
-        curve.sense**order * _at(sp.diff(expression, curve.parameter, order), curve, place)
+        curve.sense**order * _at(_differentiated(expression, curve.parameter, order), curve, place)
         for expression in curve.expressions
     )
 
 
+@lru_cache(maxsize=512)
+def _differentiated(expression: sp.Expr, parameter: sp.Symbol, order: int) -> sp.Expr:
+    """A derivative from the one before; polynomials are multiplied out, which keeps them short."""
+    if order == 0:
+        return sp.expand(expression) if expression.is_polynomial(parameter) else expression
+    return sp.diff(_differentiated(expression, parameter, order - 1), parameter)
+
+
+def is_analytic_at(curve: Curve, place: sp.Expr) -> bool:
+    """Whether every root and logarithm has a positive argument at a place, and every denominator is not zero.
+
+    Examples
+    --------
+    >>> t = sp.Symbol("t")
+    >>> curve = Curve((t, sp.sqrt(t)), t, 0, 1)
+    >>> is_analytic_at(curve, sp.Integer(0)), is_analytic_at(curve, sp.Integer(1))
+    (False, True)
+    """
+    return all(_analytic(expression, curve, place) for expression in curve.expressions)
+
+
 def _analytic(expression: sp.Expr, curve: Curve, place: sp.Expr) -> bool:
-    """Whether every root and logarithm has a positive argument here, and every denominator is not zero."""
     for part in sp.preorder_traversal(expression):
         if not part.has(curve.parameter):
             continue
@@ -192,21 +227,55 @@ def _analytic(expression: sp.Expr, curve: Curve, place: sp.Expr) -> bool:
     return True
 
 
-def _moving(point: Vector, jets: list[Vector], order: int, at_start: bool) -> End:
+def _moving(curve: Curve, place: sp.Expr, order: int, at_start: bool) -> End:
     """The first derivative that is not zero has this order."""
-    first, second = jets[order - 1], jets[2 * order - 1]
-    sign = 1 if at_start else (-1) ** (order - 1)
-    tangent = tuple(sign * component for component in first)
-    if order == 1:
-        return End(point, tangent, _across(second, first, dot(first, first)), _rate(jets))
-    across = [all_vanish(minors(first, jet)) for jet in jets[order : 2 * order - 1]]
-    if False in across:
-        return End(point, tangent, unbounded=True)
-    if None in across:
-        return End(point, tangent, doubt="whether the curvature is bounded is not decided")
-    factor = 2 * sp.factorial(order) ** 2 / sp.factorial(2 * order)
-    curvature = _across(second, first, dot(first, first))
-    return End(point, tangent, tuple(factor * component for component in curvature))
+    point = tuple(_at(expression, curve, place) for expression in curve.expressions)
+    if order > 1:
+        jets = [derivative_at(curve, place, one) for one in range(1, 3 * order + 1)]
+        return _standing(point, jets, order, at_start)
+    jets = [derivative_at(curve, place, one) for one in (1, 2, 3)]
+    return End(point, jets[0], _across(jets[1], jets[0], dot(jets[0], jets[0])), _rate(jets), order=1)
+
+
+def _standing(point: Vector, jets: list[Vector], order: int, at_start: bool) -> End:
+    """The end of a curve whose derivatives below this order vanish, as a graph over its tangent.
+
+    With q = p^(m), X = q.(p - p(end))/|q|^2 = t^m/m! + ... and Y the part of p - p(end) across q, the curve is Y over
+    X. As X^(1/m) is an analytic parameter, Y is a series of it: Y = A X^2 + B X^3 + o(X^3) if and only if no power of
+    t between the m-th, the 2m-th and the 3m-th is left in Y, and then in Y - A X^2. With the length x = |q| X along
+    the tangent Y = (A/|q|^2) x^2 + (B/|q|^3) x^3: p_ss = 2A/|q|^2, and p_sss is 6B/|q|^3 across and -|p_ss|^2 along.
+    Before an end of even order the curve comes from where q points to, and so runs against it.
+    """
+    q = jets[order - 1]
+    sign, size = 1 if at_start else (-1) ** (order - 1), dot(q, q)
+    tangent = tuple(sign * one for one in q)
+    scaled = [tuple(one / sp.factorial(k) for one in jet) for k, jet in enumerate(jets, 1)]
+    along = [sp.Integer(0), *(dot(q, one) / size for one in scaled)]
+    across = [(sp.Integer(0),) * len(q), *(_minus_share(one, q, x) for one, x in zip(scaled, along[1:], strict=True))]
+    left = [all_vanish(one) for one in across[order + 1 : 2 * order]]
+    if False in left:
+        return End(point, tangent, unbounded=True, order=order)
+    if None in left:
+        return End(point, tangent, doubt="whether the curvature is bounded is not decided", order=order)
+    half = tuple(sp.factorial(order) ** 2 * one for one in across[2 * order])
+    bend = tuple(2 * one / size for one in half)
+    squares = [sum((along[i] * along[k - i] for i in range(k + 1)), sp.Integer(0)) for k in range(3 * order + 1)]
+    rest = [
+        tuple(y - a * square for y, a in zip(one, half, strict=True))
+        for one, square in zip(across, squares, strict=True)
+    ]
+    left = [all_vanish(one) for one in rest[2 * order + 1 : 3 * order]]
+    if False in left:
+        return End(point, tangent, bend, rough=True, order=order)
+    if None in left:
+        return End(point, tangent, bend, order=order)
+    third = [6 * sp.factorial(order) ** 3 * one / size for one in rest[3 * order]]
+    rate = tuple(sign * (b - dot(bend, bend) * one) for b, one in zip(third, q, strict=True))
+    return End(point, tangent, bend, rate, order=order)
+
+
+def _minus_share(vector: Vector, tangent: Vector, share: sp.Expr) -> Vector:
+    return tuple(a - share * t for a, t in zip(vector, tangent, strict=True))
 
 
 def _across(vector: Vector, tangent: Vector, size: sp.Expr) -> Vector:
@@ -231,4 +300,5 @@ def determinant(a: Vector, b: Vector, c: Vector) -> sp.Expr:
     >>> determinant((1, 0, 0), (0, 1, 0), (0, 0, 2))
     2
     """
-    return sp.Matrix([a, b, c]).det()
+    # SymPy's determinants simplify on the way, which may take minutes.
+    return dot(a, (b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]))

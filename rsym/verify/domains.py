@@ -25,10 +25,10 @@ def is_defined(local: Local, number: int, *, but_for_thin_sets: bool = False) ->
     local.value(number)
     ignored = _THIN if but_for_thin_sets else frozenset()
     partial = (part for part in local.model.order(number) if nodes[part].operation in PARTIAL - ignored)
-    return all(_is_defined_itself(local, part) for part in partial)
+    return all(is_defined_itself(local, part) for part in partial)
 
 
-def _is_defined_itself(local: Local, number: int) -> bool:
+def is_defined_itself(local: Local, number: int) -> bool:
     """Whether the node is defined wherever its arguments are."""
     builder = local.model.builder
     operation, arguments, _ = builder.nodes[number]

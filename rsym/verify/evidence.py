@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from itertools import product
+from collections.abc import Iterator, Sequence
+from itertools import islice, product
 
 from rsym.codegen.balls import arb, ctx
 from rsym.verify.covering import PRECISION, Covering, halves
@@ -13,7 +13,9 @@ from rsym.verify.local import Box, Model, side
 from rsym.verify.report import Joint
 from rsym.verify.wording import plural
 
+PARTS, LOOKED_AT = 256, 64  # of the ranges of letters, and boxes over each, in search of a boundary for all of them
 DIVIDED, MOST_DIVIDED = 8, 500  # times that boxes are divided in search of a point of the boundary, and how many
+NOWHERE = ("no point of the boundary was found within the bounds for every value of the letters", False)
 
 
 def has_boundary(model: Model, found: Covering, joints: Sequence[Joint], extent: float) -> bool | None:
@@ -21,26 +23,61 @@ def has_boundary(model: Model, found: Covering, joints: Sequence[Joint], extent:
 
     Where omega has both signs on a settled box it has a zero there, as it has the sign of a continuous function; of
     a double zero the inner function counts. Settled boxes without a change of sign are divided a few times: either
-    one appears, or all are discarded.
+    one appears, or all are discarded. A leap over zero is no zero.
     """
     if joints:
         return True
-    boxes = list(found.settled)
+    boxes = [pair for pair in found.settled if pair[1].kind != "leap"]
     with ctx.workprec(PRECISION):
         for _ in range(DIVIDED):
             if any(_changes_sign(model, box, finding) for box, finding in boxes) or len(boxes) > MOST_DIVIDED:
                 break
             halved = [half for box, _ in boxes for half in halves(model, box)]
             findings = [examine(model.over(half), extent) for half in halved]
-            boxes = [pair for pair in zip(halved, findings, strict=True) if pair[1].kind != "empty"]
+            boxes = [pair for pair in zip(halved, findings, strict=True) if pair[1].kind not in {"empty", "leap"}]
         if any(_changes_sign(model, box, finding) for box, finding in boxes):
             return True
-    return None if boxes or found.left else False
+    leaps = any(finding.kind == "leap" for _, finding in found.settled)
+    return None if boxes or leaps or found.left else False
 
 
-def _changes_sign(model: Model, box: Box, finding: Finding) -> bool:
+def has_boundary_for_every_value(model: Model, found: Covering, ranges: Box) -> bool:
+    """Whether it is proved that there is a point of the boundary whatever the letters are in their ranges.
+
+    Where omega has both signs at points of a settled box, for all letters in a part of the ranges of the box, it has a
+    zero in the box for each of them. The ranges are halved until there is such a box for every part.
+    """
+    cells, tried = [ranges], 0
+    with ctx.workprec(PRECISION):
+        while cells and tried < PARTS:
+            cell = cells.pop()
+            tried += 1
+            if not any(_changes_sign(model, box, finding, _sides(cell)) for box, finding in _over(found, cell)):
+                widths = [(high - low) / (b - a) for (low, high), (a, b) in zip(cell, ranges, strict=True)]
+                axis = widths.index(max(widths))
+                low, high = cell[axis]
+                middle = low + (high - low) / 2
+                cells += [(*cell[:axis], half, *cell[axis + 1 :]) for half in ((low, middle), (middle, high))]
+    return not cells
+
+
+def _over(found: Covering, cell: Box) -> Iterator[tuple[Box, Finding]]:
+    """Some of the settled boxes that hold a part of the ranges, evenly chosen."""
+    own = [
+        (box, finding)
+        for box, finding in found.settled
+        if all(low <= a and b <= high for (low, high), (a, b) in zip(box[2:], cell, strict=True))
+    ]
+    return islice(own, 0, None, max(1, len(own) // LOOKED_AT))
+
+
+def _sides(cell: Box) -> list[arb]:
+    return [side(*ends) for ends in cell]
+
+
+def _changes_sign(model: Model, box: Box, finding: Finding, ranges: Sequence[arb] | None = None) -> bool:
     number = finding.locus.nodes[0] if finding.locus.kind in {"leaf", "double"} else model.root
-    ranges = [side(low, high).mid() for low, high in box[2:]]
+    ranges = [one.mid() for one in _sides(box[2:])] if ranges is None else ranges
     points = product(*((low, low + (high - low) / 2, high) for low, high in box[:2]))
     return {1, -1} <= {model.on([arb(x), arb(y), *ranges]).sign(number) for x, y in points}
 
@@ -62,6 +99,10 @@ def statements(found: Covering, exists: bool | None) -> tuple[tuple[str, bool], 
     if "joined" in kinds:
         text = f"on {boxes(kinds.count('joined'))} it consists of two analytic arcs that meet in one point"
         result.append((text, True))
+    if "leap" in kinds:
+        result.append((f"on {boxes(kinds.count('leap'))} omega jumps over zero", True))
+    if "broken" in kinds:
+        result.append((f"on {boxes(kinds.count('broken'))} it is no curve", True))
     if found.left:
         result.append((f"on {boxes(len(found.left))} nothing is proved of the boundary as a whole", False))
     return tuple(result)

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rsym.codegen.balls import arb, ctx
 from rsym.codegen.builder import Builder
 from rsym.verify.bending import curvatures
+from rsym.verify.bodies.sheets import locus_of, sheets
+from rsym.verify.bodies.touching import touching
+from rsym.verify.borders import is_within
+from rsym.verify.breaks import broken, emptiness
 from rsym.verify.domains import is_defined
 from rsym.verify.generators import Generators, generators
-from rsym.verify.joints import PRECISE, Arc, Meeting, is_transversal, joint, locate, meeting
+from rsym.verify.joints import PRECISE, Arc, Meeting, is_transversal, joint, locate, located, meeting
 from rsym.verify.local import Local
-from rsym.verify.locus import NONE, Locus, reduce
+from rsym.verify.locus import NONE, Locus
 from rsym.verify.report import Joint
-from rsym.verify.resolution import contact
+from rsym.verify.resolution import resolved
+from rsym.verify.root_classes import root_order
 from rsym.verify.vanishing import vanishes_with
 
 # A joint on a side of a box lies inside the box grown by this share of its width; where letters range, it moves.
@@ -27,8 +32,9 @@ class Finding:
     """What is proved on a box.
 
     kind: "empty"; "regular", an arc of class C^j, j < order, analytic if the order is infinite; "joined", two arcs
-    that meet in `joint`; "double", zeros without a change of sign; "open", nothing is proved. No curvature is larger
-    in size than `curvature`, of which at most the share `slack` is due to the enclosure.
+    that meet in `joint`; "broken", there is no curve at `joint`; "double", zeros without a change of sign; "leap", a
+    change of sign without zeros; "open", nothing is proved. No curvature is larger in size than `curvature`, of which
+    at most the share `slack` is due to the enclosure.
     """
 
     kind: str
@@ -45,15 +51,15 @@ EMPTY, OPEN = Finding("empty"), Finding("open")
 def examine(local: Local, extent: float, number: int | None = None) -> Finding:
     """What is proved of the zero set of a node (of the root) on a box; `extent` is the size of the whole."""
     number = local.model.root if number is None else number
-    locus = reduce(local, number)
+    locus = locus_of(local, number)
     if locus.kind == "none":
         return EMPTY
     if locus.kind == "double":
         return _double(local, locus)
     if locus.kind == "leaf":
         return _leaf(local, extent, number, locus)
-    if locus.kind in {"conjunction", "disjunction"}:
-        return _joined(local, number)
+    if locus.kind in {"conjunction", "disjunction", "several"}:
+        return _joined(local, number, extent)
     if locus.kind == "product":
         return _product(local, extent, locus)
     return Finding("open", locus=locus)
@@ -66,10 +72,11 @@ def _leaf(local: Local, extent: float, number: int, locus: Locus) -> Finding:
     if found.analytic:
         return _regular(local, locus, math.inf, extent)
     if found.hard or len(found.switches) > 1:
-        return Finding("open", locus=locus)
-    finding = _joined(local, number)
+        order = root_order(local, leaf)
+        return _regular(local, locus, order, extent) if order > 2 else Finding("open", locus=locus)
+    finding = _joined(local, number, extent)
     if finding.kind == "open" and _is_small(local, extent):
-        order = contact(local, leaf, found.switches[0])
+        order = resolved(local, leaf, found.switches[0]).order
         return _regular(local, locus, order, extent) if order > 2 else finding
     return finding
 
@@ -162,16 +169,34 @@ def _grown(local: Local) -> Local:
     return local.model.on([*sides, *local.sides[2:]])
 
 
-def _joined(local: Local, number: int) -> Finding:
+def _touching(local: Local, number: int, locus: Locus) -> int | Meeting | None:
+    """What sheets that touch make of a node: one of them, or two that continue each other."""
+    found = None if locus.kind == "leaf" else sheets(local, number)
+    return None if found is None else touching(local, found)
+
+
+def _joined(local: Local, number: int, extent: float) -> Finding:
     """Two arcs on the grown box: they meet in one point there, or do not meet at all."""
     grown = _grown(local)
-    locus = reduce(grown, number)
+    locus = locus_of(grown, number)
     if locus.kind == "none":
         return EMPTY
     found: Generators | None = generators(grown, locus.nodes[0]) if locus.kind == "leaf" else None
     if found is not None and found.analytic:
         return OPEN
     arcs = meeting(grown, locus, found)
+    if arcs is not None and not arcs.continuous:
+        kind = emptiness(local, grown, arcs)
+        if kind is not None:
+            return Finding(kind, locus=Locus("double", (arcs.arcs[0].side,)))
+        end = broken(local, grown, arcs)
+        if end is not None:
+            return Finding("broken", joint=end, locus=locus)
+    if arcs is None or not is_transversal(grown, arcs):
+        alone = _touching(grown, number, locus)
+        if isinstance(alone, int):
+            return _regular(local, Locus("leaf", (alone,)), math.inf, extent)
+        arcs = alone
     if arcs is None or not is_transversal(grown, arcs):
         return Finding("open", locus=locus)
     bounds = [curvature_bound(grown, arc.function) for arc in arcs.arcs]
@@ -180,21 +205,19 @@ def _joined(local: Local, number: int) -> Finding:
     if zero is None or (None in bounds and not (on_axis and zero.exists)):
         return Finding("open", locus=locus)
     bound = max((math.inf, 0.0) if bound is None else bound for bound in bounds)
-    inside = zero.box is None or all(a.overlaps(b) for a, b in zip(zero.box, local.sides, strict=False))
-    if not (zero.exists and inside):  # what meets outside a neighbour will find
-        return Finding("regular", math.inf, *bound, locus=locus) if _same_end(grown, arcs) else OPEN
-    found_joint = joint(grown, arcs, zero)
-    if found_joint is None:
+    place, within = None, None
+    if zero.exists and zero.box and all(a.overlaps(b) for a, b in zip(zero.box, local.sides, strict=False)):
+        place = located(grown, arcs, zero)
+        within = is_within(place, (arcs.arcs[0].function, arcs.arcs[0].side))
+    if place is None or within is False:  # what meets outside a neighbour will find, if it is within the bounds
+        return Finding("regular", math.inf, *bound, locus=locus) if arcs.continuous else OPEN
+    found_joint = joint(grown, arcs, place)
+    if found_joint is None or (within is None and len(local.sides) > 2):
         return Finding("open", locus=locus)
+    if within is None:
+        doubt = f"{found_joint.reason}; whether within the bounds or beside them is not decided"
+        found_joint = replace(found_joint, proved=False, reason=doubt)
     return Finding("joined", arcs.contact, *bound, found_joint, locus)
-
-
-def _same_end(local: Local, arcs: Meeting) -> bool:
-    """Whether neither arc ends in the box: they are continuous across the switch, or both have no end."""
-    if arcs.contact >= 1:
-        return True
-    zero = locate(local, arcs.arcs[1])
-    return zero is not None and not zero.exists
 
 
 def _double(local: Local, locus: Locus) -> Finding:

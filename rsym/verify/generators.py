@@ -18,6 +18,7 @@ from rsym.verify.locus import chosen
 BRANCHING = frozenset({"abs", "sign", "min", "max", "select"})
 JOINT = frozenset("r0_conjunction r0_disjunction versine gap r0m_conjunction r0m_disjunction r0m_partial".split())
 NORMS = frozenset("norm rp_conjunction rp_disjunction rp_versine joining equivalence".split())
+TERMS = 32  # parts of a sum that is compared with others
 ENTIRE = frozenset("const input add mul neg powi sin cos exp".split())
 
 
@@ -25,12 +26,13 @@ ENTIRE = frozenset("const input add mul neg powi sin cos exp".split())
 class Generators:
     """What may be zero on a box, of a node's live generators.
 
-    switches: the nodes that switch; hard: operations that are not analytic somewhere on the box and that no switch
-    resolves.
+    switches: the nodes that switch, and the operations that they are switches of (`switched`); hard: operations that
+    are not analytic somewhere on the box and that no switch resolves.
     """
 
     switches: tuple[int, ...]
     hard: frozenset[int]
+    switched: tuple[int, ...] = ()
 
     @property
     def analytic(self) -> bool:
@@ -38,10 +40,16 @@ class Generators:
         return not self.switches and not self.hard
 
 
+ANALYTIC = Generators((), frozenset())
+
+
 def generators(local: Local, number: int) -> Generators:
     """The live generators of a node that the box does not exclude."""
+    if local.model.uses_only(number, ENTIRE):
+        return ANALYTIC
     nodes = local.model.builder.nodes
     switches: dict[int, None] = {}  # in the order of the walk
+    switched: list[int] = []
     hard: set[int] = set()
     seen: set[int] = set()
     stack = [number]
@@ -66,7 +74,8 @@ def generators(local: Local, number: int) -> Generators:
             hard.add(part)
         else:
             switches[switch] = None
-    return Generators(tuple(switches), frozenset(hard))
+            switched.append(part)
+    return Generators(tuple(switches), frozenset(hard), tuple(switched))
 
 
 def is_analytic_at(local: Local, number: int) -> bool:
@@ -144,18 +153,16 @@ def is_square(builder: Builder, number: int) -> bool:
 
 def bare(builder: Builder, number: int) -> int:
     """The node without sign and constant factor: its zeros are the same."""
-    while True:
-        operation, arguments, _ = builder.nodes[number]
-        if operation == "neg":
-            number = arguments[0]
-        elif operation == "mul" and (builder.value(arguments[0]) or Fraction(0)) != 0:
-            number = arguments[1]
-        else:
-            return number
+    return _scaled(builder, number)[0]
 
 
 def factor(builder: Builder, number: int) -> int:
     """The sign of the constant factor that `bare` takes away."""
+    return _scaled(builder, number)[1]
+
+
+def _scaled(builder: Builder, number: int) -> tuple[int, int]:
+    """A node u and a sign: the node is u times a constant of that sign."""
     sign = 1
     while True:
         operation, arguments, _ = builder.nodes[number]
@@ -164,5 +171,41 @@ def factor(builder: Builder, number: int) -> int:
             number, sign = arguments[0], -sign
         elif value is not None and value != 0:
             number, sign = arguments[1], sign if value > 0 else -sign
+        elif operation == "add":
+            made, positive = _sum(builder, number)
+            return made, sign * positive
         else:
-            return sign
+            return number, sign
+
+
+def _sum(builder: Builder, number: int) -> tuple[int, int]:
+    """A sum divided by the coefficient of its first term, and the sign of that: x - 1/2 of 1 - 2*x.
+
+    Terms of one node are added up; where they cancel, and where there are many, the sum stays as it is written.
+    """
+    terms: dict[int, Fraction] = {}
+    constant, stack, count = Fraction(0), [(number, Fraction(1))], 0
+    while stack:
+        part, times = stack.pop()
+        count += 1
+        operation, arguments, data = builder.nodes[part]
+        value = builder.value(arguments[0]) if operation == "mul" else None
+        if operation == "add":
+            stack.extend((argument, times) for argument in arguments)
+        elif operation == "neg":
+            stack.append((arguments[0], -times))
+        elif value is not None:
+            stack.append((arguments[1], times * value))
+        elif operation == "const" and isinstance(data, Fraction):
+            constant += times * data
+        else:
+            terms[part] = terms.get(part, Fraction(0)) + times
+        if count > TERMS:
+            return number, 1
+    if not terms or not all(terms.values()):
+        return number, 1
+    leading = terms[min(terms)]
+    made = builder.const(constant / leading)
+    for part in sorted(terms):
+        made = builder.add(made, builder.mul(builder.const(terms[part] / leading), part))
+    return made, 1 if leading > 0 else -1

@@ -4,6 +4,10 @@ An arc is {F = 0, G >= 0} with F and G analytic on the box. Where grad F and gra
 strictly monotone along F = 0: the arc starts or ends where G = 0 and does so once. Of a switch u the two arcs are
 {F+ = 0, u >= 0} and {F- = 0, -u >= 0}, of a conjunction {f = 0, g >= 0} and {g = 0, f >= 0}. The jump is that of
 the enclosures at the point: where they are disjoint it is proved.
+
+On u = 0 itself omega may be a third function T, which is neither F+ nor F-. Then {T = 0, u = 0} belongs to the
+boundary, and the ends of the arcs do only if T is zero there: two arcs are a curve if T and u have one common zero,
+and that is the point where the arcs meet, or none if they do not.
 """
 
 from __future__ import annotations
@@ -18,7 +22,7 @@ from rsym.verify.krawczyk import Point, Zero, refined, unique_zero
 from rsym.verify.local import Local, Model
 from rsym.verify.locus import Locus
 from rsym.verify.report import Joint
-from rsym.verify.resolution import contact, resolve
+from rsym.verify.resolution import resolved
 from rsym.verify.vanishing import vanishes_with
 
 PRECISE = 256  # bits at which a joint is located: 60 digits remain after the third derivative
@@ -35,10 +39,19 @@ class Arc:
 
 @dataclass(frozen=True)
 class Meeting:
-    """Two arcs, and the order to which their functions agree where they meet (`contact`)."""
+    """Two arcs, and the order to which their functions agree where they meet (`contact`).
+
+    `thin`: between the arcs, where the side is zero, omega is this function; None where it is that of an arc.
+    """
 
     arcs: tuple[Arc, Arc]
     contact: float
+    thin: Arc | None = None
+
+    @property
+    def continuous(self) -> bool:
+        """Whether omega is proved to be continuous from arc to arc, so that both end where one does."""
+        return self.contact >= 1 and self.thin is None
 
 
 def meeting(local: Local, locus: Locus, found: Generators | None) -> Meeting | None:
@@ -52,16 +65,24 @@ def meeting(local: Local, locus: Locus, found: Generators | None) -> Meeting | N
         return None
     (switch,) = found.switches
     (leaf,) = locus.nodes
-    plus, minus = resolve(local, leaf, switch, 1), resolve(local, leaf, switch, -1)
-    return Meeting((Arc(plus, switch), Arc(minus, builder.neg(switch))), contact(local, leaf, switch))
+    both = resolved(local, leaf, switch)
+    thin = None if both.thin is None else Arc(both.thin, switch)
+    return Meeting((Arc(both.plus, switch), Arc(both.minus, builder.neg(switch))), both.contact, thin)
+
+
+def others_of(meeting: Meeting) -> list[Arc]:
+    """The functions of which it is not known that they are zero where the first arc ends."""
+    return [*(meeting.arcs[1:] if meeting.contact < 1 else ()), *([] if meeting.thin is None else [meeting.thin])]
 
 
 def is_transversal(local: Local, meeting: Meeting) -> bool:
     """Whether all functions are analytic on the box and no arc is tangent to its side anywhere on it."""
+    if meeting.thin is not None and not generators(local, meeting.thin.function).analytic:
+        return False
     for arc in meeting.arcs:
         if not (generators(local, arc.function).analytic and generators(local, arc.side).analytic):
             return False
-        if not _determinant(local, arc):
+        if not crosses(local, arc):
             return False
     return True
 
@@ -70,6 +91,11 @@ def _gradient(local: Local, number: int) -> tuple[arb, arb]:
     x, y = (local.value(node) for node in local.model.gradient(number))
     whole = arb(0, math.inf)
     return (whole if x is None else x), (whole if y is None else y)
+
+
+def crosses(local: Local, arc: Arc) -> bool:
+    """Whether the gradients of the function and the side of an arc are nowhere parallel on the box."""
+    return _determinant(local, arc) != 0
 
 
 def _determinant(local: Local, arc: Arc) -> int:
@@ -120,25 +146,32 @@ def jet(model: Model, arc: Arc, at: Local) -> Jet:
     return Jet(tangent, _finite(at.value(curvature)), kx * tangent[0] + ky * tangent[1])
 
 
-def joint(local: Local, meeting: Meeting, zero: Zero) -> Joint | None:
-    """The joint at a point known to be the only one in the box; None where the enclosures decide nothing."""
-    model, directions = local.model, [_determinant(local, arc) for arc in meeting.arcs]
-    if set(directions) != {1, -1} or zero.box is None:
-        return None
-    if meeting.contact < 1:  # the arcs may end in different points: both must have one end, and it must be the same
-        other = locate(local, meeting.arcs[1])
-        if other is None or not other.exists:
-            return None
+def located(local: Local, meeting: Meeting, zero: Zero) -> Local:
+    """A box around the only common zero of a function and its side, as narrow as the precision allows."""
+    assert zero.box is not None
     with ctx.workprec(PRECISE):
-        found = locate(model.on([*zero.box, *local.sides[2:]]), meeting.arcs[0], precise=True)
+        found = locate(local.model.on([*zero.box, *local.sides[2:]]), meeting.arcs[0], precise=True)
         assert found is not None
         assert found.box is not None
-        at = model.on([*found.box, *local.sides[2:]])
-        first, second = meeting.arcs
-        if meeting.contact < 1 and not vanishes_with(at, (first.function, first.side), second.function):
+        return local.model.on([*found.box, *local.sides[2:]])
+
+
+def joint(local: Local, meeting: Meeting, at: Local) -> Joint | None:
+    """The joint at the only point of the box that can be one, `located`; None where the enclosures decide nothing."""
+    model, directions = local.model, [_determinant(local, arc) for arc in meeting.arcs]
+    if set(directions) != {1, -1}:
+        return None
+    if meeting.thin is not None and _determinant(local, meeting.thin) != directions[0]:
+        return None  # between the arcs the inside lies on the other side
+    others = others_of(meeting)  # what may end in different points: each must have one end, and it must be the same
+    if not all(end is not None and end.exists for end in (locate(local, other) for other in others)):
+        return None
+    with ctx.workprec(PRECISE):
+        first = meeting.arcs[0]
+        if not all(vanishes_with(at, (first.function, first.side), other.function) for other in others):
             return None
         jets = {direction: jet(model, arc, at) for direction, arc in zip(directions, meeting.arcs, strict=True)}
-        return _judged(found.box, jets[-1], jets[1], meeting.contact)
+        return _judged(tuple(at.sides[:2]), jets[-1], jets[1], meeting.contact)
 
 
 def _judged(point: Point, arriving: Jet, leaving: Jet, order: float) -> Joint | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from rsym.codegen.balls import Step, arb, ball, ctx, exact, run, step
 from rsym.codegen.builder import Builder
@@ -14,6 +14,10 @@ from rsym.codegen.fields import Calculus
 from rsym.codegen.lowering import lower
 from rsym.codegen.program import live
 from rsym.model.shape import Shape
+
+if TYPE_CHECKING:
+    from rsym.verify.contact_relations import Contacts
+    from rsym.verify.root_classes import Axes
 
 Interval: TypeAlias = tuple[Fraction, Fraction]
 Box: TypeAlias = tuple[tuple[float, float], ...]
@@ -24,15 +28,35 @@ def side(low: float, high: float) -> arb:
     return ball(arb(low), arb(high))
 
 
+class _Plan(NamedTuple):
+    """How some nodes are enclosed: inputs by name, numbers, and the steps in their order."""
+
+    inputs: list[tuple[int, str]]
+    numbers: list[Step]
+    steps: list[Step]
+    known: dict[int, dict[int, arb | None]]
+
+    def constants(self) -> dict[int, arb | None]:
+        """The balls of the numbers, at the working precision."""
+        if ctx.prec not in self.known:
+            balls: dict[int, arb | None] = {}
+            run(self.numbers, balls)
+            self.known[ctx.prec] = balls
+        return self.known[ctx.prec]
+
+
 class Model:
     """A shape as a growing program of its coordinates, with the letters that are fixed and those that range.
 
     `axes` are what a box has sides along: the coordinates, then the letters that range. Of a `body` of revolution
-    the coordinates are those of the meridian, the second one the distance from the axis, with either sign.
+    the coordinates are those of the meridian, the second one the distance from the axis, with either sign. What is
+    outside the `bounds`, if there are any, is nobody's concern.
     """
 
-    def __init__(self, shape: Shape, letters: Mapping[str, Interval], *, body: bool = False) -> None:
-        self.body = body
+    def __init__(
+        self, shape: Shape, letters: Mapping[str, Interval], *, body: bool = False, bounds: Box | None = None
+    ) -> None:
+        self.body, self.bounds = body, bounds
         names = tuple(symbol.name for symbol in shape.coordinates)
         self.builder = Builder(names, tuple(letters))
         self.root = lower(self.builder, shape.expression)
@@ -40,11 +64,14 @@ class Model:
         self.axes = (*names, *(name for name, (low, high) in letters.items() if low != high))
         self._orders: dict[int, list[int]] = {}
         self._steps: dict[int, Step] = {}
-        self.multiplicities: dict[tuple[int, int], int] = {}
+        self.multiplicities: dict[tuple[int, int], float] = {}
+        self.contacts: Contacts | None = None
+        self.root_axes: Axes | None = None
         self._gradients: dict[int, tuple[int, ...]] = {}
         self._curvatures: dict[int, int] = {}
         self._fixed: dict[int, dict[str, arb]] = {}
-        self._constants: dict[int, dict[int, arb | None]] = {}
+        self._made_of: dict[tuple[int, frozenset[str]], bool] = {}
+        self._plans: dict[tuple[int, ...], _Plan] = {}
 
     def order(self, number: int) -> list[int]:
         """The nodes that a node needs, in evaluation order."""
@@ -54,24 +81,36 @@ class Model:
 
     def enclose(self, number: int, inputs: Mapping[str, arb], known: dict[int, arb | None]) -> None:
         """Add the balls of a node, and of all that it needs, to those known on the box."""
-        steps = []
-        constants = self._constants.setdefault(ctx.prec, {})
-        for part in self.order(number):
-            if part in known:
-                continue
-            operation, _, data = self.builder.nodes[part]
-            if operation == "input":
-                known[part] = inputs[str(data)]
-                continue
-            if part not in self._steps:
-                self._steps[part] = step(self.builder.nodes, part)
-            if operation == "const":
-                if part not in constants:
-                    run([self._steps[part]], constants)
-                known[part] = constants[part]
-            else:
-                steps.append(self._steps[part])
-        run(steps, known)
+        self.enclose_all((number,), inputs, known)
+
+    def enclose_all(self, numbers: tuple[int, ...], inputs: Mapping[str, arb], known: dict[int, arb | None]) -> None:
+        """Add the balls of some nodes, and of all that they need, to those known on the box."""
+        plan = self._plan(numbers)
+        given = dict(known)  # slopes, say, in the place of coordinates and numbers
+        known.update(plan.constants())
+        for number, name in plan.inputs:
+            known[number] = inputs[name]
+        known.update(given)
+        run([one for one in plan.steps if one.number not in given] if given else plan.steps, known)
+
+    def _plan(self, numbers: tuple[int, ...]) -> _Plan:
+        if numbers not in self._plans:
+            nodes, order = self.builder.nodes, live(self.builder.nodes, numbers)
+            for part in order:
+                if part not in self._steps and nodes[part].operation != "input":
+                    self._steps[part] = step(nodes, part)
+            named = [(part, str(nodes[part].data)) for part in order if nodes[part].operation == "input"]
+            fixed = [self._steps[part] for part in order if nodes[part].operation == "const"]
+            steps = [self._steps[part] for part in order if nodes[part].operation not in {"input", "const"}]
+            self._plans[numbers] = _Plan(named, fixed, steps, {})
+        return self._plans[numbers]
+
+    def uses_only(self, number: int, operations: frozenset[str]) -> bool:
+        """Whether a node and all that it needs are of some operations."""
+        if (number, operations) not in self._made_of:
+            nodes = self.builder.nodes
+            self._made_of[number, operations] = all(nodes[part].operation in operations for part in self.order(number))
+        return self._made_of[number, operations]
 
     @property
     def dimension(self) -> int:
@@ -121,6 +160,12 @@ class Local:
             self.model.enclose(number, self.inputs, self.values)
         return self.values[number]
 
+    def all(self, numbers: tuple[int, ...]) -> list[arb | None]:
+        """The balls of some nodes, enclosed at once."""
+        if any(number not in self.values for number in numbers):
+            self.model.enclose_all(numbers, self.inputs, self.values)
+        return [self.values[number] for number in numbers]
+
     def sign(self, number: int) -> int:
         """1 or -1 where the node certainly has that sign wherever it is defined, else 0."""
         value = self.value(number)
@@ -130,7 +175,7 @@ class Local:
 
     def gradient(self, number: int) -> list[arb]:
         """Balls around the first derivatives of a node, the whole line where there is no bound."""
-        found = (self.value(node) for node in self.model.gradient(number))
+        found = self.all(self.model.gradient(number))
         return [arb(0, math.inf) if value is None else value for value in found]
 
     def nonzero(self, number: int) -> bool:

@@ -24,6 +24,7 @@ from rsym.codegen.backends import default_backend
 from rsym.codegen.balls import ctx
 from rsym.codegen.builder import Builder
 from rsym.codegen.intervals import Bounds, IntervalFunction
+from rsym.sampling.effort import Effort
 from rsym.verify.covering import OFF_CENTRE, PRECISION
 from rsym.verify.generators import bare, generators
 from rsym.verify.local import Box, side
@@ -61,18 +62,29 @@ def feasible_order(derivatives: NormalDerivatives) -> int:
 
 
 def cover_boundary(
-    derivatives: NormalDerivatives, bounds: Box, *, tolerance: float, smallest: float, work: float
+    derivatives: NormalDerivatives,
+    bounds: Box,
+    *,
+    tolerance: float,
+    smallest: float,
+    work: float,
+    effort: Effort | None = None,
 ) -> NormalCover:
     """Subdivide until every box is free of the boundary, has bounds below the tolerance, or is too small.
 
-    `work` limits the number of boxes times nodes.
+    `work` limits the number of boxes times nodes; it is spent as well when the time is over.
     """
+    effort, allowed = effort or Effort(), work
     enclosure = Enclosure(derivatives, feasible_order(derivatives))
     region = np.array(bounds, np.float64)
     extent = float((region[:, 1] - region[:, 0]).max())
     boxes, analytic, examined = halves(region[None], OFF_CENTRE), np.zeros(2 ** len(region), bool), 0
     limits, covered, uncovered = np.zeros(enclosure.order), [region[None][:0]], [region[None][:0]]
     while len(boxes) and work > 0:
+        effort.reach(1 - work / allowed)
+        if effort.is_over:
+            work = 0.0
+            break
         examined += len(boxes)
         work -= len(boxes) * enclosure.level_cost
         width = float((boxes[:, :, 1] - boxes[:, :, 0]).max())

@@ -13,7 +13,9 @@ from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.contours import level_lines
+from rsym.sampling.effort import Effort
 from rsym.sampling.lattice import bounds_of, lattice_over
+from rsym.sampling.progress import Progress, Stages
 from rsym.sampling.smooth import smooth_mesh
 from rsym.verify.arguments import require_shape
 from rsym.verify.local import Box, Model
@@ -36,6 +38,8 @@ def verify_normalisation(
     resolution: int | Sequence[int] = 128,
     tolerance: float = 1e-3,
     work: float = WORK,
+    timeout: float | None = None,
+    progress: Progress | None = None,
 ) -> NormalisationReport:
     """Prove or refute that omega is normalised to an order m, each derivative within a tolerance.
 
@@ -67,6 +71,10 @@ def verify_normalisation(
         The greatest deviation that counts as normalised; that of order k has the dimension length**(1 - k).
     work : float
         The greatest number of boxes times nodes to enclose.
+    timeout : float, optional
+        Seconds after which the subdivision ends; the search of the boundary before it is not cut short.
+    progress : callable, optional
+        ``progress(done, total)`` of the subdivision; an answer of False cancels.
 
     Returns
     -------
@@ -94,6 +102,7 @@ def verify_normalisation(
     ('CERTIFIED', True)
     """
     _check(shape, order, tolerance)
+    effort = Effort(progress, timeout)
     box: Box = tuple((float(low), float(high)) for low, high in bounds_of(shape, bounds))
     derivatives = NormalDerivatives(_model(shape, letters), order)
     extent = max(high - low for low, high in box)
@@ -108,7 +117,10 @@ def verify_normalisation(
     refuted = any(place.proved and abs(place.deviation) - place.error > tolerance for place in worst)
     found, none = None, np.empty((0, len(box), 2))
     if not refuted and feasible_order(derivatives):
-        found = cover_boundary(derivatives, box, tolerance=tolerance, smallest=SMALLEST * extent, work=work)
+        effort.begin("boxes", Stages.TOTAL)
+        smallest = SMALLEST * extent
+        found = cover_boundary(derivatives, box, tolerance=tolerance, smallest=smallest, work=work, effort=effort)
+        effort.finish()
         if not found.exhausted:
             singular.append(found.uncovered.mean(axis=2))
     return NormalisationReport(
@@ -124,7 +136,11 @@ def verify_normalisation(
         letters={name: (float(low), float(high)) for name, (low, high) in derivatives.model.letters.items()},
         samples=int(regular.sum()),
         examined=0 if found is None else found.examined,
-        statements=(*((remark, False) for remark in remarks), *([] if refuted else _statements(derivatives, found))),
+        statements=(
+            *((remark, False) for remark in remarks),
+            *([] if refuted else _statements(derivatives, found)),
+            *effort.statements,
+        ),
     )
 
 
@@ -182,9 +198,11 @@ def _worst(
 
 
 def _verdict(worst: Sequence[NormalDerivative], found: NormalCover | None) -> str:
-    """The strongest word that the evidence bears."""
-    if not worst:
+    """The strongest word that the evidence bears: that there is no boundary is proved by boxes, not by samples."""
+    if found is not None and not (found.exhausted or len(found.covered) or len(found.uncovered)):
         return DEGENERATE
+    if not worst:
+        return UNDECIDED
     complete = found is not None and not len(found.uncovered) and len(found.bounds) == len(worst)
     return CERTIFIED if complete and any(place.proved for place in worst) else UNDECIDED
 
@@ -199,7 +217,7 @@ def _statements(derivatives: NormalDerivatives, found: NormalCover | None) -> li
         return result
     if found.exhausted:
         result.append(("the work allowed was used up before all boxes were settled", False))
-    if not len(found.covered) and not len(found.uncovered):
+    if not found.exhausted and not len(found.covered) and not len(found.uncovered):
         result.append(("omega has no zero within the bounds", True))
     return result
 

@@ -40,7 +40,8 @@ class NormalisationReport:
     """The answer to the question whether a function is normalised to an order on its boundary.
 
     verdict : "CERTIFIED", the deviations of all orders are proved to be at most `tolerance` in size all along the
-        boundary; "REFUTED", one is proved to be larger; "DEGENERATE", no boundary was found; "UNDECIDED", neither.
+        boundary; "REFUTED", one is proved to be larger; "DEGENERATE", it is proved that there is no boundary;
+        "UNDECIDED", nothing of this.
     worst : the largest deviation found of each order, by sampling: larger ones are not excluded by that.
     proved_bounds : no deviation of an order is larger on the boundary in `covered`; NaN where no bound was sought.
     covered, uncovered : boxes (n, dim, 2) that hold all of the boundary within `bounds`.
@@ -130,7 +131,7 @@ def _headline(report: NormalisationReport) -> str:
     answers = {
         "CERTIFIED": f"{what} is normalised {limit} all along its boundary; this is proved",
         "REFUTED": f"{what} is not normalised {limit}; this is proved",
-        "DEGENERATE": f"{what} has no boundary that could be found",
+        "DEGENERATE": f"{what} has no boundary; this is proved",
     }
     undecided = f"whether {what} is normalised {limit} is neither proved nor refuted"
     return f"{report.verdict}: {answers.get(report.verdict, undecided)}"

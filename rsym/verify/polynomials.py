@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import sympy as sp
@@ -12,8 +13,11 @@ LARGEST = 120  # nodes of a program that is written out as a polynomial
 HIGHEST = 32  # degree, beyond which dividing takes longer than it is worth
 
 
-def polynomial_of(model: Model, number: int) -> sp.Expr | None:
-    """The node as a polynomial of the coordinates with rational coefficients, if it is one of moderate size."""
+def polynomial_of(model: Model, number: int, roots: dict[sp.Symbol, sp.Expr] | None = None) -> sp.Expr | None:
+    """The node as a polynomial of the coordinates with rational coefficients, if it is one of moderate size.
+
+    With `roots`, square roots may stand in it too, as symbols, to which their radicands are added there.
+    """
     if len(model.order(number)) > LARGEST:
         return None
     parts: dict[int, sp.Expr] = {}
@@ -37,6 +41,9 @@ def polynomial_of(model: Model, number: int) -> sp.Expr | None:
             parts[part] = inner[0] ** int(str(data))
         elif operation == "div" and inner[1].is_Rational and inner[1] != 0:
             parts[part] = inner[0] / inner[1]
+        elif operation == "sqrt" and roots is not None:
+            parts[part] = sp.Dummy(real=True)
+            roots[parts[part]] = inner[0]
         else:
             return None
     return parts[number]
@@ -50,26 +57,35 @@ def _fixed(model: Model, name: str) -> sp.Expr | None:
     return sp.Rational(low.numerator, low.denominator) if low == high else None
 
 
-def multiplicity(model: Model, number: int, divisor: int, most: int = 4) -> int:
-    """How often one polynomial divides another, up to `most`; 0 where they are no polynomials. Remembered."""
+def multiplicity(model: Model, number: int, divisor: int, most: int = 4) -> float:
+    """How often one polynomial divides another, up to `most`, infinitely often where that is zero. Remembered.
+
+    0 where they are no polynomials.
+    """
     key = number, divisor
     if key not in model.multiplicities:
         model.multiplicities[key] = _multiplicity(model, number, divisor, most)
     return model.multiplicities[key]
 
 
-def _multiplicity(model: Model, number: int, divisor: int, most: int) -> int:
+def _multiplicity(model: Model, number: int, divisor: int, most: int) -> float:
     if model.builder.value(number) == 0:
-        return most
-    pair = polynomial_of(model, number), polynomial_of(model, divisor)
-    if pair[0] is None or pair[1] is None:
+        return math.inf
+    written = polynomial_of(model, number)
+    if written is None:
         return 0
     symbols = [sp.Symbol(name, real=True) for name in model.builder.coordinates]
-    dividend, unit = (sp.Poly(expression, *symbols, domain=sp.QQ) for expression in pair)
+    dividend = sp.Poly(written, *symbols, domain=sp.QQ)
+    if dividend.is_zero:
+        return math.inf
+    divided_by = polynomial_of(model, divisor)
+    if divided_by is None:
+        return 0
+    unit = sp.Poly(divided_by, *symbols, domain=sp.QQ)
     if unit.total_degree() < 1 or dividend.total_degree() > HIGHEST:
         return 0
     count = 0
-    while count < most and not dividend.is_zero:
+    while count < most:
         dividend, remainder = sp.div(dividend, unit)
         if not remainder.is_zero:
             return count

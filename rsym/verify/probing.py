@@ -79,7 +79,7 @@ def classify(
         radii = [mpf(reach) / 2**k for k in range(CIRCLES) if mpf(reach) / 2**k > CLEARANCE * mpf(radius)]
         heights = value or (lambda x, y: field(x, y).value)
         circles = [zeros_on_circle(heights, centre, r, digits) for r in radii]
-        joint = Joint((float(centre[0]), float(centre[1])), float(radius), "unresolved", "broken", branches=0)
+        joint = Joint((float(centre[0]), float(centre[1])), float(radius), "unresolved", "unknown", branches=0)
         steady = _steady(circles)
         if len(steady) < FEWEST_CIRCLES:
             counts = ", ".join(str(len(c.crossings) + len(c.touches)) for c in circles) or "none"
@@ -104,16 +104,17 @@ def _steady(circles: list[Circle]) -> list[Circle]:
 
 def _judged(joint: Joint, circles: list[Circle], ends: Ends) -> Joint:
     """The kind of point, by the number of branches."""
-    last = circles[-1]
+    last, doubt = circles[-1], joint
+    joint = replace(joint, continuity="broken")
     crossings, touches = len(last.crossings), len(last.touches)
-    joint = replace(joint, branches=crossings + touches)
+    joint, doubt = (replace(one, branches=crossings + touches) for one in (joint, doubt))
     side = "inside" if last.inside else "outside"
     if last.vanishing:
-        return replace(joint, reason="w vanishes on an area")
+        return replace(doubt, reason="w vanishes on an area")
     if joint.branches == 0 and not last.edges:
         if _vanishes(circles):
             return replace(joint, kind="isolated point", reason=f"all around it is {side}")
-        return replace(joint, reason="w does not vanish at the centre")
+        return replace(doubt, reason="w does not vanish at the centre")
     if crossings == 0 and touches:
         return replace(joint, kind="no sign change", reason=f"w is zero on a line; both its sides are {side}")
     if last.edges:

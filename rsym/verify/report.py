@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,8 +15,27 @@ from rsym.verify.wording import joint_text, report_text
 
 CERTIFIED, REFUTED, DEGENERATE, UNDECIDED = "CERTIFIED", "REFUTED", "DEGENERATE", "UNDECIDED"
 
-# From the weakest to the strongest: what a boundary can be at a point.
-CONTINUITIES: tuple[str, ...] = ("broken", "G0", "G1", "G2", "G3", "analytic")
+# From the weakest to the strongest: what can be said of a boundary at a point; "unknown" claims nothing at all.
+CONTINUITIES: tuple[str, ...] = ("unknown", "broken", "G0", "G1", "G2", "G3", "analytic")
+UNKNOWN, BROKEN = CONTINUITIES[:2]
+
+
+def continuity_of(verdict: str, levels: Iterable[int], order: float) -> str:
+    """What a report says of the whole boundary: nothing if undecided, else the least of what was found.
+
+    `levels` are the ranks of the places that count. `order` is the least order of contact on the pieces between them:
+    they are of class C^j for all j < order, and no more than G3 is claimed of one that is finite.
+
+    Examples
+    --------
+    >>> continuity_of(CERTIFIED, [CONTINUITIES.index("G3")], 2.5), continuity_of(UNDECIDED, [], math.inf)
+    ('G2', 'unknown')
+    """
+    if verdict in {UNDECIDED, DEGENERATE}:
+        return UNKNOWN if verdict == UNDECIDED else BROKEN
+    best = CONTINUITIES.index("analytic" if math.isinf(order) else "G3")
+    own = best if math.isinf(order) else min(CONTINUITIES.index(BROKEN) + math.ceil(order), best)
+    return CONTINUITIES[min([own, *levels])]
 
 
 @dataclass(frozen=True)
@@ -80,8 +99,8 @@ class SmoothnessReport:
 
     verdict : "CERTIFIED", proved; "REFUTED", the contrary is proved at `defects`; "DEGENERATE", there is no curve to
         speak of (no boundary, no sign change, a node, an isolated point); "UNDECIDED", neither proved.
-    continuity : what the boundary is everywhere: "broken", "G0", "G1", "G2", "G3" or "analytic". It is proved to be
-        no less if the verdict is CERTIFIED, and no more if it is REFUTED.
+    continuity : what the boundary is everywhere: "G0", "G1", "G2", "G3" or "analytic". It is proved to be no less if
+        the verdict is CERTIFIED, and no more if it is REFUTED. "broken" if DEGENERATE, "unknown" if UNDECIDED.
     defects : joints below G2, the proved ones first, of these the worst; joints: those that are G2 or better.
     curvature_bound : no curvature on the certified boxes is larger in size; infinite where there is no bound.
     statements : sentences, each with whether it is proved.

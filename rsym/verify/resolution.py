@@ -1,8 +1,14 @@
-"""Resolution: the analytic function that a node is on one side of a switch, continued across it."""
+"""Resolution: the analytic function that a node is on one side of a switch, continued across it, and on its zeros.
+
+Off the zeros of a switch u a node is one of two functions. Where u = 0 it may be a third: `sign` is 0 there, and a
+`select` takes its last argument, whichever side that is. What is known of the two sides says nothing of the third:
+y - 1 + sign(x)**2 is y on both sides of x = 0 and y - 1 on it.
+"""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from fractions import Fraction
 
 from rsym.codegen.builder import HALF, Builder
@@ -13,16 +19,71 @@ from rsym.verify.local import Local
 from rsym.verify.locus import chosen
 from rsym.verify.polynomials import multiplicity
 
+JUMPING = frozenset({"sign", "select"})  # what may have a value of its own where the switch is zero
 
-def resolve(local: Local, number: int, switch: int, side: int) -> int:
+
+@dataclass(frozen=True)
+class Resolved:
+    """What a node is around the zeros of a switch u.
+
+    plus, minus: the functions that it is where u > 0 and where u < 0; contact: a lower bound of the order to which
+    these agree where u = 0 (`contact`). thin: the function that has its values where u = 0, None where one of the
+    sides is proved to have them too: then the node is continuous from that side, and from both if contact > 0.
+    """
+
+    plus: int
+    minus: int
+    contact: float
+    thin: int | None
+
+    @property
+    def order(self) -> float:
+        """The node is of class C^j for all whole j below this, all values on u = 0 included; 0 says nothing."""
+        return self.contact if self.thin is None else 0
+
+
+def resolved(local: Local, number: int, switch: int) -> Resolved:
+    """The sides of a switch, how far they agree where it is zero, and the values there."""
+    plus, minus = resolve(local, number, switch, 1), resolve(local, number, switch, -1)
+    return Resolved(plus, minus, contact(local, number, switch), _thin(local, number, switch, {1: plus, -1: minus}))
+
+
+def _thin(local: Local, number: int, switch: int, sides: dict[int, int]) -> int | None:
+    """The node where the switch is zero; None if it is one of the sides there, as they are written or by division.
+
+    What is continuous across the switch, |u| and the like, may be continued from either side.
+    """
+    builder = local.model.builder
+    if not any(builder.nodes[part].operation in JUMPING for part in local.model.order(number)):
+        return None
+    for side, beside in sides.items():
+        here = resolve(local, number, switch, side, on_zeros=True)
+        if here == beside or multiplicity(local.model, builder.sub(here, beside), switch) > 0:
+            return None
+    return here
+
+
+def resolve(local: Local, number: int, switch: int, side: int, *, on_zeros: bool = False) -> int:
     """The node with every branch decided: by the box where it decides, by the side (1 or -1) of the switch else.
 
     Where the switch has the sign of `side`, the result is equal to the node; it may be analytic on the whole box.
+    With `on_zeros` it is equal to the node where the switch is zero: what jumps has the value that it has there, the
+    rest is continued from the side.
     """
     done: dict[int, int] = {}
     for part in local.model.order(number):
-        done[part] = _resolved(local, part, switch, side, done)
+        jumps = on_zeros and local.model.builder.nodes[part].operation in JUMPING and not _sign(local, part, switch, 0)
+        if jumps and _sign(local, part, switch, side):
+            done[part] = _on_zeros(local.model.builder, part, done)
+        else:
+            done[part] = _resolved(local, part, switch, side, done)
     return done[number]
+
+
+def _on_zeros(builder: Builder, part: int, done: dict[int, int]) -> int:
+    """A jump where what it compares is equal: neither is greater."""
+    operation, arguments, _ = builder.nodes[part]
+    return builder.const(0) if operation == "sign" else done[arguments[3]]
 
 
 def _resolved(local: Local, part: int, switch: int, side: int, done: dict[int, int]) -> int:
@@ -104,7 +165,8 @@ def contact(local: Local, number: int, switch: int) -> float:
     With order k their difference is u**k times an analytic function, u the switch: the node is of class C^j across
     it for all whole j < k; a power |u|**k has its exponent as order, whole or not. The rules
     follow from a1 b1 - a2 b2 = a1 (b1 - b2) + (a1 - a2) b2; each node has the order of its difference and the order
-    of its own zero on u = 0. Infinite where both are one analytic function. Other generators must be excluded by the
+    of its own zero on u = 0. Infinite where both are one analytic function. Of the values on u = 0 nothing is said
+    (`Resolved`). Other generators must be excluded by the
     box. Where the resolutions are polynomials the order is also the multiplicity of u in their difference.
     """
     orders: dict[int, tuple[float, float]] = {}
@@ -120,7 +182,7 @@ def _orders(local: Local, part: int, switch: int, orders: dict[int, tuple[float,
     """(order of the difference, order of the zero)."""
     builder = local.model.builder
     operation, arguments, data = builder.nodes[part]
-    if part == switch:
+    if bare(builder, part) == switch:
         return math.inf, 1
     if operation == "const":
         return math.inf, math.inf if builder.value(part) == 0 else 0

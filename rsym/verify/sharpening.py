@@ -6,6 +6,7 @@ import heapq
 from collections.abc import Sequence
 
 from rsym.codegen.balls import ctx
+from rsym.sampling.effort import Effort
 from rsym.verify.covering import PRECISION, extent_of, halves
 from rsym.verify.examination import Finding, examine
 from rsym.verify.local import Box, Model
@@ -13,14 +14,17 @@ from rsym.verify.local import Box, Model
 TIGHT = 0.05  # the share of the largest bound that may be due to its enclosure
 
 
-def sharpened_bound(model: Model, settled: Sequence[tuple[Box, Finding]], bounds: Box, budget: int) -> float:
+def sharpened_bound(
+    model: Model, settled: Sequence[tuple[Box, Finding]], bounds: Box, budget: int, effort: Effort | None = None
+) -> float:
     """The largest curvature on the settled boxes, proved, from at most `budget` further boxes."""
-    extent = extent_of(bounds)
+    extent, effort, allowed = extent_of(bounds), effort or Effort(), budget
     heap = [(-f.curvature, n, box, f.slack) for n, (box, f) in enumerate(settled) if f.kind in {"regular", "joined"}]
     heapq.heapify(heap)
     count = len(settled)
     with ctx.workprec(PRECISION):
-        while heap and heap[0][3] > TIGHT and budget > 0:
+        while heap and heap[0][3] > TIGHT and budget > 0 and not effort.is_over:
+            effort.reach(1 - budget / allowed)
             bound, _, box, _ = heapq.heappop(heap)
             for half in halves(model, box):
                 finding = examine(model.over(half), extent)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -13,28 +13,33 @@ from numpy.typing import NDArray
 
 from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
-from rsym.model.shape import Shape
+from rsym.model.blends.gates import without_rounded_levels
+from rsym.model.shape import Bounds, Shape
+from rsym.sampling.effort import Effort
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
+from rsym.verify.account import complaint, distinct, is_defect, level_of, missing
 from rsym.verify.arguments import require_count, require_positive, require_shape
+from rsym.verify.bodies.fibres import report_over_ranges
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.bodies.verdict import BUDGET as BODY_BUDGET
 from rsym.verify.bodies.verdict import Study, report_body, study_body
-from rsym.verify.cleaning import cleaned
+from rsym.verify.cleaning import cleaned, without_scale
 from rsym.verify.covering import Covering, cover, extent_of
-from rsym.verify.evidence import has_boundary, statements
+from rsym.verify.evidence import NOWHERE, has_boundary, has_boundary_for_every_value, statements
 from rsym.verify.local import Box, Interval, Model
 from rsym.verify.pruning import pruner
 from rsym.verify.report import (
     CERTIFIED,
-    CONTINUITIES,
     DEGENERATE,
     REFUTED,
     UNDECIDED,
+    UNKNOWN,
     Cover,
     Joint,
     SmoothnessReport,
+    continuity_of,
 )
 from rsym.verify.revolution import find_meridian, meridian
 from rsym.verify.sharpening import sharpened_bound
@@ -43,7 +48,10 @@ from rsym.verify.suspects import DEGENERATIONS, classify_suspects
 BUDGET = 20_000  # boxes: the body of Fig. 11 takes 130, a lemniscate with its node 240, the car 200 to 900
 METHODS = ("auto", "meridian", "space")
 SMALLEST = 2.0**-22  # of the extent: a suspect of this size is located, not divided
+SHARES = 600, 200, 200  # of what is reported: boxes, points, curvatures
 SHARPENING = 3_000  # boxes spent on the bound of the curvature: 5 to 12 % above the largest, a third on a hard one
+# What a box may hold that is no curve with an inside and an outside.
+NO_CURVE = frozenset({"double", "broken", "leap"})
 BELOW_AXIS = 0.02  # the share of the radius on the far side of the axis of a body
 
 
@@ -55,6 +63,7 @@ def verify_smoothness(
     method: str = "auto",
     smallest: float = SMALLEST,
     budget: int | None = None,
+    timeout: float | None = None,
     progress: Progress | None = None,
 ) -> SmoothnessReport | BodyReport:
     """Prove or refute that the boundary omega = 0 is a curve or a surface of continuous curvature (G2).
@@ -73,7 +82,8 @@ def verify_smoothness(
         The statement is about the boundary within these; by default the bounds of the shape.
     letters : mapping, optional
         Values by name, each taken at its exact value. A pair (low, high) is a range: CERTIFIED then holds for every
-        value in it, REFUTED for at least one.
+        value in it, ends included, REFUTED and DEGENERATE for at least one. Of a body in space a statement names that
+        value, and the curves and points are those at it.
     method : {"auto", "meridian", "space"}
         How a body is judged. "meridian": a body of revolution by its meridian; points of the report are (axis, radius).
         "space": any body, by boxes in space. "auto": by the meridian where the equation shows that there is one.
@@ -81,8 +91,12 @@ def verify_smoothness(
         Boxes are divided down to this share of the extent.
     budget : int, optional
         The greatest number of boxes to examine.
+    timeout : float, optional
+        Seconds after which the search ends, a little later where a step is long: what is not settled by then counts as
+        undecided, a statement says so, and the report holds what is proved. That much depends on the machine.
     progress : callable, optional
-        ``progress(examined, budget)``, now and then; an answer of False cancels.
+        ``progress(done, total)``, now and then; an answer of False cancels. One with a method ``describe(stage,
+        undecided)`` is told before each call what is at work and which share of the boundary is undecided so far.
 
     Returns
     -------
@@ -113,9 +127,14 @@ def verify_smoothness(
     require_positive("smallest", smallest, f"for example {SMALLEST}")
     if budget is not None:
         require_count("budget", budget, f"leave it out, or for example {BUDGET}")
+    effort = Effort(progress, timeout)
     if _in_space(shape, method):
-        return report_body(studied_in_space(shape, bounds, letters, smallest, budget, progress))
-    return _report(_study(shape, bounds, letters, smallest, budget or BUDGET, progress))
+        values = ranges_of(shape.letters, letters)
+        if any(low != high for low, high in values.values()):
+            box = _bounds_in_space(shape, bounds, values)
+            return report_over_ranges(shape, box, values, effort, smallest=smallest, budget=budget or BODY_BUDGET)
+        return report_body(studied_in_space(shape, bounds, letters, smallest, budget, effort))
+    return _report(_study(shape, bounds, letters, smallest, budget or BUDGET, effort))
 
 
 def _in_space(shape: Any, method: str) -> bool:
@@ -138,28 +157,39 @@ def studied_in_space(
     letters: Mapping[Any, Any] | None = None,
     smallest: float = SMALLEST,
     budget: int | None = None,
-    progress: Progress | None = None,
+    effort: Effort | None = None,
 ) -> Study:
     """What boxes in space say of a body; `rsym.verify.bodies.verdict.report_body` makes a report of it."""
     values = ranges_of(shape.letters, letters)
-    middles = {name: float((low + high) / 2) for name, (low, high) in values.items()}
-    box = bounds_or_extent(shape, bounds, middles)
-    return study_body(shape, box, values, smallest=smallest, budget=budget or BODY_BUDGET, progress=progress)
+    box = _bounds_in_space(shape, bounds, values)
+    return study_body(shape, box, values, smallest=smallest, budget=budget or BODY_BUDGET, effort=effort)
 
 
-def verdict_of(shape: Shape, *, bounds: Any, letters: Mapping[Any, Any] | None, budget: int) -> str:
+def _bounds_in_space(shape: Shape, bounds: Any, values: Mapping[str, Interval]) -> Bounds:
+    return bounds_or_extent(shape, bounds, {name: float((low + high) / 2) for name, (low, high) in values.items()})
+
+
+def verdict_of(
+    shape: Shape, *, bounds: Any, letters: Mapping[Any, Any] | None, budget: int, effort: Effort | None = None
+) -> str:
     """The verdict alone, without a sharp bound of the curvature."""
-    return quick_report(shape, bounds=bounds, letters=letters, budget=budget).verdict
+    return quick_report(shape, bounds=bounds, letters=letters, budget=budget, effort=effort).verdict
 
 
 def quick_report(
-    shape: Shape, *, bounds: Any, letters: Mapping[Any, Any] | None, budget: int, sharpening: int = 0
+    shape: Shape,
+    *,
+    bounds: Any,
+    letters: Mapping[Any, Any] | None,
+    budget: int,
+    sharpening: int = 0,
+    effort: Effort | None = None,
 ) -> SmoothnessReport | BodyReport:
     """The report with a bound of the curvature on which only so many boxes are spent, in the plane."""
     if _in_space(shape, "auto"):
-        study = studied_in_space(shape, bounds, letters, SMALLEST, budget * BODY_BUDGET // BUDGET)
+        study = studied_in_space(shape, bounds, letters, SMALLEST, budget * BODY_BUDGET // BUDGET, effort)
         return report_body(study, sharpened=sharpening > 0)
-    return _report(_study(shape, bounds, letters, SMALLEST, budget, None), sharpening=sharpening)
+    return _report(_study(shape, bounds, letters, SMALLEST, budget, effort or Effort()), sharpening=sharpening)
 
 
 @dataclass(frozen=True)
@@ -170,6 +200,7 @@ class _Study:
     region: Box
     found: Covering
     values: Mapping[str, Interval]
+    effort: Effort
 
 
 def _study(
@@ -178,19 +209,20 @@ def _study(
     letters: Mapping[Any, Any] | None,
     smallest: float,
     budget: int,
-    progress: Progress | None,
+    effort: Effort,
 ) -> _Study:
     body = shape.dimension == 3
-    plane = _meridian_within(shape, bounds) if body else shape
-    plane = plane.replace(expression=cleaned(plane.expression))
-    box = bounds_of(plane, None if body else bounds)
+    plane, axis = meridian(shape) if body else (shape, 0)
+    plane = plane.replace(expression=without_scale(cleaned(without_rounded_levels(plane.expression))))
+    box = bounds_of(shape, bounds)
     values = ranges_of(shape.letters, letters)
-    model = Model(plane, values, body=body)
-    ranges = tuple(_around(*values[name]) for name in model.axes[2:])
-    region: Box = (_below_axis(box) if body else tuple((float(a), float(b)) for a, b in box)) + ranges
+    within: Box = _half_plane(box, axis) if body else tuple((float(a), float(b)) for a, b in box)
+    model = Model(plane, values, body=body, bounds=within)
+    region = within + tuple(_around(*values[name]) for name in model.axes[2:])
     prune = pruner(plane, model.axes, values)
-    found = cover(model, region, smallest=smallest * extent_of(region), budget=budget, prune=prune, progress=progress)
-    return _Study(model, region, found, values)
+    effort.begin("boxes", SHARES[0])
+    found = cover(model, region, smallest=smallest * extent_of(region), budget=budget, prune=prune, effort=effort)
+    return _Study(model, region, found, values, effort)
 
 
 def _around(low: Fraction, high: Fraction) -> tuple[float, float]:
@@ -198,75 +230,89 @@ def _around(low: Fraction, high: Fraction) -> tuple[float, float]:
     return math.nextafter(float(low), -math.inf), math.nextafter(float(high), math.inf)
 
 
-def _meridian_within(shape: Shape, bounds: Any) -> Shape:
-    return meridian(shape if bounds is None else shape.replace(bounds=bounds))[0]
-
-
-def _below_axis(box: Any) -> Box:
-    """The upper half of the meridian and a little of its mirror image, so that the axis lies inside."""
-    (low, high), (_, radius) = box
-    return ((float(low), float(high)), (-BELOW_AXIS * float(radius), float(radius)))
+def _half_plane(box: Any, axis: int) -> Box:
+    """What a box in space meets of the meridian, with a little of its mirror image where it holds the axis."""
+    along, *across = [tuple(map(float, box[k])) for k in (axis, *(k for k in range(3) if k != axis))]
+    far = math.hypot(*(max(-low, high) for low, high in across))
+    near = math.hypot(*(max(low, -high, 0.0) for low, high in across))
+    far, near = math.nextafter(far, math.inf), math.nextafter(near, 0.0)
+    return ((along[0], along[1]), (near or -BELOW_AXIS * far, far))
 
 
 def _report(study: _Study, *, sharpening: int = SHARPENING) -> SmoothnessReport:
+    """What follows from the findings, if all of them are in it."""
+    study.effort.begin("points", SHARES[1])
+    suspects = classify_suspects(study.model, study.found, extent_of(study.region), study.effort)
+    draft = _drafted(study, suspects, sharpening)
+    wrong = _unaccounted(study, suspects, draft)
+    if not wrong:
+        return draft
+    return replace(draft, verdict=UNDECIDED, continuity=UNKNOWN, statements=(*draft.statements, complaint(wrong)))
+
+
+def _located(study: _Study) -> list[Joint]:
+    """The joints of all boxes; of a body those at negative radii are the images of others, which have their boxes."""
+    joints = [finding.joint for _, finding in study.found.settled if finding.joint is not None]
+    return [joint for joint in joints if not study.model.body or joint.point[1] >= -joint.radius]
+
+
+def _unaccounted(study: _Study, suspects: Sequence[Joint], draft: SmoothnessReport) -> list[str]:
+    """What the boxes hold and the report does not list."""
+    found = [finding.joint for _, finding in study.found.settled if finding.joint is not None]
+    said = [*draft.defects, *draft.joints]
+    if study.model.body:  # the meridian is even in the radius: the image of a joint is one too
+        away = [joint for joint in found if joint.point[1] >= 0 or is_defect(joint) or not joint.proved]
+        found = [replace(joint, point=(joint.point[0], abs(joint.point[1]))) for joint in away]
+        said += [replace(joint, point=(joint.point[0], -joint.point[1])) for joint in said]
+    listed = sum(map(len, (draft.cover.certified, draft.cover.joined, draft.cover.undecided)))
+    boxes = len(study.found.settled) + len(study.found.left) - listed
+    return missing([*found, *suspects], said, study.found.balance, boxes=boxes)
+
+
+def _drafted(study: _Study, suspects: Sequence[Joint], sharpening: int) -> SmoothnessReport:
     model, region, found, values = study.model, study.region, study.found, study.values
-    joints = _distinct([f.joint for _, f in found.settled if f.joint is not None])
-    suspects = classify_suspects(model, found, extent_of(region))
-    if model.body:
-        joints = [joint for joint in joints if joint.point[1] > -joint.radius]
-    everything = joints + suspects
+    joints = distinct(_located(study), _badness)
+    everything = [*joints, *suspects]
     exists = has_boundary(model, found, joints, extent_of(region))
     verdict = _verdict(found, everything, exists)
+    everywhere = verdict != CERTIFIED or len(region) == 2 or has_boundary_for_every_value(model, found, region[2:])
+    verdict = verdict if everywhere else UNDECIDED
     order = min((f.order for _, f in found.settled if f.kind == "regular"), default=math.inf)
     counted = [joint for joint in everything if joint.proved or verdict != REFUTED]
-    levels = [CONTINUITIES.index(joint.continuity) for joint in counted]
-    levels.append(len(CONTINUITIES) - 1 if order == math.inf else min(math.ceil(order), 4))
-    nothing_known = found.left and not suspects and verdict != REFUTED
-    if any(f.kind == "double" for _, f in found.settled) or not exists or nothing_known:
-        levels.append(0)
-    bound = math.inf if found.left or not exists else sharpened_bound(model, found.settled, region, sharpening)
-    defects = [joint for joint in everything if _is_defect(joint)]
+    bound, effort = math.inf, study.effort
+    effort.begin("curvatures", SHARES[2])
+    if exists and not found.left and not any(f.kind in NO_CURVE for _, f in found.settled):
+        bound = sharpened_bound(model, found.settled, region, sharpening, effort)
+    effort.finish()
+    defects = [joint for joint in everything if is_defect(joint)]
     return SmoothnessReport(
         verdict=verdict,
-        continuity=CONTINUITIES[min(levels)],
+        continuity=continuity_of(verdict, map(level_of, counted), order),
         defects=tuple(sorted(defects, key=_badness)),
         joints=tuple(joint for joint in everything if joint not in defects),
         curvature_bound=bound,
         cover=_cover(region, found),
         letters={name: (float(low), float(high)) for name, (low, high) in values.items()},
-        statements=statements(found, exists),
+        statements=(*statements(found, exists), *([] if everywhere else [NOWHERE]), *effort.statements),
         body=model.body,
     )
 
 
 def _verdict(found: Covering, joints: Sequence[Joint], exists: bool | None) -> str:
     """The strongest word that the evidence bears."""
-    if any(joint.proved and _is_defect(joint) and joint.kind not in DEGENERATIONS for joint in joints):
+    if any(joint.proved and is_defect(joint) and joint.kind not in DEGENERATIONS for joint in joints):
         return REFUTED
     degenerate = any(joint.proved and joint.kind in DEGENERATIONS for joint in joints)
     if degenerate or any(f.kind == "double" for _, f in found.settled) or exists is False:
         return DEGENERATE
-    if found.left or any(not joint.proved for joint in joints):
+    if found.left or any(f.kind == "leap" for _, f in found.settled) or any(not joint.proved for joint in joints):
         return UNDECIDED
     return CERTIFIED if exists else UNDECIDED
 
 
-def _is_defect(joint: Joint) -> bool:
-    return CONTINUITIES.index(joint.continuity) < CONTINUITIES.index("G2")
-
-
-def _distinct(joints: Sequence[Joint]) -> list[Joint]:
-    """Neighbouring boxes find the same joint; over a range of letters the worst one of those that overlap is kept."""
-    result: list[Joint] = []
-    for joint in sorted(joints, key=_badness):
-        if not any(math.dist(joint.point, other.point) <= joint.radius + other.radius for other in result):
-            result.append(joint)
-    return result
-
-
 def _badness(joint: Joint) -> tuple[float, ...]:
     size = [0.0 if math.isnan(value) else -value for value in (joint.tangent_jump, joint.curvature_jump)]
-    return (not joint.proved, CONTINUITIES.index(joint.continuity), *size, *joint.point)
+    return (not joint.proved, level_of(joint), *size, *joint.point)
 
 
 def _cover(region: Box, found: Covering) -> Cover:
@@ -275,7 +321,7 @@ def _cover(region: Box, found: Covering) -> Cover:
         bounds=region[:2],
         certified=_boxes([box for box, kind in settled if kind == "regular"]),
         joined=_boxes([box for box, kind in settled if kind == "joined"]),
-        undecided=_boxes([box for box, _ in found.left] + [box for box, kind in settled if kind == "double"]),
+        undecided=_boxes([box for box, _ in found.left] + [box for box, kind in settled if kind in NO_CURVE]),
         examined=found.examined,
     )
 

@@ -12,8 +12,9 @@ import mpmath as mp
 import sympy as sp
 
 from rsym.codegen.balls import arb, ctx, exact
+from rsym.sampling.effort import Effort
 from rsym.verify.covering import Covering
-from rsym.verify.directions import classify_by_directions
+from rsym.verify.directions import AROUND, PRECISE, classify_by_directions
 from rsym.verify.examination import Finding
 from rsym.verify.generators import generators
 from rsym.verify.joints import Arc, locate
@@ -23,7 +24,8 @@ from rsym.verify.newton_polygon import classify_polynomial
 from rsym.verify.polynomials import polynomial_of
 from rsym.verify.probing import Sample, classify
 from rsym.verify.report import Joint
-from rsym.verify.vanishing import SIMPLE, as_fraction
+from rsym.verify.root_classes import curvature_jump
+from rsym.verify.vanishing import SIMPLE, Exact, as_fraction
 
 CROWD = 400  # boxes: points that resist leave one to thirty
 MOST_PLACES = 6  # guesses of what vanishes at a point, tried until one of them proves something
@@ -34,12 +36,21 @@ DIGITS = 40  # of the limits; the field is evaluated to twice as many
 DEGENERATIONS = frozenset({"node", "isolated point", "no sign change", "end"})
 
 
-def classify_suspects(model: Model, found: Covering, extent: float) -> list[Joint]:
-    """One joint for each cluster of boxes that are left; none if there are too many to be points."""
-    if len(found.left) > CROWD:
+def classify_suspects(model: Model, found: Covering, extent: float, effort: Effort | None = None) -> list[Joint]:
+    """One joint for each cluster of boxes that are left; none if there are too many to be points.
+
+    When time is over the others are not looked at: of these nothing is said.
+    """
+    effort = effort or Effort()
+    if len(found.left) > CROWD or effort.is_over:
         return []
-    groups = clusters(found.left)
-    return [_classified(model, group, extent, probe=n < MOST_PROBED) for n, group in enumerate(groups)]
+    groups, joints = clusters(found.left), []
+    for number, group in enumerate(groups):
+        if effort.is_over:
+            break
+        effort.reach(number / len(groups))
+        joints.append(_classified(model, group, extent, probe=number < MOST_PROBED))
+    return joints
 
 
 def clusters(boxes: Sequence[tuple[Box, Finding]]) -> list[list[tuple[Box, Finding]]]:
@@ -61,7 +72,7 @@ def _classified(model: Model, group: Sequence[tuple[Box, Finding]], extent: floa
     boxes = [box for box, _ in group]
     centre = [math.fsum(box[k][0] + box[k][1] for box in boxes) / (2 * len(boxes)) for k in range(2)]
     radius = max(math.dist(centre, corner) for box in boxes for corner in zip(*box[:2], strict=True))
-    unresolved = Joint((centre[0], centre[1]), radius, "unresolved", "broken", reason="nothing is proved here")
+    unresolved = Joint((centre[0], centre[1]), radius, "unresolved", "unknown", reason="nothing is proved here")
     if len(boxes[0]) > 2:
         return unresolved
     found = chain.from_iterable(places(model, box, finding, centre, radius) for box, finding in group)
@@ -71,7 +82,7 @@ def _classified(model: Model, group: Sequence[tuple[Box, Finding]], extent: floa
         if finding is None:
             continue  # what vanishes there is not what is left over here
         point = place.point if point is None else point
-        proved = _polygon(model, finding, place.point) or _directed(model, place)
+        proved = _polygon(model, finding, place.point) or _directed(model, place) or _rooted(model, finding, place)
         if proved is not None:
             return proved
     if point is None:
@@ -105,6 +116,32 @@ def _directed(model: Model, place: Place) -> Joint | None:
     if zero is None or zero.box is None:
         return None
     return classify_by_directions(model, (zero.box[0], zero.box[1]), frozenset(place.pair))
+
+
+def _rooted(model: Model, finding: Finding, place: Place) -> Joint | None:
+    """At a rational point, one leaf with a root of class 1, whose curvatures on both sides differ."""
+    rational = _rational(place.point)
+    if rational is None or finding.locus.kind != "leaf":
+        return None
+    with ctx.workprec(PRECISE):
+        balls = [exact(part) for part in rational]
+        local = model.on([part + arb(0, AROUND) for part in balls])
+        known = Exact(local, dict(zip(model.builder.coordinates, rational, strict=True)), frozenset())
+        jump = curvature_jump(known, model.on(balls), finding.locus.nodes[0])
+    if jump is None:
+        return None
+    return Joint(
+        (float(rational[0]), float(rational[1])),
+        1e-15 * sum(abs(float(part)) for part in rational),
+        "curvature jump",
+        "G1",
+        tangent_jump=0.0,
+        tangent_jump_error=0.0,
+        curvature_jump=float(jump.mid()),
+        curvature_jump_error=float(arb(jump.rad()).upper()) + 2.0**-52 * float(jump.upper()),
+        proved=True,
+        reason="the curvatures along the tangent and its opposite differ",
+    )
 
 
 def _polygon(model: Model, finding: Finding, point: tuple[arb, arb]) -> Joint | None:

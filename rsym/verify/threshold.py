@@ -11,8 +11,9 @@ from typing import Any
 from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress, report
-from rsym.verify.report import CERTIFIED, REFUTED
+from rsym.verify.report import CERTIFIED, REFUTED, UNDECIDED
 from rsym.verify.smoothness import verdict_of
 
 SCAN = 12  # parts into which the range is cut in search of a change
@@ -59,6 +60,7 @@ def smoothness_threshold(
     tolerance: float = 1e-5,
     bounds: Any = None,
     letters: Mapping[Any, Any] | None = None,
+    timeout: float | None = None,
     progress: Progress | None = None,
 ) -> Threshold:
     """Bracket the value of a letter at which the boundary becomes, or ceases to be, curvature-continuous.
@@ -73,11 +75,15 @@ def smoothness_threshold(
         The name of the letter to vary; `letters` fixes others.
     between : pair of numbers, optional
         Where to search; by default the range of the letter, or half to twice its default.
+    timeout : float, optional
+        Seconds after which the bracket comes back as it is then: both of its ends are proved.
+    progress : callable, optional
+        ``progress(tried, about how many)``; an answer of False cancels.
 
     Raises
     ------
     RsymError
-        For an unknown letter, or if no change from refuted to certified is found.
+        For an unknown letter, or if no change from refuted to certified is found, within the time allowed.
 
     Examples
     --------
@@ -91,16 +97,25 @@ def smoothness_threshold(
     if name not in values:
         ranges_of(shape.letters, {name: 0})  # raises, with a proposal
     low, high = range_of(shape, name, between)
+    effort = Effort(timeout=timeout)
     trials: list[tuple[float, str]] = []
 
     def verdict(value: Fraction) -> str:
-        result = verdict_of(shape, bounds=bounds, letters={**(letters or {}), name: value}, budget=SCAN_BUDGET)
+        given = {**(letters or {}), name: value}
+        result = verdict_of(shape, bounds=bounds, letters=given, budget=SCAN_BUDGET, effort=effort.again())
         trials.append((float(value), result))
         report(progress, len(trials), max(len(trials), 2 * SCAN + 1))
         return result
 
     start = values[name][0] if low <= values[name][0] <= high else (low + high) / 2
-    bracket = _scan(sorted({low + (high - low) * k / SCAN for k in range(SCAN + 1)} | {start}), start, verdict)
+    values_tried = sorted({low + (high - low) * k / SCAN for k in range(SCAN + 1)} | {start})
+    bracket = _scan(values_tried, start, verdict, effort)
+    if bracket is None and effort.is_over:
+        raise RsymError(
+            f"no change from REFUTED to CERTIFIED was found for {name} in the time allowed, in {len(trials)} trials",
+            code="timeout",
+            remedy="allow more time, or give between=(low, high) around the change",
+        )
     if bracket is None:
         tried = ", ".join(f"{value:g} {word}" for value, word in sorted(trials))
         raise RsymError(
@@ -108,7 +123,7 @@ def smoothness_threshold(
             code="no-threshold",
             remedy="give between=(low, high) around the change",
         )
-    refuted, certified = _narrowed(*bracket, verdict, Fraction(tolerance))
+    refuted, certified = _narrowed(*bracket, verdict, Fraction(tolerance), effort)
     return Threshold(name, float(refuted), float(certified), tuple(trials))
 
 
@@ -126,7 +141,7 @@ def range_of(shape: Shape, name: str, between: tuple[Any, Any] | None = None) ->
 
 
 def _scan(
-    values: list[Fraction], start: Fraction, verdict: Callable[[Fraction], str]
+    values: list[Fraction], start: Fraction, verdict: Callable[[Fraction], str], effort: Effort
 ) -> tuple[Fraction, Fraction] | None:
     """(refuted, certified) for the decided neighbours nearest to the start that differ so.
 
@@ -134,6 +149,8 @@ def _scan(
     """
     known: dict[Fraction, str] = {}
     for value in sorted(values, key=lambda value: abs(value - start)):
+        if effort.is_over:
+            break
         if (word := verdict(value)) in {REFUTED, CERTIFIED}:
             known[value] = word
         for first, second in pairwise(sorted(known)):
@@ -143,12 +160,12 @@ def _scan(
 
 
 def _narrowed(
-    refuted: Fraction, certified: Fraction, verdict: Callable[[Fraction], str], tolerance: Fraction
+    refuted: Fraction, certified: Fraction, verdict: Callable[[Fraction], str], tolerance: Fraction, effort: Effort
 ) -> tuple[Fraction, Fraction]:
     while abs(certified - refuted) > tolerance * max(abs(certified), abs(refuted)):
         for share in TRIED:
             value = _short(refuted + (certified - refuted) * share, abs(certified - refuted))
-            word = verdict(value)
+            word = UNDECIDED if effort.is_over else verdict(value)
             if word in {REFUTED, CERTIFIED}:
                 break
         else:

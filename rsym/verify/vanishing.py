@@ -7,7 +7,7 @@ common zero of two nodes), where the value follows in rational arithmetic, or by
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 from rsym.codegen.balls import arb, exact
@@ -118,20 +118,24 @@ def _length(value: Fraction) -> int:
     return max(value.numerator.bit_length(), value.denominator.bit_length())
 
 
-def vanishes_with(local: Local, given: tuple[int, int], wanted: int) -> bool:
-    """Whether a node is exactly zero at the point where two nodes have their only common zero in the box.
+def vanishes_with(local: Local, given: Sequence[int], wanted: int) -> bool:
+    """Whether a node is exactly zero at the point where given nodes have their only common zero in the box.
 
-    The point is tried as a simple fraction, at which the given nodes must vanish too; then it is that point.
+    A rational point of the box is tried, at which the given nodes must vanish too; then it is that point.
     """
     names = local.model.builder.coordinates
     if len(local.sides) > len(names):
         return False  # letters that range have no exact value
-    fractions = [as_fraction(side).limit_denominator(SIMPLE) for side in local.sides]
-    if all(side.contains(exact(fraction)) for side, fraction in zip(local.sides, fractions, strict=True)):
-        rational = Exact(local, dict(zip(names, fractions, strict=True)), frozenset())
-        if rational.vanishes(*given, wanted):
-            return True
+    place = dict(zip(names, map(simplest, local.sides), strict=True))
+    if Exact(local, place, frozenset()).vanishes(*given, wanted):
+        return True
     return Exact(local, dict.fromkeys(names), frozenset(given)).vanishes(wanted)
+
+
+def simplest(value: arb) -> Fraction:
+    """A simple fraction in a ball; where there is none, its middle."""
+    fraction = as_fraction(value).limit_denominator(SIMPLE)
+    return fraction if value.contains(exact(fraction)) else as_fraction(value)
 
 
 def as_fraction(value: arb) -> Fraction:

@@ -68,9 +68,10 @@ def verdict_text(report: SmoothnessReport | BodyReport, what: str, expected: str
     """A verdict on what should be such a curve or surface."""
     letters = letters_text(report.letters, "some" if report.verdict in {"REFUTED", "DEGENERATE"} else "every")
     about = within(what, report.cover.bounds, letters)
+    doubt = len(report.undecided) or any(not defect.proved for defect in report.defects)
     answers = {
         "CERTIFIED": f"{about} is {report.continuity}; this is proved",
-        "REFUTED": f"{about} is not G2 but {report.continuity}; this is proved",
+        "REFUTED": f"{about} is not G2 but {'at best ' if doubt else ''}{report.continuity}; this is proved",
         "DEGENERATE": f"{about} is no {expected}, or not everywhere",
     }
     undecided = f"whether {about} is G2 is neither proved nor refuted"

@@ -10,6 +10,7 @@ from rsym.model.arguments import LetterMapping, number, positive
 from rsym.model.blends.operands import Operands
 from rsym.model.choices import Choice
 from rsym.model.nodes import Composition
+from rsym.model.shape import Shape
 from rsym.model.systems import R0, RSystem
 
 
@@ -79,7 +80,8 @@ def displacement_blend(
 
     a0 > 0 adds material, a0 < 0 removes it: the edge f = g = 0 is moved by a0
     in value. The boundary is displaced everywhere, the less the farther from
-    the edge, and normalisation is not kept. In system R_0 the boundary avoids
+    the edge, and normalisation is not kept. What adds material may leave the bounds of the operands, so that shape
+    has none of its own. In system R_0 the boundary avoids
     f = g = 0, the only singular set, so it is analytic wherever its gradient
     does not vanish; a0 = 0 gives the operation itself.
 
@@ -114,7 +116,10 @@ def displacement_blend(
     operands = Operands.of(f, g, letters=letters)
     height = number(a0, "a0")
     widths = [positive(value, name, operands.letters) for name, value in (("a1", a1), ("a2", a2))]
-    return operands.combined(operation, system, lambda a, b: Displacement(height, *widths, a, b))
+    blended = operands.combined(operation, system, lambda a, b: Displacement(height, *widths, a, b))
+    if not isinstance(blended, Shape) or height.is_nonpositive:
+        return blended
+    return Shape(blended.expression, blended.coordinates, letters=blended.letters, parts=blended.parts)
 
 
 def bounded_blend(

@@ -11,9 +11,40 @@ from __future__ import annotations
 import sympy as sp
 
 from rsym.model.blends.folds import BlendOperation
+from rsym.model.blends.sardf import SardfOperation
 from rsym.model.factors import Scaled
 from rsym.model.rnodes import ROperation
 from rsym.model.traversal import postorder
+
+
+def without_rounded_levels(expression: sp.Expr) -> sp.Expr:
+    """An expression of the same sign wherever it is defined: SARDF operations with a number for a ratio as min and max.
+
+    Their level lines are rounded, their zero set is not: it is that of min or max. In R-operations alone, for inside
+    other operations their values count.
+
+    Examples
+    --------
+    >>> from rsym import Sardf, conjunction, x, y
+    >>> without_rounded_levels(conjunction(x, conjunction(x, y, system=Sardf())))
+    conjunction(x, conjunction(x, y, system=R1))
+    """
+
+    def is_gate(part: sp.Basic) -> bool:
+        return isinstance(part, SardfOperation) and all(one.is_number for one in part.parameters)
+
+    parts = postorder(expression)
+    if not any(is_gate(part) for part in parts):
+        return expression
+    done: dict[int, sp.Expr] = {}
+    for part in parts:
+        arguments = [done.get(id(argument), argument) for argument in part.args]
+        if is_gate(part):
+            done[id(part)] = part.gates(arguments[part.parameter_count :])
+        elif (isinstance(part, ROperation) and not isinstance(part, BlendOperation)) or _is_scaled(part):
+            same = all(new is old for new, old in zip(arguments, part.args, strict=True))
+            done[id(part)] = part if same else part.func(*arguments)
+    return done.get(id(expression), expression)
 
 
 def with_gates(expression: sp.Expr) -> sp.Expr:

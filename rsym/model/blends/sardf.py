@@ -81,25 +81,39 @@ class SardfOperation(BlendOperation):
     parameter_count = 1
 
     def conjunction_of(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
-        """The region by region formula."""
+        """The region by region formula.
+
+        Two choices change no value, but keep the sign where squares leave the range of numbers: where both are
+        negative -r <= min(f, g) < 3 min(f, g)/4, and the arc is positive where it is chosen; so neither is ever on its
+        border, not by rounding either. In this order NaN gives NaN.
+        """
         (ratio,) = self.parameters
-        corner = -sp.sqrt(f**2 + g**2)
-        reach = 1 + ratio
-        f_alone, g_alone = Choice(g, 0, f, corner), Choice(f, 0, g, corner)
-        blend = Choice(reach * f, g, Choice(reach * g, f, self._arc(f, g), g_alone), f_alone)
+        corner, reach, nearly = -sp.sqrt(f**2 + g**2), 1 + ratio, sp.Rational(3, 4)
+        f_alone, g_alone = (
+            Choice(other, 0, own, Choice(corner, nearly * own, own, corner)) for own, other in ((f, g), (g, f))
+        )
+        # The factor makes this undefined where the arc is, which keeps the choice decided over boxes.
+        least = R1Conjunction(f, g) * (1 + 1 / self._leading)
+        level = self._arc(f, g)
+        arc = Choice(level, 0, level, least)
+        blend = Choice(reach * f, g, Choice(reach * g, f, arc, g_alone), f_alone)
         return where_legal([ratio], blend)
 
     def conjunction_gates(self, values: Pair, signs: Pair) -> sp.Expr:
         """The smaller."""
         return R1Conjunction(*signs)
 
+    @property
+    def _leading(self) -> sp.Expr:
+        (ratio,) = self.parameters
+        return 2 * (1 + ratio) ** 2 - ratio**2
+
     def _arc(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """The level c of the arc: the larger root, of a radicand of at least (lambda*c)**2."""
         (ratio,) = self.parameters
-        leading = 2 * (1 + ratio) ** 2 - ratio**2
-        radicand = (ratio**2 * (f + g) ** 2 - leading * (f - g) ** 2) / 2
+        radicand = (ratio**2 * (f + g) ** 2 - self._leading * (f - g) ** 2) / 2
         # Negative outside the sector, where it is not chosen: the size keeps it defined, which comparisons ask for.
-        return ((1 + ratio) * (f + g) + sp.sqrt(sp.Abs(radicand, evaluate=False))) / leading
+        return ((1 + ratio) * (f + g) + sp.sqrt(sp.Abs(radicand, evaluate=False))) / self._leading
 
     def pair_as_roots(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """The formula without cases: arc(m, min(M, a*m)) of what is positive of min m and max M, less the distance."""

@@ -56,4 +56,4 @@ def pole_with_proof(pole: Pole, group: Sequence[Border], formulas: Sequence[Patc
         worst.append((number, float(directions.parameters[place][along])))
     room = math.sin(math.radians(STRICTNESS * pole.tolerances.angle))
     spokes = [Spoke(border.edge, formulas[border.index]) for border in group]
-    return replace(pole, proof=prove_pole(spokes, room, worst))
+    return replace(pole, proof=prove_pole(spokes, (room, STRICTNESS * pole.tolerances.curvature), worst))

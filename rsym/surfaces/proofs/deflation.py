@@ -8,10 +8,13 @@ from typing import Any
 
 from rsym.codegen.ball_series import arb, truncated
 from rsym.codegen.balls import ball, exact
+from rsym.model.vectors import cross
 from rsym.surfaces.proofs.enclosures import BITS, ORDER, Pair
 from rsym.surfaces.proofs.exact_values import exact_values
-from rsym.surfaces.proofs.sides import Vector, dot, sides
+from rsym.surfaces.proofs.sides import Side, Vector, dot, sides
 from rsym.surfaces.proofs.specialised import NoProof, Part
+
+AXES = 3
 
 
 def regular_end(pair: Pair, end: Fraction, part: Part) -> bool:
@@ -32,6 +35,18 @@ def regular_end(pair: Pair, end: Fraction, part: Part) -> bool:
         ways = _powers(exact(part[1] - part[0]), sign)
         normals = [(one.normal, other.normal) for one, other in zip(here, all_over, strict=True)]
         return all(dot(*[_over(*pairs, ways, int(zero))] * 2) > 0 for pairs, zero in zip(normals, gone, strict=True))
+
+
+def is_cuspidal(values: Sequence[Any], third: Sequence[Any]) -> bool:
+    """Whether a patch ends in an edge of regression, of which curvatures are unbounded, by balls at one place.
+
+    values: the eighteen of a jet, of which the derivative D across the edge vanishes all along, by exact arithmetic;
+    third: the third derivative across. With d the distance to the edge in the parameter p = P(t) + d**2 B/2 + d**3
+    C/6 + ...; in the plane across the edge the sheet is a curve with the tangent B, and C across it: like y = x**(3/2).
+    """
+    side = Side(*(values[k : k + AXES] for k in range(0, len(values), AXES)))
+    volume = dot(cross(side.along, side.out_out), third)
+    return bool(volume > 0 or volume < 0)
 
 
 def _powers(step: Any, sign: int) -> list[Any]:

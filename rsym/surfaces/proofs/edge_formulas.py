@@ -15,6 +15,7 @@ from rsym.errors import RsymError
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import Patch
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part, Specialised
 from rsym.surfaces.proofs.spline_edges import spline_jet
@@ -44,10 +45,15 @@ ALONG = Walk(Fraction(0), Fraction(1))
 
 
 class Jet(NamedTuple):
-    """Nodes of the target, three for each of `ORDERS`, and where on the part other formulas begin."""
+    """Nodes of the target, three for each of `ORDERS`, and where on the part other formulas begin.
+
+    joins : where a comparison of the formula has equal sides; lies_on_border : whether one has so all along.
+    """
 
     nodes: tuple[int, ...]
     borders: frozenset[Fraction]
+    joins: frozenset[Fraction] = frozenset()
+    lies_on_border: bool = False
 
 
 class PatchFormula:
@@ -72,40 +78,66 @@ class PatchFormula:
         self._program: tuple[Builder, dict[tuple[int, int], list[int]]] | None = None
 
     def jet(
-        self, edge: Edge, target: Builder, part: Part, walk: Walk, orders: Sequence[tuple[int, int]] = ORDERS
+        self,
+        edge: Edge,
+        target: Builder,
+        part: Part,
+        walk: Walk,
+        orders: Sequence[tuple[int, int]] = ORDERS,
+        *,
+        literal: bool = False,
     ) -> Jet:
-        """The derivatives along t and outwards on a part of the edge, by the common parameter; of other orders zero."""
-        known, borders = self._vectors(edge, target, part, walk, orders)
+        """The derivatives along t and outwards on a part of the edge, by the common parameter; of other orders zero.
+
+        Where pieces of a formula meet, those that hold inside the part and the patch are taken, or what is `literal`.
+        """
+        known, notes = self._vectors(edge, target, part, walk, orders, literal=literal)
         outwards = 1 if edge.upper else -1
         zero = [target.const(0)] * 3
         scales = {(i, j): target.const(walk.speed**i * outwards**j) for i, j in ORDERS}
         flat = [target.mul(scale, one) for order, scale in scales.items() for one in known.get(order, zero)]
-        return Jet(tuple(flat), frozenset(borders))
+        return notes._replace(nodes=tuple(flat))
+
+    def third(self, edge: Edge, target: Builder, part: Part, walk: Walk) -> list[int]:
+        """The third derivative across the edge, by the patch's own parameter."""
+        if isinstance(self.patch, BSplineSurface):
+            raise NoProof("the third derivatives of splines are not asked for")
+        builder, known = self._formulas()
+        order, before, name = ((3, 0), (2, 0), "u") if edge.across == 0 else ((0, 3), (0, 2), "v")
+        if order not in known:
+            known[order] = [derivative(builder, one, name) for one in known[before]]
+        copy = self._copy(edge, target, part, walk, literal=False)
+        return [copy.node(one) for one in known[order]]
+
+    def _copy(self, edge: Edge, target: Builder, part: Part, walk: Walk, *, literal: bool) -> Specialised:
+        """What copies nodes of the whole patch to the edge."""
+        builder, _ = self._formulas()
+        names = ("u", "v") if edge.across == 0 else ("v", "u")
+        letters = {name: target.const(value) for name, value in self.letters.items()}
+        inputs = {**letters, names[0]: lower_all(target, [constant_parameter(edge)])[0], names[1]: _place(target, walk)}
+        return Specialised(builder, target, inputs, part, (names[0], -1 if edge.upper else 1), literal=literal)
 
     def _vectors(
-        self, edge: Edge, target: Builder, part: Part, walk: Walk, orders: Sequence[tuple[int, int]]
-    ) -> tuple[dict[tuple[int, int], list[int]], set[Fraction]]:
+        self, edge: Edge, target: Builder, part: Part, walk: Walk, orders: Sequence[tuple[int, int]], *, literal: bool
+    ) -> tuple[dict[tuple[int, int], list[int]], Jet]:
         """The derivatives by the patch's own parameters, and the borders of pieces."""
-        place = _place(target, walk)
         if isinstance(self.patch, BSplineSurface):
+            place = _place(target, walk)
             ends = sorted([walk(part[0]), walk(part[1])])
             vectors, knots = spline_jet(self.patch, edge, (ends[0], ends[1]))
             found = {order: [_horner(target, one, place) for one in vectors[order]] for order in orders}
-            return found, set(map(walk.inverse, knots))
-        builder, known = self._formulas()
-        end = Fraction(str(exact(edge.patch.domain[edge.across][int(edge.upper)])))
-        names = ("u", "v") if edge.across == 0 else ("v", "u")
-        letters = {name: target.const(value) for name, value in self.letters.items()}
-        inputs = {**letters, names[0]: target.const(end), names[1]: place}
-        copy = Specialised(builder, target, inputs, part, (names[0], -1 if edge.upper else 1))
+            return found, Jet((), frozenset(map(walk.inverse, knots)))
+        _, known = self._formulas()
+        copy = self._copy(edge, target, part, walk, literal=literal)
         turned = {order: known[order[::-1] if edge.across == 0 else order] for order in orders}
-        return {order: [copy.node(one) for one in vector] for order, vector in turned.items()}, copy.borders
+        found = {order: [copy.node(one) for one in vector] for order, vector in turned.items()}
+        return found, Jet((), frozenset(copy.borders), frozenset(copy.joins), copy.lies_on_border)
 
     def _formulas(self) -> tuple[Builder, dict[tuple[int, int], list[int]]]:
         """The program of the whole patch and the nodes of its derivatives."""
         if self._program is None:
             builder = Builder(("u", "v"), tuple(self.letters))
-            known = {(0, 0): lower_all(builder, _formula(self.patch))}
+            known = {(0, 0): lower_all(builder, formula_of(self.patch))}
             for i, j in ORDERS[1:]:
                 before, name = ((i - 1, j), "u") if i else ((i, j - 1), "v")
                 known[i, j] = [derivative(builder, one, name) for one in known[before]]
@@ -113,8 +145,14 @@ class PatchFormula:
         return self._program
 
 
-def _formula(patch: Patch) -> list[sp.Expr]:
-    """The coordinates, of numbers that a program holds exactly."""
+def formula_of(patch: Patch) -> list[sp.Expr]:
+    """The coordinates, of numbers that a program holds exactly.
+
+    Raises
+    ------
+    NoProof
+        The patch is not made of formulas, or of other numbers.
+    """
     try:
         point = list(patch.expression())
     except RsymError as error:
@@ -123,6 +161,14 @@ def _formula(patch: Patch) -> list[sp.Expr]:
     if unknown:
         raise NoProof(f"the number {min(map(str, unknown))} has no exact form in a program")
     return point
+
+
+def constant_parameter(edge: Edge) -> sp.Expr:
+    """The constant parameter of an edge, exactly: a turn as 2 pi if it was given so."""
+    patch, side = edge.patch, int(edge.upper)
+    if isinstance(patch, ParametricSurface) and not patch.ends[edge.across][side].has(sp.Float):
+        return patch.ends[edge.across][side]
+    return exact(patch.domain[edge.across][side])
 
 
 def _place(target: Builder, walk: Walk) -> int:

@@ -42,7 +42,7 @@ class EdgeProof:
     """What is proved of a common edge: `levels` of the gap, the angle and the jump of curvature.
 
     verdict : "CERTIFIED", it is G2, each level equal or within its room; "REFUTED", it is not, at a place;
-    "DEGENERATE", a patch has no normal along the edge; "UNDECIDED".
+    "DEGENERATE", a patch ends there in an edge of regression, with unbounded curvature; "UNDECIDED".
     open : intervals of the parameter of the first edge of which nothing is said, as beside a pole where the normals
     fade. removed : ends, poles of a patch, where the proof is one of the normals over their distance to it.
     reason : what kept it from being proved.

@@ -73,7 +73,7 @@ def _image(field: Field, operation: str, values: Sequence[Value], data: Data) ->
         if isinstance(data, Fraction):
             return field.rational(data)
         return field.generator({"pi": PI, "e": E}[str(data)])
-    if operation == "powi" and isinstance(data, int):
+    if operation == "powi" and isinstance(data, int) and data >= 0:
         return values[0] ** data
     if operation in {"sin", "cos"}:
         return field.turned(values[0])[operation == "sin"]

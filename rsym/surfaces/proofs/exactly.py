@@ -15,12 +15,14 @@ from rsym.surfaces.proofs.specialised import NoProof
 class Facts:
     """Which of gap, angle and jump vanish identically, and whether both patches have normals.
 
+    `standing` are the patches, 0 and 1, whose derivative across the edge vanishes identically.
     `linkage` bounds the difference II1(D2, D2) - II2(D2, D2) times |N1|**3, where the angle vanishes; None if unknown.
     """
 
     vanishing: tuple[bool, bool, bool] = (False, False, False)
     regular: bool = True
     linkage: float | None = None
+    standing: tuple[int, ...] = ()
 
 
 def facts(pair: Pair, levels: int) -> Facts:
@@ -32,7 +34,8 @@ def facts(pair: Pair, levels: int) -> Facts:
             return Facts((met, False, False))
         normals = first.normal, second.normal
         if any(all(one.is_zero for one in normal) for normal in normals):
-            return Facts(regular=False)
+            still = tuple(k for k, side in enumerate((first, second)) if all(one.is_zero for one in side.out))
+            return Facts(regular=False, standing=still)
         flat = met and dot(normals[0], second.out).is_zero
         return _of_curvature(pair, first, second) if flat and levels > 2 else Facts((met, flat, False))
     except NoProof:

@@ -6,6 +6,11 @@ to those of one quadratic form K, in all directions, if n . B(t) = K(A(t), A(t))
 smooth, whose second derivatives on the plane vanish with d. K is known from three directions a_i of one patch,
 
     K(A, A) = sum of K(a_i, a_i) [A, a_j] [A, a_k]/([a_i, a_j] [a_i, a_k]),    [x, y] = (x x y) . n.
+
+If at some A the difference F = n . B - K(A, A) is not zero, no one form holds: were the limits of the curvature all
+within e of one another, n . B(a) would be that of one form up to e |a|**2 for each of the four directions, so that
+
+    |F| <= e (|A|**2 + sum of |a_i|**2 |[A, a_j] [A, a_k]/([a_i, a_j] [a_i, a_k])|).
 """
 
 from __future__ import annotations
@@ -15,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from rsym.codegen.ball_series import SeriesFunction, arb, truncated
 from rsym.codegen.balls import ball, exact
@@ -31,12 +36,20 @@ from rsym.surfaces.proofs.enclosures import BITS
 from rsym.surfaces.proofs.exact_values import exact_values
 from rsym.surfaces.proofs.sides import COUNT, Side, Vector, dot
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
+from rsym.surfaces.proofs.unbroken import check_unbroken
 from rsym.verify.report import CERTIFIED, REFUTED, UNDECIDED
+
+Shares: TypeAlias = tuple[Fraction, ...]
 
 # Of a known direction: point, A and B.
 DIRECTIONS = ((0, 0), (0, 1), (0, 2))
-# Of the first patch both ends and one place between them, where sines of the angle may be simple numbers.
-BETWEEN = (Fraction(1, 3), Fraction(1, 2))
+# Shares of the first patch, where sines of the angle may be simple numbers and no two directions are opposite.
+KNOWN = tuple(
+    (Fraction(0), Fraction(*middle), Fraction(*last))
+    for middle, last in (((1, 3), (1, 1)), ((1, 2), (1, 1)), ((1, 3), (2, 3)), ((1, 6), (1, 3)), ((1, 4), (3, 8)))
+)
+# Where a difference of the curvatures is looked for: places on each patch.
+LOOKED_AT = tuple(Fraction(k, 16) for k in range(17))
 # Intervals on which the directions are enclosed, each half of one before.
 DEEPEST = 8
 # The arcsine of a float and its degrees are right to three units in the last place.
@@ -77,26 +90,30 @@ class Spoke:
         return low, high
 
 
-def prove_pole(spokes: Sequence[Spoke], room: float, worst: Sequence[tuple[int, float]]) -> EdgeProof:
+def prove_pole(spokes: Sequence[Spoke], rooms: tuple[float, float], worst: Sequence[tuple[int, float]]) -> EdgeProof:
     """What is proved of a pole.
 
-    room: the sine of an angle that counts as none. worst: two spokes, by their places, and the parameters on them
-    between which samples of the normals differ most.
+    rooms: the sine of an angle and a jump of curvature that count as none. worst: two spokes, by their places, and the
+    parameters on them between which samples of the normals differ most.
     """
     try:
         least = _sine(spokes, worst)
-        if least > room:
-            return _refuted(least, room, worst[0][1])
+        if least > rooms[0]:
+            return _refuted(least, rooms[0], worst[0][1])
         held = [_vanishing_by_either(spoke, spokes[0]) for spoke in spokes]
         smooth = all(met and flat for met, flat, _ in held) and all(map(_turns, spokes))
+        if not smooth:
+            return nothing("the normals at the pole are not proved to agree")
+        found = [Level(name, EQUAL, most=0.0) for name in LEVELS]
+        if all(same for _, _, same in held):
+            return EdgeProof(CERTIFIED, (found[0], found[1], found[2]))
+        jump, place = _jump(spokes)
     except RsymError as error:
         return nothing(error.message)
-    if not smooth:
-        return nothing("the normals at the pole are not proved to agree")
-    found = [Level(name, EQUAL, most=0.0) for name in LEVELS]
-    if not all(same for _, _, same in held):
-        return EdgeProof(UNDECIDED, (found[0], found[1], Level("G2")), reason="the curvatures at the pole may differ")
-    return EdgeProof(CERTIFIED, (found[0], found[1], found[2]))
+    if jump > rooms[1]:
+        differing = Level("G2", DIFFERENT, least=jump, place=place, room=rooms[1])
+        return EdgeProof(REFUTED, (found[0], found[1], differing))
+    return EdgeProof(UNDECIDED, (found[0], found[1], Level("G2")), reason="the curvatures at the pole may differ")
 
 
 def _refuted(sine: float, room: float, place: float) -> EdgeProof:
@@ -114,24 +131,30 @@ def _program(asked: Sequence[tuple[Spoke, Fraction | None]]) -> tuple[Sequence[N
         jet = spoke.formula.jet(spoke.edge, target, part, walk, DIRECTIONS if place is not None else ORDERS)
         if jet.borders:
             raise NoProof("the formulas have pieces round the pole")
+        check_unbroken(spoke.formula, spoke.edge, part, walk, jet)
         outputs += jet.nodes
     return target.nodes, outputs
 
 
 def _vanishing_by_either(spoke: Spoke, first: Spoke) -> tuple[bool, bool, bool]:
     """Whether point, normals and curvatures of a patch at the pole are those of the first one, in all directions."""
-    for between in BETWEEN:
-        found = _vanishing(spoke, first, between)
+    found, reason = None, None
+    for shares in KNOWN:
+        try:
+            found = _vanishing(spoke, first, shares)
+        except NoProof as error:
+            reason = error
+            continue
         if all(found):
             break
+    if found is None:
+        raise reason or NoProof("no directions are known at the pole")
     return found
 
 
-def _vanishing(spoke: Spoke, first: Spoke, between: Fraction) -> tuple[bool, bool, bool]:
+def _vanishing(spoke: Spoke, first: Spoke, shares: Shares) -> tuple[bool, bool, bool]:
     """The same, by three known directions of the first one."""
-    low, high = first.part
-    places = [low, low + between * (high - low), high]
-    nodes, outputs = _program([(spoke, None), *((first, place) for place in places)])
+    nodes, outputs = _program([(spoke, None), *((first, place) for place in _places(first, shares))])
     ray, *known = _rays(exact_values(nodes, outputs))
     normal = cross(known[0].way, known[1].way)
     met = all((a - b).is_zero for a, b in zip(ray.point, known[0].point, strict=True))
@@ -143,6 +166,57 @@ def _vanishing(spoke: Spoke, first: Spoke, between: Fraction) -> tuple[bool, boo
     if not all(one > 0 or one < 0 for one in brackets):
         raise NoProof("directions at the pole are parallel")
     return met, flat, met and flat and _form(ray, known, normal).is_zero
+
+
+def _places(spoke: Spoke, shares: Shares) -> list[Fraction]:
+    low, high = spoke.part
+    return [low + share * (high - low) for share in shares]
+
+
+def _jump(spokes: Sequence[Spoke]) -> tuple[float, float]:
+    """A lower bound of the greatest difference between limits of the curvature, where normals agree, and where."""
+    best, where = 0.0, math.nan
+    for shares in KNOWN:
+        asked = [(spokes[0], place) for place in _places(spokes[0], shares)]
+        asked += [(spoke, place) for spoke in spokes for place in _places(spoke, LOOKED_AT)]
+        nodes, outputs = _program(asked)
+        with truncated(0, BITS):
+            values = [one[0] for one in SeriesFunction(nodes, outputs)(arb(0)) if one is not None]
+            if len(values) < len(outputs):
+                continue
+            a, b, c, *others = _rays(values)
+            for ray, (_, place) in zip(others, asked[3:], strict=True):
+                found = _least_jump(ray, (a, b, c))
+                if found > best:
+                    best, where = found, float(place)
+        if best > 0:
+            break
+    return best, where
+
+
+def _least_jump(ray: Ray, known: tuple[Ray, Ray, Ray]) -> float:
+    """The lower bound e of the docstring of this module, from balls of four directions; 0 if nothing is known."""
+    across = cross(known[0].way, known[1].way)
+    size = dot(across, across)
+    if not size > 0:
+        return 0.0
+    normal = [one / size.sqrt() for one in across]
+
+    def bracket(x: Ray, y: Ray) -> Any:
+        return dot(cross(x.way, y.way), normal)
+
+    difference, room = dot(normal, ray.bend), dot(ray.way, ray.way)
+    for i, one in enumerate(known):
+        x, y = known[i - 1], known[i - 2]
+        below = bracket(one, x) * bracket(one, y)
+        if not (below > 0 or below < 0):
+            return 0.0
+        share = bracket(ray, x) * bracket(ray, y) / below
+        difference = difference - share * dot(normal, one.bend)
+        room = room + abs(share) * dot(one.way, one.way)
+    least = abs(difference) / room
+    low = float(least.lower()) if least.is_finite() else 0.0
+    return max(0.0, math.nextafter(low, -math.inf))
 
 
 def _form(ray: Ray, known: Sequence[Ray], normal: Vector) -> Any:

@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
+import sympy as sp
+
+from rsym.codegen.ball_series import SeriesFunction, truncated
+from rsym.codegen.balls import exact
+from rsym.codegen.builder import Builder
 from rsym.errors import RsymError
 from rsym.surfaces.proofs.apart import distance_from
-from rsym.surfaces.proofs.deflation import regular_end
+from rsym.surfaces.proofs.deflation import is_cuspidal, regular_end
 from rsym.surfaces.proofs.edge_formulas import ORDERS, Walk
 from rsym.surfaces.proofs.edge_proof import DIFFERENT, EQUAL, LEVELS, NUMERICAL, WITHIN, EdgeProof, Level, nothing
-from rsym.surfaces.proofs.enclosures import Bounds, Pair, look, survey
+from rsym.surfaces.proofs.enclosures import BITS, Bounds, Pair, look, survey
 from rsym.surfaces.proofs.exactly import Facts, facts
-from rsym.surfaces.proofs.specialised import NoProof, Part
+from rsym.surfaces.proofs.sides import COUNT
+from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
 from rsym.surfaces.proofs.stretches import Task, pairs, walks
+from rsym.surfaces.proofs.uneven import evened, place_of
 from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
 # The share of a measured gap that is to be proved.
@@ -24,6 +32,7 @@ NEARLY = 0.99
 ROUNDING = 1e-14
 # A neighbourhood of an end that is left out is no longer than this share of the edge.
 BESIDE = 2.0**-9
+SPEEDS = "the edges run at different speeds"
 # Neighbourhoods of poles that are tried: a quarter does for spheres and ellipsoids.
 NEIGHBOURHOODS = (Fraction(1, 4), Fraction(1, 16), Fraction(1, 256))
 
@@ -32,10 +41,33 @@ def prove(task: Task) -> EdgeProof:
     """What is proved of a common edge.
 
     First the places where samples were worst are looked at: what is refuted there need not be proved elsewhere. Then
-    exact arithmetic is asked what vanishes identically, and balls enclose the normals and what is left.
+    exact arithmetic is asked what vanishes identically, and balls enclose the normals and what is left. Where edges do
+    not run at one speed, one parameter is sought as a function of the other.
     """
+    found = _prove(task)
+    if found.reason != SPEEDS:
+        return found
     try:
-        both, whole = walks(task.stretch)
+        for even, swapped, function in evened(task):
+            other = _prove(even)
+            if other.verdict != UNDECIDED or other.proved is not None:
+                return _by_first(other, function) if swapped else other
+    except NoProof:
+        return found
+    return found
+
+
+def _by_first(proof: EdgeProof, function: sp.Expr) -> EdgeProof:
+    """A proof by the parameter of the second edge, by that of the first."""
+    first, second, third = (replace(one, place=place_of(function, one.place)) for one in proof.levels)
+    ends = [sorted(place_of(function, one) for one in part) for part in proof.open]
+    removed = tuple(place_of(function, one) for one in proof.removed)
+    return replace(proof, levels=(first, second, third), open=tuple((a, b) for a, b in ends), removed=removed)
+
+
+def _prove(task: Task) -> EdgeProof:
+    try:
+        both, whole = walks(task)
         bounds = Bounds(task.rooms)
         _look_at_worst(task, both, bounds)
     except RsymError as error:  # of a formula that no program can hold, too
@@ -60,7 +92,7 @@ def _proved(task: Task, both: tuple[Walk, Walk], whole: Part, bounds: Bounds) ->
     parts = pairs(task, both, whole, ORDERS[:1] if alive == 1 else ORDERS)
     found = [facts(pair, alive) for pair in parts]
     if not all(one.regular for one in found):
-        return EdgeProof(DEGENERATE, nothing("").levels, reason="a patch has no normal along the edge")
+        return _without_normals(task, both, parts, found)
     first, *rest = ([one.vanishing[level] for one in found] for level in range(3))
     vanishing = (all(first), all(rest[0]), all(rest[1]))
     small = max((one.linkage for one in found if one.linkage is not None), default=0.0)
@@ -80,15 +112,35 @@ def _proved(task: Task, both: tuple[Walk, Walk], whole: Part, bounds: Bounds) ->
     return _answer(Facts(vanishing), bounds, bounds.open, removed, whole, "")
 
 
+def _without_normals(task: Task, both: tuple[Walk, Walk], parts: Sequence[Pair], found: Sequence[Facts]) -> EdgeProof:
+    """What is said of patches whose parameters leave no normal: only an edge of regression is proved to be degenerate.
+
+    Of others the surface may be smooth, and another parameter show it, as v of (u, v**2, 0) does not.
+    """
+    verdict = UNDECIDED
+    for pair, known in zip(parts, found, strict=True):
+        for place in known.standing:
+            target = Builder((PARAMETER,), ())
+            formula, edge, walk = task.formulas[place], task.edges[place], both[place]
+            nodes = [*formula.jet(edge, target, pair.part, walk).nodes, *formula.third(edge, target, pair.part, walk)]
+            with truncated(0, BITS):
+                middle = exact((pair.part[0] + pair.part[1]) / 2)
+                values = [one[0] for one in SeriesFunction(target.nodes, nodes)(middle) if one is not None]
+            if len(values) == len(nodes) and is_cuspidal(values[:COUNT], values[COUNT:]):
+                verdict = DEGENERATE
+    return EdgeProof(verdict, nothing("").levels, reason="a patch has no normal along the edge")
+
+
 def _apart(task: Task) -> EdgeProof:
     """What is proved where points with equal parameters differ: that one is away from all of the other edge."""
     least, place = 0.0, math.nan
-    if task.gap > task.rooms[0]:
+    # Edges written with one parameter are not there beyond their stretch.
+    if task.gap > task.rooms[0] and task.even is None:
         sides, place = [*zip(task.edges, task.formulas, strict=True)], task.worst[0]
         wanted = max(task.rooms[0], NEARLY * task.gap)
         least = distance_from(sides[0], Fraction(place), sides[1], wanted)
     if least == 0:
-        return nothing("the edges run at different speeds")
+        return nothing(SPEEDS)
     gap = Level(LEVELS[0], DIFFERENT, least=least, place=place, room=task.rooms[0])
     return EdgeProof(REFUTED, (gap, Level(LEVELS[1]), Level(LEVELS[2])))
 

@@ -13,6 +13,8 @@ Part: TypeAlias = tuple[Fraction, Fraction]
 # Coefficients by the names of inputs, "" for the constant.
 Line: TypeAlias = Mapping[str, Fraction]
 ZERO = Fraction(0)
+# Where samples find an edge torn, the stretches on both sides of that place end within this share of them.
+BESIDE = Fraction(1, 1000)
 # The parameter of the program of an edge.
 PARAMETER = "t"
 # The formulas of a loft of nine splines have 3 000 nodes; a proof about more would take minutes.
@@ -41,6 +43,9 @@ class Specialised:
     Where a piecewise node has a border inside the interval, the border is noted in `borders` and the piece of the
     middle is taken: what was copied then holds on the parts between borders only, and they are to be copied anew.
     Where the whole line is a border, the piece on its side `inwards` is taken: an input and the sign of the way.
+    What a formula says on such a border itself may be a third thing, as of ``Piecewise((0, u < 1), (0, u > 1), (1,
+    True))``: `joins` are the places of the part, its ends among them and what is close by, at which it is asked, and
+    `lies_on_border` tells whether it is all along. A copy that is `literal` takes there what the formula says.
 
     Examples
     --------
@@ -61,9 +66,14 @@ class Specialised:
         inputs: Mapping[str, int],
         part: Part,
         inwards: tuple[str, int] | None = None,
+        *,
+        literal: bool = False,
     ) -> None:
         self.source, self.target, self.inputs, self.part, self.inwards = source, target, inputs, part, inwards
+        self.literal = literal
         self.borders: set[Fraction] = set()
+        self.joins: set[Fraction] = set()
+        self.lies_on_border = False
         self._done: dict[int, int] = {}
         self._taken: dict[int, int] = {}
         self._lines: dict[int, dict[int, Line | None]] = {}
@@ -93,7 +103,7 @@ class Specialised:
         if missing:
             return missing
         if number not in self._taken:
-            above = self._sign(*arguments[:2]) > 0
+            above = self._sign(*arguments[:2], choosing=True) > 0
             self._taken[number] = arguments[2] if above else arguments[3]
         taken = self._taken[number]
         return [] if taken in self._done else [taken]
@@ -111,8 +121,8 @@ class Specialised:
         inner = [self._done[one] for one in arguments]
         if operation in _PIECEWISE:
             return _PIECEWISE[operation](self, *arguments)
-        if operation in {"div", "sqrt"} and self.target.value(inner[-1]) == 0:
-            raise NoProof("a formula has a root or a denominator that vanishes on the edge")
+        if operation in _SINGULAR and self.target.value(inner[_SINGULAR[operation]]) == 0:
+            raise NoProof("a formula has a root, a logarithm or a denominator that vanishes on the edge")
         making = getattr(self.target, operation, None) if operation in _FOLDING else None
         if making is None:
             return self.target.make(operation, *inner, data=data)
@@ -130,8 +140,11 @@ class Specialised:
         """The smaller of two."""
         return self._done[b if a == b or self._sign(a, b) > 0 else a]
 
-    def _sign(self, a: int, b: int | None = None) -> int:
-        """The sign of a - b, linear in t, in the middle of the interval; where it changes inside is noted."""
+    def _sign(self, a: int, b: int | None = None, *, choosing: bool = False) -> int:
+        """The sign of a - b, linear in t, in the middle of the interval; where it changes inside is noted.
+
+        On the border itself a comparison a > b is false, which counts in a literal copy.
+        """
         known = self._done[a] if b is None else self.target.sub(self._done[a], self._done[b])
         line = self._line(self.target, known)
         if line is None:
@@ -142,6 +155,13 @@ class Specialised:
         if slope and low < -constant / slope < high:
             self.borders.add(-constant / slope)
             middle = middle or slope
+        beside = BESIDE * (high - low)
+        if choosing and slope and low - beside <= -constant / slope <= high + beside:
+            self.joins.add(-constant / slope)
+        if middle == 0 and slope == 0:
+            self.lies_on_border |= choosing
+            if self.literal:
+                return -1
         if middle == 0:
             middle = self._beside(a, b) if slope == 0 else ZERO
         if middle == 0:
@@ -187,6 +207,8 @@ class Specialised:
         return {name: factor * value for name, value in line.items()}
 
 
+# Operations that are not analytic where the operand at this place vanishes; nought times what they give is no nought.
+_SINGULAR: Mapping[str, int] = {"div": -1, "sqrt": -1, "log": 0, "pow": 0, "atan2": -1, "sign": 0}
 _FOLDING = frozenset({"add", "mul", "neg", "div", "powi", "sqrt"})
 _PIECEWISE: Mapping[str, Callable[..., int]] = {
     "abs": Specialised.size,

@@ -12,6 +12,7 @@ import numpy as np
 from rsym.codegen.enclosures import Range, ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress
 from rsym.verify.atlas.dividing import divide
 from rsym.verify.atlas.greatest import greatest_curvatures
@@ -41,6 +42,7 @@ def smoothness_atlas(
     letters: Mapping[Any, Any] | None = None,
     budget: int = BUDGET,
     sharpening: int = SHARPENING,
+    timeout: float | None = None,
     progress: Progress | None = None,
 ) -> SmoothnessAtlas:
     """For which values of two letters is the curvature of the boundary continuous? Proved in rectangles of both.
@@ -69,6 +71,8 @@ def smoothness_atlas(
         The greatest number of rectangles to judge.
     sharpening : int
         Boxes spent on the bound of the curvature in each certified rectangle.
+    timeout : float, optional
+        Seconds after which no further rectangle is judged: what is undecided then stays so.
     progress : callable, optional
         ``progress(judged, budget)``, now and then; an answer of False cancels.
 
@@ -97,6 +101,7 @@ def smoothness_atlas(
     """
     names = _names(shape, letter_a, letter_b, letters)
     _check(tolerance, budget, between)
+    effort = Effort(timeout=timeout)
     region = (_inward(*range_of(shape, names[0], between[0])), _inward(*range_of(shape, names[1], between[1])))
     for name, (low, high) in zip(names, region, strict=True):
         if not low < high:
@@ -108,7 +113,7 @@ def smoothness_atlas(
         judged.append(done)
         return True if progress is None else progress(done, total)
 
-    parts = divide(judge, region, tolerance=tolerance, budget=budget, progress=counted)
+    parts = divide(judge, region, tolerance=tolerance, budget=budget, progress=counted, effort=effort)
     rectangles = np.array([part.rectangle for part in parts])
     verdicts = tuple(part.verdict for part in parts)
     ranges = {name: ends for name, ends in ranges_of(shape.letters, letters).items() if name not in names}

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 
 import numpy as np
 
+from rsym.errors import RsymWarning
+from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress, report
 from rsym.verify.atlas.grid import KINDS, Floats, grid_of, run_through, too_wide
 from rsym.verify.atlas.judging import Judge, Judgement, Point, Rectangle, middle_of
@@ -43,8 +47,7 @@ class _Known:
 
     def is_mixed(self, rectangle: Rectangle) -> bool:
         """Whether a rectangle holds values of both kinds."""
-        (a, b), (c, d) = rectangle
-        return len({label for (u, v), label in self.labels.items() if a <= u <= b and c <= v <= d}) == len(LABELS)
+        return len({label for (u, v), label in self.labels.items() if _holds(rectangle, u, v)}) == len(LABELS)
 
     def axis_to_cut(self, rectangle: Rectangle) -> int:
         """The letter along which a rectangle spans more of the change from refuted to certified."""
@@ -83,21 +86,27 @@ class _Known:
 
 
 def divide(
-    judge: Judge, region: Rectangle, *, tolerance: float, budget: int, progress: Progress | None = None
+    judge: Judge,
+    region: Rectangle,
+    *,
+    tolerance: float,
+    budget: int,
+    progress: Progress | None = None,
+    effort: Effort | None = None,
 ) -> list[Judgement]:
     """Rectangles that tile the region, each with its verdict, breadth first.
 
     Undecided ones are cut until through each of their points a line along one of the letters crosses no more than the
-    share `tolerance` of that letter's range that is undecided, until `budget` rectangles were judged, or where even
-    single values have no verdict.
+    share `tolerance` of that letter's range that is undecided, until `budget` rectangles were judged or the time is
+    over, or where even single values have no verdict.
     """
-    known = _Known(judge, region)
+    known, effort = _Known(judge, region), effort or Effort()
     parts = [_judged(judge, region, 0, known)]
     count = 1
     while coarse := _coarse(parts, tolerance):
         following: list[_Part] = []
         for number, part in enumerate(parts):
-            if number not in coarse or count + 2 > budget:
+            if number not in coarse or count + 2 > budget or effort.is_over:
                 following.append(part)
                 continue
             for half in _halves(part.judgement.rectangle, known):
@@ -108,7 +117,44 @@ def divide(
             break
         parts = following
     report(progress, budget, budget)
-    return [part.judgement for part in parts]
+    return accounted([part.judgement for part in parts], known.labels, region)
+
+
+def accounted(found: Sequence[Judgement], labels: Mapping[Point, float], region: Rectangle) -> list[Judgement]:
+    """The rectangles, if they make up the region and contradict none of the single values judged on the way.
+
+    Those that do contradict one are undecided, all of them where the rectangles do not make up the region: a verdict
+    then is wrong or lost, which is a defect, and a warning says so.
+    """
+    wrong = {
+        number
+        for number, one in enumerate(found)
+        for (u, v), label in labels.items()
+        if one.verdict in LABELS and LABELS[one.verdict] != label and _holds(one.rectangle, u, v)
+    }
+    if sum(_area(one.rectangle) for one in found) != _area(region):
+        wrong = set(range(len(found)))
+    if wrong:
+        warnings.warn(
+            f"the account of the atlas does not balance in {len(wrong)} of {len(found)} rectangles, which are "
+            "undecided now: this is a defect of rsym to report",
+            RsymWarning,
+            stacklevel=2,
+        )
+    return [
+        Judgement(one.rectangle, UNDECIDED, one.middle) if number in wrong else one for number, one in enumerate(found)
+    ]
+
+
+def _holds(rectangle: Rectangle, u: float, v: float) -> bool:
+    (a, b), (c, d) = rectangle
+    return a <= u <= b and c <= v <= d
+
+
+def _area(rectangle: Rectangle) -> Fraction:
+    """The exact area: the sides are floats."""
+    (a, b), (c, d) = rectangle
+    return (Fraction(b) - Fraction(a)) * (Fraction(d) - Fraction(c))
 
 
 def _judged(judge: Judge, rectangle: Rectangle, silent: int, known: _Known) -> _Part:

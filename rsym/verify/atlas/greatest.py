@@ -56,7 +56,7 @@ class _Field:
     """omega, its gradient and curvatures at points (n, 2) with letters (n, 2)."""
 
     def __init__(self, plane: Shape, names: Sequence[str], fixed: Mapping[str, float], body: bool) -> None:
-        program = program_of(plane, ("value", "gradient", "curvature")).varying(names)
+        program = program_of(plane, ("value", "gradient", "curvature"), share=None).varying(names)
         self.letters = [fixed[name] for name in program.letters]
         self.outputs = [name for name, _ in program.outputs]
         self.function: CompiledFunction = make_function(expand(program), "numpy", FLOAT64)

@@ -15,14 +15,15 @@ from rsym.codegen.balls import arb, ball, ctx, exact
 from rsym.codegen.enclosures import ranges_of
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.lattice import bounds_of
+from rsym.verify.account import is_defect
 from rsym.verify.cleaning import cleaned
 from rsym.verify.covering import PRECISION
 from rsym.verify.generators import generators
-from rsym.verify.joints import Arc, Meeting, is_transversal, joint, locate, meeting
+from rsym.verify.joints import Arc, Meeting, is_transversal, joint, locate, located, meeting
 from rsym.verify.krawczyk import Point, image, inverse
 from rsym.verify.local import Interval, Model
 from rsym.verify.locus import reduce
-from rsym.verify.report import CONTINUITIES, Joint
+from rsym.verify.report import Joint
 from rsym.verify.revolution import meridian
 
 # A box that holds its image is found by growing it to a little more than its image, as often as it is worth trying.
@@ -135,6 +136,5 @@ class Refuter:
         if zero is None or zero.box is None or not zero.exists:
             return None
         inside = all(low < value and value < high for value, (low, high) in zip(zero.box, self.bounds, strict=True))
-        found = joint(local, arcs, zero) if inside else None
-        defective = found is not None and CONTINUITIES.index(found.continuity) < CONTINUITIES.index("G2")
-        return found if found is not None and found.proved and defective else None
+        found = joint(local, arcs, located(local, arcs, zero)) if inside else None
+        return found if found is not None and found.proved and is_defect(found) else None

@@ -9,11 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.sampling.effort import Effort
 from rsym.verify.bodies.boxes import cut
 from rsym.verify.bodies.curvature_bounds import Bent, bent
 from rsym.verify.bodies.images import Array, Boxes, Flags, Images
-from rsym.verify.bodies.octree import Subdivision
 from rsym.verify.bodies.simplest import simplest
+from rsym.verify.bodies.subdivision import Subdivision
 
 TIGHT = 0.05  # of an end of what is attained: the enclosure may exceed it by this share
 FLAT = 0.002  # of the largest curvature: an end nearer to 0 than this is taken for 0, and not pursued further
@@ -35,7 +36,7 @@ class Bending:
 
 
 class Held(NamedTuple):
-    """Boxes (n, 3, 2) of one sheet, and for each where in it the sheet is the boundary.
+    """Boxes (n, k, 2) of one sheet, and for each where in it the sheet is the boundary.
 
     That is where the node `sides` (n,) is not negative, if it is not WHOLE or PART.
     """
@@ -44,14 +45,21 @@ class Held(NamedTuple):
     sides: NDArray[np.int64]
 
 
-def bending(images: Images, found: Subdivision) -> Bending:
-    """The principal curvatures on all settled boxes of a subdivision."""
+UNBOUNDED = Bending((-np.inf, np.inf), (np.nan, np.nan))
+
+
+def bending(images: Images, found: Subdivision, effort: Effort | None = None) -> Bending:
+    """The principal curvatures on all settled boxes of a subdivision; if time ends, bounds that could be tighter."""
+    effort = effort or Effort()
+    if effort.is_over:
+        return UNBOUNDED
     sheets = _simplest(images, held(found))
-    extent = max((float(np.ptp(sheet.boxes, axis=(0, 2)).max()) for sheet in sheets.values()), default=1.0)
+    extent = max((float(np.ptp(sheet.boxes[:, :3], axis=(0, 2)).max()) for sheet in sheets.values()), default=1.0)
     search = _Search(images, extent)
     parts = [_Sheet(search, node, sheet) for node, sheet in sheets.items()]
     budget = RANGING if any(low != high for low, high in images.letters.values()) else BUDGET
-    while search.spent < budget:
+    while search.spent < budget and not effort.is_over:
+        effort.reach(search.spent / budget)
         excess = [part.excess(search.ends) for part in parts]
         worst = np.sort(np.concatenate(excess or [np.zeros(1)]))[-AT_ONCE:]
         if not worst.max(initial=0.0) > 0:
@@ -141,7 +149,8 @@ class _Search:
         result = np.ones(len(points), bool)
         for side in np.unique(sides):
             own = sides == side
-            at, along = points[own], BESIDE * self.extent * normals[own]
+            at, along = points[own], np.zeros_like(points[own])
+            along[:, :3] = BESIDE * self.extent * normals[own]
             if side == PART:
                 inside, outside = (self.images.sign(np.stack([at + step, at + step], -1)) for step in (along, -along))
                 result[own] = inside * outside < 0
@@ -164,8 +173,8 @@ class _Sheet:
         return np.where(self._wide(self.held.boxes).any(axis=1), beyond, 0.0)
 
     def _wide(self, boxes: Boxes) -> Flags:
-        """The sides that may be divided."""
-        result: Flags = boxes[..., 1] - boxes[..., 0] > FINEST * self.search.extent
+        """The sides in space that may be divided."""
+        result: Flags = boxes[:, :3, 1] - boxes[:, :3, 0] > FINEST * self.search.extent
         return result
 
     def refine(self, own: Flags) -> None:
@@ -175,7 +184,9 @@ class _Sheet:
         boxes = self.held.boxes[own]
         shares = np.where(self._wide(boxes), self.shares[own], 0.0)
         largest = shares.max(axis=1, keepdims=True)
-        shares = np.where((largest > 0) & (largest < np.inf), shares, boxes[..., 1] - boxes[..., 0])
+        shares = np.where((largest > 0) & (largest < np.inf), shares, boxes[:, :3, 1] - boxes[:, :3, 0])
+        most = shares.max(axis=1, keepdims=True)
+        shares = np.concatenate([shares, most * self.search.images.influence_on(self.node, boxes)], axis=1)
         across = shares >= MATTERS * shares.max(axis=1, keepdims=True)
         sides = np.repeat(self.held.sides[own], 2 ** across.sum(axis=1))
         held, found = self.search.bounded(self.node, Held(cut(boxes, across), sides))

@@ -42,6 +42,12 @@ class Cluster:
         return tuple((float(a), float(b)) for a, b in zip(low, high, strict=True))
 
     @property
+    def ranges(self) -> Box:
+        """The hull of the ranges of letters, the sides of the boxes after those in space."""
+        letters = zip(*(box[3:] for box in self.boxes), strict=True)
+        return tuple((min(low for low, _ in ends), max(high for _, high in ends)) for ends in letters)
+
+    @property
     def centre(self) -> tuple[float, float, float]:
         """The middle of the hull."""
         x, y, z = (low + (high - low) / 2 for low, high in self.hull)
@@ -135,4 +141,4 @@ def _cells(box: Box, size: int) -> Iterator[tuple[int, ...]]:
 
 
 def _touch(a: Box, b: Box) -> bool:
-    return all(first[0] <= second[1] and second[0] <= first[1] for first, second in zip(a[:3], b[:3], strict=True))
+    return all(first[0] <= second[1] and second[0] <= first[1] for first, second in zip(a, b, strict=True))

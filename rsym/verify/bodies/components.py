@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.codegen.balls import arb
+from rsym.sampling.effort import Effort
 from rsym.verify.bodies.continuation import Curve, Knot, Tube, others
 from rsym.verify.bodies.following import ACCURACY, Ground, Path, Walk, cut
 from rsym.verify.bodies.region import Region
@@ -24,6 +25,8 @@ Array = NDArray[np.float64]
 
 # Of the extent: what lies so close to a face is on it.
 _TOLERANCE = 2.0**-32
+# Of the extent: an end is found by halving to 2**-30, and the last tube goes as far beyond it.
+_BESIDE = 2.0**-27
 # A corner known worse than to this share of the extent is no end of a curve.
 _SHARP = 1e-6
 # Parts into which a box may fall before it stays open: 1401 were seen where two sheets are nearly tangent. All boxes
@@ -113,8 +116,14 @@ class Component:
 class Search:
     """The components of a curve in a union of boxes."""
 
-    def __init__(self, curve: Curve, boxes: Sequence[Box], corners: Sequence[tuple[Box, SingularPoint]]) -> None:
-        self.curve, self.boxes = curve, boxes
+    def __init__(
+        self,
+        curve: Curve,
+        boxes: Sequence[Box],
+        corners: Sequence[tuple[Box, SingularPoint]],
+        effort: Effort | None = None,
+    ) -> None:
+        self.curve, self.boxes, self.effort = curve, boxes, effort or Effort()
         knots = [(box, knot) for box, point in corners if (knot := self._corner(point)) is not None]
         inner, further = (
             Region(union, _TOLERANCE * curve.extent) for union in (boxes, [*boxes, *(box for box, _ in knots)])
@@ -141,6 +150,8 @@ class Search:
         for _ in range(min(_PARTS, self._left)):
             if not parts:
                 return
+            if self.effort.is_over:
+                break
             self._left -= 1
             whole, wait = parts.pop()
             if self.tubes.contain(whole):
@@ -149,14 +160,26 @@ class Search:
             if part is None or self.tubes.contain(part) or self.tubes.pass_through(part):
                 continue
             low, high = ends(part)
-            if float((high - low).max()) < ACCURACY * self.curve.extent:  # no more than ends are accurate
-                continue
+            if float((high - low).max()) < ACCURACY * self.curve.extent:
+                if self._is_end(low, high):  # which is known no better
+                    continue
+                parts.append((part, 0))
+                break
             if wait == 0 and self._seek((low + high) / 2):
                 parts.append((part, 0))
             else:
-                parts.extend((half, (wait or _WAIT) - 1) for half in _halves(part, int((high - low).argmax())))
+                parts.extend((half, (wait or _WAIT) - 1) for half in halves_of(part))
         if parts:
             self.open.append(box)
+
+    def _is_end(self, low: Array, high: Array) -> bool:
+        """Whether a component that was followed ends in a box, or right beside it."""
+        beside = _BESIDE * self.curve.extent
+        return any(
+            bool((low - beside <= end.middle).all() and (end.middle <= high + beside).all())
+            for component in self.components
+            for end in (component.knots[0], component.knots[-1])
+        )
 
     def _seek(self, middle: Array) -> bool:
         """Look for a new component close to a point, and follow it."""
@@ -190,10 +213,10 @@ class Search:
 
     def _path(self, seed: Knot, sense: int, goal: Knot | None = None) -> Path:
         """Follow the curve to a corner, else to the face on which it enters the box of one."""
-        path = Walk(self.curve, self.ground, seed, sense, goal).path()
+        path = Walk(self.curve, self.ground, seed, sense, goal, self.effort).path()
         if path.end == "corner" or self.ground.boxes.holds(path.knots[-1].middle):
             return path
-        return Walk(self.curve, self.ground.without_corners(), seed, sense, goal).path()
+        return Walk(self.curve, self.ground.without_corners(), seed, sense, goal, self.effort).path()
 
 
 def _joined(forth: Path, back: Path | None, beyond: float) -> Component:
@@ -258,7 +281,10 @@ def _are_apart(curve: Curve, box: Point, slopes: Sequence[Sequence[arb]]) -> boo
     return bool(total.is_finite()) and not total.contains(0)
 
 
-def _halves(box: Point, axis: int) -> list[Point]:
+def halves_of(box: Point) -> list[Point]:
+    """A box cut in two across its longest side."""
+    lows, highs = ends(box)
+    axis = int((highs - lows).argmax())
     low, high = box[axis].lower(), box[axis].upper()
     middle = box[axis].mid()
     return [(*box[:axis], part, *box[axis + 1 :]) for part in (low.union(middle), middle.union(high))]

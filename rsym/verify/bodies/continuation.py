@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 OVERLAP = 0.125
 # Newton's method ends with a step below this share of the extent, and fails after so many steps.
 _SETTLED, _STEPS = 2.0**-46, 12
+# A point known to this share of the extent is known well enough: narrower than floats tell.
+_NARROW = 2.0**-64
 # Half widths, in shares of the extent, of the boxes in which a point is proved to be the only one.
 _ROOMS = (2.0**-40, 2.0**-28, 2.0**-16, 2.0**-8, 2.0**-5)
 
@@ -104,6 +106,7 @@ class Curve:
 
     def __init__(self, model: Model, pair: tuple[int, int], rest: Sequence[arb], extent: float) -> None:
         self.model, self.pair, self.rest, self.extent = model, pair, list(rest), extent
+        self._slopes = (*model.gradient(pair[0]), *model.gradient(pair[1]))
 
     def on(self, sides: Sequence[arb]) -> Local:
         """What is known on a box in space."""
@@ -111,12 +114,13 @@ class Curve:
 
     def values(self, local: Local) -> list[arb]:
         """Both values on a box."""
-        found = [local.value(number) for number in self.pair]
+        found = local.all(self.pair)
         return [arb(0, math.inf) if value is None else value for value in found]
 
     def slopes(self, local: Local) -> list[list[arb]]:
         """Both gradients on a box."""
-        return [local.gradient(number) for number in self.pair]
+        found = [arb(0, math.inf) if value is None else value for value in local.all(self._slopes)]
+        return [found[:3], found[3:]]
 
     def is_analytic(self, local: Local) -> bool:
         """Whether both nodes are analytic on a box."""
@@ -188,6 +192,8 @@ class Curve:
         zero = unique_zero(section.values, section.jacobian, tuple(box[other] for other in others(axis)))
         if zero is None or zero.box is None or not self.is_analytic(self.on(box)):
             return None
+        if all(float(arb(part.rad())) < _NARROW * self.extent for part in zero.box):
+            return section.whole(zero.box)
         return section.whole(refined(section.values, section.jacobian, zero.box))
 
     def narrowed(self, box: Sequence[arb], axis: int) -> Point:

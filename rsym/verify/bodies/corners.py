@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from rsym.codegen.balls import arb, ctx, hypotenuse
@@ -17,6 +17,7 @@ from rsym.verify.bodies.formulas import Formula, Literal, replaced
 from rsym.verify.bodies.links import Link, octants
 from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.sheets import Sheets, sheets
+from rsym.verify.borders import is_within
 from rsym.verify.generators import generators
 from rsym.verify.krawczyk import refined, unique_zero
 from rsym.verify.local import Local
@@ -90,9 +91,13 @@ def corner(local: Local, number: int | None = None, names: Names | None = None) 
         return _made(found, around, None, ())
     with ctx.workprec(PRECISE):
         at = model.on([*located(grown, found.leaves, zero), *local.sides[3:]])
-        inside = all(a.overlaps(b) for a, b in zip(at.sides, local.sides[:3], strict=False))
+        within = is_within(at, found.leaves)
+        inside = within is not False and all(a.overlaps(b) for a, b in zip(at.sides, local.sides[:3], strict=False))
         normals = [outward(at, leaf, _inside(around, k)) for k, leaf in enumerate(found.leaves)]
         point = _point(at, found, around, normals, names) if inside else None
+        if point is not None and within is None:
+            doubt = f"{point.reason}; whether within the bounds or beside them is not decided"
+            point = replace(point, proved=False, reason=doubt)
     return _made(found, around, point, tuple(floats(normal) for normal in normals))
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.verify.bodies.boxes import at
 from rsym.verify.bodies.centred import Centred, contracted
 from rsym.verify.bodies.curvature_forms import Jet, frames, principal_bounds
 from rsym.verify.bodies.images import Array, Boxes, Flags, Images
@@ -16,11 +17,12 @@ BLOCK = 4096  # boxes at once: their tensors fit into the cache
 
 
 class Bent(NamedTuple):
-    """The parts (n, 3, 2) of boxes that a sheet may meet, bounds there, and rounded values at points of the sheet.
+    """The parts (n, k, 2) of boxes that a sheet may meet, bounds there, and rounded values at points of the sheet.
 
     `places` (n,) are the numbers of the boxes. `low`, `high` (n,) bound the principal curvatures, and each side adds
-    its share (n, 3) to their distance. At the points (n, 3) with their unit normals (n, 3) the curvatures are
-    `attained` (n, 2), the larger first; NaN where no point of the sheet was found in the box.
+    in space its share (n, 3) to their distance. At the points (n, k), letters that range at their middles, with their
+    unit normals (n, 3) the curvatures are `attained` (n, 2), the larger first; NaN where no point of the sheet was
+    found in the box.
     """
 
     places: NDArray[np.int64]
@@ -56,9 +58,11 @@ def bent(images: Images, node: int, boxes: Boxes) -> Bent:
 def _block(images: Images, node: int, boxes: Boxes, numbers: NDArray[np.int64]) -> Bent:
     boxes, met = contraction(images, node, boxes)
     points, reached = _nearest(images, node, boxes)
-    value, gradient, _ = _first(images, node, _at(points))
-    point = Jet(gradient, *images.bends(node, _at(points)))
-    frame = frames(gradient.middle, point.hessian.middle)
+    _, gradient, _ = _first(images, node, _at(points))
+    frame = frames(gradient.middle, images.bends(node, _at(points))[0].middle)
+    here = at(points[:, :3], boxes)
+    value, gradient, _ = _first(images, node, here)
+    point = Jet(gradient, *images.bends(node, here))
     offset = _seen(boxes, points)
     bounds = principal_bounds(frame, value, point, _over(images, node, boxes, point, offset), offset)
     attained = np.where(reached[:, None], frame.curvatures.T, np.nan)
@@ -76,8 +80,8 @@ def contraction(images: Images, node: int, boxes: Boxes) -> tuple[Boxes, Flags]:
     low, high = value.ends
     kept = (low <= 0) & (high >= 0)
     boxes, slope, analytic = boxes[kept], slope[:, kept], analytic[kept]
-    centres = boxes.mean(axis=-1)
-    value, _, _ = _first(images, node, _at(centres))
+    centres = boxes[:, :3].mean(axis=-1)
+    value, _, _ = _first(images, node, at(centres, boxes))
     offset = _seen(boxes, centres)
     result = boxes.copy()
     for k in range(3):
@@ -101,7 +105,7 @@ def _nearest(images: Images, node: int, boxes: Boxes) -> tuple[Array, Flags]:
         value, gradient, _ = _first(images, node, _at(points))
         with np.errstate(all="ignore"):
             step = (gradient.middle * value.middle / np.square(gradient.middle).sum(axis=0)).T
-        points = points - np.where(np.isfinite(step), step, 0.0)
+        points[:, :3] -= np.where(np.isfinite(step), step, 0.0)
     inside = np.clip(points, boxes[..., 0], boxes[..., 1])
     return inside, (inside == points).all(axis=1)
 
@@ -123,8 +127,8 @@ def _first(images: Images, node: int, boxes: Boxes) -> tuple[Centred, Centred, F
 
 
 def _seen(boxes: Boxes, points: Array) -> Centred:
-    """The boxes (3, n) seen from points of them."""
-    return Centred.between(boxes[..., 0].T, boxes[..., 1].T) - Centred.exact(points.T)
+    """The boxes in space (3, n) seen from points of them."""
+    return Centred.between(boxes[:, :3, 0].T, boxes[:, :3, 1].T) - Centred.exact(points[:, :3].T)
 
 
 def _at(points: Array) -> Boxes:

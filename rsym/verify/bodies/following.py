@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.sampling.effort import Effort
 from rsym.verify.bodies.continuation import Curve, Knot, Tube
 from rsym.verify.bodies.region import Region
 
@@ -66,7 +67,16 @@ class Walk:
     `goal` is another point of the curve, at which the way may end as well: the last one of a way that was lost.
     """
 
-    def __init__(self, curve: Curve, ground: Ground, start: Knot, sense: int, goal: Knot | None = None) -> None:
+    def __init__(
+        self,
+        curve: Curve,
+        ground: Ground,
+        start: Knot,
+        sense: int,
+        goal: Knot | None = None,
+        effort: Effort | None = None,
+    ) -> None:
+        self.effort = effort or Effort()
         self.curve, self.ground, self.start, self.sense = curve, ground, start, sense
         self._ends = {"closed": [start], "met": [] if goal is None else [goal], "corner": ground.corners}
         self._width = 0
@@ -83,7 +93,7 @@ class Walk:
         knots, tubes = [self.start], []
         longest = LONGEST * self.curve.extent
         length = longest
-        while len(knots) < _MOST:
+        while len(knots) < _MOST and not self.effort.is_over:
             step = self._step(knots[-1], length)
             if step is None:
                 length /= 2

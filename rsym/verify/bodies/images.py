@@ -26,17 +26,22 @@ from rsym.verify.generators import ENTIRE, JOINT, NORMS
 from rsym.verify.local import Interval, Model
 
 Array: TypeAlias = NDArray[np.float64]
-Boxes: TypeAlias = NDArray[np.float64]  # (n, 3, 2)
+Boxes: TypeAlias = NDArray[np.float64]  # (n, k, 2): three sides in space, then those of the letters that range
 Ends: TypeAlias = tuple[Array, Array]
 Flags: TypeAlias = NDArray[np.bool_]
+NARROW = 2.0**-40  # of the range of a letter: narrower ones are not divided
 SMALL = 25  # operations: to compile fewer takes longer than NumPy needs for a hundred thousand boxes
 
 
 class Condition(NamedTuple):
-    """A node that must not be zero, or must be positive."""
+    """A node that must not be zero, or must be positive; where it is, the operation is analytic.
+
+    Where it is not known to be, the operation is still of class C^j for all whole j below `order`.
+    """
 
     node: int
     positive: bool = False
+    order: float = 0.0
 
 
 def conditions(builder: Builder, number: int) -> list[tuple[Condition, ...]] | None:
@@ -47,7 +52,7 @@ def conditions(builder: Builder, number: int) -> list[tuple[Condition, ...]] | N
     >>> builder = Builder(("x", "y", "z"), ())
     >>> x, y = builder.input("x"), builder.input("y")
     >>> conditions(builder, builder.sqrt(builder.add(x, y)))
-    [(Condition(node=2, positive=True),)]
+    [(Condition(node=2, positive=True, order=0.0),)]
     >>> conditions(builder, builder.mul(x, y))
     []
     """
@@ -71,7 +76,8 @@ def _tests(builder: Builder, part: int) -> list[tuple[Condition, ...]] | None:
     if operation in {"sqrt", "log", "pow"}:
         return [(Condition(arguments[0], True),)]
     if operation in {"absolute_power", "signed_power"}:
-        return [(Condition(arguments[0]),)]
+        exponent = builder.value(arguments[1])
+        return [(Condition(arguments[0], order=0.0 if exponent is None else max(0.0, float(exponent))),)]
     if operation == "trimming":
         return [(Condition(part, True),)]
     if operation in {"normalised", "atan2"}:
@@ -114,7 +120,9 @@ class Images:
         self.model, self.formed, self.letters = model, formed, letters
         self._slopes: dict[int, _Slopes] = {}
         self._single: dict[int, IntervalFunction] = {}
+        self._signs: dict[tuple[int, ...], IntervalFunction] = {}
         self._bends: dict[int, IntervalFunction] = {}
+        self._rates: dict[int, IntervalFunction] = {}
 
     @cached_property
     def _values(self) -> IntervalFunction:
@@ -126,11 +134,16 @@ class Images:
     def _ends(self) -> Mapping[str, tuple[float, float]]:
         return {name: (neighbours(low)[0], neighbours(high)[1]) for name, (low, high) in self.letters.items()}
 
+    @cached_property
+    def ranges(self) -> Array:
+        """The ends (m, 2) of the letters that range, rounded outward."""
+        return np.array([self._ends[name] for name in self.model.axes[3:]], np.float64).reshape(-1, 2)
+
     def _function(
         self, outputs: Mapping[str, int], *, sharpened: Sequence[str] = (), strict: bool = True
     ) -> IntervalFunction:
         builder = self.model.builder
-        program = assemble(builder.nodes, builder.coordinates, builder.letters, outputs)
+        program = assemble(builder.nodes, builder.coordinates, builder.letters, outputs).varying(self.model.axes[3:])
         numbers = dict(program.outputs)
         backend = "numpy" if len(program) <= SMALL else None
         nodes = tuple(numbers[name] for name in sharpened)
@@ -168,14 +181,46 @@ class Images:
         empty: Flags = np.logical_or.reduce([(low > 0) | (high < 0), *(top < 0 for _, top in found.values())])
         return empty
 
+    def influence(self, boxes: Boxes) -> Array:
+        """How much more each letter that ranges changes a leaf that is alive than the coordinates do, (n, m)."""
+        result = np.zeros((len(boxes), len(self.ranges)))
+        for leaf, own in zip(self.formed.leaves, self.alive(boxes)[0], strict=True):
+            result = np.maximum(result, np.where(own[:, None], self.influence_on(leaf, boxes), 0.0))
+        return result
+
+    def influence_on(self, node: int, boxes: Boxes) -> Array:
+        """How much more each letter that ranges changes a node over boxes than the coordinates do, (n, m).
+
+        Over a box of the width h_i along side i a function f changes by at most |df/di| h_i; at a kink, where there is
+        no bound, by what the other sides tell. A range too narrow to be divided counts for nothing.
+        """
+        axes = self.model.axes
+        if node not in self._rates:
+            rates = {axis: derivative(self.model.builder, node, axis) for axis in axes}
+            self._rates[node] = self._function(rates, strict=False)
+        found, width = self._on(self._rates[node], boxes), (boxes[..., 1] - boxes[..., 0]).T
+        with np.errstate(all="ignore"):
+            rates = np.abs([found[axis] for axis in axes]).max(axis=1)
+            bounded = np.where(np.isfinite(rates), rates, 0.0).max(axis=0)
+            changes = np.minimum(rates, np.where(bounded > 0, bounded, 1.0)) * width
+            ratio = (changes[3:] / changes[:3].max(axis=0)).T
+        wide = boxes[:, 3:, 1] - boxes[:, 3:, 0] > NARROW * (self.ranges[:, 1] - self.ranges[:, 0])
+        return np.where(wide, np.nan_to_num(ratio), 0.0)
+
     def sign(self, boxes: Boxes) -> NDArray[np.int8]:
         """The sign of omega on boxes, 0 where it is not known."""
         low, high = self._on(self._values, boxes)["whole"]
         return (low > 0).astype(np.int8) - (high < 0).astype(np.int8)
 
     def _on(self, function: IntervalFunction, boxes: Boxes) -> Mapping[str, Ends]:
+        """The bounds of outputs over boxes; where these have sides in space only, letters have their whole ranges."""
+        sides = [*boxes[..., 0].T], [*boxes[..., 1].T]
+        if boxes.shape[1] == 3:
+            for end, column in enumerate(sides):
+                column += [np.full(len(boxes), value) for value in self.ranges[:, end]]
+        letters = {name: self._ends[name] for name in function.program.letters}
         with np.errstate(all="ignore"):
-            return function([*boxes[..., 0].T], [*boxes[..., 1].T], self._ends)
+            return function(*sides, letters)
 
     def value(self, node: int, boxes: Boxes) -> Ends:
         """The value (n,) of a node over boxes."""
@@ -190,30 +235,42 @@ class Images:
     def signs(self, nodes: Sequence[int], boxes: Boxes) -> NDArray[np.int8]:
         """The signs of nodes all over boxes, (nodes, n); 0 where they are not known or a node may be undefined."""
         numbers = {f"node {node}": node for node in nodes}
-        found = self._on(self._function(numbers), boxes)
+        if (*nodes,) not in self._signs:
+            self._signs[*nodes,] = self._function(numbers)
+        found = self._on(self._signs[*nodes,], boxes)
         low, high = (np.array([found[name][end] for name in numbers]) for end in (0, 1))
         return (low > 0).astype(np.int8) - (high < 0).astype(np.int8)
 
-    def slopes(self, node: int, boxes: Boxes) -> tuple[Array, Array, Flags]:
-        """The gradient of a node over boxes, (3, n) lower and upper, and where the node is certainly analytic."""
-        _, (low, high), analytic = self.first(node, boxes)
-        return low, high, analytic
+    def slopes(self, node: int, boxes: Boxes) -> tuple[Array, Array, Array]:
+        """The gradient of a node over boxes, (3, n) lower and upper, and its order (n,).
+
+        The node is of class C^j on a box for all whole j below the order: infinite where it is certainly analytic,
+        and 5/2 where nothing else is known than that it is made of analytic operations and of |u|**(5/2). Sums,
+        products and compositions of functions of class C^j are of class C^j.
+        """
+        _, (low, high), order = self._first(node, boxes)
+        return low, high, order
 
     def first(self, node: int, boxes: Boxes) -> tuple[Ends, Ends, Flags]:
         """The value (n,) and the gradient (3, n) of a node over boxes, and where it is certainly analytic."""
+        value, slopes, order = self._first(node, boxes)
+        return value, slopes, np.isinf(order)
+
+    def _first(self, node: int, boxes: Boxes) -> tuple[Ends, Ends, Array]:
         if node not in self._slopes:
             self._slopes[node] = self._made(node)
         made = self._slopes[node]
         found = self._on(made.function, boxes)
-        analytic = np.full(len(boxes), made.tests is not None)
+        order = np.full(len(boxes), 0.0 if made.tests is None else np.inf)
         for tests in made.tests or ():
-            holds = np.zeros(len(boxes), bool)
+            best = np.zeros(len(boxes))
             for test in tests:
                 low, high = found[f"node {test.node}"]
-                holds |= (low > 0) if test.positive else (low > 0) | (high < 0)
-            analytic &= holds
+                holds = (low > 0) if test.positive else (low > 0) | (high < 0)
+                best = np.maximum(best, np.where(holds, np.inf, test.order))
+            order = np.minimum(order, best)
         low, high = (np.array([found[f"slope {k}"][end] for k in range(3)]) for end in (0, 1))
-        return found["value"], (low, high), analytic
+        return found["value"], (low, high), order
 
     def _made(self, node: int) -> _Slopes:
         tests = conditions(self.model.builder, node)

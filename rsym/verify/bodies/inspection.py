@@ -8,18 +8,20 @@ from itertools import product
 
 from rsym.codegen.balls import arb
 from rsym.codegen.builder import Builder
+from rsym.verify.bodies.breaks import broken
 from rsym.verify.bodies.corners import Corner, corner
-from rsym.verify.bodies.formulas import as_gate
-from rsym.verify.bodies.sheets import sheets
+from rsym.verify.bodies.report import SingularPoint
+from rsym.verify.bodies.sheets import locus_of, sheets
+from rsym.verify.bodies.touching import touching
+from rsym.verify.breaks import emptiness
+from rsym.verify.classes import CURVED, pieces
 from rsym.verify.generators import Generators, generators
 from rsym.verify.joints import Meeting, meeting
 from rsym.verify.local import Local
-from rsym.verify.locus import NONE, Locus, reduce
-from rsym.verify.resolution import contact
+from rsym.verify.locus import NONE, Locus
+from rsym.verify.root_classes import root_order
 
 GROWN = 0.25  # of the width of a box, on every side: what is proved of two sheets holds a little beyond the box
-SMOOTH = 3  # sheets that agree to this order have one curvature
-FINE = 1 / 4096  # of the extent: below it a leaf of finite class is accepted as it is
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,8 @@ class Inspection:
     """What is proved on a box.
 
     kind: "empty"; "regular", a sheet of class C^j, j < order; "joined", the two sheets of `meeting`; "corner";
-    "double", zeros without a change of sign; "open", nothing is proved. `nodes` are the functions of the sheets.
+    "broken", there is no surface at `point`; "double", zeros without a change of sign; "leap", a change of sign
+    without zeros; "open", nothing is proved. `nodes` are the functions of the sheets.
     """
 
     kind: str
@@ -35,66 +38,59 @@ class Inspection:
     order: float = math.inf
     meeting: Meeting | None = None
     corner: Corner | None = None
+    point: SingularPoint | None = None
     locus: Locus = NONE
 
 
 EMPTY, OPEN = Inspection("empty"), Inspection("open")
 
 
-def inspect(local: Local, extent: float, number: int, *, corners: bool = True) -> Inspection:
-    """What is proved of the zero set of a node on a box; `extent` is the size of the whole."""
+def inspect(local: Local, number: int, *, corners: bool = True) -> Inspection:
+    """What is proved of the zero set of a node on a box."""
     locus = locus_of(local, number)
     if locus.kind == "none":
         return EMPTY
     if locus.kind == "leaf":
-        return _leaf(local, extent, number, locus)
+        return _leaf(local, number, locus)
     if locus.kind in {"conjunction", "disjunction"}:
-        return _joined(local, number, locus)
+        inspected = _joined(local, number, locus)
+        return inspected if inspected.kind != "open" else _touching(local, number, locus)
     if locus.kind == "double":
         return _double(local, locus)
+    if locus.kind == "several" and (inspected := _touching(local, number, locus)).kind != "open":
+        return inspected
     if locus.kind == "several" and corners:
         found = corner(local, number)
         return Inspection("corner", corner=found) if found is not None else Inspection("open", locus=locus)
     return Inspection("open", locus=locus)
 
 
-def locus_of(local: Local, number: int) -> Locus:
-    """The locus of a node on a box; of several leaves only those count that the logic needs."""
-    locus = reduce(local, number)
-    if locus.kind not in {"several", "conjunction", "disjunction", "product"}:
-        return locus
-    found = sheets(local, number)
-    if found is None or len(found.leaves) > 2:
-        return locus
-    b, leaves, single = local.model.builder, found.leaves, as_gate(found.formula)
-    if not leaves:
-        return NONE
-    if single is None:
-        return Locus("double", leaves) if len(leaves) == 1 else locus
-    operation, signs = single
-    nodes = tuple(leaf if sign > 0 else b.neg(leaf) for leaf, sign in zip(leaves, signs, strict=True))
-    return Locus("leaf" if len(leaves) == 1 else "conjunction" if operation == "min" else "disjunction", nodes)
-
-
-def _leaf(local: Local, extent: float, number: int, locus: Locus) -> Inspection:
-    """One leaf: analytic, or with one switch, across which it may be two sheets or smooth enough."""
+def _leaf(local: Local, number: int, locus: Locus) -> Inspection:
+    """One leaf: analytic, or with switches, across which it is smooth enough, or two sheets of one switch."""
     (leaf,) = locus.nodes
     found = generators(local, leaf)
     if found.analytic:
-        return _regular(local, locus, math.inf)
-    if found.hard or len(found.switches) > 1:
-        return Inspection("open", locus=locus)
-    inspected = _joined(local, number, locus)
-    if inspected.kind == "open" and all(float(arb(side.rad())) < extent * FINE for side in local.sides[:3]):
-        order = contact(local, leaf, found.switches[0])
-        return _regular(local, locus, order) if order >= SMOOTH else inspected
-    return inspected
+        return _regular(local, locus, (leaf,), math.inf)
+    if not found.hard:
+        made = pieces(local, leaf)
+        if math.isinf(made.order):
+            return _regular(local, Locus("leaf", made.nodes[:1]), made.nodes[:1], math.inf)
+        inspected = _joined(local, number, locus) if len(found.switches) == 1 else OPEN
+        if inspected.kind == "open" and made.order > CURVED:
+            return _regular(local, locus, made.nodes, made.order)
+        if inspected.kind != "open":
+            return inspected
+    order = root_order(local, leaf)
+    return _regular(local, locus, (leaf,), order) if order > CURVED else Inspection("open", locus=locus)
 
 
-def _regular(local: Local, locus: Locus, order: float) -> Inspection:
-    """A regular sheet where a component of the gradient excludes zero, by the implicit function theorem."""
-    slopes = local.gradient(locus.nodes[0])
-    if not any(slope > 0 or slope < 0 for slope in slopes):
+def _regular(local: Local, locus: Locus, parts: tuple[int, ...], order: float) -> Inspection:
+    """A regular sheet where a component of the gradient excludes zero, by the implicit function theorem.
+
+    The gradient of the leaf is everywhere that of one of its parts: one component has one sign in all of them.
+    """
+    columns = list(zip(*(local.gradient(part) for part in parts), strict=True))
+    if not any(all(slope > 0 for slope in column) or all(slope < 0 for slope in column) for column in columns):
         return Inspection("open", locus=locus)
     return Inspection("regular", locus.nodes, order, locus=locus)
 
@@ -114,10 +110,37 @@ def _joined(local: Local, number: int, locus: Locus) -> Inspection:
     found: Generators | None = generators(around, outer.nodes[0]) if outer.kind == "leaf" else None
     if found is not None and found.analytic:
         return Inspection("open", locus=locus)
-    sheets = meeting(around, outer, found)
-    if sheets is None or sheets.contact < 1 or not _is_transversal(around, sheets):
+    pair = meeting(around, outer, found)
+    if pair is None:
         return Inspection("open", locus=locus)
-    return Inspection("joined", tuple(arc.function for arc in sheets.arcs), meeting=sheets, locus=outer)
+    if not pair.continuous:
+        return _jumping(local, around, pair, locus)
+    if not _is_transversal(around, pair):
+        return Inspection("open", locus=locus)
+    return Inspection("joined", tuple(arc.function for arc in pair.arcs), meeting=pair, locus=outer)
+
+
+def _touching(local: Local, number: int, locus: Locus) -> Inspection:
+    """Sheets that touch along a whole curve: one of them is the boundary, or both continue each other."""
+    around = grown(local)
+    found = sheets(around, number)
+    result = None if found is None else touching(around, found)
+    if isinstance(result, int):
+        return _regular(local, Locus("leaf", (result,)), (result,), math.inf)
+    if result is None or not _is_transversal(around, result):
+        return Inspection("open", locus=locus)
+    return Inspection("joined", tuple(arc.function for arc in result.arcs), meeting=result, locus=locus)
+
+
+def _jumping(local: Local, around: Local, sheets: Meeting, locus: Locus) -> Inspection:
+    """Sides of a switch between which omega may jump."""
+    kind = emptiness(local, around, sheets)
+    if len(local.sides) > 3 and kind != "empty":
+        return Inspection("open", locus=locus)  # a letter that ranges: it may be so for some values only
+    if kind is not None:
+        return Inspection(kind, locus=Locus("double", (sheets.arcs[0].side,)))
+    point = broken(around, sheets)
+    return Inspection("open" if point is None else "broken", meeting=sheets, point=point, locus=locus)
 
 
 def _is_transversal(local: Local, sheets: Meeting) -> bool:

@@ -25,6 +25,8 @@ from rsym.verify.bodies.corners import (
     outward,
     radius_of,
 )
+from rsym.verify.bodies.cusps import KIND as CUSP
+from rsym.verify.bodies.cusps import cusp
 from rsym.verify.bodies.formulas import ternary
 from rsym.verify.bodies.links import Link, link
 from rsym.verify.bodies.rays import FINE, FINEST, Rays, rays_at
@@ -34,6 +36,7 @@ from rsym.verify.bodies.tips import largest_turn
 from rsym.verify.bodies.zeros import Apparent, Known, known_at
 from rsym.verify.generators import generators
 from rsym.verify.local import Local, Model
+from rsym.verify.root_classes import curvature_jump
 
 Names: TypeAlias = Callable[[int], str]
 
@@ -49,7 +52,7 @@ def classify_place(
         known = known_at(model, place, apparent=apparent)
         found = sheets(known.local, model.root)
         if found is None or not all(generators(known.local, leaf).analytic for leaf in found.leaves):
-            point = _of_rays(place, known, found, None, names, "cone tip")
+            point = _of_root(place, known, found, names) or _of_rays(place, known, found, None, names, "cone tip")
         else:
             point = _of_sheets(place, known, found, names)
     if point is None or not apparent:
@@ -69,8 +72,11 @@ def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -
         (leaf,) = found.leaves
         judgement = None
         if known.vanishes(*model.gradient(leaf)):
-            judgement = without_gradient(at, leaf, ternary(found.formula, {leaf: 1}))
-        return None if judgement is None else _point(place, judgement, called, arb(math.nan))
+            judgement = without_gradient(at, leaf, ternary(found.formula, {leaf: 1})) or cusp(known, at, leaf)
+        if judgement is None:
+            return None
+        # Around a cusp the normals on both sides of its axis become opposite.
+        return _point(place, judgement, called, arb(180 if judgement.kind == CUSP else math.nan))
     if len(found.leaves) == 2:
         f, g = found.leaves
         for k, slope in enumerate(at.gradient(f)):
@@ -93,6 +99,17 @@ def _contact(place: Place, judgement: Judgement, called: tuple[str, ...]) -> Sin
     """The outward normals are opposite where the body or its outside is pinched."""
     turn = math.nan if judgement.kind != "tangency" else 180 if judgement.continuity == "broken" else 0
     return _point(place, judgement, called, arb(turn))
+
+
+def _of_root(place: Place, known: Known, found: Sheets | None, names: Names | None) -> SingularPoint | None:
+    """One leaf of class 1, whose second derivatives differ along opposite tangents."""
+    if found is None or len(found.leaves) != 1:
+        return None
+    jump = curvature_jump(known, known.at, found.leaves[0])
+    if jump is None:
+        return None
+    reason = f"the curvatures along some tangent and its opposite differ by {float(jump.mid()):.4g}"
+    return _point(place, Judgement("curvature jump", "G1", reason), called_of(found, names), arb(0))
 
 
 def _arrangement(at: Local, found: Sheets) -> tuple[Link, bool] | None:

@@ -16,12 +16,13 @@ from typing import Any
 import numpy as np
 
 from rsym.codegen.balls import arb, ctx
+from rsym.sampling.effort import Effort
 from rsym.verify.bodies.candidates import Place, places
 from rsym.verify.bodies.clusters import Cluster, clusters
 from rsym.verify.bodies.contacts import touch_once
 from rsym.verify.bodies.corners import Corner, corner, floats
 from rsym.verify.bodies.even_roots import is_regular_through_root
-from rsym.verify.bodies.formulas import Literal
+from rsym.verify.bodies.formulas import Literal, as_gate
 from rsym.verify.bodies.judging import Names, called_of, classify_place
 from rsym.verify.bodies.report import SingularCurve, SingularPoint
 from rsym.verify.bodies.sheets import Sheets, sheets
@@ -71,6 +72,8 @@ def classify_points(
     extent: float,
     names: Names | None = None,
     curves: Sequence[SingularCurve] = (),
+    *,
+    effort: Effort | None = None,
 ) -> Classified:
     """What the boxes that are left over hold: one point for each cluster of them, or an undecided curve.
 
@@ -86,6 +89,8 @@ def classify_points(
         What the definition is called that a node belongs to.
     curves : sequence of SingularCurve
         Those known already: undecided boxes along them are not reported as curves again.
+    effort : Effort, optional
+        When its time is over the boxes that are left are not looked at: of these nothing is said.
 
     Examples
     --------
@@ -96,8 +101,12 @@ def classify_points(
     >>> point.kind, point.point, point.proved, is_degenerate(point)
     ('node', (0.0, 0.0, 0.0), True, True)
     """
-    classifier = _Classifier(model, extent, names)
-    for cluster in clusters([box for box, _ in left]):
+    classifier, effort = _Classifier(model, extent, names), effort or Effort()
+    groups = [] if effort.is_over else clusters([box for box, _ in left])
+    for number, cluster in enumerate(groups):
+        if effort.is_over:
+            break
+        effort.reach(number / len(groups))
         if cluster.is_long and cluster.radius > extent / SHORT:
             classifier.curves += _unless_known(_curve(cluster), curves)
         else:
@@ -106,7 +115,7 @@ def classify_points(
 
 
 def _open(cluster: Cluster) -> SingularPoint:
-    return SingularPoint(cluster.centre, cluster.radius, "unresolved", "broken", reason="nothing is proved here")
+    return SingularPoint(cluster.centre, cluster.radius, "unresolved", "unknown", reason="nothing is proved here")
 
 
 def _curve(cluster: Cluster) -> SingularCurve:
@@ -115,7 +124,7 @@ def _curve(cluster: Cluster) -> SingularCurve:
     normals = np.full((len(points), 2, 3), math.nan)
     reason = f"{len(cluster.boxes)} boxes along a curve are undecided"
     away = 3 * cluster.width
-    return SingularCurve(points, away, "unresolved", "broken", ("", ""), normals, unknown, unknown, reason=reason)
+    return SingularCurve(points, away, "unresolved", "unknown", ("", ""), normals, unknown, unknown, reason=reason)
 
 
 def _unless_known(curve: SingularCurve, known: Sequence[SingularCurve]) -> list[SingularCurve]:
@@ -128,9 +137,12 @@ def _unless_known(curve: SingularCurve, known: Sequence[SingularCurve]) -> list[
 
 
 def is_regular(local: Local) -> bool:
-    """Whether a box holds one leaf alone, analytic (even in what is under its roots) and with a gradient."""
+    """Whether a box holds one leaf alone, analytic (even in what is under its roots) and with a gradient.
+
+    The sign must be that of the leaf, or its opposite: of min(u, -u), whose only leaf is u too, it never changes.
+    """
     found = sheets(local, local.model.root)
-    if found is None or len(found.leaves) != 1:
+    if found is None or len(found.leaves) != 1 or as_gate(found.formula) is None:
         return False
     (leaf,) = found.leaves
     if generators(local, leaf).analytic:
@@ -160,11 +172,12 @@ class _Classifier:
             self._points.append(_open(cluster))
             return
         with ctx.workprec(PRECISION):
-            local = self.model.over((*cluster.hull, *cluster.boxes[0][3:]))
+            local = self.model.over((*cluster.hull, *cluster.ranges))
             if is_regular(local):
                 self._regular += cluster.boxes
                 return
-            found = corner(local, names=self.names)
+            # Where letters range a corner has another place for each value, perhaps beyond the bounds.
+            found = corner(local, names=self.names) if len(self.model.axes) == 3 else None
         if found is None:
             point = self._classified(cluster)
             self._points.append(point)

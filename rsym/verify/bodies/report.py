@@ -10,10 +10,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.verify.account import is_defect
 from rsym.verify.bodies.markup import body_html
 from rsym.verify.bodies.records import body_json
 from rsym.verify.bodies.wording import body_text, curves_text, points_text
-from rsym.verify.report import CONTINUITIES
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -110,9 +110,9 @@ class SingularCurve:
 class SingularPoint:
     """A point where a boundary is less than two sheets that meet along a curve.
 
-    `point` is within `radius` of the truth. kind: "corner" (three or more sheets meet), "cone tip", "node", "tangency",
-    "isolated point", "end", "no sign change" or "unresolved". `tangent_jump` is the largest angle between normals at
-    the point in degrees, NaN where it is not known; names: the definitions that meet.
+    `point` is within `radius` of the truth. kind: "corner" (three or more sheets meet), "cone tip", "cusp", "node",
+    "tangency", "isolated point", "end", "no sign change", "curvature jump" or "unresolved". `tangent_jump` is the
+    largest angle between normals at the point in degrees, NaN where it is not known; names: the definitions that meet.
 
     Examples
     --------
@@ -184,7 +184,8 @@ class BodyReport:
         "CERTIFIED", proved; "REFUTED", the contrary is proved at `defects`; "DEGENERATE", there is no surface to speak
         of at some point (a node, no change of sign, no boundary); "UNDECIDED", neither proved.
     continuity : str
-        What the boundary is everywhere; proved to be no less if CERTIFIED, no more if REFUTED.
+        What the boundary is everywhere, a word of ``CONTINUITIES``; proved to be no less if CERTIFIED, no more if
+        REFUTED. "broken" if DEGENERATE, "unknown" if UNDECIDED.
     curves, points
         All that is singular: the proved ones first, of these the worst.
     curvatures : (low, high)
@@ -247,8 +248,3 @@ class BodyReport:
 
     def _repr_html_(self) -> str:
         return body_html(self)
-
-
-def is_defect(one: Defect) -> bool:
-    """Whether a curve or a point is below G2."""
-    return CONTINUITIES.index(one.continuity) < CONTINUITIES.index("G2")

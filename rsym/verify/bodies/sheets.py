@@ -12,13 +12,14 @@ from dataclasses import dataclass
 from functools import partial
 
 from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
-from rsym.verify.bodies.formulas import Formula, Gate, Literal, essential, gate, leaves_of, replaced
-from rsym.verify.domains import is_defined, is_legal
+from rsym.verify.bodies.formulas import Formula, Gate, Literal, as_gate, essential, gate, leaves_of, replaced
+from rsym.verify.domains import PARTIAL, is_defined, is_defined_itself, is_legal
 from rsym.verify.generators import bare, factor, generators
 from rsym.verify.local import Local
-from rsym.verify.locus import chosen, reduce
+from rsym.verify.locus import NONE, Locus, chosen, reduce
 from rsym.verify.polynomials import same_zeros
 
+RESTRICTED = PARTIAL - {"min", "max", "select"}  # operations that are undefined for some arguments
 MOST = 12  # leaves: a box with more of them is divided
 FEW = 6  # leaves of which all 3^6 combinations of signs are tried
 
@@ -58,7 +59,54 @@ def sheets(local: Local, number: int) -> Sheets | None:
         needed = essential(formula)
         formula = replaced(formula, {leaf: 1 for leaf in leaves_of(formula) if leaf not in needed})
     leaves = leaves_of(formula)
+    if leaves and _drops_undefined(local, number, leaves):
+        return None
     return Sheets(leaves, formula, tuple(origins[leaf] for leaf in leaves))
+
+
+def _drops_undefined(local: Local, number: int, leaves: tuple[int, ...]) -> bool:
+    """Whether a part that no leaf keeps may be undefined on the box: there the node has no boundary either."""
+    nodes = local.model.builder.nodes
+    if not any(nodes[part].operation in RESTRICTED for part in local.model.order(number)):
+        return False
+    kept = {part for leaf in leaves for part in local.model.order(leaf)}
+    stack, seen = [number], set(kept)
+    while stack:
+        part = stack.pop()
+        if part in seen:
+            continue
+        seen.add(part)
+        operation, arguments, _ = nodes[part]
+        local.value(part)
+        if operation == "normalised":
+            if not is_defined(local, arguments[1], but_for_thin_sets=True):
+                return True
+            stack.append(arguments[0])
+        elif operation in PARTIAL and not is_defined_itself(local, part):
+            return True
+        elif operation == "select" and (branch := chosen(local, part)) is not None:
+            stack.extend((*arguments[:2], branch[0]))  # a branch that is not taken may be undefined
+        else:
+            stack.extend(arguments)
+    return False
+
+
+def locus_of(local: Local, number: int) -> Locus:
+    """The locus of a node on a box; of several leaves only those count that the logic needs."""
+    locus = reduce(local, number)
+    if locus.kind not in {"several", "conjunction", "disjunction", "product"}:
+        return locus
+    found = sheets(local, number)
+    if found is None or len(found.leaves) > 2:
+        return locus
+    b, leaves, single = local.model.builder, found.leaves, as_gate(found.formula)
+    if not leaves:
+        return NONE
+    if single is None:
+        return Locus("double", leaves) if len(leaves) == 1 else locus
+    operation, signs = single
+    nodes = tuple(leaf if sign > 0 else b.neg(leaf) for leaf, sign in zip(leaves, signs, strict=True))
+    return Locus("leaf" if len(leaves) == 1 else "conjunction" if operation == "min" else "disjunction", nodes)
 
 
 def _formula(local: Local, number: int, origins: dict[int, int]) -> Formula | None:

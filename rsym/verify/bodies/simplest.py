@@ -22,8 +22,10 @@ BRANCHING = frozenset({"abs", "sign", "min", "max", "select"})
 RARE = 1 / 64  # of the boxes: for fewer another function is not worth its compilation
 
 
-def simplest(images: Images, node: int, boxes: Boxes) -> Iterator[tuple[int, NDArray[np.int64]]]:
+def simplest(images: Images, node: int, boxes: Boxes, *, rare: float = RARE) -> Iterator[tuple[int, NDArray[np.int64]]]:
     """Functions that have the zeros and signs of a node on boxes on which it is defined, and the places of these.
+
+    A function of `rare` of the boxes or less is left out: these stay with the node itself.
 
     Examples
     --------
@@ -49,7 +51,7 @@ def simplest(images: Images, node: int, boxes: Boxes) -> Iterator[tuple[int, NDA
     rest = [np.empty(0, np.int64)]
     for simple, parts in found.items():
         places = np.concatenate(parts)
-        if simple != node and len(places) > RARE * len(boxes):
+        if simple != node and len(places) > rare * len(boxes):
             yield simple, places
         else:
             rest.append(places)

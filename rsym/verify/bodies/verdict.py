@@ -9,27 +9,35 @@ from itertools import product
 
 import numpy as np
 
+from rsym.model.blends.gates import without_rounded_levels
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.progress import Progress
-from rsym.verify.bodies.bending import Bending, bending
+from rsym.sampling.effort import Effort
+from rsym.verify.account import complaint, distinct, is_defect, level_of, missing
+from rsym.verify.bodies.bending import UNBOUNDED, bending
+from rsym.verify.bodies.boxes import at
+from rsym.verify.bodies.everywhere import exists_for_every_value, for_every_value
 from rsym.verify.bodies.forming import formation
 from rsym.verify.bodies.images import Images
 from rsym.verify.bodies.inspection import Inspection
 from rsym.verify.bodies.naming import Naming
-from rsym.verify.bodies.octree import Octree, Subdivision, joined_boxes
+from rsym.verify.bodies.octree import Octree
 from rsym.verify.bodies.points import classify_points, is_degenerate
-from rsym.verify.bodies.report import Array, BodyCover, BodyReport, Defect, SingularCurve, SingularPoint, is_defect
+from rsym.verify.bodies.report import Array, BodyCover, BodyReport, Defect, SingularCurve, SingularPoint
+from rsym.verify.bodies.subdivision import Subdivision, joined_boxes
 from rsym.verify.bodies.tracing import trace
-from rsym.verify.cleaning import cleaned
+from rsym.verify.cleaning import cleaned, without_scale
+from rsym.verify.contact_relations import contacts_of
 from rsym.verify.domains import is_legal
 from rsym.verify.local import Box, Interval, Model
-from rsym.verify.report import CERTIFIED, CONTINUITIES, DEGENERATE, REFUTED, UNDECIDED
+from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED, UNKNOWN, continuity_of
 from rsym.verify.wording import plural
 
 BUDGET = 1_000_000  # boxes: a ball takes 8 000, the car 120 000
 INSPECTIONS = 20_000  # boxes that balls look at, a millisecond or a few each; the car takes 1 300
 SMALLEST = 2.0**-22  # of the extent: what is smaller is located, not divided
 SAME = 1e-12  # of the extent: points that are nearer than their accuracies and this are one
+SHARES = 500, 200, 150, 150  # of what is reported: boxes, curves, points, curvatures
+CROWD = 5_000  # boxes left over where letters range: of more nothing is said
 TRIED = 2_000  # boxes at whose corners a change of sign is sought
 
 
@@ -41,11 +49,17 @@ class Study:
     region: Box
     found: Subdivision
     naming: Naming
+    effort: Effort
+
+    @property
+    def ranging(self) -> bool:
+        """Whether letters range."""
+        return len(self.region) > 3
 
     @property
     def extent(self) -> float:
-        """The longest side of the region."""
-        return max(high - low for low, high in self.region)
+        """The longest side of the region in space."""
+        return max(high - low for low, high in self.region[:3])
 
 
 def study_body(
@@ -55,65 +69,109 @@ def study_body(
     *,
     smallest: float = SMALLEST,
     budget: int = BUDGET,
-    progress: Progress | None = None,
+    effort: Effort | None = None,
 ) -> Study:
     """Subdivide the bounds of a body."""
-    model = Model(shape.replace(expression=cleaned(shape.expression)), letters)
     region: Box = tuple((float(low), float(high)) for low, high in bounds)
+    model = Model(
+        shape.replace(expression=without_scale(cleaned(without_rounded_levels(shape.expression)))),
+        letters,
+        bounds=region,
+    )
     whole = model.over(region)
     formed = formation(model, lambda number: is_legal(whole, number))
     images = Images(model, formed, letters)
-    width = max(high - low for low, high in region)
-    octree = Octree(
-        images, region, smallest=smallest * width, budget=budget, inspections=INSPECTIONS, progress=progress
-    )
+    region = (*region, *((float(low), float(high)) for low, high in images.ranges))
+    width = max(high - low for low, high in region[:3])
+    effort = effort or Effort()
+    effort.begin("boxes", SHARES[0])
+    octree = Octree(images, region, smallest=smallest * width, budget=budget, inspections=INSPECTIONS, effort=effort)
     naming = Naming(shape, model.builder, formed.definitions, formed.origins)
-    return Study(images, region, octree.run(), naming)
+    return Study(images, region, octree.run(), naming, effort)
 
 
 def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
-    """The report on a body that was studied; `sharpened`: with bounds of the curvatures, which take longest."""
-    model, found = study.images.model, study.found
+    """The report on a body that was studied; `sharpened`: with bounds of the curvatures, which take longest.
+
+    It says UNDECIDED where something that was found is not in it.
+    """
+    model, found, effort = study.images.model, study.found, study.effort
+    effort.begin("curves", SHARES[1])
+    if study.ranging:
+        found = for_every_value(model, found, study.extent, effort)
     corners = [
         (box, replace(one.point, names=tuple(dict.fromkeys(map(study.naming, one.sheets)))))
         for box, one in found.corners
         if one.point is not None
     ]
-    curves, open_boxes = _curves(study, corners)
+    curves, open_boxes = ([], []) if study.ranging else _curves(study, corners)
     found = replace(found, left=[*found.left, *((box, Inspection("open")) for box in open_boxes)])
-    classified = classify_points(model, found.left, study.extent, study.naming, curves)
-    points = _distinct([*(point for _, point in corners), *classified.points], SAME * study.extent)
+    effort.begin("points", SHARES[2])
+    looked_at = found.left if not study.ranging or len(found.left) <= CROWD else []
+    classified = classify_points(model, looked_at, study.extent, study.naming, curves, effort=effort)
+    # Of breaks one point stands for all that lie on one curve.
+    located = [*(point for _, point in corners), *(pairs[0][1] for pairs in found.broken.values()), *classified.points]
+    points = distinct(located, _badness, SAME * study.extent)
     curves = [*curves, *classified.curves]
     found = found.with_late(classified.regular, classified.corners)
-    exists = _exists(study.images, found)
-    verdict = _verdict(found, [*curves, *points], exists)
-    bent = bending(study.images, found) if sharpened and exists else Bending((-math.inf, math.inf), (math.nan,) * 2)
-    return BodyReport(
+    everything: list[Defect] = [*curves, *points]
+    if not any(one.proved and is_defect(one) for one in everything):
+        found = found.without_crossings()
+    exists = exists_for_every_value(study.images, found, TRIED) if study.ranging else _exists(study.images, found)
+    verdict = _verdict(found, everything, exists)
+    counted = [one for one in everything if one.proved or verdict != REFUTED]
+    effort.begin("curvatures", SHARES[3])
+    bent = bending(study.images, found, effort) if sharpened and exists else UNBOUNDED
+    effort.finish()
+    draft = BodyReport(
         verdict=verdict,
-        continuity=_continuity(found, curves, points, verdict, exists),
+        continuity=continuity_of(verdict, map(level_of, counted), found.order),
         curves=tuple(sorted(curves, key=_badness)),
         points=tuple(sorted(points, key=_badness)),
-        curvatures=(-math.inf, math.inf) if found.left or found.late or found.double else bent.enclosure,
+        curvatures=(-math.inf, math.inf) if found.has_gaps else bent.enclosure,
         attained=bent.attained,
         cover=_cover(study.region, found),
         letters={name: (float(low), float(high)) for name, (low, high) in model.letters.items()},
-        statements=_statements(found, exists),
+        statements=(*_statements(found, exists, study.ranging), *effort.statements),
     )
+    wrong = missing(located, draft.points, found.balance, near=SAME * study.extent, boxes=_unlisted(study, draft))
+    if not wrong:
+        return draft
+    return replace(draft, verdict=UNDECIDED, continuity=UNKNOWN, statements=(*draft.statements, complaint(wrong)))
+
+
+def _unlisted(study: Study, draft: BodyReport) -> int:
+    """How many boxes on which something was found are in no list of the report."""
+    found = study.found
+    held = [*(part for parts in found.regular.values() for part in parts), *joined_boxes(found)]
+    count = sum(map(len, held)) + len(found.double) + len(found.breaks) + len(found.leaps) + len(found.left)
+    cover = draft.cover
+    return max(0, count - len(cover.certified) - len(cover.joined) - len(cover.undecided))
 
 
 def _curves(study: Study, corners: Sequence[tuple[Box, SingularPoint]]) -> tuple[list[SingularCurve], list[Box]]:
     """The curves of each pair of sheets, by the boxes in which these meet; and boxes that may hold more of one."""
     curves: list[SingularCurve] = []
     open_boxes: list[Box] = []
-    for meeting, groups in study.found.joined.items():
-        names = tuple(study.naming(arc.function) for arc in meeting.arcs)
+    for number, (meeting, groups) in enumerate(study.found.joined.items()):
+        leaves = contacts_of(study.images.model).leaves
+        names = tuple(study.naming(leaves.get(arc.function, arc.function)) for arc in meeting.arcs)
         boxes = [_box(box) for group in groups for box in group.tolist()]
-        found = trace(study.images.model, meeting, (names[0], names[1]), boxes, extent=study.extent, corners=corners)
+        found = trace(
+            study.images.model,
+            meeting,
+            (names[0], names[1]),
+            boxes,
+            extent=study.extent,
+            corners=corners,
+            effort=study.effort,
+            done=(number, len(study.found.joined)),
+        )
         for curve in found:
-            if curve.kind == "unresolved" and len(curve.points) == 1:
-                open_boxes += [box for box in boxes if _holds(box, curve.points[0])][:1]
-            else:
-                curves.append(curve)
+            single = curve.kind == "unresolved" and len(curve.points) == 1
+            held = [box for box in boxes if single and _holds(box, curve.points[0])][:1]
+            open_boxes += held
+            curves += [] if held else [curve]
     return curves, open_boxes
 
 
@@ -125,26 +183,17 @@ def _box(sides: Sequence[Sequence[float]]) -> Box:
     return tuple((low, high) for low, high in sides)
 
 
-def _distinct(points: Sequence[SingularPoint], near: float) -> list[SingularPoint]:
-    """Neighbouring boxes find the same corner; the proved one is kept."""
-    result: list[SingularPoint] = []
-    for point in sorted(points, key=_badness):
-        gaps = (math.dist(point.point, other.point) - point.radius - other.radius for other in result)
-        if not any(gap <= near for gap in gaps):
-            result.append(point)
-    return result
-
-
 def _exists(images: Images, found: Subdivision) -> bool | None:
     """Whether there is a point of the boundary: True and False are proved, None is neither."""
-    boxes = [part for parts in found.regular.values() for part in parts] + list(joined_boxes(found))
+    late = [np.array([box[:3]]) for box in found.late]
+    boxes = [part for parts in found.regular.values() for part in parts] + list(joined_boxes(found)) + late
     if boxes:
         settled = np.concatenate(boxes)[:TRIED]
-        corners = np.stack([settled[:, range(3), list(ends)] for ends in product((0, 1), repeat=3)])
-        signs = np.array([images.sign(np.stack([points, points], axis=-1)) for points in corners])
+        corners = [at(settled[:, range(3), list(ends)], settled) for ends in product((0, 1), repeat=3)]
+        signs = np.array([images.sign(points) for points in corners])
         if ((signs > 0).any(axis=0) & (signs < 0).any(axis=0)).any():
             return True
-    return None if boxes or found.left or found.double else False
+    return True if found.broken else None if boxes or found.left or found.double or found.leaps else False
 
 
 def _verdict(found: Subdivision, everything: Sequence[Defect], exists: bool | None) -> str:
@@ -155,54 +204,41 @@ def _verdict(found: Subdivision, everything: Sequence[Defect], exists: bool | No
         return REFUTED
     if degenerate or found.double or exists is False:
         return DEGENERATE
-    if found.left or any(not one.proved for one in everything):
+    if found.left or found.leaps or any(not one.proved for one in everything):
         return UNDECIDED
     return CERTIFIED if exists else UNDECIDED
-
-
-def _continuity(
-    found: Subdivision,
-    curves: Sequence[SingularCurve],
-    points: Sequence[SingularPoint],
-    verdict: str,
-    exists: bool | None,
-) -> str:
-    everything: list[Defect] = [*curves, *points]
-    counted = [one for one in everything if one.proved or verdict != REFUTED]
-    levels = [CONTINUITIES.index(one.continuity) for one in counted]
-    levels.append(len(CONTINUITIES) - 1 if math.isinf(found.order) else min(math.ceil(found.order), 4))
-    if found.double or not exists or (found.left and verdict != REFUTED):
-        levels.append(0)
-    return CONTINUITIES[min(levels)]
 
 
 def _badness(one: Defect) -> tuple[float, ...]:
     sizes = [one.tangent_jump, getattr(one, "curvature_jump", math.nan)]
     place = one.points[0].tolist() if isinstance(one, SingularCurve) else one.point
     size = [0.0 if math.isnan(value) else -value for value in sizes]
-    return (not one.proved, CONTINUITIES.index(one.continuity), *size, *place)
+    return (not one.proved, level_of(one), *size, *place)
 
 
 def _cover(region: Box, found: Subdivision) -> BodyCover:
-    none = np.empty((0, 3, 2))
+    none = np.empty((0, len(region), 2))
     late: Array = np.array([box[:3] for box in found.late], dtype=np.float64).reshape(-1, 3, 2)
-    left: Array = np.array([box[:3] for box, _ in found.left] + found.double, dtype=np.float64).reshape(-1, 3, 2)
+    boxes = [*(box for box, _ in found.left), *found.double, *found.leaps, *(box for box, _ in found.breaks)]
+    left: Array = np.array([box[:3] for box in boxes], dtype=np.float64).reshape(-1, 3, 2)
+    regular = (part for parts in found.regular.values() for part in parts)
     return BodyCover(
-        bounds=region,
-        certified=np.concatenate([none, late, *(part for parts in found.regular.values() for part in parts)]),
-        joined=np.concatenate([none, *joined_boxes(found)]),
+        bounds=region[:3],
+        certified=np.concatenate([late, np.concatenate([none, *regular])[:, :3]]),
+        joined=np.concatenate([none, *joined_boxes(found)])[:, :3],
         undecided=left,
         examined=found.examined,
     )
 
 
-def _statements(found: Subdivision, exists: bool | None) -> tuple[tuple[str, bool], ...]:
+def _statements(found: Subdivision, exists: bool | None, ranging: bool) -> tuple[tuple[str, bool], ...]:
     """Sentences about the whole boundary, each with whether it is proved; curves and points speak for themselves."""
     result = []
     if not exists:
         none = exists is False
-        result.append((f"no point of the boundary {'lies' if none else 'was found'} within the bounds", none))
-    regular = sum(len(part) for parts in found.regular.values() for part in parts)
+        where = "within the bounds for every value of the letters" if ranging and not none else "within the bounds"
+        result.append((f"no point of the boundary {'lies' if none else 'was found'} {where}", none))
+    regular = sum(len(part) for parts in found.regular.values() for part in parts) + len(found.late)
     joined = sum(len(part) for parts in found.joined.values() for part in parts)
     if found.double:
         result.append((f"in {_boxes(len(found.double))} omega is zero without changing its sign", True))
@@ -213,6 +249,11 @@ def _statements(found: Subdivision, exists: bool | None) -> tuple[tuple[str, boo
         result.append((f"in {_boxes(joined)} it consists of two analytic sheets that meet in a curve, if at all", True))
     if found.corners:
         result.append((f"in {_boxes(len(found.corners))} it has a corner of three analytic sheets", True))
+    if found.leaps:
+        result.append((f"in {_boxes(len(found.leaps))} omega jumps over zero", True))
+    if found.broken:
+        text = f"in or beside {_boxes(len(found.breaks))} it is no surface where omega jumps"
+        result.append((text, True))
     if found.left:
         result.append((f"in {_boxes(len(found.left))} nothing is proved of the boundary as a whole", False))
     return tuple(result)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,9 @@ from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.combs import combs
+from rsym.sampling.effort import Effort
 from rsym.sampling.lattice import bounds_of
-from rsym.sampling.progress import Progress
+from rsym.sampling.progress import Progress, Stages
 from rsym.verify.arguments import require_count, require_positive, require_shape
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.cleaning import cleaned
@@ -43,6 +45,7 @@ def fairness(
     method: str = "auto",
     tolerance: float = 0.01,
     budget: int = BUDGET,
+    timeout: float | None = None,
     progress: Progress | None = None,
 ) -> FairnessReport:
     """Bounds on the curvature of a boundary and on its variation, proved, and where the curvature is extreme.
@@ -67,9 +70,11 @@ def fairness(
         How far a proved bound may exceed what is attained, as a share of the largest curvature or variation.
     budget : int
         The greatest number of pieces to examine.
+    timeout : float, optional
+        Seconds after which no piece is divided further: bounds are wider then, and a statement says so.
     progress : callable, optional
-        ``progress(examined, budget)``, now and then, first of the verdict, then of the curvatures; an answer of False
-        cancels.
+        ``progress(done, total)``, now and then, first of the verdict, then of the curvatures, as for
+        `verify_smoothness`; an answer of False cancels.
 
     Returns
     -------
@@ -80,7 +85,7 @@ def fairness(
     ------
     RsymError
         As `verify_smoothness`, for a letter that ranges, a tolerance or budget that is not positive, and where there
-        is no regular boundary.
+        is no regular boundary, or none was found in the time allowed.
 
     Examples
     --------
@@ -101,10 +106,13 @@ def fairness(
         raise RsymError(
             f"fairness is that of one design, but {', '.join(ranging)} ranges", code="letters", remedy="give numbers"
         )
-    smoothness = verify_smoothness(shape, bounds=bounds, letters=letters, method=method, progress=progress)
+    effort = Effort(progress, timeout)
+    smoothness = verify_smoothness(
+        shape, bounds=bounds, letters=letters, method=method, timeout=effort.left, progress=progress
+    )
     if isinstance(smoothness, BodyReport):
         return body_fairness(shape, smoothness, values)
-    return _of_a_curve(shape, bounds, smoothness, values, tolerance, budget, progress)
+    return _of_a_curve(shape, bounds, smoothness, values, tolerance, budget, effort)
 
 
 def _of_a_curve(
@@ -114,7 +122,7 @@ def _of_a_curve(
     values: Mapping[str, Interval],
     tolerance: float,
     budget: int,
-    progress: Progress | None,
+    effort: Effort,
 ) -> FairnessReport:
     """The report on a plane shape, or on a body of revolution by its meridian."""
     body = shape.dimension == 3
@@ -123,7 +131,10 @@ def _of_a_curve(
     region: Box = tuple((float(low), float(high)) for low, high in smoothness.cover.bounds)
     arcs = Arcs(model)
     boxes = _boxes(smoothness)
-    found = search(arcs, boxes, region, tolerance=tolerance, budget=budget, progress=progress)
+    effort.begin("curvatures", Stages.TOTAL)
+    found = search(arcs, boxes, region, tolerance=tolerance, budget=budget, effort=effort)
+    if not found.done and effort.is_over:
+        raise RsymError("no regular boundary was found in the time allowed", code="timeout", remedy="allow more time")
     if not found.done:
         raise RsymError(
             "no regular boundary was found within the bounds", code="no-boundary", remedy="give wider bounds"
@@ -134,7 +145,8 @@ def _of_a_curve(
     joints = [joint.point for joint in (*smoothness.defects, *smoothness.joints)]
     kind = "body of revolution" if body else "curve"
     names = (model.builder.coordinates[0], "radius") if body else model.builder.coordinates
-    return _report(kind, names, smoothness, found, arcs, *measures(sampler, lines, joints))
+    report = _report(kind, names, smoothness, found, arcs, *measures(sampler, lines, joints))
+    return replace(report, statements=(*report.statements, *effort.statements))
 
 
 def _boxes(smoothness: SmoothnessReport) -> list[Box]:
@@ -190,7 +202,7 @@ def _extremum(names: Sequence[str], zero: Zero) -> Extremum:
         radius=2 * radius + rounding,
         curvature=value,
         error=float(zero.value.rad()) + math.ulp(value),
-        proved=zero.flat_proved or not zero.flat,
+        proved=zero.proved,
         flat=zero.flat,
     )
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rsym.codegen.balls import arb, ctx
-from rsym.sampling.progress import Progress, report
+from rsym.sampling.effort import Effort
 from rsym.verify.covering import PRECISION, extent_of
 from rsym.verify.fairness.bending import Arcs, Bent
 from rsym.verify.fairness.pieces import Piece, divided, narrowed, pieces_of
@@ -41,10 +41,10 @@ def search(
     *,
     tolerance: float,
     budget: int,
-    progress: Progress | None = None,
+    effort: Effort | None = None,
 ) -> Found:
-    """All pieces of the boundary in settled boxes, divided until the tolerance is met or the budget spent."""
-    model, result, extent = arcs.model, Found(), extent_of(bounds)
+    """All pieces of the boundary in settled boxes, divided to the tolerance, or until budget or time end."""
+    model, result, extent, effort = arcs.model, Found(), extent_of(bounds), effort or Effort()
     todo: list[Piece] = []
     with ctx.workprec(PRECISION):
         for box in boxes:
@@ -60,9 +60,9 @@ def search(
                     bent = arcs.bent(narrow)
                     result.done.append((bent, settle(arcs, bent)))
                 if result.examined % 64 == 0:
-                    report(progress, min(result.examined, budget), budget)
-            todo = _next(model, result, tolerance, budget, SMALLEST * extent)
-    report(progress, budget, budget)
+                    effort.reach(result.examined / budget)
+            todo = [] if effort.is_over else _next(model, result, tolerance, budget, SMALLEST * extent)
+    effort.finish()
     return result
 
 
@@ -132,12 +132,13 @@ def _peak(bound: float, best: tuple[arb, Sequence[arb] | None] | None) -> Peak:
 
 
 def distinct(zeros: Iterable[Zero]) -> list[Zero]:
-    """Neighbouring pieces may find the same zero."""
+    """Neighbouring pieces may find the same zero; of one that is proved here and doubted there the doubt stays."""
     result: list[Zero] = []
-    for zero in zeros:
+    for zero in sorted(zeros, key=lambda zero: zero.proved):
         same = (
             other.number == zero.number
             and other.kind == zero.kind
+            and other.proved == zero.proved
             and all(a.overlaps(b) for a, b in zip(other.place, zero.place, strict=True))
             for other in result
         )

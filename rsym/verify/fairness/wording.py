@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
 
+from rsym.verify.report import UNKNOWN
 from rsym.verify.wording import letters_text, measured, number, plural, within
 
 if TYPE_CHECKING:
@@ -56,8 +57,12 @@ def headline(report: FairnessReport) -> str:
     letters = letters_text(smoothness.letters)
     what = {"curve": "the boundary", "body": "the surface"}.get(report.kind, "the surface of revolution")
     about = within(what, smoothness.cover.bounds, letters)
-    places = f", broken at {plural(len(smoothness.defects), 'place')}" if smoothness.defects else ""
-    return f"{report.verdict}: {about} is {report.continuity}{places}"
+    known = report.continuity != UNKNOWN
+    count = plural(len(smoothness.defects), "place")
+    places = f", {'broken' if known else 'in doubt'} at {count}" if smoothness.defects else ""
+    if known:
+        return f"{report.verdict}: {about} is {report.continuity}{places}"
+    return f"{report.verdict}: how smooth {about} is, is not known{places}"
 
 
 def between(report: FairnessReport) -> str:

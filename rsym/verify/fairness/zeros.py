@@ -33,6 +33,11 @@ class Zero:
     flat: bool = False
     flat_proved: bool = False
 
+    @property
+    def proved(self) -> bool:
+        """Whether there is such a zero, and no doubt about its kind."""
+        return self.flat_proved or not self.flat
+
 
 @dataclass(frozen=True)
 class Settled:

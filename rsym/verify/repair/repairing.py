@@ -10,6 +10,7 @@ from typing import Any
 from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.sampling.effort import Effort
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
 from rsym.verify.arguments import require_positive, require_shape
@@ -34,6 +35,7 @@ def repair(
     radius: float | None = None,
     tolerance: float = 1e-5,
     method: str = "auto",
+    timeout: float | None = None,
     progress: Progress | None = None,
 ) -> RepairReport:
     """Candidates for the smallest change that makes the boundary curvature-continuous (G2); the shape is not changed.
@@ -70,6 +72,8 @@ def repair(
         How closely the threshold of a letter is bracketed, as a share of its size.
     method : str
         That of `verify_smoothness`.
+    timeout : float, optional
+        Seconds after which nothing more is tried: what was not is rejected, and the candidates so far come back.
     progress : callable, optional
         ``progress(verdicts, about how many)``, also within a verdict; an answer of False cancels.
 
@@ -98,8 +102,9 @@ def repair(
     shape = _fixed(shape, bounds, letters)
     request = _request(shape, vary, radius, curvature, tolerance)
     chosen = chosen_moves(moves)
-    before = verify_smoothness(shape, method=method, progress=within(progress, 0, 1))
-    judge = Judge(before, curvature, method, progress)
+    effort = Effort(timeout=timeout)
+    before = verify_smoothness(shape, method=method, timeout=timeout, progress=within(progress, 0, 1))
+    judge = Judge(before, curvature, method, progress, effort=effort)
     if not judge.failure(before):
         return RepairReport(shape, before, (), (), needed=False)
     families = [family for move in chosen for family in move.families(Request(shape, before, *request))]

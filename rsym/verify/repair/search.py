@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress, report
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.repair.anatomy import Verdict
@@ -43,21 +44,21 @@ class Judge:
     method: str = "auto"
     progress: Progress | None = None
     total: int = 0
+    effort: Effort = field(default_factory=Effort)
     asked: int = field(default=0, init=False)
 
     def report(self, shape: Shape) -> Verdict:
         """The whole verdict."""
         self._count()
-        return verify_smoothness(
-            shape, method=self.method, progress=within(self.progress, self.asked, self._expected())
-        )
+        progress = within(self.progress, self.asked, self._expected())
+        return verify_smoothness(shape, method=self.method, timeout=self.effort.left, progress=progress)
 
     def quick(self, shape: Shape) -> str:
         """What a shape lacks, as far as a verdict without a sharp bound of the curvature tells."""
         if self.method != "auto":
             return self.failure(self.report(shape))
         self._count()
-        word = verdict_of(shape, bounds=None, letters=None, budget=QUICK)
+        word = verdict_of(shape, bounds=None, letters=None, budget=QUICK, effort=self.effort.again())
         if word != CERTIFIED or self.curvature is None:
             return "" if word == CERTIFIED else word
         return self.failure(self.report(shape))
@@ -103,6 +104,8 @@ def outcomes(family: Family, shape: Shape, judge: Judge, tolerance: float) -> li
     """The smallest changes of a family that are good enough; else one outcome that says why there are none."""
     tried: list[Outcome] = []
     for position, size in enumerate(family.sizes):
+        if judge.effort.is_over:
+            return [Outcome(family.move, family.what, shape, None, f"{len(tried)} tried when the time allowed ended")]
         outcome = attempt(family, shape, size, judge)
         if outcome is None:
             return [Outcome(family.move, family.what, shape, None, "it has nothing to change at the defects")]
@@ -112,7 +115,8 @@ def outcomes(family: Family, shape: Shape, judge: Judge, tolerance: float) -> li
         if family.unit is None:
             return [outcome, *_gentler(family, shape, position, judge)]
         before = family.sizes[position - 1] if position else Fraction(0)
-        return [_narrowed(family, shape, (before, size), judge, tolerance)]
+        narrowed = _narrowed(family, shape, (before, size), judge, tolerance)
+        return [outcome if narrowed.failure and judge.effort.is_over else narrowed]
     last = tried[-1]
     return [Outcome(family.move, family.what, shape, last.report, f"{len(tried)} tried, the last {last.failure}")]
 
@@ -144,7 +148,7 @@ def _gentler(family: Family, shape: Shape, position: int, judge: Judge) -> list[
     """A much larger size that is good too, the smallest tried."""
     first = family.sizes[position]
     for size in family.sizes[position + 1 :]:
-        if size >= GENTLER * first:
+        if size >= GENTLER * first and not judge.effort.is_over:
             outcome = attempt(family, shape, size, judge)
             if outcome is not None and not outcome.failure:
                 return [outcome]
@@ -158,7 +162,7 @@ def _narrowed(
     assert family.unit is not None
     bad, good = bracket
     note = ""
-    while good - bad > max(Fraction(tolerance) * family.unit, good / ENOUGH):
+    while good - bad > max(Fraction(tolerance) * family.unit, good / ENOUGH) and not judge.effort.is_over:
         # Long fractions cost time: the verdict is about exact numbers.
         middle = round((bad + good) / 2, 1 - Decimal(float(good - bad)).adjusted())
         found = family.step(shape, judge.before, middle)

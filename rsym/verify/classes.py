@@ -1,0 +1,149 @@
+"""Classes: how smooth a function is on a box in which several switches are zero, where they cross too.
+
+Let u be continuous with |u| <= c |q - p| near each of its zeros p, and let F be equal to P where u >= 0 and to Q where
+u <= 0. If P and Q are of class C^j on the box and |P - Q| <= c |u|**k with a k > j, then F is of class C^j, whatever
+the zero set of u looks like: at a zero p of u, P - Q is of class C^j and |P - Q| <= c |q - p|**k, so its derivatives
+up to order j vanish at p, and P and Q have one Taylor polynomial there; on either side of u = 0 the derivatives of F
+differ from those of that polynomial by what the rest of P or that of Q allows, so they are derivatives of F, and
+continuous. Where u = 0, a choice has the value of one of its formulas, and F that of P or of Q if all choices that u
+decides take theirs from one side; `sign` has a value of its own there, and nothing is said. P and Q may have switches
+of their own: one after the other they are resolved, and the class of F is the lowest that is met. A power |u|**a with
+a fraction a is analytic on neither side; it is of class C^j for all whole j < a by itself, and sums, products and
+compositions of functions of class C^j are so too.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from rsym.codegen.lowering import lower
+from rsym.verify.domains import switch_of
+from rsym.verify.folding import folded
+from rsym.verify.generators import Generators, bare, factor, generators
+from rsym.verify.local import Local
+from rsym.verify.polynomials import multiplicity
+from rsym.verify.resolution import contact, resolve
+
+MOST = 6  # switches that are resolved one after the other: 64 functions
+CURVED = 2  # a function of an order above that has second derivatives, which are continuous
+_POWERS = frozenset({"absolute_power", "signed_power"})
+_LIPSCHITZ = frozenset({"abs", "min", "max", "trimming"})
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """The functions that a node is on the parts of a box, each of class C^j on the whole box for all whole j < `order`.
+
+    The node itself is of that class too; where it has a gradient, that is the gradient of one of them. With an
+    infinite order it is equal to each of them: folds that cancel.
+    """
+
+    nodes: tuple[int, ...]
+    order: float
+
+
+NOTHING = Pieces((), 0)
+
+
+def pieces(local: Local, number: int) -> Pieces:
+    """The pieces of a node and their class; no pieces and the order 0 where no order above 2 is proved.
+
+    Examples
+    --------
+    >>> import rsym, sympy as sp
+    >>> from rsym import x, y, z
+    >>> from rsym.model.powers import AbsolutePower
+    >>> from rsym.verify.local import Model
+    >>> ball = 1 - sp.Abs(x)**3 - AbsolutePower(y, sp.Rational(5, 2)) - z**2
+    >>> model = Model(rsym.Shape(ball, (x, y, z)), {})
+    >>> found = pieces(model.over(((-1, 1),) * 3), model.root)
+    >>> len(found.nodes), found.order
+    (2, 2.5)
+    """
+    one = folded(local, number)
+    if one is not None:
+        return Pieces((lower(local.model.builder, one.as_expr()),), math.inf)
+    nodes: dict[int, None] = {}
+    order = _order(local, number, nodes, MOST)
+    return Pieces(tuple(nodes), order) if order > CURVED else NOTHING
+
+
+def _order(local: Local, number: int, nodes: dict[int, None], depth: int) -> float:
+    """The order of a node, and the functions without switches that it is made of added to `nodes`; 0 if it is low."""
+    found = generators(local, number)
+    if found.hard or not all(_is_lipschitz(local, part) for part in found.switched):
+        return 0
+    resolved = _resolved(local, number, found)
+    if resolved is None:
+        nodes[number] = None
+        return _of_powers(local, found)
+    if depth == 0:
+        return 0
+    switch, plus, minus = resolved
+    order = contact(local, number, switch) if _tests(local, found) <= {switch} else 0.0
+    if order <= CURVED:
+        order = _vanishing(local, local.model.builder.sub(plus, minus), switch, depth)
+    for side in (plus, minus):
+        if order > CURVED:
+            order = min(order, _order(local, side, nodes, depth - 1))
+    return order if order > CURVED else 0.0
+
+
+def _tests(local: Local, found: Generators) -> set[int]:
+    """The switches of choices, which are not continuous in what they test."""
+    builder = local.model.builder
+    choices = (part for part in found.switched if builder.nodes[part].operation == "select")
+    return {bare(builder, switch_of(builder, part)) for part in choices}
+
+
+def _is_lipschitz(local: Local, part: int) -> bool:
+    """Whether an operation is Lipschitz continuous in its arguments, as the rules of `contact` ask, or a choice."""
+    operation, arguments, _ = local.model.builder.nodes[part]
+    if operation in _POWERS:
+        exponent = local.model.builder.value(arguments[1])
+        return exponent is not None and exponent >= 1
+    return operation in _LIPSCHITZ or operation == "select"
+
+
+def _is_taken_from_one_side(local: Local, switch: int, found: Generators) -> bool:
+    """Whether the node has the value of one of its sides where a switch is zero: all its choices take the same one."""
+    builder = local.model.builder
+    sides = set()
+    for part in found.switched:
+        operation = builder.nodes[part].operation
+        if operation in {"sign", "select"} and bare(builder, tested := switch_of(builder, part)) == switch:
+            sides.add(factor(builder, tested) if operation == "select" else 0)
+    return sides in (set(), {1}, {-1})
+
+
+def _resolved(local: Local, number: int, found: Generators) -> tuple[int, int, int] | None:
+    """An analytic switch that is more than the base of fractional powers, and the functions on its sides."""
+    for switch in found.switches:
+        if generators(local, switch).analytic and _is_taken_from_one_side(local, switch, found):
+            plus, minus = (resolve(local, number, switch, side) for side in (1, -1))
+            if (plus, minus) != (number, number):
+                return switch, plus, minus
+    return None
+
+
+def _vanishing(local: Local, difference: int, switch: int, depth: int) -> float:
+    """A k such that a function is at most c |u|**k on the box.
+
+    Where it is a polynomial, how often u divides it; where it is one on either side of another switch, the least.
+    """
+    order = multiplicity(local.model, difference, switch)
+    resolved = None if order or not depth else _resolved(local, difference, generators(local, difference))
+    if resolved is None:
+        return order
+    first = _vanishing(local, resolved[1], switch, depth - 1)
+    return min(first, _vanishing(local, resolved[2], switch, depth - 1)) if first > CURVED else 0.0
+
+
+def _of_powers(local: Local, found: Generators) -> float:
+    """The order of a node without switches but the bases of fractional powers: the least of their exponents."""
+    nodes, order = local.model.builder.nodes, math.inf
+    for part in found.switched:
+        exponent = local.model.builder.value(nodes[part].arguments[1]) if nodes[part].operation in _POWERS else None
+        order = min(order, 0.0 if exponent is None else float(exponent))
+    return order

@@ -1,0 +1,148 @@
+"""Leaves that have a face in common, absorb each other, or touch: what is proved of the boundary that they make."""
+
+import pytest
+import sympy as sp
+
+import rsym
+from rsym import conjunction, disjunction, x, y, z
+
+DISC = 1 - x**2 - y**2
+
+
+def plane(expression, reach=2):
+    return rsym.Shape(expression, (x, y), bounds=((-reach, reach),) * 2)
+
+
+def body(expression, reach=2):
+    return rsym.Shape(expression, (x, y, z), bounds=((-reach, reach),) * 3)
+
+
+def word(report):
+    return report.verdict, report.continuity
+
+
+# --- absorption in the plane: x and (x or y) is x -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        conjunction(x, disjunction(x, y)),
+        disjunction(x, conjunction(x, y)),
+        conjunction(DISC, disjunction(DISC, x - y)),
+        disjunction(conjunction(DISC, y), DISC),
+        -disjunction(-DISC, conjunction(-DISC, x)),
+    ],
+)
+def test_what_the_logic_absorbs_leaves_no_corner(expression):
+    assert word(rsym.verify_smoothness(plane(expression))) == ("CERTIFIED", "analytic")
+
+
+def test_what_is_not_absorbed_keeps_its_corner():
+    report = rsym.verify_smoothness(plane(conjunction(x, disjunction(-x, y))))
+    assert report.verdict != "CERTIFIED"
+
+
+@pytest.mark.parametrize("second", [sp.sqrt(y) + 1, sp.log(y) + 9])
+def test_an_absorbed_leaf_takes_its_domain_along(second):
+    """For y < 0 omega is not defined: the sheet x = 0 ends in a line, whatever the logic of the second leaf."""
+    whole = conjunction(x + z**3 / 5, disjunction(x + z**3 / 5, second))
+    assert rsym.verify_smoothness(body(whole, 1), method="space").verdict != "CERTIFIED"
+    whole = conjunction(x, disjunction(x, second))
+    assert rsym.verify_smoothness(plane(whole)).verdict != "CERTIFIED"
+
+
+# --- the axis of a body of revolution ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("slope", [1, 2, sp.Rational(1, 3), sp.sqrt(2)])
+def test_a_cone_tip_exactly_on_the_axis_is_refuted_by_the_meridian(slope):
+    report = rsym.verify_smoothness(body(z - slope * sp.sqrt(x**2 + y**2), 1))
+    assert word(report) == ("REFUTED", "G0")
+    assert report.defects[0].kind == "corner"
+    assert report.defects[0].point == (0, 0)
+
+
+def test_a_cubed_radius_is_of_class_two_on_the_axis():
+    assert word(rsym.verify_smoothness(body(z - sp.sqrt(x**2 + y**2) ** 3, 1))) == ("CERTIFIED", "G2")
+
+
+# --- sheets that touch along a whole curve ---------------------------------------------------------------------------
+
+BALL = 1 - x**2 - y**2 - z**2
+TORUS = 36 * (x**2 + y**2) - (x**2 + y**2 + z**2 + 8) ** 2  # around a circle of radius 3, its tube of radius 1
+ROUND = sp.sqrt((sp.sqrt(x**2 + y**2) - 3) ** 2 + z**2)
+SPACE = "space"
+
+
+@pytest.mark.parametrize(
+    ("expression", "reach", "expected"),
+    [
+        (disjunction(TORUS, 1 - (x - 3) ** 2 - y**2 - z**2), 5, ("CERTIFIED", "analytic")),  # a ball in the tube
+        (disjunction(1 - ROUND, 1 - sp.sqrt((x - 3) ** 2 + y**2 + z**2)), 5, ("CERTIFIED", "analytic")),
+        (disjunction(TORUS, 16 - x**2 - y**2 - z**2), 5, ("CERTIFIED", "analytic")),  # the tube in a ball
+        (conjunction(BALL, BALL * (1 + z**2) + x**2), 2, ("CERTIFIED", "analytic")),
+        (conjunction(BALL, BALL * (1 + z**2) - x**2), 2, ("CERTIFIED", "analytic")),
+        (conjunction(BALL, BALL + x**3), 2, ("CERTIFIED", "G2")),
+        (disjunction(BALL, 2 * BALL - (x + y) ** 3), 2, ("CERTIFIED", "G2")),
+        (conjunction(z - x**2, z - x**2 - x**5), 1, ("CERTIFIED", "G3")),
+    ],
+)
+def test_sheets_that_touch_along_a_curve(expression, reach, expected):
+    """f and q f + h u**k: for even k one of both is the boundary, for odd k its derivatives of order k jump."""
+    assert word(rsym.verify_smoothness(body(expression, reach), method=SPACE)) == expected
+
+
+def capsule(axis, middle=0, radius=1, half=1):
+    """A cylinder and two balls, in three directions: G1, the curvature across the circles jumps by 1/radius."""
+    across = [s for s in (x, y, z) if s != axis]
+    tube = radius**2 - sum(s**2 for s in across)
+    along = axis - middle
+    balls = [radius**2 - sum(s**2 for s in across) - (along + end) ** 2 for end in (half, -half)]
+    return disjunction(conjunction(tube, half - along, half + along), *balls)
+
+
+@pytest.mark.parametrize("method", ["auto", SPACE])
+@pytest.mark.parametrize(("axis", "radius"), [(x, 1), (z, sp.Rational(1, 2))])
+def test_a_capsule_as_a_union_of_three(method, axis, radius):
+    report = rsym.verify_smoothness(body(capsule(axis, radius=radius), 3), method=method)
+    assert word(report) == ("REFUTED", "G1")
+    assert len(report.defects) == 2
+    assert all(abs(one.curvature_jump - 1 / float(radius)) < 1e-9 for one in report.defects)
+
+
+def test_the_primitives_make_a_capsule_too():
+    whole = rsym.cylinder(1, 2)
+    for end in (1, -1):
+        whole = whole | rsym.sphere(1, (0, 0, end))
+    report = rsym.verify_smoothness(whole.replace(bounds=((-3, 3),) * 3), method=SPACE)
+    assert word(report) == ("REFUTED", "G1")
+
+
+def test_a_stadium_as_a_union_of_three():
+    strip = conjunction(1 - y**2, 1 - x**2)
+    whole = disjunction(strip, 1 - (x - 1) ** 2 - y**2, 1 - (x + 1) ** 2 - y**2)
+    report = rsym.verify_smoothness(plane(whole, 3))
+    assert word(report) == ("REFUTED", "G1")
+    assert sorted((round(a, 9), round(b, 9)) for a, b in (one.point for one in report.defects)) == [
+        (-1, -1),
+        (-1, 1),
+        (1, -1),
+        (1, 1),
+    ]
+    assert {round(one.curvature_jump, 12) for one in report.defects} == {1}
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        disjunction(TORUS, 4 - x**2 - y**2 - z**2),  # the ball fills the hole and touches the tube from outside
+        conjunction(16 - x**2 - y**2 - z**2, -TORUS),  # what is left of the ball is pinched along a circle
+        conjunction(BALL, x**2 - BALL),  # thin lenses, pinched along x = 0
+        disjunction(conjunction(1 - x**2 - y**2, sp.Rational(9, 10) - z), 1 - x**2 - y**2 - (z - 1) ** 2),
+        conjunction(BALL, BALL + x**3 * y),  # they cross along y = 0
+        conjunction(z - x**2, z - 2 * x**2, y),
+    ],
+)
+def test_what_touches_otherwise_is_never_certified(expression):
+    assert rsym.verify_smoothness(body(expression, 5), method=SPACE, budget=8_000).verdict != "CERTIFIED"

@@ -1,0 +1,56 @@
+"""A report that is undecided claims nothing of the whole boundary, in no form that it is given."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+import sympy as sp
+
+import rsym
+from rsym import x, y, z
+from rsym.verify.report import CONTINUITIES, UNKNOWN, continuity_of
+
+# Nothing resolves these within the boxes allowed.
+PLANE = [sp.sin(1 / x) + y, y - abs(x) ** sp.sqrt(2)]
+
+
+def undecided(report):
+    assert report.verdict == "UNDECIDED"
+    assert report.continuity == UNKNOWN
+    assert json.loads(report.to_json())["continuity"] == UNKNOWN
+    first = str(report).splitlines()[0]
+    assert "is neither proved nor refuted" in first
+    assert f"UNDECIDED, {UNKNOWN}" in repr(report)
+
+
+@pytest.mark.parametrize("omega", PLANE)
+def test_in_the_plane(omega):
+    shape = rsym.Shape(omega, (x, y), bounds=((-2, 2), (-2, 2)))
+    undecided(rsym.verify_smoothness(shape, budget=200))
+
+
+def test_in_space():
+    shape = rsym.Shape(1 - x**4 - y**4 - z**4 + sp.sin(5 * x * y * z) / 3, (x, y, z), bounds=((-2, 2),) * 3)
+    undecided(rsym.verify_smoothness(shape, method="space", budget=50))
+
+
+def test_what_is_known_is_the_least_of_its_parts():
+    rank = CONTINUITIES.index
+    assert continuity_of("CERTIFIED", [], math.inf) == "analytic"
+    assert [continuity_of("CERTIFIED", [], order) for order in (3, 3.5, 4, 9)] == ["G2", "G3", "G3", "G3"]
+    assert continuity_of("REFUTED", [rank("G0"), rank("G3")], math.inf) == "G0"
+    assert continuity_of("REFUTED", [rank("analytic")], 1) == "G0"
+    assert continuity_of("DEGENERATE", [], math.inf) == "broken"
+    assert continuity_of("UNDECIDED", [rank("G3")], math.inf) == "unknown"
+
+
+def test_what_is_refuted_beside_a_doubt_may_be_worse():
+    corner = rsym.Shape(rsym.disjunction(1 - x**2 - y**2, 1 - (x - 1) ** 2 - y**2), (x, y), bounds=((-2, 3), (-2, 2)))
+    sure = rsym.verify_smoothness(corner)
+    assert "is not G2 but G0; this is proved" in str(sure)
+    doubt = rsym.Shape(rsym.conjunction(corner.expression, 3 - x + sp.sin(1 / (y - sp.Rational(1, 9))) / 9), (x, y))
+    report = rsym.verify_smoothness(doubt.replace(bounds=((-2, 3), (-2, 2))), budget=600)
+    if report.verdict == "REFUTED" and len(report.undecided):
+        assert "at best G0" in str(report)
