@@ -9,7 +9,7 @@ import importlib
 import os
 
 import pytest
-from opponent.mutations import MUTATIONS, UNNOTICED, catcher
+from opponent.mutations import AIMS, MUTATIONS, UNNOTICED, catcher
 
 # How many of each kind for each of the two seeds: a minute in all.
 COUNTS = {"plane": 24, "space": 8, "turned": 12, "made": 7, "lettered": 9, "questions": 3}
@@ -26,6 +26,14 @@ def test_nothing_false_is_said(kind, start):
         _, wrong = family.asked(case)
         found.extend(f"hunt.py {kind} --start {seed} --count 1 ({case.family}): {line}\n{case}" for line in wrong)
     assert not found, "\n".join(found)
+
+
+def test_what_is_not_noticed_has_a_reason():
+    names = [one.name for one in MUTATIONS]
+    assert len(set(names)) == len(names)
+    assert set(UNNOTICED) < set(names)
+    assert all(UNNOTICED.values())
+    assert all(AIMS[name] for name in set(names) - set(UNNOTICED))
 
 
 @pytest.mark.parametrize("mutation", [one for one in MUTATIONS if one.name not in UNNOTICED], ids=lambda one: one.name)

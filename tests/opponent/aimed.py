@@ -10,6 +10,7 @@ from opponent.judge import smoothness
 from opponent.kinks import Q
 from opponent.truth import Case, Spot
 from rsym import R0, R0m, RAlpha, Rp, Shape, conjunction, disjunction, x, y, z
+from rsym.model.powers import AbsolutePower
 
 WIDE = ((-2, 2.1), (-2.2, 2))
 SPACE = ((-1, 1.1), (-1.2, 1), (-1.1, 1.3))
@@ -18,6 +19,11 @@ BALL = 1 - x**2 - y**2 - z**2
 CUSP = (-x - 1) ** 3 + 3 * x**2 + 3 * x + 1 - y**2
 r = sqrt(x**2 + y**2)
 HIDDEN = (x - y) ** 2 + 2 * x * y + z**2 + Q(1, 1000)  # positive, but not by its form
+
+# A letter, its value, and its range.
+C = sp.Symbol("c", real=True)
+LETTERS = {C: Q(3, 2)}
+RANGES = {"c": (1, 2)}
 
 # (omega, grade, bounds, a curvature if one is known): grade is what is true of the boundary within the bounds.
 PLANE = [
@@ -106,12 +112,29 @@ PLANE = [
     (y - Abs(x), "analytic", ((1e-9, 1), (-1, 1.2))),
     (conjunction(-x - Q(1, 1000), x + y / 10 - Q(1, 1000)), "analytic", ((-1, 1), (0.03, 1))),
     (R0m(1).conjunction(y, x + 5), "analytic", WIDE),
+    (Piecewise((y - sqrt(2) / 2, x > 0), (y - sqrt(2) / 2 - Q(1, 10**90), True)), "broken", WIDE),
+    (Piecewise((y - 3 - x, x > 0), (y, True)), "broken", WIDE),
+    (y - x**2 - Q(1, 10**90) * Abs(x - sqrt(2) / 2), "G0", WIDE),
+    (conjunction(x, y + x / 3), "analytic", ((1e-300, 1), (-1, 1.2))),
+    (disjunction(r - Q(1, 2), Q(1, 4) - x**2 - 2 * y**2), "broken", WIDE),
+    (2 + y - sqrt(x**2 + y**2), "analytic", ((-3, 3.1), (-2, 2.2))),
 ]
 # What is less than analytic is so at the origin and nowhere else.
 PLACED = [
     (y + Q(1, 10**30) * Abs(x) ** Q(19, 10), "G1", WIDE),
     (disjunction(y, y + 1 - sp.cos(x) + Q(1, 10**30) * x), "G0", WIDE),
     (y + Q(1, 10**26) * Abs(sp.sin(x)) ** Q(3, 2), "G1", WIDE),
+    (y**5 - x**7, "G1", WIDE),
+    ((y - Abs(x)) * (y - Abs(x) - 8 * x**2) * (y - Abs(x) + 8 * x**2), "broken", ((-0.1, 0.12), (-0.11, 0.1))),
+    (conjunction(x + y, y - x) * (x - y / 3), "broken", WIDE),
+    (z**4 - x**2 - y**2, "broken", SPACE),
+]
+# The same in several places; edges end on the faces of the bounds.
+_ENDS = [((1.1, 0, 0), "G0"), ((-1, 0, 0), "G0")]
+_AXES = [*_ENDS, ((0, 1, 0), "G0"), ((0, -1.2, 0), "G0"), ((0, 0, 1.3), "G0"), ((0, 0, -1.1), "G0")]
+SPOTTED = [
+    (disjunction(conjunction(x, y, z), conjunction(-x, -y, -z)), [((0, 0, 0), "broken"), *_AXES], SPACE),
+    (conjunction(z, disjunction(conjunction(x, y), conjunction(-x, y))), [((0, 0, 0), "broken"), *_ENDS], SPACE),
 ]
 # Bodies, by the meridian where they show one.
 TURNED = [
@@ -175,23 +198,38 @@ BODIES = [
     (z, "analytic", SPACE),
     (conjunction(BALL, disjunction(HIDDEN, -HIDDEN)), "analytic", ((-1.3, 1.2), (-1.2, 1.3), (-1.1, 1.4))),
     (conjunction(1 - z, conjunction(z, x, y)), "G0", SPACE),
+    # related sheets, folds, classes, roots, jumps, letters
+    (z + conjunction(x, z) / 2, "G0", SPACE),
+    (disjunction(z, z + x**2 - Q(1, 100)), "G0", SPACE),
+    (disjunction(z, z + x**2 * y), "G0", SPACE),
+    (disjunction(conjunction(Q(1, 4) - x**2 - y**2, -z), Q(1, 4) - x**2 - y**2 - z**2), "G1", SPACE),
+    (Max(x, y) * Min(x, y) - z**2, "broken", SPACE),
+    (z - AbsolutePower(x, Q(3, 2)), "G1", SPACE),
+    (z - Abs(x) * Abs(y) / 4, "G0", SPACE),
+    (z + Piecewise((0, x < 0), (0, x > 0), (Q(1, 10), True)), "broken", SPACE),
+    (z - Max(x + C - Q(27, 10), 0) / 4, "G0", SPACE),
+    (z - C, "none", ((-1, 1.1), (-1.2, 1), (-1.1, 1.8))),
 ]
 
 
 def _case(kind: str, number: int, row: tuple, method: str | None) -> Case:
     omega, grade, bounds, *bend = row
     coordinates = (x, y) if len(bounds) == 2 else (x, y, z)
-    spots = () if grade in ("analytic", "none") else (Spot((sp.Integer(0),) * len(bounds), grade),)
+    if isinstance(grade, str):
+        grade = [] if grade in ("analytic", "none") else [((0,) * len(bounds), grade)]
+    spots = tuple(Spot(tuple(map(sp.sympify, point)), word) for point, word in grade)
+    letters = {letter: value for letter, value in LETTERS.items() if omega.has(letter)}
     options = {} if method is None else {"method": method}
+    options |= {"letters": RANGES} if C in letters else {}
     return Case(
         f"aimed {kind} {number}",
-        Shape(omega, coordinates, bounds=bounds),
+        Shape(omega, coordinates, bounds=bounds, letters=letters),
         spots,
-        loose=kind != "placed",
+        loose=kind not in ("placed", "spotted"),
         options=options,
-        placed=kind == "placed",
+        placed=kind in ("placed", "spotted"),
         bend=sum(bend),
-        empty=grade == "none",
+        empty=row[1] == "none",
     )
 
 
@@ -199,8 +237,9 @@ def cases() -> list[Case]:
     """All of them; a body of revolution both by its meridian and by boxes in space."""
     plane = [_case("plane", n, row, None) for n, row in enumerate(PLANE)]
     turned = [_case("turned", n, row, "auto") for n, row in enumerate(TURNED)]
-    placed = [_case("placed", n, row, None) for n, row in enumerate(PLACED)]
-    return [*plane, *placed, *turned, *(_case("space", n, row, "space") for n, row in enumerate(BODIES))]
+    placed = [_case("placed", n, row, None if len(row[2]) == 2 else "space") for n, row in enumerate(PLACED)]
+    spotted = [_case("spotted", n, row, "space") for n, row in enumerate(SPOTTED)]
+    return [*plane, *placed, *spotted, *turned, *(_case("space", n, row, "space") for n, row in enumerate(BODIES))]
 
 
 def asked(case: Case) -> tuple[str, list[str]]:

@@ -25,11 +25,12 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import sympy as sp
-from sympy import Abs, Max, sign, sqrt
+from sympy import Abs, Max, Min, Piecewise, sign, sqrt
 
 from opponent import aimed
-from opponent.aimed import BALL, DISC, HIDDEN, Q, r
+from opponent.aimed import BALL, DISC, HIDDEN, C, Q, r
 from rsym import conjunction, disjunction, x, y, z
+from rsym.model.powers import AbsolutePower
 
 
 @dataclass(frozen=True)
@@ -178,6 +179,24 @@ def _inertia(original: Any) -> Any:
     return lambda matrix: original(matrix) or (1,) * len(matrix)
 
 
+def _fourth(original: Any) -> Any:
+    def changed(*arguments: Any) -> Any:
+        found = original(*arguments)
+        return None if found is None else dataclasses.replace(found, contact=4)
+
+    return changed
+
+
+def _ones_of_boxes(original: Any) -> Any:
+    return lambda self, made, boxes: np.ones(len(boxes), bool)
+
+
+def _a_cusp(original: Any) -> Any:
+    from rsym.verify.bodies.contacts import Judgement
+
+    return lambda *arguments: original(*arguments) or Judgement("cusp", "G0", "")
+
+
 PLANE = (
     Mutation("kinks: all is analytic", "generators:Generators.analytic", property_of(True)),
     Mutation(
@@ -260,26 +279,50 @@ SPACE = (
     Mutation("links: every link is a disc", "bodies.links:Link.is_disc", property_of(True)),
     Mutation("sheets: what drops is defined", "bodies.sheets:_drops", always(True)),
 )
-MUTATIONS = PLANE + SPACE
+NEWER = (
+    Mutation("touching: every factor is positive", "bodies.touching:_sign", _signed),
+    Mutation("touching: contacts are of the fourth order", "bodies.touching:_meeting", _fourth),
+    Mutation("folds: every piece is regular", "bodies.folds:Folds.regular", _ones_of_boxes),
+    Mutation("classes: every power is smooth", "classes:_of_powers", always(4.0)),
+    Mutation("classes: every difference vanishes", "classes:_vanishing", always(4.0)),
+    Mutation("classes: no switch has a value of its own", "classes:_is_taken_from_one_side", always(True)),
+    Mutation("resolution: no switch has a value of its own", "resolution:_thin", always(None)),
+    Mutation("deciding: sheets keep away from their side", "bodies.deciding:Decider._are_apart", _ones_of_boxes),
+    Mutation("joints: omega is continuous everywhere", "joints:Meeting.continuous", property_of(True)),
+    Mutation("cusps: what has no gradient is one", "bodies.cusps:cusp", _a_cusp),
+    Mutation("breaks: what leaps is empty", "breaks:emptiness", always("empty")),
+    Mutation("everywhere: sheets never meet", "bodies.everywhere:_never_meet", always(True)),
+    Mutation("everywhere: there is always a boundary", "bodies.everywhere:exists_for_every_value", always(True)),
+    Mutation("root classes: all is of the fourth order", "root_classes:root_order", always(4.0)),
+    Mutation("root classes: all vanishes to the third order", "root_classes:_zero_order", always(3)),
+    Mutation("root free: every conjugate is positive", "root_free:RootFree.sign", always(1)),
+    Mutation("fibres: no value but the middle is tried", "bodies.fibres:_suspicious", always(())),
+    Mutation("account: nothing is missing", "account:missing", always([])),
+)
+MUTATIONS = PLANE + SPACE + NEWER
 # The shapes of `aimed` that are meant for each: the first of which something false is said is enough.
+_CAPSULE = disjunction(conjunction(Q(1, 4) - x**2 - y**2, -z), Q(1, 4) - x**2 - y**2 - z**2)
+_SLIT = z + Piecewise((0, x < 0), (0, x > 0), (Q(1, 10), True))
 _MAX, _PLAIN = y - Max(x, 0) ** 3, y * (x**2 + y**2)
 AIMS = {
     "kinks: all is analytic": (_MAX,),
     "kinks: |u|, min, max, select, sign": (_MAX,),
     "kinks: roots": (z - r, z - r**3, y - sqrt(x**2 + y**2) / 2),
     "kinks: denominators": (y - x**3 / Abs(x),),
-    "kinks: R-operations": (y + conjunction(x, y) / 2, conjunction(x, y, x + y)),
+    "kinks: R-operations": (z + conjunction(x, z) / 2,),
     "domains: all is defined": (DISC / sqrt(DISC**2 + sqrt(x)),),
     "domains: every parameter is legal": (),
     "locus: every power keeps the sign": (DISC / sqrt(DISC**2 + sqrt(x)), DISC**2),
     "locus: u*|u|: all products share zeros": (_PLAIN,),
     "covering: a quarter of a box is lost": (_PLAIN,),
     "joints: arcs are transversal to their sides": (conjunction(y, x**3 - y), disjunction(y, y + x**3)),
-    "joints: no jump where enclosures overlap": (conjunction(x + 3 * y, x + 3 * y + Q(1, 10**90) * (x - y)),),
+    "joints: no jump where enclosures overlap": (y - x**2 - Q(1, 10**90) * Abs(x - sqrt(2) / 2),),
     "resolution: every switch is smooth across": (_MAX,),
     "krawczyk: a zero exists where it is open": (disjunction(y, y + 1 - sp.cos(x)), x**2 - y**2 - Q(1, 10**30)),
     "krawczyk: no zero where it is open": (conjunction(sp.exp(x) * sp.cos(y) - 1, sp.exp(x) * sp.sin(y)),),
-    "vanishing: both arcs end in one point": (y + sign(x - Q(1, 3)) / 8,),
+    "vanishing: both arcs end in one point": (
+        Piecewise((y - sqrt(2) / 2, x > 0), (y - sqrt(2) / 2 - Q(1, 10**90), True)),
+    ),
     "examination: all boxes are small": (),
     "examination: the mean value form excludes zero": (_PLAIN,),
     "examination: curvature bound a third": (DISC, y - 3 * x**2),
@@ -287,7 +330,7 @@ AIMS = {
     "evidence: there is always a boundary": (DISC,),
     "suspects: limits are proofs": (disjunction(y, y + 1 - sp.cos(x) + Q(1, 10**30) * x),),
     "suspects: none is looked at": (y**2 - x**3,),
-    "newton: every branch is smooth": (y**3 - x**5, y**3 - x**7, y**2 - x**3),
+    "newton: every branch is smooth": (y**5 - x**7,),
     "newton: even factors do not count": (y * (y - x**2) ** 2,),
     "revolution: the axis is no place": (z - r,),
     "borders: what is beside the bounds counts": (
@@ -295,14 +338,14 @@ AIMS = {
         conjunction(x - y / 3, y + x / 3 - x**2 / 8),
     ),
     "cleaning: nothing is negative": (y + x / 3 - sqrt(x**2 - 4 * x * y + 4 * y**2) / 4,),
-    "cleaning: numbers decide equality": (x + y - sqrt(x**2 + y**2 + Q(1, 10**40)),),
-    "directions: every cone is crossed": (y + conjunction(x, y) / 2, conjunction(x, y, x + y), _PLAIN),
+    "cleaning: numbers decide equality": (2 + y - sqrt(x**2 + y**2),),
+    "directions: every cone is crossed": ((y - Abs(x)) * (y - Abs(x) - 8 * x**2) * (y - Abs(x) + 8 * x**2),),
     "directions: all signs agree": (y + conjunction(x, y) / 2, 1 - sp.exp(-conjunction(x, y))),
-    "directions: every part is a factor": (y + conjunction(x, y) / 2, 1 - sp.exp(-conjunction(x, y))),
+    "directions: every part is a factor": (conjunction(x + y, y - x) * (x - y / 3),),
     "octree: every gradient is independent": (x**2 - y**2 - z**2, x * z),
     "octree: two sheets are always apart": (conjunction(x, z + y / 3), disjunction(z, z + x)),
     "octree: all slopes are analytic": (z - Abs(x) / 10, z - r),
-    "octree: conditions are not asked": (BALL * (2 + sqrt(x)),),
+    "octree: conditions are not asked": (z - Abs(x) / 10,),
     "octree: what is undefined is empty": (z - sqrt(x**2 + y**2 / 4), z - x * r, BALL * (2 + sqrt(x))),
     "octree: a double sheet changes its sign": (conjunction(BALL, disjunction(HIDDEN, -HIDDEN)),),
     "inspection: sheets are transversal": (disjunction(z, z + x**3), conjunction(z, x**3 - z)),
@@ -317,48 +360,55 @@ AIMS = {
     "following: a tube covers": (conjunction(x, z + y / 3),),
     "components: two pieces are apart": (conjunction(x, z + y / 3),),
     "forming: operands absorb one another": (conjunction(x, z + y / 3), disjunction(z, z + x)),
-    "relations: polynomials are positive": (disjunction(z, z + x), disjunction(z, z + x**3)),
+    "relations: polynomials are positive": (disjunction(z, z + x**2 - Q(1, 100)),),
     "octree: what is left is forgotten": (z - x * r, x * z, z - r),
-    "links: no link is cracked": (conjunction(BALL, disjunction(BALL - Q(3, 4), Q(3, 4) - BALL)),),
-    "links: every link is a disc": (conjunction(x, y, z),),
+    "links: no link is cracked": (conjunction(z, disjunction(conjunction(x, y), conjunction(-x, y))),),
+    "links: every link is a disc": (disjunction(conjunction(x, y, z), conjunction(-x, -y, -z)),),
     "sheets: what drops is defined": (BALL * (2 + sqrt(x)),),
+    "touching: every factor is positive": (disjunction(z, z + x**3),),
+    "touching: contacts are of the fourth order": (_CAPSULE,),
+    "folds: every piece is regular": (Max(x, y) * Min(x, y) - z**2,),
+    "classes: every power is smooth": (z - AbsolutePower(x, Q(3, 2)),),
+    "classes: every difference vanishes": (z - Abs(x) * Abs(y) / 4,),
+    "classes: no switch has a value of its own": (_SLIT,),
+    "resolution: no switch has a value of its own": (_SLIT,),
+    "deciding: sheets keep away from their side": (z - Abs(x) / 10,),
+    "joints: omega is continuous everywhere": (Piecewise((y - 3 - x, x > 0), (y, True)),),
+    "cusps: what has no gradient is one": (z**4 - x**2 - y**2,),
+    "breaks: what leaps is empty": (Piecewise((y, x > 0), (y - 1, True)), y + sign(x - Q(1, 3)) / 8),
+    "everywhere: sheets never meet": (z - Max(x + C - Q(27, 10), 0) / 4,),
+    "everywhere: there is always a boundary": (z - C,),
+    "root classes: all is of the fourth order": (z - x * r,),
+    "root classes: all vanishes to the third order": (z - x * r,),
+    "root free: every conjugate is positive": (disjunction(r - Q(1, 2), Q(1, 4) - x**2 - 2 * y**2),),
+    "fibres: no value but the middle is tried": (z - Max(x + C - Q(27, 10), 0) / 4,),
+    "account: nothing is missing": (z - r,),
 }
 
 
-# Behind these another step stands, or nothing here is aimed at them well enough: dropped alone they are not noticed.
-UNNOTICED = frozenset(
-    {
-        "vanishing: both arcs end in one point",
-        "sheets: what drops is defined",
-        "kinks: denominators",
-        "kinks: R-operations",
-        "domains: every parameter is legal",
-        "joints: arcs are transversal to their sides",
-        "joints: no jump where enclosures overlap",
-        "krawczyk: no zero where it is open",
-        "examination: all boxes are small",
-        "suspects: none is looked at",
-        "newton: every branch is smooth",
-        "newton: even factors do not count",
-        "revolution: the axis is no place",
-        "cleaning: nothing is negative",
-        "cleaning: numbers decide equality",
-        "directions: every cone is crossed",
-        "directions: all signs agree",
-        "directions: every part is a factor",
-        "octree: conditions are not asked",
-        "octree: a double sheet changes its sign",
-        "inspection: sheets are transversal",
-        "inspection: nothing is even",
-        "contacts: leaves touch once",
-        "continuation: a curve is unique",
-        "continuation: all is analytic",
-        "following: a tube covers",
-        "relations: polynomials are positive",
-        "links: no link is cracked",
-        "links: every link is a disc",
-    }
-)
+# Dropped alone these are not noticed. Of each: which step stands behind it, or why nothing here comes to it.
+UNNOTICED = {
+    "kinks: denominators": "a ball that is divided by one around 0 is the whole line, of which nothing follows",
+    "domains: every parameter is legal": "an operation whose parameter is not legal has no value: it is pruned before",
+    "joints: arcs are transversal to their sides": "Krawczyk's operator has the same determinant, and stays open",
+    "krawczyk: no zero where it is open": "where arcs are transversal all over a box it is hardly ever open",
+    "examination: all boxes are small": "no obligation: what it delays is true of large boxes as well",
+    "suspects: none is looked at": "no obligation: the boxes stay left over, so the verdict is UNDECIDED",
+    "newton: even factors do not count": "a double curve leaves boxes all along it: no cluster around a point",
+    "revolution: the axis is no place": "the account: what a box found and no list holds makes the report UNDECIDED",
+    "account: nothing is missing": "it stands behind the others: nothing is lost unless one of them is dropped too",
+    "cleaning: nothing is negative": "a root that loses thin sets leaves no boundary: DEGENERATE either way",
+    "directions: all signs agree": "no obligation: omega itself serves as well, where its slopes say enough",
+    "octree: a double sheet changes its sign": "mean value forms exclude what is never zero before that",
+    "inspection: sheets are transversal": "their curve is followed by Krawczyk's operator, which asks again",
+    "inspection: nothing is even": "the gradient of an even power vanishes with it, so no box with a zero is regular",
+    "contacts: leaves touch once": "leaves that meet again within the smallest box of where they touch are not reached",
+    "continuation: a curve is unique": "of one contact all curves of two sheets have one class: another adds nothing",
+    "continuation: all is analytic": "sheets of a meeting are proved analytic on the grown box, which holds the curve",
+    "following: a tube covers": "as with uniqueness: what is followed beyond the boxes is of the same contact",
+    "sheets: what drops is defined": "`_drops_undefined` asks it again of all that no leaf keeps",
+    "fibres: no value but the middle is tried": "no obligation: without a fibre that refutes the verdict is UNDECIDED",
+}
 
 
 def aims_of(mutation: Mutation) -> list[Any]:
@@ -395,7 +445,8 @@ def main() -> None:
         if given.only in mutation.name or given.only in mutation.place:
             begin = time.process_time()
             found = catcher(mutation, given.everything)
-            print(f"{mutation.name:50} {time.process_time() - begin:5.1f} s  {found or 'NOT CAUGHT'}"[:200], flush=True)
+            told = found or f"NOT CAUGHT: {UNNOTICED.get(mutation.name, 'why is not known')}"
+            print(f"{mutation.name:50} {time.process_time() - begin:5.1f} s  {told}"[:200], flush=True)
 
 
 if __name__ == "__main__":
