@@ -502,3 +502,11 @@ def test_the_legend_of_a_picture_counts_what_is_proved():
     report = continuity_report(patches, prove=True)
     found = plot_continuity(patches, report, ax=axes, resolution=4).parts
     assert list(found) == ["G0: 1 proved", "G2: 2, 1 proved"]
+
+
+@pytest.mark.parametrize("power", [1, 2])
+def test_a_value_on_a_line_that_leads_to_the_edge_is_a_break(power):
+    thin = sp.Piecewise((0, v < THIRD), (0, v > THIRD), (1, True))
+    first = ParametricSurface((u, v, u * v + u**2))
+    second = ParametricSurface((1 + u, v, (1 + u) * v + (1 + u) ** 2 + u**power * thin))
+    assert continuity_report([first, second], prove=True).verdict != "CERTIFIED"

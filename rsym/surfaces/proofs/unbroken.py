@@ -2,7 +2,9 @@
 
 A proof takes the pieces that hold on parts of an edge, inside the patch. Where they meet the formula may say a third
 thing: ``Piecewise((0, u < 1), (0, u > 1), (1, True))`` is nought but for a point. It is a function without a break only
-if at each such place its own value is the limit of the pieces on both sides, by exact arithmetic.
+if at each such place its own value is the limit of the pieces on both sides, by exact arithmetic. Of a place on an
+edge that goes for the derivatives across the edge too: ``u*Piecewise((0, v < 1), (0, v > 1), (1, True))`` is nought on
+the edge u = 0, and has a break on the line v = 1 that leads to it.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from rsym.surfaces.joints.edges import Edge
 
 POSITION = ORDERS[:1]
+ACROSS = tuple(order for order in ORDERS if order[0] == 0)
 AXES = 3
 
 
@@ -48,19 +51,19 @@ def check_unbroken(formula: PatchFormula, edge: Edge, part: Part, walk: Walk, je
     for place in sorted(jet.joins):
         target = Builder((PARAMETER,), ())
         still = Walk(walk(place), Fraction(0))
-        said = formula.jet(edge, target, (place, place), still, POSITION, literal=True).nodes[:AXES]
-        _compare(target, [*formula.jet(edge, target, part, walk, POSITION).nodes[:AXES], *said], place)
+        said = formula.jet(edge, target, (place, place), still, ACROSS, literal=True).nodes
+        _compare(target, formula.jet(edge, target, part, walk, ACROSS).nodes, said, place)
     if jet.lies_on_border:
         target = Builder((PARAMETER,), ())
         taken, said = (
             formula.jet(edge, target, part, walk, POSITION, literal=literal).nodes[:AXES] for literal in (False, True)
         )
-        _compare(target, [*taken, *said], None)
+        _compare(target, taken, said, None)
 
 
-def _compare(target: Builder, outputs: Sequence[int], place: Fraction | None) -> None:
-    """Compare the last three outputs with the first three."""
-    values = exact_values(target.nodes, outputs, place)
-    if not all((a - b).is_zero for a, b in zip(values[:AXES], values[AXES:], strict=True)):
+def _compare(target: Builder, taken: Sequence[int], said: Sequence[int], place: Fraction | None) -> None:
+    """Compare what the pieces make with what the formula says."""
+    values = exact_values(target.nodes, [*taken, *said], place)
+    if not all((a - b).is_zero for a, b in zip(values[: len(taken)], values[len(taken) :], strict=True)):
         where = "along the edge" if place is None else f"at t = {place}"
         raise NoProof(f"the pieces of a formula do not meet {where}")
