@@ -2,6 +2,7 @@
 
 - f + g - sqrt(f**2 + g**2), the conjunction of R_0 written out in roots, becomes the node again; so do the disjunction
   and trimming. The sign of a node is read off its operands; of the roots it is not, for they cancel.
+- f**2 - g**2 with roots in f or g becomes (f - g)*(f + g): half of a leading edge each.
 - Squares leave roots: sqrt(x**2*y**2 + x**2) = |x| sqrt(y**2 + 1), if what stays is never negative (else the root
   would be defined on fewer points: sqrt(x**2*(y - 1)) is 0 on x = 0); and moduli: |x**2*y| = x**2*|y|.
 - Powers of a modulus become nodes with derivatives of their own: |x|**(5/2), x**2*|x| = |x|**3, and so on;
@@ -72,7 +73,7 @@ def without_scale(expression: sp.Expr) -> sp.Expr:
 
 def _recognised(part: sp.Basic) -> sp.Basic | None:
     if isinstance(part, sp.Add):
-        return _systems(part)
+        return _systems(part) or _squares(part)
     return _trimming(part) if _is_root(part) else None
 
 
@@ -179,6 +180,17 @@ def _systems(total: sp.Add) -> sp.Expr | None:
                 if rest is not None:
                     rest = (_systems(rest) or rest) if isinstance(rest, sp.Add) else rest
                     return factor * kind(f, g) + rest
+    return None
+
+
+def _squares(total: sp.Add) -> sp.Expr | None:
+    """f**2 - g**2 as (f - g)*(f + g) where one of them has roots: of the product the zeros are seen one by one."""
+    if len(total.args) != 2 or not any(_is_root(part) for part in postorder(total)):
+        return None
+    roots = [(_square_root(term), _square_root(-term)) for term in total.args]
+    for (f, _), (_, g) in (roots, roots[::-1]):
+        if f is not None and g is not None:
+            return (f - g) * (f + g)
     return None
 
 

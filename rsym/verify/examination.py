@@ -13,6 +13,7 @@ from rsym.verify.bodies.touching import touching
 from rsym.verify.borders import is_within
 from rsym.verify.breaks import broken, emptiness
 from rsym.verify.domains import is_defined
+from rsym.verify.edges import edge, has_edges
 from rsym.verify.generators import Generators, generators
 from rsym.verify.joints import PRECISE, Arc, Meeting, is_transversal, joint, locate, located, meeting
 from rsym.verify.local import Local
@@ -51,6 +52,12 @@ EMPTY, OPEN = Finding("empty"), Finding("open")
 def examine(local: Local, extent: float, number: int | None = None) -> Finding:
     """What is proved of the zero set of a node (of the root) on a box; `extent` is the size of the whole."""
     number = local.model.root if number is None else number
+    finding = _examined(local, extent, number)
+    found = edge(local, _grown(local), number) if finding.kind == "open" and has_edges(local, number) else None
+    return finding if found is None else Finding(found.kind, math.inf, found.curvature, found.slack, found.joint)
+
+
+def _examined(local: Local, extent: float, number: int) -> Finding:
     locus = locus_of(local, number)
     if locus.kind == "none":
         return EMPTY

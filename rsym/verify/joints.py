@@ -171,10 +171,11 @@ def joint(local: Local, meeting: Meeting, at: Local) -> Joint | None:
         if not all(vanishes_with(at, (first.function, first.side), other.function) for other in others):
             return None
         jets = {direction: jet(model, arc, at) for direction, arc in zip(directions, meeting.arcs, strict=True)}
-        return _judged(tuple(at.sides[:2]), jets[-1], jets[1], meeting.contact)
+        return judged(tuple(at.sides[:2]), jets[-1], jets[1], meeting.contact)
 
 
-def _judged(point: Point, arriving: Jet, leaving: Jet, order: float) -> Joint | None:
+def judged(point: Point, arriving: Jet, leaving: Jet, order: float) -> Joint | None:
+    """What two arcs make of the point where they meet, if their functions agree there to some order."""
     (ax, ay), (bx, by) = arriving.tangent, leaving.tangent
     turn = abs(arb.atan2(ax * by - ay * bx, ax * bx + ay * by)) * 180 / arb.pi()
     jump, derivative = abs(leaving.curvature - arriving.curvature), abs(leaving.derivative - arriving.derivative)

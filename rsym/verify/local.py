@@ -17,6 +17,7 @@ from rsym.model.shape import Shape
 
 if TYPE_CHECKING:
     from rsym.verify.contact_relations import Contacts
+    from rsym.verify.lifting import Lifted
     from rsym.verify.root_classes import Axes
 
 Interval: TypeAlias = tuple[Fraction, Fraction]
@@ -67,6 +68,8 @@ class Model:
         self.multiplicities: dict[tuple[int, int], float] = {}
         self.contacts: Contacts | None = None
         self.root_axes: Axes | None = None
+        self.edges: dict[int, list[int]] = {}
+        self.lifted: dict[tuple[int, int], Lifted] = {}
         self._gradients: dict[int, tuple[int, ...]] = {}
         self._curvatures: dict[int, int] = {}
         self._fixed: dict[int, dict[str, arb]] = {}

@@ -13,10 +13,13 @@ LARGEST = 120  # nodes of a program that is written out as a polynomial
 HIGHEST = 32  # degree, beyond which dividing takes longer than it is worth
 
 
-def polynomial_of(model: Model, number: int, roots: dict[sp.Symbol, sp.Expr] | None = None) -> sp.Expr | None:
+def polynomial_of(
+    model: Model, number: int, roots: dict[sp.Symbol, sp.Expr] | None = None, *, free: bool = False
+) -> sp.Expr | None:
     """The node as a polynomial of the coordinates with rational coefficients, if it is one of moderate size.
 
-    With `roots`, square roots may stand in it too, as symbols, to which their radicands are added there.
+    With `roots`, square roots may stand in it too, as symbols, to which their radicands are added there. If `free`,
+    everything else may too, as symbols that know nothing of each other: cos(pi/7), sqrt(1 - x), a letter that ranges.
     """
     if len(model.order(number)) > LARGEST:
         return None
@@ -27,7 +30,7 @@ def polynomial_of(model: Model, number: int, roots: dict[sp.Symbol, sp.Expr] | N
         if operation == "const" and isinstance(data, Fraction):
             parts[part] = sp.Rational(data.numerator, data.denominator)
         elif operation == "input":
-            value = _fixed(model, str(data))
+            value = _opaque(part) if free else _fixed(model, str(data))
             if value is None:
                 return None
             parts[part] = value
@@ -44,9 +47,15 @@ def polynomial_of(model: Model, number: int, roots: dict[sp.Symbol, sp.Expr] | N
         elif operation == "sqrt" and roots is not None:
             parts[part] = sp.Dummy(real=True)
             roots[parts[part]] = inner[0]
+        elif free:
+            parts[part] = _opaque(part)
         else:
             return None
     return parts[number]
+
+
+def _opaque(part: int) -> sp.Expr:
+    return sp.Symbol(f"node {part}", real=True)
 
 
 def _fixed(model: Model, name: str) -> sp.Expr | None:
@@ -93,7 +102,10 @@ def _multiplicity(model: Model, number: int, divisor: int, most: int) -> float:
     return most
 
 
-def same_zeros(model: Model, a: int, b: int) -> bool:
-    """Whether two nodes are polynomials that are equal or opposite."""
-    p, q = polynomial_of(model, a), polynomial_of(model, b)
+def same_zeros(model: Model, a: int, b: int, *, free: bool = False) -> bool:
+    """Whether two nodes are polynomials that are equal or opposite.
+
+    If `free`, also polynomials of what is itself none: then they are so wherever both are defined.
+    """
+    p, q = polynomial_of(model, a, free=free), polynomial_of(model, b, free=free)
     return p is not None and q is not None and 0 in (sp.expand(p - q), sp.expand(p + q))

@@ -8,6 +8,7 @@ y - 1 + sign(x)**2 is y on both sides of x = 0 and y - 1 on it.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -15,7 +16,7 @@ from rsym.codegen.builder import HALF, Builder
 from rsym.codegen.expansion import SIMPLE
 from rsym.verify.domains import switch_of
 from rsym.verify.generators import BRANCHING, bare, factor, is_square, root_order
-from rsym.verify.local import Local
+from rsym.verify.local import Local, Model
 from rsym.verify.locus import chosen
 from rsym.verify.polynomials import multiplicity
 
@@ -119,6 +120,15 @@ def remade(builder: Builder, part: int, inner: tuple[int, ...]) -> int:
     if operation == "div":
         return builder.div(*inner)
     return builder.make(operation, *inner, data=data)
+
+
+def put(model: Model, number: int, known: Mapping[int, int]) -> int:
+    """A node with others in the place of some of its parts."""
+    done: dict[int, int] = dict(known)
+    for part in model.order(number):
+        if part not in done:
+            done[part] = remade(model.builder, part, tuple(done[a] for a in model.builder.nodes[part].arguments))
+    return done[number]
 
 
 def _power(b: Builder, operation: str, base: int, exponent: Fraction, sign: int) -> int:

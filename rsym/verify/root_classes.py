@@ -31,7 +31,7 @@ from rsym.verify.generators import BRANCHING, bare, generators, is_square
 from rsym.verify.local import Local, Model
 from rsym.verify.locus import chosen
 from rsym.verify.polynomials import polynomial_of
-from rsym.verify.resolution import remade
+from rsym.verify.resolution import put
 from rsym.verify.vanishing import Exact
 
 RADIUS = "the root"  # no letter of a user has a space in its name
@@ -206,8 +206,8 @@ def curvature_jump(known: Exact, at: Local, leaf: int) -> arb | None:
     if operation != "sqrt" or not known.vanishes(leaf, arguments[0]):
         return None
     radius, nothing = builder.input(RADIUS), builder.const(0)
-    function = _with(model, leaf, {part: radius})
-    even, odd = (_with(model, one, {radius: nothing}) for one in (function, derivative(builder, function, RADIUS)))
+    function = put(model, leaf, {part: radius})
+    even, odd = (put(model, one, {radius: nothing}) for one in (function, derivative(builder, function, RADIUS)))
     around = Local(model, local.sides)
     around.inputs[RADIUS] = arb(0, 1) * _largest(local, part)
     if not generators(around, function).analytic or not known.vanishes(odd):
@@ -222,15 +222,6 @@ def curvature_jump(known: Exact, at: Local, leaf: int) -> arb | None:
     if not square > 0 or not _dot(along, along) > 0:
         return None
     return 4 * square.sqrt() / size.sqrt()
-
-
-def _with(model: Model, number: int, known: Mapping[int, int]) -> int:
-    """A node with others in the place of some of its parts."""
-    done: dict[int, int] = dict(known)
-    for part in model.order(number):
-        if part not in done:
-            done[part] = remade(model.builder, part, tuple(done[a] for a in model.builder.nodes[part].arguments))
-    return done[number]
 
 
 def _largest(local: Local, part: int) -> arb:

@@ -50,6 +50,16 @@ PLANE = [
     (DISC * ((x - 5) ** 2 + y**2 + sqrt(y)), "broken", WIDE),
     (DISC / sqrt(DISC**2 + sqrt(x)), "broken", WIDE),
     (Piecewise((DISC, x > 0)), "broken", WIDE),
+    # edges of roots: noses, ends, two of them nose to nose
+    (conjunction(sqrt(x) - y, sqrt(x) + y), "analytic", WIDE),
+    (conjunction(sqrt(x) - x / 3 - y, sqrt(x) - x / 3 + y), "G2", WIDE),
+    (conjunction(sqrt(x) - y, 2 * sqrt(x) + y), "G1", WIDE),
+    (conjunction(sqrt(x) - y, y - sqrt(x) / 2), "G0", WIDE),
+    (conjunction(sqrt(x) - y, sqrt(x) + y - Q(1, 9)), "broken", WIDE),  # the arcs have two ends
+    (conjunction(sqrt(Abs(x)) - y, sqrt(Abs(x)) + y), "broken", WIDE),
+    (conjunction(sqrt(Max(x, 0)) - y, sqrt(Max(x, 0)) + y), "broken", WIDE),
+    (sqrt(x) - y, "broken", WIDE),
+    (sqrt(x) ** 2 * (1 + sqrt(x)) - y**2, "G2", WIDE),
     # signs and products
     (DISC**2, "broken", WIDE),
     (-(DISC**2) * (2 + Abs(x)), "broken", WIDE),
