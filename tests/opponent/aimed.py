@@ -55,7 +55,7 @@ PLANE = [
     (conjunction(sqrt(x) - x / 3 - y, sqrt(x) - x / 3 + y), "G2", WIDE),
     (conjunction(sqrt(x) - y, 2 * sqrt(x) + y), "G1", WIDE),
     (conjunction(sqrt(x) - y, y - sqrt(x) / 2), "G0", WIDE),
-    (conjunction(sqrt(x) - y, sqrt(x) + y - Q(1, 9)), "broken", WIDE),  # the arcs have two ends
+    (conjunction(sqrt(x) - y, sqrt(x) + y - Q(1, 9)), "G0", WIDE),  # they meet at x = 1/324, before their ends
     (conjunction(sqrt(Abs(x)) - y, sqrt(Abs(x)) + y), "broken", WIDE),
     (conjunction(sqrt(Max(x, 0)) - y, sqrt(Max(x, 0)) + y), "broken", WIDE),
     (sqrt(x) - y, "broken", WIDE),
