@@ -9,7 +9,10 @@ import importlib
 import os
 
 import pytest
+from opponent import natural
 from opponent.mutations import AIMS, MUTATIONS, UNNOTICED, catcher
+
+import rsym
 
 # How many of each kind for each of the two seeds: a minute in all.
 COUNTS = {"plane": 24, "space": 8, "turned": 12, "made": 7, "lettered": 9, "questions": 3}
@@ -40,3 +43,12 @@ def test_what_is_not_noticed_has_a_reason():
 def test_a_proof_obligation_that_is_dropped_is_noticed(mutation):
     """Red proofs: without the step something false is said of a shape that is aimed at it."""
     assert catcher(mutation) is not None
+
+
+@pytest.mark.parametrize("name", natural.QUICK)
+def test_natural_bodies_are_decided(name):
+    """Some of those that `python tests/opponent/natural.py` asks for all."""
+    make, grade = natural.BODIES[name]
+    report = rsym.verify_smoothness(make())
+    assert report.verdict != "UNDECIDED"
+    assert not natural.falsehoods(report, grade)

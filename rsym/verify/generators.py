@@ -162,7 +162,13 @@ def factor(builder: Builder, number: int) -> int:
 
 
 def _scaled(builder: Builder, number: int) -> tuple[int, int]:
-    """A node u and a sign: the node is u times a constant of that sign."""
+    """A node u and a sign: the node is u times a constant of that sign. Asked on every box, worked out once."""
+    if number not in builder.scaled:
+        builder.scaled[number] = _unscaled(builder, number)
+    return builder.scaled[number]
+
+
+def _unscaled(builder: Builder, number: int) -> tuple[int, int]:
     sign = 1
     while True:
         operation, arguments, _ = builder.nodes[number]
