@@ -259,3 +259,36 @@ def test_a_ball_in_all_chambers_is_analytic_on_a_mirror_and_has_edges_beside_one
     assert (report.verdict, report.continuity) == ("CERTIFIED", "analytic")
     report = rsym.verify_smoothness(balls(1, R(9, 10), 0), method="space", budget=6_000)
     assert report.verdict != "CERTIFIED"
+
+
+@pytest.mark.parametrize("count", [None, 3])
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize(("radius", "verdict"), [("2/5", "CERTIFIED"), ("3/5", "REFUTED")])
+def test_rows_of_any_motif_are_decided_where_the_field_is_cut(count, dimension, radius, verdict):
+    ball = rsym.Shape(sp.Rational(radius) ** 2 - sum(c**2 for c in (x, y, z)[:dimension]), (x, y, z)[:dimension])
+    body = rsym.row(ball, 1, count=count, motif="any").replace(bounds=((-1.7, 1.6), *((-0.8, 0.8),) * (dimension - 1)))
+    assert rsym.verify_smoothness(body).verdict == verdict
+
+
+@pytest.mark.parametrize("order", [2, 3, 5, 6])
+def test_fans_of_any_motif_are_decided_where_the_field_is_cut(order):
+    disc = rsym.Shape(sp.Rational(1, 16) - (x - sp.Rational(1, 8)) ** 2 - (y - sp.Rational(1, 5)) ** 2, (x, y))
+    fan = rsym.cyclic(disc, order, radius=2, motif="any").replace(bounds=((-2.7, 2.7),) * 2)
+    assert rsym.verify_smoothness(fan).verdict == "CERTIFIED"
+
+
+@pytest.mark.parametrize("order", [5, 6])
+def test_a_fan_whose_motif_is_cut_ends_at_the_border(order):
+    disc = rsym.Shape(1 - (x - sp.Rational(1, 8)) ** 2 - (y - sp.Rational(3, 4)) ** 2, (x, y))
+    fan = rsym.cyclic(disc, order, radius=2, motif="any").replace(bounds=((-3.7, 3.7),) * 2)
+    report = rsym.verify_smoothness(fan)
+    ends = [one for one in report.defects if one.proved]
+    assert report.verdict == "DEGENERATE"
+    assert {one.kind for one in ends} == {"end"}
+    angles = [math.atan2(one.point[1], one.point[0]) * order / math.pi for one in ends]
+    assert all(abs(angle - round(angle)) < 1e-6 and round(angle) % 2 == 1 for angle in angles)
+
+
+def test_the_border_of_a_finite_row_of_any_motif_belongs_to_the_cell_before_it():
+    slope = rsym.row(rsym.Shape(x, (x, y)), 2, count=3, motif="any")
+    assert rsym.compile(slope)([1.0, 3.0, 5.0], 0.0)["value"].tolist() == [1.0, 1.0, 1.0]

@@ -26,6 +26,13 @@ from rsym.verify.report import Joint
 NARROW = 256  # of the extent: what share of it a box is that is not divided in search of a switch that may be zero
 
 
+def are_empty(around: Local, meeting: Meeting) -> bool:
+    """Whether all functions that omega is around a box have one sign: a choice of numbers alone may hide it."""
+    thin = () if meeting.thin is None else (meeting.thin,)
+    signs = {around.sign(arc.function) for arc in (*meeting.arcs, *thin)}
+    return signs in ({1}, {-1})
+
+
 def emptiness(local: Local, around: Local, meeting: Meeting) -> str | None:
     """What a box is that no sheet of the boundary meets; None where that is open.
 
@@ -36,7 +43,7 @@ def emptiness(local: Local, around: Local, meeting: Meeting) -> str | None:
     thin = meeting.thin
     signs = [around.sign(arc.function) for arc in meeting.arcs]
     signs += [] if thin is None else [around.sign(thin.function)]
-    if signs.count(signs[0]) == len(signs) and signs[0]:
+    if are_empty(around, meeting):
         return "empty"
     if 0 not in signs:
         return "leap" if _is_narrow(local) or _changes_sign(local, meeting.arcs[0].side) else None

@@ -11,7 +11,7 @@ from rsym.verify.bending import curvatures
 from rsym.verify.bodies.sheets import locus_of, sheets
 from rsym.verify.bodies.touching import touching
 from rsym.verify.borders import is_within
-from rsym.verify.breaks import broken, emptiness
+from rsym.verify.breaks import are_empty, broken, emptiness
 from rsym.verify.domains import is_defined
 from rsym.verify.edges import edge, has_edges
 from rsym.verify.generators import Generators, generators
@@ -192,6 +192,8 @@ def _joined(local: Local, number: int, extent: float) -> Finding:
     if found is not None and found.analytic:
         return OPEN
     arcs = meeting(grown, locus, found)
+    if arcs is not None and arcs.continuous and are_empty(grown, arcs):
+        return EMPTY
     if arcs is not None and not arcs.continuous:
         kind = emptiness(local, grown, arcs)
         if kind is not None:

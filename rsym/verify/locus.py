@@ -76,19 +76,32 @@ def _keeps_sign(local: Local, number: int) -> bool:
 
 
 def chosen(local: Local, number: int) -> tuple[int, int] | None:
-    """The argument, and a sign, that an operation with branches equals on the box, if that is certain."""
+    """The argument, and a sign, that an operation with branches equals on the box, if that is certain.
+
+    A choice between what is one function on the box is that function, whatever it tests.
+    """
     builder = local.model.builder
     operation, arguments, _ = builder.nodes[number]
     switch = switch_of(builder, number)
     sign = local.sign(switch)
-    if not sign or not is_defined(local, switch):
+    if not is_defined(local, switch):
         return None
+    if not sign:
+        same = operation == "select" and _taken(local, arguments[2]) == _taken(local, arguments[3])
+        return (_taken(local, arguments[2]), 1) if same else None
     if operation == "abs":
         return arguments[0], sign
     if operation == "select":
         return arguments[2 if sign > 0 else 3], 1
     first = (sign > 0) == (operation == "max")
     return arguments[0 if first else 1], 1
+
+
+def _taken(local: Local, number: int) -> int:
+    """What a choice leads to, through the choices that follow."""
+    while local.model.builder.nodes[number].operation == "select" and (branch := chosen(local, number)) is not None:
+        number = branch[0]
+    return number
 
 
 def _reduced(local: Local, number: int, sign: int) -> Locus:

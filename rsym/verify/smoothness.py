@@ -25,6 +25,7 @@ from rsym.verify.bodies.fibres import report_over_ranges
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.bodies.verdict import BUDGET as BODY_BUDGET
 from rsym.verify.bodies.verdict import Study, report_body, study_body
+from rsym.verify.cells import within_cells
 from rsym.verify.cleaning import cleaned, without_scale
 from rsym.verify.covering import Covering, cover, extent_of
 from rsym.verify.evidence import NOWHERE, has_boundary, has_boundary_for_every_value, statements
@@ -213,10 +214,11 @@ def _study(
 ) -> _Study:
     body = shape.dimension == 3
     plane, axis = meridian(shape) if body else (shape, 0)
-    plane = plane.replace(expression=without_scale(cleaned(without_rounded_levels(plane.expression))))
     box = bounds_of(shape, bounds)
     values = ranges_of(shape.letters, letters)
     within: Box = _half_plane(box, axis) if body else tuple((float(a), float(b)) for a, b in box)
+    expression = within_cells(cleaned(without_rounded_levels(plane.expression)), plane.coordinates, within)
+    plane = plane.replace(expression=without_scale(expression))
     model = Model(plane, values, body=body, bounds=within)
     region = within + tuple(_around(*values[name]) for name in model.axes[2:])
     prune = pruner(plane, model.axes, values)

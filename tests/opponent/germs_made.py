@@ -90,7 +90,41 @@ def fan(random: Random) -> Germ:
     return Germ("cyclic", omega, (Spot(ORIGIN, "G0", turn),), 0.2)
 
 
-PLANE_MADE = (mirrored, polygon, waves, fan)
+def steps(random: Random) -> Germ:
+    """A graph carried along cell by cell: on a border it is as smooth as both ends of a cell agree, or it jumps."""
+    h = Q(1)
+    s, grade = random.choice(
+        [
+            (u / 10, "broken"),
+            (-u / 10**4, "broken"),
+            (u**2 / 4, "G0"),
+            (u**3 - u / 4, "G1"),
+            (u * (u**2 - h**2 / 4) ** 3, "G3"),
+            (sp.sin(2 * sp.pi * u) / 10, "analytic"),
+        ]
+    )
+    shape = rsym.row(Shape(v - s, (u, v)), h, axis=u, count=random.choice([None, 2, 3]), motif="any")
+    before, behind = s.subs(u, h / 2), s.subs(u, -h / 2)
+    omega = shape.expression.subs({u: u + h / 2, v: v + before}, simultaneous=True)
+    ends = (ORIGIN, (ZERO, behind - before)) if grade == "broken" else (ORIGIN,)
+    spots = () if grade == "analytic" else tuple(Spot(end, grade) for end in ends)
+    return Germ("row of any motif", omega, spots, 0.3)
+
+
+def saw(random: Random) -> Germ:
+    """A slanting half plane turned from sector to sector: its edges are cut on the border, each at its own height."""
+    n, slant = random.choice([2, 3, 4, 5, 6]), random.choice([Q(1, 10), Q(-1, 5), Q(1, 1000)])
+    shape = rsym.cyclic(Shape(1 - u + slant * v, (u, v)), n, motif="any")
+    c, s = sp.cos(sp.pi / n), sp.sin(sp.pi / n)
+    radii = [1 / (c - side * slant * s) for side in (1, -1)]
+    if n == 2:  # the borders are parallel to the edges, nearly
+        return Germ("cyclic of any motif", shape.expression.subs(u, u + 1), (), 0.3)
+    omega = shape.expression.subs({u: u + radii[0] * c, v: v + radii[0] * s}, simultaneous=True)
+    spots = tuple(Spot(((radius - radii[0]) * c, (radius - radii[0]) * s), "broken") for radius in radii)
+    return Germ("cyclic of any motif", omega, spots, 0.2)
+
+
+PLANE_MADE = (mirrored, polygon, waves, fan, steps, saw)
 
 
 def _profile(random: Random) -> Germ:

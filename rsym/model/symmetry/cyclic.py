@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, whole
+from rsym.model.choices import Choice
 from rsym.model.shape import Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symmetry.evenness import check_even
@@ -35,8 +37,9 @@ def cyclic(
     even motif: mu = (2/n) asin(sin(n theta/2)), mirrored from sector to sector, which an even motif does not feel
     any motif: mu = theta - (2 pi/n) round(n theta/(2 pi)), the field jumps on the borders of the sectors
 
-    For even n up to 48 and an even motif the same function is written without an angle: with E and O the largest
-    components of (x, y) along every second border, r cos mu = (E + O)/(2 cos(pi/n)), r sin mu = (E - O)/(2 sin(pi/n)).
+    Up to n = 48 the same function is written without an angle. For even n and an even motif with E and O the largest
+    components of (x, y) along every second border: r cos mu = (E + O)/(2 cos(pi/n)), r sin mu = (E - O)/(2 sin(pi/n)).
+    For any motif (x, y) is turned back by the angle of its sector, whose sine and cosine are chosen by the borders.
     Elsewhere the angle jumps on a border; a mesh says that it proves nothing of the cells there.
 
     The motif is moved outwards by the radius along the first coordinate; what
@@ -86,7 +89,8 @@ def cyclic(
     if checked_motif(motif, terms):
         check_even(shape, second)
     folded = _mirrored_fan(first, second, n) if motif == "even" and terms is None else None
-    outwards, across = folded or _turned_back(first, second, n, terms, motif)
+    chosen = _chosen_turn(first, second, n) if motif == "any" else None
+    outwards, across = folded or chosen or _turned_back(first, second, n, terms, motif)
     return substituted(
         shape,
         {first: outwards - outset, second: across},
@@ -109,6 +113,35 @@ def _mirrored_fan(first: sp.Symbol, second: sp.Symbol, n: int) -> tuple[sp.Expr,
     even, odd = (farthest(first, second, n // 2, sp.Rational(side, n)) for side in (1, -1))
     half = sp.pi / n
     return (even + odd) / (2 * sp.cos(half)), (even - odd) / (2 * sp.sin(half))
+
+
+def _chosen_turn(first: sp.Symbol, second: sp.Symbol, n: int) -> tuple[sp.Expr, sp.Expr] | None:
+    """(r cos mu, r sin mu) by a turn of whole sectors, for an order that is not too large.
+
+    The first border line leaves half of the borders on either side, each of which is then told by the line along it.
+    For odd n the first line runs through the middle of a sector too, where both sides take the same turn.
+    """
+    if n > MOST_IN_A_FAN:
+        return None
+    if n == 1:
+        return first, second
+
+    def chosen(low: int, high: int, value: Callable[[int], sp.Expr]) -> sp.Expr:
+        """By the borders between the sectors from low to high."""
+        if low == high:
+            return value(low)
+        after = (low + high) // 2 + 1
+        border = sp.pi * (2 * after - 1) / n
+        beyond = second * sp.cos(border) - first * sp.sin(border)
+        return Choice(beyond, sp.S.Zero, chosen(after, high, value), chosen(low, after - 1, value))
+
+    def turn(value: Callable[[int], sp.Expr]) -> sp.Expr:
+        along = second * sp.cos(sp.pi / n) - first * sp.sin(sp.pi / n)
+        half = (n + 1) // 2  # the last sector that begins within half a turn of the first border
+        return Choice(along, sp.S.Zero, chosen(1, half, value), chosen(half + 1 - n % 2, n, value))
+
+    cosine, sine = (turn(lambda k, of=of: of(2 * sp.pi * k / n)) for of in (sp.cos, sp.sin))
+    return first * cosine + second * sine, second * cosine - first * sine
 
 
 def _turned_back(first: sp.Symbol, second: sp.Symbol, n: int, terms: Any, motif: str) -> tuple[sp.Expr, sp.Expr]:

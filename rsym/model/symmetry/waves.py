@@ -11,7 +11,8 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import number, whole
-from rsym.model.nodes import Ahead, Composition
+from rsym.model.choices import Choice
+from rsym.model.nodes import Composition
 
 
 class Wave(Composition):
@@ -78,14 +79,17 @@ class TriangleRow(Wave):
 
 
 class SawtoothRow(Wave):
-    """The sawtooth on the cells 0 to n - 1, straight on outside of them: a step down on each border."""
+    """The sawtooth on the cells 0 to n - 1, straight on outside of them: a step down beyond each border.
+
+    The border itself belongs to the cell before it, as with the endless wave, so that it is defined everywhere.
+    """
 
     word = "sawtooth_wave"
 
     def composition(self) -> sp.Expr:
         """Return t - h sum_j [t > (j - 1/2) h], j = 1..n - 1."""
         t, period, count = self.args
-        steps = [Ahead(t, (j - sp.Rational(1, 2)) * period) for j in range(1, int(count))]
+        steps = [Choice(t, (j - sp.Rational(1, 2)) * period, sp.S.One, sp.S.Zero) for j in range(1, int(count))]
         return t - period * sp.Add(*steps)
 
 

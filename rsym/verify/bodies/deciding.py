@@ -30,12 +30,12 @@ from rsym.verify.locus import Locus
 from rsym.verify.resolution import resolve
 
 WORTH = 64  # boxes with the same signs: for fewer the images of another function are not worth being made
-UNKNOWN, REGULAR, OPEN, MEETING = -1, -2, -3, 0  # what is decided; a meeting by its number
+UNKNOWN, REGULAR, OPEN, EMPTY, MEETING = -1, -2, -3, -4, 0  # what is decided; a meeting by its number
 NO_SWITCH = -1
 
 
 class Decided(NamedTuple):
-    """For each box (n,) UNKNOWN, REGULAR, OPEN (more is known on its parts) or the number of one of the meetings."""
+    """For each box (n,) UNKNOWN, REGULAR, EMPTY, OPEN (more is known on its parts) or the number of a meeting."""
 
     kinds: NDArray[np.int64]
     meetings: Sequence[Meeting]
@@ -70,8 +70,8 @@ class Decider:
     def decide(self, leaf: int, boxes: Boxes) -> Decided:
         """What is decided of the zero set of a leaf in boxes.
 
-        REGULAR: a regular analytic sheet in all of the box. A meeting: on the box grown by a quarter it is the union
-        of two sheets, as `inspection` says it.
+        REGULAR: a regular analytic sheet in all of the box. EMPTY: the functions on both sides of a switch have one
+        sign there. A meeting: on the box grown by a quarter it is the union of two sheets, as `inspection` says it.
 
         Examples
         --------
@@ -101,9 +101,16 @@ class Decider:
         around = grown(boxes[places])
         for signs, among in self._patterns(leaf, around):
             found = self._meeting(leaf, signs)
+            # Where it is not continuous, or has a value of its own on the switch, omega jumps; with more contact the
+            # leaf is smooth enough to be one sheet, as balls say it is.
             if found is None or len(among) < WORTH:
                 continue
             own = places[among]
+            empty = self._are_empty(found, boxes[own])
+            kinds[own[empty]] = EMPTY
+            if not found.continuous or found.contact > CURVED:
+                continue
+            own, among = own[~empty], among[~empty]
             single, joined, analytic = self._parted(found, boxes[own], around[among])
             kinds[own[analytic]] = OPEN
             kinds[own[joined]] = len(meetings)
@@ -141,11 +148,17 @@ class Decider:
             sheets = None
             if len(found.switches) == 1 and not found.hard:
                 sheets = meeting(known, Locus("leaf", (leaf,)), found)
-            # Where it is not continuous, or has a value of its own on the switch, omega jumps; with more contact the
-            # leaf is smooth enough to be one sheet, as balls say it is.
-            meets = sheets is not None and sheets.continuous and sheets.contact <= CURVED
-            self._meetings[leaf, signs] = sheets if meets else None
+            self._meetings[leaf, signs] = sheets
         return self._meetings[leaf, signs]
+
+    def _are_empty(self, sheets: Meeting, boxes: Boxes) -> Flags:
+        """Where the functions of both sides, and what is between, have one sign."""
+        thin = () if sheets.thin is None else (sheets.thin,)
+        values = [self.images.first(arc.function, boxes)[0] for arc in (*sheets.arcs, *thin)]
+        up = np.logical_and.reduce([low > 0 for low, _ in values])
+        down = np.logical_and.reduce([high < 0 for _, high in values])
+        empty: Flags = up | down
+        return empty
 
     def _parted(self, sheets: Meeting, boxes: Boxes, around: Boxes) -> tuple[Flags, Flags, Flags]:
         """Where the sheets are regular and do not meet, where they are transversal to their sides, and analytic.

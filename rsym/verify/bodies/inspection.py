@@ -13,7 +13,7 @@ from rsym.verify.bodies.corners import Corner, corner
 from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.sheets import locus_of, sheets
 from rsym.verify.bodies.touching import touching
-from rsym.verify.breaks import emptiness
+from rsym.verify.breaks import are_empty, emptiness
 from rsym.verify.classes import CURVED, pieces
 from rsym.verify.generators import Generators, generators
 from rsym.verify.joints import Meeting, meeting
@@ -113,6 +113,8 @@ def _joined(local: Local, number: int, locus: Locus) -> Inspection:
     pair = meeting(around, outer, found)
     if pair is None:
         return Inspection("open", locus=locus)
+    if pair.continuous and are_empty(around, pair):
+        return EMPTY
     if not pair.continuous:
         return _jumping(local, around, pair, locus)
     if not _is_transversal(around, pair):

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from rsym.codegen.balls import ctx
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.boxes import area, at, cut, eighths, grown, halves, listed, patterns, reach_from, widths_of
+from rsym.verify.bodies.deciding import EMPTY as NO_ZEROS
 from rsym.verify.bodies.deciding import MEETING, REGULAR, UNKNOWN, Decider
 from rsym.verify.bodies.deciding import OPEN as UNDIVIDED
 from rsym.verify.bodies.folds import Folds
@@ -268,7 +269,7 @@ class Octree:
         fine = (state.level[branched, :, 1] - state.level[branched, :, 0]).max(axis=1) <= FINEST * self.extent
         kinds[fine & (kinds == UNDIVIDED)] = UNKNOWN
         state.divided[branched[kinds == UNDIVIDED]] = True
-        settled = (kinds == REGULAR) | (kinds >= MEETING)
+        settled = (kinds == REGULAR) | (kinds == NO_ZEROS) | (kinds >= MEETING)
         state.settled[branched[settled]] = True
         if (kinds == REGULAR).any():
             self.found.regular.setdefault(leaf, []).append(state.level[branched[kinds == REGULAR]])

@@ -25,6 +25,7 @@ from rsym.verify.bodies.points import classify_points, is_degenerate
 from rsym.verify.bodies.report import Array, BodyCover, BodyReport, Defect, SingularCurve, SingularPoint
 from rsym.verify.bodies.subdivision import Subdivision, joined_boxes
 from rsym.verify.bodies.tracing import trace
+from rsym.verify.cells import within_cells
 from rsym.verify.cleaning import cleaned, without_scale
 from rsym.verify.contact_relations import contacts_of
 from rsym.verify.domains import is_legal
@@ -73,11 +74,8 @@ def study_body(
 ) -> Study:
     """Subdivide the bounds of a body."""
     region: Box = tuple((float(low), float(high)) for low, high in bounds)
-    model = Model(
-        shape.replace(expression=without_scale(cleaned(without_rounded_levels(shape.expression)))),
-        letters,
-        bounds=region,
-    )
+    expression = within_cells(cleaned(without_rounded_levels(shape.expression)), shape.coordinates, region)
+    model = Model(shape.replace(expression=without_scale(expression)), letters, bounds=region)
     whole = model.over(region)
     formed = formation(model, lambda number: is_legal(whole, number))
     images = Images(model, formed, letters)
