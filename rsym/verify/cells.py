@@ -18,7 +18,9 @@ from rsym.model.traversal import rebuild
 MOST = 48  # cells; of more the wave stays as it is
 
 
-def within_cells(expression: sp.Expr, coordinates: Sequence[sp.Symbol], bounds: Sequence[tuple[float, float]]) -> sp.Expr:
+def within_cells(
+    expression: sp.Expr, coordinates: Sequence[sp.Symbol], bounds: Sequence[tuple[float, float]]
+) -> sp.Expr:
     """The expression with each sawtooth of a coordinate written by choices.
 
     Both are equal within the bounds and as far beyond them as these are wide, for boxes that stick out.

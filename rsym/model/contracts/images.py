@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import sympy as sp
 
+from rsym.model.choices import Choice
 from rsym.model.contracts.promises import Ends
 from rsym.model.contracts.table import Promises
 
@@ -26,7 +27,7 @@ def image(promises: Promises, given: Mapping[sp.Symbol, Ends]) -> Ends:
         operands = [known[id(operand)] for operand in promises.inward(part)]
         if not operands:
             known[id(part)] = given.get(part, (part, part))
-        elif all(low is high for low, high in operands):
+        elif all(low is high for low, high in operands) and not isinstance(part, Choice):  # whose tests are no operands
             known[id(part)] = (part, part)
         else:
             known[id(part)] = promises[part].image(*operands)
