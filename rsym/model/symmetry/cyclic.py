@@ -140,7 +140,8 @@ def _chosen_turn(first: sp.Symbol, second: sp.Symbol, n: int) -> tuple[sp.Expr, 
         half = (n + 1) // 2  # the last sector that begins within half a turn of the first border
         return Choice(along, sp.S.Zero, chosen(1, half, value), chosen(half + 1 - n % 2, n, value))
 
-    cosine, sine = (turn(lambda k, of=of: of(2 * sp.pi * k / n)) for of in (sp.cos, sp.sin))
+    cosine = turn(lambda k: sp.cos(2 * sp.pi * k / n))
+    sine = turn(lambda k: sp.sin(2 * sp.pi * k / n))
     return first * cosine + second * sine, second * cosine - first * sine
 
 
