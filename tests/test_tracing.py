@@ -13,8 +13,9 @@ from closeness import assert_close
 import rsym
 from rsym import Shape, x, y, z
 from rsym.codegen.balls import arb, ctx
+from rsym.codegen.lowering import lower
 from rsym.verify.bodies import components, following
-from rsym.verify.bodies.continuation import cross
+from rsym.verify.bodies.continuation import Curve, cross
 from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.tracing import trace
 from rsym.verify.generators import generators
@@ -289,3 +290,26 @@ def test_a_closed_curve_may_be_met_from_both_ends(monkeypatch):
     assert_close(rim.length, 2 * math.pi * math.sqrt(0.75), rtol=1e-3)
     monkeypatch.setattr(following, "_MOST", 50)
     assert not any(curve.traced for curve in traced(rsym.conjunction(BALL, z - HALF), 2.5))
+
+
+def test_what_is_found_beside_an_end_continues_what_was_followed():
+    """A circle of which first one half is sought, then the other: one closed curve, each half followed once."""
+    model = Model(Shape(x, (x, y, z)), {})
+    pair = [lower(model.builder, expression) for expression in (x**2 + y**2 - 1, z + x / 4)]
+    left, right = (((low, low + 1.5), (-1.5, 1.5), (-0.5, 0.5)) for low in (-1.5, 0.0))
+    with ctx.workprec(128):
+        curve = Curve(model, (pair[0], pair[1]), [], 3.0)
+        search = components.Search(curve, [left], ())
+        search.account(left)
+        (half,) = search.components
+        search.ground = components.Search(curve, [left, right], ()).ground
+        search.account(right)
+        (whole,) = search.components
+    assert not search.open
+    assert (half.ends, whole.ends) == (("face", "face"), ("closed", "closed"))
+    assert {id(knot) for knot in half.knots} <= {id(knot) for knot in whole.knots}
+    assert len(whole.tubes) == len(whole.knots) - 1
+    assert whole.knots[0] is whole.knots[-1]
+    turns = [math.atan2(knot.middle[1], knot.middle[0]) for knot in whole.knots]
+    steps = [(b - a + math.pi) % (2 * math.pi) - math.pi for a, b in itertools.pairwise(turns)]
+    assert math.isclose(abs(sum(steps)), 2 * math.pi)

@@ -32,6 +32,7 @@ class Builder:
         self.nonnegative: list[bool] = []
         self.derivatives: dict[tuple[int, str], int] = {}
         self.scaled: dict[int, tuple[int, int]] = {}
+        self.switches: dict[int, int] = {}
         self._index: dict[Node, int] = {}
 
     def make(self, operation: str, *arguments: int, data: Data = None) -> int:

@@ -51,8 +51,11 @@ def is_defined_itself(local: Local, number: int) -> bool:
 
 def switch_of(builder: Builder, number: int) -> int:
     """The node whose sign decides which branch of abs, sign, min, max or select is taken."""
-    operation, arguments, _ = builder.nodes[number]
-    return arguments[0] if operation in {"abs", "sign"} else builder.sub(arguments[0], arguments[1])
+    if number not in builder.switches:
+        operation, arguments, _ = builder.nodes[number]
+        alone = operation in {"abs", "sign"}
+        builder.switches[number] = arguments[0] if alone else builder.sub(arguments[0], arguments[1])
+    return builder.switches[number]
 
 
 def is_legal(local: Local, number: int) -> bool:

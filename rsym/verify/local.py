@@ -65,6 +65,8 @@ class Model:
         self.axes = (*names, *(name for name, (low, high) in letters.items() if low != high))
         self._orders: dict[int, list[int]] = {}
         self._steps: dict[int, Step] = {}
+        self.resolutions: dict[tuple[object, ...], int] = {}  # by what they depend on, on whatever box
+        self.orders_of_contact: dict[tuple[object, ...], float] = {}
         self.multiplicities: dict[tuple[int, int], float] = {}
         self.contacts: Contacts | None = None
         self.root_axes: Axes | None = None
@@ -156,6 +158,7 @@ class Local:
         self.sides = list(sides)
         self.inputs = model.inputs(sides)
         self.values: dict[int, arb | None] = {}
+        self.decided: dict[int, tuple[int, ...]] = {}
 
     def value(self, number: int) -> arb | None:
         """A ball around all values of a node; None if it is nowhere defined."""

@@ -20,6 +20,7 @@ from rsym.verify.local import Local, Model
 from rsym.verify.locus import chosen
 from rsym.verify.polynomials import multiplicity
 
+DECIDED = BRANCHING - {"sign"} | {"trimming"}  # what a box may decide
 JUMPING = frozenset({"sign", "select"})  # what may have a value of its own where the switch is zero
 
 
@@ -71,6 +72,29 @@ def resolve(local: Local, number: int, switch: int, side: int, *, on_zeros: bool
     With `on_zeros` it is equal to the node where the switch is zero: what jumps has the value that it has there, the
     rest is continued from the side.
     """
+    known, key = local.model.resolutions, (number, switch, side, on_zeros, _decided(local, number))
+    if key not in known:
+        known[key] = _resolve(local, number, switch, side, on_zeros)
+    return known[key]
+
+
+def _decided(local: Local, number: int) -> tuple[int, ...]:
+    """The signs by which a box decides operations that a node needs: all of the box that its resolutions depend on."""
+    if number not in local.decided:
+        nodes = local.model.builder.nodes
+        parts = (part for part in local.model.order(number) if nodes[part].operation in DECIDED)
+        local.decided[number] = tuple(_decision(local, part) for part in parts)
+    return local.decided[number]
+
+
+def _decision(local: Local, part: int) -> int:
+    operation, arguments, _ = local.model.builder.nodes[part]
+    if operation == "trimming":
+        return int(local.sign(arguments[1]) > 0)
+    return 0 if chosen(local, part) is None else local.sign(switch_of(local.model.builder, part))
+
+
+def _resolve(local: Local, number: int, switch: int, side: int, on_zeros: bool) -> int:
     done: dict[int, int] = {}
     for part in local.model.order(number):
         jumps = on_zeros and local.model.builder.nodes[part].operation in JUMPING and not _sign(local, part, switch, 0)
@@ -179,6 +203,13 @@ def contact(local: Local, number: int, switch: int) -> float:
     (`Resolved`). Other generators must be excluded by the
     box. Where the resolutions are polynomials the order is also the multiplicity of u in their difference.
     """
+    known, key = local.model.orders_of_contact, (number, switch, _decided(local, number))
+    if key not in known:
+        known[key] = _contact(local, number, switch)
+    return known[key]
+
+
+def _contact(local: Local, number: int, switch: int) -> float:
     orders: dict[int, tuple[float, float]] = {}
     for part in local.model.order(number):
         orders[part] = _orders(local, part, switch, orders)

@@ -7,7 +7,7 @@ neither holds is narrowed and divided, and Newton's method looks for a new compo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -199,8 +199,21 @@ class Search:
             back = self._path(seed, -1, forth.knots[-1] if forth.end == "lost" else None)
         if not forth.tubes and (back is None or not back.tubes):
             return False
-        self._keep(_joined(forth, back, ACCURACY * self.curve.extent))
+        self._keep(self._continued(_joined(forth, back, ACCURACY * self.curve.extent)))
         return True
+
+    def _continued(self, component: Component) -> Component:
+        """A component with those that were followed before and that begin or end where it ends or begins."""
+        first, last = component.knots[0], component.knots[-1]
+        for known in self.components:
+            if component.ends[1] == "known" and known.knots[0] is last:
+                component = _appended(component, known)
+        if component.ends[0] == "known" and component.knots[-1] is first:  # it closed a gap
+            return replace(component, ends=("closed", "closed"))
+        for known in self.components:
+            if component.ends[0] == "known" and known.knots[-1] is first:
+                component = _appended(known, component)
+        return component
 
     def _keep(self, component: Component) -> None:
         """Take a component; of those that are one curve, for a face is grazed or an end was lost, the longest."""
@@ -213,10 +226,16 @@ class Search:
 
     def _path(self, seed: Knot, sense: int, goal: Knot | None = None) -> Path:
         """Follow the curve to a corner, else to the face on which it enters the box of one."""
-        path = Walk(self.curve, self.ground, seed, sense, goal, self.effort).path()
+        known = [one.knots[0 if sense > 0 else -1] for one in self.components if one.ends[sense < 0] == "face"]
+        path = Walk(self.curve, self.ground, seed, sense, goal, self.effort, known).path()
         if path.end == "corner" or self.ground.boxes.holds(path.knots[-1].middle):
             return path
-        return Walk(self.curve, self.ground.without_corners(), seed, sense, goal, self.effort).path()
+        return Walk(self.curve, self.ground.without_corners(), seed, sense, goal, self.effort, known).path()
+
+
+def _appended(one: Component, other: Component) -> Component:
+    """Two components of one curve; the second begins where the first ends."""
+    return Component(one.knots + other.knots[1:], one.tubes + other.tubes, (one.ends[0], other.ends[1]))
 
 
 def _joined(forth: Path, back: Path | None, beyond: float) -> Component:

@@ -35,7 +35,10 @@ _PARTS = 256
 
 @dataclass(frozen=True)
 class Path:
-    """What was followed: knots, the tubes between them, and how it ended: "closed", "face", "corner" or "lost"."""
+    """What was followed: knots, the tubes between them, and how it ended.
+
+    "closed" or "met" its own beginning or end, at the end of a "known" curve, at a "face" or a "corner", or "lost".
+    """
 
     knots: list[Knot]
     tubes: list[Tube]
@@ -64,7 +67,8 @@ class Ground:
 class Walk:
     """The way along a curve from one of its points, `sense` 1 along grad F x grad G, -1 against it.
 
-    `goal` is another point of the curve, at which the way may end as well: the last one of a way that was lost.
+    `goal` is another point of the curve, at which the way may end as well: the last one of a way that was lost. So
+    are those of `known`, at which ways that were followed before begin.
     """
 
     def __init__(
@@ -75,16 +79,18 @@ class Walk:
         sense: int,
         goal: Knot | None = None,
         effort: Effort | None = None,
+        known: Sequence[Knot] = (),
     ) -> None:
         self.effort = effort or Effort()
         self.curve, self.ground, self.start, self.sense = curve, ground, start, sense
-        self._ends = {"closed": [start], "met": [] if goal is None else [goal], "corner": ground.corners}
+        met = [] if goal is None else [goal]
+        self._ends = {"closed": [start], "met": met, "corner": ground.corners, "known": known}
         self._width = 0
 
     def path(self) -> Path:
         """Follow the curve to its end; no tube goes on beyond it, so that what is there is not taken for followed."""
         path = self._path()
-        if path.end in {"closed", "met"}:
+        if path.end in {"closed", "met", "known"}:
             return path
         beyond = ACCURACY * self.curve.extent
         return replace(path, tubes=[cut(tube, path.knots[-1], self.sense, beyond) for tube in path.tubes])
