@@ -510,3 +510,13 @@ def test_a_value_on_a_line_that_leads_to_the_edge_is_a_break(power):
     first = ParametricSurface((u, v, u * v + u**2))
     second = ParametricSurface((1 + u, v, (1 + u) * v + (1 + u) ** 2 + u**power * thin))
     assert continuity_report([first, second], prove=True).verdict != "CERTIFIED"
+
+
+@pytest.mark.parametrize(
+    "sector", [sp.Piecewise((0, v - THIRD > 2 * u), (1, v - THIRD > u), (0, True)), abs(v - u - THIRD)]
+)
+def test_pieces_that_meet_obliquely_to_an_edge_are_not_told_by_it(sector):
+    """A sector reaches the edge in one point only: on the edge nothing of it is seen, beside it the patch is torn."""
+    first = ParametricSurface((u, v, u * v + u**2))
+    second = ParametricSurface((1 + u, v, (1 + u) * v + (1 + u) ** 2 + u * sector))
+    assert continuity_report([first, second], prove=True).verdict != "CERTIFIED"

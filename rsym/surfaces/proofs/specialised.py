@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from rsym.codegen.builder import Builder
+from rsym.codegen.program import live
 from rsym.errors import RsymError
 
 Part: TypeAlias = tuple[Fraction, Fraction]
@@ -158,6 +159,8 @@ class Specialised:
         beside = BESIDE * (high - low)
         if choosing and slope and low - beside <= -constant / slope <= high + beside:
             self.joins.add(-constant / slope)
+            if self._is_oblique(a, b):
+                raise NoProof("pieces of a formula meet on a line that crosses the edge obliquely")
         if middle == 0 and slope == 0:
             self.lies_on_border |= choosing
             if self.literal:
@@ -167,6 +170,14 @@ class Specialised:
         if middle == 0:
             raise NoProof("the edge is where pieces of a formula meet")
         return 1 if middle > 0 else -1
+
+    def _is_oblique(self, a: int, b: int | None) -> bool:
+        """Whether a - b changes inwards too: beside its zero there may be pieces that the edge never has."""
+        nodes = self.source.nodes
+        parts = live(nodes, [a] if b is None else [a, b])
+        return self.inwards is not None and any(
+            nodes[part].operation == "input" and nodes[part].data == self.inwards[0] for part in parts
+        )
 
     def _beside(self, a: int, b: int | None) -> Fraction:
         """How a - b, zero on the line, grows from there inwards."""
