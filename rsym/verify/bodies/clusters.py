@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
+from itertools import combinations_with_replacement
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from rsym.codegen.balls import arb
@@ -101,44 +103,29 @@ def clusters(boxes: Sequence[Box]) -> list[Cluster]:
     >>> [len(one.boxes) for one in clusters([((0.0, 1.0), *unit), ((5.0, 6.0), *unit), ((1.0, 1.5), *unit)])]
     [2, 1]
     """
-    parents = list(range(len(boxes)))
-
-    def top(number: int) -> int:
-        while parents[number] != number:
-            parents[number] = parents[parents[number]]
-            number = parents[number]
-        return number
-
-    for first, second in _touching(boxes):
-        a, b = sorted((top(first), top(second)))
-        parents[b] = a
+    if not boxes:
+        return []
+    pairs = _touching(np.array(boxes, dtype=np.float64))
+    graph = coo_array((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(len(boxes),) * 2)
     groups: dict[int, list[Box]] = {}
-    for number, box in enumerate(boxes):
-        groups.setdefault(top(number), []).append(box)
+    for box, label in zip(boxes, connected_components(graph, directed=False)[1].tolist(), strict=True):
+        groups.setdefault(label, []).append(box)
     return [Cluster(tuple(group)) for group in groups.values()]
 
 
-def _touching(boxes: Sequence[Box]) -> Iterator[tuple[int, int]]:
-    """Pairs of boxes that touch, each at least once: by a grid for every size, which is that of its cells."""
-    sizes = [math.frexp(max(high - low for low, high in box[:3]))[1] for box in boxes]
-    grids: dict[int, dict[tuple[int, ...], list[int]]] = {size: {} for size in sorted(set(sizes))}
-    for number, (box, size) in enumerate(zip(boxes, sizes, strict=True)):
-        for cell in _cells(box, size):
-            grids[size].setdefault(cell, []).append(number)
-    for number, (box, size) in enumerate(zip(boxes, sizes, strict=True)):
-        for other_size, grid in grids.items():
-            if other_size < size:
-                continue
-            for cell in _cells(box, other_size):
-                for other in grid.get(cell, ()):
-                    if other != number and _touch(box, boxes[other]):
-                        yield number, other
-
-
-def _cells(box: Box, size: int) -> Iterator[tuple[int, ...]]:
-    scale = 2.0**size
-    return product(*(range(math.floor(low / scale), math.floor(high / scale) + 1) for low, high in box[:3]))
-
-
-def _touch(a: Box, b: Box) -> bool:
-    return all(first[0] <= second[1] and second[0] <= first[1] for first, second in zip(a, b, strict=True))
+def _touching(ends: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Pairs of boxes (n, axes, 2) that touch: among those with near middles, for each two sizes."""
+    low, high = ends[..., 0], ends[..., 1]
+    middles, widths = (low + (high - low) / 2)[:, :3], (high - low)[:, :3].max(axis=1)
+    rounded = 4 * np.spacing(np.abs(ends).max())
+    sizes = np.frexp(widths)[1]
+    groups = [np.flatnonzero(sizes == size) for size in np.unique(sizes)]
+    trees = [cKDTree(middles[group]) for group in groups]
+    found = []
+    for (one, tree), (other, beside) in combinations_with_replacement(zip(groups, trees, strict=True), 2):
+        reach = (widths[one].max() + widths[other].max()) / 2 + rounded
+        near = tree.sparse_distance_matrix(beside, reach, p=math.inf, output_type="ndarray")
+        i, j = one[near["i"]], other[near["j"]]
+        touch = ((low[i] <= high[j]) & (low[j] <= high[i])).all(axis=1)
+        found.append(np.column_stack([i[touch], j[touch]]))
+    return np.concatenate(found)
