@@ -52,6 +52,34 @@ def test_an_absorbed_leaf_takes_its_domain_along(second):
     assert rsym.verify_smoothness(plane(whole)).verdict != "CERTIFIED"
 
 
+# --- leaves that touch from outside in a point ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("place", [(0, 0), (sp.Rational(1, 2), sp.Rational(-1, 3))])
+@pytest.mark.parametrize("direction", [(1, 0), (sp.Rational(3, 5), sp.Rational(4, 5))])
+def test_curves_that_touch_from_outside(place, direction):
+    """n > a t**2 or n < b t**2: four half-branches if a > b, else all but one point; of "and" the other way round."""
+    (p, q), (c, s) = place, direction
+    n, t = c * (x - p) + s * (y - q), c * (y - q) - s * (x - p)
+    for a, b in ((2, -1), (2, 1), (1, 2), (-1, 2)):
+        f, g = (n - a * t**2) * sp.exp(x), b * t**2 - n + n * t
+        for joined, apart in ((disjunction(f, g), a > b), (conjunction(f, g), a < b)):
+            report = rsym.verify_smoothness(
+                rsym.Shape(joined, (x, y), bounds=((p - 0.1, p + 0.09), (q - 0.08, q + 0.1)))
+            )
+            (found,) = report.defects
+            assert (report.verdict, found.proved, found.branches) == ("DEGENERATE", True, 4 if apart else 0)
+            assert found.kind == ("node" if apart else "isolated point")
+
+
+def test_discs_and_balls_that_touch():
+    first, second = (1 - (x - shift) ** 2 - y**2 for shift in (1, -1))
+    assert rsym.verify_smoothness(plane(disjunction(first, second), 3)).verdict == "DEGENERATE"
+    assert rsym.verify_smoothness(plane(disjunction(first, -x), 3)).verdict == "DEGENERATE"
+    turned = rsym.verify_smoothness(body(disjunction(first - z**2, second - z**2), 3))
+    assert (turned.verdict, turned.body) == ("DEGENERATE", True)
+
+
 # --- the axis of a body of revolution ------------------------------------------------------------------------------
 
 

@@ -25,6 +25,7 @@ from rsym.verify.polynomials import polynomial_of
 from rsym.verify.probing import Sample, classify
 from rsym.verify.report import Joint
 from rsym.verify.root_classes import curvature_jump
+from rsym.verify.tangencies import classify_tangency
 from rsym.verify.vanishing import SIMPLE, Exact, as_fraction
 
 CROWD = 400  # boxes: points that resist leave one to thirty
@@ -82,7 +83,7 @@ def _classified(model: Model, group: Sequence[tuple[Box, Finding]], extent: floa
         if finding is None:
             continue  # what vanishes there is not what is left over here
         point = place.point if point is None else point
-        proved = _polygon(model, finding, place.point) or _directed(model, place) or _rooted(model, finding, place)
+        proved = _polygon(model, finding, place.point) or _directed(model, place) or _at_rational(model, finding, place)
         if proved is not None:
             return proved
     if point is None:
@@ -98,7 +99,8 @@ def _holds(box: Box, point: tuple[arb, arb]) -> bool:
 def _rational(point: tuple[arb, arb]) -> tuple[Fraction, Fraction] | None:
     """The simple fractions of a point that was snapped to them."""
     x, y = (as_fraction(value).limit_denominator(SIMPLE) for value in point)
-    return (x, y) if point[0].contains(exact(x)) and point[1].contains(exact(y)) else None
+    with ctx.workprec(2 * LOCATED):  # a third is a ball too, narrower than that of the point
+        return (x, y) if point[0].contains(exact(x)) and point[1].contains(exact(y)) else None
 
 
 def _directed(model: Model, place: Place) -> Joint | None:
@@ -118,15 +120,17 @@ def _directed(model: Model, place: Place) -> Joint | None:
     return classify_by_directions(model, (zero.box[0], zero.box[1]), frozenset(place.pair))
 
 
-def _rooted(model: Model, finding: Finding, place: Place) -> Joint | None:
-    """At a rational point, one leaf with a root of class 1, whose curvatures on both sides differ."""
+def _at_rational(model: Model, finding: Finding, place: Place) -> Joint | None:
+    """At a rational point: two leaves that touch, or one with a root of class 1, whose curvatures differ."""
     rational = _rational(place.point)
-    if rational is None or finding.locus.kind != "leaf":
+    if rational is None:
         return None
     with ctx.workprec(PRECISE):
         balls = [exact(part) for part in rational]
         local = model.on([part + arb(0, AROUND) for part in balls])
         known = Exact(local, dict(zip(model.builder.coordinates, rational, strict=True)), frozenset())
+        if finding.locus.kind != "leaf":
+            return classify_tangency(known, model.on(balls))
         jump = curvature_jump(known, model.on(balls), finding.locus.nodes[0])
     if jump is None:
         return None
