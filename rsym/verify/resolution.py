@@ -21,6 +21,7 @@ from rsym.verify.locus import chosen
 from rsym.verify.polynomials import multiplicity
 
 DECIDED = BRANCHING - {"sign"} | {"trimming"}  # what a box may decide
+OPEN = 2  # where it decides nothing: a choice of one function is decided though what it tests may be zero
 JUMPING = frozenset({"sign", "select"})  # what may have a value of its own where the switch is zero
 
 
@@ -91,7 +92,7 @@ def _decision(local: Local, part: int) -> int:
     operation, arguments, _ = local.model.builder.nodes[part]
     if operation == "trimming":
         return int(local.sign(arguments[1]) > 0)
-    return 0 if chosen(local, part) is None else local.sign(switch_of(local.model.builder, part))
+    return OPEN if chosen(local, part) is None else local.sign(switch_of(local.model.builder, part))
 
 
 def _resolve(local: Local, number: int, switch: int, side: int, on_zeros: bool) -> int:
