@@ -7,11 +7,12 @@ import sympy as sp
 from closeness import assert_close
 
 import rsym
-from rsym import RsymError, Shape, x, y, z
+from rsym import Rp, RsymError, RsymWarning, Shape, x, y, z
 from rsym.model import rnodes
 from rsym.model.nodes import Trimming
 from rsym.model.traversal import postorder
 
+pytestmark = pytest.mark.filterwarnings("ignore:the shape has corners")
 DIGITS = 60
 ELLIPSE = 1 - x**2 / 9 - y**2
 QUADRATIC = x * y / 2 - x**2 - 2 * y**2 + x + y + 3
@@ -102,10 +103,11 @@ def along(function, point, normal):
 CASES = [(name, order) for name in (*PLANE, *SPACE) for order in (1, 2, 3) if (name, order) != ("skeleton", 3)]
 
 
+@pytest.mark.parametrize("keep_sign", [False, True])
 @pytest.mark.parametrize(("name", "order"), CASES)
-def test_the_derivatives_along_the_normal(name, order):
+def test_the_derivatives_along_the_normal(name, order, keep_sign):
     equation, start = {**PLANE, **SPACE}[name]
-    unit = rsym.normalise(Shape(equation, (x, y, z)[: len(start)]), order=order, length=2)
+    unit = rsym.normalise(Shape(equation, (x, y, z)[: len(start)]), order=order, length=2, keep_sign=keep_sign)
     with mpmath.workdps(DIGITS):
         point, normal = foot(function_of(equation), start)
         found = along(function_of(unit.expression), point, normal)
@@ -182,3 +184,91 @@ def test_an_order_must_be_a_positive_integer(order):
 def test_a_length_must_be_positive(length):
     with pytest.raises(RsymError):
         rsym.normalise(Shape(x, (x, y)), length=length)
+
+
+SQUARE = rsym.rectangle(2, 2)
+ANGLE = rsym.polygon([(-1, -1), (1, -1), (1, 0), (0, 0), (0, 1), (-1, 1)]) - rsym.disc(0.2, (-0.5, -0.5))
+CORNERED = {
+    "square": (SQUARE, 1.3),
+    "an L with a hole": (ANGLE, 1.3),
+    "pentagon": (rsym.regular_polygon(5), 1.3),
+    "a star": (rsym.polygon([(3, 0), (1, 1), (0, 3), (-1, 1), (-3, 0), (-1, -1), (0, -3), (1, -1)]), 3.5),
+    "the car from the side": (rsym.section(rsym.paper.car(), z, 0.2), None),
+}
+
+
+def over_a_grid(shape, half, count=401):
+    """The values of omega and of another function over a grid that holds the corners and sides, and beyond."""
+    box = shape.bounds if half is None else ((-half, half),) * 2
+    lines = [np.linspace(*side, count) for side in box]
+    return np.meshgrid(*lines)
+
+
+@pytest.mark.parametrize("name", CORNERED)
+def test_the_sign_of_omega_is_kept(name):
+    shape, half = CORNERED[name]
+    points = over_a_grid(shape, half)
+    omega = rsym.compile(shape, backend="numpy")(*points)["value"]
+    unit = rsym.normalise(shape, order=2, keep_sign=True)
+    found = rsym.compile(unit, backend="numpy")(*points)["value"]
+    clear = np.abs(omega) > 1e-9  # omega rounds to 0 or beside it on a side
+    assert clear.mean() > 0.9
+    assert (np.sign(found[clear]) == np.sign(omega[clear])).all()
+    first = rsym.compile(shape, "normalised", backend="numpy")(*points)["normalised"]
+    assert (np.abs(found[clear] / first[clear] - 1) <= 0.5 + 1e-12).all()
+
+
+def test_the_undamped_form_changes_the_sign_within_a_square():
+    """Red proof: it is what `keep_sign` is for."""
+    inside = np.linspace(-0.999, 0.999, 200)
+    with pytest.warns(RsymWarning, match=r"corners.*keep_sign.*Rp\(4\)"):
+        plain = rsym.normalise(SQUARE, order=2)
+    values = rsym.compile(plain)(*np.meshgrid(inside, inside))["value"]
+    assert (values < 0).mean() > 0.1
+
+
+def test_the_boundary_of_a_square_is_one_curve():
+    kept = rsym.normalise(SQUARE, order=2, keep_sign=True)
+    assert len(rsym.level_lines(kept)) == 1
+    assert len(rsym.level_lines(rsym.normalise(SQUARE, order=2))) > 1
+
+
+def test_the_kept_sign_is_of_order_2_at_the_worst_points_that_are_found():
+    shape = Shape(ELLIPSE, (x, y), bounds=((-4, 4), (-2, 2)))
+    report = rsym.verify_normalisation(rsym.normalise(shape, 2, keep_sign=True), 2, resolution=48, work=0)
+    assert_close([place.deviation for place in report.worst], [0, 0], atol=1e-20)
+
+
+WITHOUT_CORNERS = {
+    "an ellipse": Shape(ELLIPSE, (x, y)),
+    "operands that never vanish together": Shape(rsym.conjunction(1 - x**2, 2 - x**2), (x, y)),
+    "min": Shape(rsym.conjunction(x, 1 - y, system=rsym.R1), (x, y)),
+    "the body of Fig. 11": SKELETON,
+}
+
+
+@pytest.mark.parametrize("name", WITHOUT_CORNERS)
+@pytest.mark.filterwarnings("error")
+def test_nothing_is_warned_of_without_corners(name):
+    rsym.normalise(WITHOUT_CORNERS[name], order=2)
+
+
+@pytest.mark.filterwarnings("error")
+def test_nothing_is_warned_of_where_the_sign_is_kept_and_at_order_1():
+    rsym.normalise(SQUARE, order=2, keep_sign=True)
+    rsym.normalise(SQUARE)
+
+
+@pytest.mark.parametrize("system", [rsym.R0m(2), rsym.RAlpha(0.5), Rp(4)])
+def test_corners_in_every_system_are_warned_of(system):
+    with pytest.warns(RsymWarning, match="corners"):
+        rsym.normalise(SQUARE.with_system(system), order=2)
+
+
+def test_half_planes_in_another_system_keep_the_order_that_the_warning_names():
+    triangle = rsym.polygon([(0, 0), (3, 0), (0, 2)])
+    kept = triangle.with_system(Rp(4))
+    with mpmath.workdps(DIGITS):
+        along_a_side = along(lambda p: kept.expression.subs({x: p[0], y: p[1]}).evalf(DIGITS), (1, 0), (0, 1))
+    assert_close(np.array(along_a_side[:3], float), [1.0, 0.0, 0.0], atol=1e-9)
+    assert kept.contract().order == 3

@@ -279,3 +279,55 @@ def test_a_picture_of_a_model_in_another_system_needs_one_line():
         shape = rsym.loads(model.format(text))
         expected = rsym.compile(Shape(system.conjunction(1 - x**2, 1 - y**2), (x, y)))(0.3, 0.4)["value"]
         assert_close(rsym.compile(shape)(0.3, 0.4)["value"], float(expected), rtol=1e-14)
+
+
+MODEL = """
+coordinates x y
+letter a = 2
+f = conjunction(a - x, y)
+g = disjunction(1 - y, x + 3)
+omega = difference(f, g)
+"""
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_another_system_is_the_same_logic(system):
+    body = rsym.rectangle(2, 2) | Shape(x + y - 1, (x, y)) & Shape(2 - x, (x, y))
+    moved = body.with_system(system)
+    points = np.random.default_rng(7).uniform(-3, 3, (2, 500))
+    before, after = (rsym.compile(shape, backend="numpy")(*points)["value"] for shape in (body, moved))
+    assert (np.sign(before) == np.sign(after)).all()
+    assert moved.with_system(R0) == body
+
+
+def test_another_system_reaches_parts_definitions_and_what_lies_within_sums():
+    body = rsym.loads(MODEL)
+    moved = body.named("body").with_system(Rp(4))
+    assert dict(moved.parts)["body"] == moved.expression
+    assert [str(value) for _, value in moved.definitions] == [
+        "conjunction(a - x, y, system=Rp(4))",
+        "disjunction(1 - y, x + 3, system=Rp(4))",
+        "conjunction(f, -g, system=Rp(4))",
+    ]
+    assert moved.letters == body.letters
+    offset = Shape(conjunction(x, y) - 1, (x, y)).with_system(Rp(4))
+    assert offset.expression == conjunction(x, y, system=Rp(4)) - 1
+
+
+def test_another_system_leaves_blends_and_other_functions():
+    blend = Shape(rsym.Rho(1).conjunction(x, y) + sp.Min(x, y), (x, y))
+    assert blend.with_system(R1) == blend
+
+
+def test_a_system_may_bring_a_letter():
+    moved = (Shape(x, (x, y)) & Shape(y, (x, y))).with_system(RAlpha(alpha), letters={alpha: 0.5})
+    assert moved.expression == conjunction(x, y, system=RAlpha(alpha))
+    assert moved.letters["alpha"].default == 0.5
+    with pytest.raises(RsymError, match="neither coordinate nor letter"):
+        (Shape(x, (x, y)) & Shape(y, (x, y))).with_system(RAlpha(alpha))
+
+
+@pytest.mark.parametrize("wrong", ["Rp", 4, Rp, None])
+def test_what_is_no_system_is_refused(wrong):
+    with pytest.raises(RsymError, match="expected an R-system"):
+        Shape(x, (x, y)).with_system(wrong)

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import sympy as sp
 
 from rsym.analysis.differential import derivative, gradient
 from rsym.analysis.tensors import indices, partials, unit_index, weight
-from rsym.errors import RsymError
+from rsym.errors import RsymError, RsymWarning
+from rsym.model.contracts.promises import Singularity
+from rsym.model.contracts.summary import singularities
+from rsym.model.contracts.table import Promises
 from rsym.model.primitives.theorem import normalised
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression
 from rsym.model.vectors import squared
 
+_LOGIC = frozenset({"conjunction", "disjunction", "equivalence", "joining", "SARDF"})
 
-def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
+
+def normalise(shape: Shape, order: int = 1, length: Any = 1, *, keep_sign: bool = False) -> Shape:
     """The same boundary by a function omega_m that is the distance from it, up to terms of order m + 1.
 
     omega_1 = omega/sqrt(omega**2/L**2 + |grad omega|**2), and for m = 2, 3, ...
@@ -28,7 +34,19 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
     d^k omega_m/d nu^k = 0 for k = 2..m, wherever omega is smooth enough and grad omega is not zero. From m = 2 on
     the Laplacian there is minus the curvature of the boundary, in space minus twice its mean curvature.
     Far away omega_1 tends to the length L in absolute value; L = 1 is the form of the source. From order 2 on
-    omega_m may vanish, and change its sign, at a distance from the boundary at which the correction is no longer small.
+    omega_m may vanish, and change its sign, where the correction is no longer small: at a distance from a smooth
+    boundary, but from a corner on, for there the derivatives grow as it comes near. That is warned of. Remedies:
+    `keep_sign`; or leaves of order m, distances for one, joined in ``Rp(p)`` with an even p > m, keep that order:
+    half-planes in ``shape.with_system(Rp(4))`` are of order 3 (the strips of a rectangle are of order 1 only).
+
+    With `keep_sign` the correction is damped by its own size. With r = omega_(m-1)**(m-1) * D_m omega_(m-1) / m!
+
+        omega_m = omega_(m-1) * (1 - r/(1 + r**2))
+
+    Sign: |r/(1 + r**2)| <= 1/2, so omega_m lies between omega_(m-1)/2 and 3/2 of it, and has the sign of omega
+    everywhere. Order: it differs from the form above by omega_(m-1)*r**3/(1 + r**2), of order 3*m - 2 > m in
+    omega_(m-1), so the derivatives to order m are the same on the boundary. Smoothness: 1 + r**2 is not zero, so it is
+    of the class of the form above, C^(k-m) where omega_(m-1) is C^k, and analytic where that is.
 
     Parameters
     ----------
@@ -38,6 +56,8 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
         m >= 1. omega_1 takes first derivatives of omega, and the step to order m takes m more.
     length : number or expression
         L > 0, in the unit of the coordinates.
+    keep_sign : bool
+        Whether omega_m has the sign of omega everywhere. No change at order 1, which always has it.
 
     Returns
     -------
@@ -47,6 +67,11 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
         the body of Fig. 11 59, 340, 36 000 (8 s); the car at order 2 17 000 (2 s), at order 3 out of reach. For numbers
         the fields ``normalised_2`` and ``normalised_3`` of `compile` are the same function with L = 1, derived
         in the program: with their gradients 1.5 to 15 times smaller (the car at order 2 takes 62 000 operations).
+
+    Warns
+    -----
+    RsymWarning
+        For an order of 2 or more, without `keep_sign`, of a shape whose contract shows edges of R-operations.
 
     Raises
     ------
@@ -65,19 +90,39 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1) -> Shape:
     >>> unit = rsym.compile(rsym.normalise(disc, order=2), ("gradient_squared", "laplacian"))(0.6, 0.8)
     >>> round(float(unit["gradient_squared"]), 12), round(float(unit["laplacian"]), 12)
     (1.0, -1.0)
+    >>> square = rsym.normalise(rsym.rectangle(2, 2), order=2, keep_sign=True)
+    >>> len(rsym.level_lines(square))
+    1
     """
     if isinstance(order, bool) or not isinstance(order, int) or order < 1:
         raise RsymError(f"the order must be a positive integer, got {order!r}", code="order", remedy="use order=1")
     unit = as_expression(length)
     if unit.is_number and not unit.is_positive:
         raise RsymError(f"the length must be positive, got {length}", code="length")
+    if order > 1 and not keep_sign and (corners := _corners(shape)):
+        warnings.warn(_warning(order, len(corners)), RsymWarning, stacklevel=2)
     result = normalised(shape.expression, squared(gradient(shape)), unit)
     for step in range(2, order + 1):
-        result = _next_order(result, step, shape.coordinates)
+        result = _next_order(result, step, shape.coordinates, keep_sign=keep_sign)
     return shape.replace(expression=result)
 
 
-def _next_order(lower: sp.Expr, order: int, coordinates: tuple[sp.Symbol, ...]) -> sp.Expr:
+def _corners(shape: Shape) -> list[Singularity]:
+    """Where two operands of an R-operation vanish together; min and max have their kinks elsewhere."""
+    lost = singularities(Promises(shape.expression), shape.coordinates, shape.letters)
+    return [item for item in lost if item.operation in _LOGIC and len(item.equations) == 2]
+
+
+def _warning(order: int, count: int) -> str:
+    places = "where operands of an R-operation vanish together" + (f", in {count} places of the formula" * (count > 1))
+    return (
+        f"the shape has corners or edges ({places}): normalised to order {order} omega may change its sign inside, "
+        f"beginning at them; remedy: normalise(..., keep_sign=True), or make the shape of leaves of order {order} and "
+        f"take shape.with_system(Rp({order + 1 + (order + 1) % 2})), which keeps their order"
+    )
+
+
+def _next_order(lower: sp.Expr, order: int, coordinates: tuple[sp.Symbol, ...], *, keep_sign: bool) -> sp.Expr:
     """omega_m from omega_(m-1)."""
     size = len(coordinates)
     found = partials(lower, order, coordinates, derivative)
@@ -87,4 +132,7 @@ def _next_order(lower: sp.Expr, order: int, coordinates: tuple[sp.Symbol, ...]) 
         share = weight(index)
         powers = (slope**count for slope, count in zip(slopes, index, strict=True))
         terms.append(sp.Mul(sp.Rational(share.numerator, share.denominator), found[index], *powers))
-    return lower - lower**order * sp.Add(*terms)
+    correction = lower**order * sp.Add(*terms)
+    if keep_sign:
+        correction /= 1 + (lower ** (order - 1) * sp.Add(*terms)) ** 2
+    return lower - correction

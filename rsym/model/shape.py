@@ -17,7 +17,7 @@ from rsym.model.letters import Letter, Letters, as_letters
 from rsym.model.motions import Movable
 from rsym.model.names import symbol_names
 from rsym.model.symbols import as_expression, real_replacements
-from rsym.model.systems import R0
+from rsym.model.systems import R0, RSystem, in_system
 from rsym.model.traversal import postorder, substitute, symbols_of
 
 if TYPE_CHECKING:
@@ -174,6 +174,48 @@ class Shape(Movable):
             bounds=self.bounds,
             definitions=self.definitions,
             parts=(*others, (name, self.expression)),
+        )
+
+    def with_system(self, system: RSystem, *, letters: Mapping[Any, Letter | float] | None = None) -> Shape:
+        """The same logic in another R-system: every conjunction and disjunction becomes that of `system`.
+
+        The sign of an R-function depends on the signs of its operands alone, so among the systems R_0, R_1, R_alpha,
+        R_0^m and R_p neither the inside nor the boundary changes; what changes is how smooth omega is, and to which
+        order it is normalised: of leaves of order m, distances for one, R_p with an even p > m makes a function of
+        order m. Blends stay as they are, min and max too; in a system of blends every edge becomes a fillet. What was
+        made of derivatives (`normalise`) keeps those of the old system, so the system is changed before.
+
+        Parameters
+        ----------
+        system : RSystem
+            For example ``Rp(4)``.
+        letters : mapping, optional
+            The value of a letter that is the parameter of the system.
+
+        Raises
+        ------
+        RsymError
+            For what is no system, or one with an unknown letter.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> from rsym import x, y
+        >>> quadrant = rsym.Shape(x, (x, y)) & rsym.Shape(y, (x, y))
+        >>> quadrant.with_system(rsym.Rp(4)).expression
+        conjunction(x, y, system=Rp(4))
+        >>> quadrant.contract().order, quadrant.with_system(rsym.Rp(4)).contract().order
+        (1, 3)
+        """
+        if not isinstance(system, RSystem):
+            raise RsymError(f"expected an R-system, got {system!r}", code="system", remedy="for example Rp(4) or R1")
+        return Shape(
+            in_system(self.expression, system),
+            self.coordinates,
+            letters=self.letters.merge(letters),
+            bounds=self.bounds,
+            definitions=tuple((name, in_system(value, system)) for name, value in self.definitions),
+            parts=tuple((name, in_system(part, system)) for name, part in self.parts),
         )
 
     def contract(self) -> Contract:

@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
+from rsym.model.nodes import Composition
 from rsym.model.rnodes import (
     R0Conjunction,
     R0Disjunction,
@@ -23,10 +24,12 @@ from rsym.model.rnodes import (
     R1Disjunction,
     RAlphaConjunction,
     RAlphaDisjunction,
+    ROperation,
     RpConjunction,
     RpDisjunction,
 )
 from rsym.model.symbols import as_expression
+from rsym.model.traversal import rebuild
 
 
 @dataclass(frozen=True)
@@ -214,6 +217,24 @@ class Rp(RSystem):
     def disjunction(self, *operands: sp.Expr) -> sp.Expr:
         """Return f + g + (|f|**p + |g|**p)**(1/p), folded from the left."""
         return RpDisjunction(self.p, *operands)
+
+
+def in_system(expression: sp.Expr, system: RSystem) -> sp.Expr:
+    """The expression with every conjunction and disjunction in another system; blends stay.
+
+    Examples
+    --------
+    >>> from rsym import R1, conjunction, disjunction, x, y
+    >>> in_system(conjunction(x, disjunction(y, -x)), R1)
+    conjunction(x, disjunction(y, -x, system=R1), system=R1)
+    """
+
+    def moved(part: sp.Basic) -> sp.Basic | None:
+        if not isinstance(part, ROperation) or isinstance(part, Composition):
+            return None
+        return (system.conjunction if part.sign < 0 else system.disjunction)(*part.operands)
+
+    return rebuild(expression, moved)
 
 
 def _parameter(name: str, value: Any, wanted: str, accepts: Callable[[Any], bool]) -> sp.Expr:
