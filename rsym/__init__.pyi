@@ -69,7 +69,7 @@ from .output.surfaces import plot_mesh
 from .output.sweep import plot_sweep
 from .output.verdicts import plot_verdict
 from .sampling.contours import LevelLines, level_lines
-from .sampling.curvatures import vertex_curvatures
+from .sampling.curvatures import corner_curvatures, vertex_curvatures
 from .sampling.extent import extent
 from .sampling.mesh import Mesh
 from .sampling.meshing import Mesher, mesh
@@ -147,6 +147,7 @@ __all__ = [
     "cone",
     "conjunction",
     "continuity",
+    "corner_curvatures",
     "curvature",
     "cyclic",
     "cylinder",

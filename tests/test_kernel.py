@@ -143,6 +143,13 @@ def test_a_kernel_shows_its_code():
     assert "define void @kernel" in rsym.compile(SHAPE, backend="llvm").source
 
 
+def test_directions_of_a_plane_that_are_rounding_do_not_look_miscompiled():
+    plane = z + x * sp.cos(x * y) ** 2 + x * sp.sin(x * y) ** 2
+    found = rsym.compile(Shape(plane, (x, y, z)), ("principal_curvatures", "principal_directions"))(0.3, 0.4, 0.5)
+    assert np.abs(found["principal_curvatures"]).max() < 1e-14
+    assert_close(np.linalg.norm(found["principal_directions"], axis=-1), [1.0, 1.0], atol=1e-12)
+
+
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 def test_a_miscompiled_kernel_is_not_handed_out(monkeypatch, dtype):
     """Red proof of the check at 32 points."""

@@ -274,7 +274,7 @@ def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
             node, sign = arguments[1], sign if factor > 0 else -sign
         else:
             break
-    return _program(builder, Calculus(builder, node if sign > 0 else builder.neg(node)), fields)
+    return fields_program(Calculus(builder, node if sign > 0 else builder.neg(node)), fields)
 
 
 def program_of(
@@ -289,17 +289,18 @@ def program_of(
     calculus = Calculus(builder, lower(builder, shape.expression))
     if of != "value":
         calculus = Calculus(builder, calculus.scalar(of))
-    return _program(builder, calculus, fields, share)
+    return fields_program(calculus, fields, share)
 
 
 def _builder_for(shape: Shape) -> Builder:
     return Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(shape.letters))
 
 
-def _program(builder: Builder, calculus: Calculus, fields: Sequence[str], share: Fraction | None = None) -> Program:
+def fields_program(calculus: Calculus, fields: Sequence[str], share: Fraction | None = None) -> Program:
+    """The program that computes the fields of one node; `share` as in `program_of`."""
     found = {field: outputs_of(calculus, field) for field in checked_fields(fields)}
     if share is not None:
         existence = Existence(calculus, share)
         for field, parts in found.items():
             found[field] = {name: existence.kept(field, node) for name, node in parts.items()}
-    return builder.program({name: node for parts in found.values() for name, node in parts.items()})
+    return calculus.builder.program({name: node for parts in found.values() for name, node in parts.items()})

@@ -17,11 +17,13 @@ from typing import NamedTuple
 
 from rsym.codegen.builder import Builder
 from rsym.codegen.lowering import lower
+from rsym.codegen.program import live
 from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
 
 CONJUNCTIONS = frozenset({"r0_conjunction", "r_alpha_conjunction", "r0m_conjunction", "rp_conjunction", "min"})
 DISJUNCTIONS = frozenset({"r0_disjunction", "r_alpha_disjunction", "r0m_disjunction", "rp_disjunction", "max"})
+_KINKED = frozenset("abs sign min max select joining equivalence absolute_power signed_power".split())
 
 
 class Gate(NamedTuple):
@@ -101,6 +103,12 @@ def surface_form(shape: Shape) -> SignForm:
     """
     names = tuple(symbol.name for symbol in shape.coordinates)
     builder = Builder(names, (*shape.letters, *(letter for name in names for letter in cap_letters(name))))
+    return sign_form(builder, lower(builder, with_gates(shape.expression)))
+
+
+def shape_form(shape: Shape) -> SignForm:
+    """The sign form in the coordinates and letters of a shape alone: the same leaves, in the same order."""
+    builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(shape.letters))
     return sign_form(builder, lower(builder, with_gates(shape.expression)))
 
 
@@ -184,6 +192,12 @@ def stripped(builder: Builder, number: int, sign: int) -> Signed:
             number = arguments[0]
         else:
             return Signed(number, sign)
+
+
+def has_kinks(builder: Builder, leaf: int) -> bool:
+    """Whether a leaf has an operation inside that may make a kink in its zero set."""
+    operations = {builder.nodes[number].operation for number in live(builder.nodes, [leaf])}
+    return bool(operations & _KINKED) or any("junction" in operation for operation in operations)
 
 
 def is_positive(builder: Builder, number: int) -> bool:

@@ -16,7 +16,7 @@ from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.output.parts import face_colours, part_colours
 from rsym.output.shading import INSIDE, decode, linear, unit
-from rsym.sampling.curvatures import NearSurface
+from rsym.sampling.leaf_fields import LeafFields
 from rsym.sampling.mesh import Mesh
 
 Floats = NDArray[np.float64]
@@ -34,6 +34,8 @@ ROBUST_RANGE = (0.02, 0.98)
 # Less than this share of the other values, or of the curvature of a ball as large as the body, is rounding.
 NOTHING = 1e-9
 UNDEFINED = "#9a9a9a"
+# Of a colour bar, by whether values lie below and above it.
+EXTENSIONS = {(False, False): "neither", (False, True): "max", (True, False): "min", (True, True): "both"}
 STRIPES = 7  # pairs of bands between straight down and straight up
 DARK, LIGHT = "#1c1c1c", "#f7f7f7"
 
@@ -72,13 +74,14 @@ def coat_of(
     colour_by: str | ArrayLike | None,
     shape: Shape | None,
     letters: Mapping[Any, float] | None,
+    limits: tuple[float, float] | None = None,
 ) -> Coat:
     """The paint of a mesh with the corner normals (m, 3, 3), as `plot_mesh` describes it."""
     if colour_by is None:
         return one_colour(colour)
     if not isinstance(colour_by, str):
         given = _at_corners(mesh, colour_by)
-        return value_coat(between_corners(given), robust_limits(given), "")
+        return value_coat(between_corners(given), given, "", limits=limits, shares=_areas(mesh))
     if colour_by == "zebra":
         return Coat(zebra(mesh, normals, shape, letters))
     if colour_by == "part":
@@ -87,21 +90,23 @@ def coat_of(
         names = ", ".join((*MAPS, "zebra", "part"))
         raise RsymError(f"no map {colour_by!r}", code="colour-by", remedy=f"choose from {names}, or give an array")
     field, component, power, label = MAPS[colour_by]
-    size = float(np.ptp(mesh.vertices, axis=0).max())
+    unit = (2 / float(np.ptp(mesh.vertices, axis=0).max())) ** power
     if shape is None:
         if mesh.curvatures is None:
             raise RsymError(f"a map of {colour_by} needs the equation", code="colour-by", remedy="give shape=")
         known = mesh.curvatures(field)
         at_corners = known if component is None else known[..., component]
-        return value_coat(between_corners(at_corners), robust_limits(at_corners, (2 / size) ** power), label)
-    surface, reach = NearSurface(shape, (field,), letters), _reach(mesh)
+        return value_coat(between_corners(at_corners), at_corners, label, unit, limits, _areas(mesh))
+    on_faces = LeafFields(shape, (field,), letters).on_faces(mesh)
 
-    def values(points: Floats) -> Floats:
-        found = surface.at(points, reach)[field]
+    def values(spots: Spots) -> Floats:
+        found = on_faces(spots.faces, spots.weights)[field]
         return found if component is None else found[:, component]
 
-    limits = robust_limits(values(mesh.vertices), (2 / size) ** power)
-    return value_coat(lambda spots: values(_points(mesh, spots)), limits, label)
+    middles = on_faces(np.arange(len(mesh.faces)), np.full(mesh.faces.shape, 1 / 3))[field]
+    return value_coat(
+        values, middles if component is None else middles[:, component], label, unit, limits, _areas(mesh)
+    )
 
 
 def one_colour(colour: str, inside: str = INSIDE) -> Coat:
@@ -119,15 +124,26 @@ def part_coat(mesh: Mesh, inside: str | None = INSIDE) -> Coat:
     return Coat(lambda spots: np.where(spots.side[:, None] > 0, colours[spots.faces], other), parts=parts)
 
 
-def value_coat(values: Callable[[Spots], Floats], limits: tuple[float, float], label: str) -> Coat:
-    """Colours of values between limits; of two sides, if those are about zero."""
-    low, high = limits
-    scale = ScalarMappable(Normalize(low, high), colormaps["coolwarm" if low == -high else "viridis"])
-    table = decode(scale.get_cmap()(np.linspace(0.0, 1.0, 256))[:, :3])
+def value_coat(
+    between: Callable[[Spots], Floats],
+    values: Floats,
+    label: str,
+    unit: float = 0.0,
+    limits: tuple[float, float] | None = None,
+    shares: Floats | None = None,
+) -> Coat:
+    """Colours between limits, of two sides if those are about zero; without them values, unit and shares choose."""
+    low, high = checked_limits(limits) if limits is not None else robust_limits(values, unit, shares)
+    colours = colormaps["coolwarm" if low == -high else "viridis"].copy()
+    rounding = NOTHING * (high - low)
+    under, over = bool((values < low - rounding).any()), bool((values > high + rounding).any())
+    colours.colorbar_extend = EXTENSIONS[under, over]  # type: ignore[assignment]
+    scale = ScalarMappable(Normalize(low, high), colours)
+    table = decode(colours(np.linspace(0.0, 1.0, 256))[:, :3])
     undefined = linear(UNDEFINED)
 
     def paint(spots: Spots) -> Floats:
-        found = values(spots)
+        found = between(spots)
         share = np.clip((found - low) / (high - low), 0.0, 1.0)
         index = np.nan_to_num(share * 255).round().astype(np.int64)
         return np.where(np.isnan(share)[:, None], undefined, table[index])
@@ -135,10 +151,26 @@ def value_coat(values: Callable[[Spots], Floats], limits: tuple[float, float], l
     return Coat(paint, scale, label)
 
 
-def robust_limits(values: Floats, unit: float = 0.0) -> tuple[float, float]:
+def checked_limits(limits: Any) -> tuple[float, float]:
+    """The ends of a scale of colours that somebody gave."""
+    try:
+        low, high = (float(limit) for limit in limits)
+    except (TypeError, ValueError):
+        low, high = np.nan, np.nan
+    if not (np.isfinite([low, high]).all() and low < high):
+        raise RsymError(
+            f"limits of a scale are two numbers, the smaller first, got {limits!r}",
+            code="limits",
+            remedy="limits=(-1, 1), or leave it out",
+        )
+    return low, high
+
+
+def robust_limits(values: Floats, unit: float = 0.0, shares: Floats | None = None) -> tuple[float, float]:
     """Limits of a colour scale: quantiles of the finite values, symmetric if those have both signs.
 
-    What is tiny against the other values or against `unit` counts as 0.
+    Each value counts as its share, that of the surface it stands for. What is tiny against the other values or against
+    `unit` counts as 0.
 
     Examples
     --------
@@ -146,10 +178,11 @@ def robust_limits(values: Floats, unit: float = 0.0) -> tuple[float, float]:
     >>> low == -high, round(high, 2)
     (True, 1.95)
     """
-    finite = values[np.isfinite(values)]
-    if not finite.size:
-        raise RsymError("the values are undefined at every vertex", code="undefined")
-    low, high = np.quantile(finite, ROBUST_RANGE)
+    known = np.isfinite(values)
+    if not known.any():
+        raise RsymError("the values are undefined everywhere", code="undefined")
+    weights = None if shares is None else np.broadcast_to(shares.reshape(-1, *[1] * (values.ndim - 1)), values.shape)
+    low, high = _quantiles(values[known], None if weights is None else weights[known])
     nothing = NOTHING * max(-low, high, unit)
     low, high = (0.0 if abs(limit) <= nothing else float(limit) for limit in (low, high))
     if low < 0 < high:
@@ -158,6 +191,19 @@ def robust_limits(values: Floats, unit: float = 0.0) -> tuple[float, float]:
         margin = abs(high) / 2 or unit or 1.0
         return low - margin, high + margin
     return low, high
+
+
+def _quantiles(values: Floats, weights: Floats | None) -> Floats:
+    if weights is None or not weights.any():
+        return np.asarray(np.quantile(values, ROBUST_RANGE))
+    return np.asarray(np.quantile(values, ROBUST_RANGE, weights=weights, method="inverted_cdf"))
+
+
+def _areas(mesh: Mesh) -> Floats:
+    """The areas of the faces."""
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    across = np.cross(b - a, c - a)
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", across, across)) / 2)
 
 
 def _at_corners(mesh: Mesh, values: ArrayLike) -> Floats:
@@ -189,13 +235,8 @@ def between_corners(values: Floats) -> Callable[[Spots], Floats]:
 
 def zebra(mesh: Mesh, normals: Floats, shape: Shape | None = None, letters: Mapping[Any, float] | None = None) -> Paint:
     """The reflection of a room with level stripes: a jump of the curvature kinks them, an edge breaks them."""
-    surface = None if shape is None else NearSurface(shape, (), letters)
-    reach = _reach(mesh)
+    on_faces = None if shape is None else LeafFields(shape, (), letters).on_faces(mesh)
     dark, light = linear(DARK), linear(LIGHT)
-
-    def exact(spots: Spots) -> Floats:
-        assert surface is not None
-        return -surface.at(_points(mesh, spots), reach)["gradient"]
 
     def paint(spots: Spots) -> Floats:
         corners = normals[spots.faces]
@@ -204,8 +245,8 @@ def zebra(mesh: Mesh, normals: Floats, shape: Shape | None = None, letters: Mapp
             for weights in (spots.weights, spots.shifted(0, 1), spots.shifted(1, 0))
         )
         width = np.abs(right - here) + np.abs(above - here)
-        if surface is not None:
-            true = reflected_heights(exact(spots), spots.turn)
+        if on_faces is not None:
+            true = reflected_heights(-on_faces(spots.faces, spots.weights)["gradient"], spots.turn)
             here = np.where(np.isfinite(true), true, here)
         return dark + (light - dark) * stripes(STRIPES * here, STRIPES * width)[:, None]
 
@@ -241,15 +282,3 @@ def stripes(phase: Floats, width: Floats) -> Floats:
     width = np.maximum(width, 1e-9)
     low, high = (np.floor(end) / 2 + np.minimum(end % 1.0, 0.5) for end in (phase - width / 2, phase + width / 2))
     return np.asarray((high - low) / width)
-
-
-def _points(mesh: Mesh, spots: Spots) -> Floats:
-    points: Floats = np.einsum("ij,ijk->ik", spots.weights, mesh.vertices[mesh.faces[spots.faces]])
-    return points
-
-
-def _reach(mesh: Mesh) -> float:
-    """The longest side of a triangle: what is farther from the surface is not of it."""
-    corners = mesh.vertices[mesh.faces]
-    sides = corners - np.roll(corners, 1, axis=1)
-    return float(np.sqrt(np.einsum("ijk,ijk->ij", sides, sides).max()))

@@ -190,7 +190,8 @@ def coat_of_patches(
         known = ", ".join((*MAPS, "zebra", "patch"))
         raise RsymError(f"no map {colour_by!r}", code="colour-by", remedy=f"choose from {known}")
     values = map_values(parts, colour_by)
-    return value_coat(between_corners(values), limits or _limits(mesh.vertices, values, colour_by), MAPS[colour_by][3])
+    chosen = limits if limits is not None else _limits(mesh.vertices, values, colour_by)
+    return value_coat(between_corners(values), values, MAPS[colour_by][3], limits=chosen)
 
 
 def map_range(

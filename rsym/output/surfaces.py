@@ -46,6 +46,7 @@ def plot_mesh(
     colour_by: str | ArrayLike | None = None,
     shape: Shape | None = None,
     letters: Mapping[Any, float] | None = None,
+    limits: tuple[float, float] | None = None,
     curves: Sequence[SingularCurve | Feature] = (),
 ) -> ShadedMesh:
     """Draw a mesh as a shaded body with hidden surfaces removed.
@@ -66,8 +67,8 @@ def plot_mesh(
         Whether to draw `mesh.features`, the curves along which leaves meet; a number is the least angle in degrees
         of those that are drawn, by default 10.
     colour_by : str or array, optional
-        ``mean_curvature``, ``gaussian_curvature``, ``k1``, ``k2``: a map of the exact curvature at every pixel, for a
-        mesh of patches exact at every vertex and linear between;
+        ``mean_curvature``, ``gaussian_curvature``, ``k1``, ``k2``: a map of the exact curvature at every pixel, that
+        of the leaf up to each edge; for a mesh of patches exact at every vertex and linear between;
         ``zebra``: the reflection of level stripes, kinked where the curvature jumps and broken at an edge;
         ``part``: a colour for each part of the shape (`Shape.named`, or the texts of a model file);
         or an array with one value for each vertex, or for each corner of each face. A new figure has a colour bar or
@@ -76,6 +77,9 @@ def plot_mesh(
     shape, letters
         What the mesh was made of: needed for curvatures (not by a mesh of patches), and for a zebra that is exact
         between vertices.
+    limits : pair of numbers, optional
+        The ends of a scale of values; by default 2 % of the surface lie below and 2 % above, or what is farther from
+        zero of the two on both sides. Beyond the ends colours stay those of the ends, and the colour bar points there.
     curves : sequence
         Singular curves of a `BodyReport`, or `mesh.features`: edges in colours of the dihedral angle, jumps of the
         curvature dashed; ``artist.bars`` has the scales of their colours.
@@ -88,7 +92,8 @@ def plot_mesh(
     Raises
     ------
     RsymError
-        If `ax` is not three-dimensional, for an unknown map, a mesh of unknown parts, or an array that does not fit.
+        If `ax` is not three-dimensional, for an unknown map, a mesh of unknown parts, an array that does not fit, or
+        limits that are not two numbers, the smaller first.
 
     Examples
     --------
@@ -103,7 +108,7 @@ def plot_mesh(
     >>> artist.axes is axes
     True
     """
-    coat = coat_of(mesh, mesh.normals, colour, colour_by, shape, letters)
+    coat = coat_of(mesh, mesh.normals, colour, colour_by, shape, letters, limits)
     marks = mark_curves(curves, float(np.ptp(mesh.vertices, axis=0).max()))
     artist = ShadedMesh(mesh, coat, edges=edges, features=features, strokes=marks.strokes, bars=marks.bars)
     return show(artist, ax, elevation, azimuth)
@@ -128,7 +133,8 @@ def explain(artist: ShadedMesh) -> None:
     """Put a colour bar or a legend beside a body that has a figure of its own."""
     axes: Any = artist.axes
     if artist.scale is not None:
-        axes3d.colour_bar(axes, axes3d.Bar(artist.scale, artist.scale_label))
+        beyond = str(artist.scale.get_cmap().colorbar_extend)
+        axes3d.colour_bar(axes, axes3d.Bar(artist.scale, artist.scale_label, beyond))
     for bar in artist.bars:
         axes3d.colour_bar(axes, bar)
     if artist.parts:

@@ -1,24 +1,68 @@
-"""Curvatures of a surface at points on it or near it."""
+"""Curvatures of the surface at the vertices of a mesh: those of the leaf that each face lies on."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.fields import surface_program
-from rsym.codegen.kernel import Kernel, compile_program
-from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.sampling.leaf_fields import LeafFields, longest_side
 from rsym.sampling.mesh import Mesh
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 CURVATURES = ("mean_curvature", "gaussian_curvature", "principal_curvatures", "principal_directions")
+# Of the way to the middle of a face: where a leaf has a kink, what lies so far inside tells which side is the face's.
+INWARDS = 1e-4
+# Between a corner and there curvature and normal change by less than this, in units of the former or of 1/size.
+STEADY = 1e-2
+# Sides of a vertex that differ by less than this are one surface.
+ALIKE = 1e-6
+# A radius below this share of the size of the body: to float64 that is a tip or an edge.
+POINTED = 1e-9
+
+
+def corner_curvatures(mesh: Mesh, shape: Shape, *, letters: Mapping[Any, float] | None = None) -> dict[str, Floats]:
+    """The exact curvatures at each corner of each face, on the side of the face.
+
+    They are those of the leaf f that the face lies on, H = -div(grad f/|grad f|)/2 and so on. Beside an edge, where the
+    second derivatives of omega are as large as one likes, and on it, where they do not exist, both sides have theirs.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        A mesh of the shape. Where the faces do not tell their leaf, as of method "smooth", each vertex takes the leaf
+        that is active there.
+    shape, letters
+        What the mesh was made of.
+
+    Returns
+    -------
+    dict
+        ``mean_curvature`` (m, 3), ``gaussian_curvature`` (m, 3), ``principal_curvatures`` (m, 3, 2), the larger first,
+        ``principal_directions`` (m, 3, 2, 3), unit vectors; positive where the inside is convex, NaN at the tip of a
+        cone and wherever else the leaf itself has none.
+
+    Raises
+    ------
+    RsymError
+        For a shape in the plane.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> mesh = rsym.mesh(rsym.cylinder(2) & rsym.slab(-1, 1), 16, bounds=((-2.5, 2.5), (-2.5, 2.5), (-1.5, 1.5)))
+    >>> mean = corner_curvatures(mesh, rsym.cylinder(2) & rsym.slab(-1, 1))["mean_curvature"]
+    >>> np.unique(mean.round(12)).tolist()
+    [0.0, 0.25]
+    """
+    known = _known(mesh, shape, letters)
+    return {name: known.found[name][known.place] for name in CURVATURES}
 
 
 def vertex_curvatures(mesh: Mesh, shape: Shape, *, letters: Mapping[Any, float] | None = None) -> dict[str, Floats]:
@@ -35,7 +79,8 @@ def vertex_curvatures(mesh: Mesh, shape: Shape, *, letters: Mapping[Any, float] 
     -------
     dict
         ``mean_curvature`` (n,), ``gaussian_curvature`` (n,), ``principal_curvatures`` (n, 2), the larger first,
-        ``principal_directions`` (n, 2, 3), unit vectors; NaN where the equation has no second derivatives, as on edges.
+        ``principal_directions`` (n, 2, 3), unit vectors; NaN where normals or curvatures of the face corners at a
+        vertex differ, as on edges: `corner_curvatures` has those of both sides.
 
     Raises
     ------
@@ -51,40 +96,83 @@ def vertex_curvatures(mesh: Mesh, shape: Shape, *, letters: Mapping[Any, float] 
     >>> bool(abs(curvatures["principal_curvatures"] - 0.5).max() < 1e-12)
     True
     """
-    found = NearSurface(shape, CURVATURES, letters).kernel(*mesh.vertices.T, letters=letters)
-    return {name: found[name] for name in CURVATURES}
+    known = _known(mesh, shape, letters)
+    alike, first = _alike(known, len(mesh.vertices), 1 / _size(mesh))
+    result = {}
+    for name in CURVATURES:
+        values = known.found[name]
+        result[name] = np.full((len(mesh.vertices), *values.shape[1:]), np.nan)
+        result[name][alike] = values[first[alike]]
+    return result
 
 
 @dataclass(frozen=True)
-class NearSurface:
-    """Fields of a shape in space at points near its surface, moved onto it first."""
+class _Known:
+    """Fields at places: vertices (k,) on one side each; the place of each face corner (m, 3)."""
 
-    shape: Shape
-    fields: Sequence[str]
-    letters: Mapping[Any, float] | None = None
+    vertex: Ints
+    place: Ints
+    found: dict[str, Floats]
 
-    def __post_init__(self) -> None:
-        if self.shape.dimension != 3:
-            raise RsymError(
-                "a surface needs a shape in space, got one in the plane",
-                code="dimension",
-                remedy="use revolve(shape) first",
-            )
 
-    @cached_property
-    def kernel(self) -> Kernel:
-        """The fields with value and gradient."""
-        names = tuple(dict.fromkeys(("value", "gradient", *self.fields)))
-        return compile_program(surface_program(self.shape, names), names, self.shape)
+def _known(mesh: Mesh, shape: Shape, letters: Mapping[Any, float] | None) -> _Known:
+    """The fields once for each leaf at a vertex; of a leaf that may have kinks, once for each face corner."""
+    fields = LeafFields(shape, CURVATURES, letters)
+    leaf = fields.of_corners(mesh).ravel()
+    vertex, own = mesh.faces.ravel().astype(np.int64), fields.kinked[leaf]
+    keys = np.where(
+        own, len(mesh.vertices) * len(fields.kinked) + np.arange(len(leaf)), vertex * len(fields.kinked) + leaf
+    )
+    _, first, place = np.unique(keys, return_index=True, return_inverse=True)
+    points = mesh.vertices[vertex[first]]
+    found = fields.at(leaf[first], points)
+    kinked = np.flatnonzero(own[first])
+    if kinked.size:
+        middles = mesh.vertices[mesh.faces[first[kinked] // 3]].mean(axis=1)
+        inside = points[kinked] + INWARDS * (middles - points[kinked])
+        beside = fields.at(leaf[first[kinked]], inside, longest_side(mesh))
+        moved = ~_steady({name: found[name][kinked] for name in found}, beside, 1 / _size(mesh))
+        for name, values in beside.items():
+            found[name][kinked[moved]] = values[moved]
+    with np.errstate(invalid="ignore"):
+        blunt = np.abs(found["principal_curvatures"]).max(axis=1) * POINTED * _size(mesh) <= 1
+    for name in CURVATURES:
+        found[name][~blunt] = np.nan
+    return _Known(vertex[first], place.reshape(mesh.faces.shape), found)
 
-    def at(self, points: Floats, reach: float) -> dict[str, Floats]:
-        """The fields at points (n, 3) after one Newton step, which must not be longer than `reach`.
 
-        A step takes a point of a triangle from the square of the triangle's size to its fourth power.
-        """
-        found = self.kernel(*points.T, letters=self.letters)
-        with np.errstate(all="ignore"):
-            squared = np.einsum("ij,ij->i", found["gradient"], found["gradient"])
-            step = (found["value"] / squared)[:, None] * found["gradient"]
-            short = np.einsum("ij,ij->i", step, step) <= reach**2
-        return self.kernel(*np.where(short[:, None], points - step, points).T, letters=self.letters)
+def _steady(here: Mapping[str, Floats], there: Mapping[str, Floats], unit: float) -> NDArray[np.bool_]:
+    """Whether fields at points are those of points close by."""
+    one, other = (_bending(found) for found in (here, there))
+    sizes = np.maximum(np.abs(other[:, 3:]).max(axis=1), unit)
+    with np.errstate(invalid="ignore"):
+        turned = np.abs(one[:, :3] - other[:, :3]).max(axis=1)
+        return np.asarray((turned < STEADY) & (np.abs(one[:, 3:] - other[:, 3:]).max(axis=1) < STEADY * sizes))
+
+
+def _bending(found: Mapping[str, Floats]) -> Floats:
+    """The unit normal and the shape operator, (k, 3 + 6): what two sides of a smooth surface have in common."""
+    with np.errstate(all="ignore"):
+        normal = found["gradient"] / np.linalg.norm(found["gradient"], axis=1)[:, None]
+    curvature, direction = found["principal_curvatures"], found["principal_directions"]
+    operator = np.einsum("ki,kip,kiq->kpq", curvature, direction, direction)
+    return np.concatenate([normal, operator[:, *np.triu_indices(3)]], axis=1)
+
+
+def _alike(known: _Known, count: int, unit: float) -> tuple[NDArray[np.bool_], Ints]:
+    """Which vertices have one normal and one shape operator on all their sides, and a place of each."""
+    order = np.argsort(known.vertex, kind="stable")
+    vertex, starts = np.unique(known.vertex[order], return_index=True)
+    bending = _bending(known.found)[order]
+    alike, first = np.zeros(count, bool), np.zeros(count, np.int64)
+    first[vertex] = order[starts]
+    low, high = np.minimum.reduceat(bending, starts), np.maximum.reduceat(bending, starts)
+    sizes = np.maximum(np.maximum(np.abs(low), np.abs(high))[:, 3:].max(axis=1), unit)
+    with np.errstate(invalid="ignore"):
+        apart = (high - low) / np.concatenate([np.ones((len(sizes), 3)), np.repeat(sizes[:, None], 6, axis=1)], axis=1)
+        alike[vertex] = apart.max(axis=1) <= ALIKE
+    return alike, first
+
+
+def _size(mesh: Mesh) -> float:
+    return float(np.ptp(mesh.vertices, axis=0).max())

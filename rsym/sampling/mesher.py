@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from rsym.codegen.kernel import checked_threads
 from rsym.codegen.leaf_names import leaf_names
-from rsym.codegen.program import live
-from rsym.codegen.sign_form import surface_form
+from rsym.codegen.sign_form import has_kinks, surface_form
 from rsym.codegen.surface_kernels import SurfaceKernels, surface_kernels
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
@@ -49,9 +48,6 @@ RESERVE = 1e8
 # Of the free memory, what a resolution that is said to fit may take: others take some too.
 SURE = 0.9
 
-# A leaf with one of these inside may have a kink in its zero set.
-_KINKED = frozenset("abs sign min max select joining equivalence absolute_power signed_power".split())
-
 
 class SharpMesher:
     """What stands behind `rsym.Mesher`; arguments as there."""
@@ -60,7 +56,7 @@ class SharpMesher:
         self.shape = shape
         self.form = surface_form(shape).capped()
         self._kernels = surface_kernels(self.form)
-        self._smooth = np.array([not self._has_kinks(leaf) for leaf in self.form.leaves])
+        self._smooth = np.array([not has_kinks(self.form.builder, leaf) for leaf in self.form.leaves])
 
     @cached_property
     def leaves(self) -> tuple[str, ...]:
@@ -143,11 +139,6 @@ class SharpMesher:
         """What the lattice may have missed."""
         unresolved = joined(notes if blocks is None else job.notes(blocks, Crew(_threads())))
         return suspects(CompiledLeaves(job.kernels), job.lattice, unresolved, self.leaves if len(unresolved) else ())
-
-    def _has_kinks(self, leaf: int) -> bool:
-        nodes = self.form.builder.nodes
-        operations = {nodes[number].operation for number in live(nodes, [leaf])}
-        return bool(operations & _KINKED) or any("junction" in operation for operation in operations)
 
 
 def _unresolved(kernels: SurfaceKernels, blocks: Blocks, lattice: Floats, pool: Executor) -> Unresolved:

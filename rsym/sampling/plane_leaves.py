@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.builder import Builder
 from rsym.codegen.differentiation import derivative
 from rsym.codegen.kernel import Kernel, compile_program, run_in_blocks
-from rsym.codegen.lowering import lower
-from rsym.codegen.sign_form import Gate, sign_form
-from rsym.model.blends.gates import with_gates
+from rsym.codegen.sign_form import Gate, shape_form
 from rsym.model.shape import Shape
 
 Array = NDArray[np.float64]
@@ -67,12 +64,7 @@ class PlaneLeaves:
 
     def active(self, values: Array) -> tuple[Array, Ints]:
         """The value of the form, and the number of the leaf that gives it."""
-        joined = [(row, np.full(len(row), k)) for k, row in enumerate(values)]
-        for operation, first, second in self.gates:
-            (f, i), (g, j) = joined[first], joined[second]
-            take = f <= g if operation == "min" else f >= g
-            joined.append((np.where(take, f, g), np.where(take, i, j)))
-        return joined[-1]
+        return active_leaf(self.gates, values)
 
     def form(self, points: Array) -> Array:
         """The value of the form."""
@@ -108,12 +100,22 @@ class PlaneLeaves:
         return points
 
 
+def active_leaf(gates: Sequence[Gate], values: Sequence[Array] | Array) -> tuple[Array, Ints]:
+    """The values of a form whose leaves have the values (leaves, n), and the number of the leaf that gives each."""
+    joined = [(row, np.full(len(row), k)) for k, row in enumerate(values)]
+    for operation, first, second in gates:
+        (f, i), (g, j) = joined[first], joined[second]
+        take = f <= g if operation == "min" else f >= g
+        joined.append((np.where(take, f, g), np.where(take, i, j)))
+    return joined[-1]
+
+
 def leaves_of(
     shape: Shape, free: tuple[int, int], fixed: Mapping[int, float], letters: Mapping[Any, float] | None = None
 ) -> PlaneLeaves:
     """Compile value and gradient in the plane of each leaf of a shape."""
-    builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(shape.letters))
-    form = sign_form(builder, lower(builder, with_gates(shape.expression)))
+    form = shape_form(shape)
+    builder = form.builder
     outputs = {}
     for k, leaf in enumerate(form.leaves):
         outputs[f"leaf_{k}"] = leaf

@@ -1,0 +1,181 @@
+"""Fields of the leaves of a shape: what calculus says of a surface on one side of its edges.
+
+Beside an edge the derivatives of omega are those of an R-function beside its corner, and a rounding error away from it
+as large as one likes; those of the leaf that a triangle lies on are ordinary numbers up to the edge and on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.codegen.fields import Calculus, fields_program
+from rsym.codegen.kernel import Kernel, compile_program
+from rsym.codegen.leaf_names import leaf_names
+from rsym.codegen.sign_form import SignForm, has_kinks, shape_form
+from rsym.errors import RsymError
+from rsym.model.shape import Shape
+from rsym.sampling.mesh import Mesh
+from rsym.sampling.plane_leaves import active_leaf
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer[Any]]
+
+NEWTON_STEPS = 3
+SIDES = 6  # of the bounds, behind the leaves of a shape
+# The cosine of ten degrees: leaves whose normals differ by less go on as each other, as features do that are not drawn.
+GOES_ON = np.cos(np.radians(10.0))
+
+
+@dataclass(frozen=True)
+class LeafFields:
+    """Value, gradient and other fields of the leaves of a shape in space, each compiled when it is asked for."""
+
+    shape: Shape
+    fields: Sequence[str] = ()
+    letters: Mapping[Any, float] | None = None
+    _kernels: dict[tuple[int, tuple[str, ...]], Kernel] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.shape.dimension != 3:
+            raise RsymError(
+                "a surface needs a shape in space, got one in the plane",
+                code="dimension",
+                remedy="use revolve(shape) first",
+            )
+
+    @cached_property
+    def form(self) -> SignForm:
+        """The leaves and what joins them."""
+        return shape_form(self.shape)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The fields that are computed."""
+        return tuple(dict.fromkeys(("value", "gradient", *self.fields)))
+
+    @cached_property
+    def kinked(self) -> NDArray[np.bool_]:
+        """Which leaves may have kinks, the sides of the bounds last."""
+        return np.array([*(has_kinks(self.form.builder, leaf) for leaf in self.form.leaves), *[False] * SIDES])
+
+    @cached_property
+    def leaves(self) -> tuple[str, ...]:
+        """What the leaves are called."""
+        return leaf_names(self.form, self.shape)
+
+    def of_corners(self, mesh: Mesh) -> Ints:
+        """The leaf of each face corner, (m, 3)."""
+        if self._tells(mesh):
+            return np.repeat(np.asarray(mesh.leaf, np.int64)[:, None], 3, axis=1)
+        return self.active(mesh.vertices)[mesh.faces]
+
+    def on_faces(self, mesh: Mesh) -> Callable[[Ints, Floats], dict[str, Floats]]:
+        """The fields inside faces (n,), by the weights of their corners (n, 3), on the surface.
+
+        A face is on its leaf up to an edge. Where leaves go on as each other, triangles end beside the seam, and the
+        leaf is the one that is active.
+        """
+        reach, tells = longest_side(mesh), self._tells(mesh)
+        seam = _on_seams(mesh) if tells else np.zeros(len(mesh.faces), bool)
+
+        def found(faces: Ints, weights: Floats) -> dict[str, Floats]:
+            points = np.einsum("ij,ijk->ik", weights, mesh.vertices[mesh.faces[faces]])
+            leaf = np.asarray(mesh.leaf, np.int64)[faces] if tells else self.active(points)
+            result = self.at(leaf, points, reach)
+            (near,) = np.nonzero(seam[faces] & (leaf < len(self.form.leaves)))
+            other = self.active(result["point"][near])
+            near, other = near[other != leaf[near]], other[other != leaf[near]]
+            if near.size:
+                beyond = self.at(other, points[near], reach)
+                goes_on = _cosine(result["gradient"][near], beyond["gradient"]) > GOES_ON
+                for name, values in beyond.items():
+                    result[name][near[goes_on]] = values[goes_on]
+            return result
+
+        return found
+
+    def _tells(self, mesh: Mesh) -> bool:
+        """Whether the faces of a mesh know their leaves of this shape, and not those of another one."""
+        return mesh.leaf is not None and mesh.leaves in (self.leaves, (*self.leaves, *mesh.leaves[-SIDES:]))
+
+    def active(self, points: Floats) -> Ints:
+        """The leaf that gives omega its sign at points (n, 3)."""
+        found = self._values(*points.T, letters=self.letters)
+        return active_leaf(self.form.gates, [found[name] for name in self._values.fields])[1]
+
+    def at(self, leaf: Ints, points: Floats, reach: float = 0.0) -> dict[str, Floats]:
+        """The fields of leaf[k] at point k of (n, 3), after Newton steps of no more than `reach` together.
+
+        ``point`` says where. Each step doubles the power of the triangle's size by which a point of it is off, the
+        square at first: what is constant on a surface is so to rounding on coarse meshes too.
+        """
+        result: dict[str, Floats] = {}
+        for number in np.unique(leaf).tolist():
+            at = np.flatnonzero(leaf == number)
+            for name, values in self._on(number, points[at], reach).items():
+                result.setdefault(name, np.empty((len(points), *values.shape[1:])))[at] = values
+        return result
+
+    def _on(self, number: int, points: Floats, reach: float) -> dict[str, Floats]:
+        slopes, start = self._kernel(number, ("value", "gradient")), points
+        for _ in range(NEWTON_STEPS if reach > 0 and number < len(self.form.leaves) else 0):
+            found = slopes(*points.T, letters=self.letters)
+            with np.errstate(all="ignore"):
+                squared = np.einsum("ij,ij->i", found["gradient"], found["gradient"])
+                moved = points - (found["value"] / squared)[:, None] * found["gradient"]
+                short = np.einsum("ij,ij->i", moved - start, moved - start) <= reach**2
+            points = np.where(short[:, None], moved, points)
+        return self._kernel(number, self.names)(*points.T, letters=self.letters) | {"point": points}
+
+    def _kernel(self, number: int, names: tuple[str, ...]) -> Kernel:
+        if (number, names) not in self._kernels:
+            program = fields_program(Calculus(self.form.builder, self._node(number)), names)
+            self._kernels[number, names] = compile_program(program, names, self.shape)
+        return self._kernels[number, names]
+
+    def _node(self, number: int) -> int:
+        """The node of a leaf; behind the leaves of the shape are the sides of the bounds, up to a constant."""
+        b, side = self.form.builder, number - len(self.form.leaves)
+        if side < 0:
+            return self.form.leaves[number]
+        along = b.input(b.coordinates[side // 2])
+        return along if side % 2 == 0 else b.neg(along)
+
+    @cached_property
+    def _values(self) -> Kernel:
+        outputs = {f"leaf {k}": leaf for k, leaf in enumerate(self.form.leaves)}
+        return compile_program(self.form.builder.program(outputs), tuple(outputs), self.shape)
+
+
+def longest_side(mesh: Mesh) -> float:
+    """The longest side of a triangle: what is farther from the surface is not of it."""
+    corners = mesh.vertices[mesh.faces]
+    sides = corners - np.roll(corners, 1, axis=1)
+    return float(np.sqrt(np.einsum("ijk,ijk->ij", sides, sides).max()))
+
+
+def _on_seams(mesh: Mesh) -> NDArray[np.bool_]:
+    """Which faces have a vertex where two leaves meet that go on as each other."""
+    vertex, leaf = mesh.faces.ravel(), np.repeat(np.asarray(mesh.leaf), 3)
+    order = np.lexsort((leaf, vertex))
+    following = np.flatnonzero((vertex[order][1:] == vertex[order][:-1]) & (leaf[order][1:] != leaf[order][:-1]))
+    one, other = order[following], order[following + 1]
+    normals = np.zeros((len(vertex), 3))
+    faces = np.unique(np.concatenate([one, other]) // 3)
+    normals.reshape(-1, 3, 3)[faces] = mesh.normals_of(faces)
+    seams = vertex[one[_cosine(normals[one], normals[other]) > GOES_ON]]
+    return np.asarray(np.isin(mesh.faces, seams).any(axis=1))
+
+
+def _cosine(u: Floats, v: Floats) -> Floats:
+    """The cosine of the angles between vectors (n, 3)."""
+    with np.errstate(all="ignore"):
+        sizes = np.sqrt(np.einsum("ij,ij->i", u, u) * np.einsum("ij,ij->i", v, v))
+        cosine: Floats = np.einsum("ij,ij->i", u, v) / sizes
+    return cosine
