@@ -2,6 +2,7 @@ from . import paper, primitives, surfaces
 from .analysis.curvature import curvature, gaussian_curvature, mean_curvature, principal_curvatures
 from .analysis.differential import gradient, hessian, laplacian
 from .analysis.implicit import implicit
+from .analysis.latex import latex
 from .analysis.normalisation import normalise
 from .analysis.transformations import transform
 from .codegen.enclosures import enclose
@@ -185,6 +186,7 @@ __all__ = [
     "kaleidoscope",
     "lambdify",
     "laplacian",
+    "latex",
     "level_lines",
     "lidinoid",
     "line",

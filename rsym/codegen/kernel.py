@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -23,9 +24,10 @@ from rsym.codegen.program import Program
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.model.shape import Shape
+from rsym.model.wording import within
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Kernel:
     """A compiled shape: ``kernel(x, y[, z], letters=None)`` gives a dictionary of arrays.
 
@@ -53,6 +55,26 @@ class Kernel:
     dtype: str
     threads: int
     function: CompiledFunction
+
+    def __repr__(self) -> str:
+        return f"Kernel({', '.join(f'{name}: {text}' for name, text in self._described().items())})"
+
+    def _repr_html_(self) -> str:
+        cell = '<td style="text-align: left">{}</td>'
+        rows = [f"<tr>{cell.format(name)}{cell.format(escape(text))}</tr>" for name, text in self._described().items()]
+        return f"<table>{''.join(rows)}</table>"
+
+    def _described(self) -> dict[str, str]:
+        letters = [f"{name} = {float(letter.default):g}" for name, letter in self.letters.items()]
+        return {
+            "coordinates": ", ".join(self.program.coordinates),
+            "fields": ", ".join(self.fields),
+            "letters": ", ".join(within(letters, 1000)) or "none",
+            "nodes": str(len(self.program)),
+            "backend": self.backend,
+            "dtype": self.dtype,
+            "threads": str(self.threads),
+        }
 
     @property
     def source(self) -> str:

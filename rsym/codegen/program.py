@@ -16,6 +16,7 @@ from typing import NamedTuple, TypeAlias
 from rsym.codegen.operations import OPERATIONS
 from rsym.codegen.precision import FLOAT64, Precision
 from rsym.errors import RsymError
+from rsym.model.wording import within
 
 Data: TypeAlias = Fraction | str | int | tuple[int, int, int] | None
 
@@ -28,7 +29,7 @@ class Node(NamedTuple):
     data: Data = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Program:
     """Nodes in evaluation order, the names of the inputs, and which nodes are the outputs.
 
@@ -54,6 +55,10 @@ class Program:
 
     def __len__(self) -> int:
         return len(self.nodes)
+
+    def __repr__(self) -> str:
+        names = ", ".join(within([name for name, _ in self.outputs], 1000))
+        return f"Program({len(self)} nodes of {', '.join(within(self.coordinates + self.letters, 1000))}; {names})"
 
     def __str__(self) -> str:
         lines = []

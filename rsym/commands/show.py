@@ -1,4 +1,4 @@
-"""`rsym show`: a model as it is understood, as text or as LaTeX."""
+"""`rsym show`: a model as it is understood, as text or as LaTeX, and what calculus makes of it."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rsym.commands.letters import written
 from rsym.commands.options import Chosen, Commands, add_command, add_model, load_model
+from rsym.errors import RsymError
 
 if TYPE_CHECKING:
     from rsym.language.listing import Definition
@@ -31,11 +32,15 @@ def add(commands: Commands) -> None:
         commands,
         "show",
         "print a model: coordinates, bounds, system, letters, and the formulas that the shape needs",
-        "rsym show car --shape test4 --latex > car.tex",
+        "rsym show car --shape test4 --latex --field laplacian > car.tex",
         run,
     )
     add_model(parser)
     parser.add_argument("--latex", action="store_true", help="a LaTeX document instead of text")
+    parser.add_argument(
+        "--field",
+        help="with --latex: gradient, laplacian, normalised, normalised_2, curvature ..., in named common parts",
+    )
 
 
 def run(options: argparse.Namespace) -> None:
@@ -43,6 +48,9 @@ def run(options: argparse.Namespace) -> None:
     from rsym.language.listing import definitions
 
     chosen = load_model(options)
+    if options.field and options.field != "value":
+        print(_field(chosen, options.field, options.latex))
+        return
     formulas = definitions(chosen.path, shape=options.shape)
     print(_latex(chosen, formulas) if options.latex else _text(chosen, formulas))
 
@@ -70,6 +78,19 @@ def _wrapped(text: str, indent: int) -> str:
 
 
 def _latex(chosen: Chosen, formulas: tuple[Definition, ...]) -> str:
+    return _document(chosen, [one.latex.replace(" = ", " &= ", 1) for one in formulas])
+
+
+def _field(chosen: Chosen, field: str, latex: bool) -> str:
+    """The document of a derived field."""
+    from rsym.analysis.latex import field_lines
+
+    if not latex:
+        raise RsymError("a field is shown as LaTeX", code="show", remedy="add --latex")
+    return _document(chosen, field_lines(chosen.shape, field))
+
+
+def _document(chosen: Chosen, lines: list[str]) -> str:
     from rsym.model.names import typeset_name
 
     shape = chosen.shape
@@ -78,5 +99,4 @@ def _latex(chosen: Chosen, formulas: tuple[Definition, ...]) -> str:
     places = [rf"${name} \in [{low:g}, {high:g}]$" for name, (low, high) in zip(names, box, strict=False)]
     letters = [f"${typeset_name(name)} = {written(letter)}$" for name, letter in shape.letters.items()]
     sentences = [", ".join(part) + "." for part in (places, letters) if part]
-    lines = [one.latex.replace(" = ", " &= ", 1) for one in formulas]
     return DOCUMENT % ("\n\n\\noindent ".join(sentences), "\\\\\n".join(lines))

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from html import escape
 from numbers import Real
+from textwrap import shorten
 from typing import Any, TypeAlias
 
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.wording import listing, proposal
+from rsym.model.wording import listing, proposal, within
 
 Number: TypeAlias = int | float | Fraction
 
@@ -82,7 +83,8 @@ class Letters(Mapping[str, Letter]):
         return hash(frozenset(self._items.items()))
 
     def __repr__(self) -> str:
-        return f"Letters({{{', '.join(f'{name!r}: {_plain(item.default)}' for name, item in self.items())}}})"
+        values = [f"{name!r}: {_plain(item.default)}" for name, item in self.items()]
+        return f"Letters({{{', '.join(within(values, 3000))}}})"
 
     def merge(self, other: Mapping[Any, Any] | None) -> Letters:
         """Both, by name, {symbol or name: number or Letter}; the same name must mean the same letter."""
@@ -119,14 +121,25 @@ class Letters(Mapping[str, Letter]):
         return Letters({name: replace(item, default=named.get(name, item.default)) for name, item in self.items()})
 
     def _repr_html_(self) -> str:
-        rows = [(name, _plain(item.default), item.range, item.unit, item.doc) for name, item in self.items()]
-        lines = [("th", ("letter", "value", "range", "unit", "meaning")), *(("td", row) for row in rows)]
-        return f"<table>{''.join(_html_row(tag, cells) for tag, cells in lines)}</table>"
+        return self.table()
+
+    def table(self, room: int = 3500) -> str:
+        """The letters as an HTML table of so many characters; how many are left out is said."""
+        head = _html_row("th", ("letter", "value", "range", "unit", "meaning"))
+        said = [shorten(item.doc, 80, placeholder="...") for item in self.values()]
+        rows = [
+            _html_row("td", (name, _plain(item.default), item.range, item.unit, doc))
+            for (name, item), doc in zip(self.items(), said, strict=True)
+        ]
+        return f"<table>{''.join(within([head, *rows], room, '<tr><td colspan=5>and {} more</td></tr>'))}</table>"
 
 
 def _html_row(tag: str, cells: tuple[str, ...]) -> str:
-    left = '<{0} style="text-align: left">{1}</{0}>'
-    return f"<tr>{''.join(left.format(tag, escape(cell)) for cell in cells)}</tr>"
+    """Words to the left, where a notebook would set them to the right."""
+    name, *numbers, meaning = (escape(cell) for cell in cells)
+    left = f'<{tag} style="text-align: left">{{}}</{tag}>'
+    middle = "".join(f"<{tag}>{number}</{tag}>" for number in numbers)
+    return f"<tr>{left.format(name)}{middle}{left.format(meaning)}</tr>"
 
 
 def as_letters(letters: Mapping[Any, Any] | None) -> Letters:

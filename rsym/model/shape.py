@@ -11,11 +11,10 @@ import sympy as sp
 from sympy.functions.elementary.piecewise import ExprCondPair
 
 from rsym.errors import RsymError
+from rsym.model import showing
 from rsym.model.choices import Choice
-from rsym.model.folds import Fold
 from rsym.model.letters import Letter, Letters, as_letters
 from rsym.model.motions import Movable
-from rsym.model.names import symbol_names
 from rsym.model.symbols import as_expression, real_replacements
 from rsym.model.systems import R0, RSystem, in_system
 from rsym.model.traversal import postorder, substitute, symbols_of
@@ -23,14 +22,12 @@ from rsym.model.traversal import postorder, substitute, symbols_of
 if TYPE_CHECKING:
     from rsym.model.contracts.summary import Contract
 
-_IN_A_LINE = 8  # letters, in a notebook
-
 _NO_NUMBERS = (sp.oo, -sp.oo, sp.zoo, sp.I)
 
 Bounds: TypeAlias = tuple[tuple[float, float], ...]
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Shape(Movable):
     """omega(x, y[, z]) > 0 inside, = 0 on the boundary, < 0 outside.
 
@@ -253,47 +250,14 @@ class Shape(Movable):
     def __xor__(self, other: Shape) -> Shape:
         return self._combined(lambda f, g: R0.disjunction(R0.conjunction(f, -g), R0.conjunction(-f, g)), other)
 
+    def __repr__(self) -> str:
+        return showing.text(self)
+
     def _repr_latex_(self) -> str:
-        names = map(_printed, self.coordinates)
-        box = [rf"{name} \in [{low:g}, {high:g}]" for name, (low, high) in zip(names, self.bounds or (), strict=False)]
-        letters = [f"{_printed(sp.Symbol(name))} = {float(item.default):g}" for name, item in self.letters.items()]
-        groups = [box, *(letters[start : start + _IN_A_LINE] for start in range(0, len(letters), _IN_A_LINE))]
-        lines = [latex(self), *(r",\quad ".join(group) for group in groups if group)]
-        text = r" \\ & ".join(lines)
-        return (
-            rf"$\displaystyle \begin{{aligned}} & {text} \end{{aligned}}$" if lines[1:] else rf"$\displaystyle {text}$"
-        )
+        return showing.latex(self)
 
-
-def latex(shape: Shape) -> str:
-    r"""The equation as LaTeX; where a model file named its parts, the definitions one by one.
-
-    Examples
-    --------
-    >>> import rsym
-    >>> from rsym import x, y
-    >>> print(latex(rsym.Shape(rsym.conjunction(x, y), (x, y))))
-    \omega\left(x, y\right) = x \wedge_0 y
-    """
-    arguments = ", ".join(map(_printed, shape.coordinates))
-    name = rf"\omega\left({arguments}\right)"
-    if not shape.definitions:
-        return f"{name} = {_latex_line(shape.expression)}"
-    lines = [f"{_printed(sp.Symbol(title))} &= {_latex_line(value)}" for title, value in shape.definitions]
-    last = _printed(sp.Symbol(shape.definitions[-1][0]))
-    lines[-1] = lines[-1].replace(f"{last} &=", f"{name} &=", 1)
-    return r"\begin{aligned}" + r"\\ ".join(lines) + r"\end{aligned}"
-
-
-def _printed(expression: sp.Expr) -> str:
-    text: str = sp.latex(expression, symbol_names=symbol_names(symbols_of(expression)))
-    return text
-
-
-def _latex_line(expression: sp.Expr) -> str:
-    text = _printed(expression)
-    outer = isinstance(expression, Fold)
-    return text.removeprefix(r"\left(").removesuffix(r"\right)") if outer else text
+    def _repr_html_(self) -> str:
+        return showing.table(self)
 
 
 def combine(function: Callable[..., sp.Expr], *operands: Any) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 
@@ -25,3 +25,20 @@ def listing(known: Iterable[str]) -> str:
     words = list(known)
     more = f" and {len(words) - 30} more" if len(words) > 30 else ""
     return (", ".join(words[:30]) or "none") + more
+
+
+def within(texts: Sequence[str], room: int, more: str = "and {} more") -> list[str]:
+    """As many texts as there is room for, in characters, the first at least; then how many more there are.
+
+    Examples
+    --------
+    >>> within(["alpha", "beta", "gamma"], 12)
+    ['alpha', 'beta', 'and 1 more']
+    """
+    shown = list[str]()
+    for text in texts:
+        room -= len(text) + 1
+        if room < 0 and shown:
+            return [*shown, more.format(len(texts) - len(shown))]
+        shown.append(text)
+    return shown

@@ -12,8 +12,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rsym.errors import RsymError
+from rsym.model.equations import latex
 from rsym.model.nodes import Composition
-from rsym.model.shape import Bounds, Shape, latex
+from rsym.model.shape import Bounds, Shape
 from rsym.model.traversal import rebuild
 from rsym.output.portraits import draw_portrait
 

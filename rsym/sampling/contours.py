@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from typing import Any, overload
 
 import numpy as np
@@ -14,6 +15,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.shape import Shape
 from rsym.sampling.plane import PlaneSampler, plane_sampler
+from rsym.sampling.stills import line_picture
 
 NEWTON_STEPS = 12
 # A vertex is on the level when one more Newton step would move it by less than this share of a cell.
@@ -46,7 +48,7 @@ class LevelLinesStatus:
         return text
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LevelLines(Sequence[NDArray[np.float64]]):
     """A sequence of polylines, each (n, 2); a closed line repeats its first vertex.
 
@@ -78,6 +80,13 @@ class LevelLines(Sequence[NDArray[np.float64]]):
 
     def __iter__(self) -> Iterator[NDArray[np.float64]]:
         return iter(self.lines)
+
+    def __repr__(self) -> str:
+        return f"LevelLines({self.field} = {self.level:g}: {self.status})"
+
+    def _repr_html_(self) -> str:
+        words = escape(f"{self.field} = {self.level:g}: {self.status}")
+        return f"<div>{line_picture(self.lines)}<br>{words}</div>"
 
 
 def level_lines(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from html import escape
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from rsym.sampling.manifolds import checked, measure
 from rsym.sampling.sharp.features import Feature, features_of
 from rsym.sampling.status import Findings, MeshStatus
+from rsym.sampling.stills import surface_picture
 
 Array: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.integer[Any]]
@@ -118,6 +120,9 @@ class Mesh:
 
     def __repr__(self) -> str:
         return f"Mesh({len(self.vertices)} vertices, {len(self.faces)} triangles)"
+
+    def _repr_html_(self) -> str:
+        return f"<div>{surface_picture(self.vertices, self.faces)}<br>{escape(repr(self)[5:-1])}</div>"
 
     def __reduce__(self) -> tuple[type[Mesh], tuple[Any, ...]]:
         """Pickle the normals themselves: the function they come from holds compiled code."""

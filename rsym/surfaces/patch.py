@@ -16,6 +16,7 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
+from rsym.model.abridging import ROOM, weight
 from rsym.model.letters import Letters
 from rsym.surfaces import forms
 from rsym.surfaces.parameters import Interval, inside, parameter_arrays
@@ -150,11 +151,13 @@ class Patch(ABC):
         return f"{type(self).__name__}({', '.join([*intervals, *closed, *letters])})"
 
     def _repr_latex_(self) -> str | None:
-        """The formula for a notebook; none where the patch is not a formula."""
+        """The formula for a notebook; none where the patch is not a formula, or a long one."""
         try:
-            return f"$\\displaystyle {sp.latex(self.expression())}$"
+            point = self.expression()
         except RsymError:
             return None
+        short = sum(weight(entry, ROOM) for entry in point) <= ROOM
+        return f"$\\displaystyle {sp.latex(point)}$" if short else None
 
 
 def _order(given: Any) -> tuple[int, int]:

@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.codegen.kernel import compile
 from rsym.errors import RsymError
+from rsym.model.abridging import ROOM, in_words, weight
 from rsym.model.letters import as_letters
 from rsym.model.shape import Shape
 from rsym.model.symbols import x, y
@@ -250,6 +251,8 @@ class ProjectionInterpolant:
         return ParametricSurface((u, v, height), bounds, letters=letters)
 
     def _repr_latex_(self) -> str:
+        if weight(self.expression, ROOM) > ROOM:
+            return rf"$L f: \text{{{in_words(self.expression)}}}$"
         names = {symbol: sp.latex(symbol) for symbol in symbols_of(self.expression)}
         return rf"$\displaystyle L f = {sp.latex(self.expression, symbol_names=names)}$"
 

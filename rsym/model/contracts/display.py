@@ -5,18 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
+from itertools import accumulate
 
 import sympy as sp
 
+from rsym.model.abridging import weight
 from rsym.model.contracts.leaves import Leaf, is_logical
 from rsym.model.contracts.promises import Order, Singularity
 from rsym.model.names import symbol_names
 from rsym.model.symbols import real_symbol
 from rsym.model.traversal import symbols_of
+from rsym.model.wording import within
 
 _SHOWN = 6  # singular sets of one kind, leaves of one order: a car has 38 and 31
+_IN_A_TABLE = 4  # of them: LaTeX takes longer than text
 _DEEP = 2  # R-operations within one another that are still written out
-_LONG = 30  # operations of a leaf that is still written out
+_LONG = 40  # parts of a leaf that is still written out
+ROOM, CELL = 3800, 1500  # characters of a table, and of what one cell lists
 
 Names = Mapping[sp.Expr, str]
 
@@ -46,7 +51,7 @@ def shortened(expression: sp.Expr, names: Names, depth: int = _DEEP) -> sp.Expr:
     if expression in names:
         return real_symbol(names[expression])
     if not is_logical(expression):
-        return expression if sp.count_ops(expression) <= _LONG else real_symbol("...")
+        return expression if weight(expression, _LONG) <= _LONG else real_symbol("...")
     if depth == 0:
         return real_symbol("...")
     return expression.func(
@@ -73,12 +78,13 @@ def kinds(singular: Sequence[Singularity]) -> dict[tuple[int, str], list[Singula
 
 
 def _counted(shown: Sequence[str], count: int, between: str) -> str:
-    more = [f"and {count - len(shown)} more"] if count > len(shown) else []
-    return between.join([*shown, *more])
+    kept = [text for text, room in zip(shown, accumulate(map(len, shown)), strict=True) if room <= CELL] or shown[:1]
+    more = [f"and {count - len(kept)} more"] if count > len(kept) else []
+    return between.join([*kept, *more])
 
 
 def _called(leaf: Leaf) -> str:
-    title = leaf.name or (sp.sstr(leaf.expression) if sp.count_ops(leaf.expression) <= _LONG else "a leaf")
+    title = leaf.name or (sp.sstr(leaf.expression) if weight(leaf.expression, _LONG) <= _LONG else "a leaf")
     return f"{title} ({leaf.part})" if leaf.part and leaf.part != title else title
 
 
@@ -108,10 +114,11 @@ def table(continuity: float, order: str, singular: Sequence[Singularity], leaves
     """The contract as an HTML table, equations in LaTeX."""
     rows = [("class", escape(smoothness(continuity))), ("normalisation", escape(order))]
     for (rank, operation), group in kinds(singular).items():
-        shown = [f"${_latex(item, names)}$" for item in group[:_SHOWN]]
+        shown = [f"${_latex(item, names)}$" for item in group[:_IN_A_TABLE]]
         rows.append((escape(f"{smoothness(rank)}: {operation}"), _counted(shown, len(group), "<br>")))
     for kind, alike in by_order(leaves).items():
-        shown = [escape(_called(leaf)) for leaf in alike[:_SHOWN]]
+        shown = [escape(_called(leaf)) for leaf in alike[:_IN_A_TABLE]]
         rows.append((f"leaves: {escape(normalisation(kind))}", _counted(shown, len(alike), "<br>")))
     cell = '<td style="text-align: left">{}</td>'
-    return f"<table>{''.join(f'<tr>{cell.format(a)}{cell.format(b)}</tr>' for a, b in rows)}</table>"
+    lines = [f"<tr>{cell.format(a)}{cell.format(b)}</tr>" for a, b in rows]
+    return f"<table>{''.join(within(lines, ROOM, '<tr><td colspan=2>and {} more</td></tr>'))}</table>"

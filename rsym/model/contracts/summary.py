@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.contracts.display import normalisation, paragraph, table
+from rsym.model.contracts.display import normalisation, paragraph, smoothness, table
 from rsym.model.contracts.elementary import Least
 from rsym.model.contracts.images import image
 from rsym.model.contracts.leaves import Leaf, decided_by, is_logical, leaves, logical_parts, names_of, parts_around
@@ -26,7 +26,7 @@ from rsym.model.traversal import substitute
 NO_LETTERS = Letters({})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Contract:
     """What a shape promises, by its formula alone.
 
@@ -50,6 +50,9 @@ class Contract:
     leaves: tuple[Leaf, ...]
     _names: Mapping[sp.Expr, str] = field(repr=False, compare=False)
     _promises: Promises = field(repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        return f"Contract({smoothness(self.continuity)}; {self._normalisation})"
 
     def __str__(self) -> str:
         return paragraph(self.continuity, self._normalisation, self.singular, self.leaves, self._names)

@@ -6,9 +6,12 @@ from collections.abc import Sequence
 
 import sympy as sp
 
+from rsym.model.abridging import weight
 from rsym.model.names import symbol_names
 from rsym.model.traversal import symbols_of
 from rsym.surfaces.blends.blend_families import F0, F1, G0, G1
+
+LONGEST = 120  # parts of a formula that is written out
 
 
 def blend_latex(formulas: Sequence[sp.Expr]) -> str:
@@ -31,6 +34,8 @@ def blend_lines(formulas: Sequence[sp.Expr], mark: str = "") -> list[str]:
 
 
 def _written(formula: sp.Expr, mark: str) -> str:
+    if weight(formula, LONGEST) > LONGEST:
+        return r"\dots"
     marks = {call: sp.Dummy(mark + _called(call)) for call in formula.atoms(F0, F1, G0, G1)}
     marked = formula.xreplace(marks)
     names = {**symbol_names(symbols_of(marked)), **{mark: mark.name for mark in marks.values()}}

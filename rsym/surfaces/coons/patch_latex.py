@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import sympy as sp
 
+from rsym.model.abridging import weight
 from rsym.model.names import symbol_names
 from rsym.model.traversal import symbols_of
 from rsym.surfaces.blends.blend_latex import blend_lines
@@ -14,6 +15,8 @@ from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.univariate import Curve
 
 DIGITS = 5
+LONGEST = 60  # parts of an entry of a matrix
+ROOM = 3600  # characters
 BREAK = r" \\ "
 
 
@@ -63,7 +66,9 @@ def _point(coordinates: Sequence[sp.Expr]) -> str:
 
 
 def _written(expression: sp.Expr) -> str:
-    """An expression, its long fractions as decimals."""
+    """An expression, its long fractions as decimals; dots for a long one."""
+    if weight(expression, LONGEST) > LONGEST:
+        return r"\dots"
     long = {one: sp.Float(one, DIGITS) for one in expression.atoms(sp.Rational) if one.q > 10**DIGITS}
     text: str = sp.latex(expression.xreplace(long), symbol_names=symbol_names(symbols_of(expression)))
     return text
@@ -74,4 +79,9 @@ def _matrix(rows: Sequence[Sequence[str]]) -> str:
 
 
 def _aligned(lines: Sequence[str]) -> str:
+    """Lines under each other; what would fill a page is left at its name, the longest first."""
+    lines = list(lines)
+    while sum(map(len, lines)) > ROOM:
+        longest = max(range(len(lines)), key=lambda k: len(lines[k]))
+        lines[longest] = lines[longest].partition("&=")[0] + r"&= \dots"
     return rf"$\displaystyle \begin{{aligned}} {BREAK.join(lines)} \end{{aligned}}$"

@@ -1,0 +1,131 @@
+"""Formulas at a glance: the top of a formula as it is, what lies deep below as parts that have a name and a size.
+
+A notebook prints whatever a line ends with, and SymPy prints every shared part
+as often as it is used; so the work here is bounded by what is shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field
+from itertools import count
+from typing import NamedTuple
+
+import sympy as sp
+
+from rsym.model.folds import Fold
+from rsym.model.symbols import real_symbol
+from rsym.model.traversal import with_arguments
+
+ROOM = 160  # parts of a formula that is printed whole
+TOP = 30  # parts of the top of a longer one
+SMALL = 7  # parts that need no name
+COUNTED = 1000  # more parts than these are not counted
+LONG_NUMBER = 128  # bits of a number that is written out
+
+_OPEN = (sp.Add, sp.Mul, sp.Pow, Fold, sp.Abs, sp.Min, sp.Max)
+_KINDS = ((sp.Add, "sum"), (sp.Mul, "product"), (sp.Pow, "power"), (sp.Number, "number"))
+
+
+class Named(NamedTuple):
+    """A part that is not written out: its name, and what it is in words."""
+
+    name: str
+    words: str
+
+
+def abridged(expression: sp.Expr, taken: Collection[str] = ()) -> tuple[sp.Expr, tuple[Named, ...]]:
+    """A formula of bounded length, and the parts that are only named in it; `taken` are names in use.
+
+    Examples
+    --------
+    >>> from rsym import x, y
+    >>> abridged(x + y)
+    (x + y, ())
+    >>> abridged(1 / sum((x - k) ** 2 for k in range(100)))
+    (1/omega_1, (Named(name='omega_1', words='sum of 301 parts'),))
+    """
+    if weight(expression, ROOM) <= ROOM:
+        return expression, ()
+    names = _Names(taken)
+    places = [_Place(expression)]
+    for place in places:  # it grows
+        part = place.part
+        if part.is_Symbol or weight(part, SMALL) <= SMALL:
+            place.shown = part
+        elif isinstance(part, _OPEN) and len(places) + len(part.args) <= TOP:
+            place.inside = [_Place(argument) for argument in part.args]
+            places.extend(place.inside)
+        else:
+            place.shown = names.of(part)
+    for place in reversed(places):
+        if place.inside:
+            place.shown = with_arguments(place.part, tuple(inner.shown for inner in place.inside))
+    return places[0].shown, tuple(names.named)
+
+
+@dataclass
+class _Place:
+    """A part where it stands: a shared part stands in several places."""
+
+    part: sp.Expr
+    inside: list[_Place] = field(default_factory=list)
+    shown: sp.Expr = sp.S.Zero
+
+
+class _Names:
+    def __init__(self, taken: Collection[str]) -> None:
+        self.free = (name for name in numbered("omega") if name not in taken)
+        self.known: dict[int, sp.Symbol] = {}
+        self.named: list[Named] = []
+
+    def of(self, part: sp.Expr) -> sp.Symbol:
+        """The name of a part, the same wherever it stands."""
+        if id(part) not in self.known:
+            name = next(self.free)
+            self.known[id(part)] = real_symbol(name)
+            self.named.append(Named(name, in_words(part)))
+        return self.known[id(part)]
+
+
+def numbered(stem: str) -> Iterator[str]:
+    """stem_1, stem_2, ..."""
+    return (f"{stem}_{number}" for number in count(1))
+
+
+def weight(expression: sp.Basic, limit: int) -> int:
+    """How many parts a printer would meet, shared ones as often as they are used; at most one more than the limit.
+
+    Examples
+    --------
+    >>> from rsym import x
+    >>> weight(x + 1, 10), weight(x + 1, 1)
+    (3, 2)
+    """
+    met, stack = 0, [expression]
+    while stack and met <= limit:
+        part = stack.pop()
+        met += 1
+        if part.is_Rational and max(int(part.p).bit_length(), int(part.q).bit_length()) > LONG_NUMBER:
+            return limit + 1
+        stack.extend(part.args[: limit + 1])
+    return met
+
+
+def in_words(part: sp.Expr) -> str:
+    """What a part is, and of how many distinct parts."""
+    kind = next((word for kind, word in _KINDS if isinstance(part, kind)), type(part).__name__.lower())
+    size = distinct(part)
+    return f"{kind} of {f'more than {COUNTED}' if size > COUNTED else size} parts"
+
+
+def distinct(expression: sp.Basic) -> int:
+    """How many distinct parts there are; one more than `COUNTED` for all that are more."""
+    seen: set[int] = set()
+    stack = [expression]
+    while stack and len(seen) <= COUNTED:
+        part = stack.pop()
+        if id(part) not in seen:
+            seen.add(id(part))
+            stack.extend(part.args)
+    return len(seen)
