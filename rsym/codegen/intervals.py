@@ -36,8 +36,9 @@ from rsym.errors import RsymError
 Bounds: TypeAlias = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
 Range: TypeAlias = Fraction | float | tuple[Fraction | float, Fraction | float]
 
-# Up to 30 000 nodes LLVM takes 0.1 ms a node (NumPy 0.04), at 465 000 it had not ended after minutes (NumPy: 18 s).
-LARGE = 50_000
+# Up to 30 000 nodes LLVM takes 0.1 to 0.3 ms a node (NumPy 0.04), at 40 000 it may take 52 s (1.5), at 465 000 it had
+# not ended after minutes (18 s).
+LARGE = 30_000
 
 
 def interval_program(program: Program, sharpened: Collection[int] = (), strict: bool = False) -> Program:

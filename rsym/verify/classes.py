@@ -23,11 +23,12 @@ from rsym.verify.folding import folded
 from rsym.verify.generators import Generators, bare, factor, generators
 from rsym.verify.local import Local
 from rsym.verify.polynomials import multiplicity
-from rsym.verify.resolution import contact, resolve
+from rsym.verify.resolution import JUMPING, contact, resolve
 
 MOST = 6  # switches that are resolved one after the other: 64 functions
 CURVED = 2  # a function of an order above that has second derivatives, which are continuous
 _POWERS = frozenset({"absolute_power", "signed_power"})
+TAKEN = {"sign": 0, "select": -1, "atan2": 1}  # on which side an operation has the value that it has on its switch
 _LIPSCHITZ = frozenset({"abs", "min", "max", "trimming"})
 
 
@@ -112,8 +113,8 @@ def _is_taken_from_one_side(local: Local, switch: int, found: Generators) -> boo
     sides = set()
     for part in found.switched:
         operation = builder.nodes[part].operation
-        if operation in {"sign", "select"} and bare(builder, tested := switch_of(builder, part)) == switch:
-            sides.add(factor(builder, tested) if operation == "select" else 0)
+        if operation in JUMPING and bare(builder, tested := switch_of(builder, part)) == switch:
+            sides.add(TAKEN[operation] * factor(builder, tested))
     return sides in (set(), {1}, {-1})
 
 

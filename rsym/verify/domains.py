@@ -50,10 +50,10 @@ def is_defined_itself(local: Local, number: int) -> bool:
 
 
 def switch_of(builder: Builder, number: int) -> int:
-    """The node whose sign decides which branch of abs, sign, min, max or select is taken."""
+    """The node whose sign decides which branch of abs, sign, min, max, select, or atan2 to the left, is taken."""
     if number not in builder.switches:
         operation, arguments, _ = builder.nodes[number]
-        alone = operation in {"abs", "sign"}
+        alone = operation in {"abs", "sign", "atan2"}
         builder.switches[number] = arguments[0] if alone else builder.sub(arguments[0], arguments[1])
     return builder.switches[number]
 

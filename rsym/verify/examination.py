@@ -78,10 +78,10 @@ def _leaf(local: Local, extent: float, number: int, locus: Locus) -> Finding:
     found = generators(local, leaf)
     if found.analytic:
         return _regular(local, locus, math.inf, extent)
-    if found.hard or len(found.switches) > 1:
+    finding = _joined(local, number, extent) if len(found.switches) == 1 else Finding("open", locus=locus)
+    if finding.kind == "open" and (found.hard or len(found.switches) > 1):
         order = root_order(local, leaf)
-        return _regular(local, locus, order, extent) if order > 2 else Finding("open", locus=locus)
-    finding = _joined(local, number, extent)
+        return _regular(local, locus, order, extent) if order > 2 else finding
     if finding.kind == "open" and _is_small(local, extent):
         order = resolved(local, leaf, found.switches[0]).order
         return _regular(local, locus, order, extent) if order > 2 else finding

@@ -125,6 +125,8 @@ def _switch(local: Local, number: int) -> int | None:
     if operation in BRANCHING:
         switch = switch_of(builder, number)
         return bare(builder, switch) if is_defined(local, switch) else None
+    if operation == "atan2" and local.sign(arguments[1]) < 0 and is_defined(local, arguments[0]):
+        return bare(builder, arguments[0])
     if operation == "trimming" and local.sign(arguments[1]) > 0:
         node = builder.nodes[arguments[0]]
         return bare(builder, node.arguments[0]) if is_square(builder, arguments[0]) else None

@@ -61,13 +61,15 @@ def meeting(local: Local, locus: Locus, found: Generators | None) -> Meeting | N
         f, g = locus.nodes
         sides = (g, f) if locus.kind == "conjunction" else (builder.neg(g), builder.neg(f))
         return Meeting((Arc(f, sides[0]), Arc(g, sides[1])), 1)
-    if locus.kind != "leaf" or found is None or found.hard or len(found.switches) != 1:
+    if locus.kind != "leaf" or found is None or len(found.switches) != 1:
         return None
     (switch,) = found.switches
     (leaf,) = locus.nodes
     both = resolved(local, leaf, switch)
     thin = None if both.thin is None else Arc(both.thin, switch)
-    return Meeting((Arc(both.plus, switch), Arc(both.minus, builder.neg(switch))), both.contact, thin)
+    # What is not resolved may be so on the sides alone: it tells nothing of how they agree.
+    contact = 0 if found.hard else both.contact
+    return Meeting((Arc(both.plus, switch), Arc(both.minus, builder.neg(switch))), contact, thin)
 
 
 def others_of(meeting: Meeting) -> list[Arc]:

@@ -20,9 +20,9 @@ from rsym.verify.local import Local, Model
 from rsym.verify.locus import chosen
 from rsym.verify.polynomials import multiplicity
 
-DECIDED = BRANCHING - {"sign"} | {"trimming"}  # what a box may decide
+DECIDED = BRANCHING - {"sign"} | {"trimming", "atan2"}  # what a box may decide
 OPEN = 2  # where it decides nothing: a choice of one function is decided though what it tests may be zero
-JUMPING = frozenset({"sign", "select"})  # what may have a value of its own where the switch is zero
+JUMPING = frozenset({"sign", "select", "atan2"})  # what may not be continuous from a side where the switch is zero
 
 
 @dataclass(frozen=True)
@@ -90,8 +90,8 @@ def _decided(local: Local, number: int) -> tuple[int, ...]:
 
 def _decision(local: Local, part: int) -> int:
     operation, arguments, _ = local.model.builder.nodes[part]
-    if operation == "trimming":
-        return int(local.sign(arguments[1]) > 0)
+    if operation in {"trimming", "atan2"}:
+        return local.sign(arguments[1])
     return OPEN if chosen(local, part) is None else local.sign(switch_of(local.model.builder, part))
 
 
@@ -100,15 +100,18 @@ def _resolve(local: Local, number: int, switch: int, side: int, on_zeros: bool) 
     for part in local.model.order(number):
         jumps = on_zeros and local.model.builder.nodes[part].operation in JUMPING and not _sign(local, part, switch, 0)
         if jumps and _sign(local, part, switch, side):
-            done[part] = _on_zeros(local.model.builder, part, done)
+            done[part] = _on_zeros(local, part, switch, done)
         else:
             done[part] = _resolved(local, part, switch, side, done)
     return done[number]
 
 
-def _on_zeros(builder: Builder, part: int, done: dict[int, int]) -> int:
-    """A jump where what it compares is equal: neither is greater."""
+def _on_zeros(local: Local, part: int, switch: int, done: dict[int, int]) -> int:
+    """A jump where what it compares is equal: neither is greater; on its cut atan2 is pi, as above it."""
+    builder = local.model.builder
     operation, arguments, _ = builder.nodes[part]
+    if operation == "atan2":
+        return _angle(builder, done[arguments[0]], done[arguments[1]], 1)
     return builder.const(0) if operation == "sign" else done[arguments[3]]
 
 
@@ -126,6 +129,8 @@ def _resolved(local: Local, part: int, switch: int, side: int, done: dict[int, i
             return inner[2 if sign > 0 else 3]
         if operation in {"min", "max"}:
             return inner[0 if (sign > 0) == (operation == "max") else 1]
+        if operation == "atan2":
+            return _angle(builder, inner[0], inner[1], sign)
         if operation == "trimming":
             return _trimming(builder, done[builder.nodes[arguments[0]].arguments[0]], inner[1], sign)
         return _power(builder, operation, inner[0], builder.value(arguments[1]) or Fraction(0), sign)
@@ -178,11 +183,20 @@ def _sign(local: Local, part: int, switch: int, side: int) -> int:
         if exponent is None or exponent <= 0:
             return 0
         deciding = arguments[0]
+    elif operation == "atan2" and local.sign(arguments[1]) < 0:
+        deciding = arguments[0]
     elif operation == "trimming" and is_square(builder, arguments[0]) and local.sign(arguments[1]) > 0:
         deciding = builder.nodes[arguments[0]].arguments[0]
     else:
         return 0
     return factor(builder, deciding) * side if bare(builder, deciding) == switch else 0
+
+
+def _angle(b: Builder, sine: int, cosine: int, sign: int) -> int:
+    """The polar angle of a point to the left, continued from above or below the cut: that of its opposite and pi."""
+    opposite = b.make("atan2", b.neg(sine), b.neg(cosine))
+    half_turn = b.make("const", data="pi")
+    return b.add(opposite, half_turn) if sign > 0 else b.sub(opposite, half_turn)
 
 
 def _trimming(b: Builder, f: int, t: int, sign: int) -> int:

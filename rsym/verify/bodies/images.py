@@ -31,6 +31,9 @@ Ends: TypeAlias = tuple[Array, Array]
 Flags: TypeAlias = NDArray[np.bool_]
 NARROW = 2.0**-40  # of the range of a letter: narrower ones are not divided
 SMALL = 25  # operations: to compile fewer takes longer than NumPy needs for a hundred thousand boxes
+# Operations of what is asked of a few boxes, beyond which compiling takes longest: of the third derivatives of a tube
+# about a helix 52 s, with NumPy 1.5 s.
+RARE = 500
 
 
 class Condition(NamedTuple):
@@ -140,12 +143,12 @@ class Images:
         return np.array([self._ends[name] for name in self.model.axes[3:]], np.float64).reshape(-1, 2)
 
     def _function(
-        self, outputs: Mapping[str, int], *, sharpened: Sequence[str] = (), strict: bool = True
+        self, outputs: Mapping[str, int], *, sharpened: Sequence[str] = (), strict: bool = True, rare: bool = False
     ) -> IntervalFunction:
         builder = self.model.builder
         program = assemble(builder.nodes, builder.coordinates, builder.letters, outputs).varying(self.model.axes[3:])
         numbers = dict(program.outputs)
-        backend = "numpy" if len(program) <= SMALL else None
+        backend = "numpy" if len(program) <= SMALL or (rare and len(program) > RARE) else None
         nodes = tuple(numbers[name] for name in sharpened)
         return IntervalFunction(program, backend, sharpened=nodes, strict=strict)
 
@@ -281,7 +284,7 @@ class Images:
     def bends(self, node: int, boxes: Boxes) -> tuple[Centred, Centred]:
         """The second (3, 3, n) and third (3, 3, 3, n) derivatives of a node over boxes."""
         if node not in self._bends:
-            self._bends[node] = self._function(self._higher(node))
+            self._bends[node] = self._function(self._higher(node), rare=True)
         found = self._on(self._bends[node], boxes)
         tensors = []
         for order in (2, 3):

@@ -80,6 +80,8 @@ def _leaf(local: Local, number: int, locus: Locus) -> Inspection:
             return _regular(local, locus, made.nodes, made.order)
         if inspected.kind != "open":
             return inspected
+    elif len(found.switches) == 1 and (inspected := _joined(local, number, locus)).kind != "open":
+        return inspected
     order = root_order(local, leaf)
     return _regular(local, locus, (leaf,), order) if order > CURVED else Inspection("open", locus=locus)
 

@@ -28,6 +28,7 @@ from rsym.verify.bodies.formulas import Formula, as_gate, leaves_of
 from rsym.verify.bodies.images import Array, Boxes, Flags, Images
 from rsym.verify.bodies.independence import apart, independent, step_to_both
 from rsym.verify.bodies.inspection import Inspection, inspect, is_even
+from rsym.verify.bodies.repetition import Repetition
 from rsym.verify.bodies.subdivision import Subdivision, joined_boxes
 from rsym.verify.classes import CURVED
 from rsym.verify.contact_relations import contacts_of
@@ -77,7 +78,7 @@ class _State(NamedTuple):
 
 
 class Octree:
-    """Subdivides a region level by level."""
+    """Subdivides a region level by level; a piece of one only as long as it holds nothing but sheets."""
 
     def __init__(
         self,
@@ -88,8 +89,9 @@ class Octree:
         budget: int,
         inspections: int,
         effort: Effort,
+        piece: Repetition | None = None,
     ) -> None:
-        self.images, self.region = images, region
+        self.images, self.region, self.piece = images, region, piece
         self.extent = max(high - low for low, high in region[:3])
         self.smallest, self.budget, self.inspections = smallest, budget, inspections
         self.effort = effort
@@ -105,12 +107,19 @@ class Octree:
     def run(self) -> Subdivision:
         """Subdivide until every box is settled, narrower than `smallest`, too many, or the time over."""
         level = np.array(list(eighths(self.region)))
-        while len(level):
+        while len(level) and not self._is_in_vain:
             self.found.examined += len(level)
             self._tell(level)
             level = self._level(level)
+        self.found.left.extend((box, Inspection("open")) for box in listed(level))
         self._tell(level)
         return self.found
+
+    @property
+    def _is_in_vain(self) -> bool:
+        """Whether a piece was found to hold more than sheets, so that the whole region must be searched."""
+        found, piece = self.found, self.piece
+        return piece is not None and (found.has_more or bool(found.joined and not piece.is_small))
 
     def _tell(self, level: Boxes) -> None:
         """Report the share of the boundary that is settled, by the areas of the boxes."""
@@ -121,6 +130,8 @@ class Octree:
         self.effort.reach(1 - undecided, undecided=undecided)
 
     def _level(self, level: Boxes) -> Boxes:
+        if self.piece is not None:
+            level = level[self.piece.meets(level)]
         alive, joined, defined, signs = self.images.alive(level)
         keep = alive.any(axis=0) | (joined == OPEN) | ~defined
         keep[~defined] = ~self.images.is_empty(level[~defined])

@@ -44,6 +44,11 @@ class Subdivision:
         return bool(self.left or self.late or self.double or self.broken or self.leaps)
 
     @property
+    def has_more(self) -> bool:
+        """Whether there are boxes that hold more than regular sheets, which may meet in curves."""
+        return bool(self.has_gaps or self.corners)
+
+    @property
     def balance(self) -> Balance:
         """The boxes that were examined, and those of which it is known what became of them."""
         return Balance(self.examined, self.examined - self.unsettled)

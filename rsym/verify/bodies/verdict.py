@@ -22,6 +22,7 @@ from rsym.verify.bodies.inspection import Inspection
 from rsym.verify.bodies.naming import Naming
 from rsym.verify.bodies.octree import Octree
 from rsym.verify.bodies.points import classify_points, is_degenerate
+from rsym.verify.bodies.repetition import Repetition, repetition, turning
 from rsym.verify.bodies.report import Array, BodyCover, BodyReport, Defect, SingularCurve, SingularPoint
 from rsym.verify.bodies.subdivision import Subdivision, joined_boxes
 from rsym.verify.bodies.tracing import trace
@@ -51,6 +52,7 @@ class Study:
     found: Subdivision
     naming: Naming
     effort: Effort
+    piece: Repetition | None = None  # what was searched, if its images are the rest
 
     @property
     def ranging(self) -> bool:
@@ -74,18 +76,61 @@ def study_body(
 ) -> Study:
     """Subdivide the bounds of a body."""
     region: Box = tuple((float(low), float(high)) for low, high in bounds)
+    effort = effort or Effort()
+    effort.begin("boxes", SHARES[0])
+    limits = _Limits(smallest * max(high - low for low, high in region), budget, effort)
+    turned = turning(shape, region)
+    if turned is not None:
+        study = _searched(_subject(shape, turned.region, letters, effort), limits, turned)
+        if study is not None:
+            return replace(study, region=(*region, *study.region[3:]))
+    study = _subject(shape, region, letters, effort)
+    mirrored = repetition(study.images.model, study.region)
+    found = None if mirrored is None else _searched(study, limits, mirrored)
+    return replace(study, found=limits.octree(study.images, study.region).run()) if found is None else found
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """What a search may cost: the width of the smallest box, the number of boxes, the time."""
+
+    smallest: float
+    budget: int
+    effort: Effort
+
+    def octree(self, images: Images, region: Box, piece: Repetition | None = None) -> Octree:
+        """A search within these limits."""
+        return Octree(
+            images,
+            region,
+            smallest=self.smallest,
+            budget=self.budget,
+            inspections=INSPECTIONS,
+            effort=self.effort,
+            piece=piece,
+        )
+
+
+def _subject(shape: Shape, region: Box, letters: Mapping[str, Interval], effort: Effort) -> Study:
+    """A body before it is searched."""
     expression = within_cells(cleaned(without_rounded_levels(shape.expression)), shape.coordinates, region)
     model = Model(shape.replace(expression=without_scale(expression)), letters, bounds=region)
     whole = model.over(region)
     formed = formation(model, lambda number: is_legal(whole, number))
     images = Images(model, formed, letters)
     region = (*region, *((float(low), float(high)) for low, high in images.ranges))
-    width = max(high - low for low, high in region[:3])
-    effort = effort or Effort()
-    effort.begin("boxes", SHARES[0])
-    octree = Octree(images, region, smallest=smallest * width, budget=budget, inspections=INSPECTIONS, effort=effort)
     naming = Naming(shape, model.builder, formed.definitions, formed.origins)
-    return Study(images, region, octree.run(), naming, effort)
+    return Study(images, region, Subdivision(), naming, effort)
+
+
+def _searched(study: Study, limits: _Limits, piece: Repetition) -> Study | None:
+    """A body of which one piece was searched; None if that holds more than regular sheets, or nothing."""
+    region = (*piece.region[:3], *study.region[3:])
+    study = replace(study, found=limits.octree(study.images, region, piece).run(), piece=piece)
+    if not study.found.regular or study.found.has_more:
+        return None
+    curves, open_boxes = _curves(study, [])
+    return None if curves or open_boxes else study
 
 
 def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
@@ -128,9 +173,9 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
         points=tuple(sorted(points, key=_badness)),
         curvatures=(-math.inf, math.inf) if found.has_gaps else bent.enclosure,
         attained=bent.attained,
-        cover=_cover(study.region, found),
+        cover=_cover(study, found),
         letters={name: (float(low), float(high)) for name, (low, high) in model.letters.items()},
-        statements=(*_statements(found, exists, study.ranging), *effort.statements),
+        statements=(*_statements(found, exists, study.ranging), *_repeated(study), *effort.statements),
     )
     wrong = missing(located, draft.points, found.balance, near=SAME * study.extent, boxes=_unlisted(study, draft))
     if not wrong:
@@ -214,15 +259,17 @@ def _badness(one: Defect) -> tuple[float, ...]:
     return (not one.proved, level_of(one), *size, *place)
 
 
-def _cover(region: Box, found: Subdivision) -> BodyCover:
+def _cover(study: Study, found: Subdivision) -> BodyCover:
+    region = study.region
     none = np.empty((0, len(region), 2))
     late: Array = np.array([box[:3] for box in found.late], dtype=np.float64).reshape(-1, 3, 2)
     boxes = [*(box for box, _ in found.left), *found.double, *found.leaps, *(box for box, _ in found.breaks)]
     left: Array = np.array([box[:3] for box in boxes], dtype=np.float64).reshape(-1, 3, 2)
     regular = (part for parts in found.regular.values() for part in parts)
+    certified = np.concatenate([late, np.concatenate([none, *regular])[:, :3]])
     return BodyCover(
         bounds=region[:3],
-        certified=np.concatenate([late, np.concatenate([none, *regular])[:, :3]]),
+        certified=certified if study.piece is None else study.piece.images(certified, region),
         joined=np.concatenate([none, *joined_boxes(found)])[:, :3],
         undecided=left,
         examined=found.examined,
@@ -255,6 +302,10 @@ def _statements(found: Subdivision, exists: bool | None, ranging: bool) -> tuple
     if found.left:
         result.append((f"in {_boxes(len(found.left))} nothing is proved of the boundary as a whole", False))
     return tuple(result)
+
+
+def _repeated(study: Study) -> tuple[tuple[str, bool], ...]:
+    return () if study.piece is None else ((study.piece.sentence, True),)
 
 
 def _boxes(count: int) -> str:
