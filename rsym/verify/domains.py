@@ -17,15 +17,17 @@ PARTIAL = frozenset(
 _THIN = frozenset(
     "div versine rp_versine monomial norm joining equivalence absolute_power signed_power normalised".split()
 )
+_THICK = PARTIAL - _THIN
 
 
 def is_defined(local: Local, number: int, *, but_for_thin_sets: bool = False) -> bool:
     """Whether the node is certainly defined on the whole box, or on all of it but curves and points."""
-    nodes = local.model.builder.nodes
-    local.value(number)
-    ignored = _THIN if but_for_thin_sets else frozenset()
-    partial = (part for part in local.model.order(number) if nodes[part].operation in PARTIAL - ignored)
-    return all(is_defined_itself(local, part) for part in partial)
+    key = (number, but_for_thin_sets)
+    if key not in local.defined:
+        local.value(number)
+        partial = local.model.parts(number, _THICK if but_for_thin_sets else PARTIAL)
+        local.defined[key] = all(is_defined_itself(local, part) for part in partial)
+    return local.defined[key]
 
 
 def is_defined_itself(local: Local, number: int) -> bool:

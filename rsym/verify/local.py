@@ -75,6 +75,7 @@ class Model:
         self._gradients: dict[int, tuple[int, ...]] = {}
         self._curvatures: dict[int, int] = {}
         self._fixed: dict[int, dict[str, arb]] = {}
+        self._parts: dict[tuple[int, frozenset[str]], list[int]] = {}
         self._made_of: dict[tuple[int, frozenset[str]], bool] = {}
         self._plans: dict[tuple[int, ...], _Plan] = {}
 
@@ -109,6 +110,14 @@ class Model:
             steps = [self._steps[part] for part in order if nodes[part].operation not in {"input", "const"}]
             self._plans[numbers] = _Plan(named, fixed, steps, {})
         return self._plans[numbers]
+
+    def parts(self, number: int, operations: frozenset[str]) -> list[int]:
+        """The nodes of some operations that a node needs, in evaluation order."""
+        if (number, operations) not in self._parts:
+            nodes = self.builder.nodes
+            found = [part for part in self.order(number) if nodes[part].operation in operations]
+            self._parts[number, operations] = found
+        return self._parts[number, operations]
 
     def uses_only(self, number: int, operations: frozenset[str]) -> bool:
         """Whether a node and all that it needs are of some operations."""
@@ -159,6 +168,7 @@ class Local:
         self.inputs = model.inputs(sides)
         self.values: dict[int, arb | None] = {}
         self.decided: dict[int, tuple[int, ...]] = {}
+        self.defined: dict[tuple[int, bool], bool] = {}
 
     def value(self, number: int) -> arb | None:
         """A ball around all values of a node; None if it is nowhere defined."""

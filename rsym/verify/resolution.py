@@ -57,7 +57,7 @@ def _thin(local: Local, number: int, switch: int, sides: dict[int, int]) -> int 
     What is continuous across the switch, |u| and the like, may be continued from either side.
     """
     builder = local.model.builder
-    if not any(builder.nodes[part].operation in JUMPING for part in local.model.order(number)):
+    if not local.model.parts(number, JUMPING):
         return None
     for side, beside in sides.items():
         here = resolve(local, number, switch, side, on_zeros=True)
@@ -82,9 +82,7 @@ def resolve(local: Local, number: int, switch: int, side: int, *, on_zeros: bool
 def _decided(local: Local, number: int) -> tuple[int, ...]:
     """The signs by which a box decides operations that a node needs: all of the box that its resolutions depend on."""
     if number not in local.decided:
-        nodes = local.model.builder.nodes
-        parts = (part for part in local.model.order(number) if nodes[part].operation in DECIDED)
-        local.decided[number] = tuple(_decision(local, part) for part in parts)
+        local.decided[number] = tuple(_decision(local, part) for part in local.model.parts(number, DECIDED))
     return local.decided[number]
 
 

@@ -349,7 +349,7 @@ class Octree:
         model, found = self.images.model, self.found
         with ctx.workprec(PRECISION):
             for place in np.flatnonzero(state.hard & ~state.divided):
-                if found.inspected >= self.inspections or self.effort.is_over:
+                if found.inspected >= self.inspections or self.effort.is_over or self._is_in_vain:
                     state.divided[place] = True
                     continue
                 found.inspected += 1
