@@ -130,10 +130,10 @@ def _known(mesh: Mesh, shape: Shape, letters: Mapping[Any, float] | None) -> _Kn
     if kinked.size:
         middles = mesh.vertices[mesh.faces[first[kinked] // 3]].mean(axis=1)
         inside = points[kinked] + INWARDS * (middles - points[kinked])
-        beside = fields.at(leaf[first[kinked]], inside, longest_side(mesh))
-        moved = ~_steady({name: found[name][kinked] for name in found}, beside, 1 / _size(mesh))
-        for name, values in beside.items():
-            found[name][kinked[moved]] = values[moved]
+        side = leaf[first[kinked]]
+        moved = ~_steady({name: found[name][kinked] for name in found}, fields.at(side, inside), 1 / _size(mesh))
+        for name, values in fields.at(side[moved], inside[moved], longest_side(mesh)).items():
+            found[name][kinked[moved]] = values
     with np.errstate(invalid="ignore"):
         blunt = np.abs(found["principal_curvatures"]).max(axis=1) * POINTED * _size(mesh) <= 1
     for name in CURVATURES:
