@@ -167,6 +167,20 @@ def test_no_corner_of_a_shipped_model_has_the_curvature_of_a_rounding_error(name
     assert np.isin(on_edges(mesh), np.flatnonzero(np.isnan(vertices["mean_curvature"]))).mean() > 0.8
 
 
+@pytest.mark.filterwarnings("ignore::rsym.RsymWarning")
+def test_a_corner_that_is_not_on_the_leaf_of_its_face_has_the_curvature_of_the_nearest_point_that_is():
+    """Balls so close to each other that three meet within a cell: some faces have a corner beside their leaf."""
+    centres = np.random.default_rng(1).uniform(-0.5, 0.5, (25, 3)).round(3).tolist()
+    balls = [sp.Rational(1, 25) - (x - a) ** 2 - (y - b) ** 2 - (z - c) ** 2 for a, b, c in centres]
+    shape = Shape(rsym.disjunction(*balls), (x, y, z), bounds=((-0.8, 0.8),) * 3)
+    mesh = rsym.mesh(shape, 24)
+    leaf = np.array(centres)[mesh.leaf][:, None]
+    off = np.abs(np.linalg.norm(mesh.vertices[mesh.faces] - leaf, axis=-1) - 0.2)
+    assert off.max() > 1e-6
+    found = rsym.corner_curvatures(mesh, shape)
+    assert_close(found["principal_curvatures"], np.full((*mesh.faces.shape, 2), 5.0), atol=1e-4)
+
+
 def test_threads_and_pickles_do_not_change_a_bit():
     import pickle
 

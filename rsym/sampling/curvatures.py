@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.model.shape import Shape
-from rsym.sampling.leaf_fields import LeafFields, longest_side
+from rsym.sampling.leaf_fields import LeafFields, distances, longest_side
 from rsym.sampling.mesh import Mesh
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 CURVATURES = ("mean_curvature", "gaussian_curvature", "principal_curvatures", "principal_directions")
+# Farther from the leaf of its face, as a share of the size of the body, a vertex is moved onto it.
+ON_LEAF = 1e-9
 # Of the way to the middle of a face: where a leaf has a kink, what lies so far inside tells which side is the face's.
 INWARDS = 1e-4
 # Between a corner and there curvature and normal change by less than this, in units of the former or of 1/size.
@@ -124,15 +126,18 @@ def _known(mesh: Mesh, shape: Shape, letters: Mapping[Any, float] | None) -> _Kn
         own, len(mesh.vertices) * len(fields.kinked) + np.arange(len(leaf)), vertex * len(fields.kinked) + leaf
     )
     _, first, place = np.unique(keys, return_index=True, return_inverse=True)
-    points = mesh.vertices[vertex[first]]
+    points, reach = mesh.vertices[vertex[first]], longest_side(mesh)
     found = fields.at(leaf[first], points)
+    off = np.flatnonzero((leaf[first] < len(fields.form.leaves)) & (distances(found) > ON_LEAF * _size(mesh)))
+    for name, values in fields.at(leaf[first[off]], points[off], reach).items():
+        found[name][off] = values
     kinked = np.flatnonzero(own[first])
     if kinked.size:
         middles = mesh.vertices[mesh.faces[first[kinked] // 3]].mean(axis=1)
         inside = points[kinked] + INWARDS * (middles - points[kinked])
         side = leaf[first[kinked]]
         moved = ~_steady({name: found[name][kinked] for name in found}, fields.at(side, inside), 1 / _size(mesh))
-        for name, values in fields.at(side[moved], inside[moved], longest_side(mesh)).items():
+        for name, values in fields.at(side[moved], inside[moved], reach).items():
             found[name][kinked[moved]] = values
     with np.errstate(invalid="ignore"):
         blunt = np.abs(found["principal_curvatures"]).max(axis=1) * POINTED * _size(mesh) <= 1

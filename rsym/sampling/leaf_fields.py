@@ -39,7 +39,7 @@ class LeafFields:
     shape: Shape
     fields: Sequence[str] = ()
     letters: Mapping[Any, float] | None = None
-    _kernels: dict[tuple[int, tuple[str, ...]], Kernel] = field(default_factory=dict, repr=False)
+    _kernels: dict[int, Kernel] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         if self.shape.dimension != 3:
@@ -123,21 +123,21 @@ class LeafFields:
         return result
 
     def _on(self, number: int, points: Floats, reach: float) -> dict[str, Floats]:
-        slopes, start = self._kernel(number, ("value", "gradient")), points
+        kernel, start = self._kernel(number), points
+        found = kernel(*points.T, letters=self.letters)
         for _ in range(NEWTON_STEPS if reach > 0 and number < len(self.form.leaves) else 0):
-            found = slopes(*points.T, letters=self.letters)
+            moved = points - _step(found)
             with np.errstate(all="ignore"):
-                squared = np.einsum("ij,ij->i", found["gradient"], found["gradient"])
-                moved = points - (found["value"] / squared)[:, None] * found["gradient"]
                 short = np.einsum("ij,ij->i", moved - start, moved - start) <= reach**2
             points = np.where(short[:, None], moved, points)
-        return self._kernel(number, self.names)(*points.T, letters=self.letters) | {"point": points}
+            found = kernel(*points.T, letters=self.letters)
+        return found | {"point": points}
 
-    def _kernel(self, number: int, names: tuple[str, ...]) -> Kernel:
-        if (number, names) not in self._kernels:
-            program = fields_program(Calculus(self.form.builder, self._node(number)), names)
-            self._kernels[number, names] = compile_program(program, names, self.shape)
-        return self._kernels[number, names]
+    def _kernel(self, number: int) -> Kernel:
+        if number not in self._kernels:
+            program = fields_program(Calculus(self.form.builder, self._node(number)), self.names)
+            self._kernels[number] = compile_program(program, self.names, self.shape)
+        return self._kernels[number]
 
     def _node(self, number: int) -> int:
         """The node of a leaf; behind the leaves of the shape are the sides of the bounds, up to a constant."""
@@ -151,6 +151,20 @@ class LeafFields:
     def _values(self) -> Kernel:
         outputs = {f"leaf {k}": leaf for k, leaf in enumerate(self.form.leaves)}
         return compile_program(self.form.builder.program(outputs), tuple(outputs), self.shape)
+
+
+def _step(found: Mapping[str, Floats]) -> Floats:
+    """How far Newton's method says that points are from the zero of their leaf, along its gradient."""
+    with np.errstate(all="ignore"):
+        squared = np.einsum("ij,ij->i", found["gradient"], found["gradient"])
+        step: Floats = (found["value"] / squared)[:, None] * found["gradient"]
+    return step
+
+
+def distances(found: Mapping[str, Floats]) -> Floats:
+    """How far points are from their leaf, to first order."""
+    step = _step(found)
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", step, step)))
 
 
 def longest_side(mesh: Mesh) -> float:
