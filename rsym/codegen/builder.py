@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from functools import reduce
 
+from rsym.codegen.constant_ranges import CLEAR, Range, constant_range
 from rsym.codegen.program import Data, Node, Program, assemble
 
 ONE, HALF = Fraction(1), Fraction(1, 2)
@@ -30,6 +31,7 @@ class Builder:
         self.nodes: list[Node] = []
         self.uniform: list[bool] = []
         self.nonnegative: list[bool] = []
+        self._ranges: list[Range | None] = []
         self.derivatives: dict[tuple[int, str], int] = {}
         self.scaled: dict[int, tuple[int, int]] = {}
         self.switches: dict[int, int] = {}
@@ -44,6 +46,7 @@ class Builder:
             self.nodes.append(node)
             varying = operation == "input" and data in self.coordinates
             self.uniform.append(not varying and all(self.uniform[argument] for argument in arguments))
+            self._ranges.append(constant_range(node, [self._ranges[argument] for argument in arguments]))
             self.nonnegative.append(self._is_nonnegative(node))
         return number
 
@@ -60,6 +63,8 @@ class Builder:
         operation, arguments, data = node
         if operation == "const":
             return isinstance(data, str) or (isinstance(data, Fraction) and data >= 0)
+        if (known := self._ranges[-1]) is not None and known[0] > CLEAR:
+            return True
         if operation in _NONNEGATIVE:
             return True
         if operation == "mul" and arguments[0] == arguments[1]:

@@ -17,12 +17,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from rsym.codegen.lowering import lower
 from rsym.verify.domains import switch_of
 from rsym.verify.folding import folded
 from rsym.verify.generators import Generators, bare, factor, generators
 from rsym.verify.local import Local
-from rsym.verify.polynomials import multiplicity
+from rsym.verify.polynomials import multiplicity, ring_of
 from rsym.verify.resolution import JUMPING, contact, resolve
 
 MOST = 6  # switches that are resolved one after the other: 64 functions
@@ -64,7 +63,7 @@ def pieces(local: Local, number: int) -> Pieces:
     """
     one = folded(local, number)
     if one is not None:
-        return Pieces((lower(local.model.builder, one.as_expr()),), math.inf)
+        return Pieces((ring_of(local.model).lowered(one),), math.inf)
     nodes: dict[int, None] = {}
     order = _order(local, number, nodes, MOST)
     return Pieces(tuple(nodes), order) if order > CURVED else NOTHING

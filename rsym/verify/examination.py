@@ -12,6 +12,7 @@ from rsym.verify.bodies.sheets import locus_of, sheets
 from rsym.verify.bodies.touching import touching
 from rsym.verify.borders import is_within
 from rsym.verify.breaks import are_empty, broken, emptiness
+from rsym.verify.classes import NOTHING, pieces
 from rsym.verify.domains import is_defined
 from rsym.verify.edges import edge, has_edges
 from rsym.verify.generators import Generators, generators
@@ -78,6 +79,9 @@ def _leaf(local: Local, extent: float, number: int, locus: Locus) -> Finding:
     found = generators(local, leaf)
     if found.analytic:
         return _regular(local, locus, math.inf, extent)
+    made = NOTHING if found.hard else pieces(local, leaf)
+    if math.isinf(made.order):  # folds that cancel
+        return _regular(local, Locus("leaf", made.nodes), math.inf, extent)
     finding = _joined(local, number, extent) if len(found.switches) == 1 else Finding("open", locus=locus)
     if finding.kind == "open" and (found.hard or len(found.switches) > 1):
         order = root_order(local, leaf)

@@ -9,25 +9,32 @@ another need not be looked at: of x - y > 0 and y - z > 0, x - z > 0 follows.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from fractions import Fraction
 from itertools import combinations_with_replacement
-from typing import TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
-import sympy as sp
-
+from rsym.verify.cyclotomic import Field
 from rsym.verify.generators import generators
 from rsym.verify.local import Local
-from rsym.verify.polynomials import polynomial_of
+from rsym.verify.polynomials import Ring, ring_of
 from rsym.verify.resolution import resolve
 
 MOST = 128  # functions that are looked at: a fold of three coordinates takes a dozen
-Form: TypeAlias = Mapping[tuple[int, ...], Fraction]  # a polynomial, its coefficients by the powers
+Form: TypeAlias = Mapping[tuple[int, ...], Any]  # a polynomial, its coefficients by the powers
 _CONTINUOUS = frozenset({"abs", "min", "max"})
 _WHOLE = -1  # no node: what the box decides is decided, nothing else
 
 
-def folded(local: Local, number: int) -> sp.Poly | None:
+class Known(NamedTuple):
+    """A node that is a polynomial, and the sign that it has."""
+
+    node: int
+    side: int
+
+
+def folded(local: Local, number: int) -> Any:
     """The polynomial that a node is on a box on which it has switches; None where it is not proved to be one.
+
+    It is an element of the ring of the model.
 
     Examples
     --------
@@ -38,8 +45,9 @@ def folded(local: Local, number: int) -> sp.Poly | None:
     >>> folded(model.over(((-1, 1),) * 3), model.root).as_expr()
     x + y - z
     """
+    ring = ring_of(local.model)
     found, count = None, 0
-    stack: list[tuple[int, tuple[Form, ...]]] = [(number, ())]
+    stack: list[tuple[int, tuple[Known, ...]]] = [(number, ())]
     while stack:
         part, known = stack.pop()
         count += 1
@@ -48,46 +56,49 @@ def folded(local: Local, number: int) -> sp.Poly | None:
         if count > MOST or made.hard or not all(nodes[one].operation in _CONTINUOUS for one in made.switched):
             return None
         if not made.switches:
-            polynomial = _polynomial(local, part)
+            polynomial = ring.polynomial(resolve(local, part, _WHOLE, 1))
             if polynomial is None or (found is not None and polynomial != found):
                 return None
             found = polynomial
             continue
         switch = next((one for one in made.switches if generators(local, one).analytic), None)
-        tested = None if switch is None else _polynomial(local, switch)
-        if switch is None or tested is None:
+        if switch is None:
             return None
-        if tested.is_zero:  # what is compared is one function
+        flat = resolve(local, switch, _WHOLE, 1)
+        tested = ring.polynomial(flat)
+        if tested is None:
+            return None
+        if tested == 0:  # what is compared is one function
             stack.append((resolve(local, part, switch, 1), known))
             continue
-        form = _form(tested)
-        opposite = {powers: -value for powers, value in form.items()}
-        for side, own in ((1, form), (-1, opposite)):
-            other = opposite if side > 0 else form
-            if not any(_follows(other, first, second) for first, second in combinations_with_replacement(known, 2)):
-                stack.append((resolve(local, part, switch, side), (*known, own)))
+        for side in (1, -1):
+            other, pairs = Known(flat, -side), combinations_with_replacement(known, 2)
+            if not any(_follows(ring, other, first, second) for first, second in pairs):
+                stack.append((resolve(local, part, switch, side), (*known, Known(flat, side))))
     return found
 
 
-def _polynomial(local: Local, number: int) -> sp.Poly | None:
-    written = polynomial_of(local.model, resolve(local, number, _WHOLE, 1))
-    symbols = [sp.Symbol(name, real=True) for name in local.model.builder.coordinates]
-    return None if written is None else sp.Poly(written, *symbols, domain=sp.QQ)
+def _follows(ring: Ring, other: Known, first: Known, second: Known) -> bool:
+    """Whether what is known of two switches tells the same of another. Asked on every box, worked out once."""
+    key = other, first, second
+    if key not in ring.implied:
+        forms = ({powers: value * side for powers, value in ring.polynomial(node).terms()} for node, side in key)
+        ring.implied[key] = _is_combined(ring.field, *forms)
+    return ring.implied[key]
 
 
-def _form(polynomial: sp.Poly) -> Form:
-    return {powers: Fraction(int(value.p), int(value.q)) for powers, value in polynomial.terms()}
-
-
-def _follows(form: Form, first: Form, second: Form) -> bool:
+def _is_combined(field: Field, form: Form, first: Form, second: Form) -> bool:
     """Whether a form is a*first + b*second with a, b >= 0, not both zero: it is positive where these are."""
-    powers = list({*form, *first, *second})
-    rows = [[one.get(power, Fraction(0)) for one in (form, first, second)] for power in powers]
+    powers, zero = list({*form, *first, *second}), field.domain.zero
+    rows = [[one.get(power, zero) for one in (form, first, second)] for power in powers]
     for (f, p, q), (g, r, s) in combinations_with_replacement(rows, 2):
         determinant = p * s - q * r
-        if determinant:
+        if determinant != zero:
             a, b = (f * s - q * g) / determinant, (p * g - f * r) / determinant
-            return a >= 0 and b >= 0 and a + b > 0 and all(v == a * u + b * w for v, u, w in rows)
-    pairs = [(v, u) for v, u, _ in rows if u]
+            if not all(v == a * u + b * w for v, u, w in rows):
+                return False
+            signs = field.sign(a), field.sign(b)
+            return min(signs) >= 0 and max(signs) > 0
+    pairs = [(v, u) for v, u, _ in rows if u != zero]
     ratio = pairs[0][0] / pairs[0][1]
-    return ratio > 0 and all(v == ratio * u for v, u, _ in rows)
+    return all(v == ratio * u for v, u, _ in rows) and field.sign(ratio) > 0

@@ -18,6 +18,7 @@ from rsym.model.shape import Shape
 if TYPE_CHECKING:
     from rsym.verify.contact_relations import Contacts
     from rsym.verify.lifting import Lifted
+    from rsym.verify.polynomials import Ring
     from rsym.verify.root_classes import Axes
 
 Interval: TypeAlias = tuple[Fraction, Fraction]
@@ -68,6 +69,7 @@ class Model:
         self.resolutions: dict[tuple[object, ...], int] = {}  # by what they depend on, on whatever box
         self.orders_of_contact: dict[tuple[object, ...], float] = {}
         self.multiplicities: dict[tuple[int, int], float] = {}
+        self.ring: Ring | None = None
         self.contacts: Contacts | None = None
         self.root_axes: Axes | None = None
         self.edges: dict[int, list[int]] = {}

@@ -13,7 +13,7 @@ from rsym.model.choices import Choice
 from rsym.model.shape import Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symmetry.evenness import check_even
-from rsym.model.symmetry.reflections import farthest
+from rsym.model.symmetry.reflections import farthest, within_half_a_sector
 from rsym.model.symmetry.turns import turned_bounds, turned_coordinates
 from rsym.model.symmetry.waves import SawtoothWave, triangle_wave
 
@@ -39,6 +39,7 @@ def cyclic(
 
     Up to n = 48 the same function is written without an angle. For even n and an even motif with E and O the largest
     components of (x, y) along every second border: r cos mu = (E + O)/(2 cos(pi/n)), r sin mu = (E - O)/(2 sin(pi/n)).
+    For odd n and an even motif |mu| serves as well: the fold of `kaleidoscope`.
     For any motif (x, y) is turned back by the angle of its sector, whose sine and cosine are chosen by the borders.
     Elsewhere the angle jumps on a border; a mesh says that it proves nothing of the cells there.
 
@@ -100,16 +101,18 @@ def cyclic(
 
 
 def _mirrored_fan(first: sp.Symbol, second: sp.Symbol, n: int) -> tuple[sp.Expr, sp.Expr] | None:
-    """(r cos mu, r sin mu) without an angle, for an even order that is not too large.
+    """(r cos mu, r sin mu) without an angle, for an order that is not too large; for odd orders (r cos mu, r |sin mu|).
 
-    On each sector the two largest components of the point along its borders are
+    On each sector of an even order the two largest components of the point along its borders are
     E = r cos(mu - pi/n) and O = r cos(mu + pi/n), E over every second border and O over the others.
     No angle jumps anywhere, and boxes of points have tight images.
     """
-    if n % 2 or n > MOST_IN_A_FAN:
+    if n > MOST_IN_A_FAN:
         return None
-    if n == 2:
-        return sp.Abs(first), second
+    if n <= 2:
+        return sp.Abs(first) if n == 2 else first, second
+    if n % 2:
+        return within_half_a_sector(first, second, n)
     even, odd = (farthest(first, second, n // 2, sp.Rational(side, n)) for side in (1, -1))
     half = sp.pi / n
     return (even + odd) / (2 * sp.cos(half)), (even - odd) / (2 * sp.sin(half))

@@ -13,7 +13,7 @@ from rsym.model.motions import axis_vector
 from rsym.model.nodes import Held
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
-from rsym.model.symmetry.reflections import farthest, folded
+from rsym.model.symmetry.reflections import folded, within_half_a_sector
 from rsym.model.symmetry.turns import turned_bounds, turned_coordinates
 from rsym.model.traversal import rebuild
 from rsym.model.vectors import Vector, dot
@@ -102,9 +102,7 @@ def kaleidoscope(shape: Shape, order: Any, *, axis: Any = None) -> Shape:
     """
     n = whole(order, "the order", 2)
     first, second = turned_coordinates(shape, axis)
-    straight, between = (farthest(first, second, n, sp.Rational(start, n)) for start in (0, 1))
-    half = sp.pi / n
-    places = {first: straight, second: (between - straight * sp.cos(half)) / sp.sin(half)}
+    places = dict(zip((first, second), within_half_a_sector(first, second, n), strict=True))
     bounds = turned_bounds(shape, (first, second))
     return substituted(shape, places, bounds=bounds)
 

@@ -69,6 +69,23 @@ def farthest(first: sp.Symbol, second: sp.Symbol, count: int, start: sp.Expr) ->
     return R1.disjunction(*(forms if count % 2 else (_absolute(form) for form in forms)))
 
 
+def within_half_a_sector(first: sp.Symbol, second: sp.Symbol, count: int) -> tuple[sp.Expr, sp.Expr]:
+    """A point of the plane folded onto 0 <= theta <= pi/count by the mirrors at all multiples of that angle.
+
+    With X the largest component along the directions 2 k pi/count and Y that along those between, it is
+    (X, (Y - X cos(pi/count))/sin(pi/count)).
+
+    Examples
+    --------
+    >>> from rsym import x, y
+    >>> within_half_a_sector(x, y, 2)
+    (Abs(x), Abs(y))
+    """
+    straight, between = (farthest(first, second, count, sp.Rational(start, count)) for start in (0, 1))
+    half = sp.pi / count
+    return straight, (between - straight * sp.cos(half)) / sp.sin(half)
+
+
 def orbit(weight: Vector, normals: Sequence[Vector]) -> list[Vector]:
     """All images of a vector under the reflections in mirrors with these normals."""
     images = [weight]
