@@ -11,6 +11,7 @@ from opponent.kinks import Q
 from opponent.truth import Case, Spot
 from rsym import R0, R0m, RAlpha, Rp, Shape, conjunction, disjunction, x, y, z
 from rsym.model.powers import AbsolutePower
+from rsym.model.symmetry.waves import SawtoothWave
 
 WIDE = ((-2, 2.1), (-2.2, 2))
 SPACE = ((-1, 1.1), (-1.2, 1), (-1.1, 1.3))
@@ -19,6 +20,14 @@ BALL = 1 - x**2 - y**2 - z**2
 CUSP = (-x - 1) ** 3 + 3 * x**2 + 3 * x + 1 - y**2
 r = sqrt(x**2 + y**2)
 HIDDEN = (x - y) ** 2 + 2 * x * y + z**2 + Q(1, 1000)  # positive, but not by its form
+
+CUBE = ((-1.5, 1.5),) * 3
+SPIRAL, FOLDED = DISC + sp.atan2(y, x) / 4, DISC + sp.atan2(y, x) ** 2 / 20
+ROW = y - SawtoothWave(x, sp.S.One) / 4
+LEFT_CUT, WAIST = conjunction(BALL, x + Q(1, 2)), 1 - Abs(z) - x**2 - 2 * y**2
+SLIVER = conjunction(sqrt(x) - 400 * x - y, sqrt(x) + y)  # arcs that leave one end and meet again at x = 1/40000
+BEAK = conjunction(sqrt(x) * x - y, sqrt(x) * x + y)
+NO_SCREW = 1 - x**2 - y**2 - sp.sin(z) / 4 - Abs(z - Q(1, 2)) / 8
 
 # A letter, its value, and its range.
 C = sp.Symbol("c", real=True)
@@ -56,6 +65,8 @@ PLANE = [
     (conjunction(sqrt(x) - y, 2 * sqrt(x) + y), "G1", WIDE),
     (conjunction(sqrt(x) - y, y - sqrt(x) / 2), "G0", WIDE),
     (conjunction(sqrt(x) - y, sqrt(x) + y - Q(1, 9)), "G0", WIDE),  # they meet at x = 1/324, before their ends
+    (SLIVER, "G0", WIDE),
+    (BEAK, "G0", WIDE),
     (conjunction(sqrt(Abs(x)) - y, sqrt(Abs(x)) + y), "broken", WIDE),
     (conjunction(sqrt(Max(x, 0)) - y, sqrt(Max(x, 0)) + y), "broken", WIDE),
     (sqrt(x) - y, "broken", WIDE),
@@ -131,6 +142,10 @@ PLANE = [
     (conjunction(x, y + x / 3), "analytic", ((1e-300, 1), (-1, 1.2))),
     (disjunction(r - Q(1, 2), Q(1, 4) - x**2 - 2 * y**2), "broken", WIDE),
     (2 + y - sqrt(x**2 + y**2), "analytic", ((-3, 3.1), (-2, 2.2))),
+    # the cut of the angle, endless rows
+    (SPIRAL, "broken", WIDE),
+    (FOLDED, "G0", WIDE),
+    (ROW, "broken", WIDE),
 ]
 # What is less than analytic is so at the origin and nowhere else.
 PLACED = [
@@ -222,6 +237,12 @@ BODIES = [
     (z + Piecewise((0, x < 0), (0, x > 0), (Q(1, 10), True)), "broken", SPACE),
     (z - Max(x + C - Q(27, 10), 0) / 4, "G0", SPACE),
     (z - C, "none", ((-1, 1.1), (-1.2, 1), (-1.1, 1.8))),
+    # bodies that repeat themselves, and such that do not quite
+    (LEFT_CUT, "G0", CUBE),
+    (WAIST, "G0", CUBE),
+    (NO_SCREW, "G0", CUBE),
+    (1 - (x * sp.cos(z) + y * sp.sin(z)) ** 2 - 2 * (y * sp.cos(z) - x * sp.sin(z)) ** 2, "analytic", CUBE),
+    (1 - x**2 - 2 * y**2, "analytic", CUBE),
 ]
 
 

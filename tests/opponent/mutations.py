@@ -28,8 +28,9 @@ import sympy as sp
 from sympy import Abs, Max, Min, Piecewise, sign, sqrt
 
 from opponent import aimed
-from opponent.aimed import BALL, DISC, HIDDEN, C, Q, r
+from opponent.aimed import BALL, BEAK, DISC, FOLDED, HIDDEN, LEFT_CUT, NO_SCREW, ROW, SLIVER, SPIRAL, WAIST, C, Q, r
 from rsym import conjunction, disjunction, x, y, z
+from rsym.codegen.balls import arb
 from rsym.model.powers import AbsolutePower
 
 
@@ -197,6 +198,23 @@ def _a_cusp(original: Any) -> Any:
     return lambda *arguments: original(*arguments) or Judgement("cusp", "G0", "")
 
 
+def _strictly_inside(original: Any) -> Any:
+    """Small boxes on a mirror are left out."""
+
+    def changed(self: Any, boxes: Any) -> Any:
+        behind = (tuple(-part for part in normal) for normal in self.mirrors)
+        touched = [original(dataclasses.replace(self, mirrors=(normal,)), boxes) for normal in behind]
+        small = np.ptp(boxes, axis=2).max(axis=1) < 0.1
+        return original(self, boxes) & ~(small & np.logical_or.reduce(touched))
+
+    return changed
+
+
+def _in_the_middle(original: Any) -> Any:
+    """The cells of the middle of the bounds alone."""
+    return lambda expression, names, bounds: original(expression, names, tuple((a / 99, b / 99) for a, b in bounds))
+
+
 PLANE = (
     Mutation("kinks: all is analytic", "generators:Generators.analytic", property_of(True)),
     Mutation(
@@ -299,7 +317,18 @@ NEWER = (
     Mutation("fibres: no value but the middle is tried", "bodies.fibres:_suspicious", always(())),
     Mutation("account: nothing is missing", "account:missing", always([])),
 )
-MUTATIONS = PLANE + SPACE + NEWER
+NEWEST = (
+    Mutation("kinks: the cut of an angle", "generators:is_analytic_at", _analytic_for("atan2")),
+    Mutation("resolution: above and below a cut", "resolution:_angle", lambda f: lambda b, u, v, side: f(b, u, v, 1)),
+    Mutation("likeness: all reflections keep omega", "bodies.likeness:Likeness.holds", always(True)),
+    Mutation("repetition: mirrors are not looked at", "bodies.repetition:Repetition.meets", _strictly_inside),
+    Mutation("repetition: whatever has a sine turns", "bodies.repetition:_turns", always(True)),
+    Mutation("cells: a few are enough", "cells:within_cells", _in_the_middle),
+    Mutation("edges: all arcs continue each other", "lifting:continues", always(True)),
+    Mutation("edges: arcs meet at their ends alone", "lifting:across_of", always(arb(1))),
+    Mutation("edges: every arc has a tangent", "lifting:is_regular", always(True)),
+)
+MUTATIONS = PLANE + SPACE + NEWER + NEWEST
 # The shapes of `aimed` that are meant for each: the first of which something false is said is enough.
 _CAPSULE = disjunction(conjunction(Q(1, 4) - x**2 - y**2, -z), Q(1, 4) - x**2 - y**2 - z**2)
 _SLIT = z + Piecewise((0, x < 0), (0, x > 0), (Q(1, 10), True))
@@ -383,6 +412,15 @@ AIMS = {
     "root free: every conjugate is positive": (disjunction(r - Q(1, 2), Q(1, 4) - x**2 - 2 * y**2),),
     "fibres: no value but the middle is tried": (z - Max(x + C - Q(27, 10), 0) / 4,),
     "account: nothing is missing": (z - r,),
+    "kinks: the cut of an angle": (FOLDED,),
+    "resolution: above and below a cut": (SPIRAL,),
+    "likeness: all reflections keep omega": (LEFT_CUT,),
+    "repetition: mirrors are not looked at": (WAIST,),
+    "repetition: whatever has a sine turns": (NO_SCREW,),
+    "cells: a few are enough": (ROW,),
+    "edges: all arcs continue each other": (conjunction(sqrt(x) - x / 3 - y, sqrt(x) - x / 3 + y),),
+    "edges: arcs meet at their ends alone": (SLIVER,),
+    "edges: every arc has a tangent": (BEAK,),
 }
 
 
@@ -407,6 +445,8 @@ UNNOTICED = {
     "continuation: all is analytic": "sheets of a meeting are proved analytic on the grown box, which holds the curve",
     "following: a tube covers": "as with uniqueness: what is followed beyond the boxes is of the same contact",
     "sheets: what drops is defined": "`_drops_undefined` asks it again of all that no leaf keeps",
+    "edges: arcs meet at their ends alone": "a box that holds an edge and where its arcs meet again stays open anyway",
+    "edges: every arc has a tangent": "an arc without one has no bound of its curvature: the box stays open",
     "fibres: no value but the middle is tried": "no obligation: without a fibre that refutes the verdict is UNDECIDED",
 }
 
