@@ -325,7 +325,7 @@ def test_refusals(options, words):
 
 def test_what_is_no_patch_is_refused():
     for given in ([], {}, [Parabola(), 3]):
-        with pytest.raises(RsymError, match="expected a patch or several"):
+        with pytest.raises(RsymError, match="expected a Patch or several"):
             plot_patches(given)
     u, v = sp.symbols("u v", real=True)
     with pytest.raises(RsymError, match="patch 2 is not finite"):

@@ -10,6 +10,7 @@ import sympy as sp
 
 from rsym.analysis.differential import Matrix, gradient, hessian
 from rsym.errors import RsymError
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 
 
@@ -127,6 +128,7 @@ def _require_space(shape: Shape, name: str) -> None:
 
 
 def _require(shape: Shape, dimension: int, name: str, remedy: str) -> None:
+    require_shape(shape)
     if shape.dimension != dimension:
         names = ", ".join(symbol.name for symbol in shape.coordinates)
         raise RsymError(

@@ -16,6 +16,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.choices import Choice
 from rsym.model.nodes import written_out
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.traversal import postorder
 
@@ -99,6 +100,7 @@ def gradient(shape: Shape) -> Matrix:
     [2*x*y],
     [ x**2]])
     """
+    require_shape(shape)
     return Matrix([derivative(shape.expression, symbol) for symbol in shape.coordinates])
 
 
@@ -114,6 +116,7 @@ def hessian(shape: Shape) -> Matrix:
     [2*y, 2*x],
     [2*x,   0]])
     """
+    require_shape(shape)
     first = gradient(shape)
     size = shape.dimension
     rows = {(i, j): derivative(first[i], shape.coordinates[j]) for i in range(size) for j in range(i, size)}
@@ -130,5 +133,6 @@ def laplacian(shape: Shape) -> sp.Expr:
     >>> rsym.laplacian(rsym.Shape(x**2 * y, (x, y)))
     2*y
     """
+    require_shape(shape)
     first = gradient(shape)
     return sp.Add(*(derivative(d, symbol) for d, symbol in zip(first, shape.coordinates, strict=True)))

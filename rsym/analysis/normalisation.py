@@ -14,6 +14,7 @@ from rsym.model.contracts.promises import Singularity
 from rsym.model.contracts.summary import singularities
 from rsym.model.contracts.table import Promises
 from rsym.model.primitives.theorem import normalised
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression
 from rsym.model.vectors import squared
@@ -94,6 +95,7 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1, *, keep_sign: bool 
     >>> len(rsym.level_lines(square))
     1
     """
+    require_shape(shape)
     if isinstance(order, bool) or not isinstance(order, int) or order < 1:
         raise RsymError(f"the order must be a positive integer, got {order!r}", code="order", remedy="use order=1")
     unit = as_expression(length)

@@ -8,6 +8,7 @@ from typing import Any
 from rsym.analysis.normalisation import normalise
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, number
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.substitutions import substituted
 
@@ -50,6 +51,7 @@ def transform(
     >>> round(float(rsym.compile(bent, ("gradient_squared",))(2.0, 5.0)["gradient_squared"]), 12)
     1.0
     """
+    require_shape(shape)
     known = {symbol.name: symbol for symbol in shape.coordinates}
     if isinstance(inverse, Mapping):
         given = {str(name): value for name, value in inverse.items()}

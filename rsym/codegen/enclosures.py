@@ -15,6 +15,7 @@ from rsym.codegen.intervals import Bounds, IntervalFunction
 from rsym.codegen.program import Program
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, mapping_of, real_number
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 
 Range: TypeAlias = tuple[Fraction, Fraction]
@@ -74,6 +75,7 @@ def enclose(
     >>> bounds["gradient"].round(6).tolist()
     [[-1.0, 1.0], [-0.5, 0.0]]
     """
+    require_shape(shape)
     names = checked_fields(fields)
     if "singular" in names:
         raise RsymError("the field 'singular' is not a number", code="unknown-field", remedy="enclose the gradient")

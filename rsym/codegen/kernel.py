@@ -23,6 +23,7 @@ from rsym.codegen.precision import FLOAT64, Precision, precision_named
 from rsym.codegen.program import Program
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.wording import within
 
@@ -178,7 +179,7 @@ def compile(
     [0.4, 0.2]
     """
     names = checked_fields(fields)
-    _check_shape(shape)
+    require_shape(shape)
     precision = precision_named(dtype)
     program = program_of(shape, names, share=precision.rounding)
     return compile_program(program, names, shape, backend=backend, precision=precision, threads=threads)
@@ -247,9 +248,21 @@ def blocks_of(shape: tuple[int, ...], size: int) -> Iterator[tuple[slice, ...]]:
 def _as_real(array: ArrayLike) -> NDArray[Any]:
     try:
         given = np.asarray(array)
+        if given.dtype.kind not in "biuf":  # None would be NaN, 1j would lose its imaginary part
+            given = np.array([_real(item) for item in given.flat]).reshape(given.shape)
         return given if given.dtype == np.float32 else given.astype(np.float64, copy=False)
     except (TypeError, ValueError) as error:
-        raise RsymError(f"coordinates must be real arrays, got {type(array).__name__}", code="array") from error
+        kind = type(array).__name__
+        raise RsymError(
+            f"coordinates must be real arrays, got {kind}", code="array", remedy="give numbers or arrays of them"
+        ) from error
+
+
+def _real(item: Any) -> float:
+    """An exact number, of SymPy say, as a float; what is no real number raises."""
+    if isinstance(item, str | bytes | complex | np.complexfloating):
+        raise TypeError
+    return float(item)
 
 
 def _broadcast(arrays: list[NDArray[Any]]) -> Sequence[NDArray[Any]]:
@@ -260,13 +273,6 @@ def _broadcast(arrays: list[NDArray[Any]]) -> Sequence[NDArray[Any]]:
         raise RsymError(
             f"coordinates of the shapes {shapes} do not broadcast", code="array", remedy="use np.meshgrid or [:, None]"
         ) from error
-
-
-def _check_shape(shape: Any) -> None:
-    if not isinstance(shape, Shape):
-        raise RsymError(
-            f"expected a Shape, got {type(shape).__name__}", code="shape", remedy="Shape(expression, (x, y))"
-        )
 
 
 def checked_threads(threads: int | None) -> int:

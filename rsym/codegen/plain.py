@@ -18,6 +18,7 @@ from rsym.codegen.program import Program
 from rsym.errors import RsymError
 from rsym.model.equivalences import Equivalence, Joining
 from rsym.model.powers import absolute_power, signed_power
+from rsym.model.requirements import require_shape
 from rsym.model.rnodes import (
     R0Conjunction,
     R0Disjunction,
@@ -54,6 +55,7 @@ def lambdify(shape: Shape, fields: Sequence[str] = ("value",)) -> Callable[..., 
     >>> function(3.0, [4.0, -4.0])["value"].tolist()
     [2.0, -6.0]
     """
+    require_shape(shape)
     names = checked_fields(fields)
     program = program_of(shape, names)
     arguments = [sp.Symbol(name, real=True) for name in (*program.coordinates, *program.letters)]

@@ -9,6 +9,7 @@ from rsym.codegen.expansion import expand
 from rsym.codegen.fields import checked_fields, program_of
 from rsym.codegen.program import Program
 from rsym.errors import RsymError
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 
 LANGUAGES: dict[str, Callable[[Program, Mapping[str, float]], str]] = {"c": c_source}
@@ -50,7 +51,8 @@ def source(shape: Shape, language: str, fields: Sequence[str] = ("value",)) -> s
     }
     <BLANKLINE>
     """
-    if language not in LANGUAGES:
+    require_shape(shape)
+    if not isinstance(language, str) or language not in LANGUAGES:
         raise RsymError(
             f"no language {language!r}",
             code="unknown-language",

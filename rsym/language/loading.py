@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+from importlib.resources import files
 from os import PathLike
 from pathlib import Path
 
@@ -23,7 +24,8 @@ def load(path: str | PathLike[str], *, shape: str | None = None, variant: str | 
     Parameters
     ----------
     path : str or path
-        A text file in UTF-8, by custom with the suffix ``.rf``.
+        A text file in UTF-8, by custom with the suffix ``.rf``; or, where there is no such file, the name of a model
+        that comes with rsym.
     shape, variant : str, optional
         As for `loads`.
 
@@ -35,7 +37,7 @@ def load(path: str | PathLike[str], *, shape: str | None = None, variant: str | 
     Examples
     --------
     >>> import rsym
-    >>> rsym.load(rsym.paper.model_path("skeleton")).letters["a2"].default
+    >>> rsym.load("skeleton").letters["a2"].default
     Fraction(53, 10)
     """
     return loads(read_text(path), shape=shape, variant=variant)
@@ -107,12 +109,28 @@ def read_text(path: str | PathLike[str]) -> str:
         raise place.refuse(f"the byte 0x{data[error.start]:02X} is not UTF-8", "encoding", remedy) from None
 
 
+def shipped(name: str) -> Path | None:
+    """The file of a model that comes with rsym, by its name; None for any other name.
+
+    Examples
+    --------
+    >>> shipped("car").name, shipped("no-such-model")
+    ('car.rf', None)
+    """
+    if not name.isidentifier():
+        return None
+    models = Path(str(files("rsym"))) / "paper"
+    return next((path for path in (models / f"{name}.rf", models / "gallery" / f"{name}.rf") if path.is_file()), None)
+
+
 def _read(path: str | PathLike[str]) -> bytes:
     """The bytes of a file, no more than a model can have."""
     try:
         with Path(path).open("rb") as file:
             data = file.read(_LONGEST_FILE + 1)
     except FileNotFoundError:
+        if (model := shipped(str(path))) is not None:
+            return model.read_bytes()
         raise RsymError(
             f"no file {str(path)!r}", code="missing-file", remedy="check the path, or name a shipped model"
         ) from None

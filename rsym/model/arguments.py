@@ -107,7 +107,7 @@ def shown(expression: sp.Expr, size: float) -> str:
 def whole(value: Any, what: str, least: int) -> int:
     """An integer, at least `least`."""
     given = sp.sympify(value) if isinstance(value, int | float | sp.Number) and not isinstance(value, bool) else None
-    if given is None or given != int(given) or given < least:
+    if given is None or not given.is_finite or given != int(given) or given < least:
         raise RsymError(f"{what} must be an integer from {least} on, got {value!r}", code="integer")
     return int(given)
 

@@ -12,6 +12,7 @@ from rsym.model.arguments import LetterMapping, default, number
 from rsym.model.letters import Letters
 from rsym.model.primitives.distances import between
 from rsym.model.primitives.extents import ROOM
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symbols import as_expression, real_symbol, x
@@ -45,6 +46,7 @@ def revolve(shape: Shape, axis: Any = x) -> Shape:
     >>> rsym.revolve(rsym.Shape(1 - x**2 - y**2, (x, y))).expression
     -x**2 - y**2 - z**2 + 1
     """
+    require_shape(shape)
     names = [symbol.name for symbol in shape.coordinates]
     if shape.dimension != 2 or str(axis) not in names:
         raise RsymError(
@@ -81,6 +83,7 @@ def extrude(shape: Shape, lower: Any, upper: Any, *, system: RSystem = R0, lette
     >>> rsym.extrude(rsym.Shape(1 - x**2 - y**2, (x, y)), 0, 2).expression
     conjunction(-x**2 - y**2 + 1, z*(2 - z)/2)
     """
+    require_shape(shape)
     _plane(shape, "extrude")
     third, given = _third(shape), shape.letters.merge(letters)
     low, high = number(lower, "the lower end"), number(upper, "the upper end")
@@ -111,6 +114,7 @@ def product(first: Shape, second: Any, *, system: RSystem = R0, letters: LetterM
     >>> rsym.product(rsym.Shape(1 - x**2 - y**2, (x, y)), (4 - z**2) / 4).expression
     conjunction(-x**2 - y**2 + 1, 1 - z**2/4)
     """
+    require_shape(first)
     _plane(first, "product")
     expression, third = as_expression(second), _third(first)
     overlap = {symbol.name for symbol in symbols_of(expression)} & {symbol.name for symbol in first.coordinates}
@@ -147,6 +151,7 @@ def section(shape: Shape, axis: Any, place: Any = 0, *, letters: LetterMapping =
     >>> rsym.section(rsym.Shape(4 - x**2 - y**2 - z**2, (x, y, z)), z, 1).expression
     -x**2 - y**2 + 3
     """
+    require_shape(shape)
     names = [symbol.name for symbol in shape.coordinates]
     if shape.dimension != 3 or str(axis) not in names:
         raise RsymError(
@@ -196,6 +201,7 @@ def sweep(
     >>> rsym.sweep(profile, {r: 2 - z / 4}, 0, 4).expression
     conjunction(-x**2 - y**2 + (2 - z/4)**2, z*(4 - z)/4)
     """
+    require_shape(profile)
     _plane(profile, "sweep")
     pairs = [(str(letter), number(value, f"the letter {letter}")) for letter, value in _pairs(changes)]
     for name, _ in pairs:
@@ -222,6 +228,7 @@ def sweep(
 
 
 def _plane(shape: Shape, what: str) -> None:
+    require_shape(shape)
     if shape.dimension != 2:
         raise RsymError(
             f"{what} needs a plane shape, got one in {', '.join(symbol.name for symbol in shape.coordinates)}",

@@ -145,7 +145,7 @@ def _html_row(tag: str, cells: tuple[str, ...]) -> str:
 def as_letters(letters: Mapping[Any, Any] | None) -> Letters:
     """Accept {symbol or name: number or Letter}."""
     return Letters(
-        {str(key): item if isinstance(item, Letter) else Letter(item) for key, item in (letters or {}).items()}
+        {str(key): item if isinstance(item, Letter) else Letter(item) for key, item in mapping_of(letters).items()}
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -81,7 +81,7 @@ class Shape(Movable):
         parts: tuple[tuple[str, sp.Expr], ...] = (),
     ) -> None:
         expression = as_expression(expression)
-        coordinates = tuple(coordinates)
+        coordinates = tuple(coordinates) if isinstance(coordinates, Iterable) else (coordinates,)
         if len(coordinates) not in (2, 3) or not all(isinstance(symbol, sp.Symbol) for symbol in coordinates):
             raise RsymError(
                 f"a shape needs two or three coordinate symbols, got {coordinates}",

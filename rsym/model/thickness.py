@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rsym.model.arguments import LetterMapping, default, number, positive
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.systems import R0, RSystem
 
@@ -27,6 +28,7 @@ def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Sha
     >>> rsym.offset(rsym.Shape(x, (x, y)), 2).expression
     x + 2
     """
+    require_shape(shape)
     grown, known = number(distance, "a distance"), shape.letters.merge(letters)
     room = max(default(grown, known), 0.0)
     bounds = None if shape.bounds is None else tuple((low - room, high + room) for low, high in shape.bounds)
@@ -51,6 +53,7 @@ def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: Letter
     >>> rsym.shell(rsym.Shape(x, (x, y)), 2).expression
     conjunction(x, 2 - x)
     """
+    require_shape(shape)
     known = shape.letters.merge(letters)
     depth = positive(thickness, "the thickness", known)
     wall = system.conjunction(shape.expression, depth - shape.expression)

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from rsym.errors import RsymError
 from rsym.model.equations import latex
 from rsym.model.nodes import Composition
+from rsym.model.requirements import require_mapping, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.traversal import rebuild
 from rsym.output.portraits import draw_portrait
@@ -142,5 +143,7 @@ def _seen(shape: Shape, reach: float | None) -> Bounds | None:
 
 
 def _check(shapes: Mapping[str, Shape]) -> None:
+    for shape in require_mapping(shapes, "shape", 'for example {"disc": rsym.disc()}').values():
+        require_shape(shape)
     if not shapes:
         raise RsymError("a gallery needs a shape at least", code="empty", remedy='for example {"disc": rsym.disc()}')

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.combs import Comb, combs
 
@@ -79,6 +80,7 @@ def plot_curvature_comb(
     >>> len(drawn.get_segments())
     20
     """
+    require_shape(shape)
     found = combs(shape, level, teeth=teeth, resolution=resolution, bounds=bounds, letters=letters, section=section)
     factor, longest = _scale(found) if scale is None else (_checked_scale(scale), np.inf)
     alone = ax is None

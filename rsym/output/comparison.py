@@ -8,6 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from rsym.errors import RsymError
+from rsym.model.requirements import require_mapping
 from rsym.output.gallery import Gallery
 from rsym.output.paints import MAPS
 from rsym.output.patches import Lines, Patches, map_range, plot_patches
@@ -56,6 +57,7 @@ def compare_patches(
     >>> [text.get_text() for text in figure.texts], len(figure.axes)
     (['a', 'b'], 5)
     """
+    require_mapping(surfaces, "patch", 'for example {"one": patch, "two": other}')
     if not surfaces or not colour_by:
         raise RsymError("a comparison needs surfaces and maps", code="patch")
     if figure is None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from rsym.codegen.fields import SIX
 from rsym.errors import RsymError
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 
 if TYPE_CHECKING:
@@ -63,6 +64,7 @@ def explore(
     >>> widget.values["a2"], widget.message.value
     (6.0, '')
     """
+    require_shape(shape)
     with _widgets_needed():
         from rsym.output.explorer import Explorer
     return Explorer(shape, fields, axis=axis, bounds=bounds, resolution=resolution)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from rsym.codegen.fields import SIX, checked_fields
 from rsym.errors import RsymError
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.output.panels import COLOUR_MAP, TITLES, colour_bar, draw_levels, dress, robust_levels
 from rsym.output.sheet import Sheet, sheet_sampler
@@ -65,6 +66,7 @@ def plot_field(
     >>> print(ax.get_title())
     $\omega$
     """
+    require_shape(shape)
     sampler = plane_sampler(shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section)
     values = sampler.values()
     chosen = _checked_levels(levels) if levels is not None else robust_levels(values)
@@ -109,6 +111,7 @@ def plot_fields(
     >>> print(*(ax.get_title() for ax in figure.axes[:2]))
     $\omega$ $\omega_n$
     """
+    require_shape(shape)
     import matplotlib.pyplot
 
     names = checked_fields(fields)

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from rsym.errors import RsymError
+from rsym.model.requirements import file_path, require_kind
 from rsym.output import formats
 from rsym.output.atomic import write_atomically
 from rsym.output.dxf import check_unit, features_dxf
@@ -90,7 +91,8 @@ def write(mesh: Mesh, path: str | os.PathLike[str], *, colour_by: str | None = N
     3 1 2 3
     <BLANKLINE>
     """
-    path = Path(path)
+    require_kind(Mesh, mesh, "mesh")
+    path = file_path(path)
     if colour_by not in (None, "part") or (colour_by and path.suffix.lower() not in COLOURED):
         raise RsymError(
             f"files are coloured by part, as {' or '.join(COLOURED)}, got colour_by={colour_by!r} for {path.name}",
@@ -148,7 +150,8 @@ def write_features(
     >>> text.count("POLYLINE")
     1
     """
-    if Path(path).suffix.lower() != ".dxf":
+    path = file_path(path)
+    if path.suffix.lower() != ".dxf":
         raise RsymError(
             f"features are written as .dxf, got {str(path)!r}", code="suffix", remedy="end the name with .dxf"
         )

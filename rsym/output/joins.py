@@ -19,7 +19,7 @@ from rsym.output.tessellation import pieces
 from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.joints.edge_report import EdgeReport, Meeting, is_settled
 from rsym.surfaces.joints.edge_wording import COLOURS
-from rsym.surfaces.patch import Patch
+from rsym.surfaces.patch import Patch, patches_of
 
 Floats = NDArray[np.float64]
 
@@ -72,9 +72,9 @@ def plot_continuity(
     >>> dict(plot_continuity(slopes, ax=axes, resolution=8).parts)
     {'G0: 1': '#e69f00'}
     """
-    several = [surfaces] if isinstance(surfaces, Patch) else list(surfaces)
-    found = continuity_report(several, letters=letters) if report is None else report
-    parts = tessellations(several, lines, resolution, letters, curved=colour_by in MAPS)
+    patches = patches_of(surfaces)
+    found = continuity_report(patches, letters=letters) if report is None else report
+    parts = tessellations(patches, lines, resolution, letters, curved=colour_by in MAPS)
     coat = replace(coat_of_patches(parts, colour, colour_by), parts=_legend(found))
     return show(shaded(parts, coat, lines, False, _strokes(found)), ax, elevation, azimuth)
 

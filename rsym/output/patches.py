@@ -19,7 +19,7 @@ from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import Tessellation, cells_of, joined, line_parameters, pieces, tessellate
 from rsym.surfaces import forms
 from rsym.surfaces.functions.univariate import Curve as SpaceCurve
-from rsym.surfaces.patch import Patch
+from rsym.surfaces.patch import Patch, patches_of
 
 Floats = NDArray[np.float64]
 Patches: TypeAlias = Patch | Sequence[Patch] | Mapping[str, Patch]
@@ -168,10 +168,9 @@ def _named(patches: Patches) -> dict[str, Patch]:
     if isinstance(patches, Mapping):
         named = {str(name): patch for name, patch in patches.items()}
     else:
-        several = [patches] if isinstance(patches, Patch) else patches
-        named = {str(number): patch for number, patch in enumerate(several, 1)}
+        named = {str(number): patch for number, patch in enumerate(patches_of(patches), 1)}
     if not named or not all(isinstance(one, Patch) for one in named.values()):
-        raise RsymError(f"expected a patch or several, got {patches!r}", code="patch")
+        raise RsymError(f"expected a Patch or several, got {patches!r}", code="patch")
     return named
 
 

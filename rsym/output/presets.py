@@ -11,6 +11,7 @@ from typing import Any
 
 from rsym.errors import RsymError
 from rsym.model.letters import as_letters
+from rsym.model.requirements import file_path
 from rsym.model.shape import Shape
 from rsym.output.atomic import write_atomically
 
@@ -48,7 +49,7 @@ def save_letters(letters: Shape | Mapping[Any, Any], path: str | os.PathLike[str
     """
     chosen = letters.letters if isinstance(letters, Shape) else as_letters(letters)
     values = {name: _written(letter.default) for name, letter in chosen.items()}
-    return write_atomically(path, (json.dumps(values, indent=2) + "\n").encode())
+    return write_atomically(file_path(path), (json.dumps(values, indent=2) + "\n").encode())
 
 
 def load_letters(path: str | os.PathLike[str]) -> dict[str, float]:

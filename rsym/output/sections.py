@@ -18,6 +18,7 @@ from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
+from rsym.model.requirements import file_path, several
 from rsym.output.atomic import write_atomically
 from rsym.output.dxf import check_unit, dxf
 from rsym.sampling.sections import Section
@@ -97,7 +98,8 @@ def plot_sections(
 
 def _with_lines(sections: Sequence[Section]) -> list[Section]:
     """Return the sections that meet the body, in the order of their values."""
-    shown = sorted((section for section in sections if len(section.lines)), key=lambda section: section.value)
+    given = several(Section, sections, "section")
+    shown = sorted((section for section in given if len(section.lines)), key=lambda section: section.value)
     if not shown:
         raise RsymError(
             "none of the planes meets the body", code="no-surface", remedy="choose values inside the bounds"
@@ -173,7 +175,8 @@ def write_sections(
     >>> text.count("<g "), "1 unit of the model is 10 mm" in text
     (3, True)
     """
-    suffix = Path(path).suffix.lower()
+    path = file_path(path)
+    suffix = path.suffix.lower()
     if suffix not in LAYERS:
         raise RsymError(
             f"sections are written as {' or '.join(LAYERS)}, got {str(path)!r}",

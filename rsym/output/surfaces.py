@@ -13,6 +13,8 @@ from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike, NDArray
 
+from rsym.errors import RsymError
+from rsym.model.requirements import require_kind
 from rsym.model.shape import Shape
 from rsym.output import axes3d
 from rsym.output.ink import SMOOTH, Stroke, draw_lines, visible
@@ -108,6 +110,11 @@ def plot_mesh(
     >>> artist.axes is axes
     True
     """
+    require_kind(Mesh, mesh, "mesh")
+    if not len(mesh.faces):
+        raise RsymError(
+            "the mesh has no triangles", code="no-surface", remedy="look where the surface lies: rsym.extent"
+        )
     coat = coat_of(mesh, mesh.normals, colour, colour_by, shape, letters, limits)
     marks = mark_curves(curves, float(np.ptp(mesh.vertices, axis=0).max()))
     artist = ShadedMesh(mesh, coat, edges=edges, features=features, strokes=marks.strokes, bars=marks.bars)

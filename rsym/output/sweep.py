@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError, RsymWarning
 from rsym.model.letters import Letter
 from rsym.model.names import typeset_name
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.output import axes3d
 from rsym.output.panels import colour_bar, draw_levels, dress, robust_levels
@@ -92,6 +93,7 @@ def plot_sweep(
     >>> print(*(ax.get_title() for ax in figure.axes[:2]))
     $p_{1} = 20$ $p_{1} = 40$
     """
+    require_shape(shape)
     name = str(letter)
     panels = [_panel(shape, name, {**(letters or {}), name: value}) for value in values]
     if not panels:

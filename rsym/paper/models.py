@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
-from importlib.resources import files
 from pathlib import Path
 
 from rsym.errors import RsymError
-from rsym.language.loading import load
+from rsym.language.loading import load, shipped
 from rsym.model.shape import Shape
 
 # One model or more for each family of pieces, in the folder `gallery`.
@@ -50,8 +49,9 @@ def model_path(name: str) -> Path:
     """
     if name not in MODELS:
         raise RsymError(f"no shipped model {name!r}", code="unknown-model", remedy=f"choose from {', '.join(MODELS)}")
-    folder = "gallery/" if name in GALLERY else ""
-    return Path(str(files("rsym.paper") / f"{folder}{name}.rf"))
+    path = shipped(name)
+    assert path is not None
+    return path
 
 
 def car(variant: str = "a", stage: str = "W", *, reading: str = "standard") -> Shape:

@@ -13,6 +13,7 @@ from skimage.measure import find_contours
 
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.plane import PlaneSampler, plane_sampler
 from rsym.sampling.stills import line_picture
@@ -133,6 +134,7 @@ def level_lines(
     >>> bool(abs(np.hypot(*circle.T) - 1).max() < 1e-12)
     True
     """
+    require_shape(shape)
     wanted = float(real_number(level, "the level"))
     sampler = plane_sampler(shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section)
     return trace(sampler, wanted, field)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.leaf_fields import LeafFields, distances, longest_side
 from rsym.sampling.mesh import Mesh
@@ -98,6 +99,7 @@ def vertex_curvatures(mesh: Mesh, shape: Shape, *, letters: Mapping[Any, float] 
     >>> bool(abs(curvatures["principal_curvatures"] - 0.5).max() < 1e-12)
     True
     """
+    require_shape(shape)
     known = _known(mesh, shape, letters)
     alike, first = _alike(known, len(mesh.vertices), 1 / _size(mesh))
     result = {}

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from rsym.codegen.sign_form import surface_form
 from rsym.errors import RsymError
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.boxes import Boxes, Floats, cube, grid, halves, points, slabs
 from rsym.sampling.form_signs import FormBounds, FormSigns
@@ -58,6 +59,7 @@ def extent(shape: Shape, letters: Mapping[Any, float] | None = None) -> Bounds:
     >>> 3.97 < left < 4 < 6 < right < 6.03 and -2.06 < bottom < -2 < 2 < top < 2.06
     True
     """
+    require_shape(shape)
     return extent_of(FormSigns(FormBounds(surface_form(shape)), shape.letters.values_with(letters)))
 
 

@@ -19,6 +19,7 @@ from rsym.codegen.kernel import Kernel, compile_program
 from rsym.codegen.leaf_names import leaf_names
 from rsym.codegen.sign_form import SignForm, has_kinks, shape_form
 from rsym.errors import RsymError
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.plane_leaves import active_leaf
@@ -42,6 +43,7 @@ class LeafFields:
     _kernels: dict[int, Kernel] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
+        require_shape(self.shape)
         if self.shape.dimension != 3:
             raise RsymError(
                 "a surface needs a shape in space, got one in the plane",

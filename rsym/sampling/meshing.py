@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from rsym.errors import RsymError, RsymWarning
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import check_in_space, lattice_over
@@ -87,6 +88,7 @@ def mesh(
     >>> result.status.closed, round(result.status.volume, 2)
     (True, 4.18)
     """
+    require_shape(shape)
     start = time.perf_counter()
     if method not in _METHODS:
         raise RsymError(f"no method {method!r}", code="unknown-method", remedy=f"choose from {', '.join(_METHODS)}")
@@ -160,6 +162,7 @@ class Mesher:
     """
 
     def __init__(self, shape: Shape) -> None:
+        require_shape(shape)
         check_in_space(shape)
         self.shape = shape
         self._sharp = _sharp(shape)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import z
 from rsym.sampling.contours import LevelLines
@@ -107,6 +108,7 @@ def sections(
     >>> [len(section.lines) for section in rsym.sections(ball, [-1.5, 0, 0.6], resolution=32)]
     [0, 1, 1]
     """
+    require_shape(shape)
     names = [symbol.name for symbol in shape.coordinates]
     if shape.dimension != 3 or str(axis) not in names:
         raise RsymError(

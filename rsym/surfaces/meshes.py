@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.sampling.mesh import Mesh
-from rsym.surfaces.patch import Array, LetterValues, Patch
+from rsym.surfaces.patch import Array, LetterValues, Patch, patches_of
 
 Ints: TypeAlias = NDArray[np.int64]
 
@@ -60,14 +60,14 @@ def mesh_patches(
     >>> mesh.status.closed, mesh.status.euler_characteristic, len(mesh.vertices)
     (True, 0, 512)
     """
-    several = [patches] if isinstance(patches, Patch) else list(patches or ())
-    if not several or not all(isinstance(patch, Patch) for patch in several):
-        raise RsymError("expected patches", code="patch", remedy="give a patch or a list of patches")
+    given = patches_of(() if patches is None else patches)
+    if not given:
+        raise RsymError("expected patches, got none", code="patch", remedy="give a patch or a list of patches")
     cells = _cells(resolution)
     # Patches may give different defaults to one letter; a letter that none of them has is refused.
-    Letters({name: letter for patch in several for name, letter in patch.letters.items()}).values_with(letters)
+    Letters({name: letter for patch in given for name, letter in patch.letters.items()}).values_with(letters)
     points, normals = [], []
-    for number, patch in enumerate(several):
+    for number, patch in enumerate(given):
         at, across = _samples(patch, cells, letters)
         if not np.isfinite(at).all():
             raise RsymError(f"patch {number} is not finite everywhere", code="patch", remedy="look at its curves")
@@ -75,16 +75,16 @@ def mesh_patches(
         normals.append(across.reshape(-1, 3))
     corners = _triangles(*cells)
     step = (cells[0] + 1) * (cells[1] + 1)
-    faces = np.concatenate([corners + step * number for number in range(len(several))])
-    leaf = np.repeat(np.arange(len(several)), len(corners))
+    faces = np.concatenate([corners + step * number for number in range(len(given))])
+    leaf = np.repeat(np.arange(len(given)), len(corners))
     vertices, names = _welded(np.concatenate(points))
     welded = names[faces]
     kept = (welded != np.roll(welded, 1, axis=1)).all(axis=1)
     shading = np.concatenate(normals)[faces[kept]]
-    leaves = tuple(f"patch {number}" for number in range(len(several)))
+    leaves = tuple(f"patch {number}" for number in range(len(given)))
 
     def curvatures(name: str) -> Array:
-        found = [_curvature(patch, name, cells, letters) for patch in several]
+        found = [_curvature(patch, name, cells, letters) for patch in given]
         return np.asarray(np.concatenate(found)[faces[kept]])
 
     return Mesh(vertices, welded[kept], shading, leaf=leaf[kept], leaves=leaves, curvatures=curvatures)

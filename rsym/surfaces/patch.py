@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from rsym.errors import RsymError
 from rsym.model.abridging import ROOM, weight
 from rsym.model.letters import Letters
+from rsym.model.requirements import several
 from rsym.surfaces import forms
 from rsym.surfaces.parameters import Interval, inside, parameter_arrays
 
@@ -158,6 +159,19 @@ class Patch(ABC):
             return None
         short = sum(weight(entry, ROOM) for entry in point) <= ROOM
         return f"$\\displaystyle {sp.latex(point)}$" if short else None
+
+
+def patches_of(given: Any) -> list[Patch]:
+    """One patch or an iterable of them, as a list; anything else is refused.
+
+    Examples
+    --------
+    >>> patches_of("sphere")
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: expected a Patch or several, got str; remedy: a patch of rsym.surfaces
+    """
+    return several(Patch, given, "patch")  # type: ignore[type-abstract]
 
 
 def _order(given: Any) -> tuple[int, int]:

@@ -12,7 +12,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 from rsym.surfaces.parameters import Interval
-from rsym.surfaces.patch import Array, Domain, LetterValues, Orders, Patch
+from rsym.surfaces.patch import Array, Domain, LetterValues, Orders, Patch, patches_of
 
 
 class PatchPiece(Patch):
@@ -28,8 +28,14 @@ class PatchPiece(Patch):
     """
 
     def __init__(self, patch: Patch, domain: Domain) -> None:
+        (patch,) = patches_of([patch])
         self.patch: Patch = patch.patch if isinstance(patch, PatchPiece) else patch
-        inside = [(float(low), float(high)) for low, high in domain]
+        try:
+            inside = [(float(low), float(high)) for low, high in domain]
+        except (TypeError, ValueError) as error:
+            raise RsymError(
+                f"a domain is two intervals, got {domain!r}", code="domain", remedy="for example ((0, 1), (0, 0.5))"
+            ) from error
         self._domain = (inside[0], inside[1])
         for (low, high), (start, stop), name in zip(inside, patch.domain, "uv", strict=True):
             if not start <= low < high <= stop:
@@ -75,6 +81,7 @@ def split_patch(patch: Patch, u: Sequence[float] | None = None, v: Sequence[floa
     >>> [piece.domain for piece in split_patch(BSplineSurface(net))]
     [((0.0, 1.0), (0.0, 1.0)), ((1.0, 2.0), (0.0, 1.0))]
     """
+    (patch,) = patches_of([patch])
     rows, columns = (_intervals(patch, given, axis) for axis, given in enumerate((u, v)))
     return [PatchPiece(patch, (row, column)) for row in rows for column in columns]
 

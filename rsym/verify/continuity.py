@@ -12,6 +12,7 @@ import sympy as sp
 
 from rsym.codegen.balls import arb
 from rsym.errors import RsymError
+from rsym.model.requirements import several
 from rsym.verify.constants import enclosed, measured, norm, precise
 from rsym.verify.curve_interiors import Arc, arcs_of
 from rsym.verify.curves import Curve, End, Vector, all_vanish, dot, end_of, minors
@@ -128,6 +129,7 @@ def continuity(curves: Sequence[Curve], *, closed: bool = False, claim: str = "G
     """
     if claim not in GRADES[1:]:
         raise RsymError(f"expected a claim of G0 to G3, got {claim!r}", code="claim", remedy='say claim="G2"')
+    curves = several(Curve, curves, "curve")
     if len({curve.dimension for curve in curves}) > 1:
         raise RsymError("expected curves of one dimension", code="curve", remedy="give all of them z, or none")
     pairs = [*pairwise(curves), *([(curves[-1], curves[0])] if closed and curves else [])]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
@@ -10,6 +10,7 @@ from itertools import combinations
 import sympy as sp
 
 from rsym.errors import RsymError
+from rsym.model.symbols import as_expression
 from rsym.verify.constants import enclosed, exact, vanishes
 
 # Analytic wherever they are defined; where that is, is examined for powers, tan and log.
@@ -53,8 +54,9 @@ class Curve:
 
     def __post_init__(self) -> None:
         for name in ("start", "end"):
-            object.__setattr__(self, name, exact(sp.sympify(getattr(self, name))))
-        object.__setattr__(self, "expressions", tuple(exact(sp.sympify(e)) for e in self.expressions))
+            object.__setattr__(self, name, exact(as_expression(getattr(self, name))))
+        given = self.expressions if isinstance(self.expressions, Iterable) else ()
+        object.__setattr__(self, "expressions", tuple(exact(as_expression(e)) for e in given))
         if self.dimension not in (2, 3):
             raise _refused(f"expected 2 or 3 coordinates, got {self.dimension}", "give (x, y) or (x, y, z)")
         free = set().union(*(e.free_symbols for e in self.expressions)) - {self.parameter}

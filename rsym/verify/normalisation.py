@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.contours import level_lines
 from rsym.sampling.effort import Effort
 from rsym.sampling.lattice import bounds_of, lattice_over
 from rsym.sampling.progress import Progress, Stages
 from rsym.sampling.smooth import smooth_mesh
-from rsym.verify.arguments import require_shape
 from rsym.verify.local import Box, Model
 from rsym.verify.normal_cover import NormalCover, cover_boundary, feasible_order
 from rsym.verify.normal_derivatives import NormalDerivatives

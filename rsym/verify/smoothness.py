@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.blends.gates import without_rounded_levels
+from rsym.model.requirements import require_count, require_positive, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.effort import Effort
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
 from rsym.verify.account import complaint, distinct, is_defect, level_of, missing
-from rsym.verify.arguments import require_count, require_positive, require_shape
 from rsym.verify.bodies.fibres import report_over_ranges
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.bodies.verdict import BUDGET as BODY_BUDGET

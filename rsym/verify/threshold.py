@@ -10,6 +10,7 @@ from typing import Any
 
 from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress, report
@@ -92,6 +93,7 @@ def smoothness_threshold(
     >>> found.refuted < 5 + 4 / 13 < found.certified
     True
     """
+    require_shape(shape)
     name = str(letter)
     values = ranges_of(shape.letters, letters)
     if name not in values:

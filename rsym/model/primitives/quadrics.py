@@ -70,7 +70,10 @@ def quadric(
     >>> rsym.quadric(((0, 0), (0, 0)), (0, 1), 0).expression
     y/sqrt(y**2 + 1)
     """
-    rows = [list(row) for row in matrix.tolist()] if hasattr(matrix, "tolist") else [*map(list, matrix)]
+    try:
+        rows = [list(row) for row in matrix.tolist()] if hasattr(matrix, "tolist") else [*map(list, matrix)]
+    except TypeError:
+        rows = []
     size = len(rows)
     if size not in (2, 3) or any(len(row) != size for row in rows):
         raise RsymError(f"the matrix must be 2 by 2 or 3 by 3, got {matrix!r}", code="matrix")

@@ -10,6 +10,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, whole
 from rsym.model.choices import Choice
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symmetry.evenness import check_even
@@ -83,6 +84,7 @@ def cyclic(
     >>> rsym.compile(ring)([4.0, 0.0, -4.0], [0.0, 0.0, 0.0])["value"].round(6)
     array([ 0.5     , -7.5     , -2.555728])
     """
+    require_shape(shape)
     n = whole(order, "the order", 1)
     first, second = turned_coordinates(shape, axis)
     outset = number(radius, "the radius")

@@ -11,6 +11,7 @@ from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, point, unit_vector, whole
 from rsym.model.motions import axis_vector
 from rsym.model.nodes import Held
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symmetry.reflections import folded, within_half_a_sector
@@ -57,6 +58,7 @@ def mirrored(shape: Shape, normal: Any = None, distance: Any = 0, *, letters: Le
     >>> mirrored(rsym.Shape(1 - (x - 2)**2 - y**2, (x, y))).expression
     -y**2 - (Abs(x) - 2)**2 + 1
     """
+    require_shape(shape)
     known = shape.letters.merge(letters)
     n = axis_vector(shape, shape.coordinates[0] if normal is None else normal, "the normal", letters)
     d = number(distance, "the distance")
@@ -100,6 +102,7 @@ def kaleidoscope(shape: Shape, order: Any, *, axis: Any = None) -> Shape:
     >>> kaleidoscope(rsym.Shape(x - y - 1, (x, y)), 2).expression
     Abs(x) - Abs(y) - 1
     """
+    require_shape(shape)
     n = whole(order, "the order", 2)
     first, second = turned_coordinates(shape, axis)
     places = dict(zip((first, second), within_half_a_sector(first, second, n), strict=True))
@@ -142,6 +145,7 @@ def mirror_group(shape: Shape, group: Any) -> Shape:
     >>> cube.expression
     1 - disjunction(Abs(x), Abs(y), Abs(z), system=R1)
     """
+    require_shape(shape)
     normals = _normals(group, shape.dimension)
     places = dict(zip(shape.coordinates, folded(normals, shape.coordinates), strict=True))
     return substituted(shape, places, bounds=turned_bounds(shape, shape.coordinates))

@@ -9,6 +9,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, coordinate, default, positive, whole
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symbols import x
@@ -70,6 +71,7 @@ def row(
     >>> rsym.compile(discs)([0.0, 3.0, 9.0, 12.0], 0.0)["value"].round(6)
     array([ 0.5,  0.5,  0.5, -4. ])
     """
+    require_shape(shape)
     known = shape.letters.merge(letters)
     period, along = positive(period, "the period", known), shape.coordinates[coordinate(axis, shape.coordinates)]
     even = checked_motif(motif, terms)
@@ -120,6 +122,7 @@ def grid(
     >>> rsym.compile(discs)([3.0, 3.0], [8.0, 12.0])["value"].round(6)
     array([ 0.5, -7.5])
     """
+    require_shape(shape)
     periods = tuple(periods)
     numbers = (None,) * len(periods) if counts is None else tuple(counts)
     if not 1 <= len(periods) <= shape.dimension or len(numbers) != len(periods):

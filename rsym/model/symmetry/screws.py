@@ -10,6 +10,7 @@ from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
 from rsym.model.factors import Scaled
 from rsym.model.primitives.extents import box_around
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.substitutions import substituted
 from rsym.model.symbols import real_symbol, x, y, z
@@ -110,6 +111,7 @@ def wound(shape: Shape, radius: Any, pitch: Any, *, motif: str = "even", letters
     >>> rsym.compile(thread)([5.5, -5.5], [0.0, 0.0], [0.0, 1.5])["value"].round(9)
     array([0.5, 0.5])
     """
+    require_shape(shape)
     if shape.dimension != 2 or "z" in (symbol.name for symbol in shape.coordinates):
         raise RsymError("what is wound is a section in the plane (x, y)", code="coordinates")
     known = shape.letters.merge(letters)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -87,7 +87,7 @@ class HermiteBlend:
         family: Family | None = None,
         formulas: Sequence[sp.Expr] | None = None,
     ) -> None:
-        given = [as_expression(one) for one in functions]
+        given = [as_expression(one) for one in functions] if isinstance(functions, Iterable) else []
         if len(given) not in (2, 4, 6):
             raise RsymError(
                 f"a blend has 2, 4 or 6 functions, got {len(given)}",

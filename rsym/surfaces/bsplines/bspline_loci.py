@@ -66,7 +66,10 @@ class Plane:
     _unit: Array = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        place, normal = (np.array(one, np.float64) for one in (self.point, self.normal))
+        try:
+            place, normal = (np.array(one, np.float64) for one in (self.point, self.normal))
+        except (TypeError, ValueError):
+            place = normal = np.empty(0)
         length = float(np.sqrt((normal**2).sum()))
         if place.shape != (3,) or normal.shape != (3,) or not np.isfinite(place).all() or not 0 < length < np.inf:
             raise RsymError("a plane has a point (3,) and a normal (3,) that is not zero", code="plane")

@@ -232,7 +232,7 @@ def _ellipsoid(a: Any, b: Any, c: Any, start: Any, span: Any, letters: LetterMap
 
 def _torus(R: Any, r: Any, span: Any, letters: LetterMapping) -> Revolution:
     outer, tube = number(R), number(r)
-    if outer.is_number and tube.is_number and not outer >= tube:
+    if outer.is_real and tube.is_real and outer.is_number and tube.is_number and not outer >= tube:
         raise RsymError(
             f"the tube of a torus must not cross the axis: R = {float(outer):g} is less than r = {float(tube):g}",
             code="radius",

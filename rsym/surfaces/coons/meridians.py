@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
@@ -36,8 +37,12 @@ class Arc:
     span: Any = sp.pi / 2
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "centre", tuple(map(number, self.centre)))
-        object.__setattr__(self, "radii", tuple(positive(radius, "a radius of an arc") for radius in self.radii))
+        object.__setattr__(self, "centre", pair(self.centre, "the centre of an arc"))
+        object.__setattr__(
+            self,
+            "radii",
+            tuple(positive(radius, "a radius of an arc") for radius in pair(self.radii, "the radii of an arc")),
+        )
         object.__setattr__(self, "start", angle(self.start))
         object.__setattr__(self, "span", span_of(self.span))
 
@@ -84,8 +89,8 @@ class Segment:
     end: Pair
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "start", tuple(map(number, self.start)))
-        object.__setattr__(self, "end", tuple(map(number, self.end)))
+        object.__setattr__(self, "start", pair(self.start, "an end of a segment"))
+        object.__setattr__(self, "end", pair(self.end, "an end of a segment"))
         if self.start == self.end:
             raise RsymError(f"a segment has two ends, got {self.start} twice", code="segment")
 
@@ -127,6 +132,14 @@ def number(value: Any) -> sp.Expr:
     return expression.xreplace({symbol: real_symbol(symbol.name) for symbol in expression.free_symbols})
 
 
+def pair(value: Any, what: str) -> Pair:
+    """(rho, z)."""
+    given = tuple(value) if isinstance(value, Sequence) and not isinstance(value, str) else ()
+    if len(given) != 2:
+        raise RsymError(f"{what} is a pair (rho, z), got {value!r}", code="pair", remedy="for example (3, 0)")
+    return number(given[0]), number(given[1])
+
+
 def angle(value: Any) -> sp.Expr:
     """An angle; a float that is a simple part of pi is that part."""
     return part_of_pi(value) if isinstance(value, float) else number(value)
@@ -135,16 +148,16 @@ def angle(value: Any) -> sp.Expr:
 def positive(value: Any, what: str) -> sp.Expr:
     """A number that must be positive, or a letter."""
     given = number(value)
-    if given.is_number and not given > 0:
-        raise RsymError(f"{what} must be positive, got {float(given):g}", code="radius")
+    if given.is_number and not (given.is_real and given > 0):
+        raise RsymError(f"{what} must be positive, got {given}", code="radius")
     return given
 
 
 def span_of(value: Any) -> sp.Expr:
     """The angle of an arc, at most a full turn."""
     given = angle(value)
-    if given.is_number and not 0 < given <= 2 * sp.pi:
-        raise RsymError(f"the span of an arc lies in (0, 2 pi], got {float(given):g}", code="angle")
+    if given.is_number and not (given.is_real and 0 < given <= 2 * sp.pi):
+        raise RsymError(f"the span of an arc lies in (0, 2 pi], got {sp.N(given, 6)}", code="angle")
     return given
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
+from rsym.model.requirements import require_kind
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.coons_patches import BicubicCoons
 from rsym.surfaces.coons.energies import BENDING, Weights, coefficients
@@ -100,6 +101,7 @@ def optimal_parameters(
     >>> round(best.parameters["mu"], 9), round(best.before, 6), round(best.after, 6)
     (0.5, 720.0, 120.0)
     """
+    require_kind(BicubicCoons, patch, "patch", "BicubicCoons(matrix)")
     names = _names(patch, parameters)
     in_u, in_v = (_one_of(names, blend, name) for blend, name in ((patch.blend_u, "u"), (patch.blend_v, "v")))
     table = coefficients(patch, (in_u, in_v), weights, letters)

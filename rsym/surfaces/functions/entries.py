@@ -35,5 +35,7 @@ def entries_and_shape(given: Any) -> tuple[list[sp.Expr], tuple[int, ...]]:
         given = list(given)
     if isinstance(given, sp.Expr):
         return [given], ()
+    if isinstance(given, sp.NDimArray) and not given.shape:
+        return [as_expression(given[()])], ()
     array = np.array(given.tolist() if isinstance(given, sp.MatrixBase | sp.NDimArray) else given, dtype=object)
     return [as_expression(entry) for entry in array.flat], array.shape

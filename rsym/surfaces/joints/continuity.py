@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,7 +105,7 @@ not proved; size 2.288.
       1. 0 v0 - 1 v0: G1; the curvature across jumps by 2; worst at (0, 0, 0), (u, v) = (0, 0) and (0, 0); \
 normals to different sides
     """
-    patches = (surfaces,) if isinstance(surfaces, Patch) else tuple(surfaces or ())
+    patches = tuple(surfaces or ()) if surfaces is None or isinstance(surfaces, Iterable) else (surfaces,)
     _check(patches, {"gap": gap, "angle": angle, "curvature": curvature, "reach": reach})
     values = _values(patches, letters)
     grids = [_grid(patch, own) for patch, own in zip(patches, values, strict=True)]

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from rsym.errors import RsymError
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.progress import Progress, report
-from rsym.verify.arguments import require_shape
 from rsym.verify.fairness.fairness import BUDGET, fairness
 from rsym.verify.fairness.markup import table
 from rsym.verify.fairness.records import fairness_record

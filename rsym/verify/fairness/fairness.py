@@ -11,12 +11,12 @@ import numpy as np
 
 from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
+from rsym.model.requirements import require_count, require_positive, require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.combs import combs
 from rsym.sampling.effort import Effort
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress, Stages
-from rsym.verify.arguments import require_count, require_positive, require_shape
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.cleaning import cleaned
 from rsym.verify.fairness.bending import Arcs

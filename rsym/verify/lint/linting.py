@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from rsym.errors import RsymError
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.verify.arguments import require_shape
 from rsym.verify.lint.faces import face_findings
 from rsym.verify.lint.letter_findings import letter_findings
 from rsym.verify.lint.places import places_of

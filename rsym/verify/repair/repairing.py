@@ -9,11 +9,11 @@ from typing import Any
 
 from rsym.codegen.enclosures import ranges_of
 from rsym.errors import RsymError
+from rsym.model.requirements import require_positive, require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.effort import Effort
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
-from rsym.verify.arguments import require_positive, require_shape
 from rsym.verify.repair.moves import Move, Request
 from rsym.verify.repair.prices import measured, price
 from rsym.verify.repair.registry import chosen_moves

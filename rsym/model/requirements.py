@@ -1,0 +1,142 @@
+"""What public functions refuse alike: things of a wrong kind, sizes that are not positive, budgets that buy nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from numbers import Integral
+from os import PathLike
+from pathlib import Path
+from typing import Any, TypeVar
+
+from rsym.errors import RsymError
+from rsym.model.shape import Shape
+
+T = TypeVar("T")
+
+_ARTICLES = {letter: "an" for letter in "AEIOU"}
+_REMEDIES = {
+    "Shape": "Shape(expression, (x, y))",
+    "Mesh": "rsym.mesh(shape), or patch.mesh() of a patch",
+    "Patch": "a patch of rsym.surfaces",
+    "Section": "what rsym.sections(shape, values) gives",
+}
+
+
+def require_shape(shape: Any) -> None:
+    """Refuse what is no shape.
+
+    Examples
+    --------
+    >>> require_shape("ball")
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: expected a Shape, got str; remedy: rsym.load(name) gives the shape of a name
+    """
+    require_kind(Shape, shape, "shape", "rsym.load(name) gives the shape of a name" if isinstance(shape, str) else "")
+
+
+def require_kind(kind: type[T], value: Any, code: str, remedy: str = "") -> T:
+    """The value, if it is of this kind.
+
+    Examples
+    --------
+    >>> require_kind(Shape, 1j, "shape")
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: expected a Shape, got complex; remedy: Shape(expression, (x, y))
+    """
+    if not isinstance(value, kind):
+        raise RsymError(
+            f"expected {_ARTICLES.get(kind.__name__[0], 'a')} {kind.__name__}, got {type(value).__name__}",
+            code=code,
+            remedy=remedy or _REMEDIES.get(kind.__name__, ""),
+        )
+    return value
+
+
+def several(kind: type[T], values: Any, code: str) -> list[T]:
+    """One thing of a kind or an iterable of them, as a list; anything else is refused.
+
+    Examples
+    --------
+    >>> several(Shape, 3, "shape")
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: expected a Shape or several, got int; remedy: Shape(expression, (x, y))
+    """
+    if isinstance(values, kind):
+        return [values]
+    found = list(values) if isinstance(values, Iterable) and not isinstance(values, str | Mapping) else [values]
+    wrong = next((one for one in found if not isinstance(one, kind)), None)
+    if wrong is not None or (found and not all(isinstance(one, kind) for one in found)):
+        raise RsymError(
+            f"expected {_ARTICLES.get(kind.__name__[0], 'a')} {kind.__name__} or several, got {type(wrong).__name__}",
+            code=code,
+            remedy=_REMEDIES.get(kind.__name__, ""),
+        )
+    return found
+
+
+def require_mapping(values: Any, code: str, remedy: str) -> Mapping[Any, Any]:
+    """The mapping; anything else is refused.
+
+    Examples
+    --------
+    >>> require_mapping([], "shape", 'for example {"disc": rsym.disc()}')
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: expected a mapping of names, got list; remedy: for example {"disc": rsym.disc()}
+    """
+    if not isinstance(values, Mapping):
+        raise RsymError(f"expected a mapping of names, got {type(values).__name__}", code=code, remedy=remedy)
+    return values
+
+
+def file_path(path: Any) -> Path:
+    """The path of a file; what cannot be one is refused.
+
+    Examples
+    --------
+    >>> file_path(None)
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: expected the path of a file, got NoneType; remedy: for example "body.stl"
+    """
+    if not isinstance(path, str | PathLike):
+        raise RsymError(
+            f"expected the path of a file, got {type(path).__name__}", code="path", remedy='for example "body.stl"'
+        )
+    return Path(path)
+
+
+def require_positive(name: str, value: Any, remedy: str) -> None:
+    """Refuse a size that is no finite positive number.
+
+    Examples
+    --------
+    >>> require_positive("tolerance", -1, "for example 0.01")
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: tolerance must be a positive number, got -1; remedy: for example 0.01
+    """
+    try:
+        good = 0 < float(value) < math.inf
+    except (TypeError, ValueError):
+        good = False
+    if not good or isinstance(value, str | bool):
+        raise RsymError(f"{name} must be a positive number, got {value!r}", code=name, remedy=remedy)
+
+
+def require_count(name: str, value: Any, remedy: str) -> None:
+    """Refuse a number of things that is no positive integer.
+
+    Examples
+    --------
+    >>> require_count("budget", 0, "for example 1000")
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: budget must be a positive integer, got 0; remedy: for example 1000
+    """
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < 1:
+        raise RsymError(f"{name} must be a positive integer, got {value!r}", code=name, remedy=remedy)
