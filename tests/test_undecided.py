@@ -54,3 +54,23 @@ def test_what_is_refuted_beside_a_doubt_may_be_worse():
     report = rsym.verify_smoothness(doubt.replace(bounds=((-2, 3), (-2, 2))), budget=600)
     if report.verdict == "REFUTED" and len(report.undecided):
         assert "at best G0" in str(report)
+
+
+@pytest.mark.parametrize(
+    ("expression", "equation"),
+    [
+        (y - sp.sin(x) / x, "x = 0"),
+        (y - (1 - sp.cos(x - 1)) / (x - 1) ** 3, "(x - 1)**3 = 0"),
+        (1 - x**2 - y**2 + sp.sin(x * y) / (x - y / 2) / 50, "x - y/2 = 0"),
+    ],
+)
+def test_where_omega_has_no_value_is_said(expression, equation):
+    report = rsym.verify_smoothness(rsym.Shape(expression, (x, y), bounds=((-2, 2), (-2, 2))), budget=3000)
+    assert report.verdict != "CERTIFIED"
+    assert (f"omega has no value where {equation}", True) in report.statements
+
+
+def test_a_denominator_without_zeros_is_no_hole():
+    report = rsym.verify_smoothness(rsym.Shape(y - 1 / (x**2 + 1), (x, y), bounds=((-2, 2), (-2, 2))))
+    assert report.verdict == "CERTIFIED"
+    assert not any("no value" in sentence for sentence, _ in report.statements)

@@ -46,10 +46,10 @@ def emptiness(local: Local, around: Local, meeting: Meeting) -> str | None:
     if are_empty(around, meeting):
         return "empty"
     if 0 not in signs:
-        return "leap" if _is_narrow(local) or _changes_sign(local, meeting.arcs[0].side) else None
+        return "leap" if _is_narrow(local) or changes_sign(local, meeting.arcs[0].side) else None
     if thin is None or signs[0] != signs[1] or not multiplicity(local.model, thin.function, thin.side):
         return None
-    return "double" if signs[0] and _changes_sign(local, thin.side) else None
+    return "double" if signs[0] and changes_sign(local, thin.side) else None
 
 
 def _is_narrow(local: Local) -> bool:
@@ -58,7 +58,7 @@ def _is_narrow(local: Local) -> bool:
     return all(2 * float(arb(side.rad())) < widest / NARROW for side in local.sides[: local.model.dimension])
 
 
-def _changes_sign(local: Local, number: int) -> bool:
+def changes_sign(local: Local, number: int) -> bool:
     """Whether a node is continuous on a box and has both signs at its corners, so that it is zero in between."""
     size = local.model.dimension
     corners = product(*((side.lower(), side.upper()) for side in local.sides[:size]))

@@ -11,7 +11,7 @@ from rsym.verify.bending import curvatures
 from rsym.verify.bodies.sheets import locus_of, sheets
 from rsym.verify.bodies.touching import touching
 from rsym.verify.borders import is_within
-from rsym.verify.breaks import are_empty, broken, emptiness
+from rsym.verify.breaks import are_empty, broken, changes_sign, emptiness
 from rsym.verify.classes import NOTHING, pieces
 from rsym.verify.domains import is_defined
 from rsym.verify.edges import edge, has_edges
@@ -235,10 +235,4 @@ def _joined(local: Local, number: int, extent: float) -> Finding:
 
 def _double(local: Local, locus: Locus) -> Finding:
     """A zero without a change of sign is proved where the inner node changes sign on the box."""
-    model, (inner,) = local.model, locus.nodes
-    signs = set()
-    for x in (local.sides[0].lower(), local.sides[0].upper()):
-        for y in (local.sides[1].lower(), local.sides[1].upper()):
-            signs.add(model.on([x, y, *local.sides[2:]]).sign(inner))
-    proved = {1, -1} <= signs and generators(local, inner).analytic
-    return Finding("double" if proved else "open", locus=locus)
+    return Finding("double" if changes_sign(local, locus.nodes[0]) else "open", locus=locus)

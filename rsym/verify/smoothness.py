@@ -29,6 +29,7 @@ from rsym.verify.cells import within_cells
 from rsym.verify.cleaning import cleaned, without_scale
 from rsym.verify.covering import Covering, cover, extent_of
 from rsym.verify.evidence import NOWHERE, has_boundary, has_boundary_for_every_value, statements
+from rsym.verify.holes import holes
 from rsym.verify.local import Box, Interval, Model
 from rsym.verify.pruning import pruner
 from rsym.verify.report import (
@@ -287,6 +288,7 @@ def _drafted(study: _Study, suspects: Sequence[Joint], sharpening: int) -> Smoot
         bound = sharpened_bound(model, found.settled, region, sharpening, effort)
     effort.finish()
     defects = [joint for joint in everything if is_defect(joint)]
+    gaps = holes(model, [box for box, _ in found.left])
     return SmoothnessReport(
         verdict=verdict,
         continuity=continuity_of(verdict, map(level_of, counted), order),
@@ -295,7 +297,7 @@ def _drafted(study: _Study, suspects: Sequence[Joint], sharpening: int) -> Smoot
         curvature_bound=bound,
         cover=_cover(region, found),
         letters={name: (float(low), float(high)) for name, (low, high) in values.items()},
-        statements=(*statements(found, exists), *([] if everywhere else [NOWHERE]), *effort.statements),
+        statements=(*statements(found, exists), *gaps, *([] if everywhere else [NOWHERE]), *effort.statements),
         body=model.body,
     )
 

@@ -30,6 +30,7 @@ from rsym.verify.cells import within_cells
 from rsym.verify.cleaning import cleaned, without_scale
 from rsym.verify.contact_relations import contacts_of
 from rsym.verify.domains import is_legal
+from rsym.verify.holes import holes
 from rsym.verify.local import Box, Interval, Model
 from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED, UNKNOWN, continuity_of
 from rsym.verify.wording import plural
@@ -166,6 +167,7 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
     effort.begin("curvatures", SHARES[3])
     bent = bending(study.images, found, effort) if sharpened and exists else UNBOUNDED
     effort.finish()
+    gaps = () if study.ranging else holes(model, [box for box, _ in found.left])
     draft = BodyReport(
         verdict=verdict,
         continuity=continuity_of(verdict, map(level_of, counted), found.order),
@@ -175,7 +177,7 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
         attained=bent.attained,
         cover=_cover(study, found),
         letters={name: (float(low), float(high)) for name, (low, high) in model.letters.items()},
-        statements=(*_statements(found, exists, study.ranging), *_repeated(study), *effort.statements),
+        statements=(*_statements(found, exists, study.ranging), *gaps, *_repeated(study), *effort.statements),
     )
     wrong = missing(located, draft.points, found.balance, near=SAME * study.extent, boxes=_unlisted(study, draft))
     if not wrong:

@@ -1,0 +1,53 @@
+"""Holes: the zeros of a denominator, on which omega has no value, though a limit it may have; sin(x)/x at x = 0."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rsym.codegen.balls import ctx
+from rsym.verify.breaks import changes_sign
+from rsym.verify.covering import PRECISION
+from rsym.verify.generators import bare, generators
+from rsym.verify.local import Box, Local, Model
+from rsym.verify.polynomials import polynomial_of
+
+LOOKED_AT = 32  # boxes of those left over
+LONGEST = 60  # letters of an equation: what is longer tells nobody where it holds
+
+
+def holes(model: Model, boxes: Sequence[Box]) -> tuple[tuple[str, bool], ...]:
+    """Of boxes left over, sentences on where omega has no value, each with whether it is proved.
+
+    A denominator is zero within a box at whose corners it has both signs.
+
+    Parameters
+    ----------
+    model : Model
+        Of a plane shape or a body.
+    boxes : sequence of Box
+        On which nothing is proved; some of them are looked at.
+
+    Examples
+    --------
+    >>> import rsym, sympy as sp
+    >>> from rsym import x, y
+    >>> holes(Model(rsym.Shape(y - sp.sin(x) / x, (x, y)), {}), [((-0.1, 0.2), (0.9, 1.1))])
+    (('omega has no value where x = 0', True),)
+    """
+    found: dict[str, None] = {}
+    step = max(1, len(boxes) // LOOKED_AT)
+    with ctx.workprec(PRECISION):
+        for box in boxes[::step]:
+            found.update(dict.fromkeys(_equations(model.over(box))))
+    return tuple((f"omega has no value where {equation}", True) for equation in found)
+
+
+def _equations(local: Local) -> Iterator[str]:
+    builder = local.model.builder
+    for part in sorted(generators(local, local.model.root).hard):
+        operation, arguments, _ = builder.nodes[part]
+        if operation == "div" and changes_sign(local, below := bare(builder, arguments[1])):
+            formula = polynomial_of(local.model, below)
+            equation = f"{formula} = 0"
+            if formula is not None and len(equation) <= LONGEST:
+                yield equation
