@@ -1,3 +1,4 @@
+import json
 import logging
 import os
 import subprocess
@@ -203,6 +204,25 @@ def test_a_warning_is_one_line(tmp_path, model, capsys):
     assert line.startswith("rsym: warning: r = 2.5: ")
 
 
+SQUARE = """
+coordinates x y
+bounds x [-2, 2] y [-2, 2]
+omega = conjunction(1 - x, 1 + x, 1 - y, 1 + y)
+"""
+
+
+def test_the_logic_in_another_system(tmp_path, capsys):
+    """In R_0 the half-planes of a square are of order 1, in R_4 of order 3."""
+    path = tmp_path / "square.rf"
+    path.write_text(SQUARE)
+    found = {}
+    for system in ("R0", "Rp(4)"):
+        main(["verify", str(path), "--normalisation", "2", "--system", system, "--json"])
+        found[system] = json.loads(capsys.readouterr().out)["worst"][1]["deviation"]
+    assert abs(found["R0"]) > 0.4
+    assert abs(found["Rp(4)"]) < 1e-3
+
+
 def test_the_resolution_of_each_axis(tmp_path, model):
     path = tmp_path / "body.stl"
     assert main(["mesh", model, "-o", str(path), "--resolution", "16,20,24"]) == 0
@@ -230,6 +250,9 @@ def test_a_mesh_is_coloured_by_part(tmp_path, model):
         ["fields", "skeleton", "-o", "sheet.png", "--resolution", "1"],
         ["fields", "skeleton", "-o", "sheet.png", "--section", "z"],
         ["fields", "car", "-o", "sheet.png", "--section", "w=1"],
+        ["fields", "car", "-o", "sheet.png", "--section", "z=1", "--system", "Rq 4"],
+        ["fields", "car", "-o", "sheet.png", "--section", "z=1", "--system", "Rp"],
+        ["fields", "car", "-o", "sheet.png", "--section", "z=1", "--system", "R1\nf = 2"],
         ["fields", "car", "-o", "sheet.png", "--section", "z=nan"],
         ["fields", "car", "-o", "sheet.png", "--shape", "test1", "--section", "z=1", "--set", "h5=4"],
         ["sweep", "skeleton", "-o", "strip.png", "--letter", "p9", "--values", "1,2"],

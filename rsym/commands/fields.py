@@ -11,6 +11,7 @@ from rsym.commands.options import (
     add_output,
     add_resolution,
     add_section,
+    add_system,
     load_shape,
     numbers,
     progress_bar,
@@ -27,6 +28,7 @@ def add(commands: Commands) -> None:
         run,
     )
     add_model(parser)
+    add_system(parser)
     add_output(parser, "the picture: .png, .svg or .pdf")
     add_section(parser)
     add_resolution(parser, 400)

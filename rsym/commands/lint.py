@@ -6,7 +6,16 @@ import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
-from rsym.commands.options import Commands, add_command, add_model, add_revolve, load_model, load_shape, progress_bar
+from rsym.commands.options import (
+    Commands,
+    add_command,
+    add_model,
+    add_revolve,
+    add_system,
+    load_model,
+    load_shape,
+    progress_bar,
+)
 
 
 def add(commands: Commands) -> None:
@@ -19,6 +28,7 @@ def add(commands: Commands) -> None:
         run,
     )
     add_model(parser)
+    add_system(parser)
     add_revolve(parser)
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
 

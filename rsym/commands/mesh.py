@@ -14,6 +14,7 @@ from rsym.commands.options import (
     add_output,
     add_resolution,
     add_revolve,
+    add_system,
     load_shape,
     progress_bar,
 )
@@ -33,6 +34,7 @@ def add(commands: Commands) -> None:
         run,
     )
     add_model(parser)
+    add_system(parser)
     add_output(parser, "the mesh: .stl .ply .obj .off .glb .3mf, or .html to look at")
     add_revolve(parser)
     add_resolution(parser, 128)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rsym.language.model import Model
     from rsym.model.letters import Letters
     from rsym.model.shape import Shape
+    from rsym.model.systems import RSystem
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 Run: TypeAlias = Callable[[argparse.Namespace], int | None]
@@ -68,6 +69,13 @@ def add_section(parser: argparse.ArgumentParser) -> None:
     """A cut through a shape in space."""
     parser.add_argument(
         "--section", action="append", default=[], metavar="NAME=VALUE", help="cut a shape in space, such as z=1"
+    )
+
+
+def add_system(parser: argparse.ArgumentParser) -> None:
+    """Another R-system for the logic of the model."""
+    parser.add_argument(
+        "--system", metavar="SYSTEM", help='the same logic in another R-system: R0, R1, "Rp 4", as a model file has it'
     )
 
 
@@ -167,6 +175,28 @@ def ranges(texts: Sequence[str], option: str) -> tuple[list[str], dict[str, tupl
     return single, found
 
 
+def system_named(text: str) -> RSystem:
+    """An R-system as a model file names it.
+
+    Examples
+    --------
+    >>> system_named("Rp 4"), system_named("Ralpha(1/2)")
+    (Rp(p=4), RAlpha(alpha=1/2))
+    """
+    from rsym.language.declarations import system
+    from rsym.language.parser import parse
+    from rsym.language.syntax import SystemStatement
+
+    try:
+        (statement,) = parse(f"system {text}")
+        assert isinstance(statement, SystemStatement)
+        return system(statement, {})
+    except RsymError as error:
+        raise RsymError(f"--system {text}: {error.message}", code=error.code, remedy=error.remedy) from None
+    except ValueError:
+        raise RsymError(f"--system takes one R-system, got {text!r}", code="unknown-system", remedy="Rp 4") from None
+
+
 def model_file(name: str) -> Path:
     """The file of a model that is named by its path or, if it comes with rsym, by its name."""
     from rsym.model.wording import proposal
@@ -212,11 +242,13 @@ def load_model(options: argparse.Namespace) -> Chosen:
 
 
 def load_shape(options: argparse.Namespace) -> Shape:
-    """The shape that the options ask for, turned if they say so."""
+    """The shape that the options ask for, in their R-system, turned if they say so."""
     from rsym.model.constructions import revolve
 
     shape = load_model(options).shape
     shape.letters.values_with(numbers(options.set, "--set"))  # refuses a letter that this shape does not need
+    if getattr(options, "system", None) is not None:
+        shape = shape.with_system(system_named(options.system))
     axis = getattr(options, "revolve", None)
     return revolve(shape, axis=axis) if axis else shape
 

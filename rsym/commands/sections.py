@@ -13,6 +13,7 @@ from rsym.commands.options import (
     add_output,
     add_resolution,
     add_revolve,
+    add_system,
     load_shape,
     progress_bar,
     values,
@@ -29,6 +30,7 @@ def add(commands: Commands) -> None:
         run,
     )
     add_model(parser)
+    add_system(parser)
     add_output(parser, "the layers: .svg or .dxf; the stack seen from above: .png or .pdf")
     parser.add_argument(
         "--values", required=True, type=values, metavar="V,V,...", help="where the planes lie: 1,2,4 or 1:4:0.5"

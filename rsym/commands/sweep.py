@@ -12,6 +12,7 @@ from rsym.commands.options import (
     add_resolution,
     add_revolve,
     add_section,
+    add_system,
     load_shape,
     numbers,
     progress_bar,
@@ -29,6 +30,7 @@ def add(commands: Commands) -> None:
         run,
     )
     add_model(parser)
+    add_system(parser)
     add_output(parser, "the picture: .png, .svg or .pdf")
     parser.add_argument("--letter", required=True, metavar="NAME", help="the letter that changes")
     parser.add_argument(

@@ -11,6 +11,7 @@ from rsym.commands.options import (
     add_command,
     add_model,
     add_revolve,
+    add_system,
     add_timeout,
     load_shape,
     progress_bar,
@@ -32,6 +33,7 @@ def add(commands: Commands) -> None:
         run,
     )
     add_model(parser, "a value that comes first; a2=5.32:8 asks for every value between")
+    add_system(parser)
     add_revolve(parser)
     parser.add_argument(
         "--method",
