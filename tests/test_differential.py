@@ -1,4 +1,7 @@
+import numpy as np
+import pytest
 import sympy as sp
+from closeness import assert_close
 
 import rsym
 from rsym import Shape, conjunction, trimming, x, y
@@ -50,3 +53,16 @@ def test_a_tie_is_undefined():
 def test_piecewise_differentiates_its_branches():
     inner = sp.Piecewise((x**2, x > y), (y * x, True))
     assert derivative(inner, x) == sp.Piecewise((2 * x, x > y), (y, True))
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_the_gradient_of_a_joining_in_every_quadrant(count):
+    """The first operand counts by its size, whose derivative is its sign."""
+    shape = Shape(rsym.joining(*(x, y, x + y - 1)[:count]), (x, y))
+    points = np.array([(0.3, 0.4), (-0.3, 0.4), (-0.3, -0.4), (0.3, -0.4)]).T
+    expected = rsym.compile(shape, ("gradient", "hessian"), backend="numpy")(*points)
+    closed = sp.lambdify((x, y), [rsym.gradient(shape), rsym.hessian(shape)])
+    for k, point in enumerate(points.T):
+        slope, bend = closed(*point)
+        assert_close(slope.ravel().astype(float), expected["gradient"][k], atol=1e-13)
+        assert_close(bend.astype(float), expected["hessian"][k], atol=1e-11)

@@ -88,7 +88,9 @@ class Fold(RealNode):
         if position == len(self.operands):
             return self.partial(last, fold)
         outer = self.partial(fold, last)
-        return outer if len(self.operands) == 2 else outer * fold.fdiff(argindex)
+        if len(self.operands) > 2:
+            return outer * fold.fdiff(argindex)
+        return outer if fold == self.operands[0] else outer * fold.fdiff()  # its absolute value, say
 
     def infix(self, printer: Any) -> str:
         """What stands between operands in LaTeX."""
