@@ -133,6 +133,7 @@ MEANINGS = {
     "gap": _gap,
     "trimming": _trimming,
     "normalised": _normalised,
+    "zero_with": lambda f, g: g if f else f,
 }
 
 

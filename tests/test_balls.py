@@ -142,6 +142,7 @@ TEXTBOOK = {
     "gap": gap,
     "trimming": lambda s, t: mp.sqrt(s + gap(s, t) ** 2),
     "normalised": lambda f, q: divide(f, mp.sqrt(f * f + q)),
+    "zero_with": lambda f, g: g if f else f,
 }
 
 

@@ -11,6 +11,7 @@ from rsym import R0, R1, R0m, RAlpha, Rp, Shape, equivalence, joining, trimming,
 from rsym.codegen.differentiation import RULES
 from rsym.codegen.fields import program_of
 from rsym.codegen.operations import OPERATIONS
+from rsym.model.nodes import ZeroWith
 
 CASES = {
     "add mul": x * y + x**2 * y - 3 * x,
@@ -39,6 +40,7 @@ CASES = {
     "equivalence norm": equivalence(equivalence(x * y, x - y, order=1), 3 - x**2, x - 1, order=3),
     "joining": joining(joining(x * y, x - y, order=2), trimming(3 - x**2, x), order=3),
     "trimming gap": trimming(x - y**2, 2 - x * y),
+    "zero_with": ZeroWith(x - y, (x - y) * sp.sin(x)),
     "normalised": (x * y - 1) / sp.sqrt((x * y - 1) ** 2 + x**2 + y**2),
 }
 POINTS = np.random.default_rng(11).uniform((0.2, 0.3), (1.9, 1.7), (6, 2)).T * np.array([[1], [-1]])

@@ -9,7 +9,7 @@ from closeness import assert_close
 import rsym
 from rsym import Rp, RsymError, RsymWarning, Shape, x, y, z
 from rsym.model import rnodes
-from rsym.model.nodes import Trimming
+from rsym.model.nodes import Trimming, ZeroWith
 from rsym.model.traversal import postorder
 
 pytestmark = pytest.mark.filterwarnings("ignore:the shape has corners")
@@ -34,6 +34,7 @@ MEANINGS = {
     sp.Add: lambda *terms: mpmath.fsum(terms),
     sp.Mul: lambda *factors: mpmath.fprod(factors),
     rnodes.R0Conjunction: lambda f, g: f + g - mpmath.hypot(f, g),
+    ZeroWith: lambda f, g: g,
     Trimming: lambda f, t: mpmath.hypot(f, (mpmath.hypot(t, f**2) - t) / 2),
 }
 
@@ -272,3 +273,120 @@ def test_half_planes_in_another_system_keep_the_order_that_the_warning_names():
         along_a_side = along(lambda p: kept.expression.subs({x: p[0], y: p[1]}).evalf(DIGITS), (1, 0), (0, 1))
     assert_close(np.array(along_a_side[:3], float), [1.0, 0.0, 0.0], atol=1e-9)
     assert kept.contract().order == 3
+
+
+CORNERS = {
+    "square": (SQUARE, [(1, 1), (-1, 1), (1, -1)]),
+    "an L with a hole": (ANGLE, [(0, 0), (1, 0), (-1, -1)]),
+    "in another system": (SQUARE.with_system(Rp(4)), [(1, 1), (-1, 1)]),
+    "min": (Shape(rsym.conjunction(x, y, system=rsym.R1), (x, y)), [(0, 0)]),
+    "a joint with a choice": (Shape(sp.Piecewise((x, x > y), (2 * x - y, True)) - y, (x, y)), [(1, 1)]),
+    "a crossing": (Shape(x * y, (x, y)), [(0, 0)]),
+    "a cube": (rsym.box(2, 2, 2), [(1, 1, 1), (1, 0, 1), (-1, 0.5, -1)]),
+}
+VALUES = ("normalised", "normalised_2", "normalised_2_keep_sign")
+
+
+@pytest.mark.parametrize(
+    ("name", "backend"), [*((name, "numpy") for name in CORNERS), ("square", "llvm"), ("square", "lambdify")]
+)
+def test_what_is_normalised_is_0_at_a_corner(name, backend):
+    """Red proof: one corner among collocation points, and a loss is NaN."""
+    shape, points = CORNERS[name]
+    points = np.array(points, float).T
+    fields = VALUES if shape.dimension == 2 else VALUES[:1]
+    make = rsym.lambdify if backend == "lambdify" else lambda *given: rsym.compile(*given, backend=backend)
+    found = make(shape, fields)(*points)
+    assert all((found[field] == 0).all() for field in fields), found
+    if name == "a crossing":
+        return  # without an R-operation the formula stays as it is
+    for order in (1, 2):
+        for keep_sign in (False, True):
+            unit = rsym.normalise(shape, order if shape.dimension == 2 else 1, keep_sign=keep_sign)
+            assert (make(unit, ("value",))(*points)["value"] == 0).all()
+
+
+def test_the_gradient_at_a_corner_does_not_exist():
+    fields = ("normalised_gradient", "normalised_2_gradient", "normalised_2_keep_sign_gradient")
+    found = rsym.compile(SQUARE, fields)([1.0, 1.0, 0.5], [1.0, 0.25, 0.5])
+    for field in fields:
+        assert np.isnan(found[field]).all(axis=1).tolist() == [True, False, False]
+        assert_close(found[field][1], [-1.0, 0.0], atol=1e-14)
+
+
+def test_where_omega_itself_jumps_what_is_normalised_is_not_0():
+    step = Shape(sp.Piecewise((x, x > 0), (x - 1, True)) + 0 * y, (x, y))
+    assert np.isnan(rsym.compile(step, "normalised")(0.0, 0.0)["normalised"])
+
+
+BOXES = [[[1, 1], [1, 1]], [[0.9, 1], [1, 1.1]], [[-2, 2], [-2, 2]], [[1, 1], [0.5, 0.75]]]
+
+
+@pytest.mark.parametrize("backend", ["interval", "ball"])
+def test_bounds_around_a_corner_hold_its_value(backend):
+    unit = rsym.normalise(SQUARE, order=2)
+    for shape, field in ((SQUARE, "normalised"), (SQUARE, "normalised_2"), (unit, "value")):
+        found = rsym.enclose(shape, np.array(BOXES, float), field, backend=backend)[field]
+        assert (found[:, 0] <= 0).all(), field
+        assert (found[:, 1] >= 0).all(), field
+    if backend == "ball":
+        assert (rsym.enclose(SQUARE, BOXES[:1], VALUES, backend="ball")["normalised_2"] == 0).all()
+
+
+@pytest.mark.parametrize("field", ["normalised", "normalised_2", "normalised_3", "normalised_2_keep_sign"])
+def test_the_gradient_of_what_is_normalised_is_that_of_the_closed_form(field):
+    order = int(field.split("_")[1]) if "_" in field else 1
+    unit = rsym.normalise(Shape(ELLIPSE, (x, y)), order, keep_sign="sign" in field)
+    points = np.random.default_rng(5).uniform(-2, 2, (2, 30))
+    found = rsym.compile(Shape(ELLIPSE, (x, y)), (f"{field}_gradient", f"{field}_gradient_squared"))(*points)
+    expected = rsym.compile(unit, "gradient", backend="numpy")(*points)["gradient"]
+    assert found[f"{field}_gradient"].shape == (30, 2)
+    assert_close(found[f"{field}_gradient"], expected, rtol=1e-8, atol=1e-10)
+    assert_close(found[f"{field}_gradient_squared"], (expected**2).sum(axis=-1), rtol=1e-8, atol=1e-10)
+
+
+@pytest.mark.parametrize("name", ["square", "an L with a hole"])
+def test_the_sign_is_kept_to_order_3(name):
+    shape, half = CORNERED[name]
+    points = over_a_grid(shape, half, 201)
+    fields = ("value", "normalised_2_keep_sign", "normalised_3_keep_sign")
+    found = rsym.compile(shape, fields, backend="numpy")(*points)
+    clear = np.abs(found["value"]) > 1e-9
+    for field in fields[1:]:
+        assert (np.sign(found[field][clear]) == np.sign(found["value"][clear])).all()
+        assert np.isfinite(found[field]).all()
+
+
+@pytest.mark.parametrize(
+    ("field", "said"),
+    [
+        ("normalised_0", "order 0 is `value`"),
+        ("normalised_1", "order 1 is `normalised`"),
+        ("normalised_1_gradient", "order 1 is `normalised_gradient`"),
+        ("normalised_4", "orders 2 and 3"),
+        ("normalised_2_gradients", "no field"),
+        ("normalised_keep_sign", "order 1 is `normalised`"),
+    ],
+)
+def test_a_field_of_another_order_is_refused(field, said):
+    with pytest.raises(RsymError, match=said) as caught:
+        rsym.compile(SQUARE, field)
+    assert "normalised_2" in caught.value.remedy
+
+
+def test_a_direction_has_no_value_where_it_has_none():
+    """The same quotient, but of no limit: what is written by hand is not filled in."""
+    cosine = Shape(x / sp.sqrt(x**2 + y**2), (x, y))
+    assert np.isnan(rsym.compile(cosine)(0.0, 0.0)["value"])
+    for backend in ("numpy", "llvm"):
+        assert np.isnan(rsym.compile(Shape(x * y, (x, y)), "curvature", backend=backend)(0.0, 0.0)["curvature"])
+
+
+def test_a_normalised_shape_is_meshed_and_joined_by_its_logic():
+    """Its sign form is that of omega; the contract speaks of what it is made of."""
+    unit = rsym.normalise(SQUARE)
+    assert len(rsym.level_lines(unit)) == 1
+    assert unit.contract().order == rsym.normalise(rsym.strip()).contract().order == 1
+    joined = unit & rsym.Shape(x, (x, y))
+    assert (rsym.compile(joined)([1.0, 1.0], [1.0, -1.0])["value"] == 0).all()
+    assert str(unit.expression) == str(unit.expression.args[1])

@@ -15,6 +15,8 @@ from rsym.model.sharing import LONGEST, in_common_parts
 from rsym.model.traversal import substitute
 from rsym.surfaces import symbols
 
+pytestmark = pytest.mark.filterwarnings("ignore:the shape has corners")
+
 MOST = 4000  # characters
 CALLS = 45_000  # of Python functions; a few hundredths of a second
 WAVES = rsym.Shape(sp.sin(9 * x) * sp.sin(9 * y), (x, y), bounds=((-3, 3), (-3, 3)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,8 +12,9 @@ import sympy as sp
 from rsym.analysis.curvature import curvature, gaussian_curvature, mean_curvature
 from rsym.analysis.differential import gradient, hessian, laplacian
 from rsym.analysis.normalisation import normalise
-from rsym.errors import RsymError
+from rsym.errors import RsymError, RsymWarning
 from rsym.model import equations
+from rsym.model.nodes import without_zeros
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression
 from rsym.model.wording import listing, proposal
@@ -107,7 +109,9 @@ def _sides(shape: Shape, field: Any) -> Mapping[str, sp.Expr]:
         )
     number = int(order.group(1) or 1)
     name = r"\omega_{n}" if number == 1 else rf"\omega_{{n}}^{{({number})}}"
-    return {name: normalise(shape, number).expression}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RsymWarning)  # a formula is printed, where it serves is not asked
+        return {name: without_zeros(normalise(shape, number).expression)}
 
 
 def _second(first: str, second: str) -> str:

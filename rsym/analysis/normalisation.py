@@ -13,6 +13,7 @@ from rsym.errors import RsymError, RsymWarning
 from rsym.model.contracts.promises import Singularity
 from rsym.model.contracts.summary import singularities
 from rsym.model.contracts.table import Promises
+from rsym.model.nodes import ZeroWith
 from rsym.model.primitives.theorem import normalised
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
@@ -34,6 +35,7 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1, *, keep_sign: bool 
     as well, and is not meant. With the inner normal nu, on the boundary omega_m = 0, d omega_m/d nu = 1 and
     d^k omega_m/d nu^k = 0 for k = 2..m, wherever omega is smooth enough and grad omega is not zero. From m = 2 on
     the Laplacian there is minus the curvature of the boundary, in space minus twice its mean curvature.
+    At the corners of R-operations, where derivatives do not exist, a compiled omega_m is 0, its limit.
     Far away omega_1 tends to the length L in absolute value; L = 1 is the form of the source. From order 2 on
     omega_m may vanish, and change its sign, where the correction is no longer small: at a distance from a smooth
     boundary, but from a corner on, for there the derivatives grow as it comes near. That is warned of. Remedies:
@@ -66,8 +68,9 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1, *, keep_sign: bool 
         The closed form, R-nodes kept, equal parts shared as objects but not by SymPy's printers: what is printed,
         expanded or simplified grows beyond use. Distinct parts at orders 1, 2, 3: an ellipse 20, 94, 3 000;
         the body of Fig. 11 59, 340, 36 000 (8 s); the car at order 2 17 000 (2 s), at order 3 out of reach. For numbers
-        the fields ``normalised_2`` and ``normalised_3`` of `compile` are the same function with L = 1, derived
-        in the program: with their gradients 1.5 to 15 times smaller (the car at order 2 takes 62 000 operations).
+        the fields ``normalised_2``, ``normalised_3``, ``normalised_2_keep_sign`` and so on of `compile` are the same
+        functions with L = 1, derived in the program: with their gradients 1.5 to 15 times smaller (the car at order 2
+        takes 62 000 operations).
 
     Warns
     -----
@@ -101,18 +104,19 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1, *, keep_sign: bool 
     unit = as_expression(length)
     if unit.is_number and not unit.is_positive:
         raise RsymError(f"the length must be positive, got {length}", code="length")
-    if order > 1 and not keep_sign and (corners := _corners(shape)):
+    corners = _corners(shape)
+    if order > 1 and not keep_sign and any(len(corner.equations) == 2 for corner in corners):
         warnings.warn(_warning(order, len(corners)), RsymWarning, stacklevel=2)
     result = normalised(shape.expression, squared(gradient(shape)), unit)
     for step in range(2, order + 1):
         result = _next_order(result, step, shape.coordinates, keep_sign=keep_sign)
-    return shape.replace(expression=result)
+    return shape.replace(expression=ZeroWith(shape.expression, result) if corners else result)
 
 
 def _corners(shape: Shape) -> list[Singularity]:
-    """Where two operands of an R-operation vanish together; min and max have their kinks elsewhere."""
+    """Where two operands of an R-operation vanish together or, of min and max, are equal."""
     lost = singularities(Promises(shape.expression), shape.coordinates, shape.letters)
-    return [item for item in lost if item.operation in _LOGIC and len(item.equations) == 2]
+    return [item for item in lost if item.operation in _LOGIC]
 
 
 def _warning(order: int, count: int) -> str:

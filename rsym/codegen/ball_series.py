@@ -101,6 +101,7 @@ IMAGES: Mapping[str, Callable[..., Series | None]] = {
     "log": _logarithm,
     "atan2": _angle,
     "normalised": _normalised,
+    "zero_with": lambda f, g: g,
 }
 
 

@@ -89,5 +89,12 @@ def normalised(f: arb, q: arb) -> arb | None:
     return value if value.is_finite() else UNIT
 
 
+def zero_with(f: arb, g: arb) -> arb:
+    """The value of g, and 0 where f is."""
+    if f.is_zero():
+        return ZERO
+    return ball(g, ZERO) if f.contains(ZERO) else g
+
+
 def _normalised_at(f: arb, q: arb) -> arb:
     return ZERO if f.is_zero() else f / (f * f + q).sqrt()

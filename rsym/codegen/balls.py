@@ -88,6 +88,7 @@ IMAGES: dict[str, Image] = {
     "gap": ball_systems.gap,
     "trimming": ball_systems.trimming,
     "normalised": ball_systems.normalised,
+    "zero_with": ball_systems.zero_with,
 }
 
 
@@ -132,8 +133,10 @@ def _selection(nodes: Sequence[Node], arguments: tuple[int, ...]) -> tuple[Image
     return image, arguments + tuple(argument for _, needed in tests for argument in needed)
 
 
-def _power_of_undefined(image: Image, a: arb | None, b: arb | None) -> arb | None:
-    """What an operation makes of an undefined operand: nothing, but a power u**0 or 1**u is 1 whatever u is."""
+def _of_undefined(image: Image, a: arb | None, b: arb | None) -> arb | None:
+    """What an operation makes of an undefined operand: nothing, but a power u**0 or 1**u is 1, and `zero_with` 0."""
+    if image is ball_systems.zero_with:
+        return ZERO if a is not None and a.contains(ZERO) else None
     if image not in (ball_functions.power, ball_functions.power_of_size):
         return None
     if a is None:
@@ -150,7 +153,7 @@ def run(steps: Iterable[Step], balls: dict[int, arb | None]) -> None:
     for number, image, arguments in steps:
         if len(arguments) == 2:
             a, b = balls[arguments[0]], balls[arguments[1]]
-            value = _power_of_undefined(image, a, b) if a is None or b is None else image(a, b)
+            value = _of_undefined(image, a, b) if a is None or b is None else image(a, b)
         elif len(arguments) == 1:
             a = balls[arguments[0]]
             value = None if a is None else image(a)

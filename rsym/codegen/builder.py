@@ -255,6 +255,16 @@ class Builder:
         inner = self._operand_of("neg", f)
         return self.make("normalised", f, q) if inner is None else self.neg(self.make("normalised", inner, q))
 
+    def zero_with(self, f: int, g: int) -> int:
+        """Return g, which goes to 0 where f does, and 0 where f is, even if g is undefined there."""
+        inner = self._operand_of("neg", f)
+        if inner is not None:
+            return self.zero_with(inner, g)
+        outer = self._operand_of("neg", g)
+        if outer is not None:
+            return self.neg(self.zero_with(f, outer))
+        return g if self.value(f) or self.value(g) is not None else self.make("zero_with", f, g)
+
     def normalisation(self, f: int, denominator: int) -> int | None:
         """Recognise f/denominator with denominator = sqrt((k f)**2 + q), k rational, q >= 0."""
         radicand = self._operand_of("sqrt", denominator)

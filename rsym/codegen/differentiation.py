@@ -217,6 +217,11 @@ def _normalised(b: Builder, number: int, node: Node, d: Sequence[int]) -> int:
     return b.mul(change, b.powi(inverse, 3))
 
 
+def _zero_with(b: Builder, number: int, node: Node, d: Sequence[int]) -> int:
+    """That of the second, defined or not."""
+    return d[1]
+
+
 RULES: dict[str, Rule] = {
     "undefined": _undefined,
     "add": _add,
@@ -242,5 +247,6 @@ RULES: dict[str, Rule] = {
     "gap": _gap,
     "trimming": _trimming,
     "normalised": _normalised,
+    "zero_with": _zero_with,
     **SYSTEM_RULES,
 }

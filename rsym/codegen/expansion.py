@@ -49,6 +49,11 @@ def _normalised(b: Builder, node: Node) -> int:
     return where_fails(b, size, b.make("div", f, b.abs(f)), b.make("div", f, size))
 
 
+def _zero_with(b: Builder, node: Node) -> int:
+    f, g = node.arguments
+    return b.select(b.abs(f), b.const(0), g, f)
+
+
 def _powi(b: Builder, node: Node) -> int:
     assert isinstance(node.data, int)
     return whole_power(b, node.arguments[0], node.data)
@@ -74,5 +79,6 @@ EXPANSIONS: dict[str, Callable[[Builder, Node], int]] = {
     "gap": _gap,
     "trimming": _trimming,
     "normalised": _normalised,
+    "zero_with": _zero_with,
     **SYSTEM_EXPANSIONS,
 }

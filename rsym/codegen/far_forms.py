@@ -145,6 +145,11 @@ def _normalised(b: Builder, node: Node, parts: Sequence[Far]) -> Far:
     return Far(b.normalised(_raised(b, f, degree), _raised(b, q, 2 * degree)), 0)
 
 
+def _zero_with(b: Builder, node: Node, parts: Sequence[Far]) -> Far:
+    f, g = parts
+    return Far(b.zero_with(f.node, g.node), g.degree)
+
+
 def _homogeneous(b: Builder, node: Node, parts: Sequence[Far]) -> Far:
     """What scales with its first two operands; the parameter comes last."""
     operands, degree = _aligned(b, parts[:2])
@@ -161,6 +166,7 @@ RULES: dict[str, Rule] = {
     "sqrt": _sqrt,
     "select": _select,
     "normalised": _normalised,
+    "zero_with": _zero_with,
     **dict.fromkeys(
         "min max r0_conjunction r0_disjunction r_alpha_conjunction r_alpha_disjunction"
         " rp_conjunction rp_disjunction equivalence joining norm".split(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property, reduce
@@ -32,12 +33,17 @@ SIX: tuple[str, ...] = (
 )
 CURVATURES: tuple[str, ...] = ("curvature", "mean_curvature", "gaussian_curvature")
 # Order 4 of an ellipse would take half a million operations: far more than compiling is worth.
+HIGHEST = 3
+FORMS: tuple[str, ...] = tuple(
+    f"normalised_{order}{kept}" for order in range(2, HIGHEST + 1) for kept in ("", "_keep_sign")
+)
 NORMALISED: tuple[str, ...] = tuple(
-    f"normalised_{order}{suffix}" for order in (2, 3) for suffix in ("", "_gradient_squared", "_laplacian")
+    f"{form}{suffix}" for form in FORMS for suffix in ("", "_gradient_squared", "_laplacian")
 )
 SCALARS: tuple[str, ...] = (*SIX, *CURVATURES, *NORMALISED)
 FIELDS: tuple[str, ...] = (
     *SCALARS,
+    *(f"{form}_gradient" for form in ("normalised", *FORMS)),
     "gradient",
     "hessian",
     "singular",
@@ -85,11 +91,11 @@ class Calculus:
         """omega/sqrt(omega**2 + |grad omega|**2)."""
         return Calculus(self.builder, self.builder.normalised(self.value, self.gradient_squared))
 
-    def normalised_to(self, order: int) -> Calculus:
-        """omega_m of `rsym.normalise` with L = 1."""
-        lower = self.normalised
+    def normalised_to(self, order: int, *, keep_sign: bool = False) -> Calculus:
+        """omega_m of `rsym.normalise` with L = 1; omega itself for the order 0."""
+        lower = self.normalised if order else self
         for step in range(2, order + 1):
-            lower = Calculus(self.builder, next_order(self.builder, lower.value, step))
+            lower = Calculus(self.builder, next_order(self.builder, lower.value, step, keep_sign=keep_sign))
         return lower
 
     @cached_property
@@ -118,37 +124,50 @@ class Calculus:
         """The product of the principal curvatures of the level surfaces."""
         return self.curvatures.gaussian
 
+    @property
+    def principal_curvatures(self) -> tuple[int, int]:
+        """The principal curvatures of the level surfaces, the larger first."""
+        return self.curvatures.principal
+
+    @property
+    def principal_directions(self) -> tuple[list[int], list[int]]:
+        """Their directions."""
+        return self.curvatures.directions
+
     def derivatives(self, order: int) -> list[int]:
         """The value, the gradient, or the different second derivatives."""
         size = range(len(self.builder.coordinates))
         second = [(i, j) for i in size for j in size if i <= j] if order == 2 else []
         return [[self.value], self.gradient][order] if order < 2 else [self.second(i, j) for i, j in second]
 
-    def scalar(self, field: str) -> int:
-        """The node of a scalar field."""
-        if field == "value":
-            return self.value
-        for order in (2, 3, 1):
-            prefix = f"normalised_{order}" if order > 1 else "normalised"
-            if field.startswith(prefix):
-                return self.normalised_to(order).scalar(field.removeprefix(prefix).removeprefix("_") or "value")
-        node: int = getattr(self, field)
-        return node
+    def nodes(self, field: str) -> Any:
+        """The node of a scalar field, or the nodes of another, nested as its axes are."""
+        order, keep_sign, rest = _parsed(field)
+        calculus = self.normalised_to(order, keep_sign=keep_sign)
+        found = getattr(calculus, "gradient" if rest == "singular" else rest)
+        # It goes to 0 where omega does, at corners too, where derivatives do not exist.
+        return self.builder.zero_with(self.value, found) if order and rest == "value" else found
 
 
 def outputs_of(calculus: Calculus, field: str) -> dict[str, int]:
     """The scalar outputs that make up a field."""
-    nodes: Any
-    if field in SCALARS:
-        nodes = calculus.scalar(field)
-    elif field == "principal_curvatures":
-        nodes = calculus.curvatures.principal
-    elif field == "principal_directions":
-        nodes = calculus.curvatures.directions
-    else:
-        nodes = calculus.hessian if field == "hessian" else calculus.gradient
     names = _part_names(field, len(calculus.builder.coordinates))
-    return dict(zip(names.flat, np.asarray(nodes).flat, strict=True))
+    return dict(zip(names.flat, np.asarray(calculus.nodes(field)).flat, strict=True))
+
+
+def _parsed(field: str) -> tuple[int, bool, str]:
+    """The order of normalisation, whether the sign is kept, and the field of that function.
+
+    Examples
+    --------
+    >>> [_parsed(field) for field in ("laplacian", "normalised", "normalised_gradient", "normalised_3_keep_sign")]
+    [(0, False, 'laplacian'), (1, False, 'value'), (1, False, 'gradient'), (3, True, 'value')]
+    """
+    found = re.fullmatch(r"normalised(?:_(\d+))?(_keep_sign)?(?:_(.+))?", field)
+    if found is None:
+        return 0, False, field
+    order, kept, rest = found.groups()
+    return int(order or 1), kept is not None, rest or "value"
 
 
 def order_of(field: str) -> int:
@@ -159,11 +178,8 @@ def order_of(field: str) -> int:
     >>> [order_of(field) for field in ("value", "normalised", "hessian", "normalised_laplacian", "normalised_3")]
     [0, 1, 2, 3, 3]
     """
-    if field.startswith("normalised"):
-        head, _, rest = field.removeprefix("normalised").removeprefix("_").partition("_")
-        order, rest = (int(head), rest) if head.isdigit() else (1, f"{head}_{rest}".strip("_"))
-        return order + order_of(rest or "value")
-    return {"value": 0, "gradient": 1, "gradient_squared": 1, "singular": 1}.get(field, 2)
+    order, _, rest = _parsed(field)
+    return order + {"value": 0, "gradient": 1, "gradient_squared": 1, "singular": 1}.get(rest, 2)
 
 
 class Existence:
@@ -215,7 +231,11 @@ class Existence:
         if order <= 2:
             own = self.jumps[node] if field in {"gradient", "singular", "hessian"} else self._total(order)
             doubts = b.add(doubts, doubt(b, own, self._size(order), self.share))
-        return unless(b, doubts, node)
+        if _parsed(field)[2] != "value":
+            return unless(b, doubts, node)
+        # What is normalised is 0 with omega, whatever becomes of its derivatives.
+        zero = unless(b, self.doubts(1), node)
+        return b.select(b.abs(self.calculus.value), b.const(0), unless(b, doubts, node), zero)
 
 
 def gather(parts: Mapping[str, NDArray[Any]], fields: Sequence[str], size: int) -> dict[str, NDArray[Any]]:
@@ -234,8 +254,8 @@ def gather(parts: Mapping[str, NDArray[Any]], fields: Sequence[str], size: int) 
 
 def _part_names(field: str, size: int) -> NDArray[np.str_]:
     """The names of the scalar outputs that make up a field, in the shape of its last axes."""
-    if field in {"gradient", "singular"}:
-        return np.array([f"gradient_{i}" for i in range(size)])
+    if field.endswith("gradient") or field == "singular":
+        return np.array([f"{field.replace('singular', 'gradient')}_{i}" for i in range(size)])
     if field == "hessian":
         return np.array([[f"hessian_{min(i, j)}_{max(i, j)}" for j in range(size)] for i in range(size)])
     if field == "principal_curvatures":
@@ -249,6 +269,12 @@ def checked_fields(fields: Sequence[str]) -> tuple[str, ...]:
     """The fields as a tuple of known names; one name alone is accepted too."""
     names = (fields,) if isinstance(fields, str) else tuple(fields)
     unknown = [name for name in names if name not in FIELDS]
+    if unknown and str(unknown[0]).startswith("normalised"):
+        raise RsymError(
+            f"no field {unknown[0]!r}: {_instead(str(unknown[0]))}",
+            code="unknown-field",
+            remedy=f"choose from {', '.join(name for name in FIELDS if name.startswith('normalised'))}",
+        )
     if unknown or not names:
         raise RsymError(
             f"no field {unknown[0]!r}" if unknown else "no field was asked for",
@@ -258,17 +284,32 @@ def checked_fields(fields: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
+def _instead(field: str) -> str:
+    """What is meant by a field of omega normalised that there is none of."""
+    order, _, rest = _parsed(field)
+    known = rest if rest in FIELDS else "value"
+    if order == 0:
+        return f"order 0 is `{known}`" if field.startswith("normalised_0") else "no such field is derived from omega_1"
+    if order == 1:
+        return f"order 1 is `{f'normalised_{known}'.removesuffix('_value')}`"
+    if order > HIGHEST:
+        return "orders 2 and 3 are derived in the program; a higher one is `compile(normalise(shape, order))`"
+    return f"no such field is derived from omega_{order}"
+
+
 def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
     """The program of a function with the same zero set and signs: constant factors drop, omega_n goes back to omega.
 
-    Where omega and its gradient vanish together a normalised value does not exist; omega does.
+    Where derivatives of omega do not exist a normalised value need not exist; omega does.
     """
     builder = _builder_for(shape)
     node, sign = lower(builder, shape.expression), 1
     while True:
         operation, arguments, _ = builder.nodes[node]
         factor = builder.value(arguments[0]) if operation == "mul" else None
-        if operation in {"neg", "normalised"}:
+        if operation == "zero_with":
+            node = arguments[1]
+        elif operation in {"neg", "normalised"}:
             node, sign = arguments[0], -sign if operation == "neg" else sign
         elif factor:
             node, sign = arguments[1], sign if factor > 0 else -sign
@@ -288,7 +329,7 @@ def program_of(
     builder = _builder_for(shape)
     calculus = Calculus(builder, lower(builder, shape.expression))
     if of != "value":
-        calculus = Calculus(builder, calculus.scalar(of))
+        calculus = Calculus(builder, calculus.nodes(of))
     return fields_program(calculus, fields, share)
 
 

@@ -130,6 +130,18 @@ def chosen(b: Builder, operands: Sequence[Interval], decisive: bool) -> Interval
     return Interval(end(yes.lower, no.lower, both.lower), end(yes.upper, no.upper, both.upper))
 
 
+def _zero_with(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
+    """The image of g, with 0 where f may be."""
+    f, g = operands
+    zero = b.const(0)
+    both = hull(b, g, Interval(zero, zero))
+
+    def end(own: int, wider: int) -> int:
+        return b.select(f.lower, zero, own, b.select(zero, f.upper, own, wider))
+
+    return Interval(end(g.lower, both.lower), end(g.upper, both.upper))
+
+
 def _gap_share(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
     """Half the versine of (t, s)."""
     return scaled(b, HALF, versine(b, node, operands[::-1]))
@@ -162,6 +174,7 @@ IMAGES: dict[str, Rule] = {
     "exp": _exp,
     "log": _log,
     "atan2": _atan2,
+    "zero_with": _zero_with,
     **ROOT_IMAGES,
     **SYSTEM_IMAGES,
     # Products and quotients of related operands.

@@ -183,6 +183,12 @@ def _normalised(b: Builder, number: int, node: Node, jumps: Companions) -> int:
     return _within(b, size, b.add(p, b.make("div", s, size)), 2)
 
 
+def _zero_with(b: Builder, number: int, node: Node, jumps: Companions) -> int:
+    """That of the second; where the first is 0 and does not jump, the value is 0 on all sides."""
+    (f, g), (p, q), zero = node.arguments, jumps, b.const(0)
+    return b.select(b.abs(f), p, q, b.select(p, zero, b.add(b.abs(g), q), zero))
+
+
 def _within(b: Builder, size: int, total: int, most: int) -> int:
     """4 total/size where that is below 1, else `most` where there is a jump at all."""
     wide = b.mul(b.const(4), total)
@@ -249,6 +255,7 @@ RULES: dict[str, Rule] = {
     "log": _log,
     "versine": _versine,
     "normalised": _normalised,
+    "zero_with": _zero_with,
     "atan2": _atan2,
     "sign": _sign,
     "select": _select,

@@ -147,10 +147,13 @@ def compile(
     shape : Shape
         What to evaluate.
     fields : sequence of str
-        ``value, gradient, hessian, gradient_squared, laplacian, normalised, normalised_gradient_squared,
-        normalised_laplacian, singular``; ``curvature`` of level lines in the plane; in space ``mean_curvature,
-        gaussian_curvature, principal_curvatures`` (..., 2), the larger first, and ``principal_directions`` (..., 2, 3),
-        orthogonal unit tangent vectors. Curvatures are positive where the inside is convex.
+        ``value, gradient, hessian, gradient_squared, laplacian, singular``; of omega normalised to order 1
+        ``normalised, normalised_gradient, normalised_gradient_squared, normalised_laplacian``, and likewise to orders 2
+        and 3: ``normalised_2``, ``normalised_3_gradient``; ``normalised_2_keep_sign`` and so on are the form of
+        `normalise` with `keep_sign`. They are 0 where omega is, at corners too, where their gradients are NaN.
+        ``curvature`` of level lines in the plane; in space ``mean_curvature, gaussian_curvature,
+        principal_curvatures`` (..., 2), the larger first, and ``principal_directions`` (..., 2, 3), orthogonal
+        unit tangent vectors. Curvatures are positive where the inside is convex.
     backend : {"llvm", "numpy"}, optional
         ``llvm`` where it can be imported, else ``numpy``. Both give the same bits for arithmetic. In sin, cos, exp,
         log, pow and atan2 they may differ in the last place: those of ``llvm`` are right to 1 ulp, atan2 to 2.

@@ -20,7 +20,7 @@ from rsym.errors import RsymError
 from rsym.model import equivalences, powers, rnodes
 from rsym.model.choices import Choice
 from rsym.model.folds import Fold
-from rsym.model.nodes import Ahead, Composition, Held, Trimming, written_out
+from rsym.model.nodes import Ahead, Composition, Held, Trimming, ZeroWith, written_out
 from rsym.model.traversal import postorder
 
 Lowered = Sequence[int]
@@ -279,6 +279,7 @@ LOWERINGS: dict[type[sp.Basic], Callable[..., int]] = {
     powers.SignedPower: lambda b, part, arguments: b.signed_power(*arguments),
     Trimming: _trimming,
     Ahead: _ahead,
+    ZeroWith: lambda b, part, arguments: b.zero_with(*arguments),
     Choice: lambda b, part, arguments: b.select(*arguments),
     Held: lambda b, part, arguments: arguments[0],
     sp.Min: _fold("min"),

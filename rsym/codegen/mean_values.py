@@ -35,7 +35,7 @@ from rsym.codegen.relations import relation
 
 SMOOTH = frozenset(
     "const input add mul div neg powi sqrt abs min max sin cos exp log r0_conjunction r0_disjunction"
-    " trimming normalised".split()
+    " trimming normalised zero_with".split()
 )
 
 

@@ -10,13 +10,17 @@ from rsym.codegen.builder import Builder
 from rsym.codegen.differentiation import derivative
 
 
-def next_order(builder: Builder, lower: int, order: int) -> int:
-    """omega_m = omega_(m-1) - omega_(m-1)**m * D_m omega_(m-1)/m!, as in `rsym.normalise`."""
+def next_order(builder: Builder, lower: int, order: int, *, keep_sign: bool = False) -> int:
+    """The omega_m of `rsym.normalise` from omega_(m-1)."""
     size = len(builder.coordinates)
     found = partials(lower, order, builder.coordinates, partial(derivative, builder))
     slopes = [found[unit_index(size, axis)] for axis in range(size)]
     share = contraction(builder, [found[index] for index in indices(size, order)], slopes, order)
-    return builder.sub(lower, builder.mul(builder.powi(lower, order), share))
+    correction = builder.mul(builder.powi(lower, order), share)
+    if keep_sign:
+        ratio = builder.mul(builder.powi(lower, order - 1), share)
+        correction = builder.div(correction, builder.add(builder.const(1), builder.square(ratio)))
+    return builder.sub(lower, correction)
 
 
 def contraction(builder: Builder, entries: Sequence[int], vector: Sequence[int], order: int) -> int:

@@ -70,6 +70,11 @@ def normalised(f: Array, q: Array) -> Array:
     return np.where((root == 0) | np.isinf(root), f / np.abs(f), f / root)
 
 
+def zero_with(f: Array, g: Array) -> Array:
+    """The value of g, which goes to 0 where f does; 0 where f is, even if g is undefined."""
+    return np.where(np.abs(f) > 0, g, f)
+
+
 def r_alpha(sign: int) -> Callable[[Array, Array, Array], Array]:
     """(f + g + sign*r)/(1 + alpha), r**2 = f**2 + g**2 - 2*alpha*f*g; min or max where r is 0 or infinite."""
 
@@ -204,6 +209,7 @@ OPERATIONS: dict[str, Operation] = {
     "gap": Operation(2, gap),
     "trimming": Operation(2, trimming),
     "normalised": Operation(2, normalised),
+    "zero_with": Operation(2, zero_with),
 }
 
 # What a backend must be able to do; expansion rewrites everything else into these.

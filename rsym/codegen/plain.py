@@ -17,6 +17,7 @@ from rsym.codegen.fields import checked_fields, gather, program_of
 from rsym.codegen.program import Program
 from rsym.errors import RsymError
 from rsym.model.equivalences import Equivalence, Joining
+from rsym.model.nodes import ZeroWith
 from rsym.model.powers import absolute_power, signed_power
 from rsym.model.requirements import require_shape
 from rsym.model.rnodes import (
@@ -167,4 +168,5 @@ _FORMULAS: dict[str, Callable[..., sp.Expr]] = {
     "gap": _gap,
     "trimming": lambda s, t: sp.sqrt(s + _gap(s, t) ** 2),
     "normalised": lambda f, q: f / sp.sqrt(f**2 + q),
+    "zero_with": ZeroWith,
 }

@@ -178,6 +178,11 @@ def choice(a: Any, b: Any, yes: Any, no: Any) -> Any:
     return _package(a, b).where(a > b, yes, no)
 
 
+def zero_with(f: Any, g: Any) -> Any:
+    """G, and 0 where f is."""
+    return _package(f, g).where(f == 0, 0.0, g)
+
+
 def trimming(f: Any, t: Any) -> Any:
     """sqrt(f**2 + ((sqrt(t**2 + f**4) - t)/2)**2)."""
     package = _package(f, t)

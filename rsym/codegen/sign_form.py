@@ -180,6 +180,8 @@ def stripped(builder: Builder, number: int, sign: int) -> Signed:
         operation, arguments, data = builder.nodes[number]
         if operation == "neg":
             number, sign = arguments[0], -sign
+        elif operation == "zero_with":
+            number = arguments[1]
         elif operation == "normalised" or (operation == "powi" and isinstance(data, int) and data % 2 == 1):
             number = arguments[0]
         elif operation == "div" and is_positive(builder, arguments[1]):

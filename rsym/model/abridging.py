@@ -14,6 +14,7 @@ from typing import NamedTuple
 import sympy as sp
 
 from rsym.model.folds import Fold
+from rsym.model.nodes import ZeroWith
 from rsym.model.symbols import real_symbol
 from rsym.model.traversal import with_arguments
 
@@ -50,6 +51,8 @@ def abridged(expression: sp.Expr, taken: Collection[str] = ()) -> tuple[sp.Expr,
     names = _Names(taken)
     places = [_Place(expression)]
     for place in places:  # it grows
+        if isinstance(place.part, ZeroWith):
+            place.part = place.part.args[1]  # as which it is printed
         part = place.part
         if part.is_Symbol or weight(part, SMALL) <= SMALL:
             place.shown = part

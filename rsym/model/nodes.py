@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
-from rsym.model.traversal import postorder, rebuild
+from rsym.model.traversal import postorder, rebuild, symbols_of
 
 _RUNTIME = "rsym.codegen.runtime."
 
@@ -168,6 +168,44 @@ class Ahead(RealNode):
         return f"ahead({', '.join(printer._print(argument) for argument in self.args)})"
 
 
+class ZeroWith(RealNode):
+    """The value of g, which goes to 0 where f does, and 0 where f = 0, even if g is undefined there.
+
+    Such is the correction of `normalise`: at a corner its derivatives do not exist. It prints as g, and is
+    differentiated as g: derivatives that do not exist stay undefined.
+    """
+
+    runtime_name = "zero_with"
+
+    def __new__(cls, *arguments: Any, **options: Any) -> sp.Expr:
+        """Its operands share most of what they are made of, which SymPy would walk again and again."""
+        node = sp.Function.__new__(cls, *arguments, **options)
+        node._free_symbols = frozenset(symbols_of(*node.args))
+        return node
+
+    def as_roots(self) -> sp.Expr:
+        """Return g."""
+        return self.args[1]
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """0 for f, 1 for g."""
+        return sp.Integer(argindex == 2)
+
+    def _eval_evalf(self, precision: int) -> sp.Expr:
+        f, g = self.args
+        size = f.evalf(precision // 3)
+        return sp.S.Zero if size == 0 else g.evalf(precision // 3)
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        text = printer._print(self.args[1])
+        bare = exp is None and not self.args[1].is_Add
+        return text if bare else rf"\left({text}\right)" + ("" if exp is None else f"^{{{exp}}}")
+
+    def _sympystr(self, printer: Any) -> str:
+        text = printer._print(self.args[1])
+        return f"({text})" if self.args[1].is_Add else text
+
+
 class Held(RealNode):
     """A number without a rational value, sqrt(2) or sin(pi/7), which SymPy must not evaluate.
 
@@ -216,6 +254,18 @@ def written_out(expression: sp.Expr, kept: Container[type[sp.Basic]] = ()) -> sp
     while any(map(stands_for_another, postorder(expression))):
         expression = rebuild(expression, lambda part: part.composition() if stands_for_another(part) else None)
     return expression
+
+
+def without_zeros(expression: sp.Expr) -> sp.Expr:
+    """Every `ZeroWith` as its second operand, undefined where that is.
+
+    Examples
+    --------
+    >>> from rsym import x, y
+    >>> without_zeros(1 + ZeroWith(x, x**2 / y))
+    x**2/y + 1
+    """
+    return rebuild(expression, lambda part: part.args[1] if isinstance(part, ZeroWith) else None)
 
 
 def expand_nodes(expression: sp.Expr) -> sp.Expr:

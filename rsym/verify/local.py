@@ -13,6 +13,7 @@ from rsym.codegen.differentiation import derivative
 from rsym.codegen.fields import Calculus
 from rsym.codegen.lowering import lower
 from rsym.codegen.program import live
+from rsym.model.nodes import without_zeros
 from rsym.model.shape import Shape
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ class Model:
         self.body, self.bounds = body, bounds
         names = tuple(symbol.name for symbol in shape.coordinates)
         self.builder = Builder(names, tuple(letters))
-        self.root = lower(self.builder, shape.expression)
+        self.root = lower(self.builder, without_zeros(shape.expression))
         self.letters = dict(letters)
         self.axes = (*names, *(name for name, (low, high) in letters.items() if low != high))
         self._orders: dict[int, list[int]] = {}

@@ -13,7 +13,7 @@ from sympy.core.relational import Relational
 from rsym.model.contracts import ends
 from rsym.model.contracts.promises import Ends, Promise, Signs, Singularity, weakest
 from rsym.model.contracts.squares import squares_of
-from rsym.model.nodes import Ahead, Held
+from rsym.model.nodes import Ahead, Held, ZeroWith
 from rsym.model.powers import AbsolutePower, SignedPower
 
 Least = Callable[[sp.Expr], sp.Expr | None]  # the least value of an exponent in letters, None where unknown
@@ -221,6 +221,17 @@ def _held(part: Held, least: Least) -> Promise:
     return Promise(part.args, law="the sign of what is held", truth=lambda s: s[0], monotone=(1,), image=lambda u: u)
 
 
+def _zero_with(part: ZeroWith, least: Least) -> Promise:
+    """A function that goes to 0 where another does."""
+    return Promise(
+        part.args[1:],
+        law="the sign of the second, 0 where the first is",
+        truth=lambda s: s[0],
+        monotone=(1,),
+        image=lambda u: (ends.least(sp.S.Zero, u[0]), ends.greatest(sp.S.Zero, u[1])),
+    )
+
+
 def _plain(function: Callable[..., sp.Expr]) -> Callable[..., sp.Expr]:
     return partial(function, evaluate=False)
 
@@ -239,6 +250,7 @@ ELEMENTARY: dict[type[sp.Basic], Rule] = {
     SignedPower: _signed_power,
     Ahead: _ahead,
     Held: _held,
+    ZeroWith: _zero_with,
     sp.sin: _entire(lambda u: ends.turned(u, -sp.pi / 2), None),
     sp.cos: _entire(lambda u: ends.turned(u, sp.S.Zero), None),
     sp.sinh: _entire(ends.rising(_plain(sp.sinh)), 1, _SIGN),

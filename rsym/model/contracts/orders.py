@@ -23,7 +23,7 @@ from rsym.model.contracts.algebras import Fractions, Line, Series, TaylorSeries
 from rsym.model.contracts.evaluation import Evaluation
 from rsym.model.contracts.promises import Order, weakest
 from rsym.model.contracts.towers import Element, NotShown, Tower, element
-from rsym.model.nodes import Held, RealNode, expand_nodes
+from rsym.model.nodes import Held, RealNode, expand_nodes, without_zeros
 from rsym.model.powers import AbsolutePower
 from rsym.model.traversal import postorder
 
@@ -90,6 +90,7 @@ def _factors(expression: sp.Expr) -> set[sp.Expr]:
 
 def _plain(leaf: sp.Expr) -> sp.Expr:
     """The leaf in elementary functions."""
+    leaf = without_zeros(leaf)
     parts = postorder(leaf)
     nodes = [part for part in parts if isinstance(part, RealNode) and not isinstance(part, AbsolutePower | Held)]
     if len(nodes) > _NODES:

@@ -19,6 +19,7 @@ from rsym.model.contracts.promises import Ends, Order, Singularity
 from rsym.model.contracts.squares import never_zero_together
 from rsym.model.contracts.table import Promises, number_itself
 from rsym.model.letters import Letters
+from rsym.model.nodes import without_zeros
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression, real_symbol
 from rsym.model.traversal import substitute
@@ -192,9 +193,13 @@ def _order(promises: Promises, orders: Mapping[sp.Expr, Order]) -> Order:
 def _exceptions(promises: Promises, orders: Mapping[sp.Expr, Order]) -> tuple[str, ...]:
     parts = [part for part in logical_parts(promises.root, promises) if is_logical(part)]
     texts = [text for part in parts if (text := promises[part].exception)]
-    if any(order and boundary_of(leaf) != leaf for leaf, order in orders.items()):
+    if any(order and boundary_of(leaf) != leaf for leaf, order in _without_zeros(orders).items()):
         texts.append("it holds where the common factor of the terms of a leaf is zero, not where the other factor is")
     return tuple(dict.fromkeys(texts))
+
+
+def _without_zeros(orders: Mapping[sp.Expr, Order]) -> dict[sp.Expr, Order]:
+    return {without_zeros(leaf): order for leaf, order in orders.items()}
 
 
 def _least_of(letters: Letters) -> Least:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from rsym.errors import RsymError
+from rsym.model.nodes import without_zeros
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.verify.lint.faces import face_findings
@@ -88,6 +89,8 @@ def lint(
     if not tolerance > 0:
         raise RsymError(f"the tolerance must be positive, got {tolerance}", code="tolerance", remedy="use 1e-3")
     shape = shape.with_letters(letters or {})
+    if (bare := without_zeros(shape.expression)) is not shape.expression:
+        shape = shape.replace(expression=bare)
     survey = survey_of(shape, bounds, progress)
     found = [
         *_not_normalised(survey, tolerance),
