@@ -2,7 +2,7 @@
 
 Exit codes: 0 done, 1 input refused, 2 usage; `rsym verify` answers 0 certified, 1 refuted,
 3 undecided or degenerate; `rsym repair` 0 with candidates or without need, 1 without candidates;
-`rsym lint` 0 clean, 1 findings. Everything heavy is imported by
+`rsym lint` 0 clean, 1 findings; 130 interrupted by Ctrl-C. Everything heavy is imported by
 the command that needs it, so `rsym --help` answers at once.
 """
 
@@ -20,6 +20,7 @@ from rsym.commands import compare, fields, letters, lint, mesh, repair, reproduc
 from rsym.errors import RsymError, RsymWarning
 
 # Another command is one module beside these, and its name here and above.
+INTERRUPTED = 130  # what shells call a command that Ctrl-C has ended: 128 and the number of the signal
 COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh, verify, repair, compare, lint)
 
 
@@ -44,7 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except RsymError as error:
         return _refused(str(error))
     except KeyboardInterrupt:
-        return _refused("interrupted; nothing unfinished was written")
+        _say("interrupted; nothing unfinished was written")
+        return INTERRUPTED
     except BrokenPipeError:
         # What is still to be flushed goes nowhere, or Python would complain at its end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

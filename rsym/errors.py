@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
+
 
 class RsymError(ValueError):
     """Input that rsym refuses: what was expected, what came, where, and the remedy.
@@ -51,6 +54,14 @@ class RsymWarning(UserWarning):
     >>> with warnings.catch_warnings():
     ...     warnings.simplefilter("ignore", RsymWarning)  # they are known here
     """
+
+
+def warn(message: str) -> None:
+    """Warn of a result, at the line outside rsym that asked for it."""
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "rsym":
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, RsymWarning, stacklevel=level)
 
 
 def _restore(message: str, code: str, where: str, remedy: str) -> RsymError:

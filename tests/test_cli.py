@@ -328,7 +328,7 @@ def test_an_interrupt_leaves_nothing(arguments, tmp_path, monkeypatch, capsys):
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(tqdm.tqdm, "refresh", interrupt)
-    assert main(arguments) == 1
+    assert main(arguments) == 130
     assert "interrupted" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 import sympy as sp
 
 from rsym.analysis.differential import derivative, gradient
 from rsym.analysis.tensors import indices, partials, unit_index, weight
-from rsym.errors import RsymError, RsymWarning
+from rsym.errors import RsymError, warn
 from rsym.model.contracts.promises import Singularity
 from rsym.model.contracts.summary import singularities
 from rsym.model.contracts.table import Promises
@@ -106,7 +105,7 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1, *, keep_sign: bool 
         raise RsymError(f"the length must be positive, got {length}", code="length")
     corners = _corners(shape)
     if order > 1 and not keep_sign and any(len(corner.equations) == 2 for corner in corners):
-        warnings.warn(_warning(order, len(corners)), RsymWarning, stacklevel=2)
+        warn(_warning(order, len(corners)))
     result = normalised(shape.expression, squared(gradient(shape)), unit)
     for step in range(2, order + 1):
         result = _next_order(result, step, shape.coordinates, keep_sign=keep_sign)

@@ -25,6 +25,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.model.symbols import real_symbol
 from rsym.model.wording import within
 
 
@@ -77,6 +78,10 @@ class Kernel:
             "threads": str(self.threads),
         }
 
+    def __reduce__(self) -> tuple[Callable[..., Kernel], tuple[Any, ...]]:
+        """Pickle the program and the letters; whoever reads them compiles."""
+        return _remade, (self.program, self.fields, self.letters, self.backend, self.dtype, self.threads)
+
     @property
     def source(self) -> str:
         """The generated code."""
@@ -96,6 +101,15 @@ class Kernel:
         run_in_blocks(self.function, arrays, [values[name] for name in self.program.letters], out, self.threads)
         parts = dict(zip((name for name, _ in self.program.outputs), out, strict=True))
         return gather(parts, self.fields, len(names))
+
+
+def _remade(
+    program: Program, fields: tuple[str, ...], letters: Letters, backend: str, dtype: str, threads: int
+) -> Kernel:
+    """The kernel of what has travelled; checked as that of a shape without bounds."""
+    shape = Shape(0, [real_symbol(name) for name in program.coordinates], letters=letters)
+    precision = precision_named(dtype)
+    return compile_program(program, fields, shape, backend=backend, precision=precision, threads=threads)
 
 
 def run_in_blocks(

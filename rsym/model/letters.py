@@ -48,7 +48,8 @@ class Letter:
         """Refuse a value outside the range."""
         low = -math.inf if self.minimum is None else self.minimum
         high = math.inf if self.maximum is None else self.maximum
-        if not low <= value <= high:
+        # As floats: an end such as 61/10 is not one, and whoever types 6.1 means it.
+        if not float(low) <= float(value) <= float(high):
             raise RsymError(
                 f"{name} must lie in {self.range}, got {_plain(value)}",
                 code="letter-range",

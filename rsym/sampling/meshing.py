@@ -5,14 +5,13 @@ from __future__ import annotations
 import logging
 import sys
 import time
-import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from rsym.errors import RsymError, RsymWarning
+from rsym.errors import RsymError, warn
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.extent import bounds_or_extent
@@ -98,7 +97,7 @@ def mesh(
     if logger.isEnabledFor(logging.INFO):
         logger.info("mesh in %.2f s: %s", elapsed, result.status)
     for remark in result.findings.remarks:
-        warnings.warn(remark, RsymWarning, stacklevel=2)
+        warn(remark)
     return result
 
 
@@ -129,7 +128,7 @@ def _sharply(
     except RsymError as error:
         if error.code != "missing-package":
             raise
-        warnings.warn(f"edges are not sharp: {error}", RsymWarning, stacklevel=3)
+        warn(f"edges are not sharp: {error}")
         return _smoothly(shape, resolution, bounds, letters, cap, executor, progress)
     return mesher(resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress)
 

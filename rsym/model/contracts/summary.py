@@ -11,7 +11,6 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.contracts.display import normalisation, paragraph, smoothness, table
-from rsym.model.contracts.elementary import Least
 from rsym.model.contracts.images import image
 from rsym.model.contracts.leaves import Leaf, decided_by, is_logical, leaves, logical_parts, names_of, parts_around
 from rsym.model.contracts.orders import boundary_of, leaf_order
@@ -117,7 +116,7 @@ def contract(shape: Shape) -> Contract:
     >>> found.singular[0].equations
     (-x**2/2 - y**2/2 + 1/2, x)
     """
-    promises = Promises(shape.expression, _least_of(shape.letters))
+    promises = Promises(shape.expression, _LeastOf(shape.letters))
     lost = singularities(promises, shape.coordinates, shape.letters)
     found = leaves(promises)
     names, around = names_of(shape), parts_around(shape, promises)
@@ -202,16 +201,17 @@ def _without_zeros(orders: Mapping[sp.Expr, Order]) -> dict[sp.Expr, Order]:
     return {without_zeros(leaf): order for leaf, order in orders.items()}
 
 
-def _least_of(letters: Letters) -> Least:
+@dataclass(frozen=True)
+class _LeastOf:
     """The least value of a letter: its minimum, or its default where it has none."""
 
-    def least(exponent: sp.Expr) -> sp.Expr | None:
-        letter = letters.get(exponent.name) if exponent.is_Symbol else None
+    letters: Letters
+
+    def __call__(self, exponent: sp.Expr) -> sp.Expr | None:
+        letter = self.letters.get(exponent.name) if exponent.is_Symbol else None
         if letter is None:
             return number_itself(exponent)
         return sp.sympify(letter.default if letter.minimum is None else letter.minimum)
-
-    return least
 
 
 def _chained(inner: int | None, slope: int | None) -> int | None:

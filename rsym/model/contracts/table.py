@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from rsym.errors import RsymError
@@ -63,6 +65,10 @@ class Promises:
         self.root = known_compositions(root)
         self._least = least
         self._made: dict[int, tuple[sp.Expr, Promise]] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is made is known by the identity of its parts, which does not travel; it is made again."""
+        return {"root": self.root, "_least": self._least, "_made": {}}
 
     def __getitem__(self, part: sp.Expr) -> Promise:
         if id(part) not in self._made:

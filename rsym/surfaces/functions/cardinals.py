@@ -13,7 +13,6 @@ cubic splines. Closed families have no ends: all indices are cyclic. General kno
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any, TypeAlias
@@ -23,7 +22,7 @@ import sympy as sp
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from rsym.errors import RsymError, RsymWarning
+from rsym.errors import RsymError, warn
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.functions.polynomials import Polynomials
 from rsym.surfaces.functions.univariate import Curve, Formula, LetterValues
@@ -161,11 +160,7 @@ def lagrange_cardinals(knots: Knots) -> LagrangeCardinals:
     [[0.375, 0.75, -0.125], [0.0, 1.0, 0.0]]
     """
     if len(knots) > MOST_LAGRANGE:
-        warnings.warn(
-            f"the polynomials of Lagrange swing between {len(knots)} curves; cardinal functions of splines do not",
-            RsymWarning,
-            stacklevel=3,
-        )
+        warn(f"the polynomials of Lagrange swing between {len(knots)} curves; cardinal functions of splines do not")
     return LagrangeCardinals(knots)
 
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
 import numpy as np
 
-from rsym.errors import RsymWarning
+from rsym.errors import warn
 from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress, report
 from rsym.verify.atlas.grid import KINDS, Floats, grid_of, run_through, too_wide
@@ -135,11 +134,9 @@ def accounted(found: Sequence[Judgement], labels: Mapping[Point, float], region:
     if sum(_area(one.rectangle) for one in found) != _area(region):
         wrong = set(range(len(found)))
     if wrong:
-        warnings.warn(
+        warn(
             f"the account of the atlas does not balance in {len(wrong)} of {len(found)} rectangles, which are "
-            "undecided now: this is a defect of rsym to report",
-            RsymWarning,
-            stacklevel=2,
+            "undecided now: this is a defect of rsym to report"
         )
     return [
         Judgement(one.rectangle, UNDECIDED, one.middle) if number in wrong else one for number, one in enumerate(found)
