@@ -12,6 +12,13 @@ import sympy as sp
 
 import rsym
 from rsym import Shape, x, y, z
+from rsym.codegen.balls import ctx
+from rsym.verify.bodies.inspection import inspect
+from rsym.verify.classes import parted
+from rsym.verify.covering import PRECISION
+from rsym.verify.generators import generators
+from rsym.verify.local import Model
+from rsym.verify.polynomials import ring_of
 
 R = sp.Rational
 FLAT, DEEP = ((-2, 2),) * 2, ((-2, 2),) * 3
@@ -83,3 +90,31 @@ def test_a_mirror_that_is_off_by_a_rounding_cuts():
 
     assert said(reflected(slope)) == ("CERTIFIED", "analytic")
     assert said(reflected(root), timeout=5)[0] != "CERTIFIED"
+
+
+@pytest.mark.parametrize("off", [0, R(1, 10**9), R(1, 10**30)])
+def test_an_edge_on_one_mirror_crosses_another_that_the_ball_stands_on(off):
+    """The edge lies in z = 0 and crosses x = y at x = 1/2 - sqrt(3/25); only where the fold cancels it is one edge."""
+    folded = {x: sp.Max(x, y), y: sp.Min(x, y), z: sp.Abs(z)}
+    shape = ball(R(7, 10), (R(1, 2), R(1, 2) + off, R(1, 2)))
+    model = Model(shape.replace(expression=shape.expression.subs(folded, simultaneous=True)), {})
+    place = 0.5 - math.sqrt(3 / 25)
+    box = ((place - 1e-4, place + 1e-4), (place - 1.1e-4, place + 1e-4), (-1e-4, 1.2e-4))
+    with ctx.workprec(PRECISION):
+        found = inspect(model.over(box), model.root)
+    assert found.kind == ("joined" if off == 0 else "open")
+    if found.meeting is not None:
+        ring = ring_of(model)
+        assert {ring.polynomial(arc.function).as_expr() for arc in found.meeting.arcs} == {
+            sp.expand(R(49, 100) - (x - R(1, 2)) ** 2 - (y - R(1, 2)) ** 2 - (z - side) ** 2)
+            for side in (R(1, 2), -R(1, 2))
+        }
+
+
+def test_what_jumps_on_the_switch_is_not_parted():
+    """Both sides are polynomials that agree on z = 0, where the function itself has another value."""
+    folds = sp.Max(x, y) + sp.Min(x, y) + sp.Abs(z)
+    for expression, is_parted in ((folds, True), (folds + sp.sign(z) ** 2 - 1, False)):
+        model = Model(Shape(expression, (x, y, z)), {})
+        local = model.over(((-1, 1),) * 3)
+        assert (parted(local, model.root, generators(local, model.root)) is not None) == is_parted

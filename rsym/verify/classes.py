@@ -18,13 +18,15 @@ import math
 from dataclasses import dataclass
 
 from rsym.verify.domains import switch_of
-from rsym.verify.folding import folded
+from rsym.verify.folding import CONTINUOUS, WHOLE, folded
 from rsym.verify.generators import Generators, bare, factor, generators
+from rsym.verify.joints import Arc, Meeting
 from rsym.verify.local import Local
 from rsym.verify.polynomials import multiplicity, ring_of
 from rsym.verify.resolution import JUMPING, contact, resolve
 
 MOST = 6  # switches that are resolved one after the other: 64 functions
+PARTED = 3  # switches of a function that is parted by one of them
 CURVED = 2  # a function of an order above that has second derivatives, which are continuous
 _POWERS = frozenset({"absolute_power", "signed_power"})
 TAKEN = {"sign": 0, "select": -1, "atan2": 1}  # on which side an operation has the value that it has on its switch
@@ -67,6 +69,41 @@ def pieces(local: Local, number: int) -> Pieces:
     nodes: dict[int, None] = {}
     order = _order(local, number, nodes, MOST)
     return Pieces(tuple(nodes), order) if order > CURVED else NOTHING
+
+
+def parted(local: Local, number: int, found: Generators) -> Meeting | None:
+    """The two polynomials that a node is on the sides of one switch, where the folds of its others cancel.
+
+    On either side of a switch u the node, which is continuous, is equal to its resolution there; if all folds of that
+    cancel on the box, a polynomial. u divides the difference of both, so they agree where it is zero.
+
+    Examples
+    --------
+    >>> import rsym, sympy as sp
+    >>> from rsym import x, y, z
+    >>> from rsym.verify.local import Model
+    >>> model = Model(rsym.Shape(sp.Abs(x) + sp.Max(y, z) + sp.Min(y, z), (x, y, z)), {})
+    >>> local = model.over(((-1, 1),) * 3)
+    >>> found = parted(local, model.root, generators(local, model.root))
+    >>> [ring_of(model).polynomial(arc.function).as_expr() for arc in found.arcs], found.contact
+    ([x + y + z, -x + y + z], 1)
+    """
+    model = local.model
+    jumps = any(model.builder.nodes[part].operation not in CONTINUOUS for part in found.switched)
+    if jumps or found.hard or len(found.switches) > PARTED:
+        return None
+    for switch in found.switches:
+        if not generators(local, switch).analytic:
+            continue
+        sides = [folded(local, resolve(local, number, switch, side)) for side in (1, -1)]
+        if any(side is None for side in sides):
+            continue
+        plus, minus = (ring_of(model).lowered(side) for side in sides)
+        flat = resolve(local, switch, WHOLE, 1)
+        contact = multiplicity(model, model.builder.sub(plus, minus), flat)
+        if contact:
+            return Meeting((Arc(plus, flat), Arc(minus, model.builder.neg(flat))), contact)
+    return None
 
 
 def _order(local: Local, number: int, nodes: dict[int, None], depth: int) -> float:

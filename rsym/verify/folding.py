@@ -20,8 +20,8 @@ from rsym.verify.resolution import resolve
 
 MOST = 128  # functions that are looked at: a fold of three coordinates takes a dozen
 Form: TypeAlias = Mapping[tuple[int, ...], Any]  # a polynomial, its coefficients by the powers
-_CONTINUOUS = frozenset({"abs", "min", "max"})
-_WHOLE = -1  # no node: what the box decides is decided, nothing else
+CONTINUOUS = frozenset({"abs", "min", "max"})
+WHOLE = -1  # no node: what the box decides is decided, nothing else
 
 
 class Known(NamedTuple):
@@ -53,10 +53,10 @@ def folded(local: Local, number: int) -> Any:
         count += 1
         made = generators(local, part)
         nodes = local.model.builder.nodes
-        if count > MOST or made.hard or not all(nodes[one].operation in _CONTINUOUS for one in made.switched):
+        if count > MOST or made.hard or not all(nodes[one].operation in CONTINUOUS for one in made.switched):
             return None
         if not made.switches:
-            polynomial = ring.polynomial(resolve(local, part, _WHOLE, 1))
+            polynomial = ring.polynomial(resolve(local, part, WHOLE, 1))
             if polynomial is None or (found is not None and polynomial != found):
                 return None
             found = polynomial
@@ -64,7 +64,7 @@ def folded(local: Local, number: int) -> Any:
         switch = next((one for one in made.switches if generators(local, one).analytic), None)
         if switch is None:
             return None
-        flat = resolve(local, switch, _WHOLE, 1)
+        flat = resolve(local, switch, WHOLE, 1)
         tested = ring.polynomial(flat)
         if tested is None:
             return None

@@ -83,6 +83,7 @@ class Ring:
     def __init__(self, model: Model) -> None:
         self.model = model
         self.implied: dict[tuple[object, ...], bool] = {}  # which signs of polynomials tell those of others
+        self._lowered: dict[Any, int] = {}
         order = _order(model.builder, model.order(model.root))
         roots = [part for part in model.order(model.root) if model.builder.nodes[part].operation == "sqrt"]
         for times in NESTED:
@@ -165,7 +166,9 @@ class Ring:
 
     def lowered(self, polynomial: Any) -> int:
         """A polynomial as a node of the model."""
-        return lower(self.model.builder, self.written(polynomial))
+        if polynomial not in self._lowered:
+            self._lowered[polynomial] = lower(self.model.builder, self.written(polynomial))
+        return self._lowered[polynomial]
 
 
 def _order(builder: Builder, parts: Sequence[int]) -> int:

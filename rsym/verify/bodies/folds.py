@@ -18,6 +18,8 @@ from rsym.verify.classes import CURVED, Pieces, pieces
 from rsym.verify.covering import PRECISION
 from rsym.verify.local import Box
 
+MISSES = 8  # functions in a row whose pieces do not agree: those with more branches are not asked on this level
+
 
 class Folds:
     """The pieces of the leaves of a body, found when they are asked for."""
@@ -33,10 +35,16 @@ class Folds:
         `simplest` drops may have kinks of its own, so the sheet is that of the function. Where the order is infinite
         it is the one polynomial that the function is on the whole region, and so on every box.
         """
-        for simple, places in simplest(self.images, node, boxes, rare=0):
+        model, missed = self.images.model, 0
+        # A function with few branches left is cheap to resolve, and the one whose pieces agree if any do.
+        found = simplest(self.images, node, boxes, rare=0)
+        for simple, places in sorted(found, key=lambda one: len(model.order(one[0]))):
             if simple not in self._known:
+                if missed >= MISSES:
+                    continue
                 with ctx.workprec(PRECISION):
-                    self._known[simple] = pieces(self.images.model.over(self.region), simple)
+                    self._known[simple] = pieces(model.over(self.region), simple)
+                missed = missed + 1 if self._known[simple].order <= CURVED else 0
             made = self._known[simple]
             if made.order > CURVED:
                 yield made, made.nodes[0] if np.isinf(made.order) else simple, places

@@ -13,7 +13,7 @@ from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.sheets import locus_of, sheets
 from rsym.verify.bodies.touching import touching
 from rsym.verify.breaks import are_empty, changes_sign, emptiness
-from rsym.verify.classes import CURVED, pieces
+from rsym.verify.classes import CURVED, PARTED, parted, pieces
 from rsym.verify.generators import Generators, generators
 from rsym.verify.joints import Meeting, meeting
 from rsym.verify.local import Local
@@ -74,7 +74,7 @@ def _leaf(local: Local, number: int, locus: Locus) -> Inspection:
         made = pieces(local, leaf)
         if math.isinf(made.order):
             return _regular(local, Locus("leaf", made.nodes[:1]), made.nodes[:1], math.inf)
-        inspected = _joined(local, number, locus) if len(found.switches) == 1 else OPEN
+        inspected = _joined(local, number, locus) if len(found.switches) <= PARTED else OPEN
         if inspected.kind == "open" and made.order > CURVED:
             return _regular(local, locus, made.nodes, made.order)
         if inspected.kind != "open":
@@ -112,6 +112,8 @@ def _joined(local: Local, number: int, locus: Locus) -> Inspection:
     if found is not None and found.analytic:
         return Inspection("open", locus=locus)
     pair = meeting(around, outer, found)
+    if pair is None and found is not None:
+        pair = parted(around, outer.nodes[0], found)
     if pair is None:
         return Inspection("open", locus=locus)
     if pair.continuous and are_empty(around, pair):
