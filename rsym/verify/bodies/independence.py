@@ -88,10 +88,10 @@ def step_to_both(values: Sequence[Ends], slopes: Sequence[Ends]) -> Array:
     >>> step_to_both([(one, one), (2 * one, 2 * one)], [(plane, plane) for plane in planes]).T.tolist()
     [[-1.0, -2.0, -0.0]]
     """
-    f, g = ((low + high) / 2 for low, high in values)
-    p, q = ((low + high) / 2 for low, high in slopes)
-    pp, pq, qq = ((u * v).sum(axis=0) for u, v in ((p, p), (p, q), (q, q)))
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # ends may be infinite
+        f, g = ((low + high) / 2 for low, high in values)
+        p, q = ((low + high) / 2 for low, high in slopes)
+        pp, pq, qq = ((u * v).sum(axis=0) for u, v in ((p, p), (p, q), (q, q)))
         determinant = pp * qq - pq * pq
         step: Array = ((pq * g - qq * f) * p + (pq * f - pp * g) * q) / determinant
     return step

@@ -49,6 +49,7 @@ TRIALS = 32  # boxes with sheets that may touch that are looked at, for each one
 RELATED = 8  # leaves of a body, beyond which none are asked whether they touch
 NEAR = 4  # widths of its range on a box, within which a factor counts as near zero: beyond it sheets part soon
 TOUCHING = 3  # sheets of which two may touch
+EDGES_FROM = 1 / 32  # of the extent: a curve that seems to pass through so small a box of a piece does
 CORNERS_FROM = 1 / 64  # of the extent: a curve runs nearly straight through a box with a corner
 
 
@@ -107,7 +108,7 @@ class Octree:
     def run(self) -> Subdivision:
         """Subdivide until every box is settled, narrower than `smallest`, too many, or the time over."""
         level = np.array(list(eighths(self.region)))
-        while len(level) and not self._is_in_vain:
+        while len(level) and not (self._is_in_vain or self._has_an_edge()):
             self.found.examined += len(level)
             self._tell(level)
             level = self._level(level)
@@ -120,6 +121,15 @@ class Octree:
         """Whether a piece was found to hold more than sheets, so that the whole region must be searched."""
         found, piece = self.found, self.piece
         return piece is not None and (found.has_more or bool(found.joined and not piece.is_small))
+
+    def _has_an_edge(self) -> bool:
+        """Whether a piece seems to hold a point at which sheets meet; a small one may hold boxes in which none do."""
+        for meeting, groups in self.found.joined.items() if self.piece is not None else ():
+            boxes, arc = np.concatenate(groups), meeting.arcs[0]
+            fine = boxes[widths_of(boxes) <= EDGES_FROM * self.extent]
+            if len(fine) and self._passed((arc.function, arc.side), fine)[1].any():
+                return True
+        return False
 
     def _tell(self, level: Boxes) -> None:
         """Report the share of the boundary that is settled, by the areas of the boxes."""
