@@ -119,13 +119,13 @@ class Octree:
     @property
     def _is_in_vain(self) -> bool:
         """Whether a piece was found to hold more than sheets, so that the whole region must be searched."""
-        found, piece = self.found, self.piece
-        return piece is not None and (found.has_more or bool(found.joined and not piece.is_small))
+        piece, found = self.piece, self.found
+        return piece is not None and (found.has_more or (bool(found.joined) and not piece.is_small))
 
     def _has_an_edge(self) -> bool:
         """Whether a piece seems to hold a point at which sheets meet; a small one may hold boxes in which none do."""
         for meeting, groups in self.found.joined.items() if self.piece is not None else ():
-            boxes, arc = np.concatenate(groups), meeting.arcs[0]
+            boxes, (arc, _) = np.concatenate(groups), meeting.arcs
             fine = boxes[widths_of(boxes) <= EDGES_FROM * self.extent]
             if len(fine) and self._passed((arc.function, arc.side), fine)[1].any():
                 return True
@@ -134,8 +134,7 @@ class Octree:
     def _tell(self, level: Boxes) -> None:
         """Report the share of the boundary that is settled, by the areas of the boxes."""
         settled = sum(area(part) for part in settled_boxes(self.found))
-        left = np.array([box for box, _ in self.found.left]).reshape(-1, *level.shape[1:])
-        open_area = area(level) + area(left)
+        open_area = area(level) + area(np.array([box for box, _ in self.found.left]).reshape(-1, *level.shape[1:]))
         undecided = open_area / (open_area + settled) if open_area else 0.0
         self.effort.reach(1 - undecided, undecided=undecided)
 
@@ -190,9 +189,7 @@ class Octree:
 
     def _is_detail(self, boxes: Boxes) -> bool:
         """Whether so many boxes make so little of the boundary that dividing them further would not be worth it."""
-        if len(boxes) < MANY:
-            return False
-        return bool(area(boxes) < DETAIL * sum(area(part) for part in settled_boxes(self.found)))
+        return len(boxes) >= MANY and area(boxes) < DETAIL * sum(area(part) for part in settled_boxes(self.found))
 
     def _leave(self, state: _State, own: Flags) -> None:
         """Boxes that are not divided any more: those beside the curve of two sheets are settled all the same."""
