@@ -214,7 +214,7 @@ def test_an_interrupt_leaves_nothing(tmp_path, monkeypatch, capsys):
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(rsym.verify.smoothness, "verify_smoothness", interrupt)
-    assert main(["verify", "skeleton", "-o", "report.png"]) == 1
+    assert main(["verify", "skeleton", "-o", "report.png"]) == 130
     assert "interrupted" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 

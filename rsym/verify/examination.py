@@ -81,7 +81,7 @@ def _leaf(local: Local, extent: float, number: int, locus: Locus) -> Finding:
         return _regular(local, locus, math.inf, extent)
     made = NOTHING if found.hard else pieces(local, leaf)
     if math.isinf(made.order):  # folds that cancel
-        return _regular(local, Locus("leaf", made.nodes), math.inf, extent)
+        return _regular(local, Locus("leaf", made.nodes[:1]), math.inf, extent)
     finding = _joined(local, number, extent) if len(found.switches) == 1 else Finding("open", locus=locus)
     if finding.kind == "open" and (found.hard or len(found.switches) > 1):
         order = root_order(local, leaf)
