@@ -157,7 +157,7 @@ class Patch(ABC):
             point = self.expression()
         except RsymError:
             return None
-        short = sum(weight(entry, ROOM) for entry in point) <= ROOM
+        short = sum(weight(entry, ROOM) for entry in point) <= 2 * ROOM  # of three coordinates: below 4 kB
         return f"$\\displaystyle {sp.latex(point)}$" if short else None
 
 
