@@ -103,6 +103,14 @@ class TestShiftsAndScrews:
         low, high = report.cover.certified[:, 2].T
         assert (low.min(), high.max()) == (-2, 2)
 
+    def test_boxes_in_which_sheets_may_meet_have_images_too(self):
+        f, g = -(10**6) * z, 5 * 10**11 * x**2 * (10**12 * x**2 + Rational(1, 2)) - 10**6 * z
+        bounds = ((-8.573651497465942e-08, 8.573651497465942e-08),) * 3
+        cover = rsym.verify_smoothness(body(rsym.disjunction(f, g), bounds)).cover
+        point = np.array([2.98652228e-09, -6.14325914e-08, 2.22986860e-12])
+        boxes = np.concatenate([cover.certified, cover.joined])
+        assert ((boxes[..., 0] <= point) & (point <= boxes[..., 1])).all(axis=1).any()
+
     @pytest.mark.parametrize("pitch", [4, -3])
     @pytest.mark.parametrize("axis", ["x", "z"])
     def test_a_twisted_bar(self, pitch, axis):

@@ -118,3 +118,20 @@ def test_what_jumps_on_the_switch_is_not_parted():
         model = Model(Shape(expression, (x, y, z)), {})
         local = model.over(((-1, 1),) * 3)
         assert (parted(local, model.root, generators(local, model.root)) is not None) == is_parted
+
+
+def test_a_polyhedron_of_one_leaf_has_edges_between_its_faces():
+    largest = rsym.R1.disjunction(*(sp.Abs(form, evaluate=False) for form in (x + y, x - y, 2 * z)))
+    report = rsym.verify_smoothness(rsym.Shape(1 - largest, (x, y, z), bounds=((-2, 2),) * 3))
+    assert (report.verdict, report.continuity) == ("REFUTED", "G0")
+    assert len(report.curves) == 12
+    assert len([point for point in report.points if point.kind == "corner"]) == 8
+    assert not len(report.undecided)
+
+
+def test_a_half_space_in_all_chambers():
+    half = rsym.Shape(R(9, 10) - x / 2 - y / 2, (x, y, z))
+    report = rsym.verify_smoothness(rsym.mirror_group(half, "octahedral"), bounds=((-2, 2),) * 3)
+    assert (report.verdict, report.continuity) == ("REFUTED", "G0")  # a rhombic dodecahedron
+    assert len(report.curves) == 24
+    assert not len(report.undecided)

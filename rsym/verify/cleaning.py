@@ -21,12 +21,13 @@ import sympy as sp
 
 from rsym.model.nodes import Trimming, expand_nodes
 from rsym.model.powers import absolute_power, signed_power
-from rsym.model.rnodes import R0Conjunction, R0Disjunction
+from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction, R1Disjunction, R1Operation
 from rsym.model.traversal import postorder, rebuild
 
 ROUNDS = 3  # a rule may make room for another one
 LARGEST = 4_000  # parts of an expression; a larger one is left as it is
 FAR = 2**64  # a factor of omega beyond it drops
+FACES = 3  # functions of which the largest counts, from which on they are leaves of their own
 TERMS, DEGREE = 300, 24  # of a polynomial that is expanded or factored, at most
 
 
@@ -51,6 +52,44 @@ def cleaned(expression: sp.Expr) -> sp.Expr:
             break
         expression = result
     return rebuild(expression, _gathered)
+
+
+def spread(expression: sp.Expr) -> sp.Expr:
+    """An expression with leaves that are a number less a multiple of the largest of many functions as conjunctions.
+
+    c - k max(f, g, |h|) = min(c - k f, c - k g, c - k h, c + k h) for k > 0, and so on: the faces of a polyhedron are
+    leaves, and its edges are between leaves.
+
+    Examples
+    --------
+    >>> from rsym import R1, x, y, z
+    >>> spread(1 - 2 * R1.disjunction(x, y, sp.Abs(x + y, evaluate=False)))
+    conjunction(1 - 2*x, 1 - 2*y, -2*x - 2*y + 1, 2*x + 2*y + 1, system=R1)
+    >>> spread(z - R1.disjunction(x, y, -x))
+    z - disjunction(x, y, -x, system=R1)
+    """
+    leaves, stack = set(), [expression]
+    while stack:
+        part = stack.pop()
+        if isinstance(part, R1Operation) or type(part) in {R0Conjunction, R0Disjunction}:
+            stack.extend(part.args)
+        elif isinstance(part, sp.Add):
+            leaves.add(part)
+    return rebuild(expression, lambda part: _faces(part) if part in leaves else None)
+
+
+def _faces(part: sp.Add) -> sp.Expr | None:
+    constant, rest = part.as_coeff_Add()
+    factor, gate = rest.as_independent(R1Operation, as_Add=False)
+    if not (isinstance(gate, R1Operation) and len(gate.args) >= FACES and (factor.is_positive or factor.is_negative)):
+        return None
+    upward = isinstance(gate, R1Disjunction)
+    operands: list[sp.Expr] = []
+    for operand in gate.args:
+        split = upward and isinstance(operand, sp.Abs)
+        operands += [operand.args[0], -operand.args[0]] if split else [operand]
+    system = R1Disjunction if upward == bool(factor.is_positive) else R1Conjunction
+    return system(*(constant + (factor * operand).expand() for operand in operands))
 
 
 def without_scale(expression: sp.Expr) -> sp.Expr:

@@ -27,7 +27,7 @@ from rsym.verify.bodies.report import Array, BodyCover, BodyReport, Defect, Sing
 from rsym.verify.bodies.subdivision import Subdivision, joined_boxes
 from rsym.verify.bodies.tracing import trace
 from rsym.verify.cells import within_cells
-from rsym.verify.cleaning import cleaned, without_scale
+from rsym.verify.cleaning import cleaned, spread, without_scale
 from rsym.verify.contact_relations import contacts_of
 from rsym.verify.domains import is_legal
 from rsym.verify.holes import holes
@@ -114,7 +114,7 @@ class _Limits:
 
 def _subject(shape: Shape, region: Box, letters: Mapping[str, Interval], effort: Effort) -> Study:
     """A body before it is searched."""
-    expression = within_cells(cleaned(without_rounded_levels(shape.expression)), shape.coordinates, region)
+    expression = within_cells(spread(cleaned(without_rounded_levels(shape.expression))), shape.coordinates, region)
     model = Model(shape.replace(expression=without_scale(expression)), letters, bounds=region)
     whole = model.over(region)
     formed = formation(model, lambda number: is_legal(whole, number))
@@ -269,10 +269,13 @@ def _cover(study: Study, found: Subdivision) -> BodyCover:
     left: Array = np.array([box[:3] for box in boxes], dtype=np.float64).reshape(-1, 3, 2)
     regular = (part for parts in found.regular.values() for part in parts)
     certified = np.concatenate([late, np.concatenate([none, *regular])[:, :3]])
+    joined = np.concatenate([none, *joined_boxes(found)])[:, :3]
+    if study.piece is not None:
+        certified, joined = (study.piece.images(boxes, region) for boxes in (certified, joined))
     return BodyCover(
         bounds=region[:3],
-        certified=certified if study.piece is None else study.piece.images(certified, region),
-        joined=np.concatenate([none, *joined_boxes(found)])[:, :3],
+        certified=certified,
+        joined=joined,
         undecided=left,
         examined=found.examined,
     )
