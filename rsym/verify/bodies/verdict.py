@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -79,37 +80,17 @@ def study_body(
     region: Box = tuple((float(low), float(high)) for low, high in bounds)
     effort = effort or Effort()
     effort.begin("boxes", SHARES[0])
-    limits = _Limits(smallest * max(high - low for low, high in region), budget, effort)
+    width = smallest * max(high - low for low, high in region)
+    search = partial(Octree, smallest=width, budget=budget, inspections=INSPECTIONS, effort=effort)
     turned = turning(shape, region)
     if turned is not None:
-        study = _searched(_subject(shape, turned.region, letters, effort), limits, turned)
+        study = _searched(_subject(shape, turned.region, letters, effort), search, turned)
         if study is not None:
             return replace(study, region=(*region, *study.region[3:]))
     study = _subject(shape, region, letters, effort)
     mirrored = repetition(study.images.model, study.region)
-    found = None if mirrored is None else _searched(study, limits, mirrored)
-    return replace(study, found=limits.octree(study.images, study.region).run()) if found is None else found
-
-
-@dataclass(frozen=True)
-class _Limits:
-    """What a search may cost: the width of the smallest box, the number of boxes, the time."""
-
-    smallest: float
-    budget: int
-    effort: Effort
-
-    def octree(self, images: Images, region: Box, piece: Repetition | None = None) -> Octree:
-        """A search within these limits."""
-        return Octree(
-            images,
-            region,
-            smallest=self.smallest,
-            budget=self.budget,
-            inspections=INSPECTIONS,
-            effort=self.effort,
-            piece=piece,
-        )
+    found = None if mirrored is None else _searched(study, search, mirrored)
+    return replace(study, found=search(study.images, study.region).run()) if found is None else found
 
 
 def _subject(shape: Shape, region: Box, letters: Mapping[str, Interval], effort: Effort) -> Study:
@@ -124,10 +105,10 @@ def _subject(shape: Shape, region: Box, letters: Mapping[str, Interval], effort:
     return Study(images, region, Subdivision(), naming, effort)
 
 
-def _searched(study: Study, limits: _Limits, piece: Repetition) -> Study | None:
+def _searched(study: Study, search: Callable[..., Octree], piece: Repetition) -> Study | None:
     """A body of which one piece was searched; None if that holds more than regular sheets, or nothing."""
     region = (*piece.region[:3], *study.region[3:])
-    study = replace(study, found=limits.octree(study.images, region, piece).run(), piece=piece)
+    study = replace(study, found=search(study.images, region, piece=piece).run(), piece=piece)
     if not study.found.regular or study.found.has_more:
         return None
     curves, open_boxes = _curves(study, [])
