@@ -7,7 +7,7 @@ of atan2 are differentiated side by side: whether the sides agree is asked by `J
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 from rsym.codegen.builder import HALF, Builder
@@ -15,9 +15,20 @@ from rsym.codegen.program import Node, live
 from rsym.codegen.system_rules import SYSTEM_RULES, Rule
 
 
-def derivative(builder: Builder, output: int, name: str) -> int:
-    """The node of d(output)/d(name); parts already differentiated are not differentiated again."""
-    known = builder.derivatives
+def derivative(
+    builder: Builder,
+    output: int,
+    name: str,
+    *,
+    rules: Mapping[str, Rule] | None = None,
+    known: dict[tuple[int, str], int] | None = None,
+) -> int:
+    """The node of d(output)/d(name); parts already differentiated are not differentiated again.
+
+    Rules of one's own have results of their own: `known` keeps them.
+    """
+    rules = RULES if rules is None else rules
+    known = builder.derivatives if known is None else known
     if (output, name) in known:
         return known[output, name]
     zero = builder.const(0)
@@ -31,7 +42,7 @@ def derivative(builder: Builder, output: int, name: str) -> int:
         elif all(number == zero for number in inner) and node.operation != "undefined":
             result = zero
         else:
-            result = RULES[node.operation](builder, number, node, inner)
+            result = rules[node.operation](builder, number, node, inner)
         known[number, name] = result
     return known[output, name]
 

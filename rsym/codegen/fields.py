@@ -18,6 +18,7 @@ from rsym.codegen.differentiation import derivative, dot
 from rsym.codegen.jumps import Jumps, doubt, unless
 from rsym.codegen.lowering import lower
 from rsym.codegen.normalisation import next_order
+from rsym.codegen.one_sided import gradient_of_one_side, unless_equal
 from rsym.codegen.precision import FLOAT64
 from rsym.codegen.program import Program
 from rsym.errors import RsymError
@@ -50,6 +51,10 @@ FIELDS: tuple[str, ...] = (
     "principal_curvatures",
     "principal_directions",
 )
+# Of these there are those of one side at corners.
+ONE_SIDED = frozenset(
+    f"{form}{field}" for form in ("", "normalised_") for field in ("gradient", "gradient_squared")
+) | {"singular"}
 
 
 class Calculus:
@@ -147,6 +152,36 @@ class Calculus:
         found = getattr(calculus, "gradient" if rest == "singular" else rest)
         # It goes to 0 where omega does, at corners too, where derivatives do not exist.
         return self.builder.zero_with(self.value, found) if order and rest == "value" else found
+
+
+class OneSided(Calculus):
+    """Calculus whose gradients are those of one side at corners, of omega and of omega_1; other fields are as ever."""
+
+    @cached_property
+    def gradient(self) -> list[int]:
+        """The first derivatives with respect to the coordinates."""
+        return gradient_of_one_side(self.builder, self.value)
+
+    @cached_property
+    def two_sided(self) -> Calculus:
+        """What is made of second derivatives, which no side of a corner has."""
+        return Calculus(self.builder, self.value)
+
+    @cached_property
+    def normalised(self) -> Calculus:
+        """Omega_1, whose gradient where omega is 0 is that of omega, of length 1."""
+        b = self.builder
+        size, length = b.abs(self.value), b.sqrt(self.gradient_squared)
+        slopes = self.two_sided.normalised.gradient
+        found = Calculus(b, self.two_sided.normalised.value)
+        found.gradient = [
+            unless_equal(b, size, slope, b.div(own, length)) for slope, own in zip(slopes, self.gradient, strict=True)
+        ]
+        return found
+
+    def nodes(self, field: str) -> Any:
+        """The node of a scalar field, or the nodes of another, nested as its axes are."""
+        return super().nodes(field) if field in ONE_SIDED else self.two_sided.nodes(field)
 
 
 def outputs_of(calculus: Calculus, field: str) -> dict[str, int]:
@@ -319,15 +354,20 @@ def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
 
 
 def program_of(
-    shape: Shape, fields: Sequence[str], *, of: str = "value", share: Fraction | None = FLOAT64.rounding
+    shape: Shape,
+    fields: Sequence[str],
+    *,
+    of: str = "value",
+    share: Fraction | None = FLOAT64.rounding,
+    one_sided: bool = False,
 ) -> Program:
     """The program that computes the fields of a shape, or of the scalar field `of` of the shape.
 
     Where a derivative does not exist it is NaN; without a `share` that tells a jump from rounding it is that of one
-    side on the border of a choice.
+    side on the border of a choice. Gradients that are `one_sided` are that at corners too.
     """
     builder = _builder_for(shape)
-    calculus = Calculus(builder, lower(builder, shape.expression))
+    calculus = (OneSided if one_sided else Calculus)(builder, lower(builder, shape.expression))
     if of != "value":
         calculus = Calculus(builder, calculus.nodes(of))
     return fields_program(calculus, fields, share)
@@ -341,7 +381,9 @@ def fields_program(calculus: Calculus, fields: Sequence[str], share: Fraction | 
     """The program that computes the fields of one node; `share` as in `program_of`."""
     found = {field: outputs_of(calculus, field) for field in checked_fields(fields)}
     if share is not None:
-        existence = Existence(calculus, share)
+        existence = Existence(Calculus(calculus.builder, calculus.value), share)
         for field, parts in found.items():
+            if isinstance(calculus, OneSided) and field in ONE_SIDED:
+                continue
             found[field] = {name: existence.kept(field, node) for name, node in parts.items()}
     return calculus.builder.program({name: node for parts in found.values() for name, node in parts.items()})

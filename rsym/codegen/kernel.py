@@ -153,6 +153,7 @@ def compile(
     backend: str | None = None,
     dtype: str = "float64",
     threads: int | None = None,
+    at_corners: str = "nan",
 ) -> Kernel:
     """Compile fields of a shape to a fast function of arrays.
 
@@ -178,12 +179,18 @@ def compile(
         of R-operations stay right. Letters, and what depends on them alone, are computed in float64 and rounded once.
     threads : int, optional
         Threads over blocks of points; by default as many as there are processors. The bits do not depend on it.
+    at_corners : {"nan", "one-sided"}
+        Where ``gradient, gradient_squared, singular`` and those of ``normalised`` have no two-sided value they are
+        NaN (``singular``: True), or those of one side: of an R-operation the limit along f = g > 0, for R_0
+        (1 - 1/sqrt(2)) (grad f + grad g); of abs that of positive operands, of a tie of min or max the first operand's,
+        of a `Piecewise` that of its value. ``normalised_gradient`` then has length 1 where omega is 0. Tips of cones
+        and vertical tangents have no such side, second derivatives none at any corner: they stay NaN.
 
     Raises
     ------
     RsymError
-        For an unknown field, backend or dtype, a formula that a program cannot hold, or a curvature that belongs to
-        another number of coordinates.
+        For an unknown field, backend, dtype or choice at corners, a formula that a program cannot hold, or a curvature
+        that belongs to another number of coordinates.
 
     Examples
     --------
@@ -194,11 +201,19 @@ def compile(
     [2.0, -6.0]
     >>> kernel(3.0, 4.0)["gradient"].round(12).tolist()
     [0.4, 0.2]
+
+    The bisector is the side from which a corner is looked at:
+
+    >>> inward = rsym.compile(rsym.Shape(rsym.conjunction(x, y), (x, y)), "normalised_gradient", at_corners="one-sided")
+    >>> inward(0.0, 0.0)["normalised_gradient"].round(12).tolist()
+    [0.707106781187, 0.707106781187]
     """
     names = checked_fields(fields)
     require_shape(shape)
     precision = precision_named(dtype)
-    program = program_of(shape, names, share=precision.rounding)
+    if at_corners not in ("nan", "one-sided"):
+        raise RsymError(f"at_corners must be 'nan' or 'one-sided', got {at_corners!r}", code="corners")
+    program = program_of(shape, names, share=precision.rounding, one_sided=at_corners == "one-sided")
     return compile_program(program, names, shape, backend=backend, precision=precision, threads=threads)
 
 
