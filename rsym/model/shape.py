@@ -173,6 +173,58 @@ class Shape(Movable):
             parts=(*others, (name, self.expression)),
         )
 
+    def part(self, name: str) -> Shape:
+        """The part of this name as a shape, with the letters that it needs; several of one name are their disjunction.
+
+        Raises
+        ------
+        RsymError
+            For a name that no part has; the remedy says which is near.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> list(rsym.load("car").part("headlights").letters)
+        ['af', 'bf', 'cf', 'df', 'xf', 'yf', 'zf']
+        """
+        from rsym.model.named_parts import part_of
+
+        return part_of(self, name)
+
+    def with_part(self, name: str, other: Shape) -> Shape:
+        """The same formula with another shape in the place of a part, which keeps its name in meshes and pictures.
+
+        A group, several parts of one name, becomes one. Letters and bounds of the other join those of the shape; its
+        own parts are not told apart any more. The part is replaced where R-operations combine it, or else, as in the
+        sum of a blend on a skeleton, wherever it stands. What was made of derivatives (`normalise`) would keep those of
+        the old part, so parts are replaced before.
+
+        Parameters
+        ----------
+        name : str
+            Of the part.
+        other : Shape
+            In the same coordinates.
+
+        Raises
+        ------
+        RsymError
+            For a name that no part has, for a part that the formula moves or bends, or that SymPy has merged with
+            what surrounds it, for what is no shape or one in other coordinates.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> from rsym import x, y
+        >>> plate = rsym.Shape(y, (x, y)) - rsym.disc(1).named("hole")
+        >>> square = plate.with_part("hole", rsym.strip(-1, 1))
+        >>> [name for name, _ in square.parts], square.part("hole").expression
+        (['hole'], (1 - x)*(x + 1)/2)
+        """
+        from rsym.model.named_parts import with_part
+
+        return with_part(self, name, other)
+
     def with_system(self, system: RSystem, *, letters: Mapping[Any, Letter | float] | None = None) -> Shape:
         """The same logic in another R-system: every conjunction and disjunction becomes that of `system`.
 

@@ -1,0 +1,204 @@
+"""Parts by name: one taken out of a shape as a shape, or another put in its place."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from operator import is_
+from typing import Any
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.factors import Scaled
+from rsym.model.folds import Fold
+from rsym.model.nodes import Trimming, ZeroWith
+from rsym.model.powers import AbsolutePower
+from rsym.model.requirements import require_shape
+from rsym.model.rnodes import ROperation
+from rsym.model.shape import Shape, combine
+from rsym.model.symbols import real_symbol
+from rsym.model.systems import R0
+from rsym.model.traversal import postorder, rebuild, symbols_of, with_arguments, with_operands
+from rsym.model.wording import listing, proposal
+
+# Nodes whose operands are shapes: a coordinate among them is a half-plane, elsewhere it is a coordinate.
+_OF_SHAPES = (Fold, Scaled, Trimming, sp.Min, sp.Max, sp.Abs, AbsolutePower)
+_IDEMPOTENT = (ROperation, sp.Min, sp.Max)
+
+
+def part_of(shape: Shape, name: str) -> Shape:
+    """The part of this name, several as one group; what `Shape.part` is.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> part_of(rsym.Shape(x, (x, y)).named("right") & rsym.Shape(y, (x, y)), "right").expression
+    x
+    """
+    group = _group(shape, name)
+    expression = group[0] if len(group) == 1 else R0.disjunction(*group)
+    inside = _Inside(*group)
+    return Shape(
+        expression,
+        shape.coordinates,
+        letters={symbol.name: shape.letters[symbol.name] for symbol in _letters(shape, expression)},
+        bounds=shape.bounds,
+        parts=tuple(part for part in shape.parts if part[1] in inside),
+    )
+
+
+def with_part(shape: Shape, name: str, other: Shape) -> Shape:
+    """The shape with another in the place of a part; what `Shape.with_part` is.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> corner = rsym.Shape(x, (x, y)).named("right") & rsym.Shape(y, (x, y))
+    >>> with_part(corner, "right", rsym.Shape(1 - x, (x, y))).expression
+    conjunction(1 - x, y)
+    """
+    require_shape(other)
+    old = _group(shape, name)
+    swap = _Swap(old, other.expression, shape.expression)
+    expression = swap.within(shape.expression)
+    if lost := [part for part in old if part not in swap.found]:
+        raise RsymError(
+            f"{len(lost)} of {len(old)} parts named {name!r} cannot be found in the formula: it moves or bends them, "
+            "or SymPy has merged them with what surrounds them",
+            code="part",
+            remedy="build the shape of parts that R-operations join, each made by shape.named(name)",
+        )
+    before, after = _Inside(shape.expression), _Inside(expression)
+    parts: dict[tuple[str, sp.Expr], None] = {}
+    for title, part in shape.parts:
+        changed = (name, other.expression) if part in old else (title, swap.within(part))
+        if changed[1] in after or part not in before:  # what was inside the old part has gone with it
+            parts[changed] = None
+    merged: Shape = combine(lambda *_: expression, shape, other)
+    gone = set(_letters(shape, shape.expression)) - set(symbols_of(expression))
+    return Shape(
+        expression,
+        shape.coordinates,
+        letters={title: letter for title, letter in merged.letters.items() if real_symbol(title) not in gone},
+        bounds=merged.bounds,
+        parts=tuple(parts),
+    )
+
+
+def _group(shape: Shape, name: Any) -> tuple[sp.Expr, ...]:
+    """The formulas of a name, but those that lie within another of the same name."""
+    names = list(dict.fromkeys(title for title, _ in shape.parts))
+    if name not in names:
+        otherwise = 'give a part its name when you make it: shape.named("wheel")'
+        remedy = proposal(name, names, "ask for one of these" if names else otherwise)
+        raise RsymError(f"no part {name!r}; the shape has {listing(names)}", code="unknown-part", remedy=remedy)
+    group = list(dict.fromkeys(part for title, part in shape.parts if title == name))
+    inside = {part: _Inside(part) for part in group}
+    return tuple(part for part in group if not any(part != other and part in inside[other] for other in group))
+
+
+def _letters(shape: Shape, expression: sp.Expr) -> list[sp.Symbol]:
+    return [symbol for symbol in symbols_of(expression) if symbol.name in shape.letters]
+
+
+class _Inside:
+    """What formulas have within them, signs apart; the first operands of a fold are a formula in it."""
+
+    def __init__(self, *expressions: sp.Expr) -> None:
+        self._parts = set(postorder(*expressions))
+        folds = [part for part in self._parts if isinstance(part, Fold)]
+        self._parts |= {fold.func(*fold.parameters, *fold.operands[:k]) for fold in folds for k in _heads(fold)}
+
+    def __contains__(self, part: sp.Expr) -> bool:
+        return part in self._parts or -part in self._parts
+
+
+def _heads(fold: Fold) -> range:
+    return range(2, len(fold.operands))
+
+
+class _Swap:
+    """Some formulas for one: where they are operands of logic if they are, else wherever they stand in `whole`."""
+
+    def __init__(self, old: Sequence[sp.Expr], new: sp.Expr, whole: sp.Expr) -> None:
+        self.found: set[sp.Expr] = set()
+        self._new = new
+        self._images = {image: (part, sign) for part in old for sign, image in ((1, part), (-1, -part))}
+        self._loose: list[sp.Expr] = []
+        self.within(whole)
+        # A bare coordinate is too little to be known by.
+        self._loose = [part for part in old if part not in self.found and part.args and (-part).args]
+
+    def within(self, expression: sp.Expr) -> sp.Expr:
+        """The expression with the new formula in it."""
+        done: dict[int, sp.Expr] = {}
+        for part, operands in with_operands(expression, self._operands):
+            image = self._image(part)
+            if image is None and operands:
+                image = self._rebuilt(part, [done[id(operand)] for operand in operands])
+            done[id(part)] = part if image is None else image
+        result = done[id(expression)]
+        return self._anywhere(result) if self._loose else result
+
+    def _operands(self, part: sp.Expr) -> tuple[sp.Expr, ...]:
+        if part in self._images:
+            return ()
+        if isinstance(part, Fold):
+            return part.operands[self._head(part) :]
+        negated = part.is_Mul and len(part.args) == 2 and part.args[0].is_number
+        return tuple(part.args) if negated or isinstance(part, _OF_SHAPES) else ()
+
+    def _image(self, part: sp.Expr) -> sp.Expr | None:
+        if part not in self._images:
+            return None
+        old, sign = self._images[part]
+        self.found.add(old)
+        return self._new if sign > 0 else -self._new
+
+    def _head(self, part: Fold) -> int:
+        """How many of the first operands are a formula to be replaced: conjunction(f, g) in conjunction(f, g, h)."""
+        for old in (image for image in self._images if type(image) is type(part)):
+            count = len(old.operands)
+            if old.parameters == part.parameters and part.operands[:count] == old.operands:
+                return count
+        return 0
+
+    def _rebuilt(self, part: sp.Expr, operands: list[sp.Expr]) -> sp.Expr:
+        """The node of the new operands; a group in one conjunction or disjunction becomes one operand of it."""
+        before = list(part.args)
+        if isinstance(part, Fold):
+            if count := self._head(part):
+                head = self._image(part.func(*part.parameters, *part.operands[:count]))
+                operands = [part if head is None else head, *operands]
+            before = list(part.operands)
+        if len(operands) == len(before) and all(map(is_, operands, before)):
+            return part
+        if isinstance(part, _IDEMPOTENT):
+            images = (self._new, -self._new)
+            operands = [one for k, one in enumerate(operands) if one not in images or one not in operands[:k]]
+        if isinstance(part, Fold):
+            return part.func(*part.parameters, *operands)
+        return operands[0] if len(operands) == 1 < len(before) else with_arguments(part, tuple(operands))
+
+    def _anywhere(self, expression: sp.Expr) -> sp.Expr:
+        """Within sums and other formulas, of which an old part may be some of the terms or factors."""
+
+        def image(part: sp.Expr) -> sp.Expr | None:
+            for old in self._loose:
+                if part in (old, -old):
+                    return self._image(part)
+                if part.func is old.func and (part.is_Add or part.is_Mul) and set(old.args) < set(part.args):
+                    rest = [argument for argument in part.args if argument not in old.args]
+                    return part.func(self._image(old), *rest)
+            return None
+
+        for node in postorder(expression):
+            if isinstance(node, ZeroWith) and any(old in _Inside(node) for old in self._loose):
+                raise RsymError(
+                    "the formula was made of derivatives, which would stay those of the old part",
+                    code="part",
+                    remedy="replace the part before normalise(shape)",
+                )
+        return rebuild(expression, image)
