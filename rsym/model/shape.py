@@ -267,6 +267,43 @@ class Shape(Movable):
             parts=tuple((name, in_system(part, system)) for name, part in self.parts),
         )
 
+    def contains(self, *coordinates: Any, letters: Mapping[Any, float] | None = None) -> Any:
+        """Whether points belong to the shape: omega >= 0 there, in float64.
+
+        The boundary belongs to the shape, that of what was cut off too; which side of a curved boundary a point counts
+        that lies on it to rounding, rounding decides. Where omega is undefined (NaN) there is no shape.
+
+        Parameters
+        ----------
+        *coordinates : numbers or arrays
+            One for each coordinate; they broadcast.
+        letters : mapping, optional
+            Override the defaults.
+
+        Returns
+        -------
+        bool, or array of bool
+            One answer for numbers, else an array of the shape that the arrays broadcast to.
+
+        Raises
+        ------
+        RsymError
+            For another number of coordinates, what is no real number, an unknown letter.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> disc = rsym.disc(1)
+        >>> disc.contains(0, 0), disc.contains(1, 0), disc.contains(2, 0)
+        (True, True, False)
+        >>> disc.contains([0, 0.5, 1.5], [[0.0], [0.9]]).tolist()
+        [[True, True, False], [True, False, False]]
+        """
+        from rsym.codegen.kernel import compile
+
+        inside = compile(self)(*coordinates, letters=letters)["value"] >= 0
+        return inside if inside.ndim else bool(inside)
+
     def contract(self) -> Contract:
         """What the shape promises: class, order of normalisation, singular sets, leaves, interval image.
 

@@ -55,6 +55,15 @@ class Loop:
     sides: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True)
+class Enclosed:
+    """What closed triangles enclose, of density 1: the volume, its centroid (3,), and the inertia (3, 3) about that."""
+
+    volume: float
+    centroid: Array
+    inertia: Array
+
+
 @dataclass(frozen=True, kw_only=True)
 class Measures:
     """What the triangles alone tell.
@@ -157,6 +166,75 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
         worst_angle_at=point(vertices[corner]),
         loops=_loops(vertices, np.split(faces.ravel()[chain], begins[1:-1]) if len(chain) else [], sides),
     )
+
+
+def area_of(vertices: Array, faces: Ints) -> float:
+    """The area of the triangles.
+
+    Examples
+    --------
+    >>> area_of(np.array([[0, 0, 0], [2, 0, 0], [0, 3, 0.0]]), np.array([[0, 1, 2]]))
+    3.0
+    """
+    vertices, faces = checked(vertices, faces)
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    return float(np.sqrt(np.einsum("ij,ij->i", normals, normals)).sum()) / 2
+
+
+def enclosed(vertices: Array, faces: Ints) -> Enclosed:
+    """The volume, centroid and inertia of a closed polyhedron, exact but for rounding.
+
+    By the divergence theorem each is the sum over the triangles (a, b, c) of that of the tetrahedron (o, a, b, c), with
+    its sign; o does not matter. With det = (a - o) x (b - o) . (c - o) and s = a + b + c - 3 o
+
+        V = sum det/6        V (m - o) = sum det s/24        C = sum det (s s' + the outer squares of a - o, ...)/120
+
+    the centroid is m, and the inertia tr(D) 1 - D where D = C - V (m - o)(m - o)'. Centroid and inertia of a volume
+    of 0 are NaN. Every directed edge must occur as often as its reverse.
+
+    Examples
+    --------
+    >>> corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    >>> found = enclosed(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
+    >>> round(found.volume, 12), found.centroid.round(12).tolist(), found.inertia.round(12).tolist()[0]
+    (0.166666666667, [0.25, 0.25, 0.25], [0.0125, 0.002083333333, 0.002083333333])
+    """
+    vertices, faces = checked(vertices, faces)
+    _require_closed(vertices, faces)
+    used = vertices[np.unique(faces)]
+    middle = (used.min(axis=0) + used.max(axis=0)) / 2
+    corners = (vertices - middle)[faces]
+    whole = corners.sum(axis=1)
+    det = np.einsum("ij,ij->i", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2])
+    volume = float(det.sum()) / 6
+    squares = np.einsum("i,ip,iq->pq", det, whole, whole) + np.einsum("i,ikp,ikq->pq", det, corners, corners)
+    with np.errstate(all="ignore"):
+        centroid = np.asarray(det @ whole / 24 / np.float64(volume))
+    about = squares / 120 - volume * np.outer(centroid, centroid)
+    return Enclosed(volume, middle + centroid, np.trace(about) * np.eye(3) - about)
+
+
+def _require_closed(vertices: Array, faces: Ints) -> None:
+    """Refuse triangles that leave an edge open, and say how many and where the first is."""
+    starts, ends = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
+    keys = np.minimum(starts, ends) * len(vertices) + np.maximum(starts, ends)
+    edges, number = np.unique(keys, return_inverse=True)
+    excess = np.bincount(number, np.sign(ends - starts))  # exact: counts
+    open_ = np.flatnonzero(excess)
+    if len(open_):
+        first, last = divmod(int(edges[open_[0]]), len(vertices))
+        count = f"{len(open_)} open edge{'s' * (len(open_) > 1)}"
+        raise RsymError(
+            f"the mesh encloses nothing: {count}, which no triangle passes the other way, the first from"
+            f" {_place(vertices[first])} to {_place(vertices[last])}",
+            code="open-mesh",
+            remedy="mesh(shape) with cap=True, or with bounds=... that hold the body; area and bounds need no inside",
+        )
+
+
+def _place(vertex: Array) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in vertex) + ")"
 
 
 def checked(vertices: Array, faces: Ints) -> tuple[Array, NDArray[np.int32]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,7 +12,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.manifolds import checked, measure
+from rsym.errors import RsymError
+from rsym.model.shape import Bounds
+from rsym.sampling.manifolds import Enclosed, Side, area_of, checked, enclosed, measure, point
 from rsym.sampling.sharp.features import Feature, features_of
 from rsym.sampling.status import Findings, MeshStatus
 from rsym.sampling.stills import surface_picture
@@ -26,8 +29,8 @@ Outward: TypeAlias = Callable[[Ints, Array], Array]
 class Mesh:
     """Triangles with outward orientation.
 
-    `normals`, `features`, `findings` and `status` are computed at the first use and kept; a mesh that is pickled
-    carries its normals and findings along.
+    `normals`, `features`, `findings`, `status` and the measures are computed at the first use and kept; a mesh that is
+    pickled carries its normals and findings along.
 
     Attributes
     ----------
@@ -109,6 +112,149 @@ class Mesh:
         measures = measure(self.vertices, self.faces, outward, self.findings.sides)
         return MeshStatus(**vars(measures), **vars(self.findings))
 
+    @cached_property
+    def _enclosed(self) -> Enclosed:
+        return enclosed(self.vertices, self.faces)
+
+    @property
+    def volume(self) -> float:
+        """The volume that the triangles enclose, sum a x b . c/6 over them; negative if they face inwards.
+
+        Raises RsymError for an open mesh, and names its open edges.
+        """
+        return self._enclosed.volume
+
+    @cached_property
+    def area(self) -> float:
+        """The area of the triangles, of open meshes too."""
+        return area_of(self.vertices, self.faces)
+
+    @property
+    def centroid(self) -> Array:
+        """The centroid of the enclosed volume, (3,); RsymError for a mesh that is open or encloses nothing."""
+        self._require_volume()
+        return self._enclosed.centroid.copy()
+
+    @property
+    def inertia(self) -> Array:
+        """The inertia of the enclosed volume about its centroid m, of density 1, (3, 3).
+
+        I = integral of |p - m|^2 1 - (p - m)(p - m)' over the volume: moments of inertia on the diagonal, the negative
+        products beside it. In units of length to the fifth; times the density it is that of the body.
+        Raises RsymError for a mesh that is open or encloses nothing.
+        """
+        self._require_volume()
+        return self._enclosed.inertia.copy()
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """The box around the triangles, ((xmin, xmax), (ymin, ymax), (zmin, zmax)), as a shape takes it."""
+        vertices, faces = checked(self.vertices, self.faces)
+        used = vertices[np.unique(faces)]
+        return tuple(zip(used.min(axis=0).tolist(), used.max(axis=0).tolist(), strict=True))
+
+    def _require_volume(self) -> None:
+        if not self.volume:
+            raise RsymError(
+                "a centroid needs a volume, the mesh has a volume of 0",
+                code="no-volume",
+                remedy="take a mesh of a body",
+            )
+
+    def scale(self, factor: Any) -> Mesh:
+        """The mesh enlarged about the origin, by one factor or by one for each axis; a negative one mirrors.
+
+        As `transform` of a diagonal matrix.
+
+        Raises
+        ------
+        RsymError
+            For factors that are not one or three finite numbers other than 0.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> mesh = rsym.mesh(rsym.box(1, 2, 3), 12, bounds=((-1, 1), (-2, 2), (-2, 2)))
+        >>> round(mesh.scale(10).volume, 6), round(mesh.scale([1, 1, 2]).volume, 6)
+        (6000.0, 12.0)
+        """
+        factors = _numbers(factor)
+        if factors is None or factors.shape not in ((), (3,)) or not factors.all():
+            raise RsymError(
+                f"expected a factor, or one for each axis, of finite numbers other than 0, got {reprlib.repr(factor)}",
+                code="factor",
+                remedy="for example scale(25.4) or scale([1, 1, 2])",
+            )
+        return self._moved(np.diag(np.broadcast_to(factors, 3)), np.zeros(3))
+
+    def transform(self, matrix: Any) -> Mesh:
+        """The mesh at the places A p + t.
+
+        Normals become those of the image, A^-T n made unit vectors; where det A < 0 the triangles are turned round, so
+        that the outside stays outside. Leaves, parts and findings come along, of the sides of the bounds those that are
+        square to an axis still. Curvatures that a surface without an equation brings are kept by similarities, else
+        given up. The mesh is then no longer one of its shape: to colour it by fields move the shape and mesh that.
+
+        Parameters
+        ----------
+        matrix : (3, 3), (3, 4) or (4, 4) array
+            A; or A and t beside it; or with (0, 0, 0, 1) below.
+
+        Raises
+        ------
+        RsymError
+            For another shape, numbers that are not finite, another last row, or a matrix that flattens.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> mesh = rsym.mesh(rsym.box(1, 2, 3), 12, bounds=((-1, 1), (-2, 2), (-2, 2)))
+        >>> moved = mesh.transform([[0, -1, 0, 5], [1, 0, 0, 0], [0, 0, 1, 0]])
+        >>> moved.centroid.round(12).tolist()[0], round(moved.volume, 12)
+        (5.0, 6.0)
+        """
+        given = _numbers(matrix)
+        if given is not None and given.shape == (4, 4) and given[3].tolist() == [0, 0, 0, 1]:
+            given = given[:3]
+        if given is None or given.shape not in ((3, 3), (3, 4)) or np.linalg.matrix_rank(given[:, :3]) < 3:
+            raise RsymError(
+                "expected a matrix of finite numbers that does not flatten, (3, 3), (3, 4), or (4, 4) with the last row"
+                f" (0, 0, 0, 1), got {reprlib.repr(matrix)}",
+                code="matrix",
+                remedy="for example [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0]] to move by 5 along x",
+            )
+        return self._moved(given[:, :3], given[:, 3] if given.shape == (3, 4) else np.zeros(3))
+
+    def _moved(self, matrix: Array, shift: Array) -> Mesh:
+        back = np.linalg.inv(matrix)
+        turned = slice(None, None, -1 if np.linalg.slogdet(matrix)[0] < 0 else 1)
+        given, shading = self.shading, self.shading
+        if callable(given):
+            rule = given
+
+            def outward(leaf: Ints, points: Array) -> Array:
+                return rule(leaf, (points - shift) @ back.T) @ back
+
+            shading = outward
+        elif given is not None:
+            shading = (given @ back)[:, turned]
+
+        def found() -> Findings:
+            sides = (_image(side, matrix, shift) for side in self.findings.sides)
+            return self.findings.moved(
+                lambda place: point(matrix @ place + shift), tuple(side for side in sides if side is not None)
+            )
+
+        return Mesh(
+            self.vertices @ matrix.T + shift,
+            self.faces[:, turned],
+            shading,
+            found,
+            self.leaf,
+            self.leaves,
+            _bent(self.curvatures, matrix, turned),
+        )
+
     def _outward(self, rule: Outward, which: Ints, points: Array) -> Array:
         """The rule at points (k, 3), each on one of the faces (k,)."""
         return rule(np.zeros(len(which), np.int16) if self.leaf is None else self.leaf[which], points)
@@ -127,6 +273,33 @@ class Mesh:
     def __reduce__(self) -> tuple[type[Mesh], tuple[Any, ...]]:
         """Pickle the normals themselves: the function they come from holds compiled code."""
         return Mesh, (self.vertices, self.faces, self.normals, self.findings, self.leaf, self.leaves)
+
+
+def _numbers(given: Any) -> Array | None:
+    """Finite real numbers as an array, or None."""
+    try:
+        numbers = np.asarray(given)
+        numbers = numbers.astype(np.float64) if numbers.dtype.kind in "iufO" else np.array(np.nan)
+    except (TypeError, ValueError):
+        return None
+    return numbers if np.isfinite(numbers).all() else None
+
+
+def _image(side: Side, matrix: Array, shift: Array) -> Side | None:
+    """A side of the bounds where it has moved to, if it is square to an axis still."""
+    row = np.linalg.inv(matrix)[side.axis]  # its points q have row . (q - shift) = value
+    (axes,) = np.nonzero(row)
+    if len(axes) > 1:
+        return None
+    return Side(side.name, int(axes[0]), float(side.value / row[axes[0]] + shift[axes[0]]))
+
+
+def _bent(curvatures: Callable[[str], Array] | None, matrix: Array, turned: slice) -> Callable[[str], Array] | None:
+    """The curvatures of the image under a similarity of a factor k: 1/k times the old ones, Gauss's 1/k^2."""
+    size = float(np.exp(np.linalg.slogdet(matrix)[1] / 3))
+    if curvatures is None or not np.allclose(matrix @ matrix.T, size**2 * np.eye(3), rtol=0, atol=1e-12 * size**2):
+        return None
+    return lambda name: curvatures(name)[:, turned] / (size**2 if name == "gaussian_curvature" else size)
 
 
 def _unit(vectors: Array) -> Array:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 from rsym.sampling.detail import Detail
 from rsym.sampling.manifolds import Measures, Point, Side
@@ -71,6 +71,25 @@ class Findings:
     unresolved: tuple[Suspect, ...] = ()
     thin: Detail | None = None
     small: Detail | None = None
+
+    def moved(self, image: Callable[[Point], Point], sides: tuple[Side, ...]) -> Findings:
+        """The same of a mesh whose points have moved; `sides` are the images of the sides, those that are sides still.
+
+        Sizes in cells are those of the lattice that the mesh comes from.
+        """
+
+        def at(found: Any, name: str) -> Any:
+            place = getattr(found, name, None)
+            return found if place is None else replace(found, **{name: image(place)})
+
+        return replace(
+            self,
+            sides=sides,
+            off_surface=at(self.off_surface, "worst_at"),
+            unresolved=tuple(at(suspect, "place") for suspect in self.unresolved),
+            thin=at(self.thin, "finest"),
+            small=at(self.small, "finest"),
+        )
 
     @property
     def clipped(self) -> bool:
