@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 from sympy.functions.elementary.piecewise import ExprCondPair
 
 from rsym.errors import RsymError
 from rsym.model import showing
+from rsym.model.boxes import Bounds as Bounds
+from rsym.model.boxes import checked_bounds, hull
 from rsym.model.choices import Choice
 from rsym.model.letters import Letter, Letters, as_letters
 from rsym.model.motions import Movable
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from rsym.model.contracts.summary import Contract
 
 _NO_NUMBERS = (sp.oo, -sp.oo, sp.zoo, sp.I)
-
-Bounds: TypeAlias = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -94,7 +93,7 @@ class Shape(Movable):
         store(self, "expression", substitute(expression, real) if real else expression)
         store(self, "coordinates", tuple(real.get(symbol, symbol) for symbol in coordinates))
         store(self, "letters", as_letters(letters))
-        store(self, "bounds", None if bounds is None else _checked_bounds(bounds, len(coordinates)))
+        store(self, "bounds", None if bounds is None else checked_bounds(bounds, len(coordinates)))
         store(self, "definitions", definitions)
         store(self, "parts", tuple((name, substitute(part, real) if real else part) for name, part in parts))
         self._check_symbols()
@@ -371,7 +370,7 @@ def combine(function: Callable[..., sp.Expr], *operands: Any) -> Any:
         function(*expressions),
         shapes[0].coordinates,
         letters=letters,
-        bounds=_hull(shapes),
+        bounds=hull([shape.bounds for shape in shapes if shape.bounds is not None]),
         # Two parts of one name stay two: their surfaces share the name.
         parts=tuple(dict.fromkeys(part for shape in shapes for part in shape.parts)),
     )
@@ -388,24 +387,3 @@ def _check_values(expression: sp.Expr) -> None:
                     code="number",
                     remedy="remove the division by zero or the root of a negative number that it came from",
                 )
-
-
-def _checked_bounds(bounds: Any, dimension: int) -> Bounds:
-    try:
-        box = tuple((float(low), float(high)) for low, high in bounds)
-    except (TypeError, ValueError) as error:
-        raise RsymError(f"bounds must be pairs (low, high), got {bounds!r}", code="bounds") from error
-    if len(box) != dimension or not all(math.isfinite(a) and math.isfinite(b) and a < b for a, b in box):
-        raise RsymError(
-            f"bounds must be {dimension} finite pairs with low < high, got {bounds!r}",
-            code="bounds",
-            remedy="for example ((-1, 1), (-1, 1))",
-        )
-    return box
-
-
-def _hull(shapes: list[Shape]) -> Bounds | None:
-    boxes = [shape.bounds for shape in shapes if shape.bounds is not None]
-    if not boxes:
-        return None
-    return tuple((min(low for low, _ in axis), max(high for _, high in axis)) for axis in zip(*boxes, strict=True))
