@@ -18,6 +18,7 @@ from rsym.surfaces.symbols import t, u, v
 EDGES = ("u0", "u1", "v0", "v1")
 CASES = list(itertools.product(EDGES, EDGES, (False, True)))
 S = np.linspace(0, 1, 11)
+FAR = 100  # sheets of random data do not meet: their edges are moved
 
 # Where the parameter s of an edge is, which derivative leads along it and which across, and whether that is outwards.
 PLACES = {
@@ -64,7 +65,7 @@ def pair():
 @pytest.mark.parametrize(("edge_p", "edge_q", "reverse"), CASES)
 def test_all_edges_join_in_both_directions(pair, edge_p, edge_q, reverse):
     p, q = pair
-    doubles = Corners(p.matrix), Corners(join(p, edge_p, q, edge_q, k=1.7, reverse=reverse).matrix)
+    doubles = Corners(p.matrix), Corners(join(p, edge_p, q, edge_q, k=1.7, reverse=reverse, tolerance=FAR).matrix)
     check_joined(doubles[0], edge_p, doubles[1], edge_q, lambda s: 0 * s + 1.7, reverse=reverse)
     for across in (0, 1):
         kept = [out_of(one, OPPOSITE[edge_q], S, 0, across) for one in (doubles[1], Corners(q.matrix))]
@@ -79,18 +80,20 @@ def test_all_edges_join_in_both_directions(pair, edge_p, edge_q, reverse):
 @pytest.mark.parametrize(("edge_p", "edge_q", "reverse"), [("u1", "u0", False), ("v1", "u1", True), ("u0", "v0", True)])
 def test_matrices_of_class_3_join_with_continuous_curvature(edge_p, edge_q, reverse):
     p, q = (BicubicCoons(sheet(seed, 3, 0.1)) for seed in (1, 2))
-    joined = Corners(join(p, edge_p, q, edge_q, k=1.3, reverse=reverse).matrix)
+    joined = Corners(join(p, edge_p, q, edge_q, k=1.3, reverse=reverse, tolerance=FAR).matrix)
     double = Corners(p.matrix)
     check_joined(double, edge_p, joined, edge_q, lambda s: 0 * s + 1.3, reverse=reverse, depth=2, atol=1e-10)
     assert continuity_report([double, joined]).continuity == "G2"
-    only = Corners(join(p, edge_p, q, edge_q, reverse=reverse, continuity="G1").matrix)
+    only = Corners(join(p, edge_p, q, edge_q, reverse=reverse, continuity="G1", tolerance=FAR).matrix)
     assert continuity_report([double, only]).continuity == "G1"
 
 
 def test_the_transfinite_form_of_matrices_is_the_matrix_again():
     blend = HermiteBlend.class2(1, sp.pi / 2)
     p, q = (BicubicCoons(sheet(seed), blend, blend) for seed in (1, 2))
-    one, other = (join(p, "u1", q, "v1", k=0.6, reverse=True, transfinite=form) for form in (False, True))
+    one, other = (
+        join(p, "u1", q, "v1", k=0.6, reverse=True, transfinite=form, tolerance=FAR) for form in (False, True)
+    )
     places = np.random.default_rng(0).random((2, 30))
     for order in ((0, 0), (1, 0), (1, 2)):
         assert_close(other.derivative(*places, order), one.derivative(*places, order), atol=1e-11)
@@ -101,17 +104,19 @@ def test_different_blends_along_the_edge_are_refused_and_join_transfinitely():
     p, q = BicubicCoons(sheet(1), cubic, cubic), BicubicCoons(sheet(2), other, other)
     with pytest.raises(RsymError, match="transfinite=True"):
         join(p, "u1", q, "v0")
-    check_joined(p, "u1", join(p, "u1", q, "v0", transfinite=True), "v0", lambda s: 0 * s + 1, reverse=False)
+    check_joined(
+        p, "u1", join(p, "u1", q, "v0", transfinite=True, tolerance=FAR), "v0", lambda s: 0 * s + 1, reverse=False
+    )
     # Only the blend along the edge matters.
     mixed = BicubicCoons(sheet(2), cubic, other)
-    assert isinstance(join(p, "u1", mixed, "v0"), BicubicCoons)
+    assert isinstance(join(p, "u1", mixed, "v0", tolerance=FAR), BicubicCoons)
 
 
 def test_a_blend_that_is_not_symmetric_joins_in_one_direction_only():
     step = t**2 * (3 - 2 * t) + t**2 * (1 - t) ** 2
     lopsided = HermiteBlend.from_smoothstep(step, sp.pi / 2)
     p, q = (BicubicCoons(sheet(seed), lopsided, lopsided) for seed in (1, 2))
-    check_joined(p, "u1", join(p, "u1", q, "u0"), "u0", lambda s: 0 * s + 1, reverse=False)
+    check_joined(p, "u1", join(p, "u1", q, "u0", tolerance=FAR), "u0", lambda s: 0 * s + 1, reverse=False)
     with pytest.raises(RsymError, match="run backwards"):
         join(p, "u1", q, "u0", reverse=True)
 
@@ -121,7 +126,7 @@ def test_ratio_and_slant_may_vary_along_the_edge(continuity, depth):
     p = Lambdified((u, v + u**2 / 3, sp.sin(u + v) / 2))
     q = Lambdified((1 + u + u * v / 5, v + u**2, sp.cos(2 * v) * u))
     for slant in (sp.sin(3 * t) / 2, lambda t: np.sin(3 * t) / 2):
-        joined = join(p, "u1", q, "v0", k=1 + t / 2, h=slant, reverse=True, continuity=continuity)
+        joined = join(p, "u1", q, "v0", k=1 + t / 2, h=slant, reverse=True, continuity=continuity, tolerance=FAR)
         check_joined(
             p,
             "u1",
@@ -142,7 +147,7 @@ def test_ratio_and_slant_may_vary_along_the_edge(continuity, depth):
 def test_other_intervals_and_patches():
     p = sphere((0, 1), (0, 1))
     q = Lambdified((2 + u, v / 2, u * v / 9), ((0.0, 3.0), (1.0, 5.0)))
-    joined = join(p, "v0", q, "u1", k=2.0, continuity="G2")
+    joined = join(p, "v0", q, "u1", k=2.0, continuity="G2", tolerance=FAR)
     assert joined.domain == q.domain
     runs = (np.full(11, 3.0), 1 + 4 * S)
     assert_close(joined(*runs), p(S, 0 * S), atol=1e-12)
@@ -156,7 +161,7 @@ def test_a_joined_patch_is_a_formula_if_its_parts_are():
     a = sp.Symbol("a")
     p = ParametricSurface((u, v, a * u * sp.sin(v)), ((0, 1), (0, 2)), letters={a: 2})
     q = ParametricSurface((1 + u, v, sp.sin(u)))
-    joined = join(p, "u1", q, "u0", k=1 + t / 3, h=0.25, reverse=True)
+    joined = join(p, "u1", q, "u0", k=1 + t / 3, h=0.25, reverse=True, tolerance=FAR)
     places = np.random.default_rng(0).random((2, 20))
     for value, order in itertools.product((2.0, -1.0), ((0, 0), (1, 2))):
         formula = sp.lambdify((u, v, a), list(joined.expression().diff(u, order[0]).diff(v, order[1])))
@@ -169,7 +174,7 @@ def test_letters_stay_letters_in_a_matrix():
     matrix = sp.MutableDenseNDimArray(sp.Array(sheet(1)))
     matrix[3, 2, 2] = a
     p, q = BicubicCoons(matrix, letters={a: 1}), BicubicCoons(sheet(2))
-    joined = join(p, "u1", q, "v1", k=2.0)
+    joined = join(p, "u1", q, "v1", k=2.0, tolerance=FAR)
     for value in (1.0, 3.0):
         slope = -joined.derivative(S, 1 + 0 * S, (0, 1), letters={"a": value})
         assert_close(slope, 2 * p.derivative(1 + 0 * S, S, letters={"a": value}), atol=1e-12)
@@ -179,11 +184,11 @@ def test_the_nearest_edges_are_found_with_their_direction():
     p, q = BicubicCoons(sheet(1, bump=0.1)), sheet(2, bump=0.1)
     q[:2, :2, 0] += 1.1
     for turned, edge in ((q, "u0"), (np.swapaxes(q, 0, 1), "v0"), (q[[1, 0, 3, 2]], "u1")):
-        joined = join(p, None, BicubicCoons(turned), None)
-        assert (joined.matrix == join(p, "u1", BicubicCoons(turned), edge).matrix).all()
+        joined = join(p, None, BicubicCoons(turned), None, tolerance=FAR)
+        assert (joined.matrix == join(p, "u1", BicubicCoons(turned), edge, tolerance=FAR).matrix).all()
     backwards = q[:, [1, 0, 3, 2]] * np.array([1, 1, -1, -1])[:, None]
-    joined = join(p, None, BicubicCoons(backwards), None)
-    assert (joined.matrix == join(p, "u1", BicubicCoons(backwards), "u0", reverse=True).matrix).all()
+    joined = join(p, None, BicubicCoons(backwards), None, tolerance=FAR)
+    assert (joined.matrix == join(p, "u1", BicubicCoons(backwards), "u0", reverse=True, tolerance=FAR).matrix).all()
     with pytest.raises(RsymError, match="no nearer than"):
         join(p, None, p, None)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -17,6 +18,7 @@ from rsym.surfaces.coons.gregory import Gregory
 from rsym.surfaces.coons.patch_latex import bicubic_latex, coons_latex
 from rsym.surfaces.coons.ribbons import EDGES, ribbons_of, unit_curve
 from rsym.surfaces.coons.shared_kernels import corner_values, formulas_of_blends
+from rsym.surfaces.corrections import MEETING, Correction, require_tolerance
 from rsym.surfaces.functions.entries import entries_and_shape
 from rsym.surfaces.functions.univariate import Constant, Curve, Formula, Stack
 from rsym.surfaces.parametric import ParametricSurface
@@ -57,6 +59,10 @@ class CoonsPatch(BooleanSum):
         Of the class of the patch or a higher one; linear, cubic, quintic by default.
     letters : mapping, optional
         Symbols or names to numbers or `rsym.Letter`.
+    tolerance : float
+        By which share of the size of the patch edges, and ribbons with the edges that they end on, may miss one another
+        at the corners; rounding by default. Measured curves need more: then each corner is the mean of what both say,
+        which the blends carry into the edges, and `correction` tells how far these are from the curves given.
 
     Raises
     ------
@@ -73,6 +79,8 @@ class CoonsPatch(BooleanSum):
     Traceback (most recent call last):
     ...
     rsym.errors.RsymError: corner (1, 1): the edge u1 at v = 1 is (1, 1, 1) and the edge v1 at u = 1 is (1, 1, 0): ...
+    >>> print(CoonsPatch((0, t, 0), (1, t, t), (t, 0, 0), (t, 1, 0.99 * t), tolerance=0.02).correction)
+    a gap of 0.01 closed; points moved by 0.005 at most, at (u, v) = (1, 1)
     """
 
     def __init__(
@@ -88,15 +96,17 @@ class CoonsPatch(BooleanSum):
         blend_u: HermiteBlend | None = None,
         blend_v: HermiteBlend | None = None,
         letters: Mapping[Any, Any] | None = None,
+        tolerance: float = MEETING,
     ) -> None:
-        self.order = order
+        require_tolerance(tolerance)
+        self.order, self.tolerance = order, tolerance
         self.blend_u, self.blend_v = (_blend(one, order, name) for one, name in ((blend_u, "u"), (blend_v, "v")))
         given = dict(zip(EDGES, (curve_u0, curve_u1, curve_v0, curve_v1), strict=True))
         edges = {name: unit_curve(curve, letters, f"the curve of the edge {name}") for name, curve in given.items()}
         across = ribbons_of(edges, ribbons, order, letters)
         across_u, across_v = (Stack([row[name + end] for row in across for end in "01"]) for name in "uv")
         data = Corners(across_u, across_v)
-        data.check()
+        data.check(tolerance)
         super().__init__(Loft(self.blend_u.curve, across_u), Loft(self.blend_v.curve, across_v), data)
         self.data = data
         self.gregory = _gregory(corners, data, self)
@@ -121,8 +131,15 @@ class CoonsPatch(BooleanSum):
         ribbons = {name: tuple(row[name] for row in rows[1:]) for name in EDGES} if order > 1 else None
         return cls(*(rows[0][name] for name in EDGES), order=order, ribbons=ribbons, letters=letters)
 
+    @cached_property
+    def correction(self) -> Correction:
+        """The greatest gap at a corner, and how far the edges are from the curves given; at the defaults of letters."""
+        return self.data.correction(self.blend_u.curve, self.blend_v.curve)
+
     def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
         """The derivatives of these orders."""
+        if letters and len(self.data.letters):
+            self.data.check(self.tolerance, self.letters.values_with(letters))
         parts = super().evaluate(u, v, orders, letters)
         if self.gregory is None or self._compiled is not None:  # a kernel of the whole formula holds the correction
             return parts
@@ -155,6 +172,11 @@ class BicubicCoons(BooleanSum):
     letters : mapping, optional
         Of the expressions: symbols or names to numbers or `rsym.Letter`.
 
+    Attributes
+    ----------
+    correction : Correction or None
+        What `join` changed, if it made this patch.
+
     Notes
     -----
     The form of the program `test1` of "Modelling of composite surfaces in MATLAB", and (2.4.2) of the thesis that
@@ -183,6 +205,7 @@ class BicubicCoons(BooleanSum):
         self.blend_u, self.blend_v = (_blend(one, order, name) for one, name in ((blend_u, "u"), (blend_v, "v")))
         super().__init__(corners=data, basis=(self.blend_u.curve, self.blend_v.curve))
         self.data = data
+        self.correction: Correction | None = None
 
     def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
         """The derivatives of these orders."""
@@ -255,7 +278,7 @@ def _gregory(corners: str, data: Corners, patch: CoonsPatch) -> Gregory | None:
         raise RsymError(f"corners is mean, gregory or refuse, got {corners!r}", code="corner")
     gap = data.twist_gap()
     size = float(np.ptp(data.both()[0][:2, :2], axis=(0, 1)).max())
-    if corners == "mean" or gap <= 1e-9 * size:
+    if corners == "mean" or gap <= (patch.tolerance if corners == "refuse" else MEETING) * size:
         return None
     if corners == "refuse" or patch.order == 3:
         raise RsymError(

@@ -6,6 +6,8 @@ edges u = i know it as the l-th derivative of their ribbon of order k, the edges
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -13,13 +15,12 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
+from rsym.surfaces.corrections import Correction, enough, greatest, sizes
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.univariate import Curve, LetterValues, Sampled, Unvarying
 
 Array: TypeAlias = NDArray[np.float64]
 
-# Share of the size of the patch by which edges may miss one another at a corner: rounding of data given to nine digits.
-AGREEMENT = 1e-9
 WORDS = ("point", "first derivative", "second derivative")
 
 
@@ -64,17 +65,40 @@ class Corners(Unvarying):
         pairs = zip(entries_of(turned), entries_of(by_v), strict=True)
         return sp.ImmutableDenseNDimArray([_mean(a, b) for a, b in pairs], self.shape)
 
-    def check(self) -> None:
+    def check(self, tolerance: float, letters: LetterValues = None) -> None:
         """Refuse points and tangents at corners on which the edges do not agree."""
-        by_u, by_v = self.both()
+        by_u, by_v = self.both(letters)
         size = max(float(np.ptp(by_u[:2, :2], axis=(0, 1)).max()), float(np.abs(by_u[:2, :2]).max()) * 1e-6)
         _, orders = ends(self.shape[0] // 2)
-        for a, k in enumerate(orders):
-            for b, j in enumerate(orders):
-                gap = float(np.sqrt(((by_u[a, b] - by_v[a, b]) ** 2).sum()))
-                scale = max(size, float(np.abs(by_u[a, b]).max()))
-                if not k * j and not gap <= AGREEMENT * scale:
-                    raise _disagreement(a % 2, b % 2, (k, j), gap, by_u[a, b], by_v[a, b])
+        shares = np.zeros(self.shape[:2])
+        for a, b in self._single(orders):
+            gap = float(sizes(by_u[a, b] - by_v[a, b]))
+            shares[a, b] = gap / max(size, float(np.abs(by_u[a, b]).max()))
+            shares[a, b] = np.inf if np.isnan(shares[a, b]) else shares[a, b]
+        for a, b in np.argwhere(shares > tolerance).tolist():
+            raise _disagreement(a % 2, b % 2, (orders[a], orders[b]), by_u[a, b], by_v[a, b], float(shares.max()))
+
+    def correction(self, functions_u: Curve, functions_v: Curve) -> Correction:
+        """How far the edges of the Boolean sum are from those given: it holds the mean at each corner.
+
+        On the edge u = i that is sum_b g_b(v) (M - by_u)[i, b], on v = j alike. Functions are those that blend in u
+        and in v.
+        """
+        by_u, by_v = self.both()
+        gap = float(sizes((by_u - by_v)[:2, :2]).max())
+        if (by_u == by_v).all():
+            return Correction(0.0, 0.0, (0.0, 0.0))
+        missed = np.where(by_u == by_v, 0.0, by_v / 2 - by_u / 2)
+        found = []
+        for end in (0, 1):
+            for across, data, functions in ((0, missed[end], functions_v), (1, missed[:, end], functions_u)):
+                away, (along,) = greatest(partial(_distance, functions, data), functions.domain)
+                found.append((away, (float(end), along) if across == 0 else (along, float(end))))
+        return Correction(gap, *max(found))
+
+    def _single(self, orders: Sequence[int]) -> Iterator[tuple[int, int]]:
+        """The places of points and of derivatives in one parameter alone: twists are another matter."""
+        return ((a, b) for a, k in enumerate(orders) for b, j in enumerate(orders) if not k * j)
 
     def twist_gap(self) -> float:
         """The largest distance between what both pairs of edges say of a mixed derivative."""
@@ -86,9 +110,14 @@ def _mean(a: sp.Expr, b: sp.Expr) -> sp.Expr:
     return a if a == b else (a + b) / 2
 
 
-def _disagreement(i: int, j: int, order: tuple[int, int], gap: float, by_u: Array, by_v: Array) -> RsymError:
+def _distance(functions: Curve, data: Array, t: Array) -> Array:
+    return sizes(functions(t) @ data)
+
+
+def _disagreement(i: int, j: int, order: tuple[int, int], by_u: Array, by_v: Array, share: float) -> RsymError:
     """The error of edges that do not meet at the corner (i, j), or of a ribbon that is not tangent to an edge there."""
     across, along = order
+    mend = "make the ribbon agree with the edge that it ends on" if across or along else "make the edges meet there"
     if not across and not along:
         first, second = f"the edge u{i} at v = {j}", f"the edge v{j} at u = {i}"
     elif across:
@@ -96,12 +125,10 @@ def _disagreement(i: int, j: int, order: tuple[int, int], gap: float, by_u: Arra
     else:
         first, second = f"the {WORDS[along]} along the edge u{i} at v = {j}", f"that across the edge v{j} at u = {i}"
     return RsymError(
-        f"{first} is {_point(by_u)} and {second} is {_point(by_v)}: a gap of {gap:.3g}",
+        f"{first} is {_point(by_u)} and {second} is {_point(by_v)}: a gap of {float(sizes(by_u - by_v)):.3g}",
         code="corner",
         where=f"corner ({i}, {j})",
-        remedy="make the edges meet there"
-        if not across and not along
-        else "make the ribbon agree with the edge that it ends on",
+        remedy=f"{mend}, or blend the gaps in: tolerance={enough(share)}" if np.isfinite(share) else mend,
     )
 
 

@@ -24,6 +24,7 @@ from rsym.surfaces.joints.edge_report import (
 )
 from rsym.surfaces.joints.edge_verdicts import formulas_of, pole_with_proof, with_proof
 from rsym.surfaces.joints.edges import edges_of
+from rsym.surfaces.joints.extents import extent, room_for, sample_grid
 from rsym.surfaces.joints.poles import SAMPLES, clusters, fan, spread
 from rsym.surfaces.patch import LetterValues, Patch
 
@@ -34,9 +35,6 @@ Array = NDArray[np.float64]
 GAP, ANGLE, CURVATURE = 1e-7, 1e-4, 1e-5
 # Edges nearer than this share of the patches are taken as meant to meet.
 REACH = 0.01
-# Coordinates far from the origin carry rounding of their own size.
-ROUNDING = 1e-14
-GRID = 9
 FREE_POINTS = 65
 
 
@@ -108,7 +106,7 @@ normals to different sides
     patches = tuple(surfaces or ()) if surfaces is None or isinstance(surfaces, Iterable) else (surfaces,)
     _check(patches, {"gap": gap, "angle": angle, "curvature": curvature, "reach": reach})
     values = _values(patches, letters)
-    grids = [_grid(patch, own) for patch, own in zip(patches, values, strict=True)]
+    grids = [sample_grid(patch, own) for patch, own in zip(patches, values, strict=True)]
     borders = [one for k, patch in enumerate(patches) for one in _borders(k, patch, grids[k], gap, reach, values[k])]
     lines, points = ([one for one in borders if one.is_point == which] for which in (False, True))
     stretches = shared_stretches(lines)
@@ -123,7 +121,7 @@ normals to different sides
         poles = [pole_with_proof(one, group, formulas) for one, group in zip(poles, groups, strict=True)]
     edges.sort(key=badness)
     poles.sort(key=badness)
-    return EdgeReport(tuple(edges), tuple(poles), tuple(free), len(patches), _extent(*grids) if grids else 0.0)
+    return EdgeReport(tuple(edges), tuple(poles), tuple(free), len(patches), extent(*grids) if grids else 0.0)
 
 
 def _check(patches: Sequence[object], tolerances: dict[str, float]) -> None:
@@ -146,28 +144,12 @@ def _values(patches: Sequence[Patch], letters: LetterValues) -> list[LetterValue
     return [{name: given[name] for name in patch.letters if name in given} for patch in patches]
 
 
-def _grid(patch: Patch, letters: LetterValues) -> Array:
-    """Points (GRID, GRID, 3) of the whole patch."""
-    with np.errstate(all="ignore"):
-        points = patch.grid(*(np.linspace(*interval, GRID) for interval in patch.domain), letters=letters)
-    if not np.isfinite(points).all():
-        raise RsymError(f"{patch!r} is not finite everywhere", code="patch", remedy="leave its singular edge out")
-    if not np.ptp(points.reshape(-1, 3), axis=0).any():
-        raise RsymError(f"{patch!r} is a point, not a surface", code="patch", remedy="leave it out")
-    return points
-
-
-def _extent(*grids: Array) -> float:
-    """The diagonal of the box round some points."""
-    return float(np.linalg.norm(np.ptp(np.concatenate([grid.reshape(-1, 3) for grid in grids]), axis=0)))
-
-
 def _borders(
     index: int, patch: Patch, grid: Array, gap: float, reach: float, letters: LetterValues
 ) -> Iterator[Border]:
     """The edges of a patch, with the gaps that count as none and as meant to be none."""
-    size = _extent(grid)
-    none = max(gap * size, ROUNDING * float(np.abs(grid).max()))
+    size = extent(grid)
+    none = room_for(gap, grid)
     breadths = [np.linalg.norm(np.diff(grid, axis=axis), axis=-1).sum(axis=axis) for axis in (0, 1)]
     for edge in edges_of(patch, letters):
         length, breadth = float(breadths[1 - edge.across][-1 if edge.upper else 0]), float(breadths[edge.across].mean())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from math import comb
 from typing import Any
 
@@ -14,10 +15,12 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces import symbols
 from rsym.surfaces.blends.blending import HermiteBlend
+from rsym.surfaces.corrections import Correction, greatest, sizes
 from rsym.surfaces.functions.callables import Called
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.functions.univariate import Constant, Curve, Formula, Stack, on_interval
 from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.joints.meeting import apart
 from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch
 from rsym.surfaces.transfinite import BooleanSum, Loft
 
@@ -32,19 +35,26 @@ class JoinedPatch(Patch):
 
     F_n are the Hermite functions of the edge: the derivative of order n is 1 there and all others vanish there and at
     the opposite edge. So the edge becomes what is wanted and the opposite one stays. If q is a transfinite patch of
-    the same blend, this is again one, with new data. `join` makes it.
+    the same blend, this is again one, with new data. `join` makes it; `correction` tells what it changed.
     """
 
     def __init__(
         self, first: Edge, second: Edge, k: Any, h: Any, depth: int, blend: HermiteBlend | None = None
     ) -> None:
         self.patch, self.depth = second.patch, depth
+        self.edges = first, second
         factors = tuple(_factor(one, second.interval, name) for one, name in ((k, "k"), (h, "h")))
         self._check(factors[0], second)
         ribbons = [Ribbon(first, second, factors, order) for order in range(depth + 1)]
         across = Fading(_blend(blend, second, depth), second, depth)
         loft = Loft(across, Stack(ribbons))
-        self.correction = BooleanSum(along_u=loft) if second.across == 0 else BooleanSum(along_v=loft)
+        self.added = BooleanSum(along_u=loft) if second.across == 0 else BooleanSum(along_v=loft)
+
+    @cached_property
+    def correction(self) -> Correction:
+        """The gap that there was between the edges, and how far points of q were moved; at the defaults of letters."""
+        moved, (u, v) = greatest(lambda u, v: sizes(self.added(u, v)), *self.domain)
+        return Correction(apart(*self.edges)[0], moved, (u, v))
 
     @property
     def domain(self) -> Domain:
@@ -54,24 +64,24 @@ class JoinedPatch(Patch):
     @property
     def closed(self) -> tuple[bool, bool]:
         """Closed along the edge if both patches and the factors are."""
-        own, added = self.patch.closed, self.correction.closed
+        own, added = self.patch.closed, self.added.closed
         return (own[0] and added[0], own[1] and added[1])
 
     @property
     def letters(self) -> Letters:
         """Those of both patches, of the factors and of the blend."""
-        return self.patch.letters.merge(self.correction.letters)
+        return self.patch.letters.merge(self.added.letters)
 
     def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
         """The derivatives of these orders."""
         values = self.letters.values_with(letters)
         own = self.patch.evaluate(u, v, orders, _of(self.patch.letters, values))
-        added = self.correction.evaluate(u, v, orders, _of(self.correction.letters, values))
+        added = self.added.evaluate(u, v, orders, _of(self.added.letters, values))
         return [one + more for one, more in zip(own, added, strict=True)]
 
     def expression(self) -> sp.ImmutableMatrix:
         """The point as expressions in u, v and the letters."""
-        return sp.ImmutableMatrix(self.patch.expression() + self.correction.expression())
+        return sp.ImmutableMatrix(self.patch.expression() + self.added.expression())
 
     def _check(self, k: Curve, second: Edge) -> None:
         low, high = second.interval

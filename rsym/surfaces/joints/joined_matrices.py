@@ -9,9 +9,11 @@ import numpy as np
 from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.corrections import Correction, greatest, sizes
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.univariate import Constant
 from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.joints.meeting import apart
 
 # Blends are one and the same if they agree here to rounding; families with different parameters differ by far more.
 PLACES = np.linspace(0.0, 1.0, 23)
@@ -45,7 +47,11 @@ def joined_matrix(p: BicubicCoons, first: Edge, q: BicubicCoons, second: Edge, k
         row = rows_p[2 * order + int(first.upper)]
         rows_q[2 * order + int(second.upper)] = factor**order * (_backwards(row) if first.reverse else row)
     letters = p.data.letters.merge(q.data.letters)
-    return BicubicCoons(target, q.blend_u, q.blend_v, letters=letters if len(letters) else None)
+    joined = BicubicCoons(target, q.blend_u, q.blend_v, letters=letters if len(letters) else None)
+    added = q.with_matrix(joined.matrix - q.matrix)
+    moved, (u, v) = greatest(lambda u, v: sizes(added(u, v)), *added.domain)
+    joined.correction = Correction(apart(first, second)[0], moved, (u, v))
+    return joined
 
 
 def _entries(patch: BicubicCoons) -> np.ndarray[Any, Any]:

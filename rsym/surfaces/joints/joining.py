@@ -9,9 +9,11 @@ import numpy as np
 from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.corrections import MEETING, require_tolerance
 from rsym.surfaces.joints.edges import NAMES, Edge
 from rsym.surfaces.joints.joined import JoinedPatch
 from rsym.surfaces.joints.joined_matrices import joined_matrix
+from rsym.surfaces.joints.meeting import require_meeting
 from rsym.surfaces.patch import Patch
 
 DEPTHS = {"G1": 1, "G2": 2}
@@ -30,6 +32,7 @@ def join(
     continuity: str | None = None,
     transfinite: bool = False,
     blend: HermiteBlend | None = None,
+    tolerance: float = MEETING,
 ) -> BicubicCoons | JoinedPatch:
     """The patch q, changed so that it continues p across a common edge; what it is along the opposite edge stays.
 
@@ -40,7 +43,8 @@ def join(
     k = 1, h = 0 makes all these derivatives equal: C1 or C2, if both edges have intervals of one length. Two
     `BicubicCoons` with the same blend along the edge give one again: in its matrix the rows of the edge are those of
     p, times 1, k, k^2, whichever two of the sixteen pairs of edges and in either direction. Everything else gives a
-    `JoinedPatch`: q and a loft of what is missing (the class-2 transfinite form, class 3 for G2).
+    `JoinedPatch`: q and a loft of what is missing (the class-2 transfinite form, class 3 for G2). The attribute
+    `correction` of either tells the gap that there was between the edges, and how far points of q were moved at most.
 
     Parameters
     ----------
@@ -58,12 +62,15 @@ def join(
         Take a `JoinedPatch` in any case.
     blend : HermiteBlend, optional
         What fades from the edge into a `JoinedPatch`; the default is q's own, or the cubic (G1) or quintic (G2) one.
+    tolerance : float
+        By which share of the size of the smaller patch the edges may miss one another, at the same parameters and at
+        the defaults of letters. By default that is rounding; a larger one moves the edge of q to that of p on purpose.
 
     Raises
     ------
     RsymError
-        For k that is not positive, an edge that is a point, and matrices whose blends along the edge differ: what one
-        can be there the other cannot.
+        For edges that do not meet (the greatest gap and its parameter are named), k that is not positive, an edge that
+        is a point, and matrices whose blends along the edge differ: what one can be there the other cannot.
 
     Notes
     -----
@@ -72,14 +79,21 @@ def join(
 
     Examples
     --------
-    >>> import numpy as np
-    >>> p = BicubicCoons(np.random.default_rng(0).normal(size=(4, 4, 3)))
-    >>> q = BicubicCoons(np.random.default_rng(1).normal(size=(4, 4, 3)))
-    >>> r = join(p, "u1", q, "v0", k=2.0, reverse=True)
-    >>> bool(np.allclose(r(0.25, 0), p(1, 0.75)))
-    True
-    >>> bool(np.allclose(r.derivative(0.25, 0, (0, 1)), 2 * p.derivative(1, 0.75)))
-    True
+    >>> from rsym.surfaces.parametric import ParametricSurface
+    >>> from rsym.surfaces.symbols import u, v
+    >>> floor, ramp = ParametricSurface((u, v, 0)), ParametricSurface((1 + u, v, u))
+    >>> smooth = join(floor, "u1", ramp, "u0", k=2)
+    >>> smooth.derivative(0, 0.5).tolist(), smooth(1, 0.5).tolist()
+    ([2.0, 0.0, 0.0], [2.0, 0.5, 1.0])
+    >>> smooth.correction.gap, round(smooth.correction.moved, 3)
+    (0.0, 0.21)
+    >>> higher = ParametricSurface((1 + u, v, u + 0.01))
+    >>> join(floor, "u1", higher, "u0")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: (u, v) = (0, 0) of q: the edge u1 of p and the edge u0 of q do not meet: they are 0.01...
+    >>> join(floor, "u1", higher, "u0", tolerance=0.01).correction.gap
+    0.01
     """
     if not isinstance(p, Patch) or not isinstance(q, Patch):
         raise RsymError(
@@ -93,6 +107,7 @@ def join(
         edge_p, edge_q, reverse = nearest_edges(p, q)
     elif edge_p is None or edge_q is None:
         raise RsymError("one edge is given and the other is not", code="edge", remedy="give both, or None for both")
+    require_tolerance(tolerance)
     first, second = Edge(p, edge_p, reverse), Edge(q, edge_q)
     for edge in (first, second):
         if edge.is_point():
@@ -102,10 +117,14 @@ def join(
                 remedy="join the edges that meet in it",
             )
     constant = all(isinstance(one, int | float | np.number) for one in (k, h))
+    joined: BicubicCoons | JoinedPatch
     if isinstance(p, BicubicCoons) and isinstance(q, BicubicCoons) and constant and not h and not transfinite:
         depth = DEPTHS[continuity] if continuity else _own_depth(p, q)
-        return joined_matrix(p, first, q, second, float(k), depth)
-    return JoinedPatch(first, second, k, h, DEPTHS[continuity] if continuity else _own_depth(p, q), blend)
+        joined = joined_matrix(p, first, q, second, float(k), depth)
+    else:
+        joined = JoinedPatch(first, second, k, h, DEPTHS[continuity] if continuity else _own_depth(p, q), blend)
+    require_meeting(first, second, tolerance)
+    return joined
 
 
 def _own_depth(p: Patch, q: Patch) -> int:

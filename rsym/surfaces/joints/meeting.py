@@ -1,0 +1,56 @@
+"""Whether two edges meet where they are to be joined: compared at parameters that stand for one another."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.surfaces.corrections import enough, greatest, sizes
+from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.joints.extents import extent, room_for, sample_grid
+
+Array = NDArray[np.float64]
+
+
+def apart(first: Edge, second: Edge) -> tuple[float, float]:
+    """The greatest distance of two edges, and the parameter of the second where it is.
+
+    Examples
+    --------
+    >>> from rsym.surfaces.parametric import ParametricSurface
+    >>> from rsym.surfaces.symbols import u, v
+    >>> p, q = ParametricSurface((u, v, 0)), ParametricSurface((1 + u, v, v / 8))
+    >>> apart(Edge(p, "u1"), Edge(q, "u0"))
+    (0.125, 1.0)
+    """
+    (a, b), (c, d) = first.interval, second.interval
+
+    def distance(t: Array) -> Array:
+        return sizes(first.position(np.clip(a + (t - c) * ((b - a) / (d - c)), a, b)) - second.position(t))
+
+    gap, (place,) = greatest(distance, second.interval)
+    return gap, place
+
+
+def require_meeting(first: Edge, second: Edge, tolerance: float) -> None:
+    """Refuse edges that are farther apart than a share of the size of the smaller patch; rounding is allowed."""
+    grids = [sample_grid(edge.patch, edge.letters) for edge in (first, second)]
+    room = room_for(tolerance, *grids)
+    gap, place = apart(first, second)
+    if gap <= room:
+        return
+    share = gap / min(map(extent, grids))
+    u, v = (float(one) for one in second.parameters(place))
+    turned = replace(first, reverse=not first.reverse)
+    raise RsymError(
+        f"the edge {first.name} of p and the edge {second.name} of q do not meet: they are {gap:.3g} apart at "
+        f"t = {place:.4g}, {share:.2g} of the size of the smaller patch",
+        code="gap",
+        where=f"(u, v) = ({u:.4g}, {v:.4g}) of q",
+        remedy=f"reverse={turned.reverse}: the other way round they meet"
+        if apart(turned, second)[0] <= room
+        else f"tolerance={enough(share)} moves q there on purpose, and `correction` of the answer tells how far",
+    )
