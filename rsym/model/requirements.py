@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from importlib import import_module
 from numbers import Integral
 from os import PathLike
 from pathlib import Path
@@ -140,3 +141,24 @@ def require_count(name: str, value: Any, remedy: str) -> None:
     """
     if isinstance(value, bool) or not isinstance(value, Integral) or value < 1:
         raise RsymError(f"{name} must be a positive integer, got {value!r}", code=name, remedy=remedy)
+
+
+def optional_package(name: str, what: str) -> Any:
+    """A package that rsym does without until someone asks for what needs it.
+
+    Examples
+    --------
+    >>> optional_package("no_such_package", "a tune")
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: a tune needs the package no_such_package, which cannot be imported; remedy: pip install \
+no_such_package
+    """
+    try:
+        return import_module(name)
+    except (ImportError, OSError) as error:  # OSError: the package is there, its library is not
+        raise RsymError(
+            f"{what} needs the package {name}, which cannot be imported",
+            code="missing-package",
+            remedy=f"pip install {name}",
+        ) from error

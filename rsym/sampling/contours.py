@@ -13,7 +13,7 @@ from skimage.measure import find_contours
 
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
-from rsym.model.requirements import require_shape
+from rsym.model.requirements import optional_package, require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.plane import PlaneSampler, plane_sampler
 from rsym.sampling.stills import line_picture
@@ -53,6 +53,10 @@ class LevelLinesStatus:
 class LevelLines(Sequence[NDArray[np.float64]]):
     """A sequence of polylines, each (n, 2); a closed line repeats its first vertex.
 
+    The region where the field exceeds the level, the inside of a shape at level 0, is **to the left** of every line as
+    one walks along it, the first coordinate to the right and the second up: closed lines run counter-clockwise round
+    material and clockwise round holes.
+
     Examples
     --------
     >>> import rsym
@@ -82,12 +86,78 @@ class LevelLines(Sequence[NDArray[np.float64]]):
     def __iter__(self) -> Iterator[NDArray[np.float64]]:
         return iter(self.lines)
 
+    @property
+    def length(self) -> float:
+        """The length of all lines together, of the polylines."""
+        return float(sum(np.hypot(*np.diff(line, axis=0).T).sum() for line in self.lines))
+
+    @property
+    def area(self) -> float:
+        """The area of the region that the lines surround, holes taken off: the sum of x dy - y dx over 2, of polygons.
+
+        That of a region outside of its lines, all but a disc say, is the negative of what is left out; without any
+        line it is 0. Raises RsymError where lines end, at the bounds as a rule.
+        """
+        self._require_closed("an area")
+        return float(sum(map(_signed_area, self.lines)))
+
+    def to_shapely(self) -> Any:
+        """The region as a ``shapely.MultiPolygon``, each polygon with its holes.
+
+        Needs the package shapely. Raises RsymError without it, where lines end, and for a region outside of its lines.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> ring = rsym.disc(1.5) - rsym.disc(0.5)
+        >>> lines = rsym.level_lines(ring, resolution=64, bounds=((-2, 2), (-2, 2)))
+        >>> round(lines.area, 1), round(lines.length, 1)
+        (6.3, 12.6)
+        >>> [len(polygon.interiors) for polygon in lines.to_shapely().geoms]  # doctest: +SKIP
+        [1]
+        """
+        shapely = optional_package("shapely", "to_shapely")
+        self._require_closed("a region")
+        sizes = [_signed_area(line) for line in self.lines]
+        order = np.argsort(np.abs(sizes), kind="stable").tolist()
+        shells: list[tuple[float, Any, Any, list[Any]]] = [
+            (sizes[k], shapely.Polygon(self.lines[k]), self.lines[k], []) for k in order if sizes[k] > 0
+        ]
+        for k in order:
+            if sizes[k] < 0:
+                place = shapely.Polygon(self.lines[k]).representative_point()
+                around = (holes for size, shell, _, holes in shells if size > -sizes[k] and shell.contains(place))
+                owner = next(around, None)
+                if owner is None:
+                    raise RsymError(
+                        "the region lies outside of its lines, and no polygon holds it",
+                        code="unbounded",
+                        remedy="take the lines of its complement, ~shape",
+                    )
+                owner.append(self.lines[k])
+        return shapely.MultiPolygon([(line, holes) for _, _, line, holes in shells])
+
+    def _require_closed(self, what: str) -> None:
+        loose = sum(not (line[0] == line[-1]).all() for line in self.lines)
+        if loose:
+            raise RsymError(
+                f"{what} needs closed lines, {loose} of {len(self)} lines end",
+                code="open-lines",
+                remedy="widen the bounds until they hold the region; length needs no inside",
+            )
+
     def __repr__(self) -> str:
         return f"LevelLines({self.field} = {self.level:g}: {self.status})"
 
     def _repr_html_(self) -> str:
         words = escape(f"{self.field} = {self.level:g}: {self.status}")
         return f"<div>{line_picture(self.lines)}<br>{words}</div>"
+
+
+def _signed_area(line: NDArray[np.float64]) -> float:
+    """The area of a closed polygon, positive where it runs counter-clockwise."""
+    (u, v) = (line - line[0]).T
+    return float(u[:-1] @ v[1:] - u[1:] @ v[:-1]) / 2
 
 
 def level_lines(
@@ -118,7 +188,8 @@ def level_lines(
     Returns
     -------
     LevelLines
-        A sequence of (n, 2) arrays; ``.status`` counts the vertices that could not be moved.
+        A sequence of (n, 2) arrays with the region where the field exceeds the level to their left; ``.length``,
+        ``.area`` and ``.to_shapely()`` measure it, ``.status`` counts the vertices that could not be moved.
 
     Raises
     ------
@@ -147,7 +218,7 @@ def trace(
     values = sampler.values() if values is None else values
     if np.isnan(values).all():
         raise RsymError(f"the field {field!r} is undefined in all of the bounds", code="undefined")
-    found = find_contours(values, level)
+    found = find_contours(values, level, positive_orientation="high")
     moved = [move_onto_level(sampler, sampler.lattice.points(line), level) for line in found]
     lines = tuple(line for line, _ in moved)
     closed = sum(bool((line[0] == line[-1]).all()) for line in found)

@@ -33,7 +33,9 @@ def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     if np.isnan(values).all():
         raise RsymError("omega is undefined in all of the plane", code="undefined", remedy="choose other bounds")
     # Signs alone: then every vertex lies in the middle of its edge, and its edge is known.
-    found = find_contours(np.where(np.isnan(values), np.nan, np.where(values >= 0, 1.0, -1.0)), 0.0)
+    found = find_contours(
+        np.where(np.isnan(values), np.nan, np.where(values >= 0, 1.0, -1.0)), 0.0, positive_orientation="high"
+    )
     cell = min(sampler.lattice.spacing)
     points = _on_edges(sampler, leaves, np.concatenate([*found, np.empty((0, 2))]))
     distance, leaf = leaves.distance(points)

@@ -34,7 +34,7 @@ class Section:
     coordinates : tuple of two str
         The coordinates of the plane, those of the columns of each line.
     lines : LevelLines
-        The boundary; a closed line runs round material with the inside on one and the same hand.
+        The boundary, the body to its left: closed lines run counter-clockwise round material.
     normal : int
         The place of `axis` among the coordinates of the shape.
 
