@@ -46,22 +46,32 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--open", action="store_true", help="leave the surface open where it leaves the bounds")
     parser.add_argument("--features", metavar="FILE", help="also write the curves where parts meet: .dxf")
+    parser.add_argument("--size", metavar="LENGTH", help="how long the longest side gets: 120mm, 4.5in")
+    parser.add_argument("--scale", type=float, metavar="FACTOR", help="units to one unit of the model (default: 1)")
+    parser.add_argument(
+        "--unit", help="of lengths in the file: mm, cm, m or in; .3mf states it, .glb is converted to metres"
+    )
     parser.add_argument("--colour-by", choices=["part"], help="a colour for each part of the model: .glb and .html")
 
 
 def run(options: argparse.Namespace) -> None:
     """Mesh the shape, write it, and say what is known of the mesh."""
     from rsym.output.files import write, write_features
+    from rsym.output.units import sized
     from rsym.sampling.meshing import mesh
 
     shape = load_shape(options)
     with progress_bar("step", "meshing") as progress, warnings.catch_warnings():
         warnings.simplefilter("ignore", RsymWarning)  # the status, printed below, says the same
         result = mesh(shape, options.resolution, method=options.method, cap=not options.open, progress=progress)
+    result, unit = sized(result, unit=options.unit, size=options.size, scale=options.scale)
     if options.features:
-        print(write_features(result, options.features))
-    print(write(result, options.output, colour_by=options.colour_by))
+        print(write_features(result, options.features, unit=unit or "mm"))
+    print(write(result, options.output, unit=unit, colour_by=options.colour_by))
     print(*told(result.status), sep="\n")
+    if (options.size, options.scale, options.unit) != (None, None, None):
+        sides = " x ".join(f"{high - low:.6g}" for low, high in result.bounds)
+        print(f"size {sides} {unit or ''}".rstrip())
 
 
 def told(status: MeshStatus) -> Iterator[str]:

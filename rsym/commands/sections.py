@@ -36,7 +36,7 @@ def add(commands: Commands) -> None:
         "--values", required=True, type=values, metavar="V,V,...", help="where the planes lie: 1,2,4 or 1:4:0.5"
     )
     parser.add_argument("--axis", default="z", metavar="NAME", help="the coordinate that they fix (default: z)")
-    parser.add_argument("--unit", default="mm", help="of the layers: mm, cm or in (default: mm)")
+    parser.add_argument("--unit", default="mm", help="of the layers: mm, cm, m or in (default: mm)")
     parser.add_argument("--scale", type=float, default=1.0, help="units to one unit of the model (default: 1)")
     add_revolve(parser)
     add_resolution(parser, 512)

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.errors import RsymError
+from rsym.output.units import UNITS
 from rsym.sampling.sections import Section
 from rsym.sampling.sharp.features import Feature
 from rsym.verify.bodies.report import SingularCurve
-
-# The values of $INSUNITS.
-UNITS: Mapping[str, int] = MappingProxyType({"mm": 4, "cm": 5, "in": 1})
 
 Floats: TypeAlias = NDArray[np.float64]
 Tags = Iterable[tuple[int, Any]]
@@ -59,16 +55,6 @@ def features_dxf(features: Sequence[Feature | SingularCurve], unit: str, scale: 
     return _document([(_layer_of(feature.names), scale * feature.points) for feature in features], unit, flat=False)
 
 
-def check_unit(unit: str, scale: float) -> None:
-    """Refuse a unit that files do not know, and a scale that is not positive."""
-    if unit not in UNITS or not scale > 0:
-        raise RsymError(
-            f"expected one of the units {', '.join(UNITS)} and a positive scale, got {unit!r} and {scale}",
-            code="unit",
-            remedy='for example unit="mm", scale=1.0',
-        )
-
-
 def _layer_of(names: Sequence[str]) -> str:
     return "-".join(_layer_part(name) for name in names if name) or "CURVES"
 
@@ -104,7 +90,7 @@ def layer_name(section: Section) -> str:
 
 def _header(lines: Sequence[Floats], unit: str) -> Tags:
     points = np.concatenate(lines)
-    yield from [(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1009"), (9, "$INSUNITS"), (70, UNITS[unit])]
+    yield from [(0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1009"), (9, "$INSUNITS"), (70, UNITS[unit].dxf)]
     for name, corner in (("$EXTMIN", points.min(axis=0)), ("$EXTMAX", points.max(axis=0))):
         yield from [(9, name), (10, corner[0]), (20, corner[1]), (30, corner[2])]
     yield 0, "ENDSEC"

@@ -11,8 +11,9 @@ from rsym.errors import RsymError
 from rsym.model.requirements import file_path, require_kind
 from rsym.output import formats
 from rsym.output.atomic import write_atomically
-from rsym.output.dxf import check_unit, features_dxf
+from rsym.output.dxf import features_dxf
 from rsym.output.interactive import page, page_of_parts
+from rsym.output.units import UNITS, check_unit, sized
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.sharp.features import Feature
 from rsym.verify.bodies.report import SingularCurve
@@ -34,7 +35,15 @@ FORMATS: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(
 )
 
 
-def write(mesh: Mesh, path: str | os.PathLike[str], *, colour_by: str | None = None) -> Path:
+def write(
+    mesh: Mesh,
+    path: str | os.PathLike[str],
+    *,
+    unit: str | None = None,
+    size: float | str | None = None,
+    scale: float | None = None,
+    colour_by: str | None = None,
+) -> Path:
     """Write a mesh to a file, in the format that the suffix names.
 
     ========= ==================================================================================
@@ -43,12 +52,17 @@ def write(mesh: Mesh, path: str | os.PathLike[str], *, colour_by: str | None = N
     ``.obj``  text, float64 in full, a normal for each corner of each face
     ``.off``  text, float64 in full
     ``.glb``  binary glTF 2.0, float32, y up (so x, z, -y), normals, copies along sharp edges
-    ``.3mf``  float64 in full, for printing: one unit a millimetre, closed bodies alone
+    ``.3mf``  float64 in full, for printing: states its unit, closed bodies alone
     ``.html`` a page that opens offline, turns with the mouse and zooms
     ========= ==================================================================================
 
     The file appears whole or not at all: an older one stays as it is until
     the new one is safe on the disk. The same mesh gives the same bytes.
+
+    Lengths: ``.3mf`` states its unit, millimetres if none is given. ``.glb`` is in metres by definition: the numbers of
+    a mesh without a unit are taken for metres, those in a unit are converted. ``.stl``, ``.ply``, ``.obj`` and ``.off``
+    hold numbers without a unit, those in the unit given; who prints takes those of ``.stl`` for millimetres. A page
+    shows no lengths.
 
     Parameters
     ----------
@@ -56,6 +70,12 @@ def write(mesh: Mesh, path: str | os.PathLike[str], *, colour_by: str | None = N
         The triangles, in the order and with the orientation of ``mesh.faces``.
     path : str or path-like
         Where to; the folder must exist.
+    unit : {"mm", "cm", "m", "in"}, optional
+        The unit of lengths in the file; without it that of `size`, if it names one.
+    size : number or text, optional
+        How long the longest side of the mesh gets, in `unit`, or as in "120mm".
+    scale : float, optional
+        How many units one unit of the model becomes, in place of `size`; by default 1.
     colour_by : "part", optional
         Give each part its colour, and in ``.glb`` an object of its name: only in ``.glb`` and ``.html``.
 
@@ -68,7 +88,8 @@ def write(mesh: Mesh, path: str | os.PathLike[str], *, colour_by: str | None = N
     ------
     RsymError
         If the suffix is unknown, the folder is missing or cannot be written, or
-        the format cannot hold the mesh or its colours.
+        the format cannot hold the mesh or its colours; for another unit, a size or a scale that is not positive, or
+        both of them.
 
     Examples
     --------
@@ -108,6 +129,11 @@ def write(mesh: Mesh, path: str | os.PathLike[str], *, colour_by: str | None = N
             where=str(path),
             remedy=f"end the name with one of: {', '.join(FORMATS)}",
         )
+    mesh, unit = sized(mesh, unit=unit, size=size, scale=scale)
+    if path.suffix.lower() == ".3mf":
+        return write_atomically(path, formats.three_mf(mesh, unit or "mm"))
+    if path.suffix.lower() == ".glb" and unit is not None:
+        mesh = mesh.scale(UNITS[unit].metres)
     return write_atomically(path, encode(mesh))
 
 
@@ -129,7 +155,7 @@ def write_features(
         A mesh with features, so of method "sharp"; or some of them, or the singular curves of a `BodyReport`.
     path : str or path-like
         Where to; the name ends in ``.dxf``.
-    unit : {"mm", "cm", "in"}
+    unit : {"mm", "cm", "m", "in"}
         The unit of the file.
     scale : float
         How many units one unit of the model becomes.

@@ -19,6 +19,7 @@ from rsym.errors import RsymError
 from rsym.output.corners import split_sharp
 from rsym.output.parts import part_colours
 from rsym.output.shading import BODY, linear
+from rsym.output.units import UNITS
 from rsym.sampling.mesh import Mesh
 
 # float32 keeps 7 digits: below this ratio of size to distance from the origin fewer than 3 of them describe the body.
@@ -100,8 +101,8 @@ def _glb(bodies: Mapping[str, trimesh.Trimesh]) -> bytes:
     return data
 
 
-def three_mf(mesh: Mesh) -> bytes:
-    """Encode as 3MF, one unit a millimetre; the format is for bodies, so the mesh must be closed and not empty."""
+def three_mf(mesh: Mesh, unit: str = "mm") -> bytes:
+    """Encode as 3MF, which states its unit; the format is for bodies, so the mesh must be closed and not empty."""
     if not mesh.status.closed or mesh.status.volume <= 0:
         state = "an open surface" if not mesh.status.closed else f"a volume of {mesh.status.volume:.3g}"
         raise RsymError(
@@ -112,7 +113,7 @@ def three_mf(mesh: Mesh) -> bytes:
     parts = (
         ("[Content_Types].xml", _CONTENT_TYPES.encode()),
         ("_rels/.rels", _RELATIONS.encode()),
-        ("3D/3dmodel.model", _model(mesh)),
+        ("3D/3dmodel.model", _model(mesh, UNITS[unit].three_mf)),
     )
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
@@ -123,11 +124,11 @@ def three_mf(mesh: Mesh) -> bytes:
     return buffer.getvalue()
 
 
-def _model(mesh: Mesh) -> bytes:
+def _model(mesh: Mesh, unit: str) -> bytes:
     return _text(
         [
             _XML,
-            f'<model unit="millimeter" xml:lang="en" xmlns="{_CORE}">',
+            f'<model unit="{unit}" xml:lang="en" xmlns="{_CORE}">',
             "<resources>",
             '<object id="1" type="model">',
         ],

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError
 from rsym.model.requirements import file_path, several
 from rsym.output.atomic import write_atomically
-from rsym.output.dxf import check_unit, dxf
+from rsym.output.dxf import dxf
+from rsym.output.units import UNITS, check_unit
 from rsym.sampling.sections import Section
 
 Floats = NDArray[np.float64]
@@ -154,7 +155,7 @@ def write_sections(
         What `sections` returned, all along one axis.
     path : str or path-like
         Where to; the name ends in ``.svg`` or ``.dxf``.
-    unit : {"mm", "cm", "in"}
+    unit : {"mm", "cm", "m", "in"}
         The unit of the file.
     scale : float
         How many units one unit of the model becomes.
@@ -187,6 +188,8 @@ def write_sections(
     shown = _with_lines(sections)
     if len({section.axis for section in shown}) != 1:
         raise RsymError("layers of one file must have one axis", code="section", remedy="write a file for each axis")
+    if suffix == ".svg" and unit == "m":  # which SVG does not know
+        unit, scale = "mm", scale * UNITS["m"].metres / UNITS["mm"].metres
     return write_atomically(path, dxf(shown, unit, scale) if suffix == ".dxf" else svg(shown, unit, scale).encode())
 
 
