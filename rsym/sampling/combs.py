@@ -95,7 +95,8 @@ def combs(
         )
     bearings = _Bearings(sampler, compile(flat, ("value", "gradient", "curvature")), level)
     spacing = sum(float(_lengths(line).sum()) for line in lines) / teeth
-    return [_comb(line, spacing, bearings) for line in lines]
+    # The outside to the left, where the teeth point: the upper side of a body then runs along the first axis.
+    return [_comb(line[::-1], spacing, bearings) for line in lines]
 
 
 @dataclass(frozen=True)
