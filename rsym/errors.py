@@ -59,7 +59,8 @@ class RsymWarning(UserWarning):
 def warn(message: str) -> None:
     """Warn of a result, at the line outside rsym that asked for it."""
     frame, level = sys._getframe(1), 2
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "rsym":
+    # What is warned of at the end of a `with` comes through contextlib.
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] in ("rsym", "contextlib"):
         frame, level = frame.f_back, level + 1
     warnings.warn(message, RsymWarning, stacklevel=level)
 

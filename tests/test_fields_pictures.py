@@ -6,7 +6,7 @@ import sympy as sp
 
 import rsym
 from rsym import RsymError, Shape, x, y, z
-from rsym.output.fields import robust_levels
+from rsym.output.looks import robust_levels
 
 DISC = Shape((1 - x**2 - y**2) / 2, (x, y), bounds=((-2, 2), (-1.5, 1.5)))
 

@@ -29,7 +29,7 @@ def add(commands: Commands) -> None:
     )
     add_model(parser)
     add_system(parser)
-    add_output(parser, "the picture: .png, .svg or .pdf")
+    add_output(parser, "the picture: .png, .svg, .pdf or .eps")
     add_section(parser)
     add_resolution(parser, 400)
 
@@ -38,9 +38,14 @@ def run(options: argparse.Namespace) -> None:
     """Draw the sheet and write it."""
     from rsym.output.fields import plot_fields
     from rsym.output.pictures import picture_suffix, write_picture
+    from rsym.sampling.effort import tell
 
     picture_suffix(options.output)
     shape, section = load_shape(options), numbers(options.section, "--section")
     with progress_bar("field", "drawing") as progress:
-        figure = plot_fields(shape, resolution=options.resolution, section=section, progress=progress)
-    print(write_picture(figure, options.output))
+        figure = plot_fields(
+            shape, resolution=options.resolution, section=section, progress=progress, force=options.force
+        )
+        tell(progress, "writing", 1, 1)
+        written = write_picture(figure, options.output)
+    print(written)

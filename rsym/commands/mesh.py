@@ -63,7 +63,14 @@ def run(options: argparse.Namespace) -> None:
     shape = load_shape(options)
     with progress_bar("step", "meshing") as progress, warnings.catch_warnings():
         warnings.simplefilter("ignore", RsymWarning)  # the status, printed below, says the same
-        result = mesh(shape, options.resolution, method=options.method, cap=not options.open, progress=progress)
+        result = mesh(
+            shape,
+            options.resolution,
+            method=options.method,
+            cap=not options.open,
+            progress=progress,
+            force=options.force,
+        )
     result, unit = sized(result, unit=options.unit, size=options.size, scale=options.scale)
     if options.features:
         print(write_features(result, options.features, unit=unit or "mm"))

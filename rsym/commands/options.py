@@ -55,13 +55,16 @@ def add_output(parser: argparse.ArgumentParser, what: str) -> None:
 
 
 def add_resolution(parser: argparse.ArgumentParser, default: int | None, note: str = "") -> None:
-    """Cells along the longest side, or along each axis."""
+    """Cells along the longest side, or along each axis, and going on where they are too many."""
     parser.add_argument(
         "--resolution",
         type=cells,
         default=default,
         metavar="CELLS",
         help=f"along the longest side, or along each axis: 240,480,420 (default: {note or default})",
+    )
+    parser.add_argument(
+        "--force", action="store_true", help="go on where the estimate says that there is not memory enough"
     )
 
 

@@ -53,7 +53,14 @@ def run(options: argparse.Namespace) -> None:
         picture_suffix(options.output)
     shape = load_shape(options)
     with progress_bar("section", "cutting") as progress:
-        layers = sections(shape, options.values, axis=options.axis, resolution=options.resolution, progress=progress)
+        layers = sections(
+            shape,
+            options.values,
+            axis=options.axis,
+            resolution=options.resolution,
+            progress=progress,
+            force=options.force,
+        )
     if layered:
         print(write_sections(layers, options.output, unit=options.unit, scale=options.scale))
     else:

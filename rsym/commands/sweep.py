@@ -31,7 +31,7 @@ def add(commands: Commands) -> None:
     )
     add_model(parser)
     add_system(parser)
-    add_output(parser, "the picture: .png, .svg or .pdf")
+    add_output(parser, "the picture: .png, .svg, .pdf or .eps")
     parser.add_argument("--letter", required=True, metavar="NAME", help="the letter that changes")
     parser.add_argument(
         "--values",
@@ -66,5 +66,6 @@ def run(options: argparse.Namespace) -> None:
             elevation=options.elevation,
             azimuth=options.azimuth,
             progress=progress,
+            force=options.force,
         )
     print(write_picture(figure, options.output))

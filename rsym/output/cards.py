@@ -17,6 +17,7 @@ from rsym.model.nodes import Composition
 from rsym.model.requirements import require_mapping, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.traversal import rebuild
+from rsym.output.panels import named
 from rsym.output.portraits import draw_portrait
 
 SIZE = (2.5, 2.0)  # inches of a picture
@@ -108,7 +109,8 @@ def plot_gallery(
         row, column = divmod(position, across)
         left, top = column / across, 1 - row / rows
         place = (left, top - 1 / rows, 1 / across, SIZE[1] / height)
-        draw_portrait(shape, figure, place, resolution=resolution, bounds=_seen(shape, reach))
+        with named(name):
+            draw_portrait(shape, figure, place, resolution=resolution, bounds=_seen(shape, reach))
         figure.text(left + 0.5 / across, top - TITLE / 2 / height, name, ha="center", va="center")
     return figure
 

@@ -5,21 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.contour import QuadContourSet
-from matplotlib.figure import Figure
-from numpy.typing import NDArray
+from matplotlib.figure import Figure, SubFigure
 
 from rsym.codegen.fields import SIX, checked_fields
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.output.panels import COLOUR_MAP, TITLES, colour_bar, draw_levels, dress, robust_levels
+from rsym.output.looks import Look
+from rsym.output.panels import TITLES, colour_bar, draw_levels, dress
+from rsym.output.pictures import page, whole
 from rsym.output.sheet import Sheet, sheet_sampler
-from rsym.sampling.contours import level_lines, trace
+from rsym.sampling.blanks import missing_boundary, undefined_picture
+from rsym.sampling.contours import trace
+from rsym.sampling.effort import tell
 from rsym.sampling.plane import plane_sampler
-from rsym.sampling.progress import Progress, report
+from rsym.sampling.progress import Progress
 
 
 def plot_field(
@@ -28,16 +30,21 @@ def plot_field(
     *,
     ax: Axes | None = None,
     levels: Sequence[float] | None = None,
+    limits: tuple[float, float] | None = None,
+    title: str | None = None,
     resolution: int | Sequence[int] = 400,
     bounds: Any = None,
     letters: Mapping[Any, float] | None = None,
     section: Mapping[Any, float] | None = None,
-    colour_map: str = COLOUR_MAP,
+    colour_map: str | None = None,
+    outside: str | None = None,
+    force: bool = False,
 ) -> QuadContourSet:
     r"""Filled level lines of one field, the boundary omega = 0 as a heavy line.
 
-    Levels are evenly spaced over a robust range, so that a singular spot does not
-    flatten the picture; what lies beyond has the colour of the end. Where the
+    Levels are round and spaced over a robust range, so that a singular spot does not
+    flatten the picture; what lies beyond has the colour of the end. A field of both
+    signs has levels and colours of its own on each side of 0. Where the
     field is undefined the ground is hatched.
 
     Parameters
@@ -50,11 +57,34 @@ def plot_field(
         Where to draw; without it a new figure with a colour bar is made.
     levels : sequence of float, optional
         Two or more increasing levels.
+    limits : pair of numbers, optional
+        The ends of the colours instead; round levels lie between, and what is beyond has the colour of the end.
+    title : str, optional
+        Instead of the symbol of the field.
+    colour_map : str, optional
+        A name that matplotlib knows; without it ``RdBu_r`` for levels on both sides of 0, which is its middle,
+        otherwise ``viridis``.
+    outside : {"mask", "dim"}, optional
+        What is outside is white or pale, and what is inside alone chooses the levels.
+    force : bool
+        Whether to go on where the estimate says that there is not memory enough.
 
     Returns
     -------
     matplotlib.contour.QuadContourSet
         The filled contours, fit for a colour bar.
+
+    Raises
+    ------
+    RsymError
+        For a shape in space without a section, an unknown field, colour map or word for the outside, levels or limits
+        that do not increase, a field that is nowhere defined, more samples than there is memory for.
+
+    Warns
+    -----
+    RsymWarning
+        Where there is no boundary in the bounds, for a section outside the bounds of the shape, and for a field that
+        is undefined on most of the picture.
 
     Examples
     --------
@@ -63,26 +93,30 @@ def plot_field(
     >>> disc = rsym.Shape((1 - x**2 - y**2) / 2, (x, y), bounds=((-2, 2), (-2, 2)))
     >>> ax = matplotlib.figure.Figure().add_subplot()
     >>> artist = rsym.plot_field(disc, ax=ax, levels=[-1, 0, 0.5], resolution=32)
-    >>> print(ax.get_title())
-    $\omega$
+    >>> print(ax.get_title(), artist.get_cmap().name)
+    $\omega$ RdBu_r
     """
     require_shape(shape)
-    sampler = plane_sampler(shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section)
+    look = Look(levels, limits, colour_map, outside)
+    options: Any = {"resolution": resolution, "bounds": bounds, "letters": letters, "section": section, "force": force}
+    sampler = plane_sampler(shape, field, **options)
+    omega = sampler if field == "value" else plane_sampler(shape, "value", **options)
     values = sampler.values()
-    chosen = _checked_levels(levels) if levels is not None else robust_levels(values)
+    logic = values if field == "value" else omega.values()
+    chosen = look.levels_of(values, field, logic > 0)
     alone = ax is None
     if ax is None:
         import matplotlib.pyplot
 
         _, ax = matplotlib.pyplot.subplots(layout="compressed")
-    if field == "value":
-        boundary = trace(sampler, 0.0, values=values)
-    else:
-        boundary = level_lines(shape, resolution=resolution, bounds=bounds, letters=letters, section=section)
-    artist = draw_levels(ax, sampler, values, chosen, boundary, colour_map)
-    dress(ax, sampler, TITLES[field])
+    boundary = trace(omega, 0.0, values=logic)
+    artist = draw_levels(ax, sampler, values, chosen, boundary, look, logic)
+    dress(ax, sampler, TITLES[field] if title is None else title)
     if alone:
         colour_bar(artist, ax)
+    for remark in (missing_boundary(shape, omega, logic, boundary), undefined_picture(field, values)):
+        if remark:
+            warn(remark)
     return artist
 
 
@@ -90,41 +124,73 @@ def plot_fields(
     shape: Shape,
     fields: Sequence[str] = SIX,
     *,
+    figure: Figure | SubFigure | None = None,
+    levels: Mapping[str, Sequence[float]] | None = None,
+    limits: Mapping[str, tuple[float, float]] | None = None,
+    titles: Mapping[str, str] | None = None,
     resolution: int | Sequence[int] = 400,
     bounds: Any = None,
     letters: Mapping[Any, float] | None = None,
     section: Mapping[Any, float] | None = None,
-    colour_map: str = COLOUR_MAP,
+    colour_map: str | None = None,
+    outside: str | None = None,
     progress: Progress | None = None,
+    force: bool = False,
 ) -> Figure:
     r"""The sheet: level lines of several fields, by default the six of the source's Fig. 11.
 
     Panels are filled row by row, in two columns if the bounds are wide and three if they are tall.
     ``progress(done, total)`` is called before each; returning False cancels with an RsymError.
 
+    Parameters
+    ----------
+    figure : Figure or SubFigure, optional
+        Where to draw, in the size that it has; without it a new pyplot figure is made.
+    levels, limits, titles : mapping, optional
+        By the names of fields what `plot_field` takes for each.
+    shape, resolution, bounds, letters, section, colour_map, outside, force
+        As for `plot_field`, with its errors and warnings.
+
+    Returns
+    -------
+    Figure
+        The whole figure, also where a part of it was given.
+
     Examples
     --------
     >>> import rsym
     >>> from rsym import x, y
     >>> disc = rsym.Shape((1 - x**2 - y**2) / 2, (x, y), bounds=((-2, 2), (-2, 2)))
-    >>> figure = rsym.plot_fields(disc, ("value", "normalised"), resolution=32)
+    >>> figure = rsym.plot_fields(disc, ("value", "normalised"), resolution=32, titles={"value": "a disc"})
     >>> print(*(ax.get_title() for ax in figure.axes[:2]))
-    $\omega$ $\omega_n$
+    a disc $\omega_n$
     """
     require_shape(shape)
-    import matplotlib.pyplot
-
     names = checked_fields(fields)
-    report(progress, 0, len(names))
-    sampler = sheet_sampler(shape, names, resolution=resolution, bounds=bounds, section=section)
+    look = Look(_by_field(levels, names, "levels"), _by_field(limits, names, "limits"), colour_map, outside)
+    named = {**TITLES, **_by_field(titles, names, "titles")}
+    tell(progress, "compiling", 0, len(names))
+    sampler = sheet_sampler(shape, names, resolution=resolution, bounds=bounds, section=section, force=force)
+    tell(progress, "sampling", 0, len(names))
     samples = sampler.at(letters)
-    figure: Figure = matplotlib.pyplot.figure(layout="compressed")
-    Sheet(figure, samples, colour_map).draw(samples, progress)
-    return figure
+    drawn = page(figure, layout="compressed")
+    Sheet(drawn, samples, look, named, sized=figure is None).draw(samples, progress)
+    omega = samples.omega
+    remarks = [missing_boundary(shape, samples.sampler, omega, samples.boundary)]
+    remarks += [undefined_picture(name, values) for name, values in samples.fields.items()]
+    for remark in filter(None, remarks):
+        warn(remark)
+    return whole(drawn)
 
 
-def _checked_levels(levels: Sequence[float]) -> NDArray[np.float64]:
-    chosen = np.asarray(levels, np.float64)
-    if chosen.ndim != 1 or len(chosen) < 2 or not (np.diff(chosen) > 0).all():
-        raise RsymError(f"levels must be two or more increasing numbers, got {levels!r}", code="levels")
-    return chosen
+def _by_field(given: Any, names: Sequence[str], word: str) -> dict[str, Any]:
+    """What was given by the names of fields, which are among those that are drawn."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping) or not set(given) <= set(names):
+        raise RsymError(
+            f"{word} of several fields are given by their names ({', '.join(names)}), got {given!r}",
+            code=word,
+            remedy=f"{word}={{{names[0]!r}: ...}}",
+        )
+    return dict(given)

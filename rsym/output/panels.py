@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
-import matplotlib.ticker
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colorbar import Colorbar
 from matplotlib.contour import QuadContourSet
 from matplotlib.patches import Rectangle
+from matplotlib.path import Path
+from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
-from rsym.errors import RsymError
+from rsym.errors import RsymError, RsymWarning, warn
+from rsym.output.looks import PLAIN, Look
 from rsym.sampling.plane import PlaneSampler
 
 TITLES = {
@@ -33,29 +37,9 @@ TITLES = {
     "mean_curvature": "mean curvature $H$",
     "gaussian_curvature": "Gaussian curvature $K$",
 }
-COLOUR_MAP = "viridis"
-# Singular spots reach any height; the colours span what lies between these shares of all samples.
-ROBUST_RANGE = (0.02, 0.98)
-LEVEL_COUNT = 14
 
-
-def robust_levels(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """About fourteen round levels between low and high quantiles of the finite values.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> robust_levels(np.append(np.linspace(0, 1, 1000), 1e9)).max() <= 1.1
-    np.True_
-    """
-    finite = values[np.isfinite(values)]
-    if not finite.size:
-        raise RsymError("the field is undefined in all of the bounds", code="undefined", remedy="choose other bounds")
-    low, high = np.quantile(finite, ROBUST_RANGE)
-    if high - low <= 1e-12 * max(abs(low), abs(high)):
-        margin = max(abs(low), 1.0) * 0.5
-        low, high = low - margin, high + margin
-    return np.asarray(matplotlib.ticker.MaxNLocator(LEVEL_COUNT).tick_values(low, high))
+# A line may be this share of a cell beside itself when it is drawn; matplotlib allows itself so many pixels.
+STRAIGHT, SIMPLIFIED = 0.1, 1 / 9
 
 
 def draw_levels(
@@ -64,19 +48,39 @@ def draw_levels(
     values: NDArray[np.float64],
     levels: NDArray[np.float64],
     boundary: Iterable[NDArray[np.float64]],
-    colour_map: str = COLOUR_MAP,
+    look: Look = PLAIN,
+    omega: NDArray[np.float64] | None = None,
 ) -> QuadContourSet:
-    """Filled level lines of sampled values, hatched where there are none, and the boundary as a heavy line."""
+    """Filled level lines of sampled values, hatched where there are none, and the boundary as a heavy line.
+
+    Fills are pixels in a file of lines, which would be megabytes of polygons. A look that hides the outside needs the
+    samples of omega.
+    """
     u, v = sampler.lattice.axis(0), sampler.lattice.axis(1)
     shown = np.ma.masked_invalid(values.T)
     if shown.mask.any():
         box = Rectangle((u[0], v[0]), u[-1] - u[0], v[-1] - v[0], facecolor="0.92", edgecolor="0.6", hatch="////")
         box.set(linewidth=0, zorder=0)
         ax.add_patch(box)
-    artist = ax.contourf(u, v, shown, levels=levels, cmap=colour_map, extend="both")
-    ax.contour(u, v, shown, levels=levels, colors="black", linewidths=0.35, linestyles="solid", alpha=0.55)
+    colours, scale = look.colours(levels)
+    artist = ax.contourf(u, v, shown, levels=levels, cmap=colours, norm=scale, extend="both")
+    artist.set(rasterized=True)
+    lines = ax.contour(u, v, shown, levels=levels, colors="black", linewidths=0.35, linestyles="solid", alpha=0.55)
+    for drawn in (artist, lines):
+        thin_out(drawn, min(sampler.lattice.spacing))
+    if look.veil and omega is not None and np.nanmin(omega) < 0:
+        outside = [2 * float(np.nanmin(omega)), 0.0]
+        veil = ax.contourf(u, v, np.ma.masked_invalid(omega.T), levels=outside, colors="white", alpha=look.veil)
+        veil.set(rasterized=True, zorder=2.5)
     ax.add_collection(LineCollection(list(boundary), colors="black", linewidths=1.8, zorder=3), autolim=False)
     return artist
+
+
+def thin_out(lines: QuadContourSet, cell: float) -> None:
+    """Leave out vertices where a line is straight to a share of a cell: most of them, and of a file of lines."""
+    finer = Affine2D().scale(SIMPLIFIED / (STRAIGHT * cell))
+    kept = [path.cleaned(transform=finer, simplify=True) for path in lines.get_paths()]
+    lines.set_paths([finer.inverted().transform_path(Path(path.vertices[:-1], path.codes[:-1])) for path in kept])
 
 
 def colour_bar(artist: QuadContourSet, *axes: Axes, rows: int = 1, place: Axes | None = None) -> Colorbar:
@@ -90,12 +94,14 @@ def colour_bar(artist: QuadContourSet, *axes: Axes, rows: int = 1, place: Axes |
     (left, right), (low, high) = axes[0].get_xlim(), axes[0].get_ylim()
     slender = 20 * max(1.0, rows * (high - low) / (right - left))
     if place is None:
-        bar = axes[0].figure.colorbar(artist, ax=axes, pad=0.02, fraction=0.05, aspect=slender, ticks=ticks)
+        bar = axes[0].figure.colorbar(
+            artist, ax=axes, pad=0.02, fraction=0.05, aspect=slender, ticks=ticks, format="%g"
+        )
     else:
         place.clear()
         # A second locator would take the room for the arrows of the bar once more.
         place.set_axes_locator(None)  # type: ignore[arg-type]
-        bar = axes[0].figure.colorbar(artist, cax=place, ticks=ticks)
+        bar = axes[0].figure.colorbar(artist, cax=place, ticks=ticks, format="%g")
     bar.ax.tick_params(labelsize=7, length=2)
     return bar
 
@@ -112,3 +118,26 @@ def dress(ax: Axes, sampler: PlaneSampler, title: str) -> None:
     )
     ax.set_title(title, fontsize=12)
     ax.tick_params(labelsize=8)
+
+
+@contextmanager
+def named(label: str) -> Iterator[None]:
+    """Say of which panel what could not be drawn, or only with a warning, is one.
+
+    Examples
+    --------
+    >>> with named("a = 2"):
+    ...     raise RsymError("no boundary", code="empty")
+    Traceback (most recent call last):
+        ...
+    rsym.errors.RsymError: a = 2: no boundary
+    """
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", RsymWarning)
+            yield
+    except RsymError as error:
+        where = label + (f", {error.where}" if error.where else "")
+        raise RsymError(error.message, code=error.code, where=where, remedy=error.remedy) from error
+    for one in caught:
+        warn(f"{label}: {one.message}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -11,20 +12,21 @@ from typing import Any
 
 import matplotlib
 from matplotlib.artist import Artist
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 from rsym.errors import RsymError
 from rsym.output.atomic import write_atomically
 
 # What matplotlib would write of the day and of itself, by suffix.
 METADATA: Mapping[str, Mapping[str, str | None]] = MappingProxyType(
-    {".png": {"Software": "rsym"}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    {".png": {"Software": "rsym"}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".eps": {"Creator": "rsym"}}
 )
-DPI = 150
+PATH, DECIMALS = re.compile(rb'(?<= d=")[^"]*'), re.compile(rb"(\.\d{3})\d+")
+DPI = (300, 150)  # of pixels among lines, and of a picture of pixels
 
 
-def write_picture(figure: Figure, path: str | os.PathLike[str], *, dpi: float = DPI) -> Path:
-    """Write a figure as ``.png``, ``.svg`` or ``.pdf``, trimmed.
+def write_picture(figure: Figure, path: str | os.PathLike[str], *, dpi: float | None = None) -> Path:
+    """Write a figure as ``.png``, ``.svg``, ``.pdf`` or ``.eps``, trimmed; what is shaded there has 300 dots per inch.
 
     Examples
     --------
@@ -35,9 +37,31 @@ def write_picture(figure: Figure, path: str | os.PathLike[str], *, dpi: float = 
     """
     suffix = picture_suffix(path)
     data = io.BytesIO()
+    pixels = [part for part in figure.findobj(lambda part: bool(part.get_rasterized())) if suffix == ".eps"]
+    for part in pixels:  # which PostScript writes out in figures, ten megabytes of them
+        part.set_rasterized(False)
     with matplotlib.rc_context({"svg.hashsalt": "rsym"}):
-        figure.savefig(data, format=suffix[1:], dpi=dpi, bbox_inches="tight", metadata=dict(METADATA[suffix]))
-    return write_atomically(path, data.getvalue())
+        figure.savefig(
+            data,
+            format=suffix[1:],
+            dpi=dpi or DPI[suffix == ".png"],
+            bbox_inches="tight",
+            metadata=dict(METADATA[suffix]),
+        )
+    for part in pixels:
+        part.set_rasterized(True)
+    return write_atomically(path, shorter(data.getvalue()) if suffix == ".svg" else data.getvalue())
+
+
+def shorter(drawing: bytes) -> bytes:
+    """An SVG drawing whose paths have three decimals, a thousandth of a point, where matplotlib writes six.
+
+    Examples
+    --------
+    >>> shorter(b'<path d="M 1.234567 0.5" transform="scale(0.015625)"/>')
+    b'<path d="M 1.234 0.5" transform="scale(0.015625)"/>'
+    """
+    return PATH.sub(lambda path: DECIMALS.sub(rb"\1", path[0]), drawing)
 
 
 def figure_of(artist: Artist) -> Figure:
@@ -55,6 +79,38 @@ def figure_of(artist: Artist) -> Figure:
     whole = figure.figure
     assert isinstance(whole, Figure)
     return whole
+
+
+def page(
+    figure: Figure | SubFigure | None, *, layout: str | None = None, size: tuple[float, float] | None = None
+) -> Figure | SubFigure:
+    """The figure that was given, as it is, or a new one of pyplot.
+
+    Examples
+    --------
+    >>> part = Figure().subfigures()
+    >>> page(part) is part, whole(part) is part
+    (True, False)
+    """
+    if figure is None:
+        import matplotlib.pyplot
+
+        new: Figure = matplotlib.pyplot.figure(layout=layout, figsize=size)
+        return new
+    if not isinstance(figure, Figure | SubFigure):
+        raise RsymError(
+            f"figure must be a Figure or a SubFigure of matplotlib, got {type(figure).__name__}",
+            code="figure",
+            remedy="figure=matplotlib.pyplot.figure(), or one of figure.subfigures(1, 2)",
+        )
+    return figure
+
+
+def whole(figure: Figure | SubFigure) -> Figure:
+    """The figure that a part belongs to."""
+    root: Any = figure.figure
+    assert isinstance(root, Figure)
+    return root
 
 
 def require_report(given: object, expected: type, question: str) -> None:

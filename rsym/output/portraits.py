@@ -10,11 +10,13 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from rsym.codegen.kernel import compile
-from rsym.errors import RsymWarning
+from rsym.errors import RsymWarning, warn
 from rsym.model.shape import Bounds, Shape
 from rsym.output import axes3d
-from rsym.output.panels import draw_levels, robust_levels
+from rsym.output.looks import PLAIN
+from rsym.output.panels import draw_levels
 from rsym.output.surfaces import ShadedMesh, plot_mesh
+from rsym.sampling.blanks import missing_boundary
 from rsym.sampling.contours import trace
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import lattice_over
@@ -99,8 +101,10 @@ def _draw_levels(shape: Shape, box: Bounds, figure: Figure, place: Place) -> Art
     values = sampler.values()
     unsigned = np.nanmin(values) >= 0
     boundary = () if unsigned else trace(sampler, 0.0, values=values)
+    if remark := missing_boundary(shape, sampler, values, boundary):
+        warn(remark)
     ax = figure.add_axes(place)
-    artist = draw_levels(ax, sampler, values, robust_levels(values), boundary)
+    artist = draw_levels(ax, sampler, values, PLAIN.levels_of(values, "value"), boundary)
     u, v = sampler.lattice.axis(0), sampler.lattice.axis(1)
     if unsigned:
         ax.contourf(u, v, values.T, levels=[-1.0, STROKE * _longest(box)], colors="black")

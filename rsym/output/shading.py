@@ -123,6 +123,7 @@ def reduce(samples: NDArray[np.float32], factor: int) -> NDArray[np.uint8]:
     height, width = samples.shape[0] // factor, samples.shape[1] // factor
     mean = samples.reshape(height, factor, width, factor, 4).mean(axis=(1, 3), dtype=np.float64)
     coverage = mean[..., 3:]
-    colour = encode(mean[..., :3] / np.where(coverage > 0, coverage, 1.0))
+    # White where there is nothing: some formats do not know what shows through.
+    colour = np.where(coverage > 0, encode(mean[..., :3] / np.where(coverage > 0, coverage, 1.0)), 1.0)
     image: NDArray[np.uint8] = np.rint(255 * np.concatenate([colour, coverage], axis=-1)).astype(np.uint8)
     return image

@@ -8,24 +8,27 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.colorbar import Colorbar
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from numpy.typing import NDArray
 
 from rsym.codegen.fields import checked_fields
 from rsym.codegen.kernel import compile
 from rsym.model.shape import Shape
-from rsym.output.panels import COLOUR_MAP, TITLES, colour_bar, draw_levels, dress, robust_levels
+from rsym.output.looks import PLAIN, Look
+from rsym.output.panels import TITLES, colour_bar, draw_levels, dress
 from rsym.sampling.contours import LevelLines, trace
+from rsym.sampling.effort import tell
 from rsym.sampling.plane import PlaneSampler, checked_scalar, plane_sampler
-from rsym.sampling.progress import Progress, report
+from rsym.sampling.progress import Progress
 
 
 @dataclass(frozen=True)
 class SheetSamples:
-    """What a sheet shows: values of fields on the lattice of a sampler, by name, and the boundary omega = 0."""
+    """What a sheet shows: values of fields on the lattice of a sampler, by name, omega and the boundary omega = 0."""
 
     sampler: PlaneSampler
     fields: Mapping[str, NDArray[Any]]
+    omega: NDArray[Any]
     boundary: LevelLines
 
 
@@ -48,7 +51,8 @@ class SheetSampler:
         """Sample at some letters, and in another section along the same coordinates."""
         omega = self.omega.at(letters, section)
         fields = self.fields.at(letters, section).samples()
-        return SheetSamples(omega, fields, trace(omega, 0.0, values=fields.get("value")))
+        values = fields["value"] if "value" in fields else omega.values()
+        return SheetSamples(omega, fields, values, trace(omega, 0.0, values=values))
 
 
 def sheet_sampler(
@@ -58,10 +62,13 @@ def sheet_sampler(
     resolution: int | Sequence[int],
     bounds: Any = None,
     section: Mapping[Any, float] | None = None,
+    force: bool | None = None,
 ) -> SheetSampler:
     """Prepare several scalar fields for one sheet."""
     names = tuple(checked_scalar(field) for field in checked_fields(fields))
-    omega = plane_sampler(shape, "value", resolution=resolution, bounds=bounds, section=section)
+    omega = plane_sampler(
+        shape, "value", resolution=resolution, bounds=bounds, section=section, held=len(names), force=force
+    )
     return SheetSampler(omega, replace(omega, kernel=compile(shape, names)))
 
 
@@ -78,11 +85,20 @@ class Sheet:
     $\omega_n$
     """
 
-    def __init__(self, figure: Figure, samples: SheetSamples, colour_map: str = COLOUR_MAP) -> None:
+    def __init__(
+        self,
+        figure: Figure | SubFigure,
+        samples: SheetSamples,
+        look: Look = PLAIN,
+        titles: Mapping[str, str] = TITLES,
+        *,
+        sized: bool = True,
+    ) -> None:
         self.figure = figure
-        self._colour_map = colour_map
+        self._look, self._titles = look, titles
         rows, columns, size = _arrangement(samples.sampler, len(samples.fields))
-        figure.set_size_inches(*size)
+        if sized and isinstance(figure, Figure):
+            figure.set_size_inches(*size)
         axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
         for ax in axes.flat[len(samples.fields) :]:
             ax.set_axis_off()
@@ -92,19 +108,25 @@ class Sheet:
     def draw(self, samples: SheetSamples, progress: Progress | None = None) -> None:
         """Draw, in the place of what was drawn before."""
         total = len(self._axes)
-        levels = [robust_levels(values) for values in samples.fields.values()]
+        inside = samples.omega > 0
+        looks = [self._look.of(field) for field in samples.fields]
+        levels = [
+            look.levels_of(values, field, inside)
+            for look, (field, values) in zip(looks, samples.fields.items(), strict=True)
+        ]
         places: list[Axes | None] = [bar.ax for bar in self._bars] or [None] * total
         self._bars = []
         for number, (field, values) in enumerate(samples.fields.items()):
-            report(progress, number, total)
+            tell(progress, field, number, total)
             ax = self._axes[number]
             for old in (*ax.collections, *ax.patches):
                 old.remove()
-            artist = draw_levels(ax, samples.sampler, values, levels[number], samples.boundary, self._colour_map)
-            dress(ax, samples.sampler, TITLES[field])
+            drawn = levels[number], samples.boundary, looks[number], samples.omega
+            artist = draw_levels(ax, samples.sampler, values, *drawn)
+            dress(ax, samples.sampler, self._titles[field])
             self._bars.append(colour_bar(artist, ax, place=places[number]))
             ax.label_outer()
-        report(progress, total, total)
+        tell(progress, "done", total, total)
 
 
 def _arrangement(sampler: PlaneSampler, count: int) -> tuple[int, int, tuple[float, float]]:

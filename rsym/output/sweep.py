@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,18 +11,21 @@ from matplotlib.figure import Figure, SubFigure
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
-from rsym.errors import RsymError, RsymWarning
+from rsym.errors import RsymError, warn
 from rsym.model.letters import Letter
 from rsym.model.names import typeset_name
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.output import axes3d
-from rsym.output.panels import colour_bar, draw_levels, dress, robust_levels
+from rsym.output.looks import Look
+from rsym.output.panels import colour_bar, draw_levels, dress, named
+from rsym.output.pictures import page, whole
 from rsym.output.surfaces import plot_mesh
+from rsym.sampling.blanks import missing_boundary
 from rsym.sampling.contours import trace
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
-from rsym.sampling.plane import plane_sampler
+from rsym.sampling.plane import PlaneSampler, plane_sampler
 from rsym.sampling.progress import Progress, report
 
 PLANE_RESOLUTION, SPACE_RESOLUTION = 300, 192
@@ -52,9 +53,16 @@ def plot_sweep(
     bounds: Any = None,
     letters: Mapping[Any, float] | None = None,
     section: Mapping[Any, float] | None = None,
+    figure: Figure | SubFigure | None = None,
+    levels: Sequence[float] | None = None,
+    limits: tuple[float, float] | None = None,
+    titles: Sequence[str] | None = None,
+    colour_map: str | None = None,
+    outside: str | None = None,
     elevation: float = 22.0,
     azimuth: float = -55.0,
     progress: Progress | None = None,
+    force: bool = False,
 ) -> Figure:
     r"""The same shape at several values of one letter, side by side.
 
@@ -76,10 +84,23 @@ def plot_sweep(
         Cells along the longest side: 300 in the plane, 192 in space.
     bounds, letters, section
         As for `plot_field` and `mesh`; `letters` sets the others.
+    figure : Figure or SubFigure, optional
+        Where to draw, in the size that it has; without it a new pyplot figure is made.
+    levels, limits, colour_map, outside
+        Of pictures in the plane, all alike, as for `plot_field`.
+    titles : sequence of str, optional
+        One for each panel, instead of the letter and its value.
     elevation, azimuth : float
         The camera of bodies, as for `plot_mesh`.
     progress : callable, optional
         ``progress(done, total)``; returning False cancels with an RsymError.
+    force : bool
+        Whether to go on where the estimate says that there is not memory enough.
+
+    Returns
+    -------
+    Figure
+        The whole figure, also where a part of it was given.
 
     Raises
     ------
@@ -95,21 +116,27 @@ def plot_sweep(
     """
     require_shape(shape)
     name = str(letter)
+    look = Look(levels, limits, colour_map, outside)
     panels = [_panel(shape, name, {**(letters or {}), name: value}) for value in values]
     if not panels:
         raise RsymError("a sweep needs at least one value", code="values", remedy="for example [20, 40, 80]")
+    if titles is not None:
+        panels = _titled(panels, titles)
     count = _columns(columns, len(panels))
     if shape.dimension == 2 or section:
         cells = PLANE_RESOLUTION if resolution is None else resolution
-        return _plane(shape, panels, count, cells, bounds, section, progress)
+        sampler = plane_sampler(
+            shape, "value", resolution=cells, bounds=bounds, section=section, held=len(panels), force=force
+        )
+        return _plane(shape, sampler, panels, count, look, figure, progress)
     cells = SPACE_RESOLUTION if resolution is None else resolution
     bodies = []
     for done, panel in enumerate(panels):
         report(progress, done, len(panels))
-        with _named(panel):
-            bodies.append(mesh(shape, cells, bounds=bounds, letters=panel.letters))
+        with named(panel.label):
+            bodies.append(mesh(shape, cells, bounds=bounds, letters=panel.letters, force=force))
     report(progress, len(panels), len(panels))
-    return _space(bodies, panels, count, elevation, azimuth)
+    return _space(bodies, panels, count, elevation, azimuth, figure)
 
 
 def letter_title(name: str, letter: Letter, value: float) -> str:
@@ -128,6 +155,15 @@ def _panel(shape: Shape, name: str, letters: Mapping[Any, float]) -> _Panel:
     return _Panel(values, letter_title(name, shape.letters[name], values[name]), f"{name} = {values[name]:.6g}")
 
 
+def _titled(panels: Sequence[_Panel], titles: Sequence[str]) -> list[_Panel]:
+    """Panels with titles that somebody gave."""
+    if isinstance(titles, str) or not isinstance(titles, Sequence) or len(titles) != len(panels):
+        raise RsymError(
+            f"titles are as many as values, {len(panels)}, got {titles!r}", code="titles", remedy="leave them out"
+        )
+    return [replace(panel, title=str(title)) for panel, title in zip(panels, titles, strict=True)]
+
+
 def _columns(columns: int | None, count: int) -> int:
     if columns is None:
         return 2 if count == 4 else min(count, 3)
@@ -136,71 +172,59 @@ def _columns(columns: int | None, count: int) -> int:
     return min(columns, count)
 
 
-@contextmanager
-def _named(panel: _Panel) -> Iterator[None]:
-    """Say at which value a shape could not be drawn, or only with a warning."""
-    try:
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", RsymWarning)
-            yield
-    except RsymError as error:
-        where = panel.label + (f", {error.where}" if error.where else "")
-        raise RsymError(error.message, code=error.code, where=where, remedy=error.remedy) from error
-    for one in caught:
-        warnings.warn(f"{panel.label}: {one.message}", one.category, stacklevel=4)
-
-
 def _plane(
     shape: Shape,
+    sampler: PlaneSampler,
     panels: Sequence[_Panel],
     columns: int,
-    resolution: Any,
-    bounds: Any,
-    section: Mapping[Any, float] | None,
+    look: Look,
+    figure: Figure | SubFigure | None,
     progress: Progress | None,
 ) -> Figure:
-    import matplotlib.pyplot
-
-    sampler = plane_sampler(shape, "value", resolution=resolution, bounds=bounds, section=section)
     samplers = [sampler.at(panel.letters) for panel in panels]
     samples = [one.values() for one in samplers]
-    levels = robust_levels(np.concatenate(samples))
+    together = np.concatenate(samples)
+    levels = look.levels_of(together, "value", together > 0)
     rows = -(-len(panels) // columns)
     sides = np.array(sampler.lattice.spacing) * sampler.lattice.counts
     width, height = PANEL * sides / sides.max()
-    figure: Figure
-    figure, axes = matplotlib.pyplot.subplots(
-        rows,
-        columns,
-        figsize=(columns * (width + 0.4) + 0.8, rows * (height + 0.55)),
-        squeeze=False,
-        sharex=True,
-        sharey=True,
-        layout="compressed",
-    )
+    size = (columns * (width + 0.4) + 0.8, rows * (height + 0.55))
+    drawn = page(figure, layout="compressed", size=size)
+    axes = drawn.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     for done, (ax, one, values, panel) in enumerate(zip(axes.flat, samplers, samples, panels, strict=False)):
         report(progress, done, len(panels))
-        with _named(panel):
-            artist = draw_levels(ax, one, values, levels, trace(one, 0.0, values=values))
+        with named(panel.label):
+            boundary = trace(one, 0.0, values=values)
+            artist = draw_levels(ax, one, values, levels, boundary, look, values)
+            remark = missing_boundary(shape, one, values, boundary)
+            if remark:
+                warn(remark)
         dress(ax, one, panel.title)
         ax.label_outer()
     for ax in axes.flat[len(panels) :]:
         ax.set_axis_off()
     colour_bar(artist, *axes.flat, rows=rows)
     report(progress, len(panels), len(panels))
-    return figure
+    return whole(drawn)
 
 
-def _space(bodies: Sequence[Mesh], panels: Sequence[_Panel], columns: int, elevation: float, azimuth: float) -> Figure:
+def _space(
+    bodies: Sequence[Mesh],
+    panels: Sequence[_Panel],
+    columns: int,
+    elevation: float,
+    azimuth: float,
+    figure: Figure | SubFigure | None,
+) -> Figure:
     corners = np.concatenate([body.vertices[np.unique(body.faces)] for body in bodies])
     low, high = corners.min(axis=0), corners.max(axis=0)
-    figure, cells = _cells(low, high, len(bodies), columns, elevation, azimuth)
+    drawn, cells = _cells(low, high, len(bodies), columns, elevation, azimuth, figure)
     for body, panel, (heading, axes) in zip(bodies, panels, cells, strict=True):
         heading.text(0.5, 0.4, panel.title, ha="center", va="center", fontsize=12)
         plot_mesh(body, ax=axes)
         axes3d.frame(axes, low, high, elevation, azimuth)
         axes3d.style(axes)
-    return figure
+    return whole(drawn)
 
 
 def _cells(
@@ -210,17 +234,17 @@ def _cells(
     columns: int,
     elevation: float,
     azimuth: float,
-) -> tuple[Figure, list[tuple[SubFigure, Axes3D]]]:
-    """A figure with a heading and axes for each body, placed as `new_axes` places them on a page of their own."""
-    alone = axes3d.new_axes(low, high, elevation, azimuth)
-    figure: Any = alone.get_figure()
-    place, (width, height) = alone.get_position(original=True), figure.get_size_inches()
-    alone.remove()
+    figure: Figure | SubFigure | None,
+) -> tuple[Figure | SubFigure, list[tuple[SubFigure, Axes3D]]]:
+    """A figure with a heading and axes for each body, placed as `page_axes` places them on a page of their own."""
+    alone = Figure()
+    place = axes3d.page_axes(alone, low, high, elevation, azimuth).get_position(original=True)
+    width, height = alone.get_size_inches()
     rows, body = -(-count // columns), BODY * height / width
-    figure.set_size_inches(columns * BODY, rows * (TITLE + body))
-    parts = figure.subfigures(2 * rows, columns, squeeze=False, height_ratios=[TITLE, body] * rows)
+    drawn: Any = page(figure, size=(columns * BODY, rows * (TITLE + body)))
+    parts = drawn.subfigures(2 * rows, columns, squeeze=False, height_ratios=[TITLE, body] * rows)
     cells = []
     for number in range(count):
         row, column = divmod(number, columns)
         cells.append((parts[2 * row, column], axes3d.add_axes(parts[2 * row + 1, column], place)))
-    return figure, cells
+    return drawn, cells

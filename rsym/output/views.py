@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from rsym.model.shape import Shape
 from rsym.output import axes3d
+from rsym.output.pictures import whole
 from rsym.output.sheet import Sheet, sheet_sampler
 from rsym.output.surfaces import plot_mesh
 from rsym.sampling.meshing import mesh
@@ -48,13 +49,13 @@ class SheetView:
         if self._sheet is None:
             sheet = Sheet(Figure(layout="compressed", dpi=DPI), samples)
             sheet.draw(samples)
-            sheet.figure.draw_without_rendering()
+            whole(sheet.figure).draw_without_rendering()
             # The places of panels and colour bars are found; finding them anew takes half of the time of a picture.
-            sheet.figure.set_layout_engine("none")
+            whole(sheet.figure).set_layout_engine("none")
             self._sheet = sheet
         else:
             self._sheet.draw(samples)
-        return self._sheet.figure
+        return whole(self._sheet.figure)
 
 
 class BodyView:

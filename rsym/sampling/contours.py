@@ -169,6 +169,7 @@ def level_lines(
     bounds: Any = None,
     letters: Mapping[Any, float] | None = None,
     section: Mapping[Any, float] | None = None,
+    force: bool = False,
 ) -> LevelLines:
     """The curves field = level, every vertex moved onto the level by Newton steps.
 
@@ -184,6 +185,8 @@ def level_lines(
         Square cells along the longer side, or cells along each axis.
     bounds, letters
         Override those of the shape. Without any bounds those of `extent` are taken, and an eighth around them.
+    force : bool
+        Whether to go on where the estimate says that there is not memory enough.
 
     Returns
     -------
@@ -207,7 +210,9 @@ def level_lines(
     """
     require_shape(shape)
     wanted = float(real_number(level, "the level"))
-    sampler = plane_sampler(shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section)
+    sampler = plane_sampler(
+        shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section, force=force
+    )
     return trace(sampler, wanted, field)
 
 

@@ -7,7 +7,7 @@ from time import monotonic
 from typing import Protocol, runtime_checkable
 
 from rsym.errors import RsymError
-from rsym.sampling.progress import Progress, Stages
+from rsym.sampling.progress import Progress, Stages, report
 
 
 @runtime_checkable
@@ -34,6 +34,19 @@ class Describing(Protocol):
 
     def describe(self, stage: str, undecided: float) -> None:
         """Take note of the name of the stage at work and of what is undecided."""
+
+
+def tell(progress: Progress | None, stage: str, done: int, total: int) -> None:
+    """Say what is at work and how far it is, to a progress that may be `Describing`; False cancels.
+
+    Examples
+    --------
+    >>> tell(lambda done, total: print(done, "of", total), "sampling", 1, 2)
+    1 of 2
+    """
+    if isinstance(progress, Describing):
+        progress.describe(stage, math.nan)
+    report(progress, done, total)
 
 
 class Effort:

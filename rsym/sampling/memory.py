@@ -1,13 +1,17 @@
-"""Memory: what is free, and refusing what cannot fit before it is taken."""
+"""Memory: what is free, and refusing what cannot fit before it is taken; with it the time that it would take."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rsym.errors import RsymError
+
+# Of the free memory, what a resolution that is said to fit may take: others take some too.
+SURE = 0.9
 
 
 def free_memory(root: Path = Path("/")) -> float:
@@ -73,9 +77,10 @@ def _lines(path: Path) -> Iterator[str]:
 
 
 class TooLarge(RsymError):
-    """What does not fit; `share` of the resolution may."""
+    """What does not fit; `share` of the resolution may, of a surface."""
 
     def __init__(self, need: float, free: float) -> None:
+        self.need, self.free = need, free
         super().__init__(
             f"about {_size(need)} of memory are needed, {_size(free)} are free",
             code="memory",
@@ -105,5 +110,71 @@ class Budget:
             raise TooLarge(max(need, expected), self.free)
 
 
+def refusal(resolution: Any, fits: Any, need: float, seconds: float, free: float, *, force: bool = True) -> RsymError:
+    """The error for a resolution that takes more memory than is free; `force` where the caller can go on all the same.
+
+    Examples
+    --------
+    >>> print(refusal(100_000, 8_000, 3e12, 1e4, 2e10))
+    resolution 100000: about 3e+03 GB of memory and 3 hours are needed, 20 GB are free; \
+remedy: resolution 8000 fits, or force=True, on the command line --force, to go on all the same
+    """
+    forced = ", or force=True, on the command line --force, to go on all the same" if force else ""
+    return RsymError(
+        f"resolution {resolution}: about {_size(need)} of memory and {_duration(seconds)} are needed, "
+        f"{_size(free)} are free",
+        code="memory",
+        remedy=f"resolution {fits} fits{forced}",
+    )
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What each sample of a lattice takes: bytes, and seconds on one core of a few years ago.
+
+    Examples
+    --------
+    >>> Demand(100.0, 1e-6).check(100_000, (100_002, 50_002), free=4e9)
+    Traceback (most recent call last):
+        ...
+    rsym.errors.RsymError: resolution 100000: about 500 GB of memory and 80 minutes are needed, 4 GB are free; \
+remedy: resolution 8049 fits, or force=True, on the command line --force, to go on all the same
+    """
+
+    memory: float
+    time: float
+
+    def check(
+        self, resolution: int | Sequence[int], counts: Sequence[int], *, force: bool | None = False, free: float = -1.0
+    ) -> None:
+        """Refuse samples that do not fit, unless forced; None where the caller cannot be."""
+        samples, free = math.prod(counts), free_memory() if free < 0 else free
+        if force or samples * self.memory <= free:
+            return
+        fits = scaled(resolution, SURE * (free / (samples * self.memory)) ** (1 / len(counts)))
+        raise refusal(resolution, fits, samples * self.memory, samples * self.time, free, force=force is not None)
+
+
+def scaled(resolution: int | Sequence[int], share: float) -> int | tuple[int, ...]:
+    """A share of a resolution, two cells at least.
+
+    Examples
+    --------
+    >>> scaled(100, 0.5), scaled((100, 3), 0.5)
+    (50, (50, 2))
+    """
+    if isinstance(resolution, Sequence):
+        return tuple(max(2, int(cells * share)) for cells in resolution)
+    return max(2, int(resolution * share))
+
+
 def _size(amount: float) -> str:
     return f"{amount / 1e9:.3g} GB" if amount >= 1e8 else f"{amount / 1e6:.3g} MB"
+
+
+def _duration(seconds: float) -> str:
+    """Of one significant digit: nobody knows it better."""
+    for name, length in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
+        if seconds >= 1.5 * length:
+            return f"{float(f'{seconds / length:.1g}'):.0f} {name}"
+    return f"{max(1.0, seconds):.0f} s"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import replace
@@ -19,13 +20,15 @@ from rsym.codegen.sign_form import has_kinks, surface_form
 from rsym.codegen.surface_kernels import SurfaceKernels, surface_kernels
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
+from rsym.sampling.blanks import where_it_lies
 from rsym.sampling.extent import extent_of
 from rsym.sampling.form_signs import FormBounds, FormSigns
 from rsym.sampling.lattice import lattice_over
 from rsym.sampling.manifolds import sides_of
-from rsym.sampling.memory import Budget, TooLarge, free_memory
+from rsym.sampling.memory import SURE, Budget, TooLarge, free_memory, refusal, scaled
 from rsym.sampling.mesh import Ints, Mesh
 from rsym.sampling.progress import Crew, Progress
+from rsym.sampling.sharp.assembly import MOST_BLOCKS, USUAL_BYTES
 from rsym.sampling.sharp.certificates import Form, Unresolved, certify, joined
 from rsym.sampling.sharp.finishing import finish
 from rsym.sampling.sharp.gates import gate_table
@@ -45,8 +48,9 @@ MOST_CELLS = 2**20
 
 # Bytes for what does not grow with the surface: batches of boxes to certify, and of points in the loops.
 RESERVE = 1e8
-# Of the free memory, what a resolution that is said to fit may take: others take some too.
-SURE = 0.9
+# A trial tells whether a smaller resolution fits; with more than this it takes longer than somebody waits for an error.
+TRIAL = 5e8
+PACE = 96  # cells along a side of the mesh that tells how long blocks take
 
 
 class SharpMesher:
@@ -72,19 +76,27 @@ class SharpMesher:
         cap: bool = True,
         executor: Executor | None = None,
         progress: Progress | None = None,
+        force: bool = False,
     ) -> Mesh:
         """The surface for some letters."""
         box = self._box(bounds, letters)
-        crew, budget = Crew(_threads(), progress), Budget(max(0.0, free_memory() - RESERVE))
+        crew = Crew(_threads(), progress)
+        budget = Budget() if force else Budget(max(0.0, free_memory() - RESERVE))
         job = self._job(resolution, box, letters)
         try:
             surface = job.whole(crew, budget) if executor is None else in_pieces(job, executor, crew, budget)
         except TooLarge as error:
-            fits = _fitting(lambda cells: self._job(cells, box, letters), resolution, error.share, budget.free)
-            message = f"resolution {resolution}: {error.message}"
-            raise RsymError(message, code="memory", remedy=f"resolution {fits} fits") from None
+            made = partial(self._job, box=box, letters=letters)
+            raise refusal(
+                resolution,
+                _fitting(made, resolution, error, budget.free),
+                error.need,
+                _seconds(made(PACE), error.need),
+                error.free,
+            ) from None
         if not len(surface.faces):
-            raise _no_surface(self._suspects(surface.notes, surface.blocks, job))
+            missed = self._suspects(surface.notes, surface.blocks, job)
+            raise _no_surface(missed, "" if missed else where_it_lies(self.shape, letters))
         crew.stage(50, loops=20)
         mesh = self._mesh(surface, job, box, cap, crew)
         if progress is not None:
@@ -158,10 +170,14 @@ class _Outward:
         return -gradient.T
 
 
-def _fitting(job: Callable[[Resolution], Job], resolution: Resolution, share: float, free: float) -> Resolution:
-    """A smaller resolution that fits, as a trial tells."""
+def _fitting(job: Callable[[Resolution], Job], resolution: Resolution, refused: TooLarge, free: float) -> Resolution:
+    """A smaller resolution that fits: as a trial tells, or where that takes long as surfaces grow."""
+    share = refused.share
+    if free > TRIAL:
+        most = min(free, MOST_BLOCKS * USUAL_BYTES)
+        return scaled(resolution, SURE * math.sqrt(most / refused.need))
     while True:
-        resolution = _scaled(resolution, min(share, SURE))
+        resolution = scaled(resolution, min(share, SURE))
         try:
             job(resolution).claim(Budget(SURE * free))
         except TooLarge as error:
@@ -172,20 +188,23 @@ def _fitting(job: Callable[[Resolution], Job], resolution: Resolution, share: fl
             return resolution
 
 
-def _scaled(resolution: Resolution, share: float) -> Resolution:
-    if isinstance(resolution, Sequence):
-        return tuple(max(2, int(cells * share)) for cells in resolution)
-    return max(2, int(resolution * share))
+def _seconds(small: Job, need: float) -> float:
+    """How long a surface of so many bytes takes, as a small one tells."""
+    for _ in range(2):  # the first loads the loops
+        start = time.perf_counter()
+        blocks = small.whole(Crew(_threads()), Budget()).blocks
+        elapsed = time.perf_counter() - start
+    return elapsed * need / (USUAL_BYTES * max(1, 0 if blocks is None else blocks.corner.shape[1]))
 
 
-def _no_surface(missed: Sequence[Suspect]) -> RsymError:
+def _no_surface(missed: Sequence[Suspect], there: str) -> RsymError:
     """No lattice point is inside; what the lattice may have missed is said."""
     return RsymError(
         " ".join(["the surface does not meet a lattice line in the bounds.", *(one.remark for one in missed[:3])])
         if missed
         else "the surface does not meet the bounds",
         code="no-surface",
-        remedy="take a higher resolution" if missed else "check bounds and letters",
+        remedy="take a higher resolution" if missed else there or "check bounds and letters",
     )
 
 

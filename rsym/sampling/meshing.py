@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import sys
 import time
 from collections.abc import Mapping, Sequence
@@ -16,12 +17,16 @@ from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import check_in_space, lattice_over
+from rsym.sampling.memory import Demand
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.progress import Progress
 from rsym.sampling.smooth import smooth_mesh
 
 if TYPE_CHECKING:
     from rsym.sampling.mesher import SharpMesher
+
+# Of method "smooth", measured on the car at 400 cells: three arrays of samples, and what the crossings take.
+SAMPLES = Demand(memory=16.0, time=2e-7)
 
 logger = logging.getLogger(__name__)
 
@@ -36,6 +41,7 @@ def mesh(
     cap: bool = True,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    force: bool = False,
 ) -> Mesh:
     """The surface omega = 0 of a shape in space as triangles, outward orientation.
 
@@ -60,6 +66,8 @@ def mesh(
     progress : callable, optional
         ``progress(done, total)`` after each step of the work; returning False cancels with an RsymError, and nothing
         of the mesh is kept.
+    force : bool
+        Whether to go on where the estimate says that there is not memory enough.
 
     Returns
     -------
@@ -92,7 +100,7 @@ def mesh(
     if method not in _METHODS:
         raise RsymError(f"no method {method!r}", code="unknown-method", remedy=f"choose from {', '.join(_METHODS)}")
     check_in_space(shape)
-    result = _METHODS[method](shape, resolution, bounds, letters, cap, executor, progress)
+    result = _METHODS[method](shape, resolution, bounds, letters, cap, executor, progress, force)
     elapsed = time.perf_counter() - start
     if logger.isEnabledFor(logging.INFO):
         logger.info("mesh in %.2f s: %s", elapsed, result.status)
@@ -109,8 +117,10 @@ def _smoothly(
     cap: bool,
     executor: Executor | None,
     progress: Progress | None,
+    force: bool,
 ) -> Mesh:
-    lattice = lattice_over(bounds_or_extent(shape, bounds, letters), resolution)
+    lattice = lattice_over(bounds_or_extent(shape, bounds, letters), resolution, math.inf)
+    SAMPLES.check(resolution, lattice.counts, force=force)
     return smooth_mesh(shape, lattice, letters, executor, progress)
 
 
@@ -122,6 +132,7 @@ def _sharply(
     cap: bool,
     executor: Executor | None,
     progress: Progress | None,
+    force: bool,
 ) -> Mesh:
     try:
         mesher = _mesher(shape, shape.parts)
@@ -129,8 +140,10 @@ def _sharply(
         if error.code != "missing-package":
             raise
         warn(f"edges are not sharp: {error}")
-        return _smoothly(shape, resolution, bounds, letters, cap, executor, progress)
-    return mesher(resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress)
+        return _smoothly(shape, resolution, bounds, letters, cap, executor, progress, force)
+    return mesher(
+        resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress, force=force
+    )
 
 
 _METHODS = MappingProxyType({"sharp": _sharply, "smooth": _smoothly})
@@ -180,13 +193,16 @@ class Mesher:
         cap: bool = True,
         executor: Executor | None = None,
         progress: Progress | None = None,
+        force: bool = False,
     ) -> Mesh:
         """The surface for some letters; arguments as in `rsym.mesh`.
 
         What the lattice may have missed is looked for when ``.findings`` or ``.status`` are asked for, which takes
         half as long again; `rsym.mesh` asks at once, and warns.
         """
-        return self._sharp(resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress)
+        return self._sharp(
+            resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress, force=force
+        )
 
 
 def _sharp(shape: Shape) -> SharpMesher:

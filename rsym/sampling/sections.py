@@ -68,6 +68,7 @@ def sections(
     bounds: Any = None,
     letters: Mapping[Any, float] | None = None,
     progress: Progress | None = None,
+    force: bool = False,
 ) -> tuple[Section, ...]:
     """The boundary of a body in the planes axis = value, every vertex and every corner exact.
 
@@ -89,6 +90,8 @@ def sections(
         Override those of the shape.
     progress : callable, optional
         ``progress(done, total)`` after each section; returning False cancels with an RsymError.
+    force : bool
+        Whether to go on where the estimate says that there is not memory enough.
 
     Returns
     -------
@@ -120,7 +123,7 @@ def sections(
     if not heights:
         raise RsymError("sections need at least one value, got none", code="section", remedy="for example [0.5, 1.0]")
     first = plane_sampler(
-        shape, "value", resolution=resolution, bounds=bounds, letters=letters, section={axis: heights[0]}
+        shape, "value", resolution=resolution, bounds=bounds, letters=letters, section={axis: heights[0]}, force=force
     )
     normal = names.index(str(axis))
     leaves = leaves_of(shape, first.free, first.fixed, letters)

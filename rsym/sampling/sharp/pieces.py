@@ -40,6 +40,10 @@ HALO = 1  # blocks
 PIECES, LEAST, MOST = 16, 64, 8192
 # Of boxes of the octree: corners, twice, words and what is kept.
 BOX_BYTES = 100
+# So many boxes of a level of the octree, not much more than four times those before it, foretell those of the last
+# within a tenth on the paper's models, and those of one where little could be discarded yet within some tens: where
+# they would need this many times what is free nobody need wait for them.
+SETTLED, GROWTH, DOUBT, GREAT_DOUBT = 1000, 4.6, 2.0, 64.0
 
 
 @dataclass(frozen=True)
@@ -64,8 +68,15 @@ class Job:
         if box is not None:
             region = np.maximum(box[0] - HALO * BLOCK, 0), np.minimum(box[1] + HALO * BLOCK, self.cells)
 
+        before = 0
+
         def claim(kept: int, size: int) -> None:
-            budget.claim(8 * kept * BOX_BYTES, kept * (size // BLOCK) ** 2 * USUAL_BYTES)
+            nonlocal before
+            expected = kept * (size // BLOCK) ** 2 * USUAL_BYTES
+            budget.claim(8 * kept * BOX_BYTES, expected)
+            if kept >= SETTLED:
+                budget.claim(expected / (DOUBT if kept < GROWTH * before else GREAT_DOUBT), expected)
+            before = kept
 
         return find_blocks(self.kernels, self.lattice, self.cells, crew, region, claim)
 

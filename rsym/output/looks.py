@@ -1,0 +1,161 @@
+"""How level lines look: levels, limits, colours, and what becomes of the outside."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import Normalize, TwoSlopeNorm
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from rsym.errors import RsymError
+from rsym.model.wording import proposal
+from rsym.output.paints import checked_limits
+
+Floats = NDArray[np.float64]
+
+COLOUR_MAP, TWO_SIDED = "viridis", "RdBu_r"
+# Singular spots reach any height; the colours span what lies between these shares of all samples.
+ROBUST_RANGE = (0.02, 0.98)
+LEVEL_COUNT, SIDE_COUNT = 14, 7
+ROUNDING = 1e-9  # of the other side: a side below is none
+# Fields whose sign says inside or outside: both are shown, however small the share of one is.
+LOGICAL = ("value", "normalised", "normalised_2", "normalised_3")
+OUTSIDES = {"mask": 1.0, "dim": 0.7}  # the share of white over what is outside
+
+
+@dataclass(frozen=True)
+class Look:
+    """What a picture was asked to look like; None where the values choose.
+
+    A field of both signs has two sides, each with its own round levels and colours of its own, 0 at the middle: so
+    a body in a wide field is not one colour. A field of one sign has one.
+
+    Examples
+    --------
+    >>> values = np.linspace(-30.0, 2.0, 1001)
+    >>> levels = Look().levels_of(values)
+    >>> int((levels < 0).sum()), int((levels > 0).sum()), Look().colours(levels)[0]
+    (6, 7, 'RdBu_r')
+    >>> Look(limits=(0.0, 2.0)).levels_of(values)[[0, -1]]
+    array([0., 2.])
+    """
+
+    levels: Any = None
+    limits: Any = None
+    colour_map: str | None = None
+    outside: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.outside is not None and self.outside not in OUTSIDES:
+            raise RsymError(
+                f"outside is {' or '.join(map(repr, OUTSIDES))}, got {self.outside!r}",
+                code="outside",
+                remedy="outside='dim', or leave it out",
+            )
+        if self.colour_map is not None and self.colour_map not in list(colormaps):
+            raise RsymError(
+                f"no colour map {self.colour_map!r}",
+                code="colour-map",
+                remedy=proposal(str(self.colour_map), list(colormaps), "take one that matplotlib knows"),
+            )
+
+    def of(self, field: str) -> Look:
+        """The look of one field of several: its own levels and limits, where they are given by field."""
+        own = [asked.get(field) if isinstance(asked, Mapping) else asked for asked in (self.levels, self.limits)]
+        return Look(own[0], own[1], self.colour_map, self.outside)
+
+    def levels_of(self, values: Floats, field: str = "", inside: NDArray[np.bool_] | None = None) -> Floats:
+        """The levels for samples; those inside alone choose if the outside is not the matter of the picture."""
+        if self.levels is not None:
+            return checked_levels(self.levels)
+        if self.limits is not None:
+            return _between(*checked_limits(self.limits))
+        if self.outside is not None and inside is not None and np.isfinite(values[inside]).any():
+            values = values[inside]
+        return robust_levels(values) if not _has_sides(values, field) else _two_sided(values)
+
+    def colours(self, levels: Floats) -> tuple[str, Normalize]:
+        """The colour map and the scale for levels: of two sides where they lie on both sides of 0."""
+        if levels[0] < 0 < levels[-1]:
+            return self.colour_map or TWO_SIDED, TwoSlopeNorm(0.0, levels[0], levels[-1])
+        return self.colour_map or COLOUR_MAP, Normalize(levels[0], levels[-1])
+
+    @property
+    def veil(self) -> float:
+        """The share of white over what is outside."""
+        return OUTSIDES.get(self.outside or "", 0.0)
+
+
+PLAIN = Look()
+
+
+def robust_levels(values: Floats) -> Floats:
+    """About fourteen round levels between low and high quantiles of the finite values.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> robust_levels(np.append(np.linspace(0, 1, 1000), 1e9)).max() <= 1.1
+    np.True_
+    """
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        raise RsymError("the field is undefined in all of the bounds", code="undefined", remedy="choose other bounds")
+    low, high = np.quantile(finite, ROBUST_RANGE)
+    if high - low <= 1e-12 * max(abs(low), abs(high)):
+        margin = max(abs(low), 1.0) * 0.5
+        low, high = low - margin, high + margin
+    return np.asarray(MaxNLocator(LEVEL_COUNT).tick_values(low, high))
+
+
+def checked_levels(levels: Any) -> Floats:
+    """Levels that somebody gave."""
+    try:
+        chosen = np.asarray(levels, np.float64)
+    except (TypeError, ValueError):
+        chosen = np.empty(0)
+    if chosen.ndim != 1 or len(chosen) < 2 or not (np.isfinite(chosen).all() and (np.diff(chosen) > 0).all()):
+        raise RsymError(
+            f"levels must be two or more increasing numbers, got {levels!r}",
+            code="levels",
+            remedy="levels=[-1, 0, 1], or leave them out",
+        )
+    return chosen
+
+
+def _has_sides(values: Floats, field: str) -> bool:
+    """Whether a field has both signs, beyond singular spots unless its sign says what is inside."""
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return False
+    low, high = (finite.min(), finite.max()) if field in LOGICAL else np.quantile(finite, ROBUST_RANGE)
+    return bool(low < -ROUNDING * high and high > -ROUNDING * low)
+
+
+def _two_sided(values: Floats) -> Floats:
+    """Round levels on both sides of 0, each spread over what is usual there; each side has its own."""
+    finite = values[np.isfinite(values)]
+    low, high = (
+        np.quantile(finite[side], share) for side, share in zip((finite < 0, finite > 0), ROBUST_RANGE, strict=True)
+    )
+    return np.unique(np.concatenate([-_upto(-float(low)), _upto(float(high))]))
+
+
+def _between(low: float, high: float) -> Floats:
+    """Round levels between two ends, the ends among them; 0 too if it lies between."""
+    if low < 0 < high:
+        inner = np.concatenate([-_upto(-low), _upto(high)])
+    else:
+        inner = np.asarray(MaxNLocator(LEVEL_COUNT).tick_values(low, high))
+    return np.unique(np.concatenate([[low], inner[(inner > low) & (inner < high)], [high]]))
+
+
+def _upto(end: float) -> Floats:
+    """From 0 in round steps past an end."""
+    ticks = np.asarray(MaxNLocator(SIDE_COUNT).tick_values(0.0, end))
+    return ticks[ticks >= 0]
