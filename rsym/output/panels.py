@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -79,7 +80,8 @@ def draw_levels(
 def thin_out(lines: QuadContourSet, cell: float) -> None:
     """Leave out vertices where a line is straight to a share of a cell: most of them, and of a file of lines."""
     finer = Affine2D().scale(SIMPLIFIED / (STRAIGHT * cell))
-    kept = [path.cleaned(transform=finer, simplify=True) for path in lines.get_paths()]
+    kept: list[Any] = [path.cleaned(transform=finer, simplify=True) for path in lines.get_paths()]
+    # The last vertex only says that it is the last.
     lines.set_paths([finer.inverted().transform_path(Path(path.vertices[:-1], path.codes[:-1])) for path in kept])
 
 
