@@ -13,6 +13,7 @@ import sympy as sp
 
 import rsym
 from opponent.germs_plane import GERMS
+from opponent.judge import evaluator
 from opponent.kinks import Q
 from opponent.placing import placed, rotation
 from opponent.truth import Case, rank
@@ -137,11 +138,11 @@ def threshold(random: Random) -> Question:
         ]
     )
     shape = Shape(omega, (x, y), letters={A: 0.4}, bounds=((-1.1, 1.2), (-1.3, 1.1)))
-    up = over == A - at
-    return Question("threshold", str(omega), lambda: _threshold(shape, float(at), up == smooth_when))
+    return Question("threshold", str(omega), lambda: _threshold(shape, over, smooth_when))
 
 
-def _threshold(shape: Shape, at: float, certified_above: bool) -> tuple[str, list[str]]:
+def _threshold(shape: Shape, over: sp.Expr, smooth_beyond: bool) -> tuple[str, list[str]]:
+    (at,), certified_above = sp.solve(over, A), (sp.diff(over, A) > 0) == smooth_beyond
     try:
         found = rsym.smoothness_threshold(shape, "a", between=(0, 1), tolerance=1e-3)
     except RsymError as error:
@@ -149,7 +150,7 @@ def _threshold(shape: Shape, at: float, certified_above: bool) -> tuple[str, lis
     ok = found.refuted <= at <= found.certified if certified_above else found.certified <= at <= found.refuted
     wrong = [] if ok else [f"{found}, the truth is {at}"]
     for value, word in found.trials:
-        smooth = value > at if certified_above else value < at
+        smooth = bool(over.subs(A, Q(value)) > 0) == smooth_beyond  # exactly: the end belongs to the other side
         if (word == "CERTIFIED" and not smooth) or (word == "REFUTED" and smooth) or word == "DEGENERATE":
             wrong.append(f"{word} at {value}, the truth changes at {at}")
     return "found", wrong
@@ -186,10 +187,18 @@ def _atlas(shape: Shape, over: sp.Expr, smooth_beyond: bool, linear: bool) -> tu
                 if abs(value) < 1e-9:
                     continue
                 smooth = linear and smooth_beyond if linear else (value > 0) == smooth_beyond
-                if (word == "CERTIFIED" and not smooth) or (word == "REFUTED" and smooth) or word == "DEGENERATE":
+                false = word in ("CERTIFIED", "REFUTED") and smooth != (word == "CERTIFIED")
+                if false or (word == "DEGENERATE" and _has_sides(shape, a, b)):
                     wrong.append(f"{word} at ({a}, {b}), where the letters are {value} beyond")
     share = found.share
     return "CERTIFIED or REFUTED" if share["UNDECIDED"] < 0.9 else "UNDECIDED", wrong[:3]
+
+
+def _has_sides(shape: Shape, a: float, b: float) -> bool:
+    """Whether omega has both signs within the bounds, on a grid."""
+    grid = np.meshgrid(*(np.linspace(*ends, 200) for ends in shape.bounds))
+    values = evaluator(shape.replace(expression=shape.expression.subs({A: a, B: b}), letters={}))(grid)
+    return bool((values > 0).any() and (values < 0).any())
 
 
 def fairness(random: Random) -> Question:
