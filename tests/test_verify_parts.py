@@ -2,6 +2,7 @@
 
 import math
 from fractions import Fraction
+from functools import reduce as reduce_all
 
 import numpy as np
 import pytest
@@ -37,6 +38,14 @@ def locus(expression, box=((0.5, 0.75), (0.5, 0.75))):
 def values(local, number, points):
     """A node of a model at points, by its balls."""
     return [float(local.model.on([arb(u), arb(v)]).value(number)) for u, v in points]
+
+
+def test_of_hundreds_of_parts_those_count_that_a_box_holds():
+    row = reduce_all(disjunction, [Q(1, 16) - (x - k) ** 2 - y**2 for k in range(400)])
+    local, found = locus(row, ((100.2, 100.3), (-0.1, 0.1)))
+    assert found.kind == "leaf"
+    assert values(local, found.nodes[0], [(100.25, 0.0), (100.0, 0.0)]) == [0, 1 / 16]
+    assert locus(row, ((-1, 400), (-1, 1)))[1].kind == "several"
 
 
 POINTS = [(0.55, 0.7), (0.6, 0.52), (0.74, 0.74)]

@@ -35,7 +35,10 @@ class Locus:
 NONE = Locus("none")
 
 
-def reduce(local: Local, number: int) -> Locus:
+DEEPEST = 60  # operations within operations, each with two parts that count: where so many meet is not asked
+
+
+def reduce(local: Local, number: int, depth: int = 0) -> Locus:
     """The locus of a node on the box."""
     builder = local.model.builder
     sign = 1
@@ -55,9 +58,22 @@ def reduce(local: Local, number: int) -> Locus:
             number, sign = arguments[1 - known], sign * local.sign(arguments[known])
         elif operation in {"abs", "min", "max", "select"} and (branch := chosen(local, number)) is not None:
             number, sign = branch[0], sign * branch[1]
+        elif operation in CONJUNCTIONS | DISJUNCTIONS and (other := _beside_idle(local, number)) is not None:
+            number = other
         else:
             break
-    return _reduced(local, number, sign)
+    return _reduced(local, number, sign, depth)
+
+
+def _beside_idle(local: Local, number: int) -> int | None:
+    """The operand that an operation equals in sign, since the other one is true in an "and" or false in an "or"."""
+    operation, (f, g, *_), _ = local.model.builder.nodes[number]
+    idle = 1 if operation in CONJUNCTIONS else -1
+    if is_legal(local, number):
+        for one, other in ((f, g), (g, f)):
+            if local.sign(one) == idle and is_defined(local, one):
+                return other
+    return None
 
 
 def _drops(local: Local, factor: int) -> bool:
@@ -104,30 +120,28 @@ def _taken(local: Local, number: int) -> int:
     return number
 
 
-def _reduced(local: Local, number: int, sign: int) -> Locus:
+def _reduced(local: Local, number: int, sign: int, depth: int) -> Locus:
     builder = local.model.builder
     operation, arguments, _ = builder.nodes[number]
     if operation in CONJUNCTIONS | DISJUNCTIONS and is_legal(local, number):
-        return _combined(local, arguments[0], arguments[1], sign, conjunction=operation in CONJUNCTIONS)
+        return _combined(local, arguments[:2], sign, depth, conjunction=operation in CONJUNCTIONS)
     if operation == "mul" or operation == "equivalence":
-        return _product(local, number, sign)
+        return _product(local, number, sign, depth)
     if operation in {"abs", "absolute_power", "sqrt", "trimming", "gap"} or operation == "powi":
         return Locus("double", (number if operation in {"trimming", "gap"} else arguments[0],))
     return Locus("leaf", (number if sign > 0 else builder.neg(number),))
 
 
-def _combined(local: Local, f: int, g: int, sign: int, *, conjunction: bool) -> Locus:
+def _combined(local: Local, both: tuple[int, ...], sign: int, depth: int, *, conjunction: bool) -> Locus:
     """The locus of sign*(f and g), sign*(f or g): De Morgan turns -(f and g) into -f or -g."""
     builder = local.model.builder
-    idle = 1 if conjunction else -1  # an operand of this sign leaves the other one alone
-    for one, other in ((f, g), (g, f)):
-        if local.sign(one) == idle and is_defined(local, one):
-            return reduce(local, other if sign > 0 else builder.neg(other))
-        if local.sign(one) == -idle:
-            return NONE
+    if any(local.sign(one) == (-1 if conjunction else 1) for one in both):
+        return NONE
+    if depth == DEEPEST:
+        return Locus("several")
     operands = []
-    for operand in (f, g):
-        inner = reduce(local, operand if sign > 0 else builder.neg(operand))
+    for operand in both:
+        inner = reduce(local, operand if sign > 0 else builder.neg(operand), depth + 1)
         if inner.kind != "leaf":
             return Locus("several")
         operands.append(inner.nodes[0])
@@ -136,7 +150,7 @@ def _combined(local: Local, f: int, g: int, sign: int, *, conjunction: bool) -> 
     return Locus("conjunction" if conjunction == (sign > 0) else "disjunction", tuple(operands))
 
 
-def _product(local: Local, number: int, sign: int) -> Locus:
+def _product(local: Local, number: int, sign: int, depth: int) -> Locus:
     """A product of two factors that may both vanish; u*|u| and the like have the locus of u."""
     builder = local.model.builder
     u, v = builder.nodes[number].arguments[:2]
@@ -145,7 +159,7 @@ def _product(local: Local, number: int, sign: int) -> Locus:
         if first_odd == second_odd:
             return Locus("double", (first,))
         changing = first if first_odd else second
-        return reduce(local, changing if sign > 0 else builder.neg(changing))
+        return reduce(local, changing if sign > 0 else builder.neg(changing), depth)
     return Locus("product", (u, v) if sign > 0 else (builder.neg(u), v))
 
 
