@@ -79,7 +79,7 @@ def split_patch(patch: Patch, u: Sequence[float] | None = None, v: Sequence[floa
     >>> import numpy as np
     >>> net = np.stack([*np.meshgrid(np.arange(5.0), np.arange(4.0), indexing="ij"), np.zeros((5, 4))], -1)
     >>> [piece.domain for piece in split_patch(BSplineSurface(net))]
-    [((0.0, 1.0), (0.0, 1.0)), ((1.0, 2.0), (0.0, 1.0))]
+    [((0.0, 0.5), (0.0, 1.0)), ((0.5, 1.0), (0.0, 1.0))]
     """
     (patch,) = patches_of([patch])
     rows, columns = (_intervals(patch, given, axis) for axis, given in enumerate((u, v)))

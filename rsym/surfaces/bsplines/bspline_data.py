@@ -12,10 +12,13 @@ from rsym.surfaces.bsplines.bspline_fitting import Pair, broadcast
 from rsym.surfaces.bsplines.data_parameters import EXPONENTS, DataParameters, chord_parameters, given_parameters
 from rsym.surfaces.bsplines.spline_knots import averaged_space
 from rsym.surfaces.bsplines.spline_spaces import Spaces, SplineSpace, checked_order, checked_space, uniform_space
-from rsym.surfaces.parameters import real_array
+from rsym.surfaces.parameters import Interval, real_array
 
 Array: TypeAlias = NDArray[np.float64]
 Both: TypeAlias = tuple[Any, Any]
+
+# What has one parameter of this name: rows and columns of a net, points of a curve.
+WORDS = {"u": "row", "v": "column", "t": "point"}
 
 
 def checked_points(points: ArrayLike, what: str) -> Array:
@@ -55,6 +58,35 @@ def directions(closed: Any) -> tuple[bool, bool]:
     return bool(first), bool(second)
 
 
+def orders_of(order: Any, degree: Any) -> Both:
+    """The orders for u and v, given as such or as degrees, which are one less; (4, 4) where neither is given."""
+    if degree is None:
+        return (4, 4) if order is None else pair_of(order, "order")
+    first, second = pair_of(degree, "degree")
+    return order_of(order, first), order_of(order, second)
+
+
+def order_of(order: Any, degree: Any) -> Any:
+    """One order, given as such or as a degree, which is one less; 4 where neither is given.
+
+    Examples
+    --------
+    >>> order_of(None, 2), order_of(5, None), order_of(None, None)
+    (3, 5, 4)
+    """
+    if degree is None:
+        return 4 if order is None else order
+    if order is not None:
+        raise RsymError(
+            f"an order is one more than the degree, and both are given: {order!r} and {degree!r}",
+            code="order",
+            remedy="give one of them",
+        )
+    if isinstance(degree, bool) or not isinstance(degree, int | np.integer) or degree < 1:
+        raise RsymError(f"a degree is an integer >= 1, got {degree!r}", code="degree", remedy="3 for cubic splines")
+    return int(degree) + 1
+
+
 def spaces_for_data(
     points: Array, vertices: Any, order: Any, parameters: Any, per_point: bool, knots: Any, closed: Any
 ) -> tuple[Spaces, Pair]:
@@ -62,20 +94,22 @@ def spaces_for_data(
     counts, orders, turns = pair_of(vertices, "vertices"), pair_of(order, "order"), directions(closed)
     rules = (parameters, parameters) if isinstance(parameters, str) else pair_of(parameters, "parameters")
     wishes = (knots, knots) if isinstance(knots, str) else pair_of(knots, "knots")
-    found = [
-        _direction(points, axis, counts[axis], orders[axis], rules[axis], per_point, wishes[axis], turns[axis])
+    (first, u), (second, v) = (
+        space_along(
+            points, axis, "uv"[axis], counts[axis], orders[axis], rules[axis], per_point, wishes[axis], turns[axis]
+        )
         for axis in (0, 1)
-    ]
-    (first, u), (second, v) = found
+    )
     if max(u.ndim, v.ndim) == 2:
         u, v = (np.broadcast_to(one, points.shape[:2]) for one in broadcast((u, v)))
     return (first, second), (u, v)
 
 
-def _direction(
-    points: Array, axis: int, count: Any, order: Any, rule: Any, per_point: bool, knots: Any, closed: bool
+def space_along(
+    points: Array, axis: int, name: str, count: Any, order: Any, rule: Any, per_point: bool, knots: Any, closed: bool
 ) -> tuple[SplineSpace, Array]:
-    name, available = "uv"[axis], points.shape[axis]
+    """The spline space of a fit along one axis of the data (r, s, 3), and their parameters."""
+    available = points.shape[axis]
     if isinstance(count, bool) or not isinstance(count, int | np.integer) or count > available:
         raise RsymError(
             f"{available} points along {name} determine at most {available} vertices, got {count!r}",
@@ -84,35 +118,35 @@ def _direction(
         )
     degree = checked_order(order, int(count), name) - 1
     if closed:
-        _check_turn(points, axis)
-    data = _parameters(points, axis, int(count), degree, rule, per_point, closed)
+        _check_turn(points, axis, name)
+    ready = None if knots is None or isinstance(knots, str) else checked_space(order, knots, int(count), closed, name)
+    interval = ready.domain if ready else (0.0, 1.0)
+    data = _parameters(points, axis, name, degree, rule, per_point, closed, interval)
     if count == available:
         _check_steps(data, name, closed)
-    space = _space(data, degree, int(count), knots, closed, name)
+    space = ready or space_for(data, degree, int(count), knots, closed)
     return space, _placed(data, space, name)
 
 
 def _parameters(
-    points: Array, axis: int, count: int, degree: int, rule: Any, per_point: bool, closed: bool
+    points: Array, axis: int, name: str, degree: int, rule: Any, per_point: bool, closed: bool, interval: Interval
 ) -> DataParameters:
     if not isinstance(rule, str):
-        return given_parameters(rule, axis, points.shape, closed)
+        return given_parameters(rule, axis, name, points.shape, closed)
     if rule not in EXPONENTS:
         raise RsymError(
-            f"parameters are {' or '.join(map(repr, EXPONENTS))} or a pair of arrays, got {rule!r}", code="parameters"
+            f"parameters are {' or '.join(map(repr, EXPONENTS))} or arrays, got {rule!r}", code="parameters"
         )
-    length = float(count if closed else count - degree)
-    return chord_parameters(points, axis, rule, per_point, length, closed, halved=degree % 2 == 0)
+    return chord_parameters(points, axis, name, rule, per_point, interval, closed, halved=degree % 2 == 0)
 
 
-def _space(data: DataParameters, degree: int, count: int, knots: Any, closed: bool, name: str) -> SplineSpace:
-    if not isinstance(knots, str):
-        return checked_space(degree + 1, knots, count, closed, name)
+def space_for(data: DataParameters, degree: int, count: int, knots: Any, closed: bool) -> SplineSpace:
+    """The space with knots by a rule, over the interval of the parameters."""
     if knots == "averaged":
         return averaged_space(data.mean, data.interval, degree, count, closed)
-    if knots == "uniform":
+    if knots is None or knots == "uniform":
         return uniform_space(degree, count, closed, data.interval)
-    raise RsymError(f"knots are 'averaged' or 'uniform' or a pair of arrays, got {knots!r}", code="knots")
+    raise RsymError(f"knots are 'averaged' or 'uniform' or arrays, got {knots!r}", code="knots")
 
 
 def _placed(data: DataParameters, space: SplineSpace, name: str) -> Array:
@@ -135,13 +169,13 @@ def _placed(data: DataParameters, space: SplineSpace, name: str) -> Array:
     return data.values
 
 
-def _check_turn(points: Array, axis: int) -> None:
+def _check_turn(points: Array, axis: int, name: str) -> None:
     first, last = points.take(0, axis=axis), points.take(-1, axis=axis)
     if np.array_equal(first, last):
         raise RsymError(
-            f"the last points along {'uv'[axis]} repeat the first: a closed direction closes by itself",
+            f"the last points along {name} repeat the first: a closed direction closes by itself",
             code="closed",
-            remedy=f"leave out the last {'row' if axis == 0 else 'column'}",
+            remedy=f"leave out the last {WORDS[name]}",
         )
 
 
@@ -150,10 +184,9 @@ def _check_steps(data: DataParameters, name: str, closed: bool) -> None:
     steps = np.diff(data.mean, append=data.mean[:1] + np.diff(data.interval)) if closed else np.diff(data.mean)
     if (steps <= 0).any():
         place = int(np.flatnonzero(steps <= 0)[0])
-        which = "rows" if name == "u" else "columns"
         raise RsymError(
-            f"the {which} {place} and {(place + 1) % len(data.mean)} have the same parameter {name}:"
-            " no surface passes both",
+            f"the {WORDS[name]}s {place} and {(place + 1) % len(data.mean)} have the same parameter {name}:"
+            f" no {'curve' if name == 't' else 'surface'} passes both",
             code="parameters",
             remedy="leave one of them out, give parameters, or use least_squares",
         )

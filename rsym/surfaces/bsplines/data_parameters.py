@@ -44,9 +44,9 @@ class DataParameters:
 
 
 def chord_parameters(
-    points: Array, axis: int, rule: str, per_point: bool, length: float, closed: bool, halved: bool
+    points: Array, axis: int, name: str, rule: str, per_point: bool, interval: Interval, closed: bool, halved: bool
 ) -> DataParameters:
-    """Shares of the chord length (or of the sum of its roots) along an axis, times `length`.
+    """Shares of the chord length (or of the sum of its roots) along an axis, brought to the interval.
 
     Lines without any length, poles, are left out of the mean and take it. Closed: the way back to the first point
     counts too; `halved` lets the data begin at half of it instead of at 0.
@@ -56,9 +56,9 @@ def chord_parameters(
     regular = chords.sum(axis=0) > POLE * points.shape[axis] * np.abs(points).max()
     if not regular.any():
         raise RsymError(
-            f"all points along {'uv'[axis]} coincide: they have no chord length",
+            f"all points along {name} coincide: they have no chord length",
             code="parameters",
-            remedy=f"give parameters for {'uv'[axis]}, or points that differ",
+            remedy=f"give parameters for {name}, or points that differ",
         )
     powers = chords[:, regular] ** EXPONENTS[rule]
     shares = np.concatenate([np.zeros((1, powers.shape[1])), np.cumsum(powers, axis=0) / powers.sum(axis=0)])
@@ -71,12 +71,13 @@ def chord_parameters(
     if closed:
         each, mean = each[:-1], mean[:-1]
     values = np.moveaxis(each, 0, axis) if per_point else mean
-    return DataParameters(length * (values + shift), length * (mean + shift), (0.0, length))
+    placed, at_mean = (interval[0] * (1 - one - shift) + interval[1] * (one + shift) for one in (values, mean))
+    return DataParameters(placed, at_mean, interval)
 
 
-def given_parameters(given: Any, axis: int, shape: tuple[int, ...], closed: bool) -> DataParameters:
+def given_parameters(given: Any, axis: int, name: str, shape: tuple[int, ...], closed: bool) -> DataParameters:
     """Parameters as the user gives them: for each row, or for each point; closed: one more, where the period ends."""
-    name, turn = "uv"[axis], int(closed)
+    turn = int(closed)
     try:
         values = np.array(real_array(given))
     except (TypeError, ValueError) as error:

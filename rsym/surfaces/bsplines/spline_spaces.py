@@ -145,7 +145,7 @@ def _separable(spaces: Spaces, net: Array, u: Array, v: Array, order: tuple[int,
 
 
 def checked_space(order: Any, knots: ArrayLike | None, count: int, closed: bool, name: str) -> SplineSpace:
-    """A space with so many vertices; uniform knots where none are given.
+    """A space with so many vertices; uniform knots over [0, 1] where none are given.
 
     Knots of a closed direction are given for one period, `count + 1`, or for all.
     """
@@ -186,10 +186,10 @@ def checked_order(order: Any, count: int, name: str) -> int:
     return int(order)
 
 
-def uniform_space(degree: int, count: int, closed: bool, interval: Interval | None = None) -> SplineSpace:
-    """Equal spans: open, 0 ... 0, 1, 2, ..., n - k + 2, ..., n - k + 2 with k = degree + 1 and n + 1 vertices."""
+def uniform_space(degree: int, count: int, closed: bool, interval: Interval = (0.0, 1.0)) -> SplineSpace:
+    """Equal spans, closed as many as vertices, open so many less the degree; open ends stand degree + 1 times."""
     spans = count if closed else count - degree
-    low, high = interval or (0.0, float(spans))
+    low, high = interval
     inner = low + (high - low) * (np.arange(spans + 1) / spans)
     return SplineSpace(degree, around(inner, degree) if closed else clamped(inner, degree), closed)
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
 from rsym.surfaces import symbols
-from rsym.surfaces.bsplines.bspline_data import checked_points, directions, pair_of, spaces_for_data
+from rsym.surfaces.bsplines.bspline_data import checked_points, directions, orders_of, pair_of, spaces_for_data
 from rsym.surfaces.bsplines.bspline_fitting import Pair, Residual, SplineFit, check_met, fitted_net, residual_of
 from rsym.surfaces.bsplines.parameter_correction import approximated
 from rsym.surfaces.bsplines.spline_spaces import Spaces, checked_space, tensor_values
@@ -40,13 +40,16 @@ class BSplineSurface(Patch):
     ----------
     net : array (n + 1, m + 1, 3)
         The vertices B.
-    order : pair of int
-        One more than the degrees, 2 <= k <= n + 1.
+    order : pair of int, optional
+        One more than the degrees, 2 <= k <= n + 1; (4, 4) by default.
     knots : pair of arrays, optional
-        For u and for v; None, or None for one of them: uniform, open ends k times, as the source has them, so that
-        u runs from 0 to n - k + 2. A closed direction takes the knots of one period, or all.
+        For u and for v, and the surface runs over their interval; None, or None for one of them: uniform over [0, 1],
+        open ends k times. (The source has 0, 1, 2, ..., n - k + 2.) A closed direction takes the knots of one period,
+        or all.
     closed : pair of bool
         Whether the vertices go round in u, and in v; the first is not repeated.
+    degree : pair of int, optional
+        In the place of `order`: one less.
 
     Examples
     --------
@@ -63,13 +66,15 @@ class BSplineSurface(Patch):
     def __init__(
         self,
         net: ArrayLike,
-        order: tuple[int, int] = (4, 4),
+        order: tuple[int, int] | None = None,
         knots: Both | None = None,
         closed: tuple[bool, bool] = (False, False),
+        *,
+        degree: tuple[int, int] | None = None,
     ) -> None:
         self.net = checked_points(net, "the net of vertices")
         self.net.setflags(write=False)
-        orders, given = pair_of(order, "order"), (None, None) if knots is None else pair_of(knots, "knots")
+        orders, given = orders_of(order, degree), (None, None) if knots is None else pair_of(knots, "knots")
         wishes = zip(orders, given, self.net.shape[:2], directions(closed), "uv", strict=True)
         first, second = (checked_space(*wish) for wish in wishes)
         self.spaces: Spaces = (first, second)
@@ -85,8 +90,9 @@ class BSplineSurface(Patch):
     def interpolate(
         cls,
         points: ArrayLike,
-        order: tuple[int, int] = (4, 4),
+        order: tuple[int, int] | None = None,
         *,
+        degree: tuple[int, int] | None = None,
         parameters: str | Both = "chord-length",
         per_point: bool = False,
         knots: str | Both = "averaged",
@@ -98,17 +104,18 @@ class BSplineSurface(Patch):
         ----------
         points : array (r, s, 3)
             The data; u goes along the first axis. A row whose points coincide is a pole.
-        order : pair of int
-            The orders in u and in v.
+        order, degree : pair of int, optional
+            The orders in u and in v, or the degrees, which are one less; cubic by default.
         parameters : "chord-length", "centripetal" or pair
-            Of the data: shares of the chord length of the columns and rows, of the roots of the chords, or given:
-            r and s numbers, or (r, s) for each point. A closed direction has one more, which ends the period.
+            Of the data: shares of the chord length of the columns and rows, of the roots of the chords, from 0 to 1 or
+            over the interval of knots that are given; or given: r and s numbers, or (r, s) for each point, and the
+            surface runs from the least to the greatest. A closed direction has one more, which ends the period.
         per_point : bool
             Whether each point has its own chord-length parameters, as the source prints them, in one system for all;
             otherwise the means over columns and rows, which gives two small systems.
         knots : "averaged", "uniform" or pair
-            Means of neighbouring parameters, which always determine the surface; the uniform ones of the source,
-            which do not where data are crowded; or given for u and v.
+            Means of neighbouring parameters, which always determine the surface; uniform ones as in the source, which
+            do not where data are crowded; or given for u and v.
         closed : pair of bool
             Whether the points go round in u, and in v; the first is not repeated.
 
@@ -120,7 +127,9 @@ class BSplineSurface(Patch):
         True
         """
         data = checked_points(points, "the points")
-        spaces, found = spaces_for_data(data, data.shape[:2], order, parameters, per_point, knots, closed)
+        spaces, found = spaces_for_data(
+            data, data.shape[:2], orders_of(order, degree), parameters, per_point, knots, closed
+        )
         net = fitted_net(spaces, data, found)
         residual = residual_of(spaces, net, data, found)
         check_met(residual, data)
@@ -131,8 +140,9 @@ class BSplineSurface(Patch):
         cls,
         points: ArrayLike,
         vertices: tuple[int, int],
-        order: tuple[int, int] = (4, 4),
+        order: tuple[int, int] | None = None,
         *,
+        degree: tuple[int, int] | None = None,
         parameters: str | Both = "chord-length",
         per_point: bool = False,
         knots: str | Both = "averaged",
@@ -163,13 +173,18 @@ class BSplineSurface(Patch):
         ((4, 3, 3), True)
         """
         data = checked_points(points, "the points")
-        spaces, found = spaces_for_data(data, vertices, order, parameters, per_point, knots, closed)
+        spaces, found = spaces_for_data(data, vertices, orders_of(order, degree), parameters, per_point, knots, closed)
         return cls._fitted(spaces, *approximated(spaces, data, found, corrections, kept))
 
     @property
     def order(self) -> tuple[int, int]:
         """The orders (k, l)."""
         return self.spaces[0].degree + 1, self.spaces[1].degree + 1
+
+    @property
+    def degree(self) -> tuple[int, int]:
+        """The degrees, one less than the orders."""
+        return self.spaces[0].degree, self.spaces[1].degree
 
     @property
     def knots(self) -> Pair:

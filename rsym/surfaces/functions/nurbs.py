@@ -38,8 +38,8 @@ class Nurbs(Curve):
     degree : int
         1 or more.
     knots : array or None
-        As many as points and degree + 1 together; the curve runs from knots[degree] to knots[-degree - 1]. None: open
-        uniform knots. Closed: of one period, one more than points, or all.
+        As many as points and degree + 1 together; the curve runs from knots[degree] to knots[-degree - 1]. None:
+        uniform over [0, 1], open ends degree + 1 times. Closed: of one period, one more than points, or all.
     points : array (n, 3)
         The vertices.
     weights : array (n,), optional
@@ -81,6 +81,11 @@ class Nurbs(Curve):
     def degree(self) -> int:
         """The degree."""
         return self.space.degree
+
+    @property
+    def order(self) -> int:
+        """The order: one more than the degree."""
+        return self.space.degree + 1
 
     @property
     def knots(self) -> Array:
