@@ -467,7 +467,8 @@ HOLE = np.where(np.arange(189).reshape(9, 7, 3) == 50, np.nan, POINTS)
     ("code", "words", "work"),
     [
         ("points", "(r, s, 3)", lambda: interpolate(POINTS[:, :, :2])),
-        ("points", "(r, s, 3)", lambda: interpolate(POINTS[0])),
+        ("points", "(r, s, 3)", lambda: BSplineSurface(POINTS[0])),
+        ("parameters", "need parameters for each", lambda: interpolate(POINTS[:7, 0], vertices=(1, 7))),
         ("points", "array of numbers", lambda: interpolate([[1, 2], [3]])),
         ("points", "entry (2, 2, 2) is nan", lambda: interpolate(HOLE)),
         ("points", "entry (2, 2, 2) is nan", lambda: BSplineSurface(HOLE)),

@@ -21,21 +21,24 @@ Both: TypeAlias = tuple[Any, Any]
 WORDS = {"u": "row", "v": "column", "t": "point"}
 
 
-def checked_points(points: ArrayLike, what: str) -> Array:
-    """A net of finite points (r, s, 3), r and s at least 2."""
+def checked_points(points: ArrayLike, what: str, *, scattered: bool = False) -> Array:
+    """A net of finite points (r, s, 3), r and s at least 2; or points (n, 3) where these are allowed."""
+    shapes = "(r, s, 3) or (n, 3)" if scattered else "(r, s, 3)"
     try:
         net = np.array(real_array(points))
     except (TypeError, ValueError) as error:
         raise RsymError(
-            f"{what} must be an array of numbers (r, s, 3): {error}",
+            f"{what} must be an array of numbers {shapes}: {error}",
             code="points",
             remedy="np.stack([x, y, z], axis=-1)",
         ) from error
-    if net.ndim != 3 or net.shape[2] != 3 or min(net.shape[:2]) < 2:
+    fits = net.ndim == 3 or (scattered and net.ndim == 2)
+    if not fits or net.shape[-1] != 3 or min(net.shape[:-1]) < 2:
         raise RsymError(
-            f"{what} must have the shape (r, s, 3) with r and s at least 2, got {net.shape}",
+            f"{what} must have the shape {shapes} with r and s at least 2, got {net.shape}",
             code="points",
-            remedy="r rows of s points in space: a topological rectangle",
+            remedy="r rows of s points in space: a topological rectangle"
+            + (", or scattered points with parameters for each" if scattered else ""),
         )
     if not np.isfinite(net).all():
         place = tuple(map(int, np.argwhere(~np.isfinite(net))[0]))

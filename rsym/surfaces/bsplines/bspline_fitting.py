@@ -6,7 +6,7 @@ C^T C; here C is never squared. Parameters that are alike in all rows and column
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError
 from rsym.surfaces.bsplines.band_qr import DEPENDENT, BandQR
 from rsym.surfaces.bsplines.spline_knots import are_settled, check_data
-from rsym.surfaces.bsplines.spline_spaces import Spaces, tensor_values
+from rsym.surfaces.bsplines.spline_spaces import Spaces, SplineSpace, tensor_values
+from rsym.surfaces.corrections import sizes
 
 Array: TypeAlias = NDArray[np.float64]
 Pair: TypeAlias = tuple[Array, Array]
@@ -37,9 +38,9 @@ class Residual:
     ----------
     maximum, rms : float
         The largest distance, and the root of the mean square.
-    worst : pair of int
-        The row and column of the datum with the largest distance.
-    place : pair of float
+    worst : tuple of int
+        The row and column of the datum with the largest distance; of scattered points and of curves its number alone.
+    place : tuple of float
         Its parameters.
 
     Examples
@@ -50,24 +51,26 @@ class Residual:
 
     maximum: float
     rms: float
-    worst: tuple[int, int]
-    place: tuple[float, float]
+    worst: tuple[int, ...]
+    place: tuple[float, ...]
 
     def __str__(self) -> str:
-        u, v = self.place
-        return f"at most {self.maximum:.3g}, rms {self.rms:.3g}; worst at datum {self.worst}, u = {u:.6g}, v = {v:.6g}"
+        datum = self.worst if len(self.worst) > 1 else self.worst[0]
+        names = "uv" if len(self.place) > 1 else "t"
+        place = ", ".join(f"{name} = {value:.6g}" for name, value in zip(names, self.place, strict=True))
+        return f"at most {self.maximum:.3g}, rms {self.rms:.3g}; worst at datum {datum}, {place}"
 
 
 @dataclass(frozen=True, eq=False)
 class SplineFit:
-    """The data of a surface, and how it came to them.
+    """The data of a surface or a curve, and how it came to them.
 
     Parameters
     ----------
-    points : array (r, s, 3)
+    points : array (r, s, 3), or (n, 3) of scattered points and of curves
         The data.
-    parameters : pair of arrays
-        Of the rows and of the columns; or of each point, (r, s) both.
+    parameters : tuple of arrays
+        Of the rows and of the columns; or of each point, (r, s) both. Scattered: (n,) both. Of a curve one alone, (n,).
     history : tuple of Residual
         Before the corrections of parameters and constraints, and after each step that was kept; the last one holds.
     converged : bool
@@ -83,7 +86,7 @@ class SplineFit:
     """
 
     points: Array
-    parameters: Pair
+    parameters: tuple[Array, ...]
     history: tuple[Residual, ...]
     converged: bool = True
 
@@ -102,22 +105,30 @@ def broadcast(parameters: Pair) -> Pair:
 def residual_of(spaces: Spaces, net: Array, points: Array, parameters: Pair) -> Residual:
     """The distances of the points from the surface at their parameters."""
     u, v = broadcast(parameters)
-    gaps = points - tensor_values(spaces, net, u, v)
-    distances = np.sqrt(np.einsum("abi,abi->ab", gaps, gaps))
-    worst = np.unravel_index(int(distances.argmax()), distances.shape)
-    place = tuple(float(np.broadcast_to(one, distances.shape)[worst]) for one in (u, v))
-    rms = float(np.sqrt((distances**2).mean()))
-    return Residual(float(distances[worst]), rms, (int(worst[0]), int(worst[1])), (place[0], place[1]))
+    return residual_at(points, tensor_values(spaces, net, u, v), (u, v))
+
+
+def residual_at(points: Array, values: Array, parameters: tuple[Array, ...]) -> Residual:
+    """The distances of points (..., 3) from values at their parameters."""
+    distances = sizes(points - values)
+    worst = tuple(int(one) for one in np.unravel_index(int(distances.argmax()), distances.shape))
+    place = tuple(float(np.broadcast_to(one, distances.shape)[worst]) for one in parameters)
+    return Residual(float(distances[worst]), float(np.sqrt((distances**2).mean())), worst, place)
 
 
 def fitted_net(spaces: Spaces, points: Array, parameters: Pair) -> Array:
     """The net whose surface passes the points nearest in the sense of least squares."""
     solve = _tensor_solver(spaces, parameters) if parameters[0].ndim == 1 else _solver(spaces, parameters)
     net = solve(points)
+    check_near(net, points)
+    return net
+
+
+def check_near(net: Array, points: Array) -> None:
+    """Refuse vertices so far from the data that these hardly determine them."""
     size = float(np.abs(points).max())
     if not np.abs(net).max() <= FAR * size:
         raise _spoilt(f"these reach to {np.abs(net).max():.2g}, data of the size {size:.2g}")
-    return net
 
 
 def check_met(residual: Residual, points: Array) -> None:
@@ -167,7 +178,7 @@ def _solver(spaces: Spaces, parameters: Pair) -> Callable[[Array], Array]:
     return lambda right: system.solve(right.reshape(-1, 3)).reshape(*shape, 3)
 
 
-def singular(spaces: Spaces, vertex: str) -> RsymError:
+def singular(spaces: Sequence[SplineSpace], vertex: str) -> RsymError:
     """The refusal of a system without a unique solution."""
     halved = any(space.closed for space in spaces)
     return RsymError(

@@ -131,7 +131,7 @@ def kept_vertices(given: Sequence[tuple[Any, Any]], shape: tuple[int, int]) -> l
     numbers = np.arange(shape[0] * shape[1]).reshape(shape)
     taken: set[int] = set()
     result = []
-    for index, locus in given:
+    for index, locus in _pairs(given):
         try:
             vertices = np.unique(numbers[index])
         except IndexError:
@@ -145,6 +145,17 @@ def kept_vertices(given: Sequence[tuple[Any, Any]], shape: tuple[int, int]) -> l
         taken.update(vertices.tolist())
         result.append(Kept(vertices, locus if isinstance(locus, Plane) else Along(as_curve(locus, what="a locus"))))
     return result
+
+
+def _pairs(given: Any) -> list[tuple[Any, Any]]:
+    try:
+        return [(index, locus) for index, locus in given]
+    except (TypeError, ValueError) as error:
+        raise RsymError(
+            f"kept is a sequence of pairs (vertices, plane or curve), got {given!r}",
+            code="kept",
+            remedy="for example [(numpy.s_[0, :], Plane((0, 0, 0), (0, 0, 1)))]",
+        ) from error
 
 
 def constrained_net(

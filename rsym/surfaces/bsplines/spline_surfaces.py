@@ -8,6 +8,7 @@ Source: Rogers and Adams, Mathematical Elements for Computer Graphics (1990), se
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -19,6 +20,7 @@ from rsym.surfaces import symbols
 from rsym.surfaces.bsplines.bspline_data import checked_points, directions, orders_of, pair_of, spaces_for_data
 from rsym.surfaces.bsplines.bspline_fitting import Pair, Residual, SplineFit, check_met, fitted_net, residual_of
 from rsym.surfaces.bsplines.parameter_correction import approximated
+from rsym.surfaces.bsplines.scattered_data import spaces_for_scattered
 from rsym.surfaces.bsplines.spline_spaces import Spaces, checked_space, tensor_values
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.parameters import Interval
@@ -93,23 +95,27 @@ class BSplineSurface(Patch):
         order: tuple[int, int] | None = None,
         *,
         degree: tuple[int, int] | None = None,
+        vertices: tuple[int, int] | None = None,
         parameters: str | Both = "chord-length",
         per_point: bool = False,
         knots: str | Both = "averaged",
         closed: tuple[bool, bool] = (False, False),
     ) -> BSplineSurface:
-        """The surface through a net of points, equation 6-83, with as many vertices.
+        """The surface through a net of points, equation 6-83, or through scattered ones, with as many vertices.
 
         Parameters
         ----------
-        points : array (r, s, 3)
-            The data; u goes along the first axis. A row whose points coincide is a pole.
+        points : array (r, s, 3), or (n, 3)
+            The data; u goes along the first axis. A row whose points coincide is a pole. Scattered points (n, 3) need
+            parameters for each and `vertices`, and are met only if they lie about as regularly as a net.
         order, degree : pair of int, optional
             The orders in u and in v, or the degrees, which are one less; cubic by default.
         parameters : "chord-length", "centripetal" or pair
             Of the data: shares of the chord length of the columns and rows, of the roots of the chords, from 0 to 1 or
             over the interval of knots that are given; or given: r and s numbers, or (r, s) for each point, and the
             surface runs from the least to the greatest. A closed direction has one more, which ends the period.
+            Of scattered points: n numbers u and n numbers v, or "plane": their places in the plane nearest to them. The
+            surface then runs from 0 to 1 if all lie there (a closed direction always), otherwise over all parameters.
         per_point : bool
             Whether each point has its own chord-length parameters, as the source prints them, in one system for all;
             otherwise the means over columns and rows, which gives two small systems.
@@ -118,6 +124,14 @@ class BSplineSurface(Patch):
             do not where data are crowded; or given for u and v.
         closed : pair of bool
             Whether the points go round in u, and in v; the first is not repeated.
+        vertices : pair of int
+            Of scattered points: the numbers of vertices along u and v, together as many as points.
+
+        Raises
+        ------
+        RsymError
+            For data that do not determine the vertices: the vertex that has no datum of its own (Schoenberg-Whitney),
+            or depends on others, is named; and for those that determine them too badly to be met.
 
         Examples
         --------
@@ -126,7 +140,17 @@ class BSplineSurface(Patch):
         >>> surface.residual.maximum < 1e-13
         True
         """
-        data = checked_points(points, "the points")
+        data = checked_points(points, "the points", scattered=True)
+        if data.ndim == 2:
+            counts = _all_vertices(vertices, len(data))
+            return cls._near_scattered(data, counts, orders_of(order, degree), parameters, knots, closed, 0, (), True)
+        if vertices is not None and pair_of(vertices, "vertices") != data.shape[:2]:
+            raise RsymError(
+                f"a surface through a net of {data.shape[0]} x {data.shape[1]} points has as many vertices, "
+                f"got {vertices!r}",
+                code="vertices",
+                remedy="leave vertices out, or use least_squares",
+            )
         spaces, found = spaces_for_data(
             data, data.shape[:2], orders_of(order, degree), parameters, per_point, knots, closed
         )
@@ -150,10 +174,12 @@ class BSplineSurface(Patch):
         corrections: int = 0,
         kept: Sequence[tuple[Any, Any]] = (),
     ) -> BSplineSurface:
-        """The surface with fewer vertices that passes a net of points nearest, equation 6-84.
+        """The surface with fewer vertices that passes a net of points, or scattered ones, nearest, equation 6-84.
 
         Parameters
         ----------
+        points : array (r, s, 3), or (n, 3)
+            The data. Scattered ones, (n, 3), in any order, need `parameters` for each.
         vertices : pair of int
             Their numbers n + 1 and m + 1. The fewer, the smoother.
         corrections : int
@@ -171,10 +197,40 @@ class BSplineSurface(Patch):
         >>> surface = BSplineSurface.least_squares(points, (4, 3), (4, 3), parameters=(range(6), range(5)))
         >>> surface.net.shape, surface.residual.maximum < 1e-13
         ((4, 3, 3), True)
+        >>> u, v = np.random.default_rng(0).random((2, 200))
+        >>> cloud = np.stack([u, v, u * v**2], axis=-1)
+        >>> surface = BSplineSurface.least_squares(cloud, (6, 5), parameters=(u, v))
+        >>> surface(0.5, 0.5).round(12).tolist(), surface.domain
+        ([0.5, 0.5, 0.125], ((0.0, 1.0), (0.0, 1.0)))
         """
-        data = checked_points(points, "the points")
+        data = checked_points(points, "the points", scattered=True)
+        if data.ndim == 2:
+            orders = orders_of(order, degree)
+            return cls._near_scattered(data, vertices, orders, parameters, knots, closed, corrections, kept, False)
         spaces, found = spaces_for_data(data, vertices, orders_of(order, degree), parameters, per_point, knots, closed)
         return cls._fitted(spaces, *approximated(spaces, data, found, corrections, kept))
+
+    @classmethod
+    def _near_scattered(
+        cls,
+        points: Array,
+        vertices: Any,
+        orders: Both,
+        parameters: Any,
+        knots: Any,
+        closed: Any,
+        corrections: Any,
+        kept: Sequence[tuple[Any, Any]],
+        met: bool,
+    ) -> BSplineSurface:
+        """The surface nearest to points (n, 3): they are a net of one column, each point with its own parameters."""
+        spaces, (u, v) = spaces_for_scattered(points, vertices, orders, parameters, knots, closed)
+        net, fit = approximated(spaces, points[:, None], (u[:, None], v[:, None]), corrections, kept)
+        if met:
+            check_met(fit.residual, points)
+        history = tuple(replace(one, worst=one.worst[:1]) for one in fit.history)
+        places = tuple(one[:, 0] for one in fit.parameters)
+        return cls._fitted(spaces, net, SplineFit(points, places, history, fit.converged))
 
     @property
     def order(self) -> tuple[int, int]:
@@ -203,8 +259,9 @@ class BSplineSurface(Patch):
 
     @property
     def parameters(self) -> Pair:
-        """Those of the data: of rows and columns, or of each point, (r, s) both."""
-        return self._data().parameters
+        """Those of the data: of rows and columns, or of each point, (r, s) or (n,) both."""
+        u, v = self._data().parameters
+        return u, v
 
     @property
     def residual(self) -> Residual:
@@ -213,7 +270,11 @@ class BSplineSurface(Patch):
 
     def _data(self) -> SplineFit:
         if self.fit is None:
-            raise RsymError("this surface was made of vertices, not of data", code="no-data")
+            raise RsymError(
+                "this surface was made of vertices, not of data",
+                code="no-data",
+                remedy="BSplineSurface.interpolate(points)",
+            )
         return self.fit
 
     def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
@@ -250,6 +311,19 @@ class BSplineSurface(Patch):
             for axis in range(3)
         ]
         return sp.ImmutableMatrix(rows)
+
+
+def _all_vertices(vertices: Any, available: int) -> Both:
+    """The numbers of vertices of a surface through scattered points."""
+    counts = (0, 0) if vertices is None else pair_of(vertices, "vertices")
+    if not all(isinstance(one, int | np.integer) for one in counts) or counts[0] * counts[1] != available:
+        got = "none" if vertices is None else " x ".join(map(str, counts))
+        raise RsymError(
+            f"a surface through scattered points has as many vertices, {available} points, got {got}",
+            code="vertices",
+            remedy="vertices=(n, m) with that product, or least_squares with fewer",
+        )
+    return counts
 
 
 def _description(spaces: Spaces) -> tuple[tuple[int, int], Pair, tuple[bool, bool]]:

@@ -18,6 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PPoly
 
 from rsym.errors import RsymError
+from rsym.surfaces.bsplines.bspline_data import order_of
+from rsym.surfaces.bsplines.bspline_fitting import Residual, SplineFit
+from rsym.surfaces.bsplines.curve_fitting import fitted_curve
 from rsym.surfaces.bsplines.spline_spaces import checked_space, derivative, inner_pieces
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.polynomials import Polynomials
@@ -76,6 +79,83 @@ class Nurbs(Curve):
         self.shape = (3,)
         self.domain = self.space.domain
         self.closed = closed or self._meets_itself()
+        self.fit: SplineFit | None = None
+
+    @classmethod
+    def interpolate(
+        cls,
+        points: ArrayLike,
+        order: int | None = None,
+        *,
+        degree: int | None = None,
+        parameters: str | ArrayLike = "chord-length",
+        knots: str | ArrayLike = "averaged",
+        closed: bool = False,
+    ) -> Nurbs:
+        """The curve through points, with as many vertices and weights of 1.
+
+        Parameters
+        ----------
+        points : array (n, 3)
+            The data.
+        order, degree : int, optional
+            The order, or the degree, which is one less; cubic by default.
+        parameters : "chord-length", "centripetal" or n numbers
+            Of the data: shares of the chord length, of the roots of the chords, from 0 to 1 or over the interval of
+            knots that are given; or given, not decreasing, and the curve runs from the first to the last. A closed
+            curve has one more, which ends the period.
+        knots : "averaged", "uniform" or numbers
+            Means of neighbouring parameters, which always determine the curve; uniform; or given.
+        closed : bool
+            Whether the points go round; the first is not repeated.
+
+        Raises
+        ------
+        RsymError
+            For points that do not determine the vertices: the vertex without a datum of its own (Schoenberg-Whitney) is
+            named.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> turn = np.linspace(0, np.pi, 9)
+        >>> arc = Nurbs.interpolate(np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=-1))
+        >>> arc.domain, arc.order, arc.degree, arc.residual.maximum < 1e-14
+        ((0.0, 1.0), 4, 3, True)
+        """
+        data = _checked_points(points)
+        return cls._fitted(data, len(data), order_of(order, degree), parameters, knots, closed)
+
+    @classmethod
+    def least_squares(
+        cls,
+        points: ArrayLike,
+        vertices: int,
+        order: int | None = None,
+        *,
+        degree: int | None = None,
+        parameters: str | ArrayLike = "chord-length",
+        knots: str | ArrayLike = "averaged",
+        closed: bool = False,
+    ) -> Nurbs:
+        """The curve with fewer vertices that passes points nearest; others as in `interpolate`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> t = np.linspace(0, 1, 30)
+        >>> curve = Nurbs.least_squares(np.stack([t, t**2, t**3], axis=-1), 6, parameters=t)
+        >>> curve(0.5).round(12).tolist(), len(curve.points)
+        ([0.5, 0.25, 0.125], 6)
+        """
+        return cls._fitted(_checked_points(points), vertices, order_of(order, degree), parameters, knots, closed)
+
+    @classmethod
+    def _fitted(cls, data: Array, vertices: Any, order: Any, parameters: Any, knots: Any, closed: Any) -> Nurbs:
+        space, found, fit = fitted_curve(data, vertices, order, parameters, knots, bool(closed))
+        curve = cls(space.degree, space.knots, found, closed=space.closed)
+        curve.fit = fit
+        return curve
 
     @property
     def degree(self) -> int:
@@ -86,6 +166,23 @@ class Nurbs(Curve):
     def order(self) -> int:
         """The order: one more than the degree."""
         return self.space.degree + 1
+
+    @property
+    def parameters(self) -> Array:
+        """Those of the data, (n,)."""
+        return self._data().parameters[0]
+
+    @property
+    def residual(self) -> Residual:
+        """How far the curve passes from its data."""
+        return self._data().residual
+
+    def _data(self) -> SplineFit:
+        if self.fit is None:
+            raise RsymError(
+                "this curve was made of vertices, not of data", code="no-data", remedy="Nurbs.interpolate(points)"
+            )
+        return self.fit
 
     @property
     def knots(self) -> Array:
