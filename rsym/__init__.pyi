@@ -74,6 +74,7 @@ from .sampling.curvatures import corner_curvatures, vertex_curvatures
 from .sampling.extent import extent
 from .sampling.mesh import Mesh
 from .sampling.meshing import Mesher, mesh
+from .sampling.samples import Samples, sample
 from .sampling.sections import Section, sections
 from .sampling.sharp.features import Feature
 from .verify.atlas.atlas import smoothness_atlas
@@ -124,6 +125,7 @@ __all__ = [
     "Rp",
     "RsymError",
     "RsymWarning",
+    "Samples",
     "Sardf",
     "Section",
     "Shape",
@@ -232,6 +234,7 @@ __all__ = [
     "rfNOT",
     "rfOR",
     "row",
+    "sample",
     "save_letters",
     "schwarz_d",
     "schwarz_p",

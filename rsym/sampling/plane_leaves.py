@@ -22,7 +22,7 @@ NEWTON_STEPS = 12
 
 @dataclass(frozen=True)
 class PlaneLeaves:
-    """The leaves of a sign form in space, as functions of two free coordinates.
+    """The leaves of a sign form, as functions of two free coordinates.
 
     `flat` are leaves that are zero all over the plane: the plane runs along a face of theirs.
     Zero counts as inside, so they are left out of what bounds the section.
@@ -47,7 +47,7 @@ class PlaneLeaves:
     def __call__(self, points: Array) -> tuple[Array, Array]:
         """The values (leaves, n) and the gradients (leaves, n, 2) at points (n, 2)."""
         program = self.kernel.program
-        coordinates = [np.full(len(points), self.fixed.get(k, 0.0)) for k in range(3)]
+        coordinates = [np.full(len(points), self.fixed.get(k, 0.0)) for k in range(len(program.coordinates))]
         coordinates[self.free[0]], coordinates[self.free[1]] = points.T
         values = self.kernel.letters.values_with(self.letters)
         out = np.empty((len(program.outputs), len(points)))
