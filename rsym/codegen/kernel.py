@@ -248,6 +248,7 @@ def compiled(
         function = _CACHE.get(key)
     if function is None:
         start = time.perf_counter()
+        logger.info("%s: compiling %d nodes", backend, len(program.nodes))
         function = make_function(expand(program), backend, precision)
         check(function)
         logger.debug("%s: %d nodes compiled in %.3f s", backend, len(program.nodes), time.perf_counter() - start)

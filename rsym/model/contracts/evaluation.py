@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 import sympy as sp
 
 from rsym.model.contracts.algebras import Fractions, TaylorSeries
+from rsym.model.contracts.polynomials import PRIME
 from rsym.model.contracts.towers import NotShown
 from rsym.model.nodes import Held
 from rsym.model.powers import AbsolutePower
@@ -43,7 +44,9 @@ class Evaluation:
 
     def _rule(self, part: sp.Expr, inner: list[Value]) -> Value:
         if isinstance(part, sp.Rational):
-            return self._over(self.algebra.number(int(part.p)), self.algebra.number(int(part.q)))
+            if part.q % PRIME == 0:
+                raise NotShown
+            return self.algebra.number(int(part.p) * pow(int(part.q), -1, PRIME))
         if isinstance(part, sp.Float):
             return self._rule(sp.Rational(part), [])
         if part.is_Symbol or isinstance(part, sp.NumberSymbol):
