@@ -68,6 +68,7 @@ from .output.repairs import plot_repair
 from .output.sections import plot_sections, write_sections
 from .output.surfaces import plot_mesh
 from .output.sweep import plot_sweep
+from .output.systems import SystemRow, SystemTable, compare_systems
 from .output.verdicts import plot_verdict
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
@@ -133,6 +134,8 @@ __all__ = [
     "SingularPoint",
     "SmoothnessAtlas",
     "SmoothnessReport",
+    "SystemRow",
+    "SystemTable",
     "Threshold",
     "ThresholdCurve",
     "analytic_condition",
@@ -146,6 +149,7 @@ __all__ = [
     "coil",
     "compare_designs",
     "compare_patches",
+    "compare_systems",
     "compile",
     "cone",
     "conjunction",

@@ -1,4 +1,4 @@
-"""`rsym compare`: designs side by side, each with what is proved of its curvature."""
+"""`rsym compare`: designs side by side, each with what is proved of its curvature; or R-systems."""
 
 from __future__ import annotations
 
@@ -7,7 +7,15 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rsym.commands.options import Commands, add_command, add_revolve, load_model, progress_bar
+from rsym.commands.options import (
+    Commands,
+    add_command,
+    add_revolve,
+    load_model,
+    load_shape,
+    progress_bar,
+    system_named,
+)
 from rsym.errors import RsymError
 
 if TYPE_CHECKING:
@@ -35,6 +43,12 @@ def add(commands: Commands) -> None:
         "--set", action="append", default=[], metavar="LETTER=VALUE", help="a value of all designs, before their own"
     )
     add_revolve(parser)
+    parser.add_argument(
+        "--systems",
+        nargs="+",
+        metavar="SYSTEM",
+        help='R-systems instead of designs: class, order, operations, slope on the boundary; R0 R1 "Rp 4" "R0m 2"',
+    )
     parser.add_argument("--json", action="store_true", help="print the table with all reports as JSON")
     parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the designs: .png, .svg or .pdf")
 
@@ -48,6 +62,9 @@ def run(options: argparse.Namespace) -> None:
 
     if options.output is not None:
         picture_suffix(options.output)
+    if options.systems:
+        print(_systems(options))
+        return
     files = options.letters
     options.letters = options.variant = None
     chosen = load_model(options)
@@ -58,6 +75,24 @@ def run(options: argparse.Namespace) -> None:
     if options.output is not None:
         write_picture(plot_designs(table), options.output)
     print(table.to_json() if options.json else table)
+
+
+def _systems(options: argparse.Namespace) -> str:
+    """The table of R-systems, at the letters of one file if there is one."""
+    from rsym.output.systems import compare_systems
+
+    if options.output is not None or len(options.letters or ()) > 1:
+        raise RsymError(
+            "R-systems are compared in a table, at one choice of letters",
+            code="designs",
+            remedy="leave -o out, and give at most one file to --letters",
+        )
+    options.letters, options.variant = (options.letters or [None])[0], None
+    systems = [system_named(text) for text in options.systems]
+    shape = load_shape(options)
+    with progress_bar("system", "comparing") as progress:
+        table = compare_systems(shape, systems, progress=progress)
+    return table.to_json() if options.json else str(table)
 
 
 def _files(chosen: Chosen, files: list[str]) -> dict[str, dict[str, float]]:

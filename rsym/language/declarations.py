@@ -63,7 +63,8 @@ def system(statement: SystemStatement, letters: Mapping[str, Letter]) -> RSystem
             raise parameter.place.refuse(f"the system {name} has no parameter", "parameter", f"write: system {name}")
         return SYSTEMS[name]
     if name not in FAMILIES:
-        remedy = f"the systems are {listing([*SYSTEMS, *FAMILIES])}"
+        known = [*SYSTEMS, *FAMILIES]
+        remedy = proposal(name, known, f"the systems are {listing(known)}")
         raise statement.place.refuse(f"no R-system '{name}'", "unknown-system", remedy)
     family, example = FAMILIES[name]
     remedy = f"for example: system {name} {example}"
