@@ -12,6 +12,7 @@ from .codegen.plain import lambdify
 from .codegen.source import source
 from .errors import RsymError, RsymWarning
 from .language.loading import load, loads
+from .language.writing import dumps
 from .model.blends.displacement import bounded_blend, displacement_blend
 from .model.blends.fillets import fillet
 from .model.blends.rho import Rho
@@ -62,6 +63,7 @@ from .output.fairness import plot_fairness
 from .output.fields import plot_field, plot_fields
 from .output.files import write, write_features
 from .output.joins import plot_continuity
+from .output.models import save
 from .output.patches import plot_patches
 from .output.presets import load_letters, save_letters
 from .output.repairs import plot_repair
@@ -163,6 +165,7 @@ __all__ = [
     "disjunction",
     "displacement_blend",
     "double_cone",
+    "dumps",
     "ellipse",
     "ellipsoid",
     "enclose",
@@ -239,6 +242,7 @@ __all__ = [
     "rfOR",
     "row",
     "sample",
+    "save",
     "save_letters",
     "schwarz_d",
     "schwarz_p",

@@ -36,6 +36,12 @@ def add(commands: Commands) -> None:
         run,
     )
     add_model(parser)
+    parser.add_argument(
+        "--model",
+        dest="model_file",
+        action="store_true",
+        help="a model file of the shape, operation by operation, as rsym.save writes it",
+    )
     parser.add_argument("--latex", action="store_true", help="a LaTeX document instead of text")
     parser.add_argument(
         "--field",
@@ -48,6 +54,11 @@ def run(options: argparse.Namespace) -> None:
     from rsym.language.listing import definitions
 
     chosen = load_model(options)
+    if options.model_file:
+        from rsym.language.writing import dumps
+
+        print(dumps(chosen.shape), end="")
+        return
     if options.field and options.field != "value":
         print(_field(chosen, options.field, options.latex))
         return

@@ -14,7 +14,8 @@ from rsym.language.functions import operations
 from rsym.language.model import Model
 from rsym.language.parts import Part, symbol_part
 from rsym.language.piece_calls import Calls, shown_call
-from rsym.language.syntax import Assignment, Name, names_in
+from rsym.language.syntax import Assignment, Name, PartStatement, names_in
+from rsym.language.verbatim import Verbatim
 from rsym.model.letters import Letter
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol
@@ -31,10 +32,10 @@ def assemble(model: Model, shape: str | None, variant: str | None) -> Shape:
     return Shape(
         expression,
         tuple(map(real_symbol, model.coordinates)),
-        letters={name: letter for name, letter in letters.items() if name in used},
+        letters={name: letter for name, letter in letters.items() if name in used or model.verbatim},
         bounds=model.bounds,
         definitions=_definitions(model, needed),
-        parts=_parts(needed, known),
+        parts=_given_parts(model, letters, known) if model.parts or model.verbatim else _parts(needed, known),
     )
 
 
@@ -67,11 +68,26 @@ def _letters(model: Model, variant: str | None) -> dict[str, Letter]:
 
 def _inlined(model: Model, letters: Mapping[str, Letter]) -> dict[str, Part]:
     """Every formula with the others written into it; a part that is used twice is one object."""
-    builder, known = Builder(operations(model.system), Calls(model.coordinates, letters, model.system)), _given(model)
+    builder, known = _builder(model, letters), _given(model)
     for assignment in model.assignments:
         _check_names(assignment, known, model)
         known[assignment.name] = builder.build(assignment.value, known)
     return known
+
+
+def _builder(model: Model, letters: Mapping[str, Letter]) -> Builder:
+    kind = Verbatim if model.verbatim else Builder
+    return kind(operations(model.system), Calls(model.coordinates, letters, model.system))
+
+
+def _given_parts(
+    model: Model, letters: Mapping[str, Letter], known: Mapping[str, Part]
+) -> tuple[tuple[str, sp.Expr], ...]:
+    """What the part statements say, in their order."""
+    builder = _builder(model, letters)
+    for statement in model.parts:
+        _check_names(statement, known, model)
+    return tuple((statement.name, builder.build(statement.value, known).outer) for statement in model.parts)
 
 
 def _needed(model: Model, chosen: str) -> list[Assignment]:
@@ -85,7 +101,7 @@ def _needed(model: Model, chosen: str) -> list[Assignment]:
 
 def _definitions(model: Model, needed: list[Assignment]) -> tuple[tuple[str, sp.Expr], ...]:
     """The formulas, each in terms of the others' names."""
-    builder = Builder(operations(model.system), shown_call)
+    builder = (Verbatim if model.verbatim else Builder)(operations(model.system), shown_call)
     known = {**_given(model), **{assignment.name: symbol_part(assignment.name) for assignment in model.assignments}}
     return tuple((assignment.name, builder.build(assignment.value, known).outer) for assignment in needed)
 
@@ -99,18 +115,21 @@ def _parts(needed: list[Assignment], known: Mapping[str, Part]) -> tuple[tuple[s
 def _given(model: Model) -> dict[str, Part]:
     """What formulas may speak of before the first assignment."""
     names = (*model.coordinates, *model.letters)
-    return {**{name: symbol_part(name) for name in names}, "pi": Part(sp.pi, Extent(), None, math.pi)}
+    given = {name: symbol_part(name) for name in names}
+    if model.verbatim:
+        return {**given, "pi": Part(sp.pi, Extent()), "nan": Part(sp.nan, Extent())}
+    return {**given, "pi": Part(sp.pi, Extent(), None, math.pi)}
 
 
-def _check_names(assignment: Assignment, known: Mapping[str, Part], model: Model) -> None:
+def _check_names(assignment: Assignment | PartStatement, known: Mapping[str, Part], model: Model) -> None:
     for name in names_in(assignment.value):
         if name.name not in known:
             raise _unknown(name, assignment, known, model)
 
 
-def _unknown(name: Name, assignment: Assignment, known: Mapping[str, Part], model: Model) -> Exception:
+def _unknown(name: Name, assignment: Assignment | PartStatement, known: Mapping[str, Part], model: Model) -> Exception:
     later = {other.name: other.place for other in model.assignments}
-    if name.name == assignment.name:
+    if isinstance(assignment, Assignment) and name.name == assignment.name:
         remedy = "a formula may use earlier names only; rename"
         return name.place.refuse(f"'{name.name}' is defined by itself", "unknown-name", remedy)
     if name.name in later:

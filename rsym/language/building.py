@@ -18,6 +18,7 @@ import sympy as sp
 from rsym.language import exact
 from rsym.language.extent import Budget, Extent, check_degree, joined, measured
 from rsym.language.functions import Operation
+from rsym.language.nodes import MADE, made
 from rsym.language.parts import Part, constant_part, exact_part, open_part, text_part, vector_part
 from rsym.language.syntax import Call, Expression, Name, Number, Place, Power, Product, Sum, Text, Vector, postorder
 
@@ -61,6 +62,9 @@ class Builder:
                 return text_part(node.value)
             case Call() if node.function in self._operations:
                 return self._call(node, parts)
+            case Call() if node.function in MADE:
+                extent = self._budget.afford(joined(part.extent for part in parts).opaque(len(parts)), node.place)
+                return Part(made(node, [part.outer for part in parts]), extent)
             case Call():
                 return self._piece(node, parts)
 

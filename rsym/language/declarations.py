@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from fractions import Fraction
 
 from rsym.errors import RsymError
 from rsym.language.building import Builder
@@ -15,10 +14,12 @@ from rsym.language.syntax import (
     LetterStatement,
     Name,
     Place,
+    Sum,
     SystemStatement,
     VariantStatement,
     names_in,
 )
+from rsym.language.syntax import Number as NumberWord
 from rsym.model.letters import Letter, Number
 from rsym.model.shape import Bounds
 from rsym.model.symbols import real_symbol
@@ -26,11 +27,27 @@ from rsym.model.systems import R0, RSystem
 from rsym.model.wording import listing, proposal
 
 
-def letter(statement: LetterStatement) -> Letter:
-    """The letter that a statement declares."""
-    low, high = (None, None) if statement.interval is None else _ends(statement.interval, "letter-range")
-    default = _number(statement.value)
-    return _in_range(statement.place, default, low, high, statement.doc)
+def letter(statement: LetterStatement, *, floats: bool = False) -> Letter:
+    """The letter that a statement declares; decimals are exact, or floats; an end that is open is inf or -inf."""
+    low, high = _range(statement.interval, floats)
+    default = _number(statement.value, floats)
+    return _in_range(statement.place, Letter(0, unit=statement.unit, doc=statement.doc), default, low, high)
+
+
+def _range(interval: Interval | None, floats: bool) -> tuple[Number | None, Number | None]:
+    if interval is None:
+        return None, None
+    low = None if _is_endless(interval.low, -1) else _number(interval.low, floats)
+    high = None if _is_endless(interval.high, 1) else _number(interval.high, floats)
+    if low is not None and high is not None and not float(low) < float(high):
+        if not (floats and float(low) == float(high)):
+            raise _empty(interval, low, high, "letter-range")
+    return low, high
+
+
+def _is_endless(end: Expression, sign: int) -> bool:
+    inner = end.parts[0] if sign < 0 and isinstance(end, Sum) and end.signs == (-1,) else end
+    return (sign > 0 or inner is not end) and isinstance(inner, Name) and inner.name == "inf"
 
 
 def variant(statement: VariantStatement, letters: Mapping[str, Letter]) -> dict[str, Letter]:
@@ -43,14 +60,14 @@ def variant(statement: VariantStatement, letters: Mapping[str, Letter]) -> dict[
         if name.name in changed:
             raise name.place.refuse(f"'{name.name}' is set twice", "redefinition", "keep one of the two values")
         old, default = letters[name.name], _number(value)
-        changed[name.name] = _in_range(name.place, default, old.minimum, old.maximum, old.doc)
+        changed[name.name] = _in_range(name.place, old, default, old.minimum, old.maximum)
     return changed
 
 
-def _in_range(place: Place, default: Number, low: Number | None, high: Number | None, doc: str) -> Letter:
+def _in_range(place: Place, like: Letter, default: Number, low: Number | None, high: Number | None) -> Letter:
     """Build a letter; one out of its range is refused at its place in the text."""
     try:
-        return Letter(default, minimum=low, maximum=high, doc=doc)
+        return Letter(default, minimum=low, maximum=high, unit=like.unit, doc=like.doc)
     except RsymError as error:
         raise place.refuse(error.message, error.code, error.remedy) from None
 
@@ -97,15 +114,22 @@ def bounds(statement: BoundsStatement, coordinates: tuple[str, ...]) -> Bounds:
     return tuple(box[name] for name in coordinates)
 
 
-def _ends(interval: Interval, code: str) -> tuple[int | Fraction, int | Fraction]:
+def _ends(interval: Interval, code: str) -> tuple[Number, Number]:
     low, high = _number(interval.low), _number(interval.high)
     if not float(low) < float(high):
-        raise interval.place.refuse(f"the range [{float(low):g}, {float(high):g}] is empty", code, "write [low, high]")
+        raise _empty(interval, low, high, code)
     return low, high
 
 
-def _number(expression: Expression) -> int | Fraction:
-    """The exact value of a closed rational expression."""
+def _empty(interval: Interval, low: Number, high: Number, code: str) -> RsymError:
+    return interval.place.refuse(f"the range [{float(low):g}, {float(high):g}] is empty", code, "write [low, high]")
+
+
+def _number(expression: Expression, floats: bool = False) -> Number:
+    """The exact value of a closed rational expression; as floats a decimal is the float that it names."""
+    bare = expression.parts[0] if isinstance(expression, Sum) and expression.signs == (-1,) else expression
+    if floats and isinstance(bare, NumberWord) and bare.point:
+        return float(bare.value) if bare is expression else -float(bare.value)
     for name in names_in(expression):
         raise name.place.refuse(
             f"'{name.name}' cannot stand here", "letter-value", "write a number such as -2.5 or 5/2, without names"

@@ -12,6 +12,7 @@ import sympy as sp
 from rsym.language.syntax import Place
 from rsym.model.traversal import postorder
 
+ONE = Fraction(1)
 LARGEST = Fraction(10) ** 300
 MOST_BITS = 4096  # of a numerator or a denominator; about 1200 decimal digits
 LONGEST_LITERAL = 100  # characters

@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from rsym.language.cursor import Cursor
 from rsym.language.exact import literal
+from rsym.language.nodes import COMPARISONS, CONNECTIVES, NODES, PIECEWISE
 from rsym.language.pieces import PIECES
 from rsym.language.scanner import Token
 from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Sum, Text, Vector
@@ -21,6 +22,7 @@ from rsym.model.wording import listing, proposal
 DEEPEST_NESTING = 100
 MOST_ITEMS = 1000  # a polygon of so many corners is taken apart in seconds
 _HALF = Fraction(1, 2)
+EXAMPLE = "for example piecewise(1 - x, x > 0, 1 + x)"
 _Item = TypeVar("_Item")
 
 
@@ -68,7 +70,8 @@ class ExpressionParser:
             return self._group()
         if token.kind == "number":
             self._cursor.read()
-            return Number(token.place, literal(token.text, token.place))
+            point = not token.text.isdigit()
+            return Number(token.place, literal(token.text, token.place), point=point)
         if token.kind == "name" and token.text not in KEYWORDS:
             self._cursor.read()
             return self._call(token) if self._cursor.token.text == "(" else _name(token)
@@ -83,8 +86,10 @@ class ExpressionParser:
 
     def _call(self, function: Token) -> Expression:
         start = self._cursor.mark()
-        if function.text in PIECES:
+        if function.text in PIECES or function.text in NODES:
             return self._piece(function)
+        if function.text == PIECEWISE:
+            return self._piecewise(function)
         opening = self._open()
         arguments = self._list(self.expression, ")")
         self._cursor.close(opening, ")")
@@ -114,6 +119,41 @@ class ExpressionParser:
                 raise value.place.refuse(message, "arity", "arguments with names come last")
         return Call(function.place, function.text, tuple(value for _, value in arguments), tuple(names))
 
+    def _piecewise(self, function: Token) -> Expression:
+        """Values and conditions in turn; a last value without a condition holds elsewhere."""
+        opening = self._open()
+        arguments = self._list(self._condition, ")")
+        self._cursor.close(opening, ")")
+        self._depth -= 1
+        if len(arguments) < 2:
+            raise function.place.refuse(f"{function.text} takes a value and a condition at least", "arity", EXAMPLE)
+        for k, argument in enumerate(arguments):
+            if is_condition(argument) != (k % 2 == 1):
+                message = f"argument {k + 1} of {function.text} must be a {'condition' if k % 2 else 'formula'}"
+                raise argument.place.refuse(message, "condition", EXAMPLE)
+        return Call(function.place, function.text, tuple(arguments))
+
+    def _condition(self) -> Expression:
+        """A formula, two that are compared, or conditions in and(...), or(...), not(...)."""
+        token = self._cursor.token
+        if token.text in CONNECTIVES and self._cursor.following.text == "(":
+            self._cursor.read()
+            opening = self._open()
+            inner = self._list(self._condition, ")")
+            self._cursor.close(opening, ")")
+            self._depth -= 1
+            if not inner or not all(map(is_condition, inner)) or (token.text == "not" and len(inner) != 1):
+                raise token.place.refuse(
+                    f"{token.text} takes {'one condition' if token.text == 'not' else 'conditions'}",
+                    "condition",
+                    "for example and(x > 0, y > 0)",
+                )
+            return Call(token.place, token.text, tuple(inner))
+        left = self.expression()
+        if operator := self._cursor.accept(*COMPARISONS):
+            return Call(left.place, operator.text, (left, self.expression()))
+        return left
+
     def _named_argument(self) -> tuple[Token | None, Expression]:
         if self._cursor.token.kind == "name" and self._cursor.following.text == "=":
             name = self._cursor.read()
@@ -125,7 +165,7 @@ class ExpressionParser:
         token = self._cursor.token
         if token.kind == "text":
             self._cursor.read()
-            return Text(token.place, token.text[1:-1])
+            return Text(token.place, token.quoted)
         if token.text != "[":
             return self.expression()
         opening = self._open()
@@ -148,7 +188,7 @@ class ExpressionParser:
     def _check_call(self, function: Token, count: int, start: int) -> None:
         if function.text not in ARITIES:
             product = f"the functions are {listing(ARITIES)}; for a product write {function.text}*(...)"
-            remedy = proposal(function.text, (*ARITIES, *PIECES), product)
+            remedy = proposal(function.text, (*ARITIES, *PIECES, PIECEWISE), product)
             raise function.place.refuse(f"no function {function.shown}", "unknown-name", remedy)
         fewest, most = ARITIES[function.text]
         if fewest <= count and (most is None or count <= most):
@@ -161,6 +201,11 @@ class ExpressionParser:
             "arity",
             "add the missing arguments, or remove those too many",
         )
+
+
+def is_condition(expression: Expression) -> bool:
+    """Whether it is true or false, not a number."""
+    return isinstance(expression, Call) and expression.function in (*COMPARISONS, *CONNECTIVES)
 
 
 def _name(token: Token) -> Expression:

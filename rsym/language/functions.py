@@ -102,4 +102,12 @@ _ELEMENTARY = {
     "exp": Operation(_held_back(sp.exp), math.exp),
     "log": Operation(_held_back(sp.log), math.log),
     "atan2": Operation(_held_back(sp.atan2), math.atan2),
+    "cot": Operation(_held_back(sp.cot), lambda u: 1 / math.tan(u)),
+    "asin": Operation(_held_back(sp.asin), math.asin),
+    "acos": Operation(_held_back(sp.acos), math.acos),
+    "atan": Operation(_held_back(sp.atan), math.atan),
+    "sinh": Operation(_held_back(sp.sinh), math.sinh),
+    "cosh": Operation(_held_back(sp.cosh), math.cosh),
+    "tanh": Operation(_held_back(sp.tanh), math.tanh),
+    "sign": Operation(_held_back(sp.sign), lambda u: float((u > 0) - (u < 0)), lambda u: Fraction((u > 0) - (u < 0))),
 }

@@ -14,11 +14,13 @@ from rsym.language.syntax import (
     CoordinatesStatement,
     Expression,
     LetterStatement,
+    PartStatement,
     Place,
     Statement,
     SystemStatement,
     VariantStatement,
     Vector,
+    VerbatimStatement,
     names_in,
     postorder,
 )
@@ -38,11 +40,13 @@ class Model:
     bounds: Bounds | None
     system: RSystem
     assignments: tuple[Assignment, ...]
+    parts: tuple[PartStatement, ...] = ()
+    verbatim: bool = False
 
 
 def collect(statements: tuple[Statement, ...]) -> Model:
     """The model that the statements declare."""
-    table = _Table()
+    table = _Table(verbatim=any(isinstance(statement, VerbatimStatement) for statement in statements))
     for statement in statements:
         table.declare(statement)
     return table.model()
@@ -51,7 +55,9 @@ def collect(statements: tuple[Statement, ...]) -> Model:
 class _Table:
     """Declarations in the order of the file."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, verbatim: bool = False) -> None:
+        self._verbatim = verbatim
+        self._parts: list[PartStatement] = []
         self._places: dict[str, Place] = {}  # of every name
         self._once: dict[str, Place] = {}  # of statements that come once
         self._letters: dict[str, Letter] = {}
@@ -66,7 +72,7 @@ class _Table:
         match statement:
             case LetterStatement():
                 self._define(statement.name, statement.place)
-                self._letters[statement.name] = letter(statement)
+                self._letters[statement.name] = letter(statement, floats=self._verbatim)
             case VariantStatement():
                 self._first(f"the variant {statement.name}", statement.place)
                 self._variants[statement.name] = statement
@@ -81,6 +87,10 @@ class _Table:
             case Assignment():
                 self._define(statement.name, statement.place)
                 self._assignments.append(statement)
+            case PartStatement():
+                self._parts.append(statement)
+            case VerbatimStatement():
+                self._first("verbatim", statement.place)
 
     def model(self) -> Model:
         """What was declared, checked as a whole."""
@@ -92,6 +102,8 @@ class _Table:
             None if self._bounds is None else bounds(self._bounds, coordinates),
             R0 if self._system is None else system(self._system, self._letters),
             tuple(self._assignments),
+            tuple(self._parts),
+            self._verbatim,
         )
 
     def _define(self, name: str, place: Place) -> None:

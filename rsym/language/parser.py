@@ -15,9 +15,11 @@ from rsym.language.syntax import (
     Interval,
     LetterStatement,
     Name,
+    PartStatement,
     Statement,
     SystemStatement,
     VariantStatement,
+    VerbatimStatement,
 )
 from rsym.language.vocabulary import KEYWORDS
 
@@ -49,6 +51,8 @@ class _StatementParser:
             "coordinates": self._coordinates,
             "bounds": self._bounds,
             "system": self._system,
+            "part": self._part,
+            "verbatim": self._verbatim,
         }
 
     def next_statement(self) -> Statement | None:
@@ -80,7 +84,20 @@ class _StatementParser:
         self._cursor.expect("=", "every letter needs a value, for example: letter a = 5")
         value = self._expressions.expression()
         interval = self._interval() if self._cursor.accept("in") else None
-        return LetterStatement(name.place, name.name, value, interval, self._doc())
+        unit = ""
+        if self._cursor.token.text == "unit":
+            self._cursor.read()
+            unit = self._cursor.expect_kind("text", "a unit in quotation marks", 'for example: unit "mm"').quoted
+        return LetterStatement(name.place, name.name, value, interval, self._doc(), unit)
+
+    def _part(self, word: Token) -> Statement:
+        example = 'for example: part "wheel" = f1'
+        name = self._cursor.expect_kind("text", "the name of a part in quotation marks", example)
+        self._cursor.expect("=", example)
+        return PartStatement(name.place, name.quoted, self._expressions.expression())
+
+    def _verbatim(self, word: Token) -> Statement:
+        return VerbatimStatement(word.place)
 
     def _variant(self, word: Token) -> Statement:
         example = "for example: variant b: a1 = 9, b1 = 4"
@@ -127,7 +144,7 @@ class _StatementParser:
         return Interval(opening.place, low, high)
 
     def _doc(self) -> str:
-        return self._cursor.read().text[1:-1] if self._cursor.token.kind == "text" else ""
+        return self._cursor.read().quoted if self._cursor.token.kind == "text" else ""
 
     def _name(self, what: str, remedy: str) -> Name:
         token = self._cursor.expect_kind("name", what, remedy)

@@ -23,8 +23,8 @@ _BLANK = re.compile(r"(?:[ \t]|[%#][^\n]*)+")
 _PATTERN = re.compile(
     r"""(?P<number>(?:[0-9]+\.(?![*/^])[0-9]*|\.[0-9]+|[0-9]+)(?:[eE][+-]?[0-9]+)?)  # 1./x is 1 ./ x
     |(?P<name>[A-Za-z_][A-Za-z0-9_]*)
-    |(?P<operator>\*\*|\.\*|\./|\.\^|[-+*/^=()\[\],:])
-    |(?P<text>"[^"\n]*")
+    |(?P<operator>\*\*|\.\*|\./|\.\^|<=|>=|[-+*/^=()\[\],:<>])
+    |(?P<text>"(?:[^"\n]|"")*")
     |(?P<end>[;\n])""",
     re.VERBOSE,
 )
@@ -39,6 +39,11 @@ class Token:
     kind: Kind
     text: str
     place: Place
+
+    @property
+    def quoted(self) -> str:
+        """What a text says; a quotation mark in it is written twice."""
+        return self.text[1:-1].replace('""', '"')
 
     @property
     def shown(self) -> str:

@@ -30,11 +30,12 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """An exact number."""
+    """An exact number; `point` says that it was written with a point or an exponent."""
 
     place: Place
     value: Fraction
     parts: tuple[Expression, ...] = ()
+    point: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,13 +114,14 @@ class Interval:
 
 @dataclass(frozen=True, slots=True)
 class LetterStatement:
-    """``letter a = 5 in [1, 10] "what it is"``."""
+    """``letter a = 5 in [1, 10] unit "mm" "what it is"``."""
 
     place: Place
     name: str
     value: Expression
     interval: Interval | None
     doc: str
+    unit: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,8 +168,31 @@ class Assignment:
     doc: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class PartStatement:
+    """``part "bonnet" = expression``: what pictures and meshes call the surface of a formula."""
+
+    place: Place
+    name: str
+    value: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class VerbatimStatement:
+    """``verbatim``: operations stay as they are written, decimals are floats, and all letters are kept."""
+
+    place: Place
+
+
 Statement: TypeAlias = (
-    LetterStatement | VariantStatement | CoordinatesStatement | BoundsStatement | SystemStatement | Assignment
+    LetterStatement
+    | VariantStatement
+    | CoordinatesStatement
+    | BoundsStatement
+    | SystemStatement
+    | Assignment
+    | PartStatement
+    | VerbatimStatement
 )
 
 

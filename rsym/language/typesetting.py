@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
+from rsym.language.nodes import PIECEWISE
 from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Sum, Text, Vector, postorder
 from rsym.language.vocabulary import ARITIES
 from rsym.model.names import typeset_name
@@ -21,7 +22,15 @@ from rsym.model.systems import RSystem
 _LOGIC, _SUM, _PRODUCT, _POWER, _ATOM = range(5)  # how firmly the parts of a text hold together
 _ESCAPED = r"\\\1"
 _HALF = Fraction(1, 2)
-_FUNCTIONS = {"log": r"\ln", "atan2": r"\mathrm{atan2}"}
+_FUNCTIONS = {
+    "log": r"\ln",
+    "atan2": r"\mathrm{atan2}",
+    "asin": r"\arcsin",
+    "acos": r"\arccos",
+    "atan": r"\arctan",
+    "sign": r"\operatorname{sign}",
+}
+_COMPARED = {"<": "<", ">": ">", "<=": r"\le", ">=": r"\ge", "and": r"\wedge", "or": r"\vee"}
 
 
 class _Text(NamedTuple):
@@ -150,6 +159,12 @@ def _call(node: Call, parts: list[_Text], signs: Mapping[str, str]) -> _Text:
         return _COMPOSED[function](parts, signs["rfAND"], signs["rfOR"])
     if function in signs:
         return _infix(signs[function], parts)
+    if function in _COMPARED:
+        return _Text(f" {_COMPARED[function]} ".join(part.within(_SUM) for part in parts), _LOGIC)
+    if function == "not":
+        return _Text(rf"\neg {parts[0].within(_ATOM)}", _LOGIC)
+    if function == PIECEWISE:
+        return _cases([part.latex for part in parts])
     inner = ", ".join(part.latex for part in parts)
     if function == "abs":
         return _Text(rf"\left|{inner}\right|", _ATOM)
@@ -161,6 +176,12 @@ def _call(node: Call, parts: list[_Text], signs: Mapping[str, str]) -> _Text:
     if function == "trimming":
         return _Text(rf"\rho\left({parts[0].latex};\, {parts[1].latex}\right)", _ATOM)
     return _Text(rf"{_FUNCTIONS.get(function, chr(92) + function)}\left({inner}\right)", _ATOM)
+
+
+def _cases(texts: list[str]) -> _Text:
+    conditions = [*texts[1::2], *([r"\text{otherwise}"] if len(texts) % 2 else [])]
+    rows = [f"{value} & {condition}" for value, condition in zip(texts[::2], conditions, strict=True)]
+    return _Text(r"\begin{cases} " + r" \\ ".join(rows) + r" \end{cases}", _ATOM)
 
 
 def _opposite(part: _Text) -> _Text:
