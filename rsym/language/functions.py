@@ -42,7 +42,7 @@ def written_system(system: RSystem) -> str:
     word, parameter = next(
         (word, system.parameters[0]) for word, (family, _) in FAMILIES.items() if family is type(system)
     )
-    return f"{word} {parameter}"
+    return f"{word} {float(parameter)!r}" if parameter.is_Float else f"{word} {parameter}"
 
 
 @dataclass(frozen=True)

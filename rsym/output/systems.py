@@ -53,6 +53,15 @@ class SystemRow:
     corners : how many singular sets the formula has
     operations, gradient_operations : of the program of omega, and of omega with its gradient
     slope_error : the largest | |grad omega| - 1 | found on the boundary off its corners; NaN without a boundary
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> quadrant = rsym.Shape(rsym.conjunction(x, y), (x, y), bounds=((-1, 1), (-1, 1)))
+    >>> (row,) = rsym.compare_systems(quadrant, systems=(rsym.R0,)).rows
+    >>> row.name, row.order, row.operations, row.slope_error < 1e-6
+    ('R0', 1, 1, True)
     """
 
     name: str
