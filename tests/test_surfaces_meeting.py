@@ -9,6 +9,8 @@ from hermite_doubles import Lambdified, sheet
 from rsym.errors import RsymError
 from rsym.surfaces.coons.coons_patches import BicubicCoons, CoonsPatch
 from rsym.surfaces.joints.joining import join
+from rsym.surfaces.networks.composite import CompositeCoons
+from rsym.surfaces.networks.gordon import GordonSurface
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v
 
@@ -178,3 +180,46 @@ def test_letters_that_part_the_edges_are_refused_where_they_are_given():
     assert_close(patch(1, 0.5, letters={"a": 1 + 1e-12}), [1, 0.5, 0.5], atol=1e-9)
     error = refused(["(1, 1, 2) and the edge v1 at u = 1 is (1, 1, 1)"], lambda: patch(0.5, 0.5, letters={"a": 2}))
     assert error.where == "corner (1, 1)"
+
+
+def measured_network(noise):
+    """Curves of a bent sheet through points that are measured for each family anew."""
+    generator, s = np.random.default_rng(5), np.linspace(0, 1, 9)
+
+    def rough(x, y):
+        points = np.stack(np.broadcast_arrays(x, y, np.sin(2 * x) * y), axis=-1)
+        return points + generator.uniform(-noise, noise, points.shape)
+
+    return [rough(s, y) for y in (0, 0.3, 0.7, 1)], [rough(x, s) for x in (0, 0.4, 0.6, 1)]
+
+
+@pytest.mark.parametrize("kind", [GordonSurface, CompositeCoons])
+def test_a_network_of_measured_curves_tells_how_far_it_passes_from_them(kind):
+    along, over = measured_network(1e-3)
+    error = refused(["do not meet: their smallest distance is 0.00", "tolerance="], lambda: kind(along, over))
+    share = float(error.remedy.split("tolerance=")[1].split(" ")[0])
+    assert 1e-4 < share < 5e-3
+    surface = kind(along, over, tolerance=1e-2)
+    net = surface.network
+    (a, b), (c, d) = surface.domain
+    s = np.linspace(a, b, 301)
+    away = [
+        np.linalg.norm(surface(s, at) - one(s), axis=-1)
+        for at, one in zip(net.v_knots, net.u_curves.curves, strict=True)
+    ]
+    assert_close(surface.correction.gap, net.gaps().max(), rtol=1e-12)
+    assert np.max(away) <= surface.correction.moved <= 1.001 * np.max(away)
+    u, v = surface.correction.parameters
+    assert v in net.v_knots
+    assert a <= u <= b
+    s = np.linspace(c, d, 31)
+    for at, one in zip(net.u_knots, net.v_curves.curves, strict=True):
+        assert_close(surface(at, s), one(s), atol=1e-13)
+    exact = kind([(t, y, t * y) for y in (0, 1, 2)], [(x, 2 * t, 2 * t * x) for x in (0, 1)])
+    assert exact.correction.moved < 1e-14
+
+
+@pytest.mark.parametrize("wrong", [0, "1", None, np.nan])
+def test_the_tolerance_of_a_network_is_positive(wrong):
+    along, over = [(t, y, 0) for y in (0, 1)], [(x, t, 0) for x in (0, 1)]
+    refused(["tolerance must be a positive number"], lambda: GordonSurface(along, over, tolerance=wrong))

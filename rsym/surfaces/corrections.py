@@ -90,7 +90,8 @@ def greatest(distance: Callable[..., Array], *intervals: Interval) -> tuple[floa
     for turn in range(ROUNDS + 1):
         axes = [np.linspace(*one, CLOSER if turn else SAMPLES[len(intervals)]) for one in around]
         places = np.meshgrid(*axes, indexing="ij")
-        values = distance(*places)
+        with np.errstate(all="ignore"):
+            values = distance(*places)
         index = np.unravel_index(int(np.argmax(np.where(np.isnan(values), -np.inf, values))), values.shape)
         if values[index] > best:
             best, place = float(values[index]), tuple(float(one[index]) for one in places)

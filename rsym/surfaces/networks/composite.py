@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -10,9 +11,10 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
+from rsym.surfaces.corrections import MEETING, Correction
 from rsym.surfaces.functions.cardinals import CubicCardinals, SlopeFunctions, hermite_cardinals
 from rsym.surfaces.functions.univariate import Constant, Sampled, Unvarying
-from rsym.surfaces.networks.curve_networks import MEETING, Network, network, network_latex
+from rsym.surfaces.networks.curve_networks import Network, network, network_latex
 from rsym.surfaces.patch import Array, LetterValues, Orders
 from rsym.surfaces.transfinite import BooleanSum, Loft
 
@@ -89,6 +91,16 @@ class CompositeCoons(BooleanSum):
         correction = TwistCorrection(net, of_u, of_v, twists)
         correction.check()
         self._correction = BooleanSum(corners=correction, basis=slopes)
+
+    @cached_property
+    def correction(self) -> Correction:
+        """The greatest gap of the curves, and how far the surface passes from the u-curves; at the defaults of letters.
+
+        It holds the v-curves. Curves of another pace count as they are run through here.
+        """
+        functions, _ = self.basis
+        assert functions is not None
+        return self.network.correction(functions)
 
     def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
         """The derivatives of these orders."""

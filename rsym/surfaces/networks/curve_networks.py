@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
+from rsym.surfaces.corrections import MEETING, Correction, greatest, require_tolerance, sizes
 from rsym.surfaces.functions.cardinals import checked_knots
 from rsym.surfaces.functions.univariate import Curve, LetterValues, Sampled, Stack, on_interval
 from rsym.surfaces.networks.families import family
@@ -22,7 +24,7 @@ Array: TypeAlias = NDArray[np.float64]
 
 # Shares of the size of a network. Curves whose parameters leave a larger gap than the first are given other ones:
 # intersections are found to about 1e-15. Beyond the second the curves themselves do not meet.
-COMPATIBLE, MEETING = 2e-13, 1e-9
+COMPATIBLE = 2e-13
 # Ends of a curve that agree in position to 1e-9 of the size and in tangent to this share of it make it closed.
 TANGENT = 1e-5
 
@@ -53,6 +55,21 @@ class Network:
         (along,), (across,) = (one.evaluate(start, [0], letters) for one in (self.points, over))
         return np.asarray(np.sqrt(((along - np.swapaxes(across, 0, 1)) ** 2).sum(axis=-1)))
 
+    def correction(self, functions: Curve) -> Correction:
+        """How far a surface with these cardinal functions of u passes from the u-curves; it holds the v-curves.
+
+        On v = v_j that is sum_i phi_i(u) (s_i(v_j) - p_ij).
+        """
+        gaps = self.gaps()
+        over = _at_knots(self.v_curves, self.v_knots, self.u_curves.shape[0])
+        start = np.zeros(())
+        missed = np.swapaxes(over.evaluate(start, [0])[0], 0, 1) - self.points.evaluate(start, [0])[0]
+        found = []
+        for j, v in enumerate(self.v_knots[: missed.shape[1]]):
+            away, (u,) = greatest(partial(_distance, functions, missed[:, j]), functions.domain)
+            found.append((away, (u, v)))
+        return Correction(float(gaps.max()), *max(found))
+
     def check(self, letters: LetterValues) -> None:
         """Refuse letters that move the curves apart."""
         gaps = self.gaps(letters)
@@ -79,6 +96,7 @@ def network(
     letters: Mapping[Any, Any] | None,
 ) -> Network:
     """The network of two families; parameters are those of `GordonSurface`."""
+    require_tolerance(tolerance)
     if reparametrise not in ("auto", "refuse"):
         raise RsymError(f"reparametrise is auto or refuse, got {reparametrise!r}", code="network")
     families = (family(u_curves, letters, "the u-curve"), family(v_curves, letters, "the v-curve"))
@@ -92,7 +110,7 @@ def network(
         [polygon(curve, size, ends) for curve in one.curves]
         for one, ends in zip(families, (round_u, round_v), strict=True)
     ]
-    own_u, own_v, left = meeting_parameters(polygons[0], polygons[1], tolerance * size)
+    own_u, own_v, left = meeting_parameters(polygons[0], polygons[1], tolerance, size)
     own = (own_u, np.ascontiguousarray(own_v.T))
     rounds = (round_u, round_v)
     knots = (
@@ -230,6 +248,10 @@ def _placed(curve: Curve, knots: tuple[float, ...], own: Array | None, closed: b
             curve, increasing(np.array(knots), np.append(own, own[0] + high - low), closed=True), closed=True
         )
     return Composed(curve, increasing(grid, own))
+
+
+def _distance(functions: Curve, data: Array, u: Array) -> Array:
+    return sizes(functions(u) @ data)
 
 
 def _at_knots(curves: Stack, knots: tuple[float, ...], count: int) -> Sampled:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
+from rsym.surfaces.corrections import MEETING, Correction
 from rsym.surfaces.functions.cardinals import named_cardinals
-from rsym.surfaces.networks.curve_networks import MEETING, Network, network, network_latex
+from rsym.surfaces.networks.curve_networks import Network, network, network_latex
 from rsym.surfaces.patch import Array, LetterValues, Orders
 from rsym.surfaces.transfinite import BooleanSum, Loft
 
@@ -39,8 +41,8 @@ class GordonSurface(BooleanSum):
         own parameter there, an exact composition: no curve is fitted. f_j is a C2 spline where that increases enough,
         and C1 (PCHIP) where the paces differ much. Or raise.
     tolerance : float
-        By which share of the size of the network curves may miss one another; v-curves are met all the same, u-curves
-        are missed by as much.
+        By which share of the size of the network curves may miss one another, as measured ones do; v-curves are met all
+        the same, u-curves are missed by about as much: `correction` tells.
     letters : mapping, optional
         Symbols or names to numbers or `rsym.Letter`; the intersections are found for the values given here.
 
@@ -92,6 +94,16 @@ class GordonSurface(BooleanSum):
         of_u = named_cardinals(cardinals_u, net.u_knots, net.closed[0], "u")
         of_v = named_cardinals(cardinals_v, net.v_knots, net.closed[1], "v")
         super().__init__(Loft(of_u, net.v_curves), Loft(of_v, net.u_curves), net.points)
+
+    @cached_property
+    def correction(self) -> Correction:
+        """The greatest gap of the curves, and how far the surface passes from the u-curves; at the defaults of letters.
+
+        It holds the v-curves. Curves of another pace count as they are run through here.
+        """
+        functions, _ = self.basis
+        assert functions is not None
+        return self.network.correction(functions)
 
     def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
         """The derivatives of these orders."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
+from rsym.surfaces.corrections import enough
 from rsym.surfaces.networks.intersections import Intersection, Polygon, intersections
 
 Array: TypeAlias = NDArray[np.float64]
@@ -16,12 +17,12 @@ Table: TypeAlias = list[list[list[Intersection]]]
 
 
 def meeting_parameters(
-    u_polygons: Sequence[Polygon], v_polygons: Sequence[Polygon], tolerance: float
+    u_polygons: Sequence[Polygon], v_polygons: Sequence[Polygon], tolerance: float, size: float
 ) -> tuple[Array, Array, Array]:
     """Arrays u_ij, v_ij and gaps: the v-curve i meets the u-curve j at u_ij on the u-curve and v_ij on the v-curve.
 
-    Parameters increase with i and with j; along curves whose ends meet they go on beyond the end. They are NaN on
-    curves that are points, where any parameter does.
+    Curves may miss one another by a share of the size. Parameters increase with i and with j; along curves whose ends
+    meet they go on beyond the end. They are NaN on curves that are points, where any parameter does.
 
     Raises
     ------
@@ -29,7 +30,7 @@ def meeting_parameters(
         If a pair does not meet, meets more than once, or out of order; it names the pair.
     """
     table = [
-        [_meeting(i, j, one, other, tolerance) for j, one in enumerate(u_polygons)]
+        [_meeting(i, j, one, other, tolerance, size) for j, one in enumerate(u_polygons)]
         for i, other in enumerate(v_polygons)
     ]
     _drop_out_of_order(table, u_polygons, v_polygons)
@@ -43,16 +44,17 @@ def meeting_parameters(
     return of_u, of_v, gaps
 
 
-def _meeting(i: int, j: int, one: Polygon, other: Polygon, tolerance: float) -> list[Intersection]:
-    found = intersections(one, other, tolerance)
-    if found[0].gap > tolerance:
+def _meeting(i: int, j: int, one: Polygon, other: Polygon, tolerance: float, size: float) -> list[Intersection]:
+    found = intersections(one, other, tolerance * size)
+    if found[0].gap > tolerance * size:
         nearest = found[0]
         raise RsymError(
             f"the u-curve {j} and the v-curve {i} do not meet: their smallest distance is {nearest.gap:.4g}, at "
             f"u = {nearest.first:.6g} and v = {nearest.second:.6g}",
             code="network",
             where=f"the pair (v-curve {i}, u-curve {j})",
-            remedy=f"every curve of one family must meet all of the other, here to {tolerance:.3g} (tolerance=)",
+            remedy="every curve of one family must meet all of the other; measured ones need "
+            f"tolerance={enough(nearest.gap / size)} or more, a share of the size of the network",
         )
     return found
 
