@@ -58,6 +58,7 @@ from .output.cards import cards, plot_gallery
 from .output.combs import plot_curvature_comb
 from .output.comparison import compare_patches
 from .output.designs import plot_designs
+from .output.exchange import to_meshio, to_pyvista, to_trimesh
 from .output.explore import explore, explore_patches
 from .output.fairness import plot_fairness
 from .output.fields import plot_field, plot_fields
@@ -72,6 +73,7 @@ from .output.surfaces import plot_mesh
 from .output.sweep import plot_sweep
 from .output.systems import SystemRow, SystemTable, compare_systems
 from .output.verdicts import plot_verdict
+from .output.viewing import view
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
 from .sampling.extent import extent
@@ -261,6 +263,9 @@ __all__ = [
     "superellipse",
     "surfaces",
     "sweep",
+    "to_meshio",
+    "to_pyvista",
+    "to_trimesh",
     "torus",
     "transform",
     "triangle_wave",
@@ -268,6 +273,7 @@ __all__ = [
     "verify_normalisation",
     "verify_smoothness",
     "vertex_curvatures",
+    "view",
     "wound",
     "write",
     "write_features",

@@ -16,12 +16,12 @@ import warnings
 from collections.abc import Sequence
 from typing import Any
 
-from rsym.commands import compare, fields, letters, lint, mesh, repair, reproduce, sections, show, sweep, verify
+from rsym.commands import compare, fields, letters, lint, mesh, repair, reproduce, sections, show, sweep, verify, view
 from rsym.errors import RsymError, RsymWarning
 
 # Another command is one module beside these, and its name here and above.
 INTERRUPTED = 130  # what shells call a command that Ctrl-C has ended: 128 and the number of the signal
-COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh, verify, repair, compare, lint)
+COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh, view, verify, repair, compare, lint)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

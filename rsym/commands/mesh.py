@@ -35,7 +35,7 @@ def add(commands: Commands) -> None:
     )
     add_model(parser)
     add_system(parser)
-    add_output(parser, "the mesh: .stl .ply .obj .off .glb .3mf, or .html to look at")
+    add_output(parser, "the mesh: .stl .ply .obj .off .glb .3mf, .html to look at; .vtu and .msh by meshio")
     add_revolve(parser)
     add_resolution(parser, 128)
     parser.add_argument(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
@@ -12,6 +13,7 @@ from rsym.model.requirements import file_path, require_kind
 from rsym.output import formats
 from rsym.output.atomic import write_atomically
 from rsym.output.dxf import features_dxf
+from rsym.output.exchange import by_meshio
 from rsym.output.interactive import page, page_of_parts
 from rsym.output.units import UNITS, check_unit, sized
 from rsym.sampling.mesh import Mesh
@@ -33,6 +35,10 @@ FORMATS: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(
         ".html": page,
     }
 )
+# Formats that the package meshio writes, where it is installed.
+BY_MESHIO: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(
+    {suffix: partial(by_meshio, suffix=suffix) for suffix in (".vtu", ".msh")}
+)
 
 
 def write(
@@ -46,7 +52,7 @@ def write(
 ) -> Path:
     """Write a mesh to a file, in the format that the suffix names.
 
-    ========= ==================================================================================
+    ========= ===============================================================================================
     ``.stl``  binary, float32, triangles without shared vertices
     ``.ply``  binary, float64
     ``.obj``  text, float64 in full, a normal for each corner of each face
@@ -54,15 +60,16 @@ def write(
     ``.glb``  binary glTF 2.0, float32, y up (so x, z, -y), normals, copies along sharp edges
     ``.3mf``  float64 in full, for printing: states its unit, closed bodies alone
     ``.html`` a page that opens offline, turns with the mouse and zooms
-    ========= ==================================================================================
+    ``.vtu``  of ParaView, float64, parts as numbers; by the package meshio
+    ``.msh``  of Gmsh, text of version 2.2, float64 in full, parts as physical surfaces; by the package meshio
+    ========= ===============================================================================================
 
     The file appears whole or not at all: an older one stays as it is until
     the new one is safe on the disk. The same mesh gives the same bytes.
 
     Lengths: ``.3mf`` states its unit, millimetres if none is given. ``.glb`` is in metres by definition: the numbers of
-    a mesh without a unit are taken for metres, those in a unit are converted. ``.stl``, ``.ply``, ``.obj`` and ``.off``
-    hold numbers without a unit, those in the unit given; who prints takes those of ``.stl`` for millimetres. A page
-    shows no lengths.
+    a mesh without a unit are taken for metres, those in a unit are converted. The others hold numbers without a unit,
+    those in the unit given; who prints takes those of ``.stl`` for millimetres. A page shows no lengths.
 
     Parameters
     ----------
@@ -87,7 +94,7 @@ def write(
     Raises
     ------
     RsymError
-        If the suffix is unknown, the folder is missing or cannot be written, or
+        If the suffix is unknown, a package that it needs is missing, the folder is missing or cannot be written, or
         the format cannot hold the mesh or its colours; for another unit, a size or a scale that is not positive, or
         both of them.
 
@@ -121,13 +128,14 @@ def write(
             where=str(path),
             remedy='leave colour_by out, or write colour_by="part" to one of them',
         )
-    encode = (COLOURED if colour_by else FORMATS).get(path.suffix.lower())
+    known = FORMATS | BY_MESHIO
+    encode = (COLOURED if colour_by else known).get(path.suffix.lower())
     if encode is None:
         raise RsymError(
-            f"a mesh is written as {', '.join(FORMATS)}, got the suffix {path.suffix!r}",
+            f"a mesh is written as {', '.join(known)}, got the suffix {path.suffix!r}",
             code="file-format",
             where=str(path),
-            remedy=f"end the name with one of: {', '.join(FORMATS)}",
+            remedy=f"end the name with one of: {', '.join(known)}",
         )
     mesh, unit = sized(mesh, unit=unit, size=size, scale=scale)
     if path.suffix.lower() == ".3mf":

@@ -1,0 +1,123 @@
+"""Meshes as other packages hold them: trimesh, pyvista and meshio, the last two where they are installed.
+
+Each gets the vertices as they are, shared across edges, so that closed stays closed, and the part of each face. Exact
+normals belong to face corners, for which none of these packages has a place.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.model.requirements import optional_package, require_kind
+from rsym.sampling.mesh import Mesh
+
+# What meshio calls the formats, and how it is to write them: its own choice for .msh is another program's.
+_FORMATS: dict[str, tuple[str, dict[str, Any]]] = {".vtu": ("vtu", {}), ".msh": ("gmsh22", {"binary": False})}
+
+
+def to_trimesh(mesh: Mesh) -> Any:
+    """The mesh as a ``trimesh.Trimesh``: vertices, faces, and what is known of parts.
+
+    ``face_attributes["part"]`` is the number of the part of each face, (m,), and ``metadata["parts"]`` the names.
+
+    Raises
+    ------
+    RsymError
+        For what is no mesh.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> bored = rsym.sphere(1).named("ball") - rsym.cylinder(0.4).named("bore")
+    >>> body = rsym.to_trimesh(rsym.mesh(bored, 16, bounds=((-1.2, 1.2),) * 3))
+    >>> body.is_watertight, body.metadata["parts"], body.face_attributes["part"].shape == body.faces.shape[:1]
+    (True, ('ball', 'bore'), True)
+    """
+    require_kind(Mesh, mesh, "mesh")
+    trimesh = optional_package("trimesh", "to_trimesh")
+    names, part = _parts(mesh)
+    known = {} if part is None else {"face_attributes": {"part": part}, "metadata": {"parts": names}}
+    return trimesh.Trimesh(mesh.vertices.copy(), mesh.faces.astype(np.int64), process=False, **known)
+
+
+def to_pyvista(mesh: Mesh) -> Any:
+    """The mesh as a ``pyvista.PolyData``: ``cell_data["part"]`` numbers the names in ``field_data["parts"]``.
+
+    Raises
+    ------
+    RsymError
+        For what is no mesh, or where the package pyvista is missing.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> mesh = rsym.mesh(rsym.sphere(1), 16)
+    >>> rsym.to_pyvista(mesh).plot(scalars="part")  # doctest: +SKIP
+    """
+    require_kind(Mesh, mesh, "mesh")
+    pyvista = optional_package("pyvista", "to_pyvista")
+    names, part = _parts(mesh)
+    surface = pyvista.PolyData(mesh.vertices.copy(), np.insert(mesh.faces, 0, 3, axis=1).astype(np.int64).ravel())
+    if part is not None:
+        surface.cell_data["part"] = part
+        surface.field_data["parts"] = np.array(names)
+    return surface
+
+
+def to_meshio(mesh: Mesh) -> Any:
+    """The mesh as a ``meshio.Mesh`` of triangles: ``cell_data["part"]`` numbers the parts.
+
+    ``field_data`` has for the name of part k ``[k + 1, 2]``, as Gmsh counts surfaces: a number and the dimension.
+
+    Raises
+    ------
+    RsymError
+        For what is no mesh, or where the package meshio is missing.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> mesh = rsym.mesh(rsym.sphere(1), 16)
+    >>> rsym.to_meshio(mesh).write("ball.xdmf")  # doctest: +SKIP
+    """
+    require_kind(Mesh, mesh, "mesh")
+    meshio = optional_package("meshio", "to_meshio")
+    names, part = _parts(mesh)
+    return meshio.Mesh(
+        mesh.vertices.copy(),
+        [("triangle", mesh.faces.astype(np.int64))],
+        cell_data={} if part is None else {"part": [part]},
+        field_data={name: np.array([number + 1, 2]) for number, name in enumerate(names)},
+    )
+
+
+def by_meshio(mesh: Mesh, suffix: str) -> bytes:
+    """Encode as meshio does: ``.vtu`` of ParaView, with its parts as cell data; ``.msh`` of Gmsh, as physical surfaces.
+
+    Text of version 2.2, which every reader of ``.msh`` knows.
+    """
+    meshio = optional_package("meshio", f"a file {suffix}")
+    given, (name, options) = to_meshio(mesh), _FORMATS[suffix]
+    if suffix == ".msh" and given.cell_data:
+        tags = [given.cell_data.pop("part")[0] + 1]
+        given.cell_data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+    with TemporaryDirectory() as folder:
+        path = Path(folder, f"mesh{suffix}")
+        meshio.write(path, given, file_format=name, **options)
+        return path.read_bytes()
+
+
+def _parts(mesh: Mesh) -> tuple[tuple[str, ...], NDArray[np.int64] | None]:
+    """The names of the parts that are on the surface, and the number of each face's, where they are known."""
+    if mesh.leaf is None:
+        return (), None
+    of_face = [mesh.leaves[leaf] for leaf in range(len(mesh.leaves))]
+    seen = {mesh.leaves[leaf] for leaf in np.unique(mesh.leaf)}
+    names = tuple(name for name in dict.fromkeys(mesh.leaves) if name in seen)
+    number = np.array([names.index(name) if name in seen else -1 for name in of_face], np.int64)
+    return names, number[mesh.leaf]
