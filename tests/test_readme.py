@@ -107,6 +107,8 @@ def test_the_lines_about_meshes():
             exec(statement, space)
     assert list(trimesh.load_scene("bead.glb").geometry) == ["ball", "bore"]
     assert Path("rims.dxf").read_text().count("POLYLINE") == 2
+    assert max(trimesh.load_mesh("bead.3mf").extents) == pytest.approx(120)
+    assert space["points"].shape == (1000, 3)
 
 
 def test_the_lines_about_curvature():
@@ -225,7 +227,10 @@ def test_the_table_of_patches_names_them():
     assert patches <= named | {"Patch"}
 
 
-def test_the_model_file_and_the_commands(capsys):
+def test_the_model_file_and_the_commands(capsys, monkeypatch, tmp_path):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", lambda url: opened.append(url) or True)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     (model,) = [code for code in PLAIN if code.startswith("letter")]
     Path("ball.rf").write_text(model)
     (commands,) = [code for code in PLAIN if code.startswith("rsym mesh")]
@@ -235,9 +240,11 @@ def test_the_model_file_and_the_commands(capsys):
         assert main([*command.split()[1:], *([] if prints else ["--resolution", "48"])]) == (word == "lint")
     for name in ("ball.stl", "car.stl", "gear.stl"):
         assert trimesh.load_mesh(name).is_watertight
+    assert max(trimesh.load_mesh("valve.3mf").extents) == pytest.approx(120)
+    assert len(opened) == 1
     assert "BONNET" in Path("edges.dxf").read_text()
     assert "bonnet" in trimesh.load_scene("parts.glb").geometry
-    for name in ("sheet.png", "strip.png", "layers.svg", "valve.html"):
+    for name in ("sheet.png", "strip.png", "layers.svg", "valve.3mf"):
         assert Path(name).stat().st_size > 10_000
     printed = capsys.readouterr().out
     assert "roof: half its length" in printed

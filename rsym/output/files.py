@@ -128,7 +128,7 @@ def write(
             where=str(path),
             remedy='leave colour_by out, or write colour_by="part" to one of them',
         )
-    known = FORMATS | BY_MESHIO
+    known = {**FORMATS, **BY_MESHIO}
     encode = (COLOURED if colour_by else known).get(path.suffix.lower())
     if encode is None:
         raise RsymError(
