@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 import rsym
 from rsym import RsymError, Shape, x, y, z
-from rsym.output.paints import DARK, LIGHT, STRIPES, Spots, coat_of, reflected_heights, robust_limits, stripes
+from rsym.output.paints import DARK, LIGHT, ROOM, STRIPES, Spots, coat_of, reflected_heights, robust_limits, stripes
 from rsym.output.shading import decode, linear
 from rsym.sampling.leaf_fields import LeafFields
 from tests.closeness import assert_close
@@ -121,7 +121,12 @@ def test_zebra_stripes_are_those_of_the_exact_normals(coarse):
     facing = (normal @ LEFT_AND_UP.T)[:, 2]
     eye, up = LEFT_AND_UP[2], np.array([0.0, 0.0, 1.0])
     mirrored = 2 * facing[:, None] * normal - eye
-    heights = np.arcsin(mirrored @ up) * 2 / np.pi
+    ends = coarse.vertices.min(axis=0), coarse.vertices.max(axis=0)
+    room = ROOM * np.linalg.norm(ends[1] - ends[0]) / 2
+    start = np.einsum("ij,ijk->ik", middles(coarse).weights, coarse.vertices[coarse.faces]) - sum(ends) / 2
+    # Where the ray start + t mirrored meets the sphere, by the roots of a polynomial.
+    far = [max(np.roots([1, 2 * a @ b, a @ a - room**2]).real) for a, b in zip(start, mirrored, strict=True)]
+    heights = np.arcsin((start + np.array(far)[:, None] * mirrored) @ up / room) * 2 / np.pi
     exact = coat_of(coarse, coarse.normals, "grey", "zebra", ELLIPSOID, None).paint(middles(coarse))
     phase = STRIPES * heights
     clear = np.abs((phase * 2 + 0.5) % 1 - 0.5) > 0.1  # off the borders of stripes
@@ -139,7 +144,7 @@ def heights_across(shape, step):
     points = np.stack([length, radius * np.full(40, np.cos(0.7)), radius * np.full(40, np.sin(0.7))], axis=1)
     fields = LeafFields(shape)
     gradient = fields.at(fields.active(points), points, 0.1)["gradient"]
-    return reflected_heights(-gradient, LEFT_AND_UP)
+    return reflected_heights(-gradient, points / 4, LEFT_AND_UP)
 
 
 def test_stripes_kink_where_the_curvature_jumps_and_break_where_the_normal_jumps():
@@ -272,3 +277,16 @@ def test_limits_that_are_given_are_the_ends_of_the_scale(coarse):
 def test_refusals(coarse, colour_by, shape, words):
     with pytest.raises(RsymError, match=words):
         rsym.plot_mesh(coarse, ax=Figure().add_subplot(projection="3d"), colour_by=colour_by, shape=shape)
+
+
+def test_planes_and_upright_cylinders_have_more_than_one_stripe():
+    """In a room far away a plane mirrors one place, and an upright cylinder one height: pictures of one colour."""
+    eye = np.array([0.8, 0.5, 0.33]) / np.linalg.norm([0.8, 0.5, 0.33])
+    right = np.array([-eye[1], eye[0], 0.0]) / np.hypot(*eye[:2])
+    turn = np.stack([right, np.cross(eye, right), eye])
+    along = np.linspace(-0.6, 0.6, 200)
+    plane = np.stack([along, 0.6 * along, np.full(200, 0.2)], axis=1)
+    upright = np.stack([np.full(200, 0.2), np.full(200, 0.1), along], axis=1)
+    for places, normal in ((plane, [0.0, 0.0, 1.0]), (upright, [1.0, 0.3, 0.0])):
+        heights = reflected_heights(np.tile(normal, (200, 1)), places, turn)
+        assert np.ptp(STRIPES * heights) > 1.5

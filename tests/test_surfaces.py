@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import proj3d
 
 from rsym.errors import RsymError
-from rsym.output.shading import encode, hollows, linear, reduce
+from rsym.output.shading import AZIMUTH, ELEVATION, encode, hollows, linear, reduce
 from rsym.output.surfaces import plot_mesh
 from rsym.sampling.mesh import Mesh
 
@@ -190,7 +190,7 @@ def test_a_turned_camera_gives_a_new_picture_and_the_old_view_the_old_one():
     first = pixels(artist)
     artist.axes.view_init(elev=50, azim=20)
     turned = pixels(artist)
-    artist.axes.view_init(elev=22, azim=-55)
+    artist.axes.view_init(elev=ELEVATION, azim=AZIMUTH)
     assert np.abs(turned - first).max() > 0.2
     np.testing.assert_array_equal(pixels(artist), first)
 

@@ -45,7 +45,7 @@ def add(commands: Commands) -> None:
     add_revolve(parser)
     add_resolution(parser, None, "300 in the plane, 192 in space")
     parser.add_argument("--elevation", type=float, default=22.0, metavar="DEGREES", help="of the eye (default: 22)")
-    parser.add_argument("--azimuth", type=float, default=-55.0, metavar="DEGREES", help="of the eye (default: -55)")
+    parser.add_argument("--azimuth", type=float, default=48.0, metavar="DEGREES", help="of the eye (default: 48)")
 
 
 def run(options: argparse.Namespace) -> None:

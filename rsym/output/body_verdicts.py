@@ -16,6 +16,7 @@ from rsym.output import axes3d
 from rsym.output.ink import Stroke
 from rsym.output.joins import PALE
 from rsym.output.paints import coat_of
+from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.singular import Limits, Marks, labelled, mark_boxes, mark_curves, mark_points, outlines
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.sampling.mesh import Mesh
@@ -35,8 +36,8 @@ def draw_body_verdict(
     colour: str = PALE,
     colour_by: str | None = None,
     resolution: int,
-    elevation: float = 22.0,
-    azimuth: float = -55.0,
+    elevation: float = ELEVATION,
+    azimuth: float = AZIMUTH,
     angles: Limits | None = None,
     jumps: Limits | None = None,
 ) -> ShadedMesh:

@@ -12,6 +12,7 @@ from rsym.model.requirements import require_mapping
 from rsym.output.gallery import Gallery
 from rsym.output.paints import MAPS
 from rsym.output.patches import Lines, Patches, map_range, plot_patches
+from rsym.output.shading import AZIMUTH, ELEVATION
 
 
 def compare_patches(
@@ -21,8 +22,8 @@ def compare_patches(
     lines: Lines = 0,
     edges: bool = True,
     resolution: int | None = None,
-    elevation: float = 22.0,
-    azimuth: float = -55.0,
+    elevation: float = ELEVATION,
+    azimuth: float = AZIMUTH,
     letters: Mapping[Any, float] | None = None,
     figure: Figure | None = None,
 ) -> Figure:

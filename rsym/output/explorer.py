@@ -13,6 +13,7 @@ from rsym.model.constructions import revolve
 from rsym.model.shape import Shape
 from rsym.output import controls
 from rsym.output.presets import load_letters, save_letters
+from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.sliders import LetterSliders
 from rsym.output.views import BodyView, SheetView
 from rsym.sampling.extent import bounds_or_extent
@@ -54,7 +55,7 @@ class Explorer(LetterSliders):
         self.fields = controls.field_choice(checked_fields(fields))
         self.resolution = controls.resolution_choice(checked_cells(resolution))
         self.section: tuple[Any, ...] = () if shape.dimension == 2 else controls.section_choice(self._box)
-        self.camera = controls.camera_sliders(22.0, -55.0)
+        self.camera = controls.camera_sliders(ELEVATION, AZIMUTH)
         self.reset = controls.button("reset", "all letters back to their defaults")
         self.path = ipywidgets.Text("letters.json", description="preset")
         self.save = controls.button("save", "write the letters to the file")

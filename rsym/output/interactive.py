@@ -25,7 +25,7 @@ from rsym.output.shading import linear
 from rsym.sampling.mesh import Mesh
 
 # The eye of `plot_mesh`, and how far it stands from the unit ball round the body.
-ELEVATION, AZIMUTH = np.radians(22.0), np.radians(-55.0)
+ELEVATION, AZIMUTH = np.radians(shading.ELEVATION), np.radians(shading.AZIMUTH)
 DISTANCE = 5.0
 # The share of the window that the body fills; turned about its upright axis it stays inside.
 FILLED = 0.94

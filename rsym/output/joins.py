@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rsym.output.ink import INK, Stroke, dots
 from rsym.output.paints import MAPS
 from rsym.output.patches import Lines, coat_of_patches, shaded, tessellations
+from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import pieces
 from rsym.surfaces.joints.continuity import continuity_report
@@ -36,8 +37,8 @@ def plot_continuity(
     colour_by: str | None = None,
     lines: Lines = 0,
     resolution: int | None = None,
-    elevation: float = 22.0,
-    azimuth: float = -55.0,
+    elevation: float = ELEVATION,
+    azimuth: float = AZIMUTH,
     letters: Mapping[Any, float] | None = None,
 ) -> ShadedMesh:
     """Draw patches with the edges along which they meet, each coloured by its class: broken, G0, G1 or G2.

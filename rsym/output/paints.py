@@ -36,7 +36,8 @@ NOTHING = 1e-9
 UNDEFINED = "#9a9a9a"
 # Of a colour bar, by whether values lie below and above it.
 EXTENSIONS = {(False, False): "neither", (False, True): "max", (True, False): "min", (True, True): "both"}
-STRIPES = 7  # pairs of bands between straight down and straight up
+STRIPES = 9  # pairs of bands between straight down and straight up
+ROOM = 1.5  # radius of the room that is mirrored, of that of the body
 DARK, LIGHT = "#1c1c1c", "#f7f7f7"
 
 
@@ -234,39 +235,52 @@ def between_corners(values: Floats) -> Callable[[Spots], Floats]:
 
 
 def zebra(mesh: Mesh, normals: Floats, shape: Shape | None = None, letters: Mapping[Any, float] | None = None) -> Paint:
-    """The reflection of a room with level stripes: a jump of the curvature kinks them, an edge breaks them."""
+    """The reflection of a room with level stripes: a jump of the curvature kinks them, an edge breaks them.
+
+    The room is a sphere round the body, not much larger: in one far away a plane would mirror a single place, and
+    would have one colour.
+    """
     on_faces = None if shape is None else LeafFields(shape, (), letters).on_faces(mesh)
     dark, light = linear(DARK), linear(LIGHT)
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    places = (mesh.vertices - (low + high) / 2) / (ROOM * max(float(np.linalg.norm(high - low)) / 2, 1e-300))
 
     def paint(spots: Spots) -> Floats:
-        corners = normals[spots.faces]
+        corners, at = normals[spots.faces], places[mesh.faces[spots.faces]]
         here, right, above = (
-            reflected_heights(np.einsum("ij,ijk->ik", weights, corners), spots.turn)
+            reflected_heights(*(np.einsum("ij,ijk->ik", weights, known) for known in (corners, at)), spots.turn)
             for weights in (spots.weights, spots.shifted(0, 1), spots.shifted(1, 0))
         )
         width = np.abs(right - here) + np.abs(above - here)
         if on_faces is not None:
-            true = reflected_heights(-on_faces(spots.faces, spots.weights)["gradient"], spots.turn)
+            exact = -on_faces(spots.faces, spots.weights)["gradient"]
+            true = reflected_heights(exact, np.einsum("ij,ijk->ik", spots.weights, at), spots.turn)
             here = np.where(np.isfinite(true), true, here)
         return dark + (light - dark) * stripes(STRIPES * here, STRIPES * width)[:, None]
 
     return paint
 
 
-def reflected_heights(normals: Floats, turn: Floats) -> Floats:
-    """How high the line of sight points after its reflection, in right angles, for normals (n, 3) of the data.
+def reflected_heights(normals: Floats, places: Floats, turn: Floats) -> Floats:
+    """How high the line of sight meets a sphere round the body after its reflection, in right angles.
 
-    The eye is far away, at the camera's third axis. 1 is straight up along z of the data, -1 straight down.
+    For normals and places (n, 3) of the data, the sphere being that of radius 1 round 0. The eye is far away, at the
+    camera's third axis. 1 is straight up along z of the data, -1 straight down.
 
     Examples
     --------
     >>> from_the_front = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-    >>> reflected_heights(np.array([[0.0, -1.0, 0.0], [0.0, -1.0, 1.0]]), from_the_front).round(6)
-    array([0., 1.])
+    >>> normals, places = np.array([[0.0, -1.0, 0.0], [0.0, -1.0, 1.0], [0.0, -1.0, 0.0]]), np.zeros((3, 3))
+    >>> places[2, 2] = 0.5
+    >>> reflected_heights(normals, places, from_the_front).round(6)
+    array([0.      , 1.      , 0.333333])
     """
-    facing = unit(normals @ turn.T)
+    facing, here = unit(normals @ turn.T), places @ turn.T
     up = unit(turn[:, 2])
-    heights = 2 * facing[:, 2] * (facing @ up) - up[2]
+    towards = 2 * facing[:, 2:] * facing - np.array([0.0, 0.0, 1.0])
+    along = np.einsum("ij,ij->i", here, towards)
+    inside = np.maximum(1.0 - np.einsum("ij,ij->i", here, here), 0.0)
+    heights = (here + (np.sqrt(along**2 + inside) - along)[:, None] * towards) @ up
     angles: Floats = np.arcsin(np.clip(heights, -1.0, 1.0)) / (np.pi / 2)
     return angles
 

@@ -80,9 +80,12 @@ def draw_levels(
 def thin_out(lines: QuadContourSet, cell: float) -> None:
     """Leave out vertices where a line is straight to a share of a cell: most of them, and of a file of lines."""
     finer = Affine2D().scale(SIMPLIFIED / (STRAIGHT * cell))
-    kept: list[Any] = [path.cleaned(transform=finer, simplify=True) for path in lines.get_paths()]
-    # The last vertex only says that it is the last.
-    lines.set_paths([finer.inverted().transform_path(Path(path.vertices[:-1], path.codes[:-1])) for path in kept])
+    back, kept = finer.inverted(), []
+    for path in lines.get_paths():
+        # The last vertex only says that it is the last; a level that is not reached has no path.
+        thin: Any = path.cleaned(transform=finer, simplify=True) if len(path.vertices) else path
+        kept.append(back.transform_path(Path(thin.vertices[:-1], thin.codes[:-1])) if len(path.vertices) else path)
+    lines.set_paths(kept)
 
 
 def colour_bar(artist: QuadContourSet, *axes: Axes, rows: int = 1, place: Axes | None = None) -> Colorbar:

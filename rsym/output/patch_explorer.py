@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from rsym.output import axes3d, controls
 from rsym.output.paints import MAPS
 from rsym.output.patches import Lines, Patches, coat_of_patches, merged_letters, shaded, tessellations
-from rsym.output.shading import BODY
+from rsym.output.shading import AZIMUTH, BODY, ELEVATION
 from rsym.output.sliders import LetterSliders
 from rsym.output.surfaces import explain
 from rsym.output.views import DPI
@@ -39,7 +39,7 @@ class PatchExplorer(LetterSliders):
         self._box = np.zeros((0, 3))
         options = [("one colour", None), *((name.replace("_", " "), name) for name in (*MAPS, "zebra", "patch"))]
         self.colours = ipywidgets.Dropdown(options=options, value=colour_by, description="colours")
-        self.camera = controls.camera_sliders(22.0, -55.0)
+        self.camera = controls.camera_sliders(ELEVATION, AZIMUTH)
         rows = ((self.colours, *self.camera), (self.message,), (self.picture,))
         self.add_rows(controls.row(row, first=False) for row in rows)
         for widget in (*self.letters.values(), self.colours, *self.camera):

@@ -14,7 +14,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.output.ink import INK, Stroke, dots
 from rsym.output.paints import MAPS, Coat, between_corners, one_colour, part_coat, robust_limits, value_coat, zebra
-from rsym.output.shading import BODY
+from rsym.output.shading import AZIMUTH, BODY, ELEVATION
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import Tessellation, cells_of, joined, line_parameters, pieces, tessellate
 from rsym.surfaces import forms
@@ -46,8 +46,8 @@ def plot_patches(
     curves: Sequence[SpaceCurve | ArrayLike] = (),
     points: ArrayLike | None = None,
     resolution: int | None = None,
-    elevation: float = 22.0,
-    azimuth: float = -55.0,
+    elevation: float = ELEVATION,
+    azimuth: float = AZIMUTH,
     letters: Mapping[Any, float] | None = None,
 ) -> ShadedMesh:
     """Draw patches as one shaded surface, what is hidden removed, and what belongs to them.

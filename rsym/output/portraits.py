@@ -15,6 +15,7 @@ from rsym.model.shape import Bounds, Shape
 from rsym.output import axes3d
 from rsym.output.looks import PLAIN
 from rsym.output.panels import draw_levels
+from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.surfaces import ShadedMesh, plot_mesh
 from rsym.sampling.blanks import missing_boundary
 from rsym.sampling.contours import trace
@@ -40,8 +41,8 @@ def draw_portrait(
     *,
     resolution: int = 120,
     bounds: Any = None,
-    elevation: float = 22.0,
-    azimuth: float = -55.0,
+    elevation: float = ELEVATION,
+    azimuth: float = AZIMUTH,
 ) -> Artist:
     """Draw a shape into a part of a figure: level lines in the plane, a shaded body in space.
 

@@ -21,6 +21,7 @@ from rsym.errors import RsymError
 from rsym.model.requirements import file_path, several
 from rsym.output.atomic import write_atomically
 from rsym.output.dxf import dxf
+from rsym.output.shading import AZIMUTH
 from rsym.output.units import UNITS, check_unit
 from rsym.sampling.sections import Section
 
@@ -38,7 +39,7 @@ def plot_sections(
     *,
     ax: Axes | None = None,
     elevation: float = 28.0,
-    azimuth: float = -55.0,
+    azimuth: float = AZIMUTH,
     colour_map: str = COLOUR_MAP,
 ) -> list[PathPatch]:
     """Draw sections as a stack in axonometric view, each coloured by its place.

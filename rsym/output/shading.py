@@ -14,6 +14,10 @@ from rsym.errors import RsymError
 
 Floats = NDArray[np.float64]
 
+# Where the eye stands, in degrees: above the xy-plane, and from x towards y. The front of the car is seen, which
+# drives along y.
+ELEVATION, AZIMUTH = 22.0, 48.0
+
 # Above the camera's left shoulder, so that neighbouring faces of a box differ in brightness.
 KEY = np.array([-0.38, 0.76, 0.53])
 FILL = np.array([0.70, -0.35, 0.62])

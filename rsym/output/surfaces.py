@@ -20,7 +20,7 @@ from rsym.output import axes3d
 from rsym.output.ink import SMOOTH, Stroke, draw_lines, visible
 from rsym.output.paints import Coat, Spots, coat_of
 from rsym.output.rasteriser import Triangles, rasterise, snap
-from rsym.output.shading import BODY, hollows, mean_depth, reduce, shade, unit
+from rsym.output.shading import AZIMUTH, BODY, ELEVATION, hollows, mean_depth, reduce, shade, unit
 from rsym.output.singular import mark_curves
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.sharp.features import Feature
@@ -41,8 +41,8 @@ def plot_mesh(
     *,
     ax: Axes3D | None = None,
     colour: str = BODY,
-    elevation: float = 22.0,
-    azimuth: float = -55.0,
+    elevation: float = ELEVATION,
+    azimuth: float = AZIMUTH,
     edges: bool = False,
     features: bool | float = True,
     colour_by: str | ArrayLike | None = None,

@@ -20,6 +20,7 @@ from rsym.output import axes3d
 from rsym.output.looks import Look
 from rsym.output.panels import colour_bar, draw_levels, dress, named
 from rsym.output.pictures import page, whole
+from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.surfaces import plot_mesh
 from rsym.sampling.blanks import missing_boundary
 from rsym.sampling.contours import trace
@@ -59,8 +60,8 @@ def plot_sweep(
     titles: Sequence[str] | None = None,
     colour_map: str | None = None,
     outside: str | None = None,
-    elevation: float = 22.0,
-    azimuth: float = -55.0,
+    elevation: float = ELEVATION,
+    azimuth: float = AZIMUTH,
     progress: Progress | None = None,
     force: bool = False,
 ) -> Figure:

@@ -30,6 +30,7 @@ from rsym.output.certificates import (
 from rsym.output.combs import plot_curvature_comb
 from rsym.output.magnified import draw_magnified
 from rsym.output.pictures import figure_of
+from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.report import SmoothnessReport
 from rsym.verify.wording import plural
@@ -58,8 +59,8 @@ def plot_verdict(
     comb: bool = True,
     colour_by: str | None = None,
     resolution: int | None = None,
-    elevation: float = 22.0,
-    azimuth: float = -55.0,
+    elevation: float = ELEVATION,
+    azimuth: float = AZIMUTH,
 ) -> Figure:
     """The boundary that a report is about, coloured by what is proved of it, its defects marked and magnified.
 
