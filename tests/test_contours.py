@@ -87,3 +87,19 @@ def test_a_body_without_section_is_refused():
     with pytest.raises(RsymError) as caught:
         rsym.level_lines(Shape(x + y + z, (x, y, z), bounds=((-1, 1),) * 3))
     assert caught.value.code == "section"
+
+
+def test_several_levels_are_sampled_once_and_answered_in_their_order():
+    one_by_one = [rsym.level_lines(DISC, level, resolution=48) for level in (0.5, -0.25, 0.0)]
+    together = rsym.level_lines(DISC, [0.5, -0.25, 0.0], resolution=48)
+    assert isinstance(together, tuple)
+    assert [lines.level for lines in together] == [0.5, -0.25, 0.0]
+    for lines, alone in zip(together, one_by_one, strict=True):
+        assert [line.tobytes() for line in lines] == [line.tobytes() for line in alone]
+    assert len(rsym.level_lines(DISC, np.array([0.5]), resolution=48)) == 1
+
+
+@pytest.mark.parametrize("level", [[], [0.0, None], "0", [[0.0]], np.zeros((2, 2))])
+def test_levels_that_are_none(level):
+    with pytest.raises(RsymError):
+        rsym.level_lines(DISC, level, resolution=16)

@@ -275,7 +275,7 @@ class Bar:
         """Show the stage in front of the bar, and behind it the share that is undecided, if it is known."""
         self._bar.set_description_str(f"{self._label}: {stage}", refresh=False)
         if not math.isnan(undecided):
-            self._bar.set_postfix_str(f"undecided {min(100.0, float(f"{100 * undecided:.2g}")):g} %", refresh=False)
+            self._bar.set_postfix_str(f"undecided {100 * undecided:.{2 if undecided < 0.99 else 3}g} %", refresh=False)
 
     def __call__(self, done: int, total: int) -> None:
         """Show so many of all steps as done."""

@@ -160,6 +160,7 @@ def _signed_area(line: NDArray[np.float64]) -> float:
     return float(u[:-1] @ v[1:] - u[1:] @ v[:-1]) / 2
 
 
+@overload
 def level_lines(
     shape: Shape,
     level: float = 0.0,
@@ -170,15 +171,38 @@ def level_lines(
     letters: Mapping[Any, float] | None = None,
     section: Mapping[Any, float] | None = None,
     force: bool = False,
-) -> LevelLines:
+) -> LevelLines: ...
+@overload
+def level_lines(
+    shape: Shape,
+    level: Sequence[float] | NDArray[np.float64],
+    *,
+    field: str = "value",
+    resolution: int | Sequence[int] = 512,
+    bounds: Any = None,
+    letters: Mapping[Any, float] | None = None,
+    section: Mapping[Any, float] | None = None,
+    force: bool = False,
+) -> tuple[LevelLines, ...]: ...
+def level_lines(
+    shape: Shape,
+    level: float | Sequence[float] | NDArray[np.float64] = 0.0,
+    *,
+    field: str = "value",
+    resolution: int | Sequence[int] = 512,
+    bounds: Any = None,
+    letters: Mapping[Any, float] | None = None,
+    section: Mapping[Any, float] | None = None,
+    force: bool = False,
+) -> LevelLines | tuple[LevelLines, ...]:
     """The curves field = level, every vertex moved onto the level by Newton steps.
 
     Parameters
     ----------
     shape : Shape
         A shape in the plane, or one in space with ``section={z: 1.0}``.
-    level : float
-        The level.
+    level : float or sequence of float
+        The level, or several: the field is compiled and sampled once for all of them.
     field : str
         A scalar field of `compile`.
     resolution : int or two ints
@@ -190,8 +214,8 @@ def level_lines(
 
     Returns
     -------
-    LevelLines
-        A sequence of (n, 2) arrays with the region where the field exceeds the level to their left; ``.length``,
+    LevelLines, or a tuple of them
+        For each level, in the order given, a sequence of (n, 2) arrays with the region where the field exceeds the level to their left; ``.length``,
         ``.area`` and ``.to_shapely()`` measure it, ``.status`` counts the vertices that could not be moved.
 
     Raises
@@ -207,13 +231,20 @@ def level_lines(
     >>> (circle,) = rsym.level_lines(disc, resolution=32)
     >>> bool(abs(np.hypot(*circle.T) - 1).max() < 1e-12)
     True
+    >>> [round(float(np.hypot(*lines[0].T).max()), 3) for lines in rsym.level_lines(disc, [0.75, 0.19], resolution=32)]
+    [0.5, 0.9]
     """
     require_shape(shape)
-    wanted = float(real_number(level, "the level"))
+    several = isinstance(level, Sequence | np.ndarray) and not isinstance(level, str)
+    wanted = [float(real_number(one, "the level")) for one in (level if several else [level])]
+    if not wanted:
+        raise RsymError("no level is given", code="levels", remedy="level=0, or level=[-1, 0, 1]")
     sampler = plane_sampler(
         shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section, force=force
     )
-    return trace(sampler, wanted, field)
+    values = sampler.values()
+    found = tuple(trace(sampler, one, field, values=values) for one in wanted)
+    return found if several else found[0]
 
 
 def trace(
