@@ -215,8 +215,9 @@ def level_lines(
     Returns
     -------
     LevelLines, or a tuple of them
-        For each level, in the order given, a sequence of (n, 2) arrays with the region where the field exceeds the level to their left; ``.length``,
-        ``.area`` and ``.to_shapely()`` measure it, ``.status`` counts the vertices that could not be moved.
+        For each level, in the order given, a sequence of (n, 2) arrays with the region where the field exceeds the
+        level to their left; ``.length``, ``.area`` and ``.to_shapely()`` measure it, ``.status`` counts the vertices
+        that could not be moved.
 
     Raises
     ------
