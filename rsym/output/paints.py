@@ -248,17 +248,21 @@ def zebra(mesh: Mesh, normals: Floats, shape: Shape | None = None, letters: Mapp
     def paint(spots: Spots) -> Floats:
         corners, at = normals[spots.faces], places[mesh.faces[spots.faces]]
         here, right, above = (
-            reflected_heights(*(np.einsum("ij,ijk->ik", weights, known) for known in (corners, at)), spots.turn)
+            reflected_heights(_mean(weights, corners), _mean(weights, at), spots.turn)
             for weights in (spots.weights, spots.shifted(0, 1), spots.shifted(1, 0))
         )
         width = np.abs(right - here) + np.abs(above - here)
         if on_faces is not None:
             exact = -on_faces(spots.faces, spots.weights)["gradient"]
-            true = reflected_heights(exact, np.einsum("ij,ijk->ik", spots.weights, at), spots.turn)
+            true = reflected_heights(exact, _mean(spots.weights, at), spots.turn)
             here = np.where(np.isfinite(true), true, here)
         return dark + (light - dark) * stripes(STRIPES * here, STRIPES * width)[:, None]
 
     return paint
+
+
+def _mean(weights: Floats, corners: Floats) -> Floats:
+    return np.asarray(np.einsum("ij,ijk->ik", weights, corners))
 
 
 def reflected_heights(normals: Floats, places: Floats, turn: Floats) -> Floats:

@@ -80,10 +80,11 @@ def draw_levels(
 def thin_out(lines: QuadContourSet, cell: float) -> None:
     """Leave out vertices where a line is straight to a share of a cell: most of them, and of a file of lines."""
     finer = Affine2D().scale(SIMPLIFIED / (STRAIGHT * cell))
+    paths: list[Any] = lines.get_paths()
     back, kept = finer.inverted(), []
-    for path in lines.get_paths():
+    for path in paths:
+        thin = path.cleaned(transform=finer, simplify=True)
         # The last vertex only says that it is the last; a level that is not reached has no path.
-        thin: Any = path.cleaned(transform=finer, simplify=True) if len(path.vertices) else path
         kept.append(back.transform_path(Path(thin.vertices[:-1], thin.codes[:-1])) if len(path.vertices) else path)
     lines.set_paths(kept)
 

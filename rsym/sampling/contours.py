@@ -236,8 +236,8 @@ def level_lines(
     [0.5, 0.9]
     """
     require_shape(shape)
-    several = isinstance(level, Sequence | np.ndarray) and not isinstance(level, str)
-    wanted = [float(real_number(one, "the level")) for one in (level if several else [level])]
+    asked: Any = level if isinstance(level, Sequence | np.ndarray) and not isinstance(level, str) else [level]
+    wanted = [float(real_number(one, "the level")) for one in asked]
     if not wanted:
         raise RsymError("no level is given", code="levels", remedy="level=0, or level=[-1, 0, 1]")
     sampler = plane_sampler(
@@ -245,7 +245,7 @@ def level_lines(
     )
     values = sampler.values()
     found = tuple(trace(sampler, one, field, values=values) for one in wanted)
-    return found if several else found[0]
+    return found if asked is level else found[0]
 
 
 def trace(
