@@ -80,7 +80,7 @@ def draw_levels(
 def thin_out(lines: QuadContourSet, cell: float) -> None:
     """Leave out vertices where a line is straight to a share of a cell: most of them, and of a file of lines."""
     finer = Affine2D().scale(SIMPLIFIED / (STRAIGHT * cell))
-    paths: list[Any] = lines.get_paths()
+    paths: Any = lines.get_paths()
     back, kept = finer.inverted(), []
     for path in paths:
         thin = path.cleaned(transform=finer, simplify=True)
