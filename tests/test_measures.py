@@ -164,6 +164,24 @@ def test_transform_keeps_the_outside_outside_and_normals_normal(matrix):
     assert {one.names for one in moved.features} == {one.names for one in mesh.features} != set()
 
 
+def test_inertia_turns_with_the_body():
+    mesh = half_ball()
+    turned = mesh.transform(TURN)
+    assert_close(turned.inertia, TURN @ mesh.inertia @ TURN.T, atol=1e-12)
+    assert_close(mesh.scale(2).inertia, 32 * mesh.inertia, atol=1e-11)
+
+
+def test_a_mesh_that_was_moved_is_none_of_its_shape():
+    ball = rsym.sphere(1)
+    moved = rsym.mesh(ball, 16).scale(2)
+    for function in (rsym.vertex_curvatures, rsym.corner_curvatures):
+        with pytest.raises(rsym.RsymError, match="not one of this shape"):
+            function(moved, ball)
+        assert_close(np.nanmax(function(moved, ball.scale(2))["mean_curvature"]), 0.5, rtol=1e-9)
+    with pytest.raises(rsym.RsymError, match="not one of this shape"):
+        rsym.plot_mesh(moved, ax=None, colour_by="gaussian_curvature", shape=ball)
+
+
 def test_a_matrix_may_be_three_by_three_or_four_wide_or_four_by_four():
     mesh = Mesh(CORNERS, FACES)
     wide = np.column_stack([2 * np.eye(3), [1, 0, 0]])

@@ -85,6 +85,9 @@ def test_letters():
     r = sp.Symbol("r", real=True)
     disc = rsym.Shape(r**2 - x**2 - y**2, (x, y), letters={r: 1})
     assert np.hypot(*rsym.sample(disc, 500, letters={"r": 3}, rng=1).points.T).max() > 2
+    with pytest.warns(rsym.RsymWarning, match="leaves its bounds"):
+        clipped = rsym.sample(disc.replace(bounds=((-1, 1), (-1, 1))), 500, letters={"r": 3}, rng=1).points
+    assert uniform(clipped[:, 0], -1, 1) > LIKELY
     rim = rsym.sample(disc, 50, over="boundary", letters={"r": 3}, rng=1).points
     assert_close(np.hypot(*rim.T), np.full(50, 3.0), rtol=1e-12)
     ball = rsym.Shape(r**2 - x**2 - y**2 - z**2, (x, y, z), letters={r: 1})

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.sampling.leaf_fields import LeafFields, distances, longest_side
+from rsym.sampling.leaf_fields import LeafFields, distances, longest_side, refuse_foreign
 from rsym.sampling.mesh import Mesh
 
 Floats = NDArray[np.float64]
@@ -54,7 +54,7 @@ def corner_curvatures(mesh: Mesh, shape: Shape, *, letters: Mapping[Any, float] 
     Raises
     ------
     RsymError
-        For a shape in the plane.
+        For a shape in the plane, and a mesh that is not one of the shape.
 
     Examples
     --------
@@ -88,7 +88,7 @@ def vertex_curvatures(mesh: Mesh, shape: Shape, *, letters: Mapping[Any, float] 
     Raises
     ------
     RsymError
-        For a shape in the plane.
+        For a shape in the plane, and a mesh that is not one of the shape.
 
     Examples
     --------
@@ -133,6 +133,7 @@ def _known(mesh: Mesh, shape: Shape, letters: Mapping[Any, float] | None) -> _Kn
     off = np.flatnonzero((leaf[first] < len(fields.form.leaves)) & (distances(found) > ON_LEAF * _size(mesh)))
     for name, values in fields.at(leaf[first[off]], points[off], reach).items():
         found[name][off] = values
+    refuse_foreign(found, reach)
     kinked = np.flatnonzero(own[first])
     if kinked.size:
         middles = mesh.vertices[mesh.faces[first[kinked] // 3]].mean(axis=1)

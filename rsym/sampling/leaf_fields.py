@@ -29,6 +29,9 @@ Ints = NDArray[np.integer[Any]]
 
 NEWTON_STEPS = 3
 SIDES = 6  # of the bounds, behind the leaves of a shape
+# A mesh with more vertices than this share farther from a shape than a triangle is long is one of another shape, or was
+# moved; so many of them are looked at.
+FOREIGN, LOOKED_AT = 0.5, 1000
 # The cosine of ten degrees: leaves whose normals differ by less go on as each other, as features do that are not drawn.
 GOES_ON = np.cos(np.radians(10.0))
 
@@ -84,6 +87,8 @@ class LeafFields:
         leaf is the one that is active.
         """
         reach, tells = longest_side(mesh), self._tells(mesh)
+        some = np.arange(0, len(mesh.faces), 1 + len(mesh.faces) // LOOKED_AT)
+        refuse_foreign(self.at(self.of_corners(mesh)[some, 0], mesh.vertices[mesh.faces[some, 0]]), reach)
         seam = _on_seams(mesh) if tells else np.zeros(len(mesh.faces), bool)
 
         def found(faces: Ints, weights: Floats) -> dict[str, Floats]:
@@ -167,6 +172,18 @@ def distances(found: Mapping[str, Floats]) -> Floats:
     """How far points are from their leaf, to first order."""
     step = _step(found)
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", step, step)))
+
+
+def refuse_foreign(found: Mapping[str, Floats], reach: float) -> None:
+    """Refuse the fields at vertices of a mesh if most of them are farther from their leaf than `reach`."""
+    with np.errstate(invalid="ignore"):
+        foreign = float(np.mean(distances(found) > reach))
+    if foreign > FOREIGN:
+        raise RsymError(
+            f"the mesh is not one of this shape: {foreign:.0%} of its vertices are far from it",
+            code="mesh",
+            remedy="mesh the shape with these letters; of a mesh that was moved move the shape too",
+        )
 
 
 def longest_side(mesh: Mesh) -> float:

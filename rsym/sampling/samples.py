@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rsym.codegen.kernel import compile
 from rsym.codegen.leaf_names import leaf_names
 from rsym.codegen.sign_form import shape_form, surface_form
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
@@ -140,6 +140,11 @@ def sample(
         For a number of points that is not positive, an unknown part, one that has nothing of the boundary, a shape
         that is empty within its bounds, or that goes on without end and has none.
 
+    Warns
+    -----
+    RsymWarning
+        For a shape that leaves its own bounds; bounds given here are taken for what is wanted.
+
     Examples
     --------
     >>> import rsym
@@ -209,7 +214,9 @@ def _inside(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> _
             "the inside goes on without end", code="unbounded", remedy="give bounds=((xmin, xmax), ...), or ~shape"
         )
     signs = FormSigns(FormBounds(surface_form(shape)), shape.letters.values_with(letters))
-    boxes = _holding(signs, Boxes(lower[:, None], upper[:, None]))
+    boxes, within = _holding(signs, Boxes(lower[:, None], upper[:, None]))
+    if bounds is None and ((within.lower == lower[:, None]) | (within.upper == upper[:, None])).any():
+        warn("the shape leaves its bounds; points are drawn within them alone, wider bounds=... hold all of it")
     volumes = np.prod(boxes.sides, axis=0)
     shares = np.cumsum(volumes / volumes.sum())
     kernel = compile(shape)
@@ -228,8 +235,8 @@ def _inside(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> _
     return draw
 
 
-def _holding(signs: FormSigns, boxes: Boxes) -> Boxes:
-    """Boxes that together hold all of the inside, most of them nothing else."""
+def _holding(signs: FormSigns, boxes: Boxes) -> tuple[Boxes, Boxes]:
+    """Boxes that together hold all of the inside, and those of them, most, that hold nothing else."""
     within = boxes[np.zeros(0, int)]
     while True:
         found = signs.over(boxes)
@@ -243,7 +250,7 @@ def _holding(signs: FormSigns, boxes: Boxes) -> Boxes:
             )
         left, whole = (float(np.prod(one.sides, axis=0).sum()) for one in (boxes, kept))
         if left <= OPEN * whole or len(kept) > MOST_BOXES:
-            return kept
+            return kept, within
         boxes, _ = halves(boxes)
 
 
