@@ -104,8 +104,8 @@ def mesh(
     elapsed = time.perf_counter() - start
     if logger.isEnabledFor(logging.INFO):
         logger.info("mesh in %.2f s: %s", elapsed, result.status)
-    for remark in result.findings.remarks:
-        warn(remark)
+    if remarks := result.findings.remarks:
+        warn("\n".join(remarks))
     return result
 
 
