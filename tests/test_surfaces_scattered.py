@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from closeness import assert_close
-from scipy.interpolate import NdBSpline, make_interp_spline, make_lsq_spline
+from scipy.interpolate import BSpline, NdBSpline, make_interp_spline, make_lsq_spline
 
 from rsym.errors import RsymError
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
@@ -16,6 +16,7 @@ T = np.sort(RANDOM.uniform(0, 1, 24))
 T[[0, -1]] = 0, 1
 U, V = RANDOM.uniform(0, 1, (2, 400))
 FINE = np.linspace(0, 1, 41)
+interpolate, approximate = BSplineSurface.interpolate, BSplineSurface.least_squares
 
 
 def refused(code, words, work):
@@ -203,9 +204,120 @@ def test_corrections_move_scattered_parameters_too():
     assert [one.shape for one in surface.parameters] == [(400,), (400,)]
 
 
+def energy_rows(surface):
+    """The penalty's roots, by SciPy's derivatives of basis functions and their integrals, over [0, 1]."""
+    each = []
+    for knots, degree, count in zip(surface.knots, surface.degree, surface.net.shape, strict=False):
+        unit = (knots - knots[0]) / (knots[-1] - knots[0])
+        rows = []
+        for order in range(3):
+            inner, k = unit[order : len(unit) - order], degree - order
+            derived = [
+                BSpline(unit, one, degree).derivative(order) if order else BSpline(unit, one, degree)
+                for one in np.eye(count)
+            ]
+            vertices = np.stack([one.c[: count - order] for one in derived], axis=1)
+            areas = [BSpline(inner, one, k).integrate(0, 1) for one in np.eye(count - order)]
+            rows.append(np.sqrt(areas)[:, None] * vertices)
+        each.append(rows)
+    (n, n_u, n_uu), (m, m_v, m_vv) = each
+    return np.concatenate([np.kron(n_uu, m), 2**0.5 * np.kron(n_u, m_v), np.kron(n, m_vv)])
+
+
+@pytest.mark.parametrize("orders", [(4, 4), (3, 5)])
+@pytest.mark.parametrize("net", [False, True])
+def test_smoothed_surfaces_are_those_of_the_normal_equations(orders, net):
+    rows, columns = np.linspace(2, 5, 9) ** 1.3, np.linspace(0, 1, 8)
+    u, v = (one.ravel() for one in np.meshgrid(rows, columns, indexing="ij")) if net else (3 * U - 1, V**2)
+    points = np.stack([u, v, np.sin(u) * v], axis=-1) + RANDOM.normal(scale=0.05, size=(len(u), 3))
+    given, parameters = (points.reshape(9, 8, 3), (rows, columns)) if net else (points, (u, v))
+    surface = BSplineSurface.least_squares(given, (7, 6), orders, parameters=parameters, smoothing=1e-3)
+    degrees = (orders[0] - 1, orders[1] - 1)
+    c = np.stack(
+        [NdBSpline(surface.knots, np.eye(42)[k].reshape(7, 6), degrees)(np.stack([u, v], axis=-1)) for k in range(42)],
+        axis=1,
+    )
+    e = energy_rows(surface)
+    expected = np.linalg.solve(c.T @ c / len(u) + 1e-3 * e.T @ e, c.T @ points / len(u))
+    assert_close(surface.net.reshape(-1, 3), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("closed", [(False, False), (True, False)])
+@pytest.mark.parametrize("orders", [(4, 4), (3, 3), (2, 4), (5, 2)])
+def test_what_is_straight_stays_so_however_smooth(orders, closed):
+    """Planes in u and v, cylinders' axes in v alone; the hole is filled."""
+    outside = np.hypot(U - 0.5, V - 0.5) > 0.4
+    u, v = U[outside], V[outside]
+    points = np.stack([0 * u if closed[0] else u, v, 1 + 2 * v - (0 if closed[0] else 3) * u], axis=-1)
+    surface = BSplineSurface.least_squares(
+        points, (9, 8), orders, parameters=(u, v), closed=closed, knots="uniform", smoothing=1e-2
+    )
+    a, b = np.broadcast_arrays(FINE[:, None], FINE)
+    x = np.zeros_like(a) if closed[0] else a
+    assert_close(surface.grid(FINE, FINE), np.stack([x, b, 1 + 2 * b - 3 * x], axis=-1), atol=1e-9)
+
+
+def test_a_disc_of_points_needs_smoothing_and_its_dome_is_met():
+    inside = np.hypot(U - 0.5, V - 0.5) < 0.45
+    u, v = U[inside], V[inside]
+    dome = np.stack([u, v, np.sqrt(1 - (u - 0.5) ** 2 - (v - 0.5) ** 2)], axis=-1)
+    refused(
+        "schoenberg-whitney", "smoothing=1e-6", lambda: approximate(dome, (12, 12), parameters=(u, v), knots="uniform")
+    )
+    rms = [
+        approximate(dome, (12, 12), parameters=(u, v), knots="uniform", smoothing=10.0**-k).residual.rms
+        for k in (2, 4, 6, 8)
+    ]
+    assert all(b < a / 5 for a, b in itertools.pairwise(rms))
+    assert rms[-1] < 5e-5
+
+
+def test_what_is_very_smooth_is_the_plane_of_least_squares():
+    points = np.stack([U, V, np.sin(7 * U) * V], axis=-1)
+    surface = approximate(points, (6, 6), parameters=(U, V), smoothing=1e8)
+    line = np.stack([np.ones(400), U, V], axis=1)
+    plane = np.linalg.lstsq(line, points, rcond=None)[0]
+    assert_close(surface(U, V), line @ plane, atol=1e-7)
+
+
+def test_kinks_at_repeated_knots_are_not_smoothed_away():
+    """A roof: straight on either side of a double knot of degree 2."""
+    points = np.stack([U, V, np.abs(U - 0.5)], axis=-1)
+    knots = [0, 0, 0, 0.5, 0.5, 1, 1, 1], [0, 0, 0, 1, 1, 1]
+    surface = approximate(points, (5, 3), (3, 3), parameters=(U, V), knots=knots, smoothing=1.0)
+    assert surface.residual.maximum < 1e-10
+
+
+def test_systems_are_refused_only_where_they_must_be():
+    """Against singular values."""
+    generator = np.random.default_rng(4)
+    seen = set()
+    for case in range(150):
+        order = generator.integers(2, 6, 2)
+        count = order + generator.integers(0, 5, 2)
+        u, v = generator.random((2, int(count.prod() * generator.choice([1, 1.2, 2, 4]))))
+        u, v = (np.round(u, 1), np.round(v, 1)) if case % 3 else (u**2, v)
+        knots = [
+            np.r_[np.zeros(k), np.arange(1, n - k + 1) / (n - k + 1), np.ones(k)]
+            for n, k in zip(count, order, strict=True)
+        ]
+        n, m = (BSpline.design_matrix(t, one, k - 1).toarray() for t, one, k in zip((u, v), knots, order, strict=True))
+        system = (n[:, :, None] * m[:, None]).reshape(len(u), -1)
+        values = np.linalg.svd(system / np.linalg.norm(system, axis=0).clip(1e-300), compute_uv=False)
+        points = np.stack([u, v, u * v], axis=-1)
+        try:
+            approximate(points, count.tolist(), order.tolist(), parameters=(u, v), knots=knots)
+            code = "fitted"
+        except RsymError as error:
+            code = error.code
+        if code != "vertices":  # one decimal leaves eleven parameters for at most so many vertices
+            assert values[-1] > 1e-15 * values[0] if code == "fitted" else values[-1] < 1e-14 * values[0], (case, code)
+        seen.add(code)
+    assert seen == {"fitted", "singular", "schoenberg-whitney", "vertices"}
+
+
 POINTS = np.stack([U, V, U * V], axis=-1)
 HALF = U < 0.5
-interpolate, approximate = BSplineSurface.interpolate, BSplineSurface.least_squares
 
 
 @pytest.mark.parametrize(
@@ -243,6 +355,13 @@ interpolate, approximate = BSplineSurface.interpolate, BSplineSurface.least_squa
             "singular",
             "do not determine the vertex",
             lambda: approximate(POINTS, (2, 2), (2, 2), parameters=(U, U)),
+        ),
+        ("smoothing", "number >= 0, got -1", lambda: approximate(POINTS, (5, 5), parameters=(U, V), smoothing=-1)),
+        ("smoothing", "number >= 0, got nan", lambda: approximate(POINTS, (5, 5), parameters=(U, V), smoothing=np.nan)),
+        (
+            "kept",
+            "kept, or the surface is smoothed",
+            lambda: approximate(POINTS, (5, 5), parameters=(U, V), smoothing=1, kept=[((0, 0), POINTS)]),
         ),
         ("kept", "sequence of pairs", lambda: approximate(POINTS, (5, 5), parameters=(U, V), kept=3)),
         ("points", "(n, 3)", lambda: Nurbs.interpolate(POINTS[:, :2])),

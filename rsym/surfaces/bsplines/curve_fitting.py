@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rsym.surfaces.bsplines.band_qr import DEPENDENT, BandQR
 from rsym.surfaces.bsplines.bspline_data import space_along
-from rsym.surfaces.bsplines.bspline_fitting import SplineFit, check_met, check_near, residual_at, singular
+from rsym.surfaces.bsplines.bspline_fitting import SplineFit, check_met, check_near, residual_at, singular, undetermined
 from rsym.surfaces.bsplines.spline_knots import are_settled, check_data
 from rsym.surfaces.bsplines.spline_spaces import SplineSpace
 
@@ -31,9 +31,11 @@ def fitted_curve(
     space, t = space_along(points[:, None, :], 0, "t", vertices, order, parameters, False, knots, closed)
     t = t.reshape(-1)
     check_data(t, space, "t")
-    system = BandQR(space.matrix(t), 0.0 if are_settled(t, space) else DEPENDENT)
-    if system.dependent is not None:
-        raise singular((space,), f"the vertex {system.dependent} along t")
+    settled = are_settled(t, space)
+    system = BandQR(space.matrix(t), 0.0 if settled else DEPENDENT)
+    dependent = system.dependent if settled else undetermined(system)
+    if dependent is not None:
+        raise singular((space,), f"the vertex {dependent} along t")
     found = system.solve(points)
     check_near(found, points)
     residual = residual_at(points, space.spline(found)(t), (t,))

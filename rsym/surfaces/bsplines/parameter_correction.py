@@ -23,22 +23,26 @@ HALVINGS = 6
 
 
 def approximated(
-    spaces: Spaces, points: Array, parameters: Pair, steps: int, kept: Sequence[tuple[Any, Any]]
+    spaces: Spaces, points: Array, parameters: Pair, steps: int, kept: Sequence[tuple[Any, Any]], smoothing: float
 ) -> tuple[Array, SplineFit]:
     """The net that fits best, then with its kept vertices in place, then with corrected parameters."""
     if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or steps < 0:
         raise RsymError(f"corrections is a number >= 0, got {steps!r}", code="corrections")
     loci = kept_vertices(kept, (spaces[0].count, spaces[1].count))
+    if loci and smoothing:
+        raise RsymError(
+            "vertices are kept, or the surface is smoothed", code="kept", remedy="leave kept= or smoothing= out"
+        )
     settled = True
 
     def fit(places: Pair) -> Array:
         nonlocal settled
-        net = fitted_net(spaces, points, places)
+        net = fitted_net(spaces, points, places, smoothing)
         if loci:
             net, settled = constrained_net(spaces, points, places, loci, net)
         return net
 
-    history = [residual_of(spaces, fitted_net(spaces, points, parameters), points, parameters)]
+    history = [residual_of(spaces, fitted_net(spaces, points, parameters, smoothing), points, parameters)]
     net = fit(parameters)
     if loci:
         history.append(residual_of(spaces, net, points, parameters))

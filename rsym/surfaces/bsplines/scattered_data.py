@@ -27,9 +27,9 @@ LINE = 1e-9
 
 
 def spaces_for_scattered(
-    points: Array, vertices: Any, order: Any, parameters: Any, knots: Any, closed: Any
+    points: Array, vertices: Any, order: Any, parameters: Any, knots: Any, closed: Any, smooth: bool
 ) -> tuple[Spaces, Pair]:
-    """The spline spaces of a fit to points (n, 3), and their parameters, (n,) each."""
+    """The spline spaces of a fit to points (n, 3), and their parameters, (n,) each; what is smoothed may have holes."""
     counts, turns = pair_of(vertices, "vertices"), directions(closed)
     wishes = (knots, knots) if isinstance(knots, str) else pair_of(knots, "knots")
     given = _in_plane(points) if isinstance(parameters, str) and parameters == "plane" else parameters
@@ -43,9 +43,11 @@ def spaces_for_scattered(
     values = [_numbers(one, len(points), name) for one, name in zip(pair, "uv", strict=True)]
     each = zip(values, counts, order, wishes, turns, "uv", strict=True)
     first, second = (_space(*one) for one in each)
-    _check_count(counts, len(points))
+    if not smooth:
+        _check_count(counts, len(points))
     places = tuple(_placed(one, space, name) for one, space, name in zip(values, (first, second), "uv", strict=True))
-    check_scattered((first, second), (places[0], places[1]))
+    if not smooth:
+        check_scattered((first, second), (places[0], places[1]))
     return (first, second), (places[0], places[1])
 
 
@@ -68,7 +70,7 @@ def check_scattered(spaces: Spaces, parameters: Pair) -> None:
         f"no datum left for the vertex ({row}, {column}): it matters for u in {u}, v in {v}{others} "
         "(Schoenberg-Whitney)",
         code="schoenberg-whitney",
-        remedy='take fewer vertices, knots="averaged", which follow the data, or points there',
+        remedy='take fewer vertices, knots="averaged", which follow the data, or least_squares with smoothing=1e-6',
     )
 
 
@@ -154,7 +156,7 @@ def _check_count(counts: tuple[Any, Any], available: int) -> None:
         raise RsymError(
             f"{available} points determine at most {available} vertices, got {counts[0]} x {counts[1]}",
             code="vertices",
-            remedy="take fewer vertices",
+            remedy="take fewer vertices, or least_squares with smoothing=1e-6",
         )
 
 

@@ -21,6 +21,7 @@ from rsym.surfaces.bsplines.bspline_data import checked_points, directions, orde
 from rsym.surfaces.bsplines.bspline_fitting import Pair, Residual, SplineFit, check_met, fitted_net, residual_of
 from rsym.surfaces.bsplines.parameter_correction import approximated
 from rsym.surfaces.bsplines.scattered_data import spaces_for_scattered
+from rsym.surfaces.bsplines.smoothing import checked_smoothing
 from rsym.surfaces.bsplines.spline_spaces import Spaces, checked_space, tensor_values
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.parameters import Interval
@@ -143,7 +144,12 @@ class BSplineSurface(Patch):
         data = checked_points(points, "the points", scattered=True)
         if data.ndim == 2:
             counts = _all_vertices(vertices, len(data))
-            return cls._near_scattered(data, counts, orders_of(order, degree), parameters, knots, closed, 0, (), True)
+            spaces, found = spaces_for_scattered(
+                data, counts, orders_of(order, degree), parameters, knots, closed, False
+            )
+            surface = cls._near_scattered(data, spaces, found, 0, (), 0.0)
+            check_met(surface.residual, data)
+            return surface
         if vertices is not None and pair_of(vertices, "vertices") != data.shape[:2]:
             raise RsymError(
                 f"a surface through a net of {data.shape[0]} x {data.shape[1]} points has as many vertices, "
@@ -173,6 +179,7 @@ class BSplineSurface(Patch):
         closed: tuple[bool, bool] = (False, False),
         corrections: int = 0,
         kept: Sequence[tuple[Any, Any]] = (),
+        smoothing: float = 0.0,
     ) -> BSplineSurface:
         """The surface with fewer vertices that passes a net of points, or scattered ones, nearest, equation 6-84.
 
@@ -188,6 +195,11 @@ class BSplineSurface(Patch):
         kept : sequence of pairs
             Vertices, as an index into the net, and the plane or curve that they are kept on: ``(numpy.s_[0, :],
             Plane(point, normal))``, or a curve in any form that a patch takes.
+        smoothing : float
+            s in: mean square of the distances + s sum A_ij (|B_uu|^2 + 2 |B_uv|^2 + |B_vv|^2), the least of which is
+            taken. The sum is no less than the thin-plate energy; parameters are brought to [0, 1], B_uu, ... are the
+            vertices of second derivatives, A_ij the integrals of their basis functions. Small numbers such as 1e-6 fill
+            the holes of scattered data; vertices may then be more than the data.
 
         Others as in `interpolate`.
 
@@ -203,31 +215,27 @@ class BSplineSurface(Patch):
         >>> surface(0.5, 0.5).round(12).tolist(), surface.domain
         ([0.5, 0.5, 0.125], ((0.0, 1.0), (0.0, 1.0)))
         """
-        data = checked_points(points, "the points", scattered=True)
+        data, orders = checked_points(points, "the points", scattered=True), orders_of(order, degree)
+        share = checked_smoothing(smoothing)
         if data.ndim == 2:
-            orders = orders_of(order, degree)
-            return cls._near_scattered(data, vertices, orders, parameters, knots, closed, corrections, kept, False)
-        spaces, found = spaces_for_data(data, vertices, orders_of(order, degree), parameters, per_point, knots, closed)
-        return cls._fitted(spaces, *approximated(spaces, data, found, corrections, kept))
+            spaces, found = spaces_for_scattered(data, vertices, orders, parameters, knots, closed, share > 0)
+            return cls._near_scattered(data, spaces, found, corrections, kept, share)
+        spaces, found = spaces_for_data(data, vertices, orders, parameters, per_point, knots, closed)
+        return cls._fitted(spaces, *approximated(spaces, data, found, corrections, kept, share))
 
     @classmethod
     def _near_scattered(
         cls,
         points: Array,
-        vertices: Any,
-        orders: Both,
-        parameters: Any,
-        knots: Any,
-        closed: Any,
+        spaces: Spaces,
+        parameters: Pair,
         corrections: Any,
         kept: Sequence[tuple[Any, Any]],
-        met: bool,
+        smoothing: float,
     ) -> BSplineSurface:
         """The surface nearest to points (n, 3): they are a net of one column, each point with its own parameters."""
-        spaces, (u, v) = spaces_for_scattered(points, vertices, orders, parameters, knots, closed)
-        net, fit = approximated(spaces, points[:, None], (u[:, None], v[:, None]), corrections, kept)
-        if met:
-            check_met(fit.residual, points)
+        u, v = (one[:, None] for one in parameters)
+        net, fit = approximated(spaces, points[:, None], (u, v), corrections, kept, smoothing)
         history = tuple(replace(one, worst=one.worst[:1]) for one in fit.history)
         places = tuple(one[:, 0] for one in fit.parameters)
         return cls._fitted(spaces, net, SplineFit(points, places, history, fit.converged))
