@@ -54,7 +54,7 @@ def test_without_a_browser_the_place_is_told(monkeypatch, tmp_path):
     ("what", "said"),
     [
         ("car", "expected a Mesh or a Shape, got str.*load"),
-        (rsym.disc(1), "space"),
+        (rsym.disc(1), "in space.*plot_field"),
         (Mesh(np.zeros((0, 3)), np.zeros((0, 3), int)), "at least one triangle"),
         (rsym.surfaces.sphere_octant(), r"patch\.mesh"),
     ],

@@ -57,9 +57,10 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> None:
     """Mesh the shape, write it, and say what is known of the mesh."""
     from rsym.output.files import write, write_features
-    from rsym.output.units import sized
+    from rsym.output.units import check_size, sized
     from rsym.sampling.meshing import mesh
 
+    check_size(unit=options.unit, size=options.size, scale=options.scale)
     shape = load_shape(options)
     with progress_bar("step", "meshing") as progress, warnings.catch_warnings():
         warnings.simplefilter("ignore", RsymWarning)  # the status, printed below, says the same

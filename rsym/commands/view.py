@@ -41,6 +41,6 @@ def run(options: argparse.Namespace) -> None:
     shape = load_shape(options)
     with progress_bar("step", "meshing") as progress, warnings.catch_warnings():
         warnings.simplefilter("ignore", RsymWarning)  # the status, printed below, says the same
-        result = mesh(shape, options.resolution, progress=progress)
+        result = mesh(shape, options.resolution, progress=progress, force=options.force)
     print(view(result, colour_by=options.colour_by, path=options.output, browser=not options.no_open))
     print(*told(result.status), sep="\n")

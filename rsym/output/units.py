@@ -71,22 +71,35 @@ def sized(mesh: Mesh, *, unit: Any = None, size: Any = None, scale: Any = None) 
     ('mm', [30.0, 60.0, 120.0])
     """
     require_kind(Mesh, mesh, "mesh")
+    check_size(unit=unit, size=size, scale=scale)
+    factor = 1.0 if scale is None else float(scale)
+    if size is not None:
+        length, own = _length(size)
+        unit = unit or own
+        factor = length * (UNITS[own].metres / UNITS[unit].metres if own and own != unit else 1.0) / _longest(mesh)
+    return mesh if factor == 1.0 else mesh.scale(factor), unit
+
+
+def check_size(*, unit: Any = None, size: Any = None, scale: Any = None) -> None:
+    """Refuse what `sized` would, before there is a mesh.
+
+    Examples
+    --------
+    >>> check_size(size=3, scale=2)
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: size and scale both say how large the mesh gets; remedy: give one of them, size or scale
+    """
     if unit is not None:
         check_unit(unit)
     if size is not None and scale is not None:
         raise RsymError(
             "size and scale both say how large the mesh gets", code="size", remedy="give one of them, size or scale"
         )
+    if size is not None:
+        _length(size)
     if scale is not None:
         require_positive("scale", scale, "for example scale=10")
-        factor = float(scale)
-    elif size is not None:
-        length, own = _length(size)
-        unit = unit or own
-        factor = length * (UNITS[own].metres / UNITS[unit].metres if own != unit and own else 1.0) / _longest(mesh)
-    else:
-        factor = 1.0
-    return mesh if factor == 1.0 else mesh.scale(factor), unit
 
 
 def _length(size: Any) -> tuple[float, str | None]:

@@ -68,6 +68,12 @@ def view(
     ('.html', True)
     >>> page.unlink()
     """
+    if isinstance(what, Shape) and what.dimension == 2:
+        raise RsymError(
+            "a page shows a body in space, got a shape in the plane",
+            code="dimension",
+            remedy="use revolve(shape) or extrude(shape, lower, upper) first, or plot_field(shape)",
+        )
     if isinstance(what, Shape):
         what = mesh_of(what, resolution, bounds=bounds, letters=letters)
     elif not isinstance(what, Mesh):

@@ -116,8 +116,8 @@ class LevelLines(Sequence[NDArray[np.float64]]):
         >>> [len(polygon.interiors) for polygon in lines.to_shapely().geoms]  # doctest: +SKIP
         [1]
         """
-        shapely = optional_package("shapely", "to_shapely")
         self._require_closed("a region")
+        shapely = optional_package("shapely", "to_shapely")
         sizes = [_signed_area(line) for line in self.lines]
         order = np.argsort(np.abs(sizes), kind="stable").tolist()
         shells: list[tuple[float, Any, Any, list[Any]]] = [
