@@ -27,7 +27,8 @@ def _close_figures():
 
 def drawn(shape, **options):
     ax = matplotlib.figure.Figure().add_subplot()
-    return rsym.plot_curvature_comb(shape, ax=ax, resolution=96, **options)
+    teeth = rsym.plot_curvature_comb(shape, ax=ax, resolution=96, **options)
+    return teeth, teeth.envelopes, teeth.lines
 
 
 def test_teeth_of_an_ellipse_are_evenly_spaced_and_exact():
@@ -146,7 +147,7 @@ def test_a_needle_does_not_shrink_the_other_teeth():
 
 
 def test_new_figure_with_a_colour_bar_and_given_axes_without():
-    teeth, _, _ = rsym.plot_curvature_comb(ELLIPSE, resolution=64)
+    teeth = rsym.plot_curvature_comb(ELLIPSE, resolution=64)
     assert [ax.get_ylabel() for ax in teeth.axes.figure.axes] == ["$y$", r"curvature $\kappa$"]
     before = matplotlib.pyplot.get_fignums()
     assert len(drawn(ELLIPSE)[0].axes.figure.axes) == 1

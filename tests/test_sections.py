@@ -126,11 +126,11 @@ def test_holes_run_the_other_way_round():
 def test_the_stack_is_drawn_from_the_far_end_with_its_holes_open(elevation):
     stack = rsym.sections(TUBE, [1, 0, -1.0, 5], resolution=48)
     ax = matplotlib.figure.Figure().add_subplot()
-    patches = rsym.plot_sections(stack, ax=ax, elevation=elevation)
-    assert len(patches) == 3
-    heights = [patch.get_path().vertices[:, 1].mean() for patch in patches]
+    drawn_stack = rsym.plot_sections(stack, ax=ax, elevation=elevation)
+    assert len(drawn_stack.get_paths()) == 3
+    heights = [path.vertices[:, 1].mean() for path in drawn_stack.get_paths()]
     assert heights == sorted(heights, reverse=elevation < 0)
-    colours = {tuple(np.round(patch.get_edgecolor(), 6)) for patch in patches}
+    colours = {tuple(np.round(colour, 6)) for colour in drawn_stack.get_edgecolor()}
     assert len(colours) == 3
     figure = matplotlib.figure.Figure(figsize=(2, 2), dpi=50)
     rsym.plot_sections(rsym.sections(TUBE, [0.0], resolution=48), ax=figure.add_axes((0, 0, 1, 1)))
@@ -194,8 +194,11 @@ def test_lines_that_leave_the_bounds_stay_open(tmp_path):
     (line,) = ezdxf.readfile(rsym.write_sections(stack, tmp_path / "cut.dxf")).query("POLYLINE")
     assert not line.is_closed
     assert len(line) == len(stack[0].lines[0])
-    (patch,) = rsym.plot_sections(stack, ax=matplotlib.figure.Figure().add_subplot())
-    assert len(patch.get_path().vertices) == 0
+    artist = rsym.plot_sections(stack, ax=matplotlib.figure.Figure().add_subplot())
+    filled, line = artist.get_paths()
+    assert len(filled.vertices) == 0
+    assert len(line.vertices) == len(stack[0].lines[0])
+    assert artist.get_facecolor()[1, 3] == 0
 
 
 @pytest.mark.parametrize(

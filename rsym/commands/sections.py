@@ -64,5 +64,5 @@ def run(options: argparse.Namespace) -> None:
     if layered:
         print(write_sections(layers, options.output, unit=options.unit, scale=options.scale))
     else:
-        figure: Any = plot_sections(layers)[0].get_figure()
+        figure: Any = plot_sections(layers).get_figure()
         print(write_picture(figure, options.output))

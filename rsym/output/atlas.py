@@ -18,8 +18,10 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
+from rsym.errors import RsymError
 from rsym.model.names import typeset_name
 from rsym.output.certificates import DEFECT
+from rsym.output.paints import checked_limits, checked_map
 from rsym.output.pictures import figure_of, require_report
 from rsym.verify.atlas.levels import FEWEST, round_levels
 from rsym.verify.atlas.report import SmoothnessAtlas
@@ -53,6 +55,8 @@ def plot_atlas(
     ax: Axes | None = None,
     rectangles: bool = True,
     levels: Sequence[float] | None = None,
+    limits: tuple[float, float] | None = None,
+    colour_map: str = COLOUR_MAP,
 ) -> Figure:
     """The plane of two letters: certified in the colours of the greatest curvature, refuted hatched, the threshold.
 
@@ -69,6 +73,15 @@ def plot_atlas(
         Whether to draw the outlines of the rectangles of the proof.
     levels : sequence of float, optional
         Greatest curvatures whose level lines are drawn; by default 1, 2, 5, 10, ... as far as they occur.
+    limits : pair of positive numbers, optional
+        The curvatures at the ends of the colours.
+    colour_map : str
+        A name that matplotlib knows.
+
+    Returns
+    -------
+    Figure
+        The whole figure, also where axes were given.
 
     Examples
     --------
@@ -87,7 +100,7 @@ def plot_atlas(
 
         _, ax = matplotlib.pyplot.subplots(figsize=SIZE, layout="constrained")
     _draw_parts(ax, atlas, outlines=rectangles)
-    colours = _draw_curvature(ax, atlas, levels)
+    colours = _draw_curvature(ax, atlas, levels, limits, str(checked_map(colour_map)))
     _draw_thresholds(ax, atlas)
     (a, b), (c, d) = atlas.region
     u, v = atlas.defaults
@@ -102,7 +115,9 @@ def plot_atlas(
     if colours is not None:
         _colour_bar(figure, ax, colours)
     if alone:
-        figure.legend(handles=_legend(atlas, shown), loc="outside lower center", ncols=2, fontsize=8, frameon=False)
+        figure.legend(
+            handles=_legend(atlas, shown, colour_map), loc="outside lower center", ncols=2, fontsize=8, frameon=False
+        )
     return figure
 
 
@@ -121,15 +136,26 @@ def _draw_parts(ax: Axes, atlas: SmoothnessAtlas, *, outlines: bool) -> None:
             ax.add_collection(lines, autolim=False)
 
 
-def _draw_curvature(ax: Axes, atlas: SmoothnessAtlas, levels: Sequence[float] | None) -> ScalarMappable | None:
+def _draw_curvature(
+    ax: Axes,
+    atlas: SmoothnessAtlas,
+    levels: Sequence[float] | None,
+    limits: tuple[float, float] | None,
+    colour_map: str,
+) -> ScalarMappable | None:
     """The map of the greatest curvature and its level lines, labelled."""
     if not _is_mapped(atlas):
         return None
     u, v = atlas.curvature.lattice()
     shown = np.ma.masked_invalid(atlas.curvature.on((u, v)).T)
     low, high = float(shown.min()), float(np.quantile(shown.compressed(), ROBUST))
+    if limits is not None:
+        low, high = checked_limits(limits)
+        if low <= 0:
+            message = f"limits of curvatures are positive, got {limits!r}"
+            raise RsymError(message, code="limits", remedy="limits=(1, 10)")
     norm = LogNorm(low, high, clip=True)
-    artist = ax.pcolormesh(u, v, shown, cmap=COLOUR_MAP, norm=norm, shading="nearest", rasterized=True, zorder=3)
+    artist = ax.pcolormesh(u, v, shown, cmap=colour_map, norm=norm, shading="nearest", rasterized=True, zorder=3)
     wanted = [level for level in round_levels(low, high) if level < high] if levels is None else levels
     if len(wanted):
         _draw_levels(ax, u, v, shown, wanted)
@@ -170,7 +196,7 @@ def _colour_bar(figure: Figure, ax: Axes, artist: ScalarMappable) -> None:
     bar.set_label(r"greatest curvature found, $\max|\kappa|$", fontsize=9)
 
 
-def _legend(atlas: SmoothnessAtlas, shown: bool) -> list[Patch | Line2D]:
+def _legend(atlas: SmoothnessAtlas, shown: bool, colour_map: str) -> list[Patch | Line2D]:
     """What is in the picture, and nothing that is not."""
     handles: list[Patch | Line2D] = [
         Patch(facecolor=face, edgecolor=edge, hatch=hatch, linewidth=0.6, label=LABELS[verdict])
@@ -178,7 +204,7 @@ def _legend(atlas: SmoothnessAtlas, shown: bool) -> list[Patch | Line2D]:
         if len(atlas.parts(verdict))
     ]
     if _is_mapped(atlas):
-        handles[0].set(facecolor=colormaps[COLOUR_MAP](0.25), edgecolor="none")
+        handles[0].set(facecolor=colormaps[colour_map](0.25), edgecolor="none")
     if atlas.thresholds:
         handles.append(Line2D([], [], color=DEFECT, linewidth=1.8, label="threshold, enclosed by the undecided strip"))
     if shown:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import base64
 import html
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 from rsym.errors import RsymError
 from rsym.model.equations import latex
@@ -17,7 +17,9 @@ from rsym.model.nodes import Composition
 from rsym.model.requirements import require_mapping, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.traversal import rebuild
+from rsym.output.looks import Look
 from rsym.output.panels import named
+from rsym.output.pictures import checked_titles, page, whole
 from rsym.output.portraits import draw_portrait
 
 SIZE = (2.5, 2.0)  # inches of a picture
@@ -86,9 +88,38 @@ def cards(shapes: Mapping[str, Shape], *, columns: int = 3, resolution: int = 12
 
 
 def plot_gallery(
-    shapes: Mapping[str, Shape], *, columns: int = 4, resolution: int = 120, reach: float | None = None
+    shapes: Mapping[str, Shape],
+    *,
+    columns: int = 4,
+    resolution: int = 120,
+    reach: float | None = None,
+    figure: Figure | SubFigure | None = None,
+    titles: Sequence[str] | None = None,
+    limits: tuple[float, float] | None = None,
+    colour_map: str | None = None,
 ) -> Figure:
-    """Pictures of shapes in rows and columns, each under its name; parameters as for `cards`.
+    """Pictures of shapes in rows and columns, each under its name.
+
+    Parameters
+    ----------
+    shapes, columns, resolution, reach
+        As for `cards`.
+    figure : Figure or SubFigure, optional
+        Where to draw, in the size that it has; without it a new pyplot figure is made.
+    titles : sequence of str, optional
+        Instead of the names.
+    limits, colour_map
+        Of omega in the plane, as for `plot_field`: with limits all pictures share one scale.
+
+    Returns
+    -------
+    Figure
+        The whole figure, also where a part of it was given.
+
+    Warns
+    -----
+    RsymWarning
+        For a shape in the plane without a boundary in what is seen of it.
 
     Examples
     --------
@@ -98,21 +129,20 @@ def plot_gallery(
     >>> [text.get_text() for text in figure.texts]
     ['line', 'disc']
     """
-    import matplotlib.pyplot
-
     _check(shapes)
+    look, headings = Look(None, limits, colour_map), checked_titles(titles, list(shapes))
     across = min(columns, len(shapes))
     rows = -(-len(shapes) // across)
     height = (SIZE[1] + TITLE) * rows
-    figure: Figure = matplotlib.pyplot.figure(figsize=(SIZE[0] * across, height))
+    drawn = page(figure, size=(SIZE[0] * across, height))
     for position, (name, shape) in enumerate(shapes.items()):
         row, column = divmod(position, across)
         left, top = column / across, 1 - row / rows
         place = (left, top - 1 / rows, 1 / across, SIZE[1] / height)
         with named(name):
-            draw_portrait(shape, figure, place, resolution=resolution, bounds=_seen(shape, reach))
-        figure.text(left + 0.5 / across, top - TITLE / 2 / height, name, ha="center", va="center")
-    return figure
+            draw_portrait(shape, drawn, place, resolution=resolution, bounds=_seen(shape, reach), look=look)
+        drawn.text(left + 0.5 / across, top - TITLE / 2 / height, headings[position], ha="center", va="center")
+    return whole(drawn)
 
 
 def _formulas(shape: Shape) -> Iterator[str]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.output.paints import checked_limits, checked_map
 from rsym.sampling.combs import Comb, combs
 
 Floats = NDArray[np.float64]
@@ -29,6 +31,16 @@ LONGEST = 4.0
 NOTHING = 1e-9  # of the largest curvature: below, the sign is that of rounding
 
 
+class CombTeeth(LineCollection):
+    """The teeth of combs, with the `envelopes` over them and the `lines` on which they stand."""
+
+    def __init__(
+        self, segments: Floats, values: Floats, scale: ScalarMappable, envelopes: LineCollection, lines: LineCollection
+    ) -> None:
+        super().__init__(list(segments), array=values, cmap=scale.get_cmap(), norm=scale.norm, linewidths=0.8, zorder=2)
+        self.envelopes, self.lines = envelopes, lines
+
+
 def plot_curvature_comb(
     shape: Shape,
     *,
@@ -40,7 +52,9 @@ def plot_curvature_comb(
     bounds: Any = None,
     letters: Mapping[Any, float] | None = None,
     section: Mapping[Any, float] | None = None,
-) -> tuple[LineCollection, LineCollection, LineCollection]:
+    limits: tuple[float, float] | None = None,
+    colour_map: str | None = None,
+) -> CombTeeth:
     r"""Teeth normal to the lines omega = level, of length proportional to the curvature, outwards where convex.
 
     A jump of the curvature is a step of the envelope, a corner of the line a gap in it. Teeth are coloured by the
@@ -59,11 +73,15 @@ def plot_curvature_comb(
         Teeth on all lines together, evenly spaced by arc length.
     resolution, bounds, letters
         As for `level_lines`.
+    limits : pair of numbers, optional
+        The curvatures at the ends of the colours; without it those of the teeth.
+    colour_map : str, optional
+        A name that matplotlib knows; without it ``coolwarm`` for limits about zero, otherwise pale to dark.
 
     Returns
     -------
-    tuple of LineCollection
-        The teeth, fit for a colour bar; the envelopes; the lines.
+    matplotlib.collections.LineCollection
+        The teeth, fit for a colour bar; its ``envelopes`` and ``lines`` are line collections too.
 
     Raises
     ------
@@ -76,7 +94,7 @@ def plot_curvature_comb(
     >>> from rsym import x, y
     >>> disc = rsym.Shape(4 - x**2 - y**2, (x, y), bounds=((-3, 3), (-3, 3)))
     >>> ax = matplotlib.figure.Figure().add_subplot()
-    >>> drawn, _, _ = rsym.plot_curvature_comb(disc, ax=ax, scale=1, teeth=20, resolution=64)
+    >>> drawn = rsym.plot_curvature_comb(disc, ax=ax, scale=1, teeth=20, resolution=64)
     >>> len(drawn.get_segments())
     20
     """
@@ -88,35 +106,40 @@ def plot_curvature_comb(
         import matplotlib.pyplot
 
         _, ax = matplotlib.pyplot.subplots(figsize=_page(found, factor, longest), layout="compressed")
-    artists = _draw(ax, found, factor, longest)
+    drawn = _draw(ax, found, factor, longest, limits, checked_map(colour_map))
     names = [symbol.name for symbol in shape.coordinates if symbol.name not in map(str, section or {})]
     ax.set(aspect="equal", xlabel=f"${names[0]}$", ylabel=f"${names[1]}$")
     ax.autoscale_view()
     if alone:
-        _colour_bar(ax, artists[0], found)
-    return artists
+        _colour_bar(ax, drawn, found)
+    return drawn
 
 
 def _draw(
-    ax: Axes, found: Sequence[Comb], scale: float, longest: float
-) -> tuple[LineCollection, LineCollection, LineCollection]:
+    ax: Axes,
+    found: Sequence[Comb],
+    scale: float,
+    longest: float,
+    limits: tuple[float, float] | None,
+    colour_map: str | None,
+) -> CombTeeth:
     ends = [_ends(comb, scale, longest) for comb in found]
     marked = [_marked(comb) for comb in found]
     segments = np.concatenate(
         [np.stack([comb.points, end], axis=1)[mark] for comb, end, mark in zip(found, ends, marked, strict=True)]
     )
     values = np.concatenate([comb.curvature[mark] for comb, mark in zip(found, marked, strict=True)])
-    colours, norm = _colours(np.concatenate([comb.curvature for comb in found]), longest)
-    teeth = LineCollection(list(segments), array=values, cmap=colours, norm=norm, linewidths=0.8, zorder=2)
+    colours, norm = _colours(np.concatenate([comb.curvature for comb in found]), longest, limits)
     open_ends = [
         _runs(np.where((np.abs(comb.curvature) <= longest)[:, None], end, np.nan), comb.breaks)
         for comb, end in zip(found, ends, strict=True)
     ]
     envelopes = LineCollection([run for runs in open_ends for run in runs], colors="0.35", linewidths=0.7, zorder=3)
     lines = LineCollection([comb.points for comb in found], colors="black", linewidths=1.8, zorder=4)
+    teeth = CombTeeth(segments, values, ScalarMappable(norm, colour_map or colours), envelopes, lines)
     for collection in (teeth, envelopes, lines):
         ax.add_collection(collection)
-    return teeth, envelopes, lines
+    return teeth
 
 
 def _ends(comb: Comb, scale: float, longest: float) -> Floats:
@@ -159,8 +182,11 @@ def _scale(found: Sequence[Comb]) -> tuple[float, float]:
     return diagonal * (min(factor, USUAL_LENGTH / usual) if usual > 0 else factor), longest
 
 
-def _colours(values: Floats, longest: float) -> tuple[Colormap, Normalize]:
+def _colours(values: Floats, longest: float, limits: tuple[float, float] | None) -> tuple[Colormap, Normalize]:
     """Pale where the curvature is small; two colours if it has both signs."""
+    if limits is not None:
+        low, high = checked_limits(limits)
+        return colormaps["coolwarm" if low < 0 < high else "viridis_r"], Normalize(low, high)
     values = values[np.isfinite(values)]
     most = float(min(np.abs(values).max(initial=0.0), longest)) or 1.0
     if values.min(initial=0.0) < -NOTHING * most < NOTHING * most < values.max(initial=0.0):

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 from rsym.errors import RsymError
 from rsym.model.names import typeset_name
 from rsym.output.fairness import colour_bar, curvature_label, curvature_norm, draw_curvature
-from rsym.output.pictures import require_report
+from rsym.output.pictures import checked_titles, page, require_report, whole
 from rsym.verify.fairness.designs import Design, DesignTable
 from rsym.verify.fairness.wording import directed
 from rsym.verify.wording import number
@@ -22,13 +23,30 @@ MOST = 3  # panels in a row
 MARGIN = 0.05
 
 
-def plot_designs(table: DesignTable) -> Figure:
+def plot_designs(
+    table: DesignTable,
+    *,
+    figure: Figure | SubFigure | None = None,
+    titles: Sequence[str] | None = None,
+    limits: tuple[float, float] | None = None,
+) -> Figure:
     """The boundaries of all designs in the same frame, coloured by curvature on one scale, their extrema marked.
 
     Parameters
     ----------
     table : DesignTable
         What `compare_designs` answered.
+    figure : Figure or SubFigure, optional
+        Where to draw, in the size that it has; without it a new pyplot figure is made.
+    titles : sequence of str, optional
+        One for each design, instead of its name, letters and verdict.
+    limits : pair of numbers, optional
+        The ends of the colours of the curvature; by default those of all designs.
+
+    Returns
+    -------
+    Figure
+        The whole figure, also where a part of it was given.
 
     Raises
     ------
@@ -47,8 +65,6 @@ def plot_designs(table: DesignTable) -> Figure:
     ['round', 'long']
     """
     require_report(table, DesignTable, "rsym.compare_designs(shape, designs)")
-    import matplotlib.pyplot
-
     reports = [design.report for design in table.designs]
     if not all(report.profiles for report in reports):
         raise RsymError(
@@ -62,20 +78,21 @@ def plot_designs(table: DesignTable) -> Figure:
     rows = math.ceil(len(reports) / columns)
     width = PANEL * (1.8 if columns == 1 else columns)
     height = float(np.clip(width / columns * high / wide, SHORTEST, TALLEST)) + 0.5
-    figure: Figure = matplotlib.pyplot.figure(figsize=(width + 1.0, rows * height + 0.4), layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
-    norm = curvature_norm(reports)
+    drawn = page(figure, size=(width + 1.0, rows * height + 0.4), layout="constrained")
+    axes = drawn.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    norm = curvature_norm(reports, limits)
+    headings = checked_titles(titles, [_title(table, design) for design in table.designs])
     margin = MARGIN * max(wide, high)
     low, top = points.min(axis=0) - margin, points.max(axis=0) + margin
-    for ax, design in zip(axes.flat, table.designs, strict=False):
+    for ax, design, heading in zip(axes.flat, table.designs, headings, strict=False):
         lines = draw_curvature(ax, design.report, norm, numbered=False)
         ax.set(xlim=(low[0], top[0]), ylim=(low[1], top[1]))
-        ax.set_title(_title(table, design), fontsize=9)
+        ax.set_title(heading, fontsize=9)
         ax.label_outer()
     for ax in axes.flat[len(reports) :]:
         ax.set_axis_off()
-    colour_bar(figure, lines, list(axes.flat), "right", curvature_label(reports[0]))
-    return figure
+    colour_bar(drawn, lines, list(axes.flat), "right", curvature_label(reports[0]))
+    return whole(drawn)
 
 
 def _title(table: DesignTable, design: Design) -> str:

@@ -10,13 +10,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.colors import AsinhNorm, Normalize
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
-from rsym.output.pictures import require_report
+from rsym.output.paints import checked_limits
+from rsym.output.pictures import page, require_report, whole
 from rsym.verify.fairness.fairness import fairness
 from rsym.verify.fairness.report import Extremum, FairnessReport, Profile
 
@@ -36,7 +37,12 @@ CROWD = 0.035  # of the width: places closer than this share one label
 MARGIN = 0.1
 
 
-def plot_fairness(subject: FairnessReport | Shape) -> Figure:
+def plot_fairness(
+    subject: FairnessReport | Shape,
+    *,
+    figure: Figure | SubFigure | None = None,
+    limits: tuple[float, float] | None = None,
+) -> Figure:
     """The boundary coloured by its curvature with its extrema, and the curvature over arc length with its proved band.
 
     Of a body of revolution the meridian is coloured by the curvature along it, and both curvatures are drawn over its
@@ -46,6 +52,15 @@ def plot_fairness(subject: FairnessReport | Shape) -> Figure:
     ----------
     subject : FairnessReport or Shape
         What `fairness` answered, or the shape to ask about.
+    figure : Figure or SubFigure, optional
+        Where to draw, in the size that it has; without it a new pyplot figure is made.
+    limits : pair of numbers, optional
+        The ends of the colours of the curvature; by default they are spread where most curvatures are.
+
+    Returns
+    -------
+    Figure
+        The whole figure, also where a part of it was given.
 
     Raises
     ------
@@ -69,28 +84,27 @@ def plot_fairness(subject: FairnessReport | Shape) -> Figure:
             code="dimension",
             remedy="draw a section, or rsym.plot_mesh with colour_by='mean_curvature'",
         )
-    figure, curve, graph, place = _page(report)
-    lines = draw_curvature(curve, report, curvature_norm([report]))
-    colour_bar(figure, lines, curve, place, curvature_label(report))
+    drawn, curve, graph, place = _page(report, figure)
+    norm = curvature_norm([report], limits)
+    lines = draw_curvature(curve, report, norm)
+    colour_bar(drawn, lines, curve, place, curvature_label(report))
     draw_graph(graph, report)
-    return figure
+    return whole(drawn)
 
 
-def _page(report: FairnessReport) -> tuple[Figure, Axes, Axes, str]:
+def _page(report: FairnessReport, figure: Figure | SubFigure | None) -> tuple[Figure | SubFigure, Axes, Axes, str]:
     """A figure, the curve, the graph beside it or, if the curve is flat, below it, and where the colour bar goes."""
-    import matplotlib.pyplot
-
     points = np.concatenate([profile.points for profile in report.profiles])
     wide, high = np.ptp(_mirrored(report, points), axis=0)
-    figure: Figure = matplotlib.pyplot.figure(layout="constrained")
     if wide > FLAT * high:
         upper = float(np.clip(STACKED * high / wide, 0.8, STACKED / 2)) + 0.8
-        figure.set_size_inches(STACKED, upper + GRAPH)
-        curve, graph = figure.subplots(2, 1, height_ratios=(upper, GRAPH))
-        return figure, curve, graph, "right"
-    figure.set_size_inches(WIDTH, float(np.clip(0.5 * WIDTH * high / wide, SHORTEST, TALLEST)) + 0.5)
-    curve, graph = figure.subplots(1, 2, width_ratios=(1.15, 1))
-    return figure, curve, graph, "bottom"
+        drawn = page(figure, size=(STACKED, upper + GRAPH), layout="constrained")
+        curve, graph = drawn.subplots(2, 1, height_ratios=(upper, GRAPH))
+        return drawn, curve, graph, "right"
+    height = float(np.clip(0.5 * WIDTH * high / wide, SHORTEST, TALLEST)) + 0.5
+    drawn = page(figure, size=(WIDTH, height), layout="constrained")
+    curve, graph = drawn.subplots(1, 2, width_ratios=(1.15, 1))
+    return drawn, curve, graph, "bottom"
 
 
 def _mirrored(report: FairnessReport, points: Floats) -> Floats:
@@ -98,7 +112,7 @@ def _mirrored(report: FairnessReport, points: Floats) -> Floats:
     return points if report.kind == "curve" else np.concatenate([points, points * [1.0, -1.0]])
 
 
-def colour_bar(figure: Figure, lines: LineCollection, axes: Any, place: str, label: str) -> None:
+def colour_bar(figure: Figure | SubFigure, lines: LineCollection, axes: Any, place: str, label: str) -> None:
     """A colour bar with few plain numbers, evenly spaced in colour."""
     bar = figure.colorbar(
         lines, ax=axes, location=place, shrink=0.9, aspect=40 if place == "bottom" else 20, label=label
@@ -115,12 +129,12 @@ def curvature_label(report: FairnessReport) -> str:
     return r"curvature $\kappa$" if report.kind == "curve" else r"curvature $\kappa_1$ of the meridian"
 
 
-def curvature_norm(reports: Sequence[FairnessReport]) -> Normalize:
-    """One scale for all, linear up to the usual curvature and logarithmic beyond."""
+def curvature_norm(reports: Sequence[FairnessReport], limits: tuple[float, float] | None = None) -> Normalize:
+    """One scale for all, linear up to the usual curvature and logarithmic beyond, between limits if there are some."""
     values = np.concatenate([profile.curvature[:, 0] for report in reports for profile in report.profiles])
     values = values[np.isfinite(values)]
     ends = [(report.curvatures[0].least.attained, report.curvatures[0].greatest.attained) for report in reports]
-    low, high = float(np.min(ends)), float(np.max(ends))
+    low, high = checked_limits(limits) if limits is not None else (float(np.min(ends)), float(np.max(ends)))
     usual = float(np.median(np.abs(values)))
     if not high - low > 1e-9 * max(abs(low), abs(high)):
         low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)

@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
-from rsym.model.wording import proposal
-from rsym.output.paints import checked_limits
+from rsym.output.paints import checked_limits, checked_map
 
 Floats = NDArray[np.float64]
 
@@ -57,12 +55,7 @@ class Look:
                 code="outside",
                 remedy="outside='dim', or leave it out",
             )
-        if self.colour_map is not None and self.colour_map not in list(colormaps):
-            raise RsymError(
-                f"no colour map {self.colour_map!r}",
-                code="colour-map",
-                remedy=proposal(str(self.colour_map), list(colormaps), "take one that matplotlib knows"),
-            )
+        checked_map(self.colour_map)
 
     def of(self, field: str) -> Look:
         """The look of one field of several: its own levels and limits, where they are given by field."""

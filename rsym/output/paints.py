@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.model.wording import proposal
 from rsym.output.parts import face_colours, part_colours
 from rsym.output.shading import INSIDE, decode, linear, unit
 from rsym.sampling.leaf_fields import LeafFields
@@ -76,13 +77,14 @@ def coat_of(
     shape: Shape | None,
     letters: Mapping[Any, float] | None,
     limits: tuple[float, float] | None = None,
+    colour_map: str | None = None,
 ) -> Coat:
     """The paint of a mesh with the corner normals (m, 3, 3), as `plot_mesh` describes it."""
     if colour_by is None:
         return one_colour(colour)
     if not isinstance(colour_by, str):
         given = _at_corners(mesh, colour_by)
-        return value_coat(between_corners(given), given, "", limits=limits, shares=_areas(mesh))
+        return value_coat(between_corners(given), given, "", 0.0, limits, _areas(mesh), colour_map)
     if colour_by == "zebra":
         return Coat(zebra(mesh, normals, shape, letters))
     if colour_by == "part":
@@ -97,7 +99,7 @@ def coat_of(
             raise RsymError(f"a map of {colour_by} needs the equation", code="colour-by", remedy="give shape=")
         known = mesh.curvatures(field)
         at_corners = known if component is None else known[..., component]
-        return value_coat(between_corners(at_corners), at_corners, label, unit, limits, _areas(mesh))
+        return value_coat(between_corners(at_corners), at_corners, label, unit, limits, _areas(mesh), colour_map)
     on_faces = LeafFields(shape, (field,), letters).on_faces(mesh)
 
     def values(spots: Spots) -> Floats:
@@ -105,9 +107,8 @@ def coat_of(
         return found if component is None else found[:, component]
 
     middles = on_faces(np.arange(len(mesh.faces)), np.full(mesh.faces.shape, 1 / 3))[field]
-    return value_coat(
-        values, middles if component is None else middles[:, component], label, unit, limits, _areas(mesh)
-    )
+    known = middles if component is None else middles[:, component]
+    return value_coat(values, known, label, unit, limits, _areas(mesh), colour_map)
 
 
 def one_colour(colour: str, inside: str = INSIDE) -> Coat:
@@ -132,10 +133,11 @@ def value_coat(
     unit: float = 0.0,
     limits: tuple[float, float] | None = None,
     shares: Floats | None = None,
+    colour_map: str | None = None,
 ) -> Coat:
     """Colours between limits, of two sides if those are about zero; without them values, unit and shares choose."""
     low, high = checked_limits(limits) if limits is not None else robust_limits(values, unit, shares)
-    colours = colormaps["coolwarm" if low == -high else "viridis"].copy()
+    colours = colormaps[checked_map(colour_map) or ("coolwarm" if low == -high else "viridis")].copy()
     rounding = NOTHING * (high - low)
     under, over = bool((values < low - rounding).any()), bool((values > high + rounding).any())
     colours.colorbar_extend = EXTENSIONS[under, over]  # type: ignore[assignment]
@@ -150,6 +152,14 @@ def value_coat(
         return np.where(np.isnan(share)[:, None], undefined, table[index])
 
     return Coat(paint, scale, label)
+
+
+def checked_map(name: Any) -> str | None:
+    """The name of a colour map that somebody gave, if it is one."""
+    if name is not None and not (isinstance(name, str) and name in colormaps):
+        remedy = proposal(name, list(colormaps), "take the name of one that matplotlib knows")
+        raise RsymError(f"no colour map {name!r}", code="colour-map", remedy=remedy)
+    return name
 
 
 def checked_limits(limits: Any) -> tuple[float, float]:

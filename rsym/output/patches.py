@@ -40,6 +40,7 @@ def plot_patches(
     colour: str = BODY,
     colour_by: str | None = None,
     limits: tuple[float, float] | None = None,
+    colour_map: str | None = None,
     lines: Lines = LINES,
     edges: bool = True,
     net: ArrayLike | None = None,
@@ -67,6 +68,8 @@ def plot_patches(
         ``figure.colorbar(artist.scale, ax=ax)`` does, and ``artist.parts`` maps names to colours.
     limits : pair of numbers, optional
         The ends of the colour scale, so that several pictures share it; without it they come from the values.
+    colour_map : str, optional
+        The colours of values; without it ``coolwarm`` for limits about zero, otherwise ``viridis``.
     lines : int, or two sequences
         Lines u = const and v = const: of so many intervals in each direction, or at the parameters given.
     edges : bool
@@ -110,7 +113,7 @@ def plot_patches(
         *([] if points is None else dots(_checked(points, None, "points").reshape(-1, 3), POINT, DOT, HIDDEN)),
     ]
     parts = tessellations(patches, lines, resolution, letters, curved=colour_by in MAPS)
-    coat = coat_of_patches(parts, colour, colour_by, limits)
+    coat = coat_of_patches(parts, colour, colour_by, limits, colour_map)
     return show(shaded(parts, coat, lines, edges, strokes), ax, elevation, azimuth)
 
 
@@ -175,7 +178,11 @@ def _named(patches: Patches) -> dict[str, Patch]:
 
 
 def coat_of_patches(
-    parts: Sequence[Tessellation], colour: str, colour_by: str | None, limits: tuple[float, float] | None = None
+    parts: Sequence[Tessellation],
+    colour: str,
+    colour_by: str | None,
+    limits: tuple[float, float] | None = None,
+    colour_map: str | None = None,
 ) -> Coat:
     """The paint of patches, as `plot_patches` describes it."""
     if colour_by is None:
@@ -190,7 +197,7 @@ def coat_of_patches(
         raise RsymError(f"no map {colour_by!r}", code="colour-by", remedy=f"choose from {known}")
     values = map_values(parts, colour_by)
     chosen = limits if limits is not None else _limits(mesh.vertices, values, colour_by)
-    return value_coat(between_corners(values), values, MAPS[colour_by][3], limits=chosen)
+    return value_coat(between_corners(values), values, MAPS[colour_by][3], limits=chosen, colour_map=colour_map)
 
 
 def map_range(

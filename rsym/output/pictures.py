@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -22,11 +22,12 @@ METADATA: Mapping[str, Mapping[str, str | None]] = MappingProxyType(
     {".png": {"Software": "rsym"}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".eps": {"Creator": "rsym"}}
 )
 PATH, DECIMALS = re.compile(rb'(?<= d=")[^"]*'), re.compile(rb"(\.\d{3})\d+")
-DPI = (300, 150)  # of pixels among lines, and of a picture of pixels
+DAY = re.compile(rb"%%CreationDate: [^\n]*\n")
+DPI = (200, 150)  # of pixels among lines, and of a picture of pixels
 
 
 def write_picture(figure: Figure, path: str | os.PathLike[str], *, dpi: float | None = None) -> Path:
-    """Write a figure as ``.png``, ``.svg``, ``.pdf`` or ``.eps``, trimmed; what is shaded there has 300 dots per inch.
+    """Write a figure as ``.png``, ``.svg``, ``.pdf`` or ``.eps``, trimmed; what is shaded there has 200 dots per inch.
 
     Examples
     --------
@@ -50,7 +51,10 @@ def write_picture(figure: Figure, path: str | os.PathLike[str], *, dpi: float | 
         )
     for part in pixels:
         part.set_rasterized(True)
-    return write_atomically(path, shorter(data.getvalue()) if suffix == ".svg" else data.getvalue())
+    written = data.getvalue()
+    if suffix in (".svg", ".eps"):
+        written = shorter(written) if suffix == ".svg" else DAY.sub(b"", written)
+    return write_atomically(path, written)
 
 
 def shorter(drawing: bytes) -> bytes:
@@ -111,6 +115,23 @@ def whole(figure: Figure | SubFigure) -> Figure:
     root: Any = figure.figure
     assert isinstance(root, Figure)
     return root
+
+
+def checked_titles(titles: Any, own: Sequence[str]) -> Sequence[str]:
+    """The titles that somebody gave, as many as there are panels; else their own.
+
+    Examples
+    --------
+    >>> checked_titles(None, ["a"]), checked_titles(["the first"], ["a"])
+    (['a'], ['the first'])
+    """
+    if titles is None:
+        return own
+    if isinstance(titles, str) or not isinstance(titles, Sequence) or len(titles) != len(own):
+        raise RsymError(
+            f"titles are as many as pictures, {len(own)}, got {titles!r}", code="titles", remedy="leave them out"
+        )
+    return [str(title) for title in titles]
 
 
 def require_report(given: object, expected: type, question: str) -> None:

@@ -7,13 +7,13 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from matplotlib.artist import Artist
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 from rsym.codegen.kernel import compile
 from rsym.errors import RsymWarning, warn
 from rsym.model.shape import Bounds, Shape
 from rsym.output import axes3d
-from rsym.output.looks import PLAIN
+from rsym.output.looks import PLAIN, Look
 from rsym.output.panels import draw_levels
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.surfaces import ShadedMesh, plot_mesh
@@ -36,13 +36,14 @@ STROKE, TUBE = 0.01, 0.02
 
 def draw_portrait(
     shape: Shape,
-    figure: Figure,
+    figure: Figure | SubFigure,
     place: Place = (0.0, 0.0, 1.0, 1.0),
     *,
     resolution: int = 120,
     bounds: Any = None,
     elevation: float = ELEVATION,
     azimuth: float = AZIMUTH,
+    look: Look = PLAIN,
 ) -> Artist:
     """Draw a shape into a part of a figure: level lines in the plane, a shaded body in space.
 
@@ -59,6 +60,8 @@ def draw_portrait(
         Instead of those of the shape; without either its extent is found.
     elevation, azimuth : float
         As for `plot_mesh`.
+    look : Look
+        Of level lines.
 
     Examples
     --------
@@ -70,7 +73,7 @@ def draw_portrait(
     """
     box = bounds_or_extent(shape, bounds)
     if shape.dimension == 2:
-        return _draw_levels(shape, box, figure, place)
+        return _draw_levels(shape, box, figure, place, look)
     axes = axes3d.add_axes(figure, place)
     with warnings.catch_warnings():
         # Bodies without end are cut on purpose, and a small picture shows no more than its cells do.
@@ -82,7 +85,7 @@ def draw_portrait(
     return artist
 
 
-def fill(figure: Figure, artist: ShadedMesh, place: Place) -> None:
+def fill(figure: Figure | SubFigure, artist: ShadedMesh, place: Place) -> None:
     """Enlarge the axes about the body until it fills the place."""
     axes: Any = artist.axes
     page = np.tile(figure.bbox.size, 2)
@@ -95,7 +98,7 @@ def fill(figure: Figure, artist: ShadedMesh, place: Place) -> None:
     axes.set_position(np.concatenate([corner, growth * axes.bbox.size]) / page)
 
 
-def _draw_levels(shape: Shape, box: Bounds, figure: Figure, place: Place) -> Artist:
+def _draw_levels(shape: Shape, box: Bounds, figure: Figure | SubFigure, place: Place, look: Look) -> Artist:
     """Level lines that fill the place."""
     width, height = np.array(place[2:]) * figure.bbox.size
     sampler = plane_sampler(shape, "value", resolution=LEVEL_CELLS, bounds=_view(box, width / height))
@@ -105,7 +108,7 @@ def _draw_levels(shape: Shape, box: Bounds, figure: Figure, place: Place) -> Art
     if remark := missing_boundary(shape, sampler, values, boundary):
         warn(remark)
     ax = figure.add_axes(place)
-    artist = draw_levels(ax, sampler, values, PLAIN.levels_of(values, "value"), boundary)
+    artist = draw_levels(ax, sampler, values, look.levels_of(values, "value"), boundary, look)
     u, v = sampler.lattice.axis(0), sampler.lattice.axis(1)
     if unsigned:
         ax.contourf(u, v, values.T, levels=[-1.0, STROKE * _longest(box)], colors="black")

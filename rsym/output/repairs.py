@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.output.certificates import CERTIFICATES, DEFECT
-from rsym.output.pictures import require_report
+from rsym.output.pictures import checked_titles, page, require_report, whole
 from rsym.output.verdicts import plot_verdict
 from rsym.sampling.boundaries import Boundary, boundary, distances_to
 from rsym.sampling.lattice import bounds_of
@@ -65,7 +65,13 @@ class View:
         return boundary(self.plane(shape), box, cells)
 
 
-def plot_repair(report: RepairReport, *, shown: int = 6) -> Figure:
+def plot_repair(
+    report: RepairReport,
+    *,
+    shown: int = 6,
+    figure: Figure | SubFigure | None = None,
+    titles: Sequence[str] | None = None,
+) -> Figure:
     """The boundary as it is, and a window at its worst defect for each candidate: before, after, and the price.
 
     Parameters
@@ -74,6 +80,15 @@ def plot_repair(report: RepairReport, *, shown: int = 6) -> Figure:
         What `repair` answered.
     shown : int
         The greatest number of candidates to show, the least moved first.
+    figure : Figure or SubFigure, optional
+        Where to draw, in the size that it has; without it a new pyplot figure is made.
+    titles : sequence of str, optional
+        One for each candidate that is shown, instead of its number and change.
+
+    Returns
+    -------
+    Figure
+        The whole figure, also where a part of it was given.
 
     Raises
     ------
@@ -93,25 +108,25 @@ def plot_repair(report: RepairReport, *, shown: int = 6) -> Figure:
     candidates = report.candidates[:shown]
     if not candidates:
         raise RsymError("there is no candidate to show", code="no-candidate", remedy="print the report: it says why")
-    import matplotlib.pyplot
-
     columns = min(COLUMNS, len(candidates))
     rows = math.ceil(len(candidates) / columns)
-    figure: Figure = matplotlib.pyplot.figure(figsize=(WIDTH, MAIN + WINDOW * rows), layout="constrained")
-    grid = figure.add_gridspec(1 + rows, columns, height_ratios=[MAIN] + [WINDOW] * rows)
+    named = [textwrap.fill(f"{number}   {one.change}", LINE) for number, one in enumerate(candidates, 1)]
+    headings = checked_titles(titles, named)
+    drawn = page(figure, size=(WIDTH, MAIN + WINDOW * rows), layout="constrained")
+    grid = drawn.add_gridspec(1 + rows, columns, height_ratios=[MAIN] + [WINDOW] * rows)
     view = view_of(report)
     before = view.boundary(report.shape, view.bounds, WHOLE)
-    _draw_whole(figure.add_subplot(grid[0, :]), report, view, before)
+    _draw_whole(drawn.add_subplot(grid[0, :]), report, view, before)
     for number, candidate in enumerate(candidates, 1):
-        ax = figure.add_subplot(grid[1 + (number - 1) // columns, (number - 1) % columns])
+        ax = drawn.add_subplot(grid[1 + (number - 1) // columns, (number - 1) % columns])
         _draw_window(ax, report.shape, candidate, view)
-        ax.set_title(textwrap.fill(f"{number}   {candidate.change}", LINE), fontsize=8)
+        ax.set_title(headings[number - 1], fontsize=8)
     handles = [
         Line2D([], [], color=BEFORE, dashes=(4, 2), linewidth=1.3, label="before"),
         Line2D([], [], color=AFTER, linewidth=1.8, label="after, proved to be of continuous curvature"),
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=8)
-    return figure
+    drawn.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=8)
+    return whole(drawn)
 
 
 def view_of(report: RepairReport) -> View:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
@@ -11,9 +11,8 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
+from matplotlib.collections import PathCollection
 from matplotlib.colors import Normalize
-from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 
@@ -21,6 +20,7 @@ from rsym.errors import RsymError
 from rsym.model.requirements import file_path, several
 from rsym.output.atomic import write_atomically
 from rsym.output.dxf import dxf
+from rsym.output.paints import checked_limits, checked_map
 from rsym.output.shading import AZIMUTH
 from rsym.output.units import UNITS, check_unit
 from rsym.sampling.sections import Section
@@ -40,8 +40,9 @@ def plot_sections(
     ax: Axes | None = None,
     elevation: float = 28.0,
     azimuth: float = AZIMUTH,
+    limits: tuple[float, float] | None = None,
     colour_map: str = COLOUR_MAP,
-) -> list[PathPatch]:
+) -> PathCollection:
     """Draw sections as a stack in axonometric view, each coloured by its place.
 
     Parallel projection, so that equal lengths stay equal from layer to layer;
@@ -55,11 +56,16 @@ def plot_sections(
         Where to draw, in the plane; without it a new figure with a colour bar is made.
     elevation, azimuth : float
         The direction of the eye in degrees, as for `plot_mesh`.
+    limits : pair of numbers, optional
+        The values of the ends of the colours, so that several stacks share them; without it those of the stack.
+    colour_map : str
+        A name that matplotlib knows.
 
     Returns
     -------
-    list of PathPatch
-        One for each section that has lines, the farthest first.
+    matplotlib.collections.PathCollection
+        The stack, fit for a colour bar: one path for each section that has lines, the farthest first, and one for
+        each of its lines that end.
 
     Raises
     ------
@@ -72,7 +78,7 @@ def plot_sections(
     >>> from rsym import x, y, z
     >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
     >>> stack = rsym.sections(ball, [-0.5, 0, 0.5], resolution=32)
-    >>> len(rsym.plot_sections(stack, ax=matplotlib.figure.Figure().add_subplot()))
+    >>> len(rsym.plot_sections(stack, ax=matplotlib.figure.Figure().add_subplot()).get_paths())
     3
     """
     shown = _with_lines(sections)
@@ -82,12 +88,17 @@ def plot_sections(
 
         _, ax = matplotlib.pyplot.subplots(figsize=(8, 6), layout="constrained")
     screen = _screen(elevation, azimuth)
-    colours = _colours(shown, colour_map)
+    colours = _colours(shown, str(checked_map(colour_map)), limits)
     toward = screen[2, shown[0].normal]
-    patches = [
-        _draw(ax, section, screen[:2], colours.to_rgba(np.array([section.value]))[0])
+    drawn = [
+        one
         for section in sorted(shown, key=lambda section: section.value * toward)
+        for one in _outlines(section, screen[:2], colours.to_rgba(np.array([section.value]))[0])
     ]
+    outlines, fills, strokes = zip(*drawn, strict=True)
+    stack = PathCollection(outlines, facecolors=fills, edgecolors=strokes, linewidths=0.9)
+    stack.set(norm=colours.norm, cmap=colours.get_cmap())
+    ax.add_collection(stack)
     ax.set_aspect("equal")
     ax.autoscale_view()
     ax.set_axis_off()
@@ -95,7 +106,7 @@ def plot_sections(
         bar = ax.figure.colorbar(colours, ax=ax, shrink=0.6, pad=0.02)
         bar.set_label(f"${shown[0].axis}$")
         bar.ax.set_ylim(shown[0].value, shown[-1].value) if len(shown) > 1 else None
-    return patches
+    return stack
 
 
 def _with_lines(sections: Sequence[Section]) -> list[Section]:
@@ -121,23 +132,21 @@ def _screen(elevation: float, azimuth: float) -> Floats:
     )
 
 
-def _colours(shown: Sequence[Section], colour_map: str) -> ScalarMappable:
-    low, high = shown[0].value, shown[-1].value
+def _colours(shown: Sequence[Section], colour_map: str, limits: tuple[float, float] | None) -> ScalarMappable:
+    low, high = (shown[0].value, shown[-1].value) if limits is None else checked_limits(limits)
     margin = (high - low or 1.0) * (1 / LIGHTEST - 1)
     return ScalarMappable(Normalize(low, high + margin), colormaps[colour_map])
 
 
-def _draw(ax: Axes, section: Section, screen: Floats, colour: Floats) -> PathPatch:
-    """Fill the closed lines (holes stay open: they run the other way round) and stroke all of them."""
+def _outlines(section: Section, screen: Floats, colour: Floats) -> Iterator[tuple[Outline, Floats, Floats]]:
+    """The closed lines with their fill (holes stay open: they run the other way round), then those that end."""
     lines = [section.in_space(line) @ screen.T for line in section.lines]
     closed = [line for line in lines if (line[0] == line[-1]).all()]
     outline = Outline.make_compound_path(*(Outline(line, closed=True) for line in closed)) if closed else None
-    pale = tuple(1 - FILL * (1 - colour[:3]))
-    patch = PathPatch(outline or Outline(np.empty((0, 2))), facecolor=pale, edgecolor=tuple(colour), linewidth=0.9)
-    ax.add_patch(patch)
-    opened = [line for line in lines if not (line[0] == line[-1]).all()]
-    ax.add_collection(LineCollection(opened, colors=[tuple(colour)], linewidths=0.9))
-    return patch
+    yield outline or Outline(np.empty((0, 2))), np.append(1 - FILL * (1 - colour[:3]), 1.0), colour
+    for line in lines:
+        if not (line[0] == line[-1]).all():
+            yield Outline(line), np.zeros(4), colour
 
 
 def write_sections(

@@ -49,6 +49,7 @@ def plot_mesh(
     shape: Shape | None = None,
     letters: Mapping[Any, float] | None = None,
     limits: tuple[float, float] | None = None,
+    colour_map: str | None = None,
     curves: Sequence[SingularCurve | Feature] = (),
 ) -> ShadedMesh:
     """Draw a mesh as a shaded body with hidden surfaces removed.
@@ -82,6 +83,8 @@ def plot_mesh(
     limits : pair of numbers, optional
         The ends of a scale of values; by default 2 % of the surface lie below and 2 % above, or what is farther from
         zero of the two on both sides. Beyond the ends colours stay those of the ends, and the colour bar points there.
+    colour_map : str, optional
+        The colours of values; without it ``coolwarm`` for limits about zero, otherwise ``viridis``.
     curves : sequence
         Singular curves of a `BodyReport`, or `mesh.features`: edges in colours of the dihedral angle, jumps of the
         curvature dashed; ``artist.bars`` has the scales of their colours.
@@ -115,7 +118,7 @@ def plot_mesh(
         raise RsymError(
             "the mesh has no triangles", code="no-surface", remedy="look where the surface lies: rsym.extent"
         )
-    coat = coat_of(mesh, mesh.normals, colour, colour_by, shape, letters, limits)
+    coat = coat_of(mesh, mesh.normals, colour, colour_by, shape, letters, limits, colour_map)
     marks = mark_curves(curves, float(np.ptp(mesh.vertices, axis=0).max()))
     artist = ShadedMesh(mesh, coat, edges=edges, features=features, strokes=marks.strokes, bars=marks.bars)
     return show(artist, ax, elevation, azimuth)

@@ -19,7 +19,7 @@ from rsym.model.shape import Shape
 from rsym.output import axes3d
 from rsym.output.looks import Look
 from rsym.output.panels import colour_bar, draw_levels, dress, named
-from rsym.output.pictures import page, whole
+from rsym.output.pictures import checked_titles, page, whole
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.surfaces import plot_mesh
 from rsym.sampling.blanks import missing_boundary
@@ -121,8 +121,8 @@ def plot_sweep(
     panels = [_panel(shape, name, {**(letters or {}), name: value}) for value in values]
     if not panels:
         raise RsymError("a sweep needs at least one value", code="values", remedy="for example [20, 40, 80]")
-    if titles is not None:
-        panels = _titled(panels, titles)
+    headings = checked_titles(titles, [panel.title for panel in panels])
+    panels = [replace(panel, title=title) for panel, title in zip(panels, headings, strict=True)]
     count = _columns(columns, len(panels))
     if shape.dimension == 2 or section:
         cells = PLANE_RESOLUTION if resolution is None else resolution
@@ -154,15 +154,6 @@ def letter_title(name: str, letter: Letter, value: float) -> str:
 def _panel(shape: Shape, name: str, letters: Mapping[Any, float]) -> _Panel:
     values = shape.letters.values_with(letters)
     return _Panel(values, letter_title(name, shape.letters[name], values[name]), f"{name} = {values[name]:.6g}")
-
-
-def _titled(panels: Sequence[_Panel], titles: Sequence[str]) -> list[_Panel]:
-    """Panels with titles that somebody gave."""
-    if isinstance(titles, str) or not isinstance(titles, Sequence) or len(titles) != len(panels):
-        raise RsymError(
-            f"titles are as many as values, {len(panels)}, got {titles!r}", code="titles", remedy="leave them out"
-        )
-    return [replace(panel, title=str(title)) for panel, title in zip(panels, titles, strict=True)]
 
 
 def _columns(columns: int | None, count: int) -> int:

@@ -86,6 +86,11 @@ def plot_verdict(
     resolution : int, optional
         Cells along the longer side: 600 in the plane, 160 in space.
 
+    Returns
+    -------
+    Figure
+        The whole figure, also where axes were given.
+
     Examples
     --------
     >>> import math, rsym
@@ -176,15 +181,13 @@ def _dress(ax: Axes, report: SmoothnessReport, about: Subject, shown: Floats) ->
 
 def _draw_comb(ax: Axes, about: Subject) -> tuple[list[Floats], float]:
     """Grey, so that colours belong to the verdict; the envelopes and the largest curvature."""
-    teeth, envelopes, line = plot_curvature_comb(
-        about.shape, ax=ax, teeth=TEETH, bounds=about.bounds, letters=about.letters
-    )
+    teeth = plot_curvature_comb(about.shape, ax=ax, teeth=TEETH, bounds=about.bounds, letters=about.letters)
     largest = float(np.abs(np.asarray(teeth.get_array())).max(initial=0.0))
-    line.remove()
+    teeth.lines.remove()
     teeth.set_array(None)
     teeth.set(color=COMB, linewidth=0.5)
-    envelopes.set(color=COMB, linewidth=0.6)
-    return [np.asarray(run) for run in envelopes.get_segments()], largest
+    teeth.envelopes.set(color=COMB, linewidth=0.6)
+    return [np.asarray(run) for run in teeth.envelopes.get_segments()], largest
 
 
 def _mark_undecided(ax: Axes, report: SmoothnessReport, about: Subject) -> None:

@@ -82,7 +82,7 @@ def draw_sections() -> Drawing:
     """The stack of sections, and the same as layers for a mill."""
     shape = car()
     stack = sections(shape, HEIGHTS, resolution=700)
-    figure = figure_of(plot_sections(stack, elevation=26.0, azimuth=42.0)[0])
+    figure = figure_of(plot_sections(stack, elevation=26.0, azimuth=42.0))
     kept = sum(section.lines.status.kept for section in stack)
     vertices = sum(section.lines.status.vertices for section in stack)
     remark = (
