@@ -101,6 +101,7 @@ from .verify.repair.report import RepairReport
 from .verify.report import Joint, SmoothnessReport
 from .verify.smoothness import verify_smoothness
 from .verify.threshold import Threshold, smoothness_threshold
+from .version import __version__
 
 __all__ = [
     "R0",
@@ -142,6 +143,7 @@ __all__ = [
     "SystemTable",
     "Threshold",
     "ThresholdCurve",
+    "__version__",
     "analytic_condition",
     "arc",
     "blend_on_skeleton",

@@ -1,3 +1,4 @@
+# PYTHON_ARGCOMPLETE_OK
 """The command line: `rsym fields`, `rsym mesh` and the others of `rsym.commands`.
 
 Exit codes: 0 done, 1 input refused, 2 usage; `rsym verify` answers 0 certified, 1 refuted,
@@ -11,17 +12,41 @@ from __future__ import annotations
 import argparse
 import logging
 import os
+import re
 import sys
+import textwrap
 import warnings
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NoReturn
 
-from rsym.commands import compare, fields, letters, lint, mesh, repair, reproduce, sections, show, sweep, verify, view
+from rsym.commands import (
+    compare,
+    fields,
+    letters,
+    lint,
+    mesh,
+    models,
+    repair,
+    reproduce,
+    sections,
+    show,
+    sweep,
+    verify,
+    view,
+)
+from rsym.commands.options import QUIET
 from rsym.errors import RsymError, RsymWarning
 
 # Another command is one module beside these, and its name here and above.
 INTERRUPTED = 130  # what shells call a command that Ctrl-C has ended: 128 and the number of the signal
-COMMANDS = (reproduce, show, letters, fields, sections, sweep, mesh, view, verify, repair, compare, lint)
+GROUPS = {
+    "models": (models, show, letters),
+    "pictures": (fields, sections, sweep),
+    "meshes": (mesh, view),
+    "proofs": (verify, repair, compare, lint),
+    "the paper": (reproduce,),
+}
+COMMANDS = tuple(command for group in GROUPS.values() for command in group)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -32,10 +57,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     >>> main(["fields", "no-such-model.rf", "-o", "sheet.png"])
     1
     """
-    options = _parser().parse_args(arguments)
+    parser = _parser()
+    _complete(parser)
+    options = parser.parse_args(arguments)
     os.environ.setdefault("MPLBACKEND", "Agg")
     notices = _Notices(logging.WARNING)
-    logging.getLogger("rsym").addHandler(notices)
+    if not options.quiet:
+        logging.getLogger("rsym").addHandler(notices)
+    quiet = QUIET.set(options.quiet)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("always", RsymWarning)
@@ -52,8 +81,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _refused("whoever read the output left before its end; files are written whole all the same")
     finally:
+        QUIET.reset(quiet)
         logging.getLogger("rsym").removeHandler(notices)
     return code or 0
+
+
+def _complete(parser: argparse.ArgumentParser) -> None:
+    """Answer a shell that completes, which is no command; without the package argcomplete it gets no answer."""
+    if "_ARGCOMPLETE" not in os.environ:
+        return
+    try:
+        import argcomplete
+    except ImportError:
+        return
+    argcomplete.autocomplete(parser)
 
 
 class _Notices(logging.Handler):
@@ -82,30 +123,66 @@ def _refused(message: str) -> int:
     return 1
 
 
+class _Parser(argparse.ArgumentParser):
+    """One that says what was probably meant."""
+
+    def error(self, message: str) -> NoReturn:
+        """The message of wrong usage, with the nearest of the words that there are."""
+        from rsym.model.wording import proposal
+
+        choice = re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message)
+        option = re.match(r"unrecognized arguments: (--[\w-]+)", message)
+        meant = ""
+        if choice:
+            meant = proposal(choice.group(1), re.findall(r"[\w.-]+", choice.group(2)), "")
+        elif option:
+            meant = proposal(option.group(1), _options(self), "")
+        super().error(f"{message}; {meant}" if meant else message)
+
+
+def _options(parser: argparse.ArgumentParser) -> list[str]:
+    """The long options of a parser and of its commands."""
+    actions = parser._actions
+    own = [name for action in actions for name in action.option_strings]
+    inner = [one for action in actions if isinstance(action.choices, dict) for one in action.choices.values()]
+    return [*own, *(name for one in inner for name in _options(one))]
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="rsym",
         description="Shapes as single equations: R-functions, level lines, meshes.",
-        epilog="rsym COMMAND --help explains a command and gives an example",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version of rsym")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
     for command in COMMANDS:
         command.add(commands)
+    parser.epilog = _overview(commands.choices)
     return parser
+
+
+def _overview(commands: Any) -> str:
+    """The commands in groups, a line each."""
+    lines = []
+    for title, group in GROUPS.items():
+        lines.append(f"{title}:")
+        for module in group:
+            name = module.__name__.rpartition(".")[2]
+            summary = commands[name].description.rstrip(".")
+            text = f"{name:<12}{summary[0].lower()}{summary[1:]}"
+            lines.append(textwrap.fill(text, 100, initial_indent="  ", subsequent_indent=" " * 14))
+        lines.append("")
+    return "\n".join([*lines, "rsym COMMAND --help explains a command and gives an example"])
 
 
 class _Version(argparse.Action):
     """Looked up when it is asked for: what tells it takes as long to import as all the rest."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        from importlib.metadata import PackageNotFoundError, version
+        from rsym.version import __version__
 
-        try:
-            number = version("rsym")
-        except PackageNotFoundError:
-            number = "(not installed)"
-        print(f"rsym {number}")
+        print(f"rsym {__version__}")
         parser.exit()
 
 

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 from rsym.commands.options import (
     Commands,
     add_command,
+    add_model_name,
     add_revolve,
     load_model,
     load_shape,
+    made_body,
     progress_bar,
     system_named,
 )
@@ -31,7 +33,7 @@ def add(commands: Commands) -> None:
         "rsym compare skeleton --letters blunt.json sharp.json -o designs.png",
         run,
     )
-    parser.add_argument("model", metavar="MODEL", help="a model file (.rf), or a shipped one such as car or skeleton")
+    add_model_name(parser)
     parser.add_argument(
         "--letters",
         nargs="+",
@@ -55,7 +57,6 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Judge all designs and print the table."""
-    from rsym.model.constructions import revolve
     from rsym.output.designs import plot_designs
     from rsym.output.pictures import picture_suffix, write_picture
     from rsym.verify.fairness.designs import compare_designs
@@ -69,7 +70,7 @@ def run(options: argparse.Namespace) -> None:
     options.letters = options.variant = None
     chosen = load_model(options)
     designs = _files(chosen, files) if files else _variants(chosen)
-    shape = revolve(chosen.shape, axis=options.revolve) if options.revolve else chosen.shape
+    shape = made_body(chosen.shape, options)
     with progress_bar("design", "comparing") as progress:
         table = compare_designs(shape, designs, progress=progress)
     if options.output is not None:

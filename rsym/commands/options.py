@@ -6,8 +6,10 @@ import argparse
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from decimal import Decimal
+from glob import glob
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 Run: TypeAlias = Callable[[argparse.Namespace], int | None]
 
+QUIET = ContextVar("quiet", default=False)  # whether the command that runs shows no progress
 MOST_VALUES = 10_000  # of a run start:stop:step
 
 
@@ -31,22 +34,41 @@ def add_command(commands: Commands, name: str, summary: str, example: str, run: 
     """A command with its summary, its example at the end of the help, and what it does."""
     parser = commands.add_parser(
         name,
-        help=summary,
         description=summary[0].upper() + summary[1:] + ".",
         epilog=f"example:\n  {example}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(command=run)
+    parser.add_argument(
+        "-q", "--quiet", action="store_true", help="no progress on the terminal; warnings and errors stay"
+    )
     return parser
 
 
 def add_model(parser: argparse.ArgumentParser, setting: str = "a value that comes first") -> None:
     """The options that say which shape of which model, with which letters."""
-    parser.add_argument("model", metavar="MODEL", help="a model file (.rf), or a shipped one such as car or skeleton")
-    parser.add_argument("--shape", metavar="NAME", help="another definition of the model than omega or the last")
-    parser.add_argument("--variant", metavar="NAME", help="a variant of the model")
-    parser.add_argument("--letters", metavar="FILE", help="values of letters, as rsym.save_letters writes them")
-    parser.add_argument("--set", action="append", default=[], metavar="LETTER=VALUE", help=setting)
+    group = parser.add_argument_group("the model")
+    add_model_name(group)
+    group.add_argument("--shape", metavar="NAME", help="another definition of the model than omega or the last")
+    group.add_argument("--variant", metavar="NAME", help="a variant of the model")
+    group.add_argument("--letters", metavar="FILE", help="values of letters, as rsym.save_letters writes them")
+    group.add_argument("--set", action="append", default=[], metavar="LETTER=VALUE", help=setting)
+
+
+def add_model_name(group: argparse._ActionsContainer) -> None:
+    """The model; a shell that completes is told the names of those that come with rsym."""
+    action = group.add_argument(
+        "model", metavar="MODEL", help="a model file (.rf), or a shipped one; rsym models lists them"
+    )
+    action.completer = _completed  # type: ignore[attr-defined]
+
+
+def _completed(prefix: str, **_: Any) -> list[str]:
+    """The shipped models and the model files that begin so; loads nothing heavy, for a shell waits."""
+    folder = Path(__file__).parent.parent / "paper"
+    names = [path.stem for path in (*folder.glob("*.rf"), *folder.glob("gallery/*.rf"))]
+    here = [path for path in glob(f"{prefix}*") if path.endswith(".rf") or Path(path).is_dir()]
+    return sorted(name for name in names if name.startswith(prefix)) + here
 
 
 def add_output(parser: argparse.ArgumentParser, what: str) -> None:
@@ -83,8 +105,10 @@ def add_system(parser: argparse.ArgumentParser) -> None:
 
 
 def add_revolve(parser: argparse.ArgumentParser) -> None:
-    """Turning a plane model."""
-    parser.add_argument("--revolve", metavar="AXIS", help="turn a plane model about this coordinate first")
+    """Turning a plane model, or lifting it."""
+    bodies = parser.add_mutually_exclusive_group()
+    bodies.add_argument("--revolve", metavar="AXIS", help="turn a plane model about this coordinate first")
+    bodies.add_argument("--extrude", type=float, metavar="H", help="make a plane model a prism of this height first")
 
 
 def cells(text: str) -> int | tuple[int, ...]:
@@ -246,13 +270,22 @@ def load_model(options: argparse.Namespace) -> Chosen:
 
 def load_shape(options: argparse.Namespace) -> Shape:
     """The shape that the options ask for, in their R-system, turned if they say so."""
-    from rsym.model.constructions import revolve
-
     shape = load_model(options).shape
     shape.letters.values_with(numbers(options.set, "--set"))  # refuses a letter that this shape does not need
     if getattr(options, "system", None) is not None:
         shape = shape.with_system(system_named(options.system))
-    axis = getattr(options, "revolve", None)
+    return made_body(shape, options)
+
+
+def made_body(shape: Shape, options: argparse.Namespace) -> Shape:
+    """A plane shape turned or lifted, if the options of `add_revolve` say so."""
+    from rsym.model.constructions import extrude, revolve
+
+    axis, height = getattr(options, "revolve", None), getattr(options, "extrude", None)
+    if height is not None and not 0 < height < math.inf:
+        raise RsymError(f"--extrude needs a height above 0, got {height:g}", code="number", remedy="--extrude 10")
+    if height is not None:
+        return extrude(shape, 0, height)
     return revolve(shape, axis=axis) if axis else shape
 
 
@@ -261,7 +294,7 @@ def progress_bar(unit: str, label: str) -> Iterator[Bar]:
     """A bar on the terminal, none in a file; what it gives is a ``progress(done, total)``."""
     from tqdm import tqdm
 
-    with tqdm(total=1, unit=unit, desc=label, disable=None, leave=False) as bar:
+    with tqdm(total=1, unit=unit, desc=label, disable=True if QUIET.get() else None, leave=False) as bar:
         yield Bar(bar, label)
 
 

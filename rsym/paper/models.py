@@ -54,6 +54,17 @@ def model_path(name: str) -> Path:
     return path
 
 
+def model_title(name: str) -> str:
+    """What a shipped model is: the first line of its file.
+
+    Examples
+    --------
+    >>> model_title("bracket")
+    'A bracket: two plates joined by a fillet of continuous curvature, with rounded corners and four holes.'
+    """
+    return model_path(name).read_text(encoding="utf-8").partition("\n")[0].removeprefix("#").strip()
+
+
 def car(variant: str = "a", stage: str = "W", *, reading: str = "standard") -> Shape:
     """The car of the source paper at one stage of its construction.
 

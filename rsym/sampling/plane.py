@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.fields import SCALARS, program_of
+from rsym.codegen.fields import SCALARS, field_remedy, program_of
 from rsym.codegen.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
@@ -147,7 +147,7 @@ def plane_section(shape: Shape, section: Mapping[Any, float] | None, bounds: Any
 def checked_scalar(field: str) -> str:
     """The name of a field with one value at a point."""
     if field not in SCALARS:
-        raise RsymError(f"no scalar field {field!r}", code="unknown-field", remedy=f"choose from {', '.join(SCALARS)}")
+        raise RsymError(f"no scalar field {field!r}", code="unknown-field", remedy=field_remedy(field, SCALARS))
     return field
 
 
