@@ -315,20 +315,9 @@ def checked_fields(fields: Sequence[str]) -> tuple[str, ...]:
         raise RsymError(
             f"no field {unknown[0]!r}" if unknown else "no field was asked for",
             code="unknown-field",
-            remedy=field_remedy(unknown[0] if unknown else "", FIELDS),
+            remedy=proposal(unknown[0] if unknown else "", FIELDS, f"choose from {', '.join(FIELDS)}"),
         )
     return tuple(dict.fromkeys(names))
-
-
-def field_remedy(field: object, known: Sequence[str]) -> str:
-    """The fields that an unknown one is nearest to, or all.
-
-    Examples
-    --------
-    >>> field_remedy("gradeint", ("value", "gradient")), field_remedy("energy", ("value", "gradient"))
-    ("did you mean 'gradient'?", 'choose from value, gradient')
-    """
-    return proposal(field, known, f"choose from {', '.join(known)}")
 
 
 def _instead(field: str) -> str:

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.fields import SCALARS, field_remedy, program_of
+from rsym.codegen.fields import SCALARS, program_of
 from rsym.codegen.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.shape import Bounds, Shape
+from rsym.model.wording import proposal
 from rsym.sampling.extent import extent
 from rsym.sampling.lattice import Lattice, lattice_over
 from rsym.sampling.memory import Demand
@@ -147,7 +148,8 @@ def plane_section(shape: Shape, section: Mapping[Any, float] | None, bounds: Any
 def checked_scalar(field: str) -> str:
     """The name of a field with one value at a point."""
     if field not in SCALARS:
-        raise RsymError(f"no scalar field {field!r}", code="unknown-field", remedy=field_remedy(field, SCALARS))
+        remedy = proposal(field, SCALARS, f"choose from {', '.join(SCALARS)}")
+        raise RsymError(f"no scalar field {field!r}", code="unknown-field", remedy=remedy)
     return field
 
 
