@@ -236,7 +236,7 @@ def test_the_model_file_and_the_commands(capsys, monkeypatch, tmp_path):
     (commands,) = [code for code in PLAIN if code.startswith("rsym mesh")]
     for command in commands.strip().splitlines():
         word = command.split()[1]
-        prints = word in {"letters", "show", "lint"}
+        prints = word in {"letters", "show", "lint", "models"}
         assert main([*command.split()[1:], *([] if prints else ["--resolution", "48"])]) == (word == "lint")
     for name in ("ball.stl", "car.stl", "gear.stl"):
         assert trimesh.load_mesh(name).is_watertight
@@ -248,8 +248,27 @@ def test_the_model_file_and_the_commands(capsys, monkeypatch, tmp_path):
         assert Path(name).stat().st_size > 10_000
     printed = capsys.readouterr().out
     assert "roof: half its length" in printed
+    assert 'part "bonnet" = ' in printed
+    assert "A vase" in printed
     assert r"\begin{align*}" in printed
     assert rsym.load("ball.rf").letters["r"].doc == "radius of the ball"
+
+
+def test_the_lines_about_parts_and_saving(capsys):
+    (model,) = [code for code in PLAIN if code.startswith("letter")]
+    Path("ball.rf").write_text(model)
+    (code,) = [code for code in PYTHON if "rsym.save(" in code]
+    space = {"rsym": rsym}
+    exec(code, space)
+    assert space["wide"].part("slot").expression == rsym.slab(-1, 1, (1, 0, 0)).expression
+    assert rsym.load("wide.rf") == space["wide"]
+    assert "Rp 4" in capsys.readouterr().out
+    script = "clear\n[x, y] = meshgrid(0:1);\nw = -1;\nfor k = 0:5\n w = rfOR(w, 1 - (x - k)^2 ...\n - y^2);\nend\n"
+    with pytest.warns(rsym.RsymWarning, match="meshgrid is passed over"):
+        assert len(rsym.loads(f"{script} omega = rotate(w, 30 deg)").expression.args) == 7
+    assert rsym.disc(1).rotate(30, degrees=True) == rsym.disc(1).rotate(sp.pi / 6)
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    assert "completion" in extras
 
 
 def test_models_formats_and_systems_of_the_language_are_those_named():

@@ -109,7 +109,7 @@ def _definitions(model: Model, needed: list[Assignment]) -> tuple[tuple[str, sp.
 def _parts(needed: list[Assignment], known: Mapping[str, Part]) -> tuple[tuple[str, sp.Expr], ...]:
     """The formulas whose text says what they are; where none has one, every formula by its name."""
     told = [assignment for assignment in needed if assignment.doc]
-    return tuple((one.doc or one.name, known[one.name].outer) for one in told or needed)
+    return tuple((one.doc or one.name, known[one.name].outer) for one in told or needed if one.doc or not one.inner)
 
 
 def _given(model: Model) -> dict[str, Part]:

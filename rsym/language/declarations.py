@@ -30,15 +30,15 @@ from rsym.model.wording import listing, proposal
 def letter(statement: LetterStatement, *, floats: bool = False) -> Letter:
     """The letter that a statement declares; decimals are exact, or floats; an end that is open is inf or -inf."""
     low, high = _range(statement.interval, floats)
-    default = _number(statement.value, floats)
+    default = closed_number(statement.value, floats)
     return _in_range(statement.place, Letter(0, unit=statement.unit, doc=statement.doc), default, low, high)
 
 
 def _range(interval: Interval | None, floats: bool) -> tuple[Number | None, Number | None]:
     if interval is None:
         return None, None
-    low = None if _is_endless(interval.low, -1) else _number(interval.low, floats)
-    high = None if _is_endless(interval.high, 1) else _number(interval.high, floats)
+    low = None if _is_endless(interval.low, -1) else closed_number(interval.low, floats)
+    high = None if _is_endless(interval.high, 1) else closed_number(interval.high, floats)
     if low is not None and high is not None and not float(low) < float(high):
         if not (floats and float(low) == float(high)):
             raise _empty(interval, low, high, "letter-range")
@@ -59,7 +59,7 @@ def variant(statement: VariantStatement, letters: Mapping[str, Letter]) -> dict[
             raise name.place.refuse(f"no letter '{name.name}'", "unknown-name", remedy)
         if name.name in changed:
             raise name.place.refuse(f"'{name.name}' is set twice", "redefinition", "keep one of the two values")
-        old, default = letters[name.name], _number(value)
+        old, default = letters[name.name], closed_number(value)
         changed[name.name] = _in_range(name.place, old, default, old.minimum, old.maximum)
     return changed
 
@@ -89,7 +89,7 @@ def system(statement: SystemStatement, letters: Mapping[str, Letter]) -> RSystem
         raise statement.place.refuse(f"the system {name} needs its parameter", "parameter", remedy)
     spoken = letters.get(parameter.name) if isinstance(parameter, Name) else None
     try:
-        checked = family(_number(parameter) if spoken is None else spoken.default)
+        checked = family(closed_number(parameter) if spoken is None else spoken.default)
     except RsymError as error:
         raise parameter.place.refuse(error.message, error.code, error.remedy or remedy) from None
     return family(real_symbol(parameter.name)) if isinstance(parameter, Name) else checked
@@ -115,7 +115,7 @@ def bounds(statement: BoundsStatement, coordinates: tuple[str, ...]) -> Bounds:
 
 
 def _ends(interval: Interval, code: str) -> tuple[Number, Number]:
-    low, high = _number(interval.low), _number(interval.high)
+    low, high = closed_number(interval.low), closed_number(interval.high)
     if not float(low) < float(high):
         raise _empty(interval, low, high, code)
     return low, high
@@ -125,15 +125,16 @@ def _empty(interval: Interval, low: Number, high: Number, code: str) -> RsymErro
     return interval.place.refuse(f"the range [{float(low):g}, {float(high):g}] is empty", code, "write [low, high]")
 
 
-def _number(expression: Expression, floats: bool = False) -> Number:
+def closed_number(expression: Expression, floats: bool = False) -> Number:
     """The exact value of a closed rational expression; as floats a decimal is the float that it names."""
     bare = expression.parts[0] if isinstance(expression, Sum) and expression.signs == (-1,) else expression
     if floats and isinstance(bare, NumberWord) and bare.point:
         return float(bare.value) if bare is expression else -float(bare.value)
     for name in names_in(expression):
-        raise name.place.refuse(
-            f"'{name.name}' cannot stand here", "letter-value", "write a number such as -2.5 or 5/2, without names"
-        )
+        remedy = "write a number such as -2.5 or 5/2, without names"
+        if name.name == "pi":
+            remedy += "; an angle may be a letter in degrees, which formulas take as: a deg"
+        raise name.place.refuse(f"'{name.name}' cannot stand here", "letter-value", remedy)
     value = Builder(operations(R0)).build(expression, {}).exact
     if value is None:
         raise expression.place.refuse(

@@ -65,6 +65,15 @@ class ExpressionParser:
         return sign
 
     def _operand(self) -> Expression:
+        """A number, a name, a call or a bracket; behind it may stand `deg`."""
+        operand = self._bare_operand()
+        unit = self._cursor.token
+        if unit.text != "deg":
+            return operand
+        self._cursor.read()
+        return Product(unit.place, (1, 1, -1), (operand, Name(unit.place, "pi"), Number(unit.place, Fraction(180))))
+
+    def _bare_operand(self) -> Expression:
         token = self._cursor.token
         if token.text == "(":
             return self._group()

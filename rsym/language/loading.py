@@ -7,7 +7,7 @@ from importlib.resources import files
 from os import PathLike
 from pathlib import Path
 
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.language.assembly import assemble
 from rsym.language.model import collect
 from rsym.language.parser import parse
@@ -52,7 +52,10 @@ def loads(text: str, *, shape: str | None = None, variant: str | None = None) ->
     texts not needed. Formulas are
     written as in MATLAB with rfAND, rfOR, rfNOT, trimming, sqrt, abs, min, max,
     sin, cos, tan, exp, log, atan2 and pi; decimals are exact; ``%`` and ``#``
-    begin comments.
+    begin comments. ``piecewise(1 - x, x > 0, 1 + x)`` chooses, conditions are joined by and(...), or(...), not(...);
+    ``30 deg`` is pi/6; ``part "bonnet" = f`` names a part. Of MATLAB are taken ``for k = 0:5 ... end`` over numbers,
+    unrolled, in which a name may be defined anew; ``...`` at the end of a line; ``%{ ... %}``; and ``clear``, ``clc``,
+    ``close`` are passed over, lines with meshgrid or of drawing too, with a note.
 
     Parameters
     ----------
@@ -75,6 +78,11 @@ def loads(text: str, *, shape: str | None = None, variant: str | None = None) ->
         For any text that is not such a model, with line, column and remedy; the
         text is never run, and its size and that of its numbers are bounded.
 
+    Warns
+    -----
+    RsymWarning
+        For statements that are passed over, but those of housekeeping.
+
     Examples
     --------
     >>> disc = loads("letter r = 2.5 in [1, 10]; omega = (r^2 - x^2 - y^2)/(2*r)")
@@ -90,11 +98,15 @@ def loads(text: str, *, shape: str | None = None, variant: str | None = None) ->
             f"a model is a text, got {type(text).__name__}", code="text", remedy="decode it, or use load for a file"
         )
     try:
-        return assemble(collect(parse(text)), shape, variant)
+        notes: list[str] = []
+        made = assemble(collect(parse(text, notes)), shape, variant)
     except RecursionError:
         raise RsymError(
             "the model is nested too deeply", code="too-deep", remedy="give names to parts of the formula"
         ) from None
+    for note in notes:
+        warn(note)
+    return made
 
 
 def read_text(path: str | PathLike[str]) -> str:

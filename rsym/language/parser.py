@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 
 from rsym.language.cursor import Cursor
 from rsym.language.expressions import ExpressionParser
+from rsym.language.loops import unrolled
+from rsym.language.matlab import UNSUPPORTED
 from rsym.language.scanner import Token, scan
 from rsym.language.syntax import (
     Assignment,
     BoundsStatement,
     CoordinatesStatement,
     Expression,
+    ForStatement,
     Interval,
     LetterStatement,
     Name,
@@ -23,20 +27,29 @@ from rsym.language.syntax import (
 )
 from rsym.language.vocabulary import KEYWORDS
 
+MOST_LOOPS = 8  # in one another
 
-def parse(text: str) -> tuple[Statement, ...]:
-    """The statements of a model text.
+
+def parse(text: str, notes: list[str] | None = None) -> tuple[Statement, ...]:
+    """The statements of a model text, loops unrolled; what was passed over is added to `notes`.
 
     Examples
     --------
     >>> [type(statement).__name__ for statement in parse("letter r = 1; omega = r - x^2 - y^2")]
     ['LetterStatement', 'Assignment']
     """
-    parser = _StatementParser(Cursor(scan(text)))
+    parser = _StatementParser(Cursor(scan(text, notes)))
     statements: list[Statement] = []
     while statement := parser.next_statement():
         statements.append(statement)
-    return tuple(statements)
+    return unrolled(tuple(statements), _whole_number)
+
+
+def _whole_number(expression: Expression) -> Fraction:
+    """The end of a run of a loop, which is a number."""
+    from rsym.language.declarations import closed_number
+
+    return Fraction(closed_number(expression))
 
 
 class _StatementParser:
@@ -53,7 +66,9 @@ class _StatementParser:
             "system": self._system,
             "part": self._part,
             "verbatim": self._verbatim,
+            "for": self._for,
         }
+        self._loops = 0
 
     def next_statement(self) -> Statement | None:
         """The next statement, or None when the text is over."""
@@ -67,6 +82,9 @@ class _StatementParser:
             "write name = expression; a formula goes on in the next line only after an operator, a comma or '('",
         )
         assigns = self._cursor.token.text == "="
+        if word.text in UNSUPPORTED and not assigns:
+            message = f"{word.shown} of MATLAB is no statement of a model"
+            raise word.place.refuse(message, "matlab", "a loop over numbers is: for k = 0:5 ... end")
         statement = self._assignment(word) if assigns else self._kinds.get(word.text, self._assignment)(word)
         if not self._cursor.statement_over:
             raise self._cursor.unexpected(
@@ -95,6 +113,37 @@ class _StatementParser:
         name = self._cursor.expect_kind("text", "the name of a part in quotation marks", example)
         self._cursor.expect("=", example)
         return PartStatement(name.place, name.quoted, self._expressions.expression())
+
+    def _for(self, word: Token) -> Statement:
+        """A loop up to its end, in which there may be others."""
+        example = "for example: for k = 0:5, w = rfOR(w, 1 - (x - k)^2); end"
+        name = self._name("the counter of the loop", example)
+        if name.name in ("x", "y", "z"):
+            raise name.place.refuse(f"'{name.name}' is a coordinate, no counter", "loop", example)
+        self._cursor.expect("=", example)
+        run = [self._expressions.expression()]
+        while self._cursor.accept(":"):
+            run.append(self._expressions.expression())
+        if not 2 <= len(run) <= 3:
+            raise name.place.refuse("a loop runs over numbers low:high or low:step:high", "loop", example)
+        self._cursor.accept(",")
+        self._loops += 1
+        if self._loops > MOST_LOOPS:
+            raise word.place.refuse(f"more than {MOST_LOOPS} loops in one another", "too-deep", "take fewer")
+        body: list[Statement] = []
+        while True:
+            while self._cursor.statement_over and not self._cursor.at_end:
+                self._cursor.read()
+            if self._cursor.at_end:
+                raise word.place.refuse("this loop has no end", "unclosed", "write end behind its last statement")
+            if self._cursor.token.text == "end" and self._cursor.following.text != "=":
+                self._cursor.read()
+                break
+            statement = self.next_statement()
+            assert statement is not None
+            body.append(statement)
+        self._loops -= 1
+        return ForStatement(word.place, name.name, tuple(run), tuple(body))
 
     def _verbatim(self, word: Token) -> Statement:
         return VerbatimStatement(word.place)

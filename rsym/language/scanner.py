@@ -1,7 +1,8 @@
 """Text to tokens, each with its line and column.
 
 A statement ends at a semicolon or a line end; a line end does not count inside
-brackets, nor after a comma, a colon or a binary operator.
+brackets, nor after a comma, a colon or a binary operator, nor after ``...``.
+Statements of MATLAB that only draw, or only make a grid of points, are passed over.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import unicodedata
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from rsym.language import matlab
 from rsym.language.syntax import Place
 
 LONGEST_TEXT = 200_000  # characters
@@ -21,14 +23,23 @@ Kind: TypeAlias = Literal["name", "number", "operator", "text", "end"]
 
 _BLANK = re.compile(r"(?:[ \t]|[%#][^\n]*)+")
 _PATTERN = re.compile(
-    r"""(?P<number>(?:[0-9]+\.(?![*/^])[0-9]*|\.[0-9]+|[0-9]+)(?:[eE][+-]?[0-9]+)?)  # 1./x is 1 ./ x
+    r"""(?P<number>(?:[0-9]+\.(?![*/^.])[0-9]*|\.[0-9]+|[0-9]+)(?:[eE][+-]?[0-9]+)?)  # 1./x is 1 ./ x
     |(?P<name>[A-Za-z_][A-Za-z0-9_]*)
     |(?P<operator>\*\*|\.\*|\./|\.\^|<=|>=|[-+*/^=()\[\],:<>])
     |(?P<text>"(?:[^"\n]|"")*")
     |(?P<end>[;\n])""",
     re.VERBOSE,
 )
+_BLOCK_BEGINS = re.compile(r"[ \t]*%\{[ \t]*(?:\n|$)")
+_BLOCK = re.compile(r"[ \t]*%\{[ \t]*\n(?:.*\n)*?[ \t]*%\}[ \t]*(?=\n|$)")
 _CONTINUES = frozenset(("+", "-", "*", "/", "^", "**", ".*", "./", ".^", ",", ":"))
+_ANSWERS = {
+    "&": "rsym joins functions, not truth values: write rfAND(f, g); in a condition and(x > 0, y > 0)",
+    "|": "rsym joins functions, not truth values: write rfOR(f, g); in a condition or(x > 0, y > 0)",
+    "~": "the negation of a function is rfNOT(f), which is -f; that of a condition not(x > 0)",
+    "!": "the negation of a function is rfNOT(f), which is -f; that of a condition not(x > 0)",
+    "'": 'texts stand in quotation marks: "wheel"',
+}
 _TWINS = dict(zip("авекмнорстухАВЕКМНОРСТУХіІ−–—×·÷“”„", 'abekmhopctyxABEKMHOPCTYXiI---**/"""', strict=True))
 
 
@@ -51,8 +62,8 @@ class Token:
         return "the end of the statement" if self.kind == "end" else f"'{self.text[:40]}'"
 
 
-def scan(text: str) -> list[Token]:
-    """Split a model text.
+def scan(text: str, notes: list[str] | None = None) -> list[Token]:
+    """Split a model text; what is passed over with a word to whoever wrote it is added to `notes`.
 
     Examples
     --------
@@ -67,8 +78,10 @@ def scan(text: str) -> list[Token]:
     tokens: list[Token] = []
     position, line, line_start, brackets = 0, 1, 0, 0
     while position < len(text):
-        if blank := _BLANK.match(text, position):
-            position = blank.end()
+        if end := _passed_over(text, position, line_start, tokens, line, notes):
+            if newlines := text.count("\n", position, end):
+                line, line_start = line + newlines, text.rindex("\n", position, end) + 1
+            position = end
             continue
         place = Place(line, position - line_start + 1)
         match = _PATTERN.match(text, position)
@@ -82,6 +95,26 @@ def scan(text: str) -> list[Token]:
         if token.text != "\n" or not (brackets or _continues(tokens)):
             tokens.append(_checked(token, len(tokens)))
     return [*tokens, Token("end", "", Place(line, position - line_start + 1))]
+
+
+def _passed_over(
+    text: str, position: int, line_start: int, tokens: list[Token], line: int, notes: list[str] | None
+) -> int:
+    """Where blanks, comments, continuations and statements that are passed over end; 0 if none begins here."""
+    if position == line_start and _BLOCK_BEGINS.match(text, position):
+        if block := _BLOCK.match(text, position):
+            return block.end()
+        raise Place(line, 1).refuse("a block of comments that is not closed", "unclosed", "end it with a line %}")
+    if blank := _BLANK.match(text, position):
+        return blank.end()
+    if text.startswith("...", position):
+        return (text.find("\n", position) + 1) or len(text)
+    if tokens and tokens[-1].kind != "end":
+        return 0
+    passed = matlab.passed_over(text, position)
+    if passed is not None and passed.note and notes is not None:
+        notes.append(f"line {line}: {passed.note}")
+    return 0 if passed is None else passed.end
 
 
 def _depth(brackets: int, token: Token) -> int:
@@ -111,6 +144,8 @@ def _checked(token: Token, count: int) -> Token:
 def _bad_character(character: str, place: Place) -> Exception:
     if character == '"':
         return place.refuse("a text that is not closed on its line", "unclosed", 'end it with "')
+    if character in _ANSWERS:
+        return place.refuse(f"the character {character!r} has no meaning here", "character", _ANSWERS[character])
     if character.isascii():
         return place.refuse(
             f"the character {character!r} has no meaning here",

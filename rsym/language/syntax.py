@@ -166,6 +166,17 @@ class Assignment:
     name: str
     value: Expression
     doc: str = ""
+    inner: bool = False  # one that a loop has made, before the last
+
+
+@dataclass(frozen=True, slots=True)
+class ForStatement:
+    """``for k = low:step:high ... end``: its statements once for each value of k."""
+
+    place: Place
+    name: str
+    run: tuple[Expression, ...]  # low, high or low, step, high
+    body: tuple[Statement, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,6 +204,7 @@ Statement: TypeAlias = (
     | Assignment
     | PartStatement
     | VerbatimStatement
+    | ForStatement
 )
 
 

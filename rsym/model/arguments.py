@@ -45,6 +45,20 @@ def number(value: Any, what: str) -> sp.Expr:
     return expression
 
 
+def angle(value: Any, what: str, *, degrees: bool) -> sp.Expr:
+    """An angle in radians, given in radians or in degrees.
+
+    Examples
+    --------
+    >>> angle(30, "the angle", degrees=True), angle(2, "the angle", degrees=False)
+    (pi/6, 2)
+    """
+    if not isinstance(degrees, int) or degrees not in (0, 1):
+        raise RsymError(f"degrees must be True or False, got {degrees!r}", code="switch", remedy="degrees=True")
+    given = number(value, what)
+    return given * sp.pi / 180 if degrees else given
+
+
 def _typed(value: float) -> Any:
     """A float of a few digits is the decimal that was typed, so that formulas stay exact; others are what they are."""
     text = repr(float(value))

@@ -12,6 +12,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, coordinate, default, number, point, positive, unit_vector
+from rsym.model.arguments import angle as in_radians
 from rsym.model.letters import Letters
 from rsym.model.traversal import symbols_of
 
@@ -51,13 +52,23 @@ class Movable:
         vector = Matrix(point(given, self.dimension, "an offset"))
         return _moved(self, sp.eye(self.dimension), sp.eye(self.dimension), vector, letters)
 
-    def rotate(self, angle: Any, axis: Any = None, centre: Any = None, *, letters: LetterMapping = None) -> Shape:
+    def rotate(
+        self,
+        angle: Any,
+        axis: Any = None,
+        centre: Any = None,
+        *,
+        degrees: bool = False,
+        letters: LetterMapping = None,
+    ) -> Shape:
         """The shape turned counterclockwise about a centre, by default the origin; in space about an axis.
 
         Parameters
         ----------
         angle : number or expression
-            In radians.
+            In radians, or in degrees.
+        degrees : bool
+            Whether the angle is in degrees.
         axis : coordinate or direction, in space
             Through the centre; by default the third coordinate. The turn is counterclockwise for those it points at.
         centre : point, optional
@@ -73,10 +84,12 @@ class Movable:
         >>> import rsym, sympy as sp
         >>> rsym.Shape(rsym.x - 1, (rsym.x, rsym.y)).rotate(sp.pi / 2).expression
         y - 1
+        >>> rsym.Shape(rsym.x - 1, (rsym.x, rsym.y)).rotate(90, degrees=True).expression
+        y - 1
         """
         if self.dimension == 2 and axis is not None:
             raise RsymError("a turn in the plane has no axis", code="axis", remedy="rotate(angle, centre=(x, y))")
-        turn = number(angle, "an angle")
+        turn = in_radians(angle, "an angle", degrees=degrees)
         if self.dimension == 2:
             matrix = Matrix([[sp.cos(turn), -sp.sin(turn)], [sp.sin(turn), sp.cos(turn)]])
         else:

@@ -7,7 +7,8 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, default, number, positive
+from rsym.model.arguments import LetterMapping, default, positive
+from rsym.model.arguments import angle as in_radians
 from rsym.model.blends.operands import Operands
 from rsym.model.blends.rho import Rho
 
@@ -20,6 +21,7 @@ def fillet(
     operation: str = "union",
     angle: Any = None,
     *,
+    degrees: bool = False,
     letters: LetterMapping = None,
 ) -> Any:
     """Union, intersection or difference with the edge between a and b rounded.
@@ -52,6 +54,8 @@ def fillet(
     angle : number or expression in letters, optional
         In (0, pi), in radians: opening of the wedge between the faces that the circle lies in;
         by default a right angle. Faces that meet at another angle get another radius.
+    degrees : bool
+        Whether the angle is in degrees.
     letters : mapping, optional
         Values of letters in the numbers.
 
@@ -74,14 +78,15 @@ def fillet(
     """
     operands = Operands.of(a, b, letters=letters)
     size = positive(radius, "the radius", operands.letters)
-    return operands.combined(operation, Rho(size, continuity, _cosine(angle, operands)))
+    return operands.combined(operation, Rho(size, continuity, _cosine(angle, degrees, operands)))
 
 
-def _cosine(angle: Any, operands: Operands) -> sp.Expr:
+def _cosine(angle: Any, degrees: bool, operands: Operands) -> sp.Expr:
     """The product of the unit normals: minus the cosine of the angle between the faces."""
     if angle is None:
         return sp.S.Zero
-    opening = number(angle, "the angle")
+    opening = in_radians(angle, "the angle", degrees=degrees)
     if not 0 < default(opening, operands.letters, "the angle") < sp.pi.evalf():
-        raise RsymError(f"the angle must be in (0, pi), got {angle}", code="parameter", remedy="in radians")
+        remedy = "in radians, or degrees=True"
+        raise RsymError(f"the angle must be in (0, pi), got {angle}", code="parameter", remedy=remedy)
     return -sp.cos(opening)

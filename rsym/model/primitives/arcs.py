@@ -8,7 +8,8 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, Point, default, number, point, positive, unit_vector
+from rsym.model.arguments import LetterMapping, Point, default, point, positive, unit_vector
+from rsym.model.arguments import angle as in_radians
 from rsym.model.primitives.curve_nodes import Arc, Circle
 from rsym.model.primitives.extents import box_around
 from rsym.model.shape import Shape
@@ -64,6 +65,7 @@ def arc(
     axis: Any = None,
     exact: bool = False,
     *,
+    degrees: bool = False,
     letters: LetterMapping = None,
 ) -> Shape:
     """The arc of a circle from one angle to another: the circle, trimmed by the one at right angles to it at both ends.
@@ -90,6 +92,8 @@ def arc(
         In space, at right angles to the arc; by default that of z.
     exact : bool
         Whether f is the distance.
+    degrees : bool
+        Whether the angles are in degrees.
     letters : mapping, optional
         The values of letters in the numbers.
 
@@ -108,7 +112,8 @@ def arc(
     """
     middle, first, second = _frame(centre, axis, letters)
     size = positive(radius, "the radius of an arc", letters)
-    angles = number(start, "the start of an arc"), number(end, "the end of an arc")
+    ends = (start, "the start of an arc"), (end, "the end of an arc")
+    angles = [in_radians(given, what, degrees=degrees) for given, what in ends]
     low, high = (default(angle, letters, "an angle of an arc") for angle in angles)
     if not low < high < low + math.tau:
         raise RsymError(

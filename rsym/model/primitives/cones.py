@@ -8,7 +8,8 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.arguments import LetterMapping, Point, default, number, point, positive
+from rsym.model.arguments import LetterMapping, Point, default, point, positive
+from rsym.model.arguments import angle as in_radians
 from rsym.model.primitives.distances import between
 from rsym.model.primitives.extents import box_around
 from rsym.model.shape import Bounds, Shape
@@ -79,11 +80,13 @@ def frustum(
     return Shape(system.conjunction(mantle, between(up, 0, height, letters)), SPACE, letters=letters, bounds=bounds)
 
 
-def nappe(angle: Any = sp.pi / 4, apex: Any = (0, 0, 0), *, letters: LetterMapping = None) -> Shape:
+def nappe(
+    angle: Any = sp.pi / 4, apex: Any = (0, 0, 0), *, degrees: bool = False, letters: LetterMapping = None
+) -> Shape:
     """z*sin(a) - rho*cos(a), measured from the apex: one nappe of a cone that opens upwards, without end.
 
-    a is the angle between axis and mantle. Exact: the signed distance from the mantle wherever its nearest point
-    is not the apex. Singular on the axis, apex included.
+    a is the angle between axis and mantle, in radians, or with `degrees` in degrees. Exact: the signed distance from
+    the mantle wherever its nearest point is not the apex. Singular on the axis, apex included.
 
     Raises
     ------
@@ -96,16 +99,18 @@ def nappe(angle: Any = sp.pi / 4, apex: Any = (0, 0, 0), *, letters: LetterMappi
     >>> rsym.nappe(sympy.pi / 3).expression
     sqrt(3)*z/2 - sqrt(x**2 + y**2)/2
     """
-    angle = _half_angle(angle, letters)
+    angle = _half_angle(angle, degrees, letters)
     rho, up = _meridian(point(apex, 3, "the apex"))
     return Shape(up * sp.sin(angle) - rho * sp.cos(angle), SPACE, letters=letters)
 
 
-def double_cone(angle: Any = sp.pi / 4, apex: Any = (0, 0, 0), *, letters: LetterMapping = None) -> Shape:
+def double_cone(
+    angle: Any = sp.pi / 4, apex: Any = (0, 0, 0), *, degrees: bool = False, letters: LetterMapping = None
+) -> Shape:
     """u/|grad u| with u = z**2*sin(a)**2 - rho**2*cos(a)**2: both nappes, without a singular axis.
 
     |grad u|**2 = 4*(z**2*sin(a)**4 + rho**2*cos(a)**4) vanishes at the apex alone. Normalised to order 1, analytic
-    and homogeneous of degree 1 except at the apex, where it has no value.
+    and homogeneous of degree 1 except at the apex, where it has no value. With `degrees` the angle is in degrees.
 
     Raises
     ------
@@ -118,7 +123,7 @@ def double_cone(angle: Any = sp.pi / 4, apex: Any = (0, 0, 0), *, letters: Lette
     >>> rsym.compile(rsym.double_cone())([1.0, 0.0], 0.0, [1.0, 2.0])["value"].tolist()
     [0.0, 1.0]
     """
-    angle = _half_angle(angle, letters)
+    angle = _half_angle(angle, degrees, letters)
     across, aside, up = minus(SPACE, point(apex, 3, "the apex"))
     sine, cosine = sp.sin(angle), sp.cos(angle)
     rise, reach = up**2 * sine**2, (across**2 + aside**2) * cosine**2
@@ -137,14 +142,14 @@ def _mantle(bottom: sp.Expr, top: sp.Expr, height: sp.Expr, rho: sp.Expr, up: sp
     return (bottom * height - lost * up - rho * height) / norm((lost, height))
 
 
-def _half_angle(angle: Any, letters: LetterMapping) -> sp.Expr:
-    angle = number(angle, "the angle")
+def _half_angle(angle: Any, degrees: bool, letters: LetterMapping) -> sp.Expr:
+    angle = in_radians(angle, "the angle", degrees=degrees)
     value = default(angle, letters, "the angle")
     if not 0 < value < math.pi / 2:
         raise RsymError(
             f"the angle between axis and mantle must be between 0 and pi/2, got {angle}",
             code="angle",
-            remedy="angles are in radians",
+            remedy="angles are in radians, or in degrees with degrees=True",
         )
     return angle
 
