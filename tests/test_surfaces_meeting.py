@@ -85,6 +85,21 @@ def test_edges_that_meet_the_other_way_round_are_told():
     refused(["are 1.41 apart", "reverse=False"], lambda: join(SQUARE, "u1", BEYOND, "u0", reverse=True))
 
 
+def test_one_curve_at_two_paces_is_told_from_two_curves():
+    other = ParametricSurface((1 + u, v**2, v**2 * (1 - u)))
+    refused(
+        ["0.354 apart at t = 0.5", "though along one curve at another pace"], lambda: join(SQUARE, "u1", other, "u0")
+    )
+    joined = join(SQUARE, "u1", other, "u0", tolerance=0.3)
+    assert_close(joined(0, S), SQUARE(1, S), atol=1e-12)
+    error = refused(["apart"], lambda: join(SQUARE, "u1", ParametricSurface((1 + u, v**2, v)), "u0"))
+    assert "pace" not in str(error)
+
+
+def test_what_is_not_finite_is_refused_by_name():
+    refused(["is not finite everywhere"], lambda: join(SQUARE, "u1", ParametricSurface((1 + u, v, sp.log(u))), "u0"))
+
+
 @pytest.mark.parametrize("wrong", [0, -1, np.nan, "1", None, np.inf, 1j])
 def test_a_tolerance_is_positive(wrong):
     refused(["tolerance must be a positive number"], lambda: join(SQUARE, "u1", BEYOND, "u0", tolerance=wrong))

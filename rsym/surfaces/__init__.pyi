@@ -22,6 +22,7 @@ from .coons.meridians import Arc, Segment
 from .coons.optimal import Optimum, optimal_parameters
 from .coons.revolution import Revolution
 from .coons.twists import estimate_twists
+from .corrections import Correction
 from .functions.callables import Called
 from .functions.nurbs import Nurbs
 from .functions.univariate import Formula
@@ -47,6 +48,7 @@ __all__ = [
     "Called",
     "CompositeCoons",
     "CoonsPatch",
+    "Correction",
     "EdgeProof",
     "EdgeReport",
     "Formula",

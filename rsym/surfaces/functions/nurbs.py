@@ -54,6 +54,8 @@ class Nurbs(Curve):
     Examples
     --------
     >>> arc = Nurbs(2, [0, 0, 0, 1, 1, 1], [[1, 0, 0], [1, 1, 0], [0, 1, 0]], [1, 0.5**0.5, 1])
+    >>> arc
+    Nurbs(degree 2, 3 points, t in [0, 1])
     >>> x, y, z = arc(0.3)
     >>> bool(abs(x**2 + y**2 - 1) < 1e-15), arc.closed
     (True, False)
@@ -213,6 +215,10 @@ class Nurbs(Curve):
         pieces = inner_pieces([PPoly.from_spline(self.space.spline(row)) for row in rows.T], self.domain)
         *above, below = entries_of(Polynomials(pieces).expressions())
         return sp.ImmutableDenseNDimArray([entry / below for entry in above], (3,))
+
+    def __repr__(self) -> str:
+        (low, high), closed = self.domain, ", closed" if self.closed else ""
+        return f"Nurbs(degree {self.degree}, {len(self.points)} points, t in [{low:.6g}, {high:.6g}]{closed})"
 
     def _meets_itself(self) -> bool:
         """Whether the end has the point and the derivative of the start."""

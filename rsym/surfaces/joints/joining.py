@@ -11,6 +11,7 @@ from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.coons_patches import BicubicCoons
 from rsym.surfaces.corrections import MEETING, require_tolerance
 from rsym.surfaces.joints.edges import NAMES, Edge
+from rsym.surfaces.joints.extents import sample_grid
 from rsym.surfaces.joints.joined import JoinedPatch
 from rsym.surfaces.joints.joined_matrices import joined_matrix
 from rsym.surfaces.joints.meeting import require_meeting
@@ -110,6 +111,7 @@ def join(
     require_tolerance(tolerance)
     first, second = Edge(p, edge_p, reverse), Edge(q, edge_q)
     for edge in (first, second):
+        sample_grid(edge.patch)  # what is not finite is refused
         if edge.is_point():
             raise RsymError(
                 f"the edge {edge.name} is a point, and nothing is joined along it",

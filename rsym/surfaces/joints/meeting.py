@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.surfaces.corrections import enough, greatest, sizes
+from rsym.surfaces.joints.borders import Border, projected
 from rsym.surfaces.joints.edges import Edge
 from rsym.surfaces.joints.extents import extent, room_for, sample_grid
 
@@ -45,9 +46,12 @@ def require_meeting(first: Edge, second: Edge, tolerance: float) -> None:
     share = gap / min(map(extent, grids))
     u, v = (float(one) for one in second.parameters(place))
     turned = replace(first, reverse=not first.reverse)
+    border = Border(0, first, extent(grids[0]), room, room)
+    along = projected(border, second.position(np.linspace(*second.interval, len(border.t))), room)[1]
+    pace = ", though along one curve at another pace" if (along <= room).all() else ""
     raise RsymError(
         f"the edge {first.name} of p and the edge {second.name} of q do not meet: they are {gap:.3g} apart at "
-        f"t = {place:.4g}, {share:.2g} of the size of the smaller patch",
+        f"t = {place:.4g}, {share:.2g} of the size of the smaller patch{pace}",
         code="gap",
         where=f"(u, v) = ({u:.4g}, {v:.4g}) of q",
         remedy=f"reverse={turned.reverse}: the other way round they meet"
