@@ -160,14 +160,15 @@ def test_a_field_of_both_signs_has_zero_at_the_middle_of_its_colours():
     assert colours[3][0] > colours[3][2] + 0.2, "red inside"
 
 
-@pytest.mark.parametrize(("outside", "light"), [("mask", 255), ("dim", 170)])
+@pytest.mark.parametrize(("outside", "light"), [("mask", 255), ("dim", 150)])
 def test_what_is_outside_is_white_or_pale_and_what_is_inside_chooses_the_levels(outside, light):
     figure = Figure((2, 1.5), dpi=100)
     ax = figure.add_axes((0, 0, 1, 1))
     wide = DISC.replace(bounds=((-9, 9), (-6.75, 6.75)))
     levels = rsym.plot_field(wide, ax=ax, outside=outside, resolution=96).levels
-    assert levels[0] >= 0
-    assert levels[-1] <= 0.55
+    assert (levels[0] >= 0) == (outside == "mask")
+    assert levels[-1] <= 0.6
+    assert rsym.plot_field(wide, "gradient_squared", outside=outside, resolution=96).levels[-1] <= 1.2
     image = pixels_of(figure)
     assert image[5, 5].min() >= light
     assert image[75, 100].min() < 128

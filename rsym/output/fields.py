@@ -65,7 +65,8 @@ def plot_field(
         A name that matplotlib knows; without it ``RdBu_r`` for levels on both sides of 0, which is its middle,
         otherwise ``viridis``.
     outside : {"mask", "dim"}, optional
-        What is outside is white or pale, and what is inside alone chooses the levels.
+        What is outside is white, or pale; what is inside alone chooses the levels, but of omega and its normalised
+        forms each side its own where the outside is only pale.
     force : bool
         Whether to go on where the estimate says that there is not memory enough.
 
@@ -145,7 +146,8 @@ def plot_fields(
     Parameters
     ----------
     figure : Figure or SubFigure, optional
-        Where to draw, in the size that it has; without it a new pyplot figure is made.
+        Where to draw, in the size that it has; without it a new pyplot figure is made. With its
+        ``layout="compressed"`` colour bars are as tall as their panels.
     levels, limits, titles : mapping, optional
         By the names of fields what `plot_field` takes for each.
     shape, resolution, bounds, letters, section, colour_map, outside, force

@@ -68,7 +68,9 @@ class Look:
             return checked_levels(self.levels)
         if self.limits is not None:
             return _between(*checked_limits(self.limits))
-        if self.outside is not None and inside is not None and np.isfinite(values[inside]).any():
+        # What is pale outside has its own side of a field that says what is outside.
+        within = self.outside == "mask" or (self.outside == "dim" and field not in LOGICAL)
+        if within and inside is not None and np.isfinite(values[inside]).any():
             values = values[inside]
         return robust_levels(values) if not _has_sides(values, field) else _two_sided(values)
 

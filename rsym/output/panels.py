@@ -14,6 +14,7 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.contour import QuadContourSet
 from matplotlib.patches import Rectangle
 from matplotlib.path import Path
+from matplotlib.ticker import StrMethodFormatter
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
@@ -39,6 +40,7 @@ TITLES = {
     "gaussian_curvature": "Gaussian curvature $K$",
 }
 
+PLAIN_NUMBERS = StrMethodFormatter("{x:g}")
 # A line may be this share of a cell beside itself when it is drawn; matplotlib allows itself so many pixels.
 STRAIGHT, SIMPLIFIED = 0.1, 1 / 9
 
@@ -101,13 +103,13 @@ def colour_bar(artist: QuadContourSet, *axes: Axes, rows: int = 1, place: Axes |
     slender = 20 * max(1.0, rows * (high - low) / (right - left))
     if place is None:
         bar = axes[0].figure.colorbar(
-            artist, ax=axes, pad=0.02, fraction=0.05, aspect=slender, ticks=ticks, format="%g"
+            artist, ax=axes, pad=0.02, fraction=0.05, aspect=slender, ticks=ticks, format=PLAIN_NUMBERS
         )
     else:
         place.clear()
         # A second locator would take the room for the arrows of the bar once more.
         place.set_axes_locator(None)  # type: ignore[arg-type]
-        bar = axes[0].figure.colorbar(artist, cax=place, ticks=ticks, format="%g")
+        bar = axes[0].figure.colorbar(artist, cax=place, ticks=ticks, format=PLAIN_NUMBERS)
     bar.ax.tick_params(labelsize=7, length=2)
     return bar
 
