@@ -8,6 +8,7 @@ from closeness import assert_close
 from scipy.interpolate import BSpline, NdBSpline, make_interp_spline, make_lsq_spline
 
 from rsym.errors import RsymError
+from rsym.surfaces.bsplines import bspline_fitting
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 from rsym.surfaces.functions.nurbs import Nurbs
 
@@ -314,6 +315,13 @@ def test_systems_are_refused_only_where_they_must_be():
             assert values[-1] > 1e-15 * values[0] if code == "fitted" else values[-1] < 1e-14 * values[0], (case, code)
         seen.add(code)
     assert seen == {"fitted", "singular", "schoenberg-whitney", "vertices"}
+
+
+def test_what_does_not_fit_in_memory_is_refused_before_it_is_taken(monkeypatch):
+    points = np.stack([U, V, U * V], axis=-1)
+    monkeypatch.setattr(bspline_fitting, "free_memory", lambda: 2.0**20)
+    refused("memory", "400 points and 10 x 10 vertices need", lambda: approximate(points, (10, 10), parameters=(U, V)))
+    assert approximate(points, (4, 4), parameters=(U, V)).residual.maximum < 1e-12
 
 
 POINTS = np.stack([U, V, U * V], axis=-1)
