@@ -111,6 +111,20 @@ def test_the_lines_about_meshes():
     assert space["points"].shape == (1000, 3)
 
 
+def test_the_lines_about_figures():
+    (code,) = [code for code in PYTHON if "subfigures" in code]
+    space = {"rsym": rsym, "plt": matplotlib.pyplot, "body": rsym.paper.skeleton_body()}
+    exec(code, space)
+    assert 2e4 < Path("both.pdf").stat().st_size < 1e6
+    assert space["artist"].get_cmap().name == "magma"
+    assert space["inner"].area < space["outer"].area
+    space["artist"].get_figure().figure.savefig("both.eps")
+    with pytest.warns(rsym.RsymWarning, match="no boundary in the bounds"):
+        rsym.plot_field(space["body"], bounds=((20, 30), (20, 30)), resolution=16)
+    with pytest.raises(rsym.RsymError, match="force=True"):
+        rsym.level_lines(space["body"], resolution=10_000_000)
+
+
 def test_the_lines_about_curvature():
     (code,) = [code for code in PYTHON if "plot_curvature_comb" in code]
     space = {"rsym": rsym, "nose": rsym.paper.skeleton_body(), "sp": sp, "x": rsym.x, "y": rsym.y, "z": rsym.z}
