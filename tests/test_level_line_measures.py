@@ -117,3 +117,29 @@ def test_without_shapely_the_remedy_is_told(monkeypatch):
     monkeypatch.setitem(sys.modules, "shapely", None)
     with pytest.raises(RsymError, match="pip install shapely"):
         rsym.level_lines(RING, resolution=40, bounds=BOX).to_shapely()
+
+
+def random_region(generator):
+    """Discs, rectangles and ellipses, two to five of them, joined, cut and crossed at random."""
+
+    def piece():
+        kind, size, turn = generator.integers(3), generator.uniform(0.2, 1.3, 2), generator.uniform(0, 3)
+        one = (rsym.disc(size[0]), rsym.rectangle(*2 * size), rsym.ellipse(*size))[kind]
+        return one.rotate(turn).translate(*generator.uniform(-1.3, 1.3, 2))
+
+    shape = piece()
+    for _ in range(generator.integers(1, 5)):
+        other = piece()
+        shape = (shape | other, shape - other, shape & other, shape ^ other)[generator.integers(4)]
+    return shape
+
+
+def test_random_regions_are_valid_polygons_whatever_the_lattice_misses():
+    shapely = pytest.importorskip("shapely")
+    generator = np.random.default_rng(4)
+    for _ in range(40):
+        lines = rsym.level_lines(random_region(generator), resolution=60, bounds=((-3, 3), (-3, 3)))
+        region = lines.to_shapely()
+        assert isinstance(region, shapely.MultiPolygon)
+        assert region.is_valid
+        assert abs(region.area - lines.area) < 0.02

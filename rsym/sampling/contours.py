@@ -102,8 +102,9 @@ class LevelLines(Sequence[NDArray[np.float64]]):
         return float(sum(map(_signed_area, self.lines)))
 
     def to_shapely(self) -> Any:
-        """The region as a ``shapely.MultiPolygon``, each polygon with its holes.
+        """The region as a ``shapely.MultiPolygon``, valid, each polygon with its holes.
 
+        Lines that cross themselves, beside a corner that the lattice does not resolve, are cut there.
         Needs the package shapely. Raises RsymError without it, where lines end, and for a region outside of its lines.
 
         Examples
@@ -135,7 +136,11 @@ class LevelLines(Sequence[NDArray[np.float64]]):
                         remedy="take the lines of its complement, ~shape",
                     )
                 owner.append(self.lines[k])
-        return shapely.MultiPolygon([(line, holes) for _, _, line, holes in shells])
+        region = shapely.MultiPolygon([(line, holes) for _, _, line, holes in shells])
+        if region.is_valid:
+            return region
+        parts = shapely.get_parts(shapely.make_valid(region, method="structure", keep_collapsed=False))
+        return shapely.MultiPolygon([part for part in parts if isinstance(part, shapely.Polygon)])
 
     def _require_closed(self, what: str) -> None:
         loose = sum(not (line[0] == line[-1]).all() for line in self.lines)
@@ -158,6 +163,12 @@ def _signed_area(line: NDArray[np.float64]) -> float:
     """The area of a closed polygon, positive where it runs counter-clockwise."""
     (u, v) = (line - line[0]).T
     return float(u[:-1] @ v[1:] - u[1:] @ v[:-1]) / 2
+
+
+def _turned_like(line: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A line that was moved; a closed one smaller than a cell may have been turned over, and is turned back."""
+    closed = (before[0] == before[-1]).all()
+    return line[::-1] if closed and _signed_area(line) * _signed_area(before) < 0 else line
 
 
 @overload
@@ -257,7 +268,7 @@ def trace(
         raise RsymError(f"the field {field!r} is undefined in all of the bounds", code="undefined")
     found = find_contours(values, level, positive_orientation="high")
     moved = [move_onto_level(sampler, sampler.lattice.points(line), level) for line in found]
-    lines = tuple(line for line, _ in moved)
+    lines = tuple(_turned_like(line, before) for (line, _), before in zip(moved, found, strict=True))
     closed = sum(bool((line[0] == line[-1]).all()) for line in found)
     status = LevelLinesStatus(
         vertices=sum(map(len, lines)),
