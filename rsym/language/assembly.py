@@ -77,7 +77,8 @@ def _inlined(model: Model, letters: Mapping[str, Letter]) -> dict[str, Part]:
 
 def _builder(model: Model, letters: Mapping[str, Letter]) -> Builder:
     kind = Verbatim if model.verbatim else Builder
-    return kind(operations(model.system), Calls(model.coordinates, letters, model.system))
+    calls = Calls(model.coordinates, letters, model.system)
+    return kind(operations(model.system), calls, frozenset(map(real_symbol, model.coordinates)))
 
 
 def _given_parts(

@@ -28,8 +28,14 @@ PieceCall: TypeAlias = Callable[[Call, list[Part]], sp.Expr]
 class Builder:
     """Builds expressions with one table of functions and one budget."""
 
-    def __init__(self, operations: Mapping[str, Operation], pieces: PieceCall | None = None) -> None:
+    def __init__(
+        self,
+        operations: Mapping[str, Operation],
+        pieces: PieceCall | None = None,
+        coordinates: frozenset[sp.Symbol] | None = None,
+    ) -> None:
         self._operations = operations
+        self._coordinates = coordinates
         self._pieces = pieces
         self._budget = Budget()
 
@@ -64,7 +70,7 @@ class Builder:
                 return self._call(node, parts)
             case Call() if node.function in MADE:
                 extent = self._budget.afford(joined(part.extent for part in parts).opaque(len(parts)), node.place)
-                return Part(made(node, [part.outer for part in parts]), extent)
+                return Part(made(node, [part.outer for part in parts], self._coordinates), extent)
             case Call():
                 return self._piece(node, parts)
 

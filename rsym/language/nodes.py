@@ -84,12 +84,20 @@ _ALL = (
     Node(curve_nodes.Arc, (12, 16)),
     Node(curve_nodes.Helix, (5, 6)),
 )
+# What is not differentiated through: which argument it is, and what it must be.
+_SAME_EVERYWHERE = {
+    "Held": (0, "number"),
+    "AbsolutePower": (1, "number or an expression in letters"),
+    "SignedPower": (1, "number or an expression in letters"),
+}
 NODES: Mapping[str, Node] = {node.kind.__name__: node for node in _ALL}
 MADE = frozenset((*NODES, *COMPARISONS, *CONNECTIVES, PIECEWISE))
 
 
-def made(call: Call, arguments: Sequence[sp.Basic]) -> sp.Basic:
+def made(call: Call, arguments: Sequence[sp.Basic], varying: frozenset[sp.Symbol] | None = None) -> sp.Basic:
     """What a call of a node, of `piecewise` or of a comparison makes, unevaluated.
+
+    varying: the coordinates, on which a constant and an exponent must not depend; None where names stand for formulas.
 
     Raises
     ------
@@ -113,6 +121,12 @@ def made(call: Call, arguments: Sequence[sp.Basic]) -> sp.Basic:
     if call.keywords or not node.fits(len(arguments)) or any(isinstance(one, sp.Tuple) for one in arguments):
         wanted = " or ".join(map(str, node.counts)) + (" or more" if issubclass(node.kind, Fold) else "")
         raise call.place.refuse(f"{name} takes {wanted} formulas, got {len(arguments)}", "arity", "correct the call")
+    if varying is not None and name in _SAME_EVERYWHERE:
+        position, kept = _SAME_EVERYWHERE[name]
+        found = arguments[position].free_symbols
+        if found if kept == "number" else found & varying:
+            message = f"argument {position + 1} of {name} must be a {kept}, for its derivative is not taken"
+            raise call.place.refuse(message, "parameter", "write the formula with ^ and abs")
     if node.check is not None:
         try:
             node.check(*(arguments[: node.parameters] if node.parameters else arguments))

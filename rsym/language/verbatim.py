@@ -16,7 +16,7 @@ from rsym.language import exact
 from rsym.language.building import Builder
 from rsym.language.extent import HIGHEST_DEGREE, joined
 from rsym.language.parts import Part, exact_part
-from rsym.language.syntax import Call, Expression, Number, Power, Product, Sum
+from rsym.language.syntax import Call, Expression, Number, Place, Power, Product, Sum
 
 
 class Verbatim(Builder):
@@ -44,6 +44,7 @@ class Verbatim(Builder):
             case Power():
                 made = parts[0].expression
                 for exponent in parts[1:]:
+                    _check_power(made, exponent.expression, node.place)
                     made = sp.Pow(made, exponent.expression, evaluate=False)
                 degrees = math.prod(_degree(exponent) for exponent in parts[1:])
                 extent = joined(part.extent for part in parts)
@@ -73,6 +74,7 @@ class Verbatim(Builder):
                 coefficient = exact.checked(coefficient * value, text.place)
             elif sign < 0:
                 others.append(_inverse(part, text))
+                _check_power(part.expression, sp.S.NegativeOne, text.place)
             elif not others and isinstance(text, Sum) and text.signs == (-1,) and _is_minus(part.expression):
                 coefficient = -coefficient  # -x*y is one product, not one of -x
                 others.append(Part(part.expression.args[1], part.extent))
@@ -89,6 +91,18 @@ def _degree(exponent: Part) -> int:
         return 1
     size = abs(exponent.expression.evalf(5))
     return math.ceil(size) if size.is_Float and size < 2 * HIGHEST_DEGREE else 2 * HIGHEST_DEGREE
+
+
+def _check_power(base: sp.Expr, exponent: sp.Expr, place: Place) -> None:
+    """Refuse a division by the constant zero, and a root of a negative constant."""
+    if base.free_symbols or exponent.free_symbols:
+        return
+    value, power = base.evalf(15), exponent.evalf(15)
+    nothing = value == 0 or (value.is_Float and value._prec == 1)  # no digit of it is known
+    if nothing and power.is_negative:
+        raise exact.division_by_zero(place)
+    if value.is_negative and power.is_Float and not float(power).is_integer():
+        raise place.refuse("this constant is not a real number", "not-real", "correct the formula")
 
 
 def _is_minus(expression: sp.Expr) -> bool:
