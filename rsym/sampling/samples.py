@@ -108,7 +108,8 @@ def sample(
 
     Inside they are exactly so. On the boundary they lie on a leaf to rounding; how far their density is from uniform
     goes down with the fourth power of the cell against the radius of curvature, with its square beside curved edges; in
-    the plane to nothing but rounding. Where the boundary bends within a cell it needs a finer `resolution`.
+    the plane to nothing but rounding. Where the boundary bends within a cell, or has detail that a mesh of the same
+    resolution misses or warns of, it needs a finer one.
 
     Parameters
     ----------
