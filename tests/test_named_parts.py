@@ -105,6 +105,20 @@ def test_a_part_within_a_part_changes_what_it_is_in():
     assert changed.part("wheel").expression == conjunction(disc(0, 2).expression, -disc(1, 0.5).expression)
 
 
+def test_a_part_is_replaced_in_the_bump_of_a_blend_too():
+    """Found beside, as an operand of logic, the bump must not keep the old one."""
+    f, g, other = rsym.rectangle(2, 2), disc(1), disc(0, 0.5)
+    blended = rsym.displacement_blend(f, g.named("boss"), 0.1) | g.named("boss")
+    wanted = rsym.displacement_blend(f, other, 0.1) | other
+    assert blended.with_part("boss", other).expression == wanted.expression
+
+
+def test_a_multiple_of_a_part_is_that_of_the_new_one():
+    part = Shape(x * y, (x, y)).named("saddle")
+    whole = Shape(conjunction(3 * x * y, y), (x, y), parts=part.parts)
+    assert whole.with_part("saddle", Shape(x + y, (x, y))).expression == conjunction(3 * x + 3 * y, y)
+
+
 def test_a_part_of_a_sum_is_replaced_in_the_sum():
     """As the segment of a skeleton body is."""
     body = rsym.paper.skeleton_body()

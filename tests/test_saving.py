@@ -225,6 +225,8 @@ def test_show_prints_a_model_file(tmp_path, capsys):
     text = capsys.readouterr().out
     assert rsym.loads(text).letters["ra"].default == 2.75
     assert 'part "bonnet" = ' in text
+    assert main(["show", "car", "--model", "--latex"]) == 1
+    assert "one of them" in capsys.readouterr().err
     (tmp_path / "again.rf").write_text(text)
     assert main(["letters", str(tmp_path / "again.rf")]) == 0
     assert main(["show", str(tmp_path / "again.rf"), "--latex"]) == 0

@@ -54,6 +54,8 @@ def run(options: argparse.Namespace) -> None:
     from rsym.language.listing import definitions
 
     chosen = load_model(options)
+    if options.model_file and (options.latex or options.field):
+        raise RsymError("--model prints a model file, --latex a document", code="show", remedy="ask for one of them")
     if options.model_file:
         from rsym.language.writing import dumps
 

@@ -55,7 +55,8 @@ def loads(text: str, *, shape: str | None = None, variant: str | None = None) ->
     begin comments. ``piecewise(1 - x, x > 0, 1 + x)`` chooses, conditions are joined by and(...), or(...), not(...);
     ``30 deg`` is pi/6; ``part "bonnet" = f`` names a part. Of MATLAB are taken ``for k = 0:5 ... end`` over numbers,
     unrolled, in which a name may be defined anew; ``...`` at the end of a line; ``%{ ... %}``; and ``clear``, ``clc``,
-    ``close`` are passed over, lines with meshgrid or of drawing too, with a note.
+    ``close`` are passed over, lines with meshgrid or of drawing too, with a note. In a model that says ``verbatim``, as
+    those of `dumps` do, operations stay as they are written, decimals are floats and no letter is left out.
 
     Parameters
     ----------

@@ -93,7 +93,7 @@ class _StatementParser:
         return statement
 
     def _assignment(self, word: Token) -> Statement:
-        keywords = ", ".join(KEYWORDS[:-1])
+        keywords = ", ".join((*KEYWORDS[:-1], "part", "for"))
         self._cursor.expect("=", f"write {word.text} = expression, or begin with one of {keywords}")
         return Assignment(word.place, word.text, self._expressions.expression(), self._doc())
 

@@ -9,6 +9,7 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
+from rsym.model.blends.displacement import BoundedDisplacement, Displacement
 from rsym.model.factors import Scaled
 from rsym.model.folds import Fold
 from rsym.model.nodes import Trimming, ZeroWith
@@ -22,7 +23,7 @@ from rsym.model.traversal import postorder, rebuild, symbols_of, with_arguments,
 from rsym.model.wording import listing, proposal
 
 # Nodes whose operands are shapes: a coordinate among them is a half-plane, elsewhere it is a coordinate.
-_OF_SHAPES = (Fold, Scaled, Trimming, sp.Min, sp.Max, sp.Abs, AbsolutePower)
+_OF_SHAPES = (Fold, Scaled, Trimming, sp.Min, sp.Max, sp.Abs, AbsolutePower, Displacement, BoundedDisplacement)
 _IDEMPOTENT = (ROperation, sp.Min, sp.Max)
 
 
@@ -119,6 +120,14 @@ def _heads(fold: Fold) -> range:
     return range(2, len(fold.operands))
 
 
+def _operands(part: sp.Expr) -> tuple[sp.Expr, ...]:
+    """Where operands of logic are looked for: within logic, and in the terms of a sum, as those of a blend."""
+    if isinstance(part, Fold):
+        return part.operands
+    negated = part.is_Mul and len(part.args) == 2 and part.args[0].is_number
+    return tuple(part.args) if negated or part.is_Add or isinstance(part, _OF_SHAPES) else ()
+
+
 class _Swap:
     """Some formulas for one: where they are operands of logic if they are, else wherever they stand in `whole`."""
 
@@ -134,21 +143,18 @@ class _Swap:
     def within(self, expression: sp.Expr) -> sp.Expr:
         """The expression with the new formula in it."""
         done: dict[int, sp.Expr] = {}
-        for part, operands in with_operands(expression, self._operands):
-            image = self._image(part)
-            if image is None and operands:
-                image = self._rebuilt(part, [done[id(operand)] for operand in operands])
-            done[id(part)] = part if image is None else image
-        result = done[id(expression)]
+        for part, operands in with_operands(expression, _operands):
+            done[id(part)] = self._rebuilt(part, [done[id(operand)] for operand in operands]) if operands else part
+        result = self._in_place_of(expression, done[id(expression)])
         return self._anywhere(result) if self._loose else result
 
-    def _operands(self, part: sp.Expr) -> tuple[sp.Expr, ...]:
-        if part in self._images:
-            return ()
-        if isinstance(part, Fold):
-            return part.operands[self._head(part) :]
-        negated = part.is_Mul and len(part.args) == 2 and part.args[0].is_number
-        return tuple(part.args) if negated or isinstance(part, _OF_SHAPES) else ()
+    def _in_place_of(self, operand: sp.Expr, otherwise: sp.Expr) -> sp.Expr:
+        """The new formula, if this operand is an old one or a multiple of it."""
+        image = self._image(operand)
+        if image is None and operand.is_Mul and len(operand.args) == 2 and operand.args[0].is_number:
+            inner = self._image(operand.args[1])
+            image = None if inner is None else operand.args[0] * inner
+        return otherwise if image is None else image
 
     def _image(self, part: sp.Expr) -> sp.Expr | None:
         if part not in self._images:
@@ -167,12 +173,12 @@ class _Swap:
 
     def _rebuilt(self, part: sp.Expr, operands: list[sp.Expr]) -> sp.Expr:
         """The node of the new operands; a group in one conjunction or disjunction becomes one operand of it."""
-        before = list(part.args)
-        if isinstance(part, Fold):
-            if count := self._head(part):
-                head = self._image(part.func(*part.parameters, *part.operands[:count]))
-                operands = [part if head is None else head, *operands]
-            before = list(part.operands)
+        before = list(_operands(part))
+        if isinstance(part, _OF_SHAPES):
+            operands = list(map(self._in_place_of, before, operands))
+        if isinstance(part, Fold) and (count := self._head(part)):
+            head = self._image(part.func(*part.parameters, *before[:count]))
+            operands = [*([] if head is None else [head]), *operands[count:]]
         if len(operands) == len(before) and all(map(is_, operands, before)):
             return part
         if isinstance(part, _IDEMPOTENT):
