@@ -290,3 +290,13 @@ def test_planes_and_upright_cylinders_have_more_than_one_stripe():
     for places, normal in ((plane, [0.0, 0.0, 1.0]), (upright, [1.0, 0.3, 0.0])):
         heights = reflected_heights(np.tile(normal, (200, 1)), places, turn)
         assert np.ptp(STRIPES * heights) > 1.5
+
+
+def test_a_map_of_one_value_says_so_on_its_scale():
+    box = rsym.mesh(rsym.box(2, 1, 1), 16)
+    flat = rsym.plot_mesh(box, colour_by="mean_curvature", shape=rsym.box(2, 1, 1))
+    assert flat.scale_label == "mean curvature $H$, 0 everywhere"
+    ball = rsym.sphere(2)
+    assert rsym.plot_mesh(rsym.mesh(ball, 16), colour_by="k1", shape=ball).scale_label.endswith(", 0.5 everywhere")
+    egg = rsym.plot_mesh(rsym.mesh(ELLIPSOID, 16), colour_by="mean_curvature", shape=ELLIPSOID)
+    assert egg.scale_label == "mean curvature $H$"

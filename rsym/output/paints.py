@@ -151,7 +151,25 @@ def value_coat(
         index = np.nan_to_num(share * 255).round().astype(np.int64)
         return np.where(np.isnan(share)[:, None], undefined, table[index])
 
-    return Coat(paint, scale, label)
+    return Coat(paint, scale, label + _everywhere(values, unit) if label else "")
+
+
+def _everywhere(values: Floats, unit: float) -> str:
+    """That values are one and the same, as those of planes and cylinders are: then one colour is all there is to see.
+
+    Examples
+    --------
+    >>> _everywhere(np.array([0.0, 1e-12, np.nan]), 1.0), _everywhere(np.array([2.0, 2.0]), 0.0)
+    (', 0 everywhere', ', 2 everywhere')
+    >>> _everywhere(np.array([0.0, 0.1]), 1.0)
+    ''
+    """
+    known = values[np.isfinite(values)]
+    size = max(float(np.abs(known).max(initial=0.0)), unit)
+    if not known.size or np.ptp(known) > NOTHING * size:
+        return ""
+    middle = float(np.median(known))
+    return f", {0.0 if abs(middle) <= NOTHING * size else middle:.4g} everywhere"
 
 
 def checked_map(name: Any) -> str | None:

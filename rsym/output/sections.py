@@ -16,7 +16,7 @@ from matplotlib.colors import Normalize
 from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.model.requirements import file_path, several
 from rsym.output.atomic import write_atomically
 from rsym.output.dxf import dxf
@@ -116,6 +116,12 @@ def _with_lines(sections: Sequence[Section]) -> list[Section]:
     if not shown:
         raise RsymError(
             "none of the planes meets the body", code="no-surface", remedy="choose values inside the bounds"
+        )
+    missed = [f"{section.axis} = {section.value:.6g}" for section in given if not len(section.lines)]
+    if missed:
+        within = f"{shown[0].axis} from {shown[0].value:.6g} to {shown[-1].value:.6g}"
+        warn(
+            f"no boundary in the sections {', '.join(missed)}; remedy: values about those that meet the body, {within}"
         )
     return shown
 
