@@ -71,6 +71,17 @@ def test_a_threshold_sees_the_tip():
         rsym.smoothness_threshold(shape, "a", between=(1.5, 2))
 
 
+def test_a_threshold_is_proved_of_the_floats_that_it_names():
+    a = sp.Symbol("a", real=True)
+    third = sp.Rational(1, 3)  # exactly there the kink is gone; at the float below 1/3 it is not
+    omega = y - (x - third) ** 4 - sp.Abs(x - third) * sp.Max(0, third - a)
+    shape = rsym.Shape(omega, (x, y), letters={a: 0.4}, bounds=((-1.1, 1.2), (-1.3, 1.1)))
+    found = rsym.smoothness_threshold(shape, "a", between=(0, 1), tolerance=1e-2)
+    assert sp.Rational(found.refuted) < third < sp.Rational(found.certified)
+    for value, word in found.trials:
+        assert (word == "CERTIFIED") == (sp.Rational(value) > third), (value, word)
+
+
 def test_what_lies_between_bounds_and_axis_is_not_judged():
     tube = body(z - R, bounds=((1, 2), (-1, 1), (-3, 3)))
     report = rsym.verify_smoothness(tube)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -26,7 +27,8 @@ TRIED = (Fraction(1, 2), Fraction(3, 8), Fraction(5, 8))  # where a bracket is c
 class Threshold:
     """The bracket: the verdict is REFUTED at `refuted` and CERTIFIED at `certified`, both proved.
 
-    Between them nothing is said; `trials` are the values tried, with their verdicts, in order.
+    Between them nothing is said; `trials` are the values tried, with their verdicts, in order. All are floats, and the
+    verdicts are those of exactly these numbers.
 
     Examples
     --------
@@ -109,8 +111,11 @@ def smoothness_threshold(
         report(progress, len(trials), max(len(trials), 2 * SCAN + 1))
         return result
 
-    start = values[name][0] if low <= values[name][0] <= high else (low + high) / 2
-    values_tried = sorted({low + (high - low) * k / SCAN for k in range(SCAN + 1)} | {start})
+    low, high = map(Fraction, inward(low, high))
+    default = Fraction(float(values[name][0]))
+    inner = {_short(low + (high - low) * k / SCAN, (high - low) / SCAN) for k in range(1, SCAN)} | {default}
+    values_tried = sorted({low, high} | {value for value in inner if low < value < high})
+    start = default if low <= default <= high else (low + high) / 2
     bracket = _scan(values_tried, start, verdict, effort)
     if bracket is None and effort.is_over:
         raise RsymError(
@@ -138,8 +143,16 @@ def range_of(shape: Shape, name: str, between: tuple[Any, Any] | None = None) ->
         half if item.minimum is None else item.minimum,
         double if item.maximum is None else item.maximum,
     )
-    ends = ranges_of(shape.letters, {name: (low, high)})[name]
-    return ends
+    return ranges_of(shape.letters, {name: (low, high)})[name]
+
+
+def inward(low: Fraction, high: Fraction) -> tuple[float, float]:
+    """The widest interval between floats in a range: what is said of its ends is said of the numbers as they print."""
+    first, last = float(low), float(high)
+    return (
+        first if Fraction(first) >= low else math.nextafter(first, math.inf),
+        last if Fraction(last) <= high else math.nextafter(last, -math.inf),
+    )
 
 
 def _scan(
@@ -167,7 +180,7 @@ def _narrowed(
     while abs(certified - refuted) > tolerance * max(abs(certified), abs(refuted)):
         for share in TRIED:
             value = _short(refuted + (certified - refuted) * share, abs(certified - refuted))
-            word = UNDECIDED if effort.is_over else verdict(value)
+            word = UNDECIDED if effort.is_over or value in (refuted, certified) else verdict(value)
             if word in {REFUTED, CERTIFIED}:
                 break
         else:
@@ -177,5 +190,6 @@ def _narrowed(
 
 
 def _short(value: Fraction, width: Fraction) -> Fraction:
-    """A nearby fraction with few digits: the verdict is about exact numbers, long ones only cost time."""
-    return value.limit_denominator(max(1, int(64 / width)))
+    """A nearby float with few bits: long numbers only cost time, and what is proved is said of floats."""
+    step = Fraction(2) ** math.floor(math.log2(width / 64)) if width else Fraction(1)
+    return Fraction(float(round(value / step) * step))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -23,7 +21,7 @@ from rsym.verify.atlas.report import SmoothnessAtlas
 from rsym.verify.atlas.strips import thresholds_of
 from rsym.verify.atlas.subjects import PlaneSubject
 from rsym.verify.report import CERTIFIED
-from rsym.verify.threshold import range_of
+from rsym.verify.threshold import inward, range_of
 
 TOLERANCE = 0.02  # of the ranges: a strip that is a fine line in a figure
 BUDGET = 4_000  # rectangles: the body of Fig. 11 takes 550 at that tolerance
@@ -102,7 +100,7 @@ def smoothness_atlas(
     names = _names(shape, letter_a, letter_b, letters)
     _check(tolerance, budget, between)
     effort = Effort(timeout=timeout)
-    region = (_inward(*range_of(shape, names[0], between[0])), _inward(*range_of(shape, names[1], between[1])))
+    region = (inward(*range_of(shape, names[0], between[0])), inward(*range_of(shape, names[1], between[1])))
     for name, (low, high) in zip(names, region, strict=True):
         if not low < high:
             raise RsymError(f"the range of {name} is empty or one value", code="number", remedy="(low, high)")
@@ -163,15 +161,6 @@ def _check(tolerance: float, budget: int, between: Any) -> None:
         raise RsymError(
             f"the budget must be a positive integer, got {budget!r}", code="budget", remedy=f"such as {BUDGET}"
         )
-
-
-def _inward(low: Fraction, high: Fraction) -> tuple[float, float]:
-    """The widest interval between floats in a range: sides of rectangles are known exactly then."""
-    first, last = float(low), float(high)
-    return (
-        first if Fraction(first) >= low else math.nextafter(first, math.inf),
-        last if Fraction(last) <= high else math.nextafter(last, -math.inf),
-    )
 
 
 def _curvatures(
