@@ -126,7 +126,7 @@ def test_holes_run_the_other_way_round():
 def test_the_stack_is_drawn_from_the_far_end_with_its_holes_open(elevation):
     stack = rsym.sections(TUBE, [1, 0, -1.0, 5], resolution=48)
     ax = matplotlib.figure.Figure().add_subplot()
-    with pytest.warns(rsym.RsymWarning, match="no boundary in the sections z = 5; .*z from -1 to 1"):
+    with pytest.warns(rsym.RsymWarning, match="no boundary in the sections z = 5; .*z = -1 to 1"):
         drawn_stack = rsym.plot_sections(stack, ax=ax, elevation=elevation)
     assert len(drawn_stack.get_paths()) == 3
     heights = [path.vertices[:, 1].mean() for path in drawn_stack.get_paths()]

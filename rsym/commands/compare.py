@@ -52,7 +52,7 @@ def add(commands: Commands) -> None:
         help='R-systems instead of designs: class, order, operations, slope on the boundary; R0 R1 "Rp 4" "R0m 2"',
     )
     parser.add_argument("--json", action="store_true", help="print the table with all reports as JSON")
-    parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the designs: .png, .svg or .pdf")
+    parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the designs: .png, .svg, .pdf or .eps")
 
 
 def run(options: argparse.Namespace) -> None:

@@ -26,7 +26,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--radius", type=float, metavar="R", help="the size of roundings and blends, a length")
     add_timeout(parser, "what was not tried by then is rejected")
     parser.add_argument("--json", action="store_true", help="print the candidates as JSON")
-    parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the candidates: .png, .svg or .pdf")
+    parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the candidates: .png, .svg, .pdf or .eps")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -119,10 +119,9 @@ def _with_lines(sections: Sequence[Section]) -> list[Section]:
         )
     missed = [f"{section.axis} = {section.value:.6g}" for section in given if not len(section.lines)]
     if missed:
-        within = f"{shown[0].axis} from {shown[0].value:.6g} to {shown[-1].value:.6g}"
-        warn(
-            f"no boundary in the sections {', '.join(missed)}; remedy: values about those that meet the body, {within}"
-        )
+        met = dict.fromkeys(f"{section.value:.6g}" for section in (shown[0], shown[-1]))
+        within = f"{shown[0].axis} = {' to '.join(met)}"
+        warn(f"no boundary in the sections {', '.join(missed)}; remedy: values about those that meet one, {within}")
     return shown
 
 
