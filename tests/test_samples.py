@@ -221,6 +221,8 @@ def test_stratified_points_have_the_same_density_and_vary_less(shape, over):
         ({"letters": {"q": 1}}, "q"),
         ({"bounds": 3}, "bounds"),
         ({"over": "boundary", "resolution": "fine"}, "resolution"),
+        ({"over": "boundary", "resolution": 0}, "resolution"),
+        ({"over": "boundary", "resolution": np.array([8, 1])}, "resolution"),
     ],
     ids=str,
 )

@@ -95,6 +95,8 @@ def made():
     yield "systems", rsym.conjunction(square, disc, system=Rp(4)) | rsym.disjunction(square, disc, system=R0m(2))
     yield "letter of a system", (square & disc).with_system(RAlpha(a), letters={a: 0.5})
     yield "one system", (square & disc).with_system(Rp(4))
+    yield "decimal of a system", (square & disc).with_system(RAlpha(0.5))
+    yield "negative decimal of a system", (square & disc).with_system(RAlpha(-0.25))
     yield "blends", rsym.conjunction(square, disc, system=Rho(sp.Rational(1, 5)))
     yield "cubic", rsym.disjunction(square, disc, square.translate(1, 1), system=Rho(0.2, "G2", 0.1))
     yield "sardf", rsym.conjunction(square, disc, system=Sardf(0.5))
@@ -197,6 +199,7 @@ def test_few_random_formulas_are_refused():
         (Shape(sp.Symbol("α", real=True) - x, (x, y), letters={"α": 1}), "α"),
         (Shape(sp.Symbol("sin", real=True) - x, (x, y), letters={"sin": 1}), "sin"),
         (Shape(a - x, (x, y), letters={a: Letter(1, doc="two\nlines")}), "one line"),
+        (Shape(x, (x, y)).named("half \ud800"), "half a character"),
         (Shape(x - sp.EulerGamma, (x, y)), "EulerGamma"),
         (Shape(x - sp.Float("0.1", 50), (x, y)), "0.1"),
     ],

@@ -72,8 +72,8 @@ def _in_range(place: Place, like: Letter, default: Number, low: Number | None, h
         raise place.refuse(error.message, error.code, error.remedy) from None
 
 
-def system(statement: SystemStatement, letters: Mapping[str, Letter]) -> RSystem:
-    """The R-system of that name, its parameter a number or a letter."""
+def system(statement: SystemStatement, letters: Mapping[str, Letter], *, floats: bool = False) -> RSystem:
+    """The R-system of that name, its parameter a number, as floats a decimal is one, or a letter."""
     name, parameter = statement.name, statement.parameter
     if name in SYSTEMS:
         if parameter is not None:
@@ -89,7 +89,7 @@ def system(statement: SystemStatement, letters: Mapping[str, Letter]) -> RSystem
         raise statement.place.refuse(f"the system {name} needs its parameter", "parameter", remedy)
     spoken = letters.get(parameter.name) if isinstance(parameter, Name) else None
     try:
-        checked = family(closed_number(parameter) if spoken is None else spoken.default)
+        checked = family(closed_number(parameter, floats) if spoken is None else spoken.default)
     except RsymError as error:
         raise parameter.place.refuse(error.message, error.code, error.remedy or remedy) from None
     return family(real_symbol(parameter.name)) if isinstance(parameter, Name) else checked

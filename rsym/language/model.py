@@ -100,7 +100,7 @@ class _Table:
             {name: variant(statement, self._letters) for name, statement in self._variants.items()},
             coordinates,
             None if self._bounds is None else bounds(self._bounds, coordinates),
-            R0 if self._system is None else system(self._system, self._letters),
+            R0 if self._system is None else system(self._system, self._letters, floats=self._verbatim),
             tuple(self._assignments),
             tuple(self._parts),
             self._verbatim,

@@ -166,6 +166,8 @@ def _letter(name: str, letter: Letter) -> str:
 def _quoted(text: str, what: str) -> str:
     if not isinstance(text, str) or any(end in text for end in "\n\r"):
         raise unspeakable(f"{what}, which has more than one line")
+    if any("\ud800" <= character <= "\udfff" for character in text):
+        raise unspeakable(f"{what}, which holds half a character")
     doubled = text.replace('"', '""')
     return f'"{doubled}"'
 

@@ -169,7 +169,8 @@ def sample(
         source = _inside(shape, bounds, letters)
     else:
         lines = _on_lines if shape.dimension == 2 else _on_surface
-        source = lines(shape, bounds, letters, resolution or RESOLUTION[shape.dimension], over)
+        fineness = RESOLUTION[shape.dimension] if resolution is None else resolution
+        source = lines(shape, bounds, letters, fineness, over)
     drawn = _gathered(source, n * (CANDIDATES if stratified else 1), generator)
     if stratified:
         strata = np.argsort(drawn.order, kind="stable").reshape(n, CANDIDATES)
