@@ -109,3 +109,36 @@ def test_one_field_by_its_name_alone_is_one_step():
     rsym.plot_fields(disc, "value", resolution=16, progress=lambda *step: seen.append(step))
     assert {total for _, total in seen} == {1}
     assert seen[-1] == (1, 1)
+
+
+@pytest.mark.parametrize(
+    "axes",
+    ["x", 3, matplotlib.figure.Figure(), matplotlib.figure.Figure().subfigures(), np.array([None])],
+    ids=lambda one: type(one).__name__,
+)
+def test_what_nothing_is_drawn_on_is_refused(axes):
+    disc = rsym.disc(1)
+    stack = rsym.sections(rsym.sphere(1), [0], resolution=16)
+    for draw in (
+        lambda: rsym.plot_field(disc, ax=axes, resolution=8),
+        lambda: rsym.plot_curvature_comb(disc, ax=axes, resolution=32),
+        lambda: rsym.plot_sections(stack, ax=axes),
+    ):
+        with pytest.raises(RsymError, match="ax must be an Axes") as caught:
+            draw()
+        assert caught.value.code == "axes"
+
+
+@pytest.mark.parametrize("limits", [None, (-1e308, 1e308)])
+def test_values_that_matplotlib_cannot_fill_are_refused_with_the_remedy(limits):
+    steep = rsym.Shape(sp.exp(1000 * x) - 1, (x, y), bounds=((-2, 2), (-2, 2)))
+    with pytest.raises(RsymError, match=r"cannot be drawn.*limits=\(-1, 1\)"):
+        rsym.plot_field(steep, limits=limits, resolution=40)
+    rsym.plot_field(steep, limits=(-1, 1), resolution=40)
+
+
+@pytest.mark.parametrize("fields", [None, 3])
+def test_fields_that_are_no_names_are_refused(fields):
+    for ask in (rsym.compile, rsym.lambdify, rsym.plot_fields):
+        with pytest.raises(RsymError, match="field"):
+            ask(rsym.disc(1), fields)

@@ -79,7 +79,7 @@ def test_areas_and_lengths_take_holes_into_account():
 def test_lines_that_end_bound_no_area():
     lines = rsym.level_lines(rsym.Shape(x, (x, y), bounds=BOX), resolution=40)
     assert_close(lines.length, np.ptp(lines[0][:, 1]), rtol=1e-12)
-    assert lines.length >= 4
+    assert_close(lines.length, 4, rtol=1e-12)
     for ask in (lambda: lines.area, lines.to_shapely):
         with pytest.raises(RsymError, match=r"1 of 1 lines end.*remedy.*bounds"):
             ask()
@@ -143,3 +143,30 @@ def test_random_regions_are_valid_polygons_whatever_the_lattice_misses():
         assert isinstance(region, shapely.MultiPolygon)
         assert region.is_valid
         assert abs(region.area - lines.area) < 0.02
+
+
+@pytest.mark.parametrize("resolution", [16, 77, (40, 23)])
+def test_lines_end_at_the_bounds_on_the_level(resolution):
+    disc = rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-2, 0.5), (-2, 0.75)))
+    (line,) = rsym.level_lines(disc, resolution=resolution)
+    ends = sorted(map(tuple, line[[0, -1]]))
+    assert_close(ends, sorted([(-np.sqrt(7) / 4, 0.75), (0.5, -np.sqrt(0.75))]), atol=1e-12)
+    assert (line[:, 0].max(), line[:, 1].max()) == (0.5, 0.75)
+    assert_close(np.hypot(*line.T), np.ones(len(line)), atol=1e-12)
+
+
+def test_a_line_through_the_bounds_is_as_long_as_they_are_wide_and_pieces_outside_go():
+    (flat,) = rsym.level_lines(rsym.Shape(y, (x, y), bounds=((-1, 1), (-1, 1))), resolution=32)
+    assert flat[[0, -1]].tolist() == [[-1, 0], [1, 0]]
+    disc, square = rsym.Shape(1 - x**2 - y**2, (x, y)), ((-0.9, 0.9), (-0.9, 0.9))
+    arcs = rsym.level_lines(disc, resolution=64, bounds=square)  # closed on the lattice, four arcs in the bounds
+    assert (len(arcs), arcs.status.closed, arcs.status.kept) == (4, 0, 0)
+    assert_close(arcs.length, 2 * np.pi - 8 * np.arccos(0.9), rtol=1e-3)
+    on_the_left(arcs, lambda points: 1 - (points**2).sum(axis=1), 0, 0.01)
+
+
+def test_what_touches_the_bounds_stays_closed():
+    disc = rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-1, 1), (-1, 1)))
+    lines = rsym.level_lines(disc, resolution=50)
+    assert (lines.status.closed, lines.status.open) == (1, 0)
+    assert_close(lines.area, np.pi, rtol=1e-3)

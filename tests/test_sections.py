@@ -251,3 +251,9 @@ def test_features_are_read_back_from_dxf(tmp_path):
     ):
         with pytest.raises(RsymError):
             wrong()
+
+
+@pytest.mark.parametrize("values", [0.5, None])
+def test_one_value_alone_is_refused_with_the_remedy(values):
+    with pytest.raises(RsymError, match=r"several values.*\[0.5\]|several values.*None"):
+        rsym.sections(rsym.sphere(1), values)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property, reduce
 from typing import Any
@@ -303,6 +303,10 @@ def _part_names(field: str, size: int) -> NDArray[np.str_]:
 
 def checked_fields(fields: Sequence[str]) -> tuple[str, ...]:
     """The fields as a tuple of known names; one name alone is accepted too."""
+    if not isinstance(fields, Iterable):
+        raise RsymError(
+            f"fields are names, got {fields!r}", code="unknown-field", remedy='for example ("value", "gradient")'
+        )
     names = (fields,) if isinstance(fields, str) else tuple(fields)
     unknown = [name for name in names if name not in FIELDS]
     if unknown and str(unknown[0]).startswith("normalised"):

@@ -22,7 +22,7 @@ from rsym.errors import RsymError
 from rsym.model.names import typeset_name
 from rsym.output.certificates import DEFECT
 from rsym.output.paints import checked_limits, checked_map
-from rsym.output.pictures import figure_of, require_report
+from rsym.output.pictures import figure_of, require_axes, require_report
 from rsym.verify.atlas.levels import FEWEST, round_levels
 from rsym.verify.atlas.report import SmoothnessAtlas
 from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
@@ -99,6 +99,7 @@ def plot_atlas(
         import matplotlib.pyplot
 
         _, ax = matplotlib.pyplot.subplots(figsize=SIZE, layout="constrained")
+    require_axes(ax)
     _draw_parts(ax, atlas, outlines=rectangles)
     colours = _draw_curvature(ax, atlas, levels, limits, str(checked_map(colour_map)))
     _draw_thresholds(ax, atlas)

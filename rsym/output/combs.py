@@ -18,6 +18,7 @@ from rsym.model.letters import real_number
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.output.paints import checked_limits, checked_map
+from rsym.output.pictures import require_axes
 from rsym.sampling.combs import Comb, combs
 
 Floats = NDArray[np.float64]
@@ -106,6 +107,7 @@ def plot_curvature_comb(
         import matplotlib.pyplot
 
         _, ax = matplotlib.pyplot.subplots(figsize=_page(found, factor, longest), layout="compressed")
+    require_axes(ax)
     drawn = _draw(ax, found, factor, longest, limits, checked_map(colour_map))
     names = [symbol.name for symbol in shape.coordinates if symbol.name not in map(str, section or {})]
     ax.set(aspect="equal", xlabel=f"${names[0]}$", ylabel=f"${names[1]}$")

@@ -15,7 +15,7 @@ from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.output.looks import Look
 from rsym.output.panels import TITLES, colour_bar, draw_levels, dress
-from rsym.output.pictures import page, whole
+from rsym.output.pictures import page, require_axes, whole
 from rsym.output.sheet import Sheet, sheet_sampler
 from rsym.sampling.blanks import missing_boundary, undefined_picture
 from rsym.sampling.contours import trace
@@ -110,6 +110,7 @@ def plot_field(
         import matplotlib.pyplot
 
         _, ax = matplotlib.pyplot.subplots(layout="compressed")
+    require_axes(ax)
     boundary = trace(omega, 0.0, values=logic)
     artist = draw_levels(ax, sampler, values, chosen, boundary, look, logic)
     dress(ax, sampler, TITLES[field] if title is None else title)

@@ -43,6 +43,7 @@ TITLES = {
 PLAIN_NUMBERS = StrMethodFormatter("{x:g}")
 # A line may be this share of a cell beside itself when it is drawn; matplotlib allows itself so many pixels.
 STRAIGHT, SIMPLIFIED = 0.1, 1 / 9
+LARGEST = 1e249  # matplotlib fills up to 1e250
 
 
 def draw_levels(
@@ -65,6 +66,12 @@ def draw_levels(
         box = Rectangle((u[0], v[0]), u[-1] - u[0], v[-1] - v[0], facecolor="0.92", edgecolor="0.6", hatch="////")
         box.set(linewidth=0, zorder=0)
         ax.add_patch(box)
+    if np.abs(levels).max() > LARGEST:
+        raise RsymError(
+            f"levels up to {np.abs(levels).max():.2g} cannot be drawn, {LARGEST:g} is the most",
+            code="levels",
+            remedy="limits=(-1, 1) for values about 0, or scale the formula",
+        )
     colours, scale = look.colours(levels)
     artist = ax.contourf(u, v, shown, levels=levels, cmap=colours, norm=scale, extend="both")
     artist.set(rasterized=True)

@@ -12,6 +12,7 @@ from typing import Any
 
 import matplotlib
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from rsym.errors import RsymError
@@ -83,6 +84,17 @@ def figure_of(artist: Artist) -> Figure:
     whole = figure.figure
     assert isinstance(whole, Figure)
     return whole
+
+
+def require_axes(axes: Any) -> Axes:
+    """Refuse what nothing in the plane is drawn on."""
+    if not isinstance(axes, Axes):
+        raise RsymError(
+            f"ax must be an Axes of matplotlib, got {type(axes).__name__}",
+            code="axes",
+            remedy="ax=figure.add_subplot(), one of those that subplots(1, 2) makes, or leave ax out",
+        )
+    return axes
 
 
 def page(

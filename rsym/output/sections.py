@@ -21,6 +21,7 @@ from rsym.model.requirements import file_path, several
 from rsym.output.atomic import write_atomically
 from rsym.output.dxf import dxf
 from rsym.output.paints import checked_limits, checked_map
+from rsym.output.pictures import require_axes
 from rsym.output.shading import AZIMUTH
 from rsym.output.units import UNITS, check_unit
 from rsym.sampling.sections import Section
@@ -87,6 +88,7 @@ def plot_sections(
         import matplotlib.pyplot
 
         _, ax = matplotlib.pyplot.subplots(figsize=(8, 6), layout="constrained")
+    require_axes(ax)
     screen = _screen(elevation, azimuth)
     colours = _colours(shown, str(checked_map(colour_map)), limits)
     toward = screen[2, shown[0].normal]

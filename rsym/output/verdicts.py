@@ -29,7 +29,7 @@ from rsym.output.certificates import (
 )
 from rsym.output.combs import plot_curvature_comb
 from rsym.output.magnified import draw_magnified
-from rsym.output.pictures import figure_of
+from rsym.output.pictures import figure_of, require_axes
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.report import SmoothnessReport
@@ -120,7 +120,7 @@ def plot_verdict(
     lines = about.lines(about.bounds, resolution or CELLS)
     windows = 0 if ax is not None else min(max(0, magnified), len(report.defects))
     if ax is not None:
-        figure, main, rest = figure_of(ax), ax, list[Axes]()
+        figure, main, rest = figure_of(require_axes(ax)), ax, list[Axes]()
     else:
         figure, main, rest = _page(lines, report, windows)
     handles = _draw_main(main, report, about, lines, windows, comb)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Any, overload
+from typing import Any, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +14,16 @@ from skimage.measure import find_contours
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.requirements import optional_package, require_shape
-from rsym.model.shape import Shape
+from rsym.model.shape import Bounds, Shape
+from rsym.sampling.cropping import cropped
 from rsym.sampling.plane import PlaneSampler, plane_sampler
 from rsym.sampling.stills import line_picture
 
 NEWTON_STEPS = 12
 # A vertex is on the level when one more Newton step would move it by less than this share of a cell.
 ON_LEVEL = 1e-9
+
+_Moved: TypeAlias = tuple[NDArray[np.float64], NDArray[np.bool_]]  # vertices (n, 2), and which of them arrived
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,7 @@ class LevelLines(Sequence[NDArray[np.float64]]):
     >>> len(lines), lines[0].shape[1]
     (2, 2)
     >>> print(lines.status)
-    0 closed and 2 open lines with 50 vertices on the level.
+    0 closed and 2 open lines with 48 vertices on the level.
     """
 
     lines: tuple[NDArray[np.float64], ...]
@@ -165,10 +168,11 @@ def _signed_area(line: NDArray[np.float64]) -> float:
     return float(u[:-1] @ v[1:] - u[1:] @ v[:-1]) / 2
 
 
-def _turned_like(line: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray[np.float64]:
+def _turned_like(moved: _Moved, before: NDArray[np.float64]) -> _Moved:
     """A line that was moved; a closed one smaller than a cell may have been turned over, and is turned back."""
+    line, good = moved
     closed = (before[0] == before[-1]).all()
-    return line[::-1] if closed and _signed_area(line) * _signed_area(before) < 0 else line
+    return (line[::-1], good[::-1]) if closed and _signed_area(line) * _signed_area(before) < 0 else moved
 
 
 @overload
@@ -219,7 +223,8 @@ def level_lines(
     resolution : int or two ints
         Square cells along the longer side, or cells along each axis.
     bounds, letters
-        Override those of the shape. Without any bounds those of `extent` are taken, and an eighth around them.
+        Override those of the shape; lines end at them. Without any bounds those of `extent` are taken, and an eighth
+        around them.
     force : bool
         Whether to go on where the estimate says that there is not memory enough.
 
@@ -255,24 +260,31 @@ def level_lines(
         shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section, force=force
     )
     values = sampler.values()
-    found = tuple(trace(sampler, one, field, values=values) for one in wanted)
+    found = tuple(trace(sampler, one, field, values=values, bounds=sampler.bounds) for one in wanted)
     return found if asked is level else found[0]
 
 
 def trace(
-    sampler: PlaneSampler, level: float, field: str = "value", *, values: NDArray[np.float64] | None = None
+    sampler: PlaneSampler,
+    level: float,
+    field: str = "value",
+    *,
+    values: NDArray[np.float64] | None = None,
+    bounds: Bounds | None = None,
 ) -> LevelLines:
-    """The level lines of a prepared field; `values` are its samples, if they are known."""
+    """The level lines of a prepared field over its lattice, or within bounds; `values` are its samples, if known."""
     values = sampler.values() if values is None else values
     if np.isnan(values).all():
         raise RsymError(f"the field {field!r} is undefined in all of the bounds", code="undefined")
     found = find_contours(values, level, positive_orientation="high")
-    moved = [move_onto_level(sampler, sampler.lattice.points(line), level) for line in found]
-    lines = tuple(_turned_like(line, before) for (line, _), before in zip(moved, found, strict=True))
-    closed = sum(bool((line[0] == line[-1]).all()) for line in found)
+    moved = [_turned_like(move_onto_level(sampler, sampler.lattice.points(line), level), line) for line in found]
+    if bounds is not None:
+        moved = _within(sampler, moved, level, bounds)
+    lines = tuple(line for line, _ in moved)
+    closed = sum(bool((line[0] == line[-1]).all()) for line in lines)
     status = LevelLinesStatus(
         vertices=sum(map(len, lines)),
-        kept=sum(kept for _, kept in moved),
+        kept=sum(int((~good).sum()) for _, good in moved),
         undefined_samples=int(np.isnan(values).sum()),
         closed=closed,
         open=len(lines) - closed,
@@ -280,14 +292,34 @@ def trace(
     return LevelLines(lines, level, field, status)
 
 
-def move_onto_level(sampler: PlaneSampler, line: NDArray[np.float64], level: float) -> tuple[NDArray[np.float64], int]:
-    """Newton along the gradient; a vertex that does not arrive within a cell keeps its place and is counted."""
+def _within(sampler: PlaneSampler, moved: Sequence[_Moved], level: float, bounds: Bounds) -> list[_Moved]:
+    """Lines cut off at the bounds; their new ends slide along the border onto the level."""
+    lines, ends = cropped([np.column_stack(one) for one in moved], bounds)
+    if ends:
+        places = np.array([lines[line][vertex, :2] for line, vertex, _ in ends])
+        placed, good = move_onto_level(sampler, places, level, fixed=np.array([axis for _, _, axis in ends]))
+        low, high = np.array(bounds, float).T
+        good &= ((placed >= low) & (placed <= high)).all(axis=1)
+        for (line, vertex, _), place, arrived in zip(ends, np.where(good[:, None], placed, places), good, strict=True):
+            lines[line][vertex] = (*place, arrived)
+    return [(line[:, :2], line[:, 2] == 1) for line in lines]
+
+
+def move_onto_level(
+    sampler: PlaneSampler, line: NDArray[np.float64], level: float, *, fixed: NDArray[np.intp] | None = None
+) -> _Moved:
+    """Newton along the gradient; a vertex that does not arrive within a cell keeps its place, and its flag is False.
+
+    `fixed` names a coordinate of each vertex that must not change.
+    """
     cell = min(sampler.lattice.spacing)
     points = line.copy()
     arrived = np.zeros(len(line), bool)
     with np.errstate(all="ignore"):
         for _ in range(NEWTON_STEPS):
             value, gradient = sampler.value_and_gradient(points)
+            if fixed is not None:
+                gradient[np.arange(len(line)), fixed] = 0
             squared = np.einsum("ij,ij->i", gradient, gradient)
             step = ((value - level) / squared)[:, None] * gradient
             length = np.hypot(*step.T)
@@ -297,4 +329,4 @@ def move_onto_level(sampler: PlaneSampler, line: NDArray[np.float64], level: flo
             if arrived.all():
                 break
         good = arrived & (np.hypot(*(points - line).T) <= 1.5 * cell)
-    return np.where(good[:, None], points, line), int((~good).sum())
+    return np.where(good[:, None], points, line), good

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -118,6 +118,10 @@ def sections(
             f"sections need a shape in space and one of its coordinates, got {', '.join(names)} and {axis}",
             code="section",
             remedy="sections(shape, values, axis=z) with a shape in (x, y, z)",
+        )
+    if not isinstance(values, Iterable):
+        raise RsymError(
+            f"sections take several values, got {values!r}", code="section", remedy=f"for one section [{values!r}]"
         )
     heights = [float(real_number(value, f"a section {axis}")) for value in values]
     if not heights:
