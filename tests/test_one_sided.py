@@ -93,3 +93,12 @@ def test_collocation_at_the_corners_of_a_polygon_meets_no_nan():
 def test_another_choice_is_refused():
     with pytest.raises(rsym.RsymError, match="'nan' or 'one-sided'"):
         at(x * y, 0, 0, at_corners="mean")
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [rsym.conjunction(F, G, system=rsym.Sardf(0.5)), rsym.trimming(F, 1 - x**2), rsym.exclusive_or(F, G)],
+    ids=["sardf", "trimming", "exclusive or"],
+)
+def test_where_no_side_is_preferred_there_is_no_direction(expression):
+    assert np.isnan(at(expression, 0, 0)["normalised_gradient"]).all()

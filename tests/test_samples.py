@@ -213,6 +213,8 @@ def test_stratified_points_have_the_same_density_and_vary_less(shape, over):
     [
         ({"n": 0}, "positive integer"),
         ({"n": 2.5}, "positive integer"),
+        ({"n": 10**13}, "GB of memory.*rng="),
+        ({"n": 10**12, "over": "boundary", "stratified": True}, "GB of memory.*rng="),
         ({"over": "rin"}, "did you mean 'rim'"),
         ({"over": "spout"}, "rim"),
         ({"over": None}, "over"),

@@ -140,3 +140,8 @@ def test_a_branch_may_be_undefined():
     assert Shape(sp.Piecewise((x, x > y), (sp.nan, True)), (x, y)).dimension == 2
     kinked = rsym.gradient(Shape(sp.Max(x, y), (x, y)))
     assert Shape(kinked[0], (x, y)).dimension == 2
+
+
+def test_a_value_just_outside_its_range_is_shown_in_full():
+    with pytest.raises(RsymError, match=r"must lie in \[6.1, 10\], got 6.0999999;"):
+        Letter(7, minimum=6.1, maximum=10).check(6.0999999, "the letter")

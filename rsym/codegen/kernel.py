@@ -183,8 +183,9 @@ def compile(
         Where ``gradient, gradient_squared, singular`` and those of ``normalised`` have no two-sided value they are
         NaN (``singular``: True), or those of one side: of an R-operation the limit along f = g > 0, for R_0
         (1 - 1/sqrt(2)) (grad f + grad g); of abs that of positive operands, of a tie of min or max the first operand's,
-        of a `Piecewise` that of its value. ``normalised_gradient`` then has length 1 where omega is 0. Tips of cones
-        and vertical tangents have no such side, second derivatives none at any corner: they stay NaN.
+        of a `Piecewise` that of its value. ``normalised_gradient`` then has length 1 where omega is 0, unless both
+        sides cancel as in f ^ g. Tips of cones, vertical tangents, curves of positive sides (`trimming`, `segment`),
+        corners of `Sardf` have no such side, second derivatives none at any corner: they stay NaN.
 
     Raises
     ------

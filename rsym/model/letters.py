@@ -50,8 +50,9 @@ class Letter:
         high = math.inf if self.maximum is None else self.maximum
         # As floats: an end such as 61/10 is not one, and whoever types 6.1 means it.
         if not float(low) <= float(value) <= float(high):
+            shown = _plain(value)  # rounded, it may seem to be in the range
             raise RsymError(
-                f"{name} must lie in {self.range}, got {_plain(value)}",
+                f"{name} must lie in {self.range}, got {shown if float(shown) == float(value) else repr(float(value))}",
                 code="letter-range",
                 remedy="choose a value inside the range, or widen the range where the letter is declared",
             )

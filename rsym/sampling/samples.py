@@ -25,6 +25,7 @@ from rsym.sampling.boxes import Boxes, halves
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.form_signs import FormBounds, FormSigns
 from rsym.sampling.leaf_fields import LeafFields, distances
+from rsym.sampling.memory import Budget, TooLarge, free_memory
 from rsym.sampling.meshing import mesh
 from rsym.sampling.outlines import outline
 from rsym.sampling.plane import plane_sampler
@@ -139,7 +140,7 @@ def sample(
     ------
     RsymError
         For a number of points that is not positive, an unknown part, one that has nothing of the boundary, a shape
-        that is empty within its bounds, or that goes on without end and has none.
+        that is empty within its bounds, or that goes on without end and has none, more points than memory holds.
 
     Warns
     -----
@@ -163,6 +164,8 @@ def sample(
     require_shape(shape)
     require_count("n", n, "for example sample(shape, 1000)")
     generator = _generator(rng)
+    drawn_in_all = n * (CANDIDATES if stratified else 1)
+    _check_memory(drawn_in_all, shape.dimension)
     if not isinstance(over, str):
         raise RsymError(f"over is inside, boundary or the name of a part, got {over!r}", code="over", remedy=INSIDE)
     if over == INSIDE:
@@ -171,12 +174,24 @@ def sample(
         lines = _on_lines if shape.dimension == 2 else _on_surface
         fineness = RESOLUTION[shape.dimension] if resolution is None else resolution
         source = lines(shape, bounds, letters, fineness, over)
-    drawn = _gathered(source, n * (CANDIDATES if stratified else 1), generator)
+    drawn = _gathered(source, drawn_in_all, generator)
     if stratified:
         strata = np.argsort(drawn.order, kind="stable").reshape(n, CANDIDATES)
         chosen = strata[np.arange(n), generator.integers(CANDIDATES, size=n)]
         drawn = drawn.take(generator.permutation(chosen))
     return Samples(drawn.points, drawn.normals, drawn.parts)
+
+
+def _check_memory(count: int, dimension: int) -> None:
+    """Refuse points that do not fit, those of a batch and put together."""
+    try:
+        Budget(free_memory()).claim(2.0 * 8 * (dimension + 1) * count)
+    except TooLarge as error:
+        raise RsymError(
+            f"{count} points: {error.message}",
+            code="memory",
+            remedy="fewer at a time, one call after the other with one rng=numpy.random.default_rng(1)",
+        ) from None
 
 
 def _generator(rng: Any) -> np.random.Generator:
