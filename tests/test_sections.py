@@ -257,3 +257,15 @@ def test_features_are_read_back_from_dxf(tmp_path):
 def test_one_value_alone_is_refused_with_the_remedy(values):
     with pytest.raises(RsymError, match=r"several values.*\[0.5\]|several values.*None"):
         rsym.sections(rsym.sphere(1), values)
+
+
+def test_lines_end_at_the_bounds_on_the_surface():
+    ball = Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 0.5), (-2, 0.75), (-2, 2)))
+    (section,) = rsym.sections(ball, [0.1], resolution=40)
+    (line,) = section.lines
+    radius = np.sqrt(0.99)
+    expected = [(-np.sqrt(0.99 - 0.75**2), 0.75), (0.5, -np.sqrt(0.99 - 0.25))]
+    assert_close(sorted(map(tuple, line[[0, -1]])), expected, atol=1e-12)
+    assert (line[:, 0].max(), line[:, 1].max()) == (0.5, 0.75)
+    assert_close(np.hypot(*line.T), np.full(len(line), radius), atol=1e-12)
+    assert (section.lines.status.open, section.lines.status.vertices) == (1, len(line))
