@@ -70,6 +70,11 @@ GROWING = Shape(LETTER**2 - (x - 9) ** 2 - y**2, (x, y), letters={LETTER: 1}, bo
             "there is none anywhere",
         ),
         (
+            lambda: rsym.plot_field(Shape(sp.Max(0, x - 5), (x, y), bounds=AWAY.bounds), ax=axes(), resolution=16),
+            "omega is 0 all over",
+            "other bounds",
+        ),
+        (
             lambda: rsym.plot_field(Shape(sp.sqrt(x) - y, (x, y), bounds=((-3, 1), (-1, 1))), ax=axes()),
             "undefined on 75 % of the picture",
             "other bounds",

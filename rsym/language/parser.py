@@ -111,6 +111,8 @@ class _StatementParser:
     def _part(self, word: Token) -> Statement:
         example = 'for example: part "wheel" = f1'
         name = self._cursor.expect_kind("text", "the name of a part in quotation marks", example)
+        if not name.quoted.strip():
+            raise name.place.refuse("a part needs a name", "part-name", example)
         self._cursor.expect("=", example)
         return PartStatement(name.place, name.quoted, self._expressions.expression())
 

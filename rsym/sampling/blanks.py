@@ -43,7 +43,7 @@ def missing_boundary(shape: Shape, omega: PlaneSampler, values: NDArray[np.float
     no boundary in the bounds ((-2, 2), (-2, 2)): omega is negative all over; \
 remedy: bounds=((7.98, 10.02), (-1.02, 1.02)), where the boundary lies
     """
-    if not lines and not _may_touch_zero(omega, values):
+    if not lines and (_is_zero(values) or not _may_touch_zero(omega, values)):
         return _no_boundary(shape, omega, values)
     return "; remedy: ".join(_outside_bounds(shape, omega)) if omega.fixed else ""
 
@@ -84,6 +84,7 @@ def where_it_lies(shape: Shape, letters: Mapping[Any, float] | None) -> str:
 def _no_boundary(shape: Shape, omega: PlaneSampler, values: NDArray[np.float64]) -> str:
     names = omega.kernel.program.coordinates
     signs = "positive" if np.nanmin(values) > 0 else "negative" if np.nanmax(values) < 0 else "of no sign that changes"
+    signs = "0" if _is_zero(values) else signs
     cut = ", ".join(f"{names[k]} = {value:.6g}" for k, value in omega.fixed.items())
     where = f"in the section {cut}" if cut else f"in the bounds {_written(omega.bounds)}"
     flat, _ = plane_section(shape, {names[k]: value for k, value in omega.fixed.items()})
@@ -109,6 +110,11 @@ def _outside_bounds(shape: Shape, omega: PlaneSampler) -> Iterator[str]:
                 yield f"the section {names[k]} = {value:.6g} lies outside the bounds of the shape"
                 yield f"{names[k]} between {low:.6g} and {high:.6g}"
                 return
+
+
+def _is_zero(values: NDArray[np.float64]) -> bool:
+    """Whether a field is 0 wherever it is defined."""
+    return bool((np.abs(values) > 0).sum() == 0 < np.isfinite(values).sum())
 
 
 def _may_touch_zero(omega: PlaneSampler, values: NDArray[np.float64]) -> bool:
