@@ -214,3 +214,22 @@ def test_a_doubtful_extremum_is_not_silenced_by_a_proved_one():
     sure, doubtful = Zero(0, "maximum", place, arb(1)), Zero(0, "maximum", place, arb(0), flat=True)
     assert distinct([sure, doubtful]) == [doubtful, sure]
     assert distinct([sure, sure]) == [sure]
+
+
+@pytest.mark.parametrize("steps", [1, 2000])
+@pytest.mark.parametrize(
+    ("omega", "verdict"),
+    [
+        (z - sp.pi / 7 - sp.sqrt(x**2 + y**2), "REFUTED"),
+        ((z - sp.pi / 7) ** 2 - x**2 - y**2, "DEGENERATE"),
+    ],
+)
+def test_a_point_counts_within_the_bounds_alone_however_near_beyond_them(omega, verdict, steps):
+    def judged(low):
+        bounds = ((-0.043, 0.128), (-0.135, 0.036), (low, low + 0.14))
+        return rsym.verify_smoothness(rsym.Shape(omega, (x, y, z), bounds=bounds), method="space", budget=2000).verdict
+
+    tip = float(sp.pi / 7)
+    apart = steps * np.spacing(tip)
+    assert judged(tip - apart) == verdict
+    assert judged(tip + apart) not in {"REFUTED", "DEGENERATE"}

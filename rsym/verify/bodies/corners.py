@@ -96,9 +96,14 @@ def corner(local: Local, number: int | None = None, names: Names | None = None) 
         normals = [outward(at, leaf, _inside(around, k)) for k, leaf in enumerate(found.leaves)]
         point = _point(at, found, around, normals, names) if inside else None
         if point is not None and within is None:
-            doubt = f"{point.reason}; whether within the bounds or beside them is not decided"
-            point = replace(point, proved=False, reason=doubt)
+            point = doubted(point)
     return _made(found, around, point, tuple(floats(normal) for normal in normals))
+
+
+def doubted(point: SingularPoint) -> SingularPoint:
+    """A point on the border of the bounds, or too near to say."""
+    doubt = f"{point.reason}; whether within the bounds or beside them is not decided"
+    return replace(point, proved=False, reason=doubt)
 
 
 def numbered(found: Sheets) -> Formula:

@@ -20,13 +20,14 @@ from rsym.sampling.effort import Effort
 from rsym.verify.bodies.candidates import Place, places
 from rsym.verify.bodies.clusters import Cluster, clusters
 from rsym.verify.bodies.contacts import touch_once
-from rsym.verify.bodies.corners import Corner, corner, floats
+from rsym.verify.bodies.corners import PRECISE, Corner, corner, doubted, floats
 from rsym.verify.bodies.even_roots import is_regular_through_root
 from rsym.verify.bodies.formulas import Literal, as_gate
 from rsym.verify.bodies.judging import Names, called_of, classify_place
 from rsym.verify.bodies.report import SingularCurve, SingularPoint
 from rsym.verify.bodies.sheets import Sheets, sheets
 from rsym.verify.bodies.spheres import COARSE, Sampler, sampler, views
+from rsym.verify.borders import is_within
 from rsym.verify.covering import PRECISION
 from rsym.verify.generators import generators
 from rsym.verify.local import Box, Local, Model, side
@@ -112,6 +113,12 @@ def classify_points(
         else:
             classifier.add(cluster)
     return classifier.result
+
+
+def _is_within(model: Model, place: Place) -> bool | None:
+    """Whether a place lies within the bounds; the boxes that hold it do, but for the rounding of their sides."""
+    with ctx.workprec(PRECISE):
+        return is_within(model.on(place.point), tuple(place.zeros))
 
 
 def _open(cluster: Cluster) -> SingularPoint:
@@ -210,10 +217,10 @@ class _Classifier:
         guesses = islice(places(model, local, found, cluster.centre, cluster.radius), MOST_PLACES)
         near: list[Place] = []
         for place in guesses:
-            if cluster.may_hold(place.point):
+            if cluster.may_hold(place.point) and (within := _is_within(model, place)) is not False:
                 near.append(place)
                 if place.proved and (point := classify_place(model, place, names)) is not None:
-                    return point
+                    return point if within else doubted(point)
         for digits, place in product(APPARENT, near):
             if (point := classify_place(model, place, names, apparent=digits)) is not None:
                 return point
