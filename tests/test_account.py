@@ -233,3 +233,18 @@ def test_a_point_counts_within_the_bounds_alone_however_near_beyond_them(omega, 
     apart = steps * np.spacing(tip)
     assert judged(tip - apart) == verdict
     assert judged(tip + apart) not in {"REFUTED", "DEGENERATE"}
+
+
+@pytest.mark.parametrize(("power", "names"), [(2, "extrema"), (3, "inflections")])
+def test_extrema_and_inflections_count_within_the_bounds_alone(power, names):
+    place = float(sp.pi / 7)
+
+    def found(low):
+        shape = rsym.Shape(y - (x - sp.pi / 7) ** power, (x, y), bounds=((low, place + 0.2), (-0.5, 0.5)))
+        report = rsym.fairness(shape, budget=2000)
+        assert report.complete
+        return len(getattr(report, names))
+
+    apart = np.spacing(place)
+    assert found(place - apart) == 1
+    assert found(place + apart) == 0

@@ -127,8 +127,8 @@ def _of_a_curve(
     """The report on a plane shape, or on a body of revolution by its meridian."""
     body = shape.dimension == 3
     plane = meridian(shape if bounds is None else shape.replace(bounds=bounds))[0] if body else shape
-    model = Model(plane.replace(expression=cleaned(plane.expression)), values, body=body)
     region: Box = tuple((float(low), float(high)) for low, high in smoothness.cover.bounds)
+    model = Model(plane.replace(expression=cleaned(plane.expression)), values, body=body, bounds=region)
     arcs = Arcs(model)
     boxes = _boxes(smoothness)
     effort.begin("curvatures", Stages.TOTAL)

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, replace
 
 from rsym.codegen.balls import arb, ctx
+from rsym.verify.borders import is_within
 from rsym.verify.covering import halves
 from rsym.verify.examination import examine
 from rsym.verify.generators import generators
@@ -209,4 +210,4 @@ def _set(box: Box, axis: int, ends: tuple[float, float]) -> Box:
 def lies_within(point: list[arb], piece: Piece, local: Local) -> bool:
     """Whether a point of the function's zero set is proved to be one of the piece's own part of the boundary."""
     inside = all(side(*ends).contains(ball) for ball, ends in zip(point, piece.whole, strict=True))
-    return inside and (not piece.joined or local.sign(piece.arc.side) > 0)
+    return inside and is_within(local) is True and (not piece.joined or local.sign(piece.arc.side) > 0)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rsym.codegen.balls import arb, ctx
+from rsym.verify.borders import is_within
 from rsym.verify.fairness.bending import Arcs, Bent, Enclosed
 from rsym.verify.fairness.pieces import GROWN, POINT_BITS, Piece, goes_on, grown, point_above
 from rsym.verify.joints import PRECISE, Arc, locate
@@ -117,8 +118,11 @@ def _located(model: Model, piece: Piece, node: int) -> tuple[arb, ...] | None:
         assert sharp is not None
         assert sharp.box is not None
         place = sharp.box
-        if not _is_in(place, piece.whole):
+        within = is_within(model.on(place), (piece.arc.function, node))
+        if within is False or not _is_in(place, piece.whole):
             return ()
+        if within is None:
+            return None  # on the border of the bounds, or a hair beside it
         if piece.joined and not model.on(place).sign(piece.arc.side) > 0:
             return ()  # on the continuation of the arc, or in the joint itself, of which others speak
     return place
