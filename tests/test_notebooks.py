@@ -43,7 +43,7 @@ def test_a_notebook_was_run_and_shows_its_picture_first(path):
 def test_a_notebook_is_small_and_belongs_to_no_machine(path):
     text = path.read_text()
     assert len(text) < LARGEST
-    words = re.sub(r'"image/png": "[^"]*"', "", text)  # letters at random, paths among them
+    words = re.sub(r"[A-Za-z0-9+/=]{200,}", "", text)  # pictures are letters at random, paths among them
     assert len(words) < len(text) / 2
     assert not re.search(r"/(home|root|tmp|usr|work)/|[A-Z]:\\\\", words)
     metadata = nbformat.reads(text, as_version=4).metadata
