@@ -8,11 +8,25 @@ import sys
 from pathlib import Path
 
 import pytest
+from stubs import imports_of, with_pieces, written
 
 import rsym
 
 PACKAGES = [rsym, rsym.paper, rsym.surfaces]
 MODULES = sorted(module.name for module in pkgutil.walk_packages(rsym.__path__, "rsym."))
+
+
+@pytest.mark.parametrize("path", written(), ids=lambda path: path.name)
+def test_what_follows_from_the_table_of_pieces_is_written(path):
+    assert path.read_text() == written()[path], "python tests/stubs.py writes it"
+
+
+def test_a_name_without_its_row_is_seen(tmp_path):
+    """Red proof."""
+    stub = tmp_path / "__init__.pyi"
+    stub.write_text("from .model.primitives.plane import disc, dodecagon\n")
+    assert "dodecagon" in imports_of(stub.read_text())["model.primitives.plane"]
+    assert "dodecagon" not in with_pieces(imports_of(stub.read_text()))["model.primitives.plane"]
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -179,6 +179,8 @@ CALLS = {
     ],
     "normalise": [("normalise(f, order = 2)", lambda: rsym.normalise(PLANE, 2))],
 }
+# A primitive without a line of its own is called as it stands.
+CALLS |= {name: [(f"{name}()", getattr(rsym, name))] for name in rsym.primitives.__all__ if name not in CALLS}
 ROWS = [(text, make) for rows in CALLS.values() for text, make in rows]
 
 

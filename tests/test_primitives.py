@@ -5,7 +5,7 @@ import inspect
 import pytest
 
 import rsym
-from rsym.language.pieces import PIECES
+from rsym.language.pieces import PIECES, Piece
 
 PRIMITIVES = rsym.primitives.__all__
 
@@ -14,7 +14,24 @@ def test_primitives_are_names_of_the_library_and_of_the_language():
     assert PRIMITIVES == sorted(PRIMITIVES)
     assert {name for name in vars(rsym.primitives) if not name.startswith("_")} == set(PRIMITIVES)
     assert all(getattr(rsym, name) is getattr(rsym.primitives, name) for name in PRIMITIVES)
-    assert set(PRIMITIVES) <= PIECES.keys()
+    assert PRIMITIVES == sorted(name for name, piece in PIECES.items() if piece.is_primitive)
+
+
+@pytest.mark.parametrize("name", PIECES)
+def test_a_piece_is_at_home_where_its_row_says(name):
+    piece = PIECES[name]
+    assert (piece.function.__module__, piece.function.__name__) in (
+        (f"rsym.{piece.home}", name),
+        ("rsym.model.motions", name if piece.is_method else ""),
+    )
+    assert getattr(rsym.Shape if piece.is_method else rsym, name) is piece.function
+
+
+@pytest.mark.parametrize(("home", "name"), [("model.primitives.plane", "dics"), ("model.primitives.space", "disc")])
+def test_a_row_that_names_nothing_is_seen(home, name):
+    """Red proof."""
+    with pytest.raises((AttributeError, AssertionError)):
+        assert Piece(name, home, "in the plane").function.__module__ == f"rsym.{home}"
 
 
 @pytest.mark.parametrize("name", PRIMITIVES)

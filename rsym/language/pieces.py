@@ -1,4 +1,9 @@
-"""The pieces of shapes that a model file may call: the functions of Python themselves."""
+"""The pieces of shapes that a model file may call: the functions of Python themselves, a row for each.
+
+Whatever is told of pieces follows from here: calls in the language, the names of `rsym` and of `rsym.primitives`,
+the table of the README (`python tests/stubs.py` writes these three). So a new primitive is its function, with its
+docstring, in a module of `model/primitives`, and its name in a row below.
+"""
 
 from __future__ import annotations
 
@@ -6,32 +11,9 @@ import inspect
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import import_module
+from operator import attrgetter
 from typing import Any
-
-from rsym.analysis.implicit import implicit
-from rsym.analysis.normalisation import normalise
-from rsym.analysis.transformations import transform
-from rsym.model.blends.displacement import bounded_blend, displacement_blend
-from rsym.model.blends.fillets import fillet
-from rsym.model.constructions import extrude, product, revolve, section, sweep
-from rsym.model.primitives.arcs import arc, circle
-from rsym.model.primitives.cones import cone, double_cone, frustum, nappe
-from rsym.model.primitives.curves import graph, polyline, segment
-from rsym.model.primitives.helical import helicoid, helix_tube
-from rsym.model.primitives.periodic import gyroid, lidinoid, neovius, schwarz_d, schwarz_p
-from rsym.model.primitives.plane import disc, ellipse, half_plane, line, rectangle, strip, superellipse
-from rsym.model.primitives.polygons import polygon, regular_polygon
-from rsym.model.primitives.quadrics import ellipsoid, quadric, torus
-from rsym.model.primitives.space import box, capsule, cylinder, half_space, slab, sphere
-from rsym.model.primitives.space_curves import helix, space_curve
-from rsym.model.shape import Shape
-from rsym.model.skeletons import blend_on_skeleton
-from rsym.model.symmetry.cyclic import cyclic
-from rsym.model.symmetry.mirrors import kaleidoscope, mirror_group, mirrored
-from rsym.model.symmetry.rows import grid, row
-from rsym.model.symmetry.screws import coil, screw, wound
-from rsym.model.symmetry.waves import triangle_wave
-from rsym.model.thickness import offset, shell
 
 # What a formula grows with.
 _MOST = {**dict.fromkeys(("order", "sides", "count", "counts", "starts"), 400), "terms": 100}
@@ -43,15 +25,35 @@ _FROM_THE_MODEL = ("letters", "system", "bounds", "coordinates")
 class Piece:
     """A function that makes a shape, or an expression.
 
+    home: its module in the package, where `Shape` stands for methods. family: what it is listed under.
     shapes: how many of its first arguments are shapes. plane: whether those are plane shapes even in a model of space.
     space: whether what it makes is in space. most: the largest number of what is counted by a parameter.
     """
 
-    function: Callable[..., Any]
+    name: str
+    home: str
+    family: str
     shapes: int = 0
     plane: bool = False
     space: bool = False
     most: Mapping[str, int] = field(default_factory=lambda: _MOST)
+
+    @property
+    def is_method(self) -> bool:
+        """Whether it is a method of `Shape`."""
+        return self.home == "model.shape"
+
+    @property
+    def is_primitive(self) -> bool:
+        """Whether it makes a shape of numbers, or of an expression: a name of `rsym.primitives`."""
+        return self.home.startswith("model.primitives.") or self.name == "implicit"
+
+    @cached_property
+    def function(self) -> Callable[..., Any]:
+        """The function, imported when it is first called."""
+        path = f"Shape.{self.name}" if self.is_method else self.name
+        found: Callable[..., Any] = attrgetter(path)(import_module(f"rsym.{self.home}"))
+        return found
 
     @cached_property
     def signature(self) -> inspect.Signature:
@@ -69,32 +71,47 @@ class Piece:
         return name in inspect.signature(self.function).parameters
 
 
-def _named(*pieces: Piece) -> Iterator[tuple[str, Piece]]:
-    return ((piece.function.__name__, piece) for piece in pieces)
+def _row(family: str, home: str, names: str, **more: Any) -> Iterator[tuple[str, Piece]]:
+    return ((name, Piece(name, home, family, **more)) for name in names.split())
 
 
-_SWEPT = (extrude, product, revolve, sweep, wound)
-_OF_ONE = (
-    *(Shape.translate, Shape.rotate, Shape.scale, Shape.mirror, Shape.shear),
-    *(implicit, offset, shell, transform),
-    *(cyclic, grid, kaleidoscope, mirror_group, mirrored, row),
-)
+_PLANE, _CURVES, _SPACE = "in the plane", "curves, zero on them", "in space"
+_PERIODIC, _ANY, _MOVED = "along a screw, in all directions", "any expression", "moved"
+_SWEPT, _REPEATED, _BLENDED = "of another dimension or thickness", "repeated", "blended"
+# Families and homes may stand in several rows; a piece stands in one.
 PIECES: Mapping[str, Piece] = dict(
     (
-        *_named(*(Piece(function) for function in (arc, circle, graph, polyline, quadric, segment, triangle_wave))),
-        *_named(*(Piece(function) for function in (disc, ellipse, half_plane, line, polygon, rectangle))),
-        *_named(*(Piece(function) for function in (regular_polygon, strip, superellipse))),
-        *_named(*(Piece(function, space=True) for function in (box, capsule, cylinder, half_space, slab, sphere))),
-        *_named(*(Piece(function, space=True) for function in (cone, double_cone, ellipsoid, frustum, nappe, torus))),
-        *_named(*(Piece(function, space=True) for function in (gyroid, lidinoid, neovius, schwarz_d, schwarz_p))),
-        *_named(*(Piece(function, space=True) for function in (coil, helicoid, helix, helix_tube))),
-        *_named(*(Piece(function, 1) for function in _OF_ONE)),
+        *_row(_PLANE, "model.primitives.plane", "half_plane strip line disc ellipse superellipse rectangle"),
+        *_row(_PLANE, "model.primitives.polygons", "polygon regular_polygon"),
+        *_row(_CURVES, "model.primitives.curves", "segment polyline graph"),
+        *_row(_CURVES, "model.primitives.arcs", "circle arc"),
+        *_row(_CURVES, "model.primitives.space_curves", "helix", space=True),
+        *_row(_CURVES, "model.primitives.space_curves", "space_curve", shapes=2, space=True),
+        *_row(_SPACE, "model.primitives.space", "half_space slab sphere box cylinder capsule", space=True),
+        *_row(_SPACE, "model.primitives.cones", "cone frustum nappe double_cone", space=True),
+        *_row(_SPACE, "model.primitives.quadrics", "ellipsoid torus", space=True),
+        *_row(_SPACE, "model.primitives.quadrics", "quadric"),
+        *_row(_PERIODIC, "model.primitives.helical", "helicoid helix_tube", space=True),
+        *_row(_PERIODIC, "model.symmetry.screws", "coil", space=True),
+        *_row(_PERIODIC, "model.primitives.periodic", "gyroid schwarz_p schwarz_d neovius lidinoid", space=True),
+        *_row(_ANY, "analysis.implicit", "implicit", shapes=1),
         # To order 3 a hundred terms take seconds, a car for ever.
-        *_named(Piece(normalise, 1, most={"order": 2})),
-        *_named(*(Piece(function, 1, plane=True, space=True) for function in _SWEPT)),
-        *_named(*(Piece(function, 1, space=True) for function in (screw, section))),
-        *_named(*(Piece(function, 2) for function in (blend_on_skeleton, displacement_blend, fillet))),
-        *_named(Piece(space_curve, 2, space=True), Piece(bounded_blend, 3)),
+        *_row(_ANY, "analysis.normalisation", "normalise", shapes=1, most={"order": 2}),
+        *_row(_MOVED, "model.shape", "translate rotate scale mirror shear", shapes=1),
+        *_row(_MOVED, "analysis.transformations", "transform", shapes=1),
+        *_row(_SWEPT, "model.constructions", "extrude revolve product sweep", shapes=1, plane=True, space=True),
+        *_row(_SWEPT, "model.constructions", "section", shapes=1, space=True),
+        *_row(_SWEPT, "model.thickness", "offset shell", shapes=1),
+        *_row(_REPEATED, "model.symmetry.cyclic", "cyclic", shapes=1),
+        *_row(_REPEATED, "model.symmetry.rows", "row grid", shapes=1),
+        *_row(_REPEATED, "model.symmetry.mirrors", "mirrored kaleidoscope mirror_group", shapes=1),
+        *_row(_REPEATED, "model.symmetry.screws", "screw", shapes=1, space=True),
+        *_row(_REPEATED, "model.symmetry.screws", "wound", shapes=1, plane=True, space=True),
+        *_row(_REPEATED, "model.symmetry.waves", "triangle_wave"),
+        *_row(_BLENDED, "model.blends.fillets", "fillet", shapes=2),
+        *_row(_BLENDED, "model.blends.displacement", "displacement_blend", shapes=2),
+        *_row(_BLENDED, "model.blends.displacement", "bounded_blend", shapes=3),
+        *_row(_BLENDED, "model.skeletons", "blend_on_skeleton", shapes=2),
     )
 )
 # Those whose mention makes a model one of space.

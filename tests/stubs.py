@@ -1,0 +1,96 @@
+"""The names of the package, written from what they follow from: `python tests/stubs.py` after a change.
+
+A stub says where each name of a lazy facade stands; its `__all__` follows from its imports, and the imports of pieces
+from the table of pieces. So do `rsym.primitives` and the README's table.
+"""
+
+import ast
+from pathlib import Path
+
+import rsym
+from rsym.language.pieces import PIECES
+
+PACKAGE = Path(rsym.__file__).parent
+README = PACKAGE.parent / "README.md"
+STUBS = [PACKAGE / "__init__.pyi", PACKAGE / "paper/__init__.pyi", PACKAGE / "surfaces/__init__.pyi"]
+FAMILIES = "| family | names |\n|---|---|\n"
+PRIMITIVES = '"""The primitives by themselves; each is a name of `rsym` too."""\n\n'
+
+
+def imports_of(stub):
+    """The names that a stub imports, by module."""
+    found = {}
+    for node in ast.parse(stub).body:
+        if isinstance(node, ast.ImportFrom):
+            found.setdefault(node.module or "", set()).update(alias.name for alias in node.names)
+    return found
+
+
+def with_pieces(imports):
+    """The imports of the facade, with the pieces of the table and without primitives that it does not have."""
+    rooms = {home: names for home, names in imports.items() if not home.startswith("model.primitives.")}
+    for piece in PIECES.values():
+        if not piece.is_method:
+            rooms[piece.home] = rooms.get(piece.home, set()) | {piece.name}
+    return rooms
+
+
+def kind_of(name):
+    """Constants, then classes, then functions, as ruff has it."""
+    return 0 if name.isupper() and len(name) > 1 else 1 if name[:1].isupper() else 2
+
+
+def ordered(names):
+    return sorted(names, key=lambda name: (kind_of(name), name))
+
+
+def lines_of(imports, prefix):
+    """Import statements, and the list of all that they import."""
+    text = ""
+    for home, names in sorted(imports.items(), key=lambda item: item[0].split(".")):
+        line = f"from {prefix}{home} import {', '.join(ordered(names))}"
+        text += f"{line}\n" if len(line) <= 120 else bracketed(line.split(" import ")[0], ordered(names))
+    every = "".join(f'    "{name}",\n' for name in ordered(set().union(*imports.values())))
+    return f"{text}\n__all__ = [\n{every}]\n"
+
+
+def bracketed(opening, names):
+    return f"{opening} import (\n" + "".join(f"    {name},\n" for name in names) + ")\n"
+
+
+def stub_of(path):
+    """What a stub is to be, from its own imports and the table."""
+    imports = imports_of(path.read_text())
+    return lines_of(with_pieces(imports) if path == STUBS[0] else imports, ".")
+
+
+def primitives():
+    homes = {}
+    for piece in PIECES.values():
+        if piece.is_primitive:
+            homes.setdefault(piece.home, set()).add(piece.name)
+    return PRIMITIVES + lines_of(homes, "rsym.")
+
+
+def readme():
+    """The README with the table of the pieces."""
+    families = {}
+    for piece in PIECES.values():
+        shown = f"`shape.{piece.name}`" if piece.is_method else f"`{piece.name}`"
+        families.setdefault(piece.family, []).append(shown)
+    before, head, rest = README.read_text().partition(FAMILIES)
+    assert head
+    rows = "".join(f"| {family} | {', '.join(names)} |\n" for family, names in families.items())
+    return before + head + rows + rest[rest.index("\n\n") + 1 :]
+
+
+def written():
+    """Every file that follows from the table, and what it is to be."""
+    return {**{path: stub_of(path) for path in STUBS}, PACKAGE / "primitives.py": primitives(), README: readme()}
+
+
+if __name__ == "__main__":
+    for path, text in written().items():
+        if path.read_text() != text:
+            path.write_text(text)
+            print(f"{path.relative_to(PACKAGE.parent)} written")
