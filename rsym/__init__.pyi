@@ -5,11 +5,10 @@ from .analysis.implicit import implicit
 from .analysis.latex import latex
 from .analysis.normalisation import normalise
 from .analysis.transformations import transform
-from .codegen.enclosures import enclose
-from .codegen.fields import SIX
-from .codegen.kernel import Kernel, compile
-from .codegen.plain import lambdify
-from .codegen.source import source
+from .backends.kernel import Kernel, compile
+from .backends.plain import lambdify
+from .backends.source import source
+from .bounds.enclosures import enclose
 from .errors import RsymError, RsymWarning
 from .language.loading import load, loads
 from .language.writing import dumps
@@ -74,6 +73,7 @@ from .output.sweep import plot_sweep
 from .output.systems import SystemRow, SystemTable, compare_systems
 from .output.verdicts import plot_verdict
 from .output.viewing import view
+from .program.fields import SIX
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
 from .sampling.extent import extent

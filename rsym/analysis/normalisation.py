@@ -6,12 +6,12 @@ from typing import Any
 
 import sympy as sp
 
+from rsym.analysis.contracts.promises import Singularity
+from rsym.analysis.contracts.summary import singularities
+from rsym.analysis.contracts.table import Promises
 from rsym.analysis.differential import derivative, gradient
 from rsym.analysis.tensors import indices, partials, unit_index, weight
 from rsym.errors import RsymError, warn
-from rsym.model.contracts.promises import Singularity
-from rsym.model.contracts.summary import singularities
-from rsym.model.contracts.table import Promises
 from rsym.model.nodes import ZeroWith
 from rsym.model.primitives.theorem import normalised
 from rsym.model.requirements import require_shape

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import sympy as sp
 from sympy.logic.boolalg import BooleanAtom
 
+from rsym.analysis.contracts.leaves import names_of
 from rsym.errors import RsymError
 from rsym.language.functions import written_system
 from rsym.language.loading import loads
@@ -17,7 +18,6 @@ from rsym.language.pieces import PIECES
 from rsym.language.scanner import LONGEST_NAME
 from rsym.language.sentences import ATOM, CODE, Sentences, Text, common_system, number_text, unspeakable
 from rsym.language.vocabulary import RESERVED
-from rsym.model.contracts.leaves import names_of
 from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape

@@ -9,7 +9,7 @@ import sympy as sp
 
 from rsym.model.traversal import postorder, rebuild, symbols_of
 
-_RUNTIME = "rsym.codegen.runtime."
+_RUNTIME = "rsym.backends.runtime."
 
 
 class RealNode(sp.Function):  # type: ignore[misc]

@@ -21,7 +21,7 @@ from rsym.model.systems import R0, RSystem, in_system
 from rsym.model.traversal import postorder, substitute, symbols_of
 
 if TYPE_CHECKING:
-    from rsym.model.contracts.summary import Contract
+    from rsym.analysis.contracts.summary import Contract
 
 _NO_NUMBERS = (sp.oo, -sp.oo, sp.zoo, sp.I)
 
@@ -298,7 +298,7 @@ class Shape(Movable):
         >>> disc.contains([0, 0.5, 1.5], [[0.0], [0.9]]).tolist()
         [[True, True, False], [True, False, False]]
         """
-        from rsym.codegen.kernel import compile
+        from rsym.backends.kernel import compile
 
         inside = compile(self)(*coordinates, letters=letters)["value"] >= 0
         return inside if inside.ndim else bool(inside)
@@ -315,7 +315,7 @@ class Shape(Movable):
           continuous (conjunction) where x = 1 - y = 0
           leaves, the exact distance: x; 1 - y
         """
-        from rsym.model.contracts.summary import contract
+        from rsym.analysis.contracts.summary import contract
 
         return contract(self)
 

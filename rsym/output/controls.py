@@ -8,8 +8,8 @@ from typing import Any
 
 import ipywidgets
 
-from rsym.codegen.fields import SIX
 from rsym.model.letters import Letter
+from rsym.program.fields import SIX
 
 RESOLUTIONS = (40, 80, 160, 320, 640)
 STEPS = 200  # of a slider, about: a round step is taken

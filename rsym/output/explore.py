@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from rsym.codegen.fields import SIX
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.program.fields import SIX
 
 if TYPE_CHECKING:
     from rsym.output.explorer import Explorer

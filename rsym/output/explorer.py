@@ -8,7 +8,6 @@ from typing import Any
 import ipywidgets
 from matplotlib.figure import Figure
 
-from rsym.codegen.fields import SIX, checked_fields
 from rsym.model.constructions import revolve
 from rsym.model.shape import Shape
 from rsym.output import controls
@@ -16,6 +15,7 @@ from rsym.output.presets import load_letters, save_letters
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.sliders import LetterSliders
 from rsym.output.views import BodyView, SheetView
+from rsym.program.fields import SIX, checked_fields
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import checked_cells
 

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure, SubFigure
 
-from rsym.codegen.fields import SIX, checked_fields
 from rsym.errors import RsymError, warn
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
@@ -17,6 +16,7 @@ from rsym.output.looks import Look
 from rsym.output.panels import TITLES, colour_bar, draw_levels, dress
 from rsym.output.pictures import page, require_axes, whole
 from rsym.output.sheet import Sheet, sheet_sampler
+from rsym.program.fields import SIX, checked_fields
 from rsym.sampling.blanks import missing_boundary, undefined_picture
 from rsym.sampling.contours import trace
 from rsym.sampling.effort import tell

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure, SubFigure
 
-from rsym.codegen.kernel import compile
+from rsym.backends.kernel import compile
 from rsym.errors import RsymWarning, warn
 from rsym.model.shape import Bounds, Shape
 from rsym.output import axes3d

@@ -11,11 +11,11 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.figure import Figure, SubFigure
 from numpy.typing import NDArray
 
-from rsym.codegen.fields import checked_fields
-from rsym.codegen.kernel import compile
+from rsym.backends.kernel import compile
 from rsym.model.shape import Shape
 from rsym.output.looks import PLAIN, Look
 from rsym.output.panels import TITLES, colour_bar, draw_levels, dress
+from rsym.program.fields import checked_fields
 from rsym.sampling.contours import LevelLines, trace
 from rsym.sampling.effort import tell
 from rsym.sampling.plane import PlaneSampler, checked_scalar, plane_sampler

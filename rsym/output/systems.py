@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from rsym.codegen.fields import program_of
-from rsym.codegen.kernel import compile
+from rsym.analysis.contracts.display import normalisation, smoothness
+from rsym.analysis.contracts.promises import Order
+from rsym.backends.kernel import compile
 from rsym.errors import RsymError, RsymWarning
 from rsym.language.functions import written_system
-from rsym.model.contracts.display import normalisation, smoothness
-from rsym.model.contracts.promises import Order
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.systems import R0, R1, R0m, Rp, RSystem
+from rsym.program.fields import program_of
 from rsym.sampling.boundaries import boundary
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.meshing import mesh

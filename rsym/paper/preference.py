@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rsym.codegen.kernel import compile
+from rsym.backends.kernel import compile
 from rsym.model.shape import Shape
 from rsym.paper.drawing import mesh_quietly
 from rsym.paper.models import car, skeleton_body

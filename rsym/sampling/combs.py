@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.kernel import Kernel, compile
+from rsym.backends.kernel import Kernel, compile
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.contours import move_onto_level, trace

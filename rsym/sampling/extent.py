@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.sign_form import surface_form
 from rsym.errors import RsymError
+from rsym.logic.sign_form import surface_form
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.boxes import Boxes, Floats, cube, grid, halves, points, slabs

@@ -10,11 +10,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.far_forms import far_leaves
-from rsym.codegen.intervals import IntervalFunction
-from rsym.codegen.program import Program
-from rsym.codegen.sign_form import SignForm
+from rsym.bounds.far_forms import far_leaves
+from rsym.bounds.intervals import IntervalFunction
+from rsym.logic.sign_form import SignForm
+from rsym.program.builder import Builder
+from rsym.program.program import Program
 from rsym.sampling.boxes import Boxes
 
 Signs: TypeAlias = NDArray[np.int8]
@@ -46,7 +46,7 @@ class FormSigns:
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> from rsym.codegen.sign_form import surface_form
+    >>> from rsym.logic.sign_form import surface_form
     >>> signs = FormSigns(FormBounds(surface_form(rsym.Shape(1 - x**2 - y**2, (x, y)))), {})
     >>> signs.over(Boxes(np.array([[-0.5, 0, 2.0], [0, 0, 0]]), np.array([[0.5, 1, 3.0], [0.5, 1, 1]]))).tolist()
     [1, 0, -1]

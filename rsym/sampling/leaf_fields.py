@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.fields import Calculus, fields_program
-from rsym.codegen.kernel import Kernel, compile_program
-from rsym.codegen.leaf_names import leaf_names
-from rsym.codegen.sign_form import SignForm, has_kinks, shape_form
+from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
+from rsym.logic.leaf_names import leaf_names
+from rsym.logic.sign_form import SignForm, has_kinks, shape_form
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.program.fields import Calculus, fields_program
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.plane_leaves import active_leaf
 

@@ -14,15 +14,15 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.kernel import checked_threads
-from rsym.codegen.leaf_names import leaf_names
-from rsym.codegen.sign_form import has_kinks, surface_form
-from rsym.codegen.surface_kernels import SurfaceKernels, surface_kernels
+from rsym.backends.kernel import checked_threads
 from rsym.errors import RsymError
+from rsym.logic.leaf_names import leaf_names
+from rsym.logic.sign_form import has_kinks, surface_form
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.blanks import where_it_lies
 from rsym.sampling.extent import extent_of
 from rsym.sampling.form_signs import FormBounds, FormSigns
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels, surface_kernels
 from rsym.sampling.lattice import lattice_over
 from rsym.sampling.manifolds import sides_of
 from rsym.sampling.memory import SURE, Budget, TooLarge, free_memory, refusal, scaled

@@ -209,8 +209,8 @@ def _sharp(shape: Shape) -> SharpMesher:
     try:
         if "rsym.sampling.mesher" not in sys.modules:
             # The compiler takes as long as importing the mesher, and numba above all.
-            from rsym.codegen.sign_form import surface_form
-            from rsym.codegen.surface_kernels import compile_ahead
+            from rsym.logic.sign_form import surface_form
+            from rsym.sampling.kernels.surface_kernels import compile_ahead
 
             compile_ahead(surface_form(shape).capped())
         from rsym.sampling.mesher import SharpMesher

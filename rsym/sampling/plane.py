@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.fields import SCALARS, program_of
-from rsym.codegen.kernel import Kernel, compile_program
+from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
+from rsym.program.fields import SCALARS, program_of
 from rsym.sampling.extent import extent
 from rsym.sampling.lattice import Lattice, lattice_over
 from rsym.sampling.memory import Demand

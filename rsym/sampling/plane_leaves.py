@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.differentiation import derivative
-from rsym.codegen.kernel import Kernel, compile_program, run_in_blocks
-from rsym.codegen.sign_form import Gate, shape_form
+from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
+from rsym.logic.sign_form import Gate, shape_form
 from rsym.model.shape import Shape
+from rsym.program.differentiation import derivative
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -14,10 +14,10 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.kernel import compile
-from rsym.codegen.leaf_names import leaf_names
-from rsym.codegen.sign_form import shape_form, surface_form
+from rsym.backends.kernel import compile
 from rsym.errors import RsymError, warn
+from rsym.logic.leaf_names import leaf_names
+from rsym.logic.sign_form import shape_form, surface_form
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal

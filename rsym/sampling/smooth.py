@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from skimage.measure import marching_cubes
 
-from rsym.codegen.fields import surface_program
-from rsym.codegen.kernel import Kernel, compile_program
+from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.program.fields import surface_program
 from rsym.sampling.detail import small_pieces, thin_walls
 from rsym.sampling.lattice import Lattice
 from rsym.sampling.manifolds import sides_of

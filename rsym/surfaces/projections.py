@@ -24,7 +24,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from rsym.codegen.kernel import compile
+from rsym.backends.kernel import compile
 from rsym.errors import RsymError
 from rsym.model.abridging import ROOM, in_words, weight
 from rsym.model.letters import as_letters

@@ -17,7 +17,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from rsym.codegen.kernel import blocks_of
+from rsym.backends.kernel import blocks_of
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces import symbols

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rsym.codegen.balls import arb, hypotenuse
+from rsym.bounds.balls import arb, hypotenuse
 from rsym.verify.generators import generators
 from rsym.verify.local import Local
 

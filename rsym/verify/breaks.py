@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from itertools import product
 
-from rsym.codegen.balls import arb, ctx, hypotenuse
+from rsym.bounds.balls import arb, ctx, hypotenuse
 from rsym.verify.borders import is_within
 from rsym.verify.generators import generators
 from rsym.verify.joints import PRECISE, Arc, Meeting, crosses, locate

@@ -9,9 +9,9 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.codegen.balls import arb, ctx, enclose_nodes, root, square
-from rsym.codegen.builder import Builder
-from rsym.codegen.lowering import lower
+from rsym.bounds.balls import arb, ctx, enclose_nodes, root, square
+from rsym.program.builder import Builder
+from rsym.program.lowering import lower
 
 # A zero that is no zero is told apart unless it is below 10^-70.
 BITS = 256

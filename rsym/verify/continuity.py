@@ -10,7 +10,7 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.codegen.balls import arb
+from rsym.bounds.balls import arb
 from rsym.errors import RsymError
 from rsym.model.requirements import several
 from rsym.verify.constants import enclosed, measured, norm, precise

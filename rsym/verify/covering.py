@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from rsym.codegen.balls import ctx
-from rsym.codegen.differentiation import derivative
+from rsym.bounds.balls import ctx
+from rsym.program.differentiation import derivative
 from rsym.sampling.effort import Effort
 from rsym.verify.account import Balance
 from rsym.verify.examination import OPEN, Finding, examine

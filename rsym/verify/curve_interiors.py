@@ -20,10 +20,10 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from rsym.codegen.ball_series import SeriesFunction, arb, truncated
-from rsym.codegen.balls import ball, exact
-from rsym.codegen.builder import Builder
-from rsym.codegen.lowering import lower_all
+from rsym.bounds.ball_series import SeriesFunction, arb, truncated
+from rsym.bounds.balls import ball, exact
+from rsym.program.builder import Builder
+from rsym.program.lowering import lower_all
 from rsym.verify.constants import BITS, enclosed, precise
 from rsym.verify.curves import Curve, Vector, all_vanish, derivative_at, end_of, is_analytic_at
 

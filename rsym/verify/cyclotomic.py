@@ -20,7 +20,7 @@ from typing import Any
 import sympy as sp
 from flint import fmpz, fmpz_mat, fmpz_poly
 
-from rsym.codegen.balls import arb, ctx, exact
+from rsym.bounds.balls import arb, ctx, exact
 
 HIGHEST = 40  # degree of a field; a fan of 48 sectors takes 32
 GUARD = 32  # bits for each element of a relation that is guessed

@@ -24,8 +24,8 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import TypeAlias
 
-from rsym.codegen.balls import arb, ctx, exact, hypotenuse
-from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.bounds.balls import arb, ctx, exact, hypotenuse
+from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.domains import is_defined, is_legal
 from rsym.verify.local import Local, Model
 from rsym.verify.report import Joint

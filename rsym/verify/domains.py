@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rsym.codegen.builder import Builder
+from rsym.program.builder import Builder
 from rsym.verify.local import Local
 
 # Operations whose plain meaning is NaN for some real arguments.

@@ -19,9 +19,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
-from rsym.codegen.balls import arb, ball, ctx, hypotenuse, root
-from rsym.codegen.builder import Builder
-from rsym.codegen.differentiation import derivative
+from rsym.bounds.balls import arb, ball, ctx, hypotenuse, root
+from rsym.program.builder import Builder
+from rsym.program.differentiation import derivative
 from rsym.verify.bodies.formulas import Formula, ternary
 from rsym.verify.bodies.sheets import sheets
 from rsym.verify.borders import is_within

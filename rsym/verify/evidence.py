@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import islice, product
 
-from rsym.codegen.balls import arb, ctx
+from rsym.bounds.balls import arb, ctx
 from rsym.verify.covering import PRECISION, Covering, halves
 from rsym.verify.examination import Finding, examine
 from rsym.verify.local import Box, Model, side

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from rsym.codegen.balls import arb, ctx
-from rsym.codegen.builder import Builder
+from rsym.bounds.balls import arb, ctx
+from rsym.program.builder import Builder
 from rsym.verify.bending import curvatures
 from rsym.verify.bodies.sheets import locus_of, sheets
 from rsym.verify.bodies.touching import touching

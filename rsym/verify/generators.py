@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rsym.codegen.builder import Builder
+from rsym.program.builder import Builder
 from rsym.verify.domains import is_defined, is_legal, switch_of
 from rsym.verify.local import Local
 from rsym.verify.locus import chosen

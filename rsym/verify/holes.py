@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rsym.codegen.balls import ctx
+from rsym.bounds.balls import ctx
 from rsym.verify.breaks import changes_sign
 from rsym.verify.covering import PRECISION
 from rsym.verify.generators import bare, generators

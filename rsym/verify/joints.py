@@ -16,7 +16,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rsym.codegen.balls import arb, ctx, hypotenuse
+from rsym.bounds.balls import arb, ctx, hypotenuse
 from rsym.verify.generators import Generators, generators
 from rsym.verify.krawczyk import Point, Zero, refined, unique_zero
 from rsym.verify.local import Local, Model

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from rsym.codegen.balls import arb, root, square
+from rsym.bounds.balls import arb, root, square
 from rsym.verify.constants import enclosed, measured, norm, precise
 from rsym.verify.curves import End, all_vanish, determinant, dot, minors
 

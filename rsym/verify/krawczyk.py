@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from flint import arb_mat
 
-from rsym.codegen.balls import arb
+from rsym.bounds.balls import arb
 
 Point: TypeAlias = tuple[arb, ...]
 Matrix: TypeAlias = Sequence[Sequence[arb]]

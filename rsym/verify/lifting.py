@@ -17,8 +17,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rsym.codegen.balls import arb, hypotenuse
-from rsym.codegen.differentiation import derivative
+from rsym.bounds.balls import arb, hypotenuse
+from rsym.program.differentiation import derivative
 from rsym.verify.generators import bare
 from rsym.verify.joints import Jet
 from rsym.verify.local import Local, Model

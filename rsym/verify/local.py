@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from rsym.codegen.balls import Step, arb, ball, ctx, exact, run, step
-from rsym.codegen.builder import Builder
-from rsym.codegen.differentiation import derivative
-from rsym.codegen.fields import Calculus
-from rsym.codegen.lowering import lower
-from rsym.codegen.program import live
+from rsym.bounds.balls import Step, arb, ball, ctx, exact, run, step
 from rsym.model.nodes import without_zeros
 from rsym.model.shape import Shape
+from rsym.program.builder import Builder
+from rsym.program.differentiation import derivative
+from rsym.program.fields import Calculus
+from rsym.program.lowering import lower
+from rsym.program.program import live
 
 if TYPE_CHECKING:
     from rsym.verify.contact_relations import Contacts

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
-from rsym.codegen.balls import arb, ctx, exact
-from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.bounds.balls import arb, ctx, exact
+from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.covering import PRECISION
 from rsym.verify.examination import Finding, square_roots
 from rsym.verify.generators import generators

@@ -12,8 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.program.builder import Builder
 from rsym.verify.domains import is_defined, is_legal, switch_of
 from rsym.verify.local import Local
 from rsym.verify.polynomials import same_zeros

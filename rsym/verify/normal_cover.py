@@ -20,10 +20,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.backends import default_backend
-from rsym.codegen.balls import ctx
-from rsym.codegen.builder import Builder
-from rsym.codegen.intervals import Bounds, IntervalFunction
+from rsym.backends.registry import default_backend
+from rsym.bounds.balls import ctx
+from rsym.bounds.intervals import Bounds, IntervalFunction
+from rsym.program.builder import Builder
 from rsym.sampling.effort import Effort
 from rsym.verify.covering import OFF_CENTRE, PRECISION
 from rsym.verify.generators import bare, generators

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.analysis.tensors import indices, partials, unit_index
-from rsym.codegen.differentiation import derivative, dot
-from rsym.codegen.interpreter import interpret
-from rsym.codegen.normalisation import contraction
-from rsym.codegen.program import Program, live
+from rsym.backends.interpreter import interpret
+from rsym.program.differentiation import derivative, dot
+from rsym.program.normalisation import contraction
+from rsym.program.program import Program, live
 from rsym.verify.local import Model
 
 # Points at once: the interpreter keeps every node, which for a program of 100 000 is 0.2 GB.

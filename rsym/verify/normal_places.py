@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.balls import arb, ctx
+from rsym.bounds.balls import arb, ctx
 from rsym.verify.generators import generators
 from rsym.verify.local import Box, Local
 from rsym.verify.normal_derivatives import NormalDerivatives

@@ -9,8 +9,8 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.lowering import lower
+from rsym.program.builder import Builder
+from rsym.program.lowering import lower
 from rsym.verify.cyclotomic import HIGHEST as LARGEST_FIELD
 from rsym.verify.cyclotomic import Field, order_for_root, order_for_turns
 from rsym.verify.local import Model

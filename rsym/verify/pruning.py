@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.intervals import IntervalFunction
-from rsym.codegen.lowering import lower
+from rsym.bounds.intervals import IntervalFunction
 from rsym.model.shape import Shape
+from rsym.program.builder import Builder
+from rsym.program.lowering import lower
 from rsym.verify.local import Box, Interval
 
 Prune = Callable[[Sequence[Box]], Sequence[bool]]

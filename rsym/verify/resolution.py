@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rsym.codegen.builder import HALF, Builder
-from rsym.codegen.expansion import SIMPLE
+from rsym.program.builder import HALF, Builder
+from rsym.program.expansion import SIMPLE
 from rsym.verify.domains import switch_of
 from rsym.verify.generators import BRANCHING, bare, factor, is_square, root_order
 from rsym.verify.local import Local, Model

@@ -22,10 +22,10 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from rsym.codegen.balls import arb, root
-from rsym.codegen.builder import Builder
-from rsym.codegen.differentiation import derivative
-from rsym.codegen.lowering import lower
+from rsym.bounds.balls import arb, root
+from rsym.program.builder import Builder
+from rsym.program.differentiation import derivative
+from rsym.program.lowering import lower
 from rsym.verify.cleaning import diagonal
 from rsym.verify.generators import BRANCHING, bare, generators, is_square
 from rsym.verify.local import Local, Model

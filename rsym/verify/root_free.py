@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from rsym.codegen.lowering import lower
+from rsym.program.lowering import lower
 from rsym.verify.local import Local, Model
 from rsym.verify.polynomials import polynomial_of
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 from collections.abc import Sequence
 
-from rsym.codegen.balls import ctx
+from rsym.bounds.balls import ctx
 from rsym.sampling.effort import Effort
 from rsym.verify.covering import PRECISION, extent_of, halves
 from rsym.verify.examination import Finding, examine

@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from rsym.codegen.ball_arithmetic import size
-from rsym.codegen.balls import IMAGES, arb, root, square
-from rsym.codegen.differentiation import RULES
+from rsym.bounds.ball_arithmetic import size
+from rsym.bounds.balls import IMAGES, arb, root, square
+from rsym.program.differentiation import RULES
 from rsym.verify.local import Local
 
 Vector: TypeAlias = tuple[arb, ...]

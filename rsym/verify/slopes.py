@@ -16,8 +16,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rsym.codegen.balls import Step, arb, exact, run
-from rsym.codegen.differentiation import RULES
+from rsym.bounds.balls import Step, arb, exact, run
+from rsym.program.differentiation import RULES
 from rsym.verify.domains import is_defined, is_legal
 from rsym.verify.generators import BRANCHING, is_analytic_at
 from rsym.verify.local import Local

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.enclosures import ranges_of
+from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.blends.gates import without_rounded_levels
 from rsym.model.requirements import require_count, require_positive, require_shape

@@ -11,7 +11,7 @@ from itertools import chain, islice
 import mpmath as mp
 import sympy as sp
 
-from rsym.codegen.balls import arb, ctx, exact
+from rsym.bounds.balls import arb, ctx, exact
 from rsym.sampling.effort import Effort
 from rsym.verify.covering import Covering
 from rsym.verify.directions import AROUND, PRECISE, classify_by_directions

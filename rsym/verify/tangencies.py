@@ -36,7 +36,7 @@ def classify_tangency(known: Exact, at: Local) -> Joint | None:
     >>> import rsym
     >>> from fractions import Fraction
     >>> from rsym import x, y
-    >>> from rsym.codegen.balls import arb
+    >>> from rsym.bounds.balls import arb
     >>> from rsym.verify.local import Model
     >>> beside = rsym.disjunction(1 - (x - 1)**2 - y**2, 1 - (x + 1)**2 - y**2)
     >>> model, origin = Model(rsym.Shape(beside, (x, y)), {}), [arb(0), arb(0)]

@@ -10,8 +10,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
-from rsym.codegen.balls import arb, exact
-from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.bounds.balls import arb, exact
+from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.domains import is_legal
 from rsym.verify.generators import BRANCHING, bare
 from rsym.verify.local import Local

@@ -30,7 +30,7 @@ from sympy import Abs, Max, Min, Piecewise, sign, sqrt
 from opponent import aimed
 from opponent.aimed import BALL, BEAK, DISC, FOLDED, HIDDEN, LEFT_CUT, NO_SCREW, ROW, SLIVER, SPIRAL, WAIST, C, Q, r
 from rsym import conjunction, disjunction, x, y, z
-from rsym.codegen.balls import arb
+from rsym.bounds.balls import arb
 from rsym.model.powers import AbsolutePower
 
 

@@ -9,8 +9,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels
 from rsym.errors import RsymError
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels
 from rsym.sampling.memory import Budget
 from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.crossings import Crossings, find_crossings, sample_signs

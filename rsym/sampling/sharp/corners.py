@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels, columns, padded
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels, columns, padded
 from rsym.sampling.sharp.crossings import Crossings, evaluate
 from rsym.sampling.sharp.flaws import smallest
 from rsym.sampling.sharp.loops import in_threads, loop

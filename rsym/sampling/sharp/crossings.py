@@ -10,8 +10,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels, padded
 from rsym.errors import RsymError
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels, padded
 from rsym.sampling.sharp.loops import in_threads
 from rsym.sampling.sharp.octree import BLOCK, Blocks
 from rsym.sampling.sharp.patches import GRAIN, Topology

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels, padded
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels, padded
 from rsym.sampling.sharp.crossings import evaluate
 from rsym.sampling.sharp.loops import in_threads, loop, step
 

@@ -9,8 +9,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels
 from rsym.errors import RsymError
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels
 from rsym.sampling.sharp.edits import edit
 from rsym.sampling.sharp.flaws import FLAT, FOLDED, Adjacency
 from rsym.sampling.sharp.loops import in_threads, loop

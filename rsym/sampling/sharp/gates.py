@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.sign_form import SignForm
+from rsym.logic.sign_form import SignForm
 from rsym.sampling.sharp.cones import TURNS, central_conflict, conflict
 from rsym.sampling.sharp.loops import loop, step
 
@@ -21,7 +21,7 @@ def gate_table(form: SignForm) -> NDArray[np.int64]:
     --------
     >>> import rsym
     >>> from rsym import x, y, z
-    >>> from rsym.codegen.sign_form import surface_form
+    >>> from rsym.logic.sign_form import surface_form
     >>> gate_table(surface_form(rsym.Shape(rsym.disjunction(x, y), (x, y, z)))).tolist()
     [[1, 0, 1]]
     """

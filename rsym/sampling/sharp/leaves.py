@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels, columns, padded
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels, columns, padded
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int16]

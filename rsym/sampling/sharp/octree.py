@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels, columns
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels, columns
 from rsym.sampling.sharp.loops import in_threads
 
 Floats: TypeAlias = NDArray[np.float64]

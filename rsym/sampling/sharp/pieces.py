@@ -21,7 +21,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels
 from rsym.sampling.memory import Budget, free_memory
 from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.assembly import USUAL_BYTES, assemble, claim_only

@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels, columns, padded
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels, columns, padded
 from rsym.sampling.sharp.corners import off_surface, on_surface
 from rsym.sampling.sharp.flaws import smallest
 from rsym.sampling.sharp.loops import in_threads

@@ -101,8 +101,8 @@ def suspects(leaves: Leaves, lattice: Array, unresolved: Unresolved, names: Sequ
     --------
     >>> import numpy as np, rsym
     >>> from rsym import x, y, z
-    >>> from rsym.codegen.sign_form import surface_form
-    >>> from rsym.codegen.surface_kernels import surface_kernels
+    >>> from rsym.logic.sign_form import surface_form
+    >>> from rsym.sampling.kernels.surface_kernels import surface_kernels
     >>> from rsym.sampling.sharp.certificates import Form, certify
     >>> from rsym.sampling.sharp.gates import gate_table
     >>> from rsym.sampling.sharp.leaves import CompiledLeaves

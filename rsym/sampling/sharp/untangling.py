@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels, padded
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels, padded
 from rsym.sampling.sharp.clusters import components
 from rsym.sampling.sharp.corners import off_surface, on_surface, solve
 from rsym.sampling.sharp.crossings import evaluate

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import SurfaceKernels, padded
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels, padded
 from rsym.sampling.sharp.corners import settle
 from rsym.sampling.sharp.crossings import Crossings
 from rsym.sampling.sharp.fitting import fitted

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.surface_kernels import padded
+from rsym.sampling.kernels.surface_kernels import padded
 from rsym.sampling.sharp.assembly import Assembly
 from rsym.sampling.sharp.octree import Blocks
 from rsym.sampling.sharp.patches import Topology

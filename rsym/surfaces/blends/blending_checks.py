@@ -13,7 +13,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from rsym.codegen.interpreter import interpret
+from rsym.backends.interpreter import interpret
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.model.symbols import as_expression, real_symbol

@@ -10,7 +10,7 @@ import sympy as sp
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from rsym.codegen.intervals import IntervalFunction
+from rsym.bounds.intervals import IntervalFunction
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces.functions.formulas import CompiledFormulas

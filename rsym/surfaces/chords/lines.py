@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 from scipy.integrate import quad
 
-from rsym.codegen.kernel import compile
+from rsym.backends.kernel import compile
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression, real_replacements, x, y

@@ -18,7 +18,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from rsym.codegen.interpreter import interpret
+from rsym.backends.interpreter import interpret
 from rsym.errors import RsymError
 from rsym.model.symbols import real_symbol
 from rsym.surfaces.blends.blending import HermiteBlend

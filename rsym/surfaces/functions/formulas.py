@@ -9,18 +9,18 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from rsym.codegen.backends import CompiledFunction, default_backend
-from rsym.codegen.builder import Builder
-from rsym.codegen.checking import CHECK_POINTS, check_at
-from rsym.codegen.differentiation import derivative
-from rsym.codegen.kernel import checked_threads, compiled, run_in_blocks
-from rsym.codegen.lowering import lower_all
-from rsym.codegen.precision import FLOAT64
-from rsym.codegen.program import Program
+from rsym.backends.checking import CHECK_POINTS, check_at
+from rsym.backends.kernel import checked_threads, compiled, run_in_blocks
+from rsym.backends.registry import CompiledFunction, default_backend
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.model.symbols import real_replacements
 from rsym.model.traversal import symbols_of
+from rsym.program.builder import Builder
+from rsym.program.differentiation import derivative
+from rsym.program.lowering import lower_all
+from rsym.program.precision import FLOAT64
+from rsym.program.program import Program
 from rsym.surfaces.parameters import Interval
 
 Array: TypeAlias = NDArray[np.float64]

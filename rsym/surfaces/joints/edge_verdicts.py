@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rsym.codegen.enclosures import ranges_of
+from rsym.bounds.enclosures import ranges_of
 from rsym.surfaces.joints.borders import Border
 from rsym.surfaces.joints.edge_matching import Stretch
 from rsym.surfaces.joints.edge_report import CommonEdge, Pole

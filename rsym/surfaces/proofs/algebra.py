@@ -16,7 +16,7 @@ import sympy as sp
 from sympy.polys.orderings import lex
 from sympy.polys.rings import PolyElement, PolyRing
 
-from rsym.codegen.balls import arb
+from rsym.bounds.balls import arb
 from rsym.surfaces.proofs.specialised import NoProof
 
 Polynomial: TypeAlias = PolyElement

@@ -7,9 +7,9 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from rsym.codegen.ball_series import SeriesFunction, arb, truncated
-from rsym.codegen.balls import ball, exact
-from rsym.codegen.builder import Builder
+from rsym.bounds.ball_series import SeriesFunction, arb, truncated
+from rsym.bounds.balls import ball, exact
+from rsym.program.builder import Builder
 from rsym.surfaces.functions.entries import exact as decimal
 from rsym.surfaces.joints.edges import Edge
 from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, PatchFormula

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from rsym.codegen.ball_series import arb, truncated
-from rsym.codegen.balls import ball, exact
+from rsym.bounds.ball_series import arb, truncated
+from rsym.bounds.balls import ball, exact
 from rsym.model.vectors import cross
 from rsym.surfaces.proofs.enclosures import BITS, ORDER, Pair
 from rsym.surfaces.proofs.exact_values import exact_values

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.differentiation import derivative
-from rsym.codegen.lowering import lower_all
 from rsym.errors import RsymError
+from rsym.program.builder import Builder
+from rsym.program.differentiation import derivative
+from rsym.program.lowering import lower_all
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.joints.edges import Edge

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from rsym.codegen.ball_series import SeriesFunction, arb, truncated
-from rsym.codegen.balls import ball, exact, square
+from rsym.bounds.ball_series import SeriesFunction, arb, truncated
+from rsym.bounds.balls import ball, exact, square
 from rsym.model.vectors import cross
 from rsym.surfaces.proofs.sides import (
     Side,

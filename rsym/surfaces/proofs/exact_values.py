@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from math import gcd, lcm
 
-from rsym.codegen.program import Data, Node, live
+from rsym.program.program import Data, Node, live
 from rsym.surfaces.proofs.algebra import PI, Angle, E, Field, T, Value, angle_of
 
 
@@ -20,7 +20,7 @@ def exact_values(nodes: Sequence[Node], outputs: Sequence[int], at: Fraction | N
 
     Examples
     --------
-    >>> from rsym.codegen.builder import Builder
+    >>> from rsym.program.builder import Builder
     >>> builder = Builder(("t",), ())
     >>> t = builder.input("t")
     >>> double = builder.make("sin", builder.mul(builder.const(2), t))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from rsym.codegen.ball_series import arb, truncated
-from rsym.codegen.balls import ball, exact
+from rsym.bounds.ball_series import arb, truncated
+from rsym.bounds.balls import ball, exact
 from rsym.surfaces.proofs.algebra import Polynomial, Value
 from rsym.surfaces.proofs.enclosures import BITS
 from rsym.surfaces.proofs.specialised import Part

@@ -22,12 +22,12 @@ from fractions import Fraction
 from itertools import combinations
 from typing import Any, NamedTuple, TypeAlias
 
-from rsym.codegen.ball_series import SeriesFunction, arb, truncated
-from rsym.codegen.balls import ball, exact
-from rsym.codegen.builder import Builder
-from rsym.codegen.program import Node
+from rsym.bounds.ball_series import SeriesFunction, arb, truncated
+from rsym.bounds.balls import ball, exact
 from rsym.errors import RsymError
 from rsym.model.vectors import cross
+from rsym.program.builder import Builder
+from rsym.program.program import Node
 from rsym.surfaces.functions.entries import exact as decimal
 from rsym.surfaces.joints.edges import Edge
 from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, PatchFormula, Walk

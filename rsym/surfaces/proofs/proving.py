@@ -10,10 +10,10 @@ from itertools import pairwise
 
 import sympy as sp
 
-from rsym.codegen.ball_series import SeriesFunction, truncated
-from rsym.codegen.balls import exact
-from rsym.codegen.builder import Builder
+from rsym.bounds.ball_series import SeriesFunction, truncated
+from rsym.bounds.balls import exact
 from rsym.errors import RsymError
+from rsym.program.builder import Builder
 from rsym.surfaces.proofs.apart import distance_from
 from rsym.surfaces.proofs.deflation import is_cuspidal, regular_end
 from rsym.surfaces.proofs.edge_formulas import ORDERS, Walk

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import TypeAlias
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.program import live
 from rsym.errors import RsymError
+from rsym.program.builder import Builder
+from rsym.program.program import live
 
 Part: TypeAlias = tuple[Fraction, Fraction]
 # Coefficients by the names of inputs, "" for the constant.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
-from rsym.codegen.builder import Builder
+from rsym.program.builder import Builder
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.joints.edge_matching import Stretch
 from rsym.surfaces.joints.edges import Edge

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from rsym.codegen.builder import Builder
+from rsym.program.builder import Builder
 from rsym.surfaces.proofs.edge_formulas import ORDERS, Jet, PatchFormula, Walk
 from rsym.surfaces.proofs.exact_values import exact_values
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part

@@ -20,10 +20,10 @@ from itertools import combinations
 import numpy as np
 import sympy as sp
 
-from rsym.codegen.ball_series import SeriesFunction, arb, truncated
-from rsym.codegen.balls import ball, exact
-from rsym.codegen.builder import Builder
-from rsym.codegen.lowering import lower_all
+from rsym.bounds.ball_series import SeriesFunction, arb, truncated
+from rsym.bounds.balls import ball, exact
+from rsym.program.builder import Builder
+from rsym.program.lowering import lower_all
 from rsym.surfaces.functions.entries import exact as decimal
 from rsym.surfaces.joints.edges import Edge
 from rsym.surfaces.parametric import ParametricSurface

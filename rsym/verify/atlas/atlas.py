@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rsym.codegen.enclosures import Range, ranges_of
+from rsym.bounds.enclosures import Range, ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.effort import Effort

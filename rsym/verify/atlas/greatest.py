@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.backends import CompiledFunction, make_function
-from rsym.codegen.expansion import expand
-from rsym.codegen.fields import program_of
-from rsym.codegen.precision import FLOAT64
+from rsym.backends.registry import CompiledFunction, make_function
 from rsym.model.shape import Bounds, Shape
+from rsym.program.expansion import expand
+from rsym.program.fields import program_of
+from rsym.program.precision import FLOAT64
 from rsym.verify.atlas.grid import Floats, Ints
 
 Marks = NDArray[np.bool_]

@@ -10,9 +10,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from rsym.codegen.balls import arb, ball, ctx, exact
-from rsym.codegen.enclosures import Range, ranges_of
-from rsym.codegen.kernel import compile
+from rsym.backends.kernel import compile
+from rsym.bounds.balls import arb, ball, ctx, exact
+from rsym.bounds.enclosures import Range, ranges_of
 from rsym.model.shape import Shape
 from rsym.verify.atlas.subjects import Spread, Subject, subject_of
 from rsym.verify.covering import PRECISION

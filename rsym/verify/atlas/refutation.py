@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rsym.codegen.balls import arb, ball, ctx, exact
-from rsym.codegen.enclosures import ranges_of
+from rsym.bounds.balls import arb, ball, ctx, exact
+from rsym.bounds.enclosures import ranges_of
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.lattice import bounds_of
 from rsym.verify.account import is_defect

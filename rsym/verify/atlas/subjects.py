@@ -11,7 +11,7 @@ from typing import Any, Generic, TypeVar
 
 import sympy as sp
 
-from rsym.codegen.enclosures import Range
+from rsym.bounds.enclosures import Range
 from rsym.model.constructions import section
 from rsym.model.shape import Shape
 from rsym.sampling.lattice import bounds_of

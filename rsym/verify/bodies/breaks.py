@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from rsym.codegen.balls import arb, ctx
+from rsym.bounds.balls import arb, ctx
 from rsym.verify.bodies.corners import PRECISE, floats, radius_of
 from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.borders import is_within

@@ -14,9 +14,9 @@ from typing import NamedTuple, TypeAlias
 
 from flint import arb_mat
 
-from rsym.codegen.balls import arb, ctx, exact
-from rsym.codegen.builder import Builder
-from rsym.codegen.expansion import SIMPLE
+from rsym.bounds.balls import arb, ctx, exact
+from rsym.program.builder import Builder
+from rsym.program.expansion import SIMPLE
 from rsym.verify.bodies.corners import common_zero, located
 from rsym.verify.bodies.rays import exact_at
 from rsym.verify.bodies.sheets import Sheets

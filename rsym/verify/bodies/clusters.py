@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from rsym.codegen.balls import arb
+from rsym.bounds.balls import arb
 from rsym.verify.local import Box, side
 
 LONG = 50  # widths of a box: a longer cluster of few boxes is a curve

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.balls import arb
+from rsym.bounds.balls import arb
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.continuation import Curve, Knot, Tube, others
 from rsym.verify.bodies.following import ACCURACY, Ground, Path, Walk, cut

@@ -16,7 +16,7 @@ from itertools import product
 import numpy as np
 from flint import arb_mat
 
-from rsym.codegen.balls import arb
+from rsym.bounds.balls import arb
 from rsym.verify.bodies.formulas import Formula, ternary
 from rsym.verify.local import Local
 

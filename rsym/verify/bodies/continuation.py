@@ -17,7 +17,7 @@ from operator import mul
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.balls import arb, ball
+from rsym.bounds.balls import arb, ball
 from rsym.model.vectors import cross
 from rsym.verify.generators import generators
 from rsym.verify.krawczyk import Point, image, inverse, refined, unique_zero

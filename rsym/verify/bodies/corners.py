@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from rsym.codegen.balls import arb, ctx, hypotenuse
+from rsym.bounds.balls import arb, ctx, hypotenuse
 from rsym.verify.bodies.formulas import Formula, Literal, replaced
 from rsym.verify.bodies.links import Link, octants
 from rsym.verify.bodies.report import SingularPoint

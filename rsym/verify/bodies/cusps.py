@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from itertools import product
 
-from rsym.codegen.balls import exact
+from rsym.bounds.balls import exact
 from rsym.model.vectors import cross
 from rsym.verify.bodies.contacts import Judgement
 from rsym.verify.local import Local
@@ -30,7 +30,7 @@ def cusp(known: Exact, at: Local, leaf: int) -> Judgement | None:
     >>> import rsym
     >>> from fractions import Fraction
     >>> from rsym import x, y, z
-    >>> from rsym.codegen.balls import arb
+    >>> from rsym.bounds.balls import arb
     >>> from rsym.verify.local import Model
     >>> model = Model(rsym.Shape(z**3 - x**2 - y**2 + x * z**2, (x, y, z)), {})
     >>> at = model.on([arb(0)] * 3)

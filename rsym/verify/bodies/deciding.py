@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.balls import arb, exact
-from rsym.codegen.builder import Builder
-from rsym.codegen.program import live
+from rsym.bounds.balls import arb, exact
+from rsym.program.builder import Builder
+from rsym.program.program import live
 from rsym.verify.bodies.boxes import at, grown, reach_from
 from rsym.verify.bodies.images import Boxes, Flags, Images
 from rsym.verify.bodies.independence import apart, independent

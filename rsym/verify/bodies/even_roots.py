@@ -8,9 +8,9 @@ Differentiable even functions, Duke Math. J. 10 (1943), 159-160.
 
 from __future__ import annotations
 
-from rsym.codegen.balls import arb, root
-from rsym.codegen.builder import HALF
-from rsym.codegen.differentiation import derivative
+from rsym.bounds.balls import arb, root
+from rsym.program.builder import HALF
+from rsym.program.differentiation import derivative
 from rsym.verify.bodies.candidates import substituted
 from rsym.verify.domains import is_defined
 from rsym.verify.generators import generators

@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from rsym.codegen.balls import ctx
+from rsym.bounds.balls import ctx
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.boxes import at, listed
 from rsym.verify.bodies.components import halves_of, narrowed

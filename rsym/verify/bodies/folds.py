@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.balls import ctx
+from rsym.bounds.balls import ctx
 from rsym.verify.bodies.images import Boxes, Flags, Images
 from rsym.verify.bodies.simplest import simplest
 from rsym.verify.classes import CURVED, Pieces, pieces

@@ -14,7 +14,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.builder import Builder
+from rsym.program.builder import Builder
 from rsym.verify.bodies.formulas import Formula, Literal, essential, leaves_of, replaced
 from rsym.verify.bodies.formulas import gate as joined
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS, Signed, postorder, stripped
+from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS, Signed, postorder, stripped
+from rsym.program.builder import Builder
 from rsym.verify.bodies.formation import Formation, Gate
 from rsym.verify.bodies.relations import Relations
 from rsym.verify.local import Model

@@ -14,11 +14,11 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.differentiation import derivative
-from rsym.codegen.interval_arithmetic import neighbours
-from rsym.codegen.intervals import IntervalFunction
-from rsym.codegen.program import Node, assemble, live
+from rsym.bounds.interval_arithmetic import neighbours
+from rsym.bounds.intervals import IntervalFunction
+from rsym.program.builder import Builder
+from rsym.program.differentiation import derivative
+from rsym.program.program import Node, assemble, live
 from rsym.verify.bodies.centred import Centred
 from rsym.verify.bodies.formation import Formation
 from rsym.verify.domains import switch_of

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from rsym.codegen.balls import arb
-from rsym.codegen.builder import Builder
+from rsym.bounds.balls import arb
+from rsym.program.builder import Builder
 from rsym.verify.bodies.breaks import broken
 from rsym.verify.bodies.corners import Corner, corner
 from rsym.verify.bodies.report import SingularPoint

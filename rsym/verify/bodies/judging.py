@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeAlias
 
-from rsym.codegen.balls import arb, ctx
+from rsym.bounds.balls import arb, ctx
 from rsym.verify.bodies.candidates import Place, across
 from rsym.verify.bodies.contacts import Judgement, touching, without_gradient
 from rsym.verify.bodies.corners import (

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.balls import arb, ctx, root, square
-from rsym.codegen.fields import Calculus
+from rsym.bounds.balls import arb, ctx, root, square
 from rsym.model.vectors import cross
+from rsym.program.fields import Calculus
 from rsym.verify.bodies.continuation import Curve, Knot, Tube, dot
 from rsym.verify.joints import PRECISE, Meeting, step_of
 from rsym.verify.local import Local

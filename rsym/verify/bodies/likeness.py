@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.local import Model
 
 Signed = tuple[int, int]  # the number of a form and a sign

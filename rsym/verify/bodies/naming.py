@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.leaf_names import leaf_names
-from rsym.codegen.program import live
-from rsym.codegen.sign_form import SignForm
+from rsym.logic.leaf_names import leaf_names
+from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Shape
+from rsym.program.builder import Builder
+from rsym.program.program import live
 
 NUMBERED = "leaf "  # a definition without a name whose formula is too long to be one
 BETWEEN = " / "  # what stands between the names of definitions that have a face in common

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.balls import ctx
+from rsym.bounds.balls import ctx
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.boxes import area, at, cut, eighths, grown, halves, listed, patterns, reach_from, widths_of
 from rsym.verify.bodies.deciding import EMPTY as NO_ZEROS

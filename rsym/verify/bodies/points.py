@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from rsym.codegen.balls import arb, ctx
+from rsym.bounds.balls import arb, ctx
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.candidates import Place, places
 from rsym.verify.bodies.clusters import Cluster, clusters

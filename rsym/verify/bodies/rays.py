@@ -28,7 +28,7 @@ from scipy.optimize import linprog, nnls
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from rsym.codegen.balls import arb, ctx
+from rsym.bounds.balls import arb, ctx
 from rsym.verify.directions import AROUND, PRECISE, same_sign
 from rsym.verify.local import Model
 from rsym.verify.slope_rules import Vector

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import sympy as sp
 
-from rsym.codegen.lowering import lower
+from rsym.program.lowering import lower
 from rsym.verify.local import Model
 from rsym.verify.polynomials import polynomial_of
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
 from rsym.verify.bodies.formulas import Formula, Gate, Literal, as_gate, essential, gate, leaves_of, replaced
 from rsym.verify.domains import PARTIAL, is_defined, is_defined_itself, is_legal
 from rsym.verify.generators import bare, factor, generators

@@ -11,9 +11,9 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.program import live
-from rsym.codegen.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.program.builder import Builder
+from rsym.program.program import live
 from rsym.verify.bodies.images import Boxes, Images, is_legal
 from rsym.verify.domains import switch_of
 from rsym.verify.resolution import remade

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from rsym.codegen.expansion import expand
-from rsym.codegen.numpy_backend import NumpyFunction
+from rsym.backends.numpy_backend import NumpyFunction
+from rsym.program.expansion import expand
 from rsym.verify.local import Model
 
 Array: TypeAlias = NDArray[np.float64]

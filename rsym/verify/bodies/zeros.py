@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import sympy as sp
 
-from rsym.codegen.balls import arb, ctx
+from rsym.bounds.balls import arb, ctx
 from rsym.verify.bodies.candidates import Place
 from rsym.verify.constants import vanishes
 from rsym.verify.directions import AROUND, PRECISE

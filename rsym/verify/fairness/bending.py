@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from rsym.codegen.balls import arb, ctx
+from rsym.bounds.balls import arb, ctx
 from rsym.verify.fairness.constancy import constant_curvatures
 from rsym.verify.fairness.pieces import POINT_BITS, Piece, lies_within, point_above
 from rsym.verify.fairness.quantities import Frame, Quantity

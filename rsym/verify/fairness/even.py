@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.differentiation import derivative
-from rsym.codegen.expansion import SIMPLE
-from rsym.codegen.program import live
+from rsym.program.builder import Builder
+from rsym.program.differentiation import derivative
+from rsym.program.expansion import SIMPLE
+from rsym.program.program import live
 
 SQUARE = "the square of the radius"  # an input that no program keeps
 

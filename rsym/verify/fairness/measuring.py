@@ -11,10 +11,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.backends import make_function
-from rsym.codegen.expansion import expand
-from rsym.codegen.kernel import run_in_blocks
-from rsym.codegen.precision import FLOAT64
+from rsym.backends.kernel import run_in_blocks
+from rsym.backends.registry import make_function
+from rsym.program.expansion import expand
+from rsym.program.precision import FLOAT64
 from rsym.sampling.combs import Comb
 from rsym.verify.fairness.bending import Arcs
 from rsym.verify.fairness.pieces import Piece

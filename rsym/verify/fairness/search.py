@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from rsym.codegen.balls import arb, ctx
+from rsym.bounds.balls import arb, ctx
 from rsym.sampling.effort import Effort
 from rsym.verify.covering import PRECISION, extent_of
 from rsym.verify.fairness.bending import Arcs, Bent

@@ -16,10 +16,10 @@ from itertools import combinations_with_replacement
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.codegen.backends import make_function
-from rsym.codegen.expansion import expand
-from rsym.codegen.kernel import run_in_blocks
-from rsym.codegen.precision import FLOAT64
+from rsym.backends.kernel import run_in_blocks
+from rsym.backends.registry import make_function
+from rsym.program.expansion import expand
+from rsym.program.precision import FLOAT64
 from rsym.verify.local import Model
 
 Floats = NDArray[np.float64]

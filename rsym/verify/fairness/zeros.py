@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rsym.codegen.balls import arb, ctx
+from rsym.bounds.balls import arb, ctx
 from rsym.verify.borders import is_within
 from rsym.verify.fairness.bending import Arcs, Bent, Enclosed
 from rsym.verify.fairness.pieces import GROWN, POINT_BITS, Piece, goes_on, grown, point_above

@@ -9,11 +9,11 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.differentiation import gradient
-from rsym.codegen.kernel import Kernel, compile_program, run_in_blocks
-from rsym.codegen.lowering import lower_all
+from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.model.shape import Shape
+from rsym.program.builder import Builder
+from rsym.program.differentiation import gradient
+from rsym.program.lowering import lower_all
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.intp]

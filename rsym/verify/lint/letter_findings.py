@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rsym.codegen.kernel import compile
+from rsym.backends.kernel import compile
 from rsym.model.letters import Letters
 from rsym.model.nodes import written_out
 from rsym.model.shape import Shape

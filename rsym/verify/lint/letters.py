@@ -15,11 +15,11 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from rsym.codegen.builder import Builder
-from rsym.codegen.intervals import IntervalFunction
-from rsym.codegen.lowering import lower
+from rsym.bounds.intervals import IntervalFunction
 from rsym.model.letters import Letter, Letters
 from rsym.model.traversal import postorder
+from rsym.program.builder import Builder
+from rsym.program.lowering import lower
 from rsym.verify.lint.functions import Array
 
 NONZERO, NONNEGATIVE, POSITIVE = "must not be zero", "must not be negative", "must be positive"

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import sympy as sp
 
-from rsym.model.contracts.leaves import is_logical
+from rsym.analysis.contracts.leaves import is_logical
 from rsym.model.folds import Fold
 from rsym.model.nodes import Trimming
 from rsym.model.powers import AbsolutePower

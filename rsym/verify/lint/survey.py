@@ -7,9 +7,9 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.model.contracts.leaves import is_logical
-from rsym.model.contracts.orders import leaf_order
-from rsym.model.contracts.promises import Order
+from rsym.analysis.contracts.leaves import is_logical
+from rsym.analysis.contracts.orders import leaf_order
+from rsym.analysis.contracts.promises import Order
 from rsym.model.shape import Shape
 from rsym.sampling.extent import bounds_or_extent
 from rsym.verify.lint.functions import Array, Functions, functions_of

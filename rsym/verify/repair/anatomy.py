@@ -11,14 +11,14 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from rsym.codegen.balls import arb, ctx
-from rsym.codegen.enclosures import ranges_of
-from rsym.codegen.lowering import lower
-from rsym.codegen.program import live
+from rsym.bounds.balls import arb, ctx
+from rsym.bounds.enclosures import ranges_of
 from rsym.model.nodes import Trimming, written_out
 from rsym.model.rnodes import ROperation
 from rsym.model.shape import Shape
 from rsym.model.traversal import postorder
+from rsym.program.lowering import lower
+from rsym.program.program import live
 from rsym.sampling.lattice import bounds_of
 from rsym.verify.bodies.report import BodyReport, SingularCurve, SingularPoint
 from rsym.verify.generators import BRANCHING, is_analytic_at

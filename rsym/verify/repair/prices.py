@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rsym.codegen.kernel import compile as compile_shape
+from rsym.backends.kernel import compile as compile_shape
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.boundaries import Boundary, boundary, distance

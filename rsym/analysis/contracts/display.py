@@ -1,0 +1,124 @@
+"""A contract in words: text for a terminal, a table for a notebook."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from html import escape
+from itertools import accumulate
+
+import sympy as sp
+
+from rsym.analysis.contracts.leaves import Leaf, is_logical
+from rsym.analysis.contracts.promises import Order, Singularity
+from rsym.model.abridging import weight
+from rsym.model.names import symbol_names
+from rsym.model.symbols import real_symbol
+from rsym.model.traversal import symbols_of
+from rsym.model.wording import within
+
+_SHOWN = 6  # singular sets of one kind, leaves of one order: a car has 38 and 31
+_IN_A_TABLE = 4  # of them: LaTeX takes longer than text
+_DEEP = 2  # R-operations within one another that are still written out
+_LONG = 40  # parts of a leaf that is still written out
+ROOM, CELL = 3800, 1500  # characters of a table, and of what one cell lists
+
+Names = Mapping[sp.Expr, str]
+
+
+def smoothness(continuity: float) -> str:
+    """The class in words.
+
+    Examples
+    --------
+    >>> smoothness(math.inf), smoothness(0), smoothness(2), smoothness(-1)
+    ('analytic', 'continuous', 'of class C^2', 'not continuous')
+    """
+    if continuity == math.inf:
+        return "analytic"
+    return {-1: "not continuous", 0: "continuous"}.get(int(continuity), f"of class C^{continuity}")
+
+
+def normalisation(order: Order) -> str:
+    """The order in words."""
+    if order is None:
+        return "normalisation not shown"
+    return {math.inf: "the exact distance", 0: "not normalised"}.get(order, f"normalised to order {order:g}")
+
+
+def shortened(expression: sp.Expr, names: Names, depth: int = _DEEP) -> sp.Expr:
+    """What has a name by its name, what is deep or long by dots."""
+    if expression in names:
+        return real_symbol(names[expression])
+    if not is_logical(expression):
+        return expression if weight(expression, _LONG) <= _LONG else real_symbol("...")
+    if depth == 0:
+        return real_symbol("...")
+    return expression.func(
+        *(shortened(argument, names, depth - 1) if argument.free_symbols else argument for argument in expression.args)
+    )
+
+
+def _text(singularity: Singularity, names: Names) -> str:
+    return " = ".join([*(sp.sstr(shortened(equation, names)) for equation in singularity.equations), "0"])
+
+
+def _latex(singularity: Singularity, names: Names) -> str:
+    parts = [shortened(equation, names) for equation in singularity.equations]
+    printed = symbol_names(symbols_of(*parts)) | {real_symbol("..."): r"\dots"}
+    return " = ".join([*(sp.latex(part, symbol_names=printed) for part in parts), "0"])
+
+
+def kinds(singular: Sequence[Singularity]) -> dict[tuple[int, str], list[Singularity]]:
+    """The singular sets by class and operation, the roughest first."""
+    groups: dict[tuple[int, str], list[Singularity]] = {}
+    for item in sorted(singular, key=lambda item: item.continuity):
+        groups.setdefault((item.continuity, item.operation), []).append(item)
+    return groups
+
+
+def _counted(shown: Sequence[str], count: int, between: str) -> str:
+    kept = [text for text, room in zip(shown, accumulate(map(len, shown)), strict=True) if room <= CELL] or shown[:1]
+    more = [f"and {count - len(kept)} more"] if count > len(kept) else []
+    return between.join([*kept, *more])
+
+
+def _called(leaf: Leaf) -> str:
+    title = leaf.name or (sp.sstr(leaf.expression) if weight(leaf.expression, _LONG) <= _LONG else "a leaf")
+    return f"{title} ({leaf.part})" if leaf.part and leaf.part != title else title
+
+
+def by_order(leaves: Sequence[Leaf]) -> dict[Order, list[Leaf]]:
+    """The leaves by order, those not normalised first."""
+    groups: dict[Order, list[Leaf]] = {}
+    for leaf in sorted(leaves, key=lambda leaf: 0.5 if leaf.order is None else leaf.order):
+        groups.setdefault(leaf.order, []).append(leaf)
+    return groups
+
+
+def paragraph(
+    continuity: float, order: str, singular: Sequence[Singularity], leaves: Sequence[Leaf], names: Names
+) -> str:
+    """The contract as lines of text."""
+    lines = [f"omega is {smoothness(continuity)}; {order}"]
+    for (rank, operation), group in kinds(singular).items():
+        shown = [_text(item, names) for item in group[:_SHOWN]]
+        lines.append(f"  {smoothness(rank)} ({operation}) where {_counted(shown, len(group), '; ')}")
+    for kind, alike in by_order(leaves).items():
+        shown = [_called(leaf) for leaf in alike[:_SHOWN]]
+        lines.append(f"  leaves, {normalisation(kind)}: {_counted(shown, len(alike), '; ')}")
+    return "\n".join(lines)
+
+
+def table(continuity: float, order: str, singular: Sequence[Singularity], leaves: Sequence[Leaf], names: Names) -> str:
+    """The contract as an HTML table, equations in LaTeX."""
+    rows = [("class", escape(smoothness(continuity))), ("normalisation", escape(order))]
+    for (rank, operation), group in kinds(singular).items():
+        shown = [f"${_latex(item, names)}$" for item in group[:_IN_A_TABLE]]
+        rows.append((escape(f"{smoothness(rank)}: {operation}"), _counted(shown, len(group), "<br>")))
+    for kind, alike in by_order(leaves).items():
+        shown = [escape(_called(leaf)) for leaf in alike[:_IN_A_TABLE]]
+        rows.append((f"leaves: {escape(normalisation(kind))}", _counted(shown, len(alike), "<br>")))
+    cell = '<td style="text-align: left">{}</td>'
+    lines = [f"<tr>{cell.format(a)}{cell.format(b)}</tr>" for a, b in rows]
+    return f"<table>{''.join(within(lines, ROOM, '<tr><td colspan=2>and {} more</td></tr>'))}</table>"

@@ -1,1 +1,0 @@
-"""Formulas to functions: the program, its differentiation and its backends."""

@@ -1,0 +1,101 @@
+"""What the leaves of a sign form are called: by the parts of the shape that they come from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import sympy as sp
+
+from rsym.logic.sign_form import SignForm, sign_form
+from rsym.model.blends.gates import with_gates
+from rsym.model.folds import Fold
+from rsym.model.shape import Shape
+from rsym.model.traversal import postorder, symbols_of
+from rsym.program.builder import Builder
+from rsym.program.lowering import lower_all
+
+LONGEST_FORMULA = 40  # characters
+# A formula of more pieces is too long to be read, and written out it may be exponentially longer than it is stored.
+MOST_PIECES = 60
+
+
+def leaf_names(form: SignForm, shape: Shape) -> tuple[str, ...]:
+    """One name for each leaf of the sign form of a shape.
+
+    A leaf is called like the smallest part of the shape, the one of fewest
+    leaves, that has it or its negation among its leaves; of parts of one size,
+    like the first. A leaf of no part is called by its formula, a long one by its
+    number, a side of the bounds ``cap x lower``.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> from rsym.logic.sign_form import surface_form
+    >>> slab = rsym.Shape(1 - z**2, (x, y, z)).named("slab")
+    >>> corner = rsym.Shape(rsym.conjunction(x, y), (x, y, z))
+    >>> shape = slab - corner.named("corner") - rsym.Shape(x + y, (x, y, z))
+    >>> leaf_names(surface_form(shape), shape)
+    ('slab', 'corner', 'corner', '-x - y')
+    """
+    count = len(form.leaves) - form.caps
+    keys = [_key(form.builder, leaf) for leaf in form.leaves[:count]]
+    named = _names_of_parts(form.builder, shape)
+    texts = {} if all(key in named for key in keys) else _formulas(form.builder, shape.expression)
+    names = [named.get(key) or texts.get(key) or f"leaf {number}" for number, key in enumerate(keys)]
+    sides = [f"cap {coordinate} {side}" for coordinate in shape.coordinates for side in ("lower", "upper")]
+    return (*names, *sides[: form.caps])
+
+
+def _key(builder: Builder, leaf: int) -> int:
+    """The leaf without its sign and without constant factors, which SymPy moves about."""
+    operation, arguments, _ = builder.nodes[leaf]
+    if operation == "neg":
+        return _key(builder, arguments[0])
+    if operation == "mul" and builder.value(arguments[0]) is not None:
+        return _key(builder, arguments[1])
+    return leaf
+
+
+def _names_of_parts(builder: Builder, shape: Shape) -> Mapping[int, str]:
+    """The name of the smallest part that holds a leaf, by the key of the leaf."""
+    known = {*builder.coordinates, *builder.letters}
+    # A part may speak of letters that have cancelled out of the shape: it is no part of it any more.
+    parts = [part for part in shape.parts if all(symbol.name in known for symbol in symbols_of(part[1]))]
+    # SymPy moves the sign of -(a - b) inwards, so a negation may be another formula: b - a.
+    nodes = lower_all(builder, [signed for _, part in parts for signed in map(with_gates, (part, -part))])
+    leaves = [[_key(builder, leaf) for leaf in sign_form(builder, node).leaves] for node in nodes]
+    smallest: dict[int, tuple[int, str]] = {}
+    for (name, _), *both in zip(parts, leaves[::2], leaves[1::2], strict=True):
+        for keys in both:
+            for key in keys:
+                if key not in smallest or len(keys) < smallest[key][0]:
+                    smallest[key] = len(keys), name
+    return {key: name for key, (_, name) in smallest.items()}
+
+
+def _formulas(builder: Builder, expression: sp.Expr) -> Mapping[int, str]:
+    """The text of the operands of R-operations, by the key of the leaf that they make."""
+    operands = list(_operands(expression))
+    texts: dict[int, str] = {}
+    for operand, node in zip(operands, lower_all(builder, operands), strict=True):
+        leaves = sign_form(builder, node).leaves
+        if len(leaves) == 1 and _is_short(operand):
+            text = sp.sstr(operand)
+            texts.setdefault(_key(builder, leaves[0]), text if len(text) <= LONGEST_FORMULA else "")
+    return texts
+
+
+def _operands(expression: sp.Expr) -> Iterator[sp.Expr]:
+    yield expression
+    for part in postorder(expression):
+        if isinstance(part, Fold | sp.Min | sp.Max):
+            skipped = part.parameter_count if isinstance(part, Fold) else 0
+            yield from (operand for operand in part.args[skipped:] if not isinstance(operand, Fold))
+
+
+def _is_short(expression: sp.Expr) -> bool:
+    pieces: dict[int, int] = {}
+    for part in postorder(expression):
+        pieces[id(part)] = 1 + sum(pieces[id(argument)] for argument in part.args)
+    return pieces[id(expression)] <= MOST_PIECES

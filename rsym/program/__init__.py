@@ -1,0 +1,1 @@
+"""Formulas to one straight-line program: the table of operations, differentiation, fields."""

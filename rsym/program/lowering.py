@@ -1,0 +1,301 @@
+"""From SymPy to a program: one node for each shared part, R-nodes kept.
+
+The walk is iterative, so a nest of five hundred R-operations is as good as
+one. What a program cannot hold is refused by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+
+import sympy as sp
+from sympy.core.relational import Relational
+from sympy.functions.elementary.piecewise import ExprCondPair
+from sympy.logic.boolalg import BooleanAtom, BooleanFunction
+
+from rsym.errors import RsymError
+from rsym.model import equivalences, powers, rnodes
+from rsym.model.choices import Choice
+from rsym.model.folds import Fold
+from rsym.model.nodes import Ahead, Composition, Held, Trimming, ZeroWith, written_out
+from rsym.model.traversal import postorder
+from rsym.program.builder import HALF, Builder
+from rsym.program.quadratics import sum_with_squares_completed, two_linear_factors
+
+Lowered = Sequence[int]
+
+
+def lower(builder: Builder, expression: sp.Expr) -> int:
+    """The node that computes the expression.
+
+    Raises
+    ------
+    RsymError
+        For anything that is not a real elementary function of the inputs, by name.
+    """
+    return lower_all(builder, [expression])[0]
+
+
+def lower_all(builder: Builder, expressions: Sequence[sp.Expr]) -> list[int]:
+    """The nodes that compute the expressions; what they share is walked once."""
+    parts = postorder(*expressions)
+    if any(isinstance(part, Composition) for part in parts):
+        return lower_all(builder, [written_out(expression) for expression in expressions])
+    done: dict[int, int] = {}
+    for part in parts:
+        if isinstance(part, Relational | BooleanFunction | BooleanAtom | ExprCondPair):
+            continue  # conditions are read by the Piecewise that owns them
+        arguments = [done[id(argument)] for argument in part.args if id(argument) in done]
+        done[id(part)] = _lower_part(builder, part, arguments, done)
+    return [done[id(expression)] for expression in expressions]
+
+
+def _lower_part(b: Builder, part: sp.Basic, arguments: Lowered, done: dict[int, int]) -> int:
+    if isinstance(part, sp.Symbol):
+        return _input(b, part)
+    if part is sp.nan:
+        return b.undefined()  # the derivative of min and max on a tie
+    if part.is_Number or isinstance(part, sp.NumberSymbol):
+        return _constant(b, part)
+    if isinstance(part, sp.Piecewise):
+        return _piecewise(b, part, done)
+    for kind, function in LOWERINGS.items():
+        if isinstance(part, kind):
+            return function(b, part, arguments)
+    raise RsymError(
+        f"a program cannot hold {type(part).__name__}: {sp.sstr(part)[:80]}",
+        code="unsupported-function",
+        remedy="write it with + - * / powers, sqrt, abs, min, max, Piecewise, sin, cos, tan, exp, log, atan2, "
+        "hyperbolic and inverse functions, and R-operations",
+    )
+
+
+def _input(b: Builder, symbol: sp.Symbol) -> int:
+    if symbol.name not in b.coordinates and symbol.name not in b.letters:
+        raise RsymError(f"{symbol.name!r} is neither coordinate nor letter", code="unknown-letter")
+    return b.input(symbol.name)
+
+
+def _constant(b: Builder, number: sp.Expr) -> int:
+    if isinstance(number, sp.Rational) and number.is_finite:
+        return b.const(Fraction(int(number.p), int(number.q)))
+    if isinstance(number, sp.Float):
+        sign, mantissa, exponent, _ = number._mpf_
+        return b.const((-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** int(exponent))
+    if number in (sp.pi, sp.E):
+        return b.make("const", data="pi" if number == sp.pi else "e")
+    if isinstance(number, sp.NumberSymbol):
+        return b.const(Fraction(float(number)))
+    raise RsymError(f"{number} is not a finite real number", code="number", remedy="remove the division by zero")
+
+
+def _add(b: Builder, part: sp.Add, arguments: Lowered) -> int:
+    return sum_with_squares_completed(b, part, arguments)
+
+
+def _mul(b: Builder, part: sp.Mul, arguments: Lowered) -> int:
+    """Numerator over denominator; f/sqrt(f**2 + q) becomes one node, a product of two linear factors a square."""
+    numerator: list[int] = []
+    denominator: list[int] = []
+    for factor, number in zip(part.args, arguments, strict=True):
+        inverse = _reciprocal(b, factor, number)
+        if inverse is None:
+            numerator.append(number)
+        else:
+            denominator.append(inverse)
+    numerator = two_linear_factors(b, part, arguments, numerator)
+    for divisor in list(denominator):
+        for position, factor_number in enumerate(numerator):
+            unit = b.normalisation(factor_number, divisor)
+            if unit is not None:
+                numerator[position] = unit
+                denominator.remove(divisor)
+                break
+    top = _product(b, numerator)
+    return b.div(top, _product(b, denominator)) if denominator else top
+
+
+def _reciprocal(b: Builder, factor: sp.Expr, number: int) -> int | None:
+    """The node u of a factor 1/u, if it is one."""
+    if isinstance(factor, sp.Rational):
+        return None
+    node = b.nodes[number]
+    is_inverse = node.operation == "div" and b.value(node.arguments[0]) == 1
+    return node.arguments[1] if is_inverse else None
+
+
+def _product(b: Builder, factors: Sequence[int]) -> int:
+    result = b.const(1)
+    for factor in factors:
+        result = b.mul(result, factor)
+    return result
+
+
+def _pow(b: Builder, part: sp.Pow, arguments: Lowered) -> int:
+    base, exponent = arguments
+    if isinstance(part, sp.exp) or part.base == sp.E:
+        return b.make("exp", exponent)
+    value = b.value(exponent)
+    if value is not None and value.denominator == 1 and abs(value) <= 2**31:
+        return b.powi(base, int(value))
+    if value is not None and value.denominator == 2 and abs(value) <= 2**31:
+        root = b.sqrt(base)
+        whole, halves = divmod(abs(value.numerator), 2)
+        power = b.mul(b.powi(base, whole), root) if whole and halves else root
+        return power if value > 0 else b.div(b.const(1), power)
+    return b.make("pow", base, exponent)
+
+
+def _fold(operation: str) -> Callable[[Builder, sp.Basic, Lowered], int]:
+    def lowering(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
+        count = part.parameter_count if isinstance(part, Fold) else 0
+        parameters, (result, *rest) = arguments[:count], arguments[count:]
+        _check_parameters(b, part, parameters)
+        for operand in rest:
+            result = b.make(operation, result, operand, *parameters)
+        return result
+
+    return lowering
+
+
+def _check_parameters(b: Builder, part: sp.Basic, parameters: Lowered) -> None:
+    if not all(b.uniform[parameter] for parameter in parameters):
+        raise RsymError(
+            f"the parameter {part.args[0]} of an R-operation varies from point to point",
+            code="parameter",
+            remedy="use a number or a letter",
+        )
+
+
+def _elementary(operation: str) -> Callable[[Builder, sp.Basic, Lowered], int]:
+    return lambda b, part, arguments: b.make(operation, *arguments)
+
+
+def _trimming(b: Builder, part: Trimming, arguments: Lowered) -> int:
+    """The node takes the square of the trimmed function: on a revolved one that is smooth on the axis."""
+    f, t = arguments
+    return b.make("trimming", b.square(f), t)
+
+
+def _ahead(b: Builder, part: Ahead, arguments: Lowered) -> int:
+    f, g = arguments
+    return b.select(f, g, b.const(1), b.select(g, f, b.const(0), b.undefined()))
+
+
+def _exponentials(b: Builder, u: int) -> tuple[int, int]:
+    return b.make("exp", u), b.make("exp", b.neg(u))
+
+
+def _sinh(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
+    up, down = _exponentials(b, arguments[0])
+    return b.mul(b.const(HALF), b.sub(up, down))
+
+
+def _cosh(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
+    up, down = _exponentials(b, arguments[0])
+    return b.mul(b.const(HALF), b.add(up, down))
+
+
+def _tanh(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
+    """1 - 2/(exp(2u) + 1), which does not overflow to NaN."""
+    double = b.make("exp", b.mul(b.const(2), arguments[0]))
+    return b.sub(b.const(1), b.div(b.const(2), b.add(double, b.const(1))))
+
+
+def _tan(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
+    return b.div(b.make("sin", arguments[0]), b.make("cos", arguments[0]))
+
+
+def _cot(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
+    return b.div(b.make("cos", arguments[0]), b.make("sin", arguments[0]))
+
+
+def _asin(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
+    return b.make("atan2", arguments[0], _complement(b, arguments[0]))
+
+
+def _acos(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
+    return b.make("atan2", _complement(b, arguments[0]), arguments[0])
+
+
+def _complement(b: Builder, u: int) -> int:
+    return b.sqrt(b.mul(b.sub(b.const(1), u), b.add(b.const(1), u)))
+
+
+def _piecewise(b: Builder, part: sp.Piecewise, done: dict[int, int]) -> int:
+    """From the last branch inwards; what no condition covers is undefined."""
+    result = b.undefined()
+    for value, condition in reversed([pair.args for pair in part.args]):
+        result = _choose(b, condition, done[id(value)], result, done)
+    return result
+
+
+def _choose(b: Builder, condition: sp.Basic, yes: int, no: int, done: dict[int, int]) -> int:
+    """`yes` where the condition holds, `no` where it does not, NaN where it has no truth."""
+    if condition in (sp.true, sp.false):
+        return yes if condition == sp.true else no
+    if isinstance(condition, sp.Not):
+        return _choose(b, condition.args[0], no, yes, done)
+    if isinstance(condition, sp.And | sp.Or):
+        is_and = isinstance(condition, sp.And)
+        for inner in condition.args:
+            yes, no = (_choose(b, inner, yes, no, done), no) if is_and else (yes, _choose(b, inner, yes, no, done))
+        return yes if is_and else no
+    strict = isinstance(condition, sp.StrictGreaterThan | sp.StrictLessThan)
+    if not strict and not isinstance(condition, sp.GreaterThan | sp.LessThan):
+        raise RsymError(f"a condition must be made of < <= > >=, and, or, not; got {condition}", code="condition")
+    large, small = done[id(condition.gts)], done[id(condition.lts)]
+    if strict:
+        return b.select(large, small, yes, _unless_nan(b, large, small, no))
+    return b.select(small, large, no, _unless_nan(b, large, small, yes))
+
+
+def _unless_nan(b: Builder, u: int, v: int, value: int) -> int:
+    """The value where u - v is a number: |u - v| > -1 is false for NaN alone."""
+    gap = b.abs(b.sub(u, v))
+    known = b.value(gap) is not None
+    return value if known else b.select(gap, b.const(-1), value, b.undefined())
+
+
+LOWERINGS: dict[type[sp.Basic], Callable[..., int]] = {
+    sp.Add: _add,
+    sp.Mul: _mul,
+    sp.Pow: _pow,
+    sp.exp: _elementary("exp"),
+    rnodes.R0Conjunction: _fold("r0_conjunction"),
+    rnodes.R0Disjunction: _fold("r0_disjunction"),
+    rnodes.R1Conjunction: _fold("min"),
+    rnodes.R1Disjunction: _fold("max"),
+    rnodes.RAlphaConjunction: _fold("r_alpha_conjunction"),
+    rnodes.RAlphaDisjunction: _fold("r_alpha_disjunction"),
+    rnodes.R0mConjunction: _fold("r0m_conjunction"),
+    rnodes.R0mDisjunction: _fold("r0m_disjunction"),
+    rnodes.RpConjunction: _fold("rp_conjunction"),
+    rnodes.RpDisjunction: _fold("rp_disjunction"),
+    equivalences.Equivalence: _fold("equivalence"),
+    equivalences.Joining: _fold("joining"),
+    powers.AbsolutePower: lambda b, part, arguments: b.absolute_power(*arguments),
+    powers.SignedPower: lambda b, part, arguments: b.signed_power(*arguments),
+    Trimming: _trimming,
+    Ahead: _ahead,
+    ZeroWith: lambda b, part, arguments: b.zero_with(*arguments),
+    Choice: lambda b, part, arguments: b.select(*arguments),
+    Held: lambda b, part, arguments: arguments[0],
+    sp.Min: _fold("min"),
+    sp.Max: _fold("max"),
+    sp.Abs: lambda b, part, arguments: b.abs(arguments[0]),
+    sp.sign: _elementary("sign"),
+    sp.sin: _elementary("sin"),
+    sp.cos: _elementary("cos"),
+    sp.tan: _tan,
+    sp.cot: _cot,
+    sp.log: _elementary("log"),
+    sp.atan2: _elementary("atan2"),
+    sp.atan: lambda b, part, arguments: b.make("atan2", arguments[0], b.const(1)),
+    sp.asin: _asin,
+    sp.acos: _acos,
+    sp.sinh: _sinh,
+    sp.cosh: _cosh,
+    sp.tanh: _tanh,
+}

@@ -1,0 +1,158 @@
+"""Routines of the sign form at points: whole, and reduced to the operands that matter in a block."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from functools import partial
+
+from rsym.backends.vector_code import Value
+from rsym.program.program import live
+from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
+from rsym.sampling.kernels.surface_formulas import AXES, WORD, SurfaceFormulas
+
+# Operations. Mostly one leaf or two matter in a block: what only others need is lost, and what waits takes registers.
+# With everything shared, signs of the car took three times as long.
+MUCH = 50
+NAMED = f"{{ {DOUBLES}, {SHORTS} }}"
+
+
+def form(s: SurfaceFormulas) -> Routine:
+    """The form at points of one block, its idle operands left out."""
+    r = Routine("form", dict.fromkeys(AXES, DOUBLES) | {"constants": "ptr", "words": "ptr"}, DOUBLES, True)
+    value, _ = ReducedForm(s, r, named=False).emit()
+    r.do(f"ret {DOUBLES} {value}")
+    return r
+
+
+def named(s: SurfaceFormulas) -> Routine:
+    """The same, and the number of the leaf that is active."""
+    r = Routine("named", dict.fromkeys(AXES, DOUBLES) | {"constants": "ptr", "words": "ptr"}, NAMED, True)
+    value, leaf = ReducedForm(s, r, named=True).emit()
+    first = r.emit(f"insertvalue {NAMED} poison, {DOUBLES} {value}, 0")
+    r.do(f"ret {NAMED} {r.emit(f'insertvalue {NAMED} {first}, {SHORTS} {leaf}, 1')}")
+    return r
+
+
+def value(s: SurfaceFormulas) -> Routine:
+    """The form at any points, and the number of the leaf that is active."""
+    r = Routine(
+        "value",
+        {"count": "i64", "points": "ptr", "stride": "i64", "constants": "ptr", "value": "ptr", "leaf": "ptr"},
+    )
+    with r.loop("0", "%count", LANES) as i:
+        known = s.at(r, "%points", "%stride", i)
+        values = s.points.outputs(r, (f"leaf{k}" for k in range(s.count)), known)
+        names = [leaf_number(k) for k in range(s.count)]
+        for operation, first, second in s.gates:
+            take = better(operation, values[first], values[second])
+            names.append(r.select(take.name, names[first], names[second], SHORTS))
+            values.append(take.choose(values[first], values[second]))
+        r.store(values[-1].name, "%value", i)
+        r.store(names[-1], "%leaf", i, SHORTS)
+    r.do("ret void")
+    return r
+
+
+class ReducedForm:
+    """The form in a block where some operands of its gates do not matter, as branches around them.
+
+    An explicit stack walks the gates, so that deep nests do no harm. What several places use is computed before.
+    """
+
+    def __init__(
+        self,
+        formulas: SurfaceFormulas,
+        r: Routine,
+        named: bool,
+    ) -> None:
+        self.formulas, self.r, self.named = formulas, r, named
+        self.known = formulas.points.inputs(dict(zip(formulas.coordinates, ("%x", "%y", "%z"), strict=True)))
+        self.values: dict[int, tuple[str, str]] = {}
+
+    def emit(self) -> tuple[str, str]:
+        """The value and the number of the active leaf."""
+        formulas = self.formulas
+        self._share_parts()
+        uses = Counter(operand for _, *operands in formulas.gates for operand in operands)
+        for gate in range(formulas.count, formulas.count + len(formulas.gates)):
+            if uses[gate] > 1:
+                self.values[gate] = self._walk(gate)
+        return self._walk(formulas.count + len(formulas.gates) - 1)
+
+    def _share_parts(self) -> None:
+        """Compute what more than one leaf needs, where that is much."""
+        points = self.formulas.points
+        nodes = [points.numbers[f"leaf{k}"] for k in range(self.formulas.count)]
+        uses = Counter(part for node in nodes for part in live(points.program.nodes, [node]))
+        shared = [part for part, count in uses.items() if count > 1 and not points.program.uniform[part]]
+        large = [part for part in shared if len(live(points.program.nodes, [part])) > MUCH]
+        points.emit(self.r, large, self.known)
+
+    def _walk(self, root: int) -> tuple[str, str]:
+        results: list[tuple[str, str]] = []
+        actions: list[Callable[[], None]] = []
+
+        def visit(operand: int) -> None:
+            if operand in self.values:
+                results.append(self.values[operand])
+            elif operand < self.formulas.count:
+                results.append(self._leaf(operand))
+            else:
+                gate = operand - self.formulas.count
+                _, first, second = self.formulas.gates[gate]
+                actions.append(partial(self._join, gate, results))
+                for position, inner in ((1, second), (0, first)):
+                    mark = f"{len(self.r.lines)}.{len(actions)}"
+                    actions.append(partial(self._leave, gate, mark, results))
+                    actions.append(partial(visit, inner))
+                    actions.append(partial(self._enter, gate, position, mark))
+
+        visit(root)
+        while actions:
+            actions.pop()()
+        return results.pop()
+
+    def _leaf(self, number: int) -> tuple[str, str]:
+        known = dict(self.known)
+        (value,) = self.formulas.points.outputs(self.r, [f"leaf{number}"], known)
+        return value.name, leaf_number(number)
+
+    def _enter(self, gate: int, position: int, mark: str) -> None:
+        """Skip the operand if its bit is set."""
+        word, bit = divmod(2 * gate + position, WORD)
+        r = self.r
+        flags = r.load("%words", word, "i64")
+        idle = r.emit(f"icmp ne i64 {r.emit(f'and i64 {flags}, {1 << bit}')}, 0")
+        r.label(f"ask{mark}")
+        r.do(f"br i1 {idle}, label %join{mark}, label %work{mark}")
+        r.start(f"work{mark}")
+
+    def _leave(self, gate: int, mark: str, results: list[tuple[str, str]]) -> None:
+        """Where the operand was skipped, what no min or max chooses."""
+        r = self.r
+        value, name = results.pop()
+        neutral = r.number(float("inf") if self.formulas.gates[gate].operation == "min" else float("-inf"))
+        r.label(f"done{mark}")
+        r.label(f"join{mark}")
+        merged = r.emit(f"phi {DOUBLES} [ {neutral.name}, %ask{mark} ], [ {value}, %done{mark} ]")
+        if self.named:
+            name = r.emit(f"phi {SHORTS} [ {leaf_number(0)}, %ask{mark} ], [ {name}, %done{mark} ]")
+        results.append((merged, name))
+
+    def _join(self, gate: int, results: list[tuple[str, str]]) -> None:
+        r = self.r
+        (b, b_name), (a, a_name) = results.pop(), results.pop()
+        take = better(self.formulas.gates[gate].operation, r.value(a), r.value(b))
+        name = r.select(take.name, a_name, b_name, SHORTS) if self.named else ""
+        results.append((r.select(take.name, a, b, DOUBLES), name))
+
+
+def better(operation: str, a: Value, b: Value) -> Value:
+    """Where a is the min (max) of both, or undefined: NaN must not get lost."""
+    return (a < b if operation == "min" else a > b) | a.compare("uno", a)
+
+
+def leaf_number(number: int) -> str:
+    """The number of a leaf in every lane."""
+    return f"<{', '.join([f'i16 {number}'] * LANES)}>"

@@ -1,0 +1,278 @@
+"""The mesher's kernels: the routines of a sign form, compiled, on NumPy arrays.
+
+Letters and bounds are constants that `set` takes without compiling anything.
+Arrays of points are (3, m) float64, contiguous, with m at least the count rounded
+up to a multiple of eight lanes; what lies behind the count is scratch.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.backends.checking import CHECK_POINTS
+from rsym.backends.interpreter import interpret
+from rsym.backends.llvm_code import machine_code
+from rsym.errors import RsymError
+from rsym.logic.sign_form import SignForm, cap_letters
+from rsym.model.shape import Bounds
+from rsym.program.operations import OPERATIONS
+from rsym.sampling.kernels.leaf_check import check_leaves
+from rsym.sampling.kernels.routines import LANES
+from rsym.sampling.kernels.surface_code import surface_code
+from rsym.sampling.kernels.surface_formulas import SurfaceFormulas
+
+Floats: TypeAlias = NDArray[np.float64]
+
+_POINTER, _INTEGER, _REAL = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
+_SIGNATURES: dict[str, Sequence[Any]] = {
+    "point_constants": (_POINTER, _POINTER),
+    "box_constants": (_POINTER, _POINTER),
+    "boxes": (_INTEGER, _POINTER, _INTEGER, _REAL, *[_POINTER] * 4),
+    "signs": (_INTEGER, _INTEGER, _POINTER, _INTEGER, *[_POINTER] * 3, _INTEGER, *[_POINTER] * 2, _INTEGER, _POINTER),
+    "crossings": (_INTEGER, _INTEGER, *[_POINTER] * 3, _INTEGER, *[_POINTER] * 4, _INTEGER, _POINTER),
+    "value": (_INTEGER, _POINTER, _INTEGER, *[_POINTER] * 3),
+    "leaf": (_INTEGER, *[_POINTER] * 2, _INTEGER, *[_POINTER] * 3, _INTEGER),
+    "slide": (_INTEGER, *[_POINTER] * 2, _INTEGER, _POINTER, _INTEGER),
+    "enclose": (_INTEGER, *[_POINTER] * 3, _INTEGER, *[_POINTER] * 2, _INTEGER),
+}
+
+
+def padded(count: int) -> int:
+    """The length of an array that holds so many points: whole vectors, one to spare.
+
+    Examples
+    --------
+    >>> padded(9)
+    24
+    """
+    return -(-count // LANES) * LANES + LANES
+
+
+def columns(points: NDArray[Any]) -> Floats:
+    """A copy of points (3, n) with the room that kernels need behind them."""
+    array = np.zeros((3, padded(points.shape[1])))
+    array[:, : points.shape[1]] = points
+    return array
+
+
+class SurfaceKernels:
+    """Compiled once for a sign form; `set` chooses letters and bounds.
+
+    ``words``: 64-bit words that tell, for each block, which operands of gates do not matter there.
+    """
+
+    def __init__(self, form: SignForm) -> None:
+        formulas = SurfaceFormulas(form)
+        self.form, self.words, self.program = form, formulas.words, formulas.scaled_program
+        constants, *routines, self._enclose_source = surface_code(formulas)
+        self.source = "\n".join([constants, *routines, self._enclose_source])
+        self._engines: list[Any] = []
+        self._functions: dict[str, Callable[..., None]] = {}
+        # What runs once for a choice of letters is not worth optimising.
+        self._load(machine_code(constants, 0))
+        for routine in routines:
+            self._load(machine_code(routine))
+        self._constants = np.zeros(max(1, formulas.points.constants + formulas.bounds.constants))
+        check_leaves(self)
+
+    def _load(self, engine: Any) -> None:
+        self._engines.append(engine)
+        for name, kinds in _SIGNATURES.items():
+            if address := engine.get_function_address(name):
+                self._functions[name] = ctypes.CFUNCTYPE(None, *kinds)(address)
+
+    def load_enclose(self) -> None:
+        """Compile what only certificates need: a third of all code, and a mesh can do without."""
+        with _finishing:
+            if "enclose" not in self._functions:
+                self._load(machine_code(self._enclose_source))
+
+    def copy(self) -> SurfaceKernels:
+        """The same code with letters of its own."""
+        twin = object.__new__(SurfaceKernels)
+        twin.__dict__.update(self.__dict__, _constants=self._constants.copy())
+        return twin
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Another process compiles the form once, and takes the letters as they are."""
+        return _revived, (self.form, self._constants)
+
+    def set(self, letters: Mapping[str, float], bounds: Bounds | None = None) -> None:
+        """Take the letters of the shape, and the bounds where the form has caps."""
+        values = dict(letters)
+        for name, ends in zip(self.program.coordinates, bounds or [(-np.inf, np.inf)] * 3, strict=True):
+            values.update(zip(cap_letters(name), ends, strict=True))
+        self._check_parameters(values)
+        plain = [values.get(name, 1.0) for name in self.form.builder.letters]
+        twice = np.repeat(plain, 2)
+        self._functions["box_constants"](twice.ctypes.data, self._constants.ctypes.data)
+        self.set_points([*plain, *[1.0] * len(self.form.leaves)])
+        self.set_points([*plain, *self._scales(bounds)])
+
+    def set_points(self, letters: Sequence[float]) -> None:
+        """Take the letters and scales of leaves at points as they are."""
+        array = np.array(letters)
+        self._functions["point_constants"](array.ctypes.data, self._constants.ctypes.data)
+
+    def _scales(self, bounds: Bounds | None) -> Floats:
+        """Powers of two that give leaves gradients of length 1 to 2, by the median over the bounds.
+
+        Signs, and so the mesh, do not depend on them, but a min of 1e40*f and g is not zero in float64 where f is.
+        """
+        generator = np.random.default_rng(20130605)
+        points = np.zeros((3, padded(CHECK_POINTS)))
+        ends = bounds or ((-1.0, 1.0),) * 3
+        points[:, :CHECK_POINTS] = [generator.uniform(low, high, CHECK_POINTS) for low, high in ends]
+        scales = np.ones(len(self.form.leaves))
+        for number in range(len(scales)):
+            with np.errstate(all="ignore"):
+                steepness = np.abs(self._gradients(number, points)).max(axis=0)
+                known = steepness[np.isfinite(steepness) & (steepness > 0)]
+            if known.size:
+                scales[number] = 2.0 ** -np.clip(np.frexp(np.median(known))[1], -1000, 1000)
+        return scales
+
+    def _gradients(self, number: int, points: Floats) -> Floats:
+        value, gradient = np.zeros(points.shape[1]), np.zeros(points.shape)
+        self.leaf(CHECK_POINTS, np.full(points.shape[1], number, np.int16), points, value, gradient)
+        return gradient[:, :CHECK_POINTS]
+
+    def _check_parameters(self, letters: Mapping[str, float]) -> None:
+        """An R-operation with an illegal parameter has no value, so its sign says nothing."""
+        form = self.form
+        program = form.builder.program({f"{k}": node for k, (_, node) in enumerate(form.parameters)})
+        values = interpret(program, letters) if form.parameters else {}
+        for k, (operation, _) in enumerate(form.parameters):
+            if np.isnan(OPERATIONS[operation].meaning(1.0, 2.0, values[f"{k}"])):
+                raise RsymError(
+                    f"a parameter of {operation} is {float(values[f'{k}'])}, out of its range",
+                    code="parameter",
+                    remedy="-1 < alpha <= 1, m >= 1, p > 1",
+                )
+
+    def boxes(
+        self,
+        first: int,
+        last: int,
+        corner: Floats,
+        size: float,
+        lattice: Floats,
+        keep: NDArray[np.uint8],
+        skip: NDArray[np.uint64],
+    ) -> None:
+        """Which boxes of `size` cells may hold a zero (a bit each), which operands of gates do not matter (words, m).
+
+        `first` is a multiple of eight, and what lies behind `last` up to the next one is scratch.
+        """
+        corners, words = _from(corner, first), _from(skip, first)
+        arrays = (lattice, self._constants, _from(keep, first // LANES), words)
+        self._call("boxes", last - first, corners, corner.shape[1], size, *arrays)
+
+    def signs(
+        self,
+        first: int,
+        last: int,
+        corner: Floats,
+        words: NDArray[np.uint64],
+        lattice: Floats,
+        offsets: Floats,
+        bits: NDArray[np.uint8],
+        undefined: NDArray[np.uint8],
+    ) -> None:
+        """The signs of the points `offsets` of blocks from first to below last; 0 counts as positive."""
+        stride, points = corner.shape[1], offsets.shape[1]
+        arrays = (lattice, offsets, points, self._constants, bits, bits.shape[1], undefined)
+        self._call("signs", first, last, corner, stride, words, *arrays)
+
+    def crossings(
+        self,
+        first: int,
+        last: int,
+        starts: NDArray[np.int64],
+        words: NDArray[np.uint64],
+        edges: NDArray[np.float32],
+        axis: Floats,
+        lattice: Floats,
+        points: Floats,
+        leaf: NDArray[np.int16],
+    ) -> None:
+        """Where the edges of blocks from first to below last cross the surface, and on which leaf."""
+        arrays = (axis, lattice, self._constants, points, points.shape[1], leaf)
+        self._call("crossings", first, last, starts, words, edges, edges.shape[1], *arrays)
+
+    def value(self, count: int, points: Floats, value: Floats, leaf: NDArray[np.int16], first: int = 0) -> None:
+        """The form, and the active leaf."""
+        p, f, n = _from(points, first), _from(value, first), _from(leaf, first)
+        self._call("value", count, p, points.shape[1], self._constants, f, n)
+
+    def leaf(
+        self, count: int, leaf: NDArray[np.int16], points: Floats, value: Floats, gradient: Floats, first: int = 0
+    ) -> None:
+        """Value and gradient of the leaf of each point; none where its number is negative."""
+        n, p, f, g = (_from(array, first) for array in (leaf, points, value, gradient))
+        self._call("leaf", count, n, p, points.shape[1], self._constants, f, g, gradient.shape[1])
+
+    def slide(self, count: int, leaf: NDArray[np.int16], points: Floats, steps: int, first: int = 0) -> None:
+        """Newton steps of each point onto its leaf, along the gradient."""
+        n, p = _from(leaf, first), _from(points, first)
+        self._call("slide", count, n, p, points.shape[1], self._constants, steps)
+
+    def enclose(
+        self, count: int, leaf: NDArray[np.int16], lower: Floats, upper: Floats, bounds: Floats, first: int = 0
+    ) -> None:
+        """Bounds (8, m) of value and gradient of the leaf of each box: value lower, upper, then each derivative's."""
+        self.load_enclose()
+        n, low, high, out = (_from(array, first) for array in (leaf, lower, upper, bounds))
+        self._call("enclose", count, n, low, high, lower.shape[1], self._constants, out, bounds.shape[1])
+
+    def _call(self, name: str, *arguments: Any) -> None:
+        self._functions[name](*(a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments))
+
+
+def _from(array: NDArray[Any], first: int) -> int:
+    """The address of a column."""
+    return array.ctypes.data + first * array.itemsize
+
+
+_kernels: dict[str, SurfaceKernels] = {}
+_making, _finishing = threading.Lock(), threading.Lock()
+# A megabyte each; a notebook has a few models open.
+_MOST_KERNELS = 32
+
+
+def surface_kernels(form: SignForm) -> SurfaceKernels:
+    """Compiled once in a process; each caller has letters of its own."""
+    key = f"{form.leaves}{form.gates}{form.builder.program({'value': form.value}).digest}"
+    with _making:
+        kernels = _kernels.get(key)
+        if kernels is None:
+            while len(_kernels) >= _MOST_KERNELS:
+                _kernels.pop(next(iter(_kernels)))
+            kernels = _kernels[key] = SurfaceKernels(form)
+    return kernels.copy()
+
+
+def _revived(form: SignForm, constants: Floats) -> SurfaceKernels:
+    kernels = surface_kernels(form)
+    kernels._constants[:] = constants
+    return kernels
+
+
+def compile_ahead(form: SignForm) -> None:
+    """Start compiling in a thread of its own; who asks for the kernels of an equal form meanwhile waits for it.
+
+    LLVM works without the interpreter's lock, so something else can be imported beside it. The form is the thread's.
+    """
+
+    def work() -> None:
+        with suppress(RsymError):  # raised again for those who ask
+            surface_kernels(form).load_enclose()
+
+    threading.Thread(target=work, name="rsym-compiler").start()

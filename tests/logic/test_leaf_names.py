@@ -1,0 +1,95 @@
+"""Parts of a shape outlive its operations and name the leaves of its sign form."""
+
+import pickle
+
+import pytest
+import sympy as sp
+
+import rsym
+from rsym import RsymError, Shape, x, y, z
+from rsym.logic.leaf_names import leaf_names
+from rsym.logic.sign_form import surface_form
+
+SPACE = (x, y, z)
+ball = Shape(4 - x**2 - y**2 - z**2, SPACE).named("ball")
+slab = Shape(1 - z**2, SPACE).named("slab")
+
+
+def names(shape):
+    return leaf_names(surface_form(shape), shape)
+
+
+def test_parts_outlive_operations():
+    body = (ball & slab) | ~slab
+    assert body.parts == (*ball.parts, *slab.parts)
+    assert rsym.conjunction(ball, x, slab, system=rsym.Rp(4)).parts == body.parts
+    assert body.replace(bounds=((-3, 3),) * 3).parts == body.parts
+    assert rsym.normalise(body).parts == body.parts
+    assert pickle.loads(pickle.dumps(body)).parts == body.parts
+    r = sp.Symbol("r")
+    disc = Shape(r - x**2 - y**2, (x, y), letters={r: 1}).named("disc")
+    real = sp.Symbol("r", real=True)
+    assert disc.with_letters({"r": 2}).parts == (("disc", real - x**2 - y**2),)
+    assert rsym.revolve(disc, axis=y).parts == (("disc", real - x**2 - y**2 - z**2),)
+
+
+def test_a_new_name_replaces_the_old_one_and_an_empty_one_is_refused():
+    assert ball.named("sphere").parts == (("sphere", ball.expression),)
+    with pytest.raises(RsymError, match="needs a name"):
+        ball.named(" ")
+
+
+def test_the_smallest_part_names_a_leaf_and_of_equal_ones_the_first():
+    assert names((ball & slab).named("lens")) == ("ball", "slab")
+    body = (ball & Shape(x - y, SPACE)).named("half")
+    assert names(body | slab) == ("ball", "half", "slab")
+    assert names((body.named("other") | slab.named("plate")) - body) == ("ball", "other", "plate", "ball", "other")
+    twins = Shape(x, SPACE).named("one") | Shape(2 * x, SPACE).named("two")
+    assert names(twins) == ("one",)
+
+
+@pytest.mark.parametrize("cut", [lambda a, b: a - b, lambda a, b: ~(~a | b), lambda a, b: ~(b - ~a) & ~b])
+def test_a_part_keeps_its_name_as_a_hole(cut):
+    assert set(names(cut(slab, ball))) == {"slab", "ball"}
+
+
+def test_normalised_and_revolved_parts_keep_their_names():
+    disc = Shape(1 - x**2 - y**2, (x, y)).named("disc")
+    tube = Shape(y - 2, (x, y)).named("tube")
+    assert names(rsym.normalise(rsym.revolve(disc - tube))) == ("disc", "tube")
+
+
+def test_a_leaf_of_no_part_is_called_by_its_formula_or_its_number():
+    long = sum(sp.sin(k * x) for k in range(1, 30)) + y
+    doubled = x
+    for _ in range(60):  # written out, more characters than there is memory
+        doubled = rsym.joining(doubled, rsym.trimming(doubled, y))
+    body = rsym.conjunction(ball, -x - y, long, rsym.disjunction(sp.Min(x, y**3), doubled))
+    assert names(body) == ("ball", "-x - y", "leaf 2", "x", "y**3", "leaf 5")
+    assert names(Shape(x - z, SPACE)) == ("x - z",)
+
+
+def test_letters_that_cancelled_take_their_part_out():
+    text = 'letter a = 1; f = a*x "gone"; g = f/a + y "left"; omega = rfAND(g, z)'
+    assert names(rsym.loads(text)) == ("left", "z")
+
+
+def test_texts_of_a_model_name_its_parts_and_without_any_the_names_of_its_formulas_do():
+    text = "u = z - 1; disc = rfAND(4 - x^2 - y^2, u*u - 9) {}; omega = rfAND(disc, y) {}"
+    assert names(rsym.loads(text.format("", ""))) == ("disc", "disc", "omega")
+    assert names(rsym.loads(text.format('"a disc"', ""))) == ("a disc", "a disc", "y")
+    assert names(rsym.loads(text.format("", '"half"'))) == ("half", "half", "half")
+
+
+def test_every_leaf_of_the_car_belongs_to_a_told_part():
+    shape = rsym.paper.car()
+    told = {name for name, _ in shape.parts}
+    assert {"bonnet", "wheel arches", "roof", "wheels", "side windows", "headlights"} < told
+    assert set(names(shape)) == told
+
+
+def test_sides_of_the_bounds_are_caps():
+    assert leaf_names(surface_form(ball).capped(), ball) == (
+        "ball",
+        *(f"cap {axis} {side}" for axis in "xyz" for side in ("lower", "upper")),
+    )

@@ -1,0 +1,387 @@
+"""The layer table of the design: a module imports to its left, never to its right."""
+
+import ast
+import collections
+import functools
+import sys
+from pathlib import Path
+
+import pytest
+
+import rsym
+
+PACKAGE = Path(rsym.__file__).parent
+# Layer: third-party packages it may import. Order is the direction of the data.
+LAYERS = {
+    "errors": set(),
+    "version": set(),
+    "model": {"sympy"},
+    "analysis": {"sympy"},
+    "reports": set(),
+    "program": {"sympy", "numpy"},  # numpy: the plain meaning of operations on arrays
+    "backends": {"sympy", "numpy", "llvmlite"},
+    "logic": {"sympy"},
+    "bounds": {"numpy", "flint"},
+    "language": {"sympy"},
+    "sampling": {"numpy", "scipy", "skimage", "numba"},
+    "verify": {"sympy", "numpy", "scipy", "mpmath", "flint"},
+    "surfaces": {"sympy", "numpy", "scipy", "lazy_loader"},
+    # mpl_toolkits is matplotlib's second package.
+    "output": {"sympy", "numpy", "matplotlib", "mpl_toolkits", "trimesh", "plotly", "ipywidgets"},
+    "paper": {"numpy", "matplotlib", "lazy_loader"},
+    "commands": {"tqdm"},
+    "cli": {"argcomplete"},
+}
+# Methods that go against the flow import what they need when they are called: module, what it imports, and why.
+DEFERRED = {
+    (
+        "model/shape.py",
+        "rsym.backends.kernel",
+    ): "shape.contains(x, y): whether a point is inside is asked of a shape, and"
+    " only a compiled one answers for arrays; a free function would be the one question that is not a method",
+    ("model/shape.py", "rsym.analysis.contracts.summary"): "shape.contract(): what its formula promises is asked of it",
+    (
+        "surfaces/patch.py",
+        "rsym.surfaces.meshes",
+    ): "patch.mesh(resolution): the mesh of a patch is asked of it, as its grid is, and a mesh is made of patches",
+}
+# Imported by those who need them when they are called, for the package behind them may be missing or slow to load.
+OPTIONAL = {
+    "rsym.bounds.balls": "python-flint may be missing",
+    "rsym.backends.llvm_backend": "llvmlite may be missing",
+    "rsym.sampling.kernels.surface_kernels": "llvmlite may be missing",
+    "rsym.sampling.mesher": "numba may be missing",
+    "rsym.sampling.triangles": "numba may be missing",
+    "rsym.output.explorer": "ipywidgets may be missing",
+    "rsym.output.patch_explorer": "ipywidgets may be missing",
+}
+# A command imports what it needs when it runs: `rsym --help` answers at once.
+AT_CALL = ("rsym.commands.", "rsym.cli")
+# Modules that import each other today; whoever mends a circle takes them off, and none is added.
+IN_CIRCLES = """\
+    rsym.model.blends.displacement
+    rsym.model.blends.operands
+    rsym.model.equations
+    rsym.model.motions
+    rsym.model.named_parts
+    rsym.model.requirements
+    rsym.model.shape
+    rsym.model.showing
+    rsym.model.substitutions
+    rsym.surfaces.joints.edge_report
+    rsym.surfaces.joints.edge_wording
+    rsym.surfaces.joints.proof_wording
+    rsym.verify.account
+    rsym.verify.bodies.groups
+    rsym.verify.bodies.markup
+    rsym.verify.bodies.phrases
+    rsym.verify.bodies.records
+    rsym.verify.bodies.report
+    rsym.verify.bodies.wording
+    rsym.verify.contact_relations
+    rsym.verify.domains
+    rsym.verify.fairness.markup
+    rsym.verify.fairness.records
+    rsym.verify.fairness.report
+    rsym.verify.fairness.wording
+    rsym.verify.generators
+    rsym.verify.joints
+    rsym.verify.lifting
+    rsym.verify.local
+    rsym.verify.locus
+    rsym.verify.markup
+    rsym.verify.polynomials
+    rsym.verify.records
+    rsym.verify.repair.report
+    rsym.verify.repair.wording
+    rsym.verify.report
+    rsym.verify.resolution
+    rsym.verify.root_classes
+    rsym.verify.root_free
+    rsym.verify.vanishing
+    rsym.verify.wording
+"""
+# Deferred imports of today that have no such reason; none is added.
+STILL_DEFERRED = """\
+    rsym.language.parser rsym.language.declarations
+    rsym.model.equations rsym.model.shape
+    rsym.model.motions rsym.model.shape
+    rsym.model.motions rsym.model.substitutions
+    rsym.model.shape rsym.model.named_parts
+    rsym.model.showing rsym.model.shape
+    rsym.output.explore rsym.output.patches
+    rsym.paper.atlas rsym.verify.atlas.atlas
+    rsym.paper.claims rsym.verify.normalisation
+    rsym.paper.claims rsym.verify.smoothness
+    rsym.paper.verdicts rsym.verify.bodies.report
+    rsym.paper.verdicts rsym.verify.smoothness
+    rsym.sampling.meshing rsym.logic.sign_form
+    rsym.surfaces.joints.edge_wording rsym.surfaces.joints.edge_report
+    rsym.surfaces.joints.proof_wording rsym.surfaces.joints.edge_report
+    rsym.surfaces.patch rsym.sampling.mesh
+    rsym.surfaces.proofs.unbroken rsym.surfaces.joints.edges
+    rsym.verify.bodies.groups rsym.verify.bodies.report
+    rsym.verify.bodies.markup rsym.verify.bodies.report
+    rsym.verify.bodies.records rsym.verify.bodies.report
+    rsym.verify.bodies.wording rsym.verify.bodies.report
+    rsym.verify.fairness.markup rsym.verify.fairness.report
+    rsym.verify.fairness.records rsym.verify.fairness.report
+    rsym.verify.fairness.wording rsym.verify.fairness.report
+    rsym.verify.local rsym.verify.contact_relations
+    rsym.verify.local rsym.verify.lifting
+    rsym.verify.local rsym.verify.polynomials
+    rsym.verify.local rsym.verify.root_classes
+    rsym.verify.markup rsym.verify.report
+    rsym.verify.records rsym.verify.report
+    rsym.verify.repair.wording rsym.verify.repair.report
+    rsym.verify.wording rsym.verify.bodies.report
+    rsym.verify.wording rsym.verify.report
+"""
+# Names that two public classes have today; none is added.
+NAMED_TWICE = """\
+    Arc
+    Bar
+    Bent
+    Bounds
+    Boxes
+    Branch
+    Budget
+    Builder
+    Choice
+    Circle
+    Component
+    Condition
+    Corners
+    Curve
+    Edge
+    Enclosed
+    End
+    Family
+    Field
+    Finding
+    Frame
+    Gate
+    Held
+    Interval
+    Jet
+    Judge
+    Judgement
+    Jumps
+    Known
+    Leaf
+    Leaves
+    Line
+    Literal
+    Local
+    Locus
+    Look
+    Meeting
+    Model
+    Named
+    Node
+    Operation
+    Part
+    Path
+    Piece
+    Place
+    Rays
+    Samples
+    Segment
+    Sheets
+    Side
+    Signed
+    Spread
+    Subject
+    Surface
+    Survey
+    Suspect
+    Task
+    Text
+    Triangles
+    Value
+    View
+    Walk
+    Zero
+"""
+FORBIDDEN_NAMES = {"utils", "helpers", "misc", "common", "core", "base", "tools"}
+ORDER = list(LAYERS)
+
+
+def complaints(source, layer):
+    """What the imports of a module in this layer break."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.ImportFrom):
+            if node.level:
+                found.append(f"relative import of {node.module}")
+                continue
+            if any(alias.name == "*" for alias in node.names):
+                found.append(f"star import from {node.module}")
+            names = [node.module if node.module != "rsym" else f"rsym.{alias.name}" for alias in node.names]
+        elif isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        else:
+            continue
+        for name in names:
+            top, _, rest = name.partition(".")
+            inner = rest.partition(".")[0]
+            if top == "rsym":
+                if inner not in LAYERS:
+                    found.append(f"{name}: from the facade, not from a layer")
+                elif ORDER.index(inner) > ORDER.index(layer):
+                    found.append(f"{name}: {inner} stands right of {layer}")
+            elif top not in sys.stdlib_module_names and top not in LAYERS[layer]:
+                found.append(f"{name}: not for the layer {layer}")
+    return found
+
+
+def modules():
+    inner = sorted(path.relative_to(PACKAGE) for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE)
+    return [*inner, Path("errors.py"), Path("version.py"), Path("cli.py")]
+
+
+@pytest.mark.parametrize("module", modules(), ids=str)
+def test_a_module_imports_only_to_its_left(module):
+    layer = module.parts[0].removesuffix(".py")
+    source = (PACKAGE / module).read_text()
+    allowed = {name for where, name in DEFERRED if where == module.as_posix()}
+    found = [one for one in complaints(source, layer) if one.partition(":")[0] not in allowed]
+    assert found == []
+    at_once = {node.module for node in ast.parse(source).body if isinstance(node, ast.ImportFrom)}
+    assert not allowed & at_once
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from rsym.backends.kernel import compile",
+        "def f():\n    import rsym.output.fields",
+        "import numpy",
+        "from rsym import Shape",
+        "from .nodes import Trimming",
+        "from rsym.model.nodes import *",
+    ],
+)
+def test_the_test_sees_a_wrong_import(line):
+    """Red proof."""
+    assert complaints(line, "model")
+
+
+def test_names_and_sizes_of_modules():
+    for module in modules():
+        assert module.stem not in FORBIDDEN_NAMES
+        lines = (PACKAGE / module).read_text().splitlines()
+        assert len(lines) <= 400, module
+        for node in ast.walk(ast.parse("\n".join(lines))):
+            if isinstance(node, ast.FunctionDef):
+                body = node.body[1:] if ast.get_docstring(node) else node.body
+                assert not body or body[-1].end_lineno - body[0].lineno < 60, f"{module}: {node.name}"
+
+
+def test_sub_packages_only_re_export():
+    for path in PACKAGE.rglob("*/__init__.py"):
+        kinds = {type(node) for node in ast.parse(path.read_text()).body[1:]}
+        assert kinds <= {ast.ImportFrom, ast.Assign}, path
+
+
+def module_of(path):
+    parts = ("rsym", *path.relative_to(PACKAGE).with_suffix("").parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def arrows(source, module, known):
+    """The modules of rsym that a source imports, each with when: at once, "deferred" into a function, "type"."""
+    found = set()
+
+    def visit(node, when):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            when = "deferred"
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            when = "type"
+        names = []
+        if isinstance(node, ast.ImportFrom) and not node.level:
+            inner = [f"{node.module}.{alias.name}" for alias in node.names]
+            names = [one if one in known else node.module for one in inner]
+        elif isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        found.update((name, when) for name in names if name != module and f"{name}.".startswith("rsym."))
+        for child in ast.iter_child_nodes(node):
+            visit(child, when)
+
+    visit(ast.parse(source), "at once")
+    return found
+
+
+@functools.cache
+def graph():
+    """From each module to those it imports, with when."""
+    paths = {module_of(path): path for path in PACKAGE.rglob("*.py")}
+    return {name: arrows(path.read_text(), name, paths) for name, path in paths.items()}
+
+
+def circles(graph):
+    """The modules that import each other, directly or round about: Tarjan's components of more than one."""
+    number, low, path, found = {}, {}, [], []
+
+    def visit(node):
+        number[node] = low[node] = len(number)
+        path.append(node)
+        for other in sorted(graph.get(node, ())):
+            if other not in number:
+                visit(other)
+                low[node] = min(low[node], low[other])
+            elif other in path:
+                low[node] = min(low[node], number[other])
+        if low[node] == number[node]:
+            place = path.index(node)
+            if len(path) > place + 1:
+                found.append(sorted(path[place:]))
+            del path[place:]
+
+    for node in sorted(graph):
+        if node not in number:
+            visit(node)
+    return found
+
+
+def test_no_modules_import_each_other():
+    declared = {(module_of(PACKAGE / where), name) for where, name in DEFERRED}
+    at_all = {name: {one for one, _ in found if (name, one) not in declared} for name, found in graph().items()}
+    assert {name for circle in circles(at_all) for name in circle} == set(IN_CIRCLES.split())
+
+
+def test_deferred_imports_are_declared():
+    """Inside functions, or for types alone: neither hides an arrow."""
+    declared = {(module_of(PACKAGE / where), name) for where, name in DEFERRED}
+    found = {
+        (name, other)
+        for name, imported in graph().items()
+        for other, when in imported
+        if when != "at once" and not name.startswith(AT_CALL) and other not in OPTIONAL
+    }
+    assert {" ".join(one) for one in found - declared} == {one.strip() for one in STILL_DEFERRED.splitlines()}
+    assert all(reason for reason in (*DEFERRED.values(), *OPTIONAL.values()))
+
+
+def test_declared_imports_are_all_in_use():
+    late = {(name, other) for name, imported in graph().items() for other, when in imported if when != "at once"}
+    assert {(module_of(PACKAGE / where), name) for where, name in DEFERRED} <= late
+    assert set(OPTIONAL) <= {other for _, other in late}
+
+
+def test_circles_and_deferred_imports_are_seen():
+    """Red proof."""
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"a"}}) == [["b", "c"]]
+    source = "if TYPE_CHECKING:\n    from rsym.a import b\ndef f():\n    from rsym.a.c import d\nimport rsym.e"
+    expected = {("rsym.a.b", "type"), ("rsym.a.c", "deferred"), ("rsym.e", "at once")}
+    assert arrows(source, "rsym.x", {"rsym.a.b"}) == expected
+
+
+def test_no_public_class_name_stands_for_two_ideas():
+    places = collections.defaultdict(list)
+    for path in PACKAGE.rglob("*.py"):
+        for node in ast.parse(path.read_text()).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                places[node.name].append(module_of(path))
+    twice = {name for name, modules in places.items() if len(modules) > 1}
+    assert twice == set(NAMED_TWICE.split()), {name: places[name] for name in twice ^ set(NAMED_TWICE.split())}

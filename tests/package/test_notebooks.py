@@ -1,0 +1,60 @@
+"""The notebooks as they are committed: run, small, and free of what belongs to one machine. CI runs them anew."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+nbformat = pytest.importorskip("nbformat")
+
+FOLDER = Path(__file__).parents[2] / "notebooks"
+NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
+LARGEST = 1_500_000  # bytes; reviewers and browsers load it whole
+
+
+def test_the_notebooks_are_there():
+    names = [path.name for path in NOTEBOOKS]
+    assert names == [
+        "01_level_lines.ipynb",
+        "02_car.ipynb",
+        "03_r_systems.ipynb",
+        "04_gallery.ipynb",
+        "04_meshes.ipynb",
+        "05_is_it_smooth.ipynb",
+        "06_surfaces.ipynb",
+    ]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_was_run_and_shows_its_picture_first(path):
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
+    assert any("image/png" in output.get("data", {}) for output in code[0].outputs)
+    assert [cell.cell_type for cell in notebook.cells[:2]] == ["markdown", "code"]
+    assert "RSYM_FAST" in code[0].source
+    for cell in code:
+        assert not [output for output in cell.outputs if output.output_type == "error"]
+        assert not [output for output in cell.outputs if output.get("name") == "stderr"]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_small_and_belongs_to_no_machine(path):
+    text = path.read_text()
+    assert len(text) < LARGEST
+    words = re.sub(r"[A-Za-z0-9+/=]{200,}", "", text)  # pictures are letters at random, paths among them
+    assert len(words) < len(text) / 2
+    assert not re.search(r"/(home|root|tmp|usr|work)/|[A-Z]:\\\\", words)
+    metadata = nbformat.reads(text, as_version=4).metadata
+    assert set(metadata) == {"kernelspec", "language_info"}
+    assert "widgets" not in metadata
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_text_is_text_and_begins_with_one_title(path):
+    text = [cell.source for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "markdown"]
+    assert re.match(r"# [A-Z]", text[0])
+    lines = "\n".join(text).splitlines()
+    assert sum(line.startswith("# ") for line in lines) == 1, "headings of sections have two signs"
+    assert sum(line.startswith("## ") for line in lines) > 3

@@ -1,0 +1,105 @@
+import numpy as np
+import pytest
+import sympy as sp
+from oracles.closeness import assert_close
+
+import rsym
+from rsym import RsymError, Shape, conjunction, x, y, z
+
+a = sp.Symbol("a", real=True)
+DISC = Shape((a**2 - x**2 - y**2) / (2 * a), (x, y), letters={a: 1}, bounds=((-2, 2), (-2, 2)))
+
+
+def test_every_vertex_is_on_the_level():
+    lines = rsym.level_lines(DISC, resolution=40)
+    assert_close(np.hypot(*lines[0].T), np.ones(len(lines[0])), atol=1e-13)
+    assert (len(lines), lines.status.closed, lines.status.kept) == (1, 1, 0)
+    assert "closed" in str(lines.status)
+
+
+def test_level_field_letters_and_bounds():
+    (line,) = rsym.level_lines(DISC, 0.375, resolution=64, letters={"a": 2}, bounds=((-3, 3), (-3, 3)))
+    assert_close(np.hypot(*line.T), np.full(len(line), np.sqrt(2.5)), atol=1e-12)
+    (line,) = rsym.level_lines(DISC, 0.25, field="gradient_squared", resolution=64)
+    assert_close(np.hypot(*line.T), np.full(len(line), 0.5), atol=1e-12)
+
+
+def test_a_section_of_a_body():
+    ball = Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-1, 1),) * 3)
+    (line,) = rsym.level_lines(ball, section={z: 0.6}, resolution=64)
+    assert_close(np.hypot(*line.T), np.full(len(line), 0.8), atol=1e-13)
+    (other,) = rsym.level_lines(ball, section={"y": 0.6}, resolution=64)
+    assert_close(np.hypot(*other.T), np.full(len(other), 0.8), atol=1e-13)
+
+
+def test_the_gradient_of_a_normalised_field_is_one_on_the_boundary_of_the_papers_body():
+    body = rsym.paper.skeleton_body()
+    tip = np.array([-4.992121, 0])
+    lines = rsym.level_lines(body, resolution=300)
+    points = np.concatenate(list(lines))
+    points = points[np.hypot(*(points - tip).T) > 0.001 * 17]
+    assert len(points) > 300
+    squared = rsym.compile(body, ("normalised_gradient_squared",))(*points.T)["normalised_gradient_squared"]
+    assert_close(np.sqrt(squared), np.ones(len(points)), atol=1e-9)
+
+
+def test_lines_are_cut_where_the_field_is_undefined():
+    half = Shape(sp.sqrt(x) - 1 + y**2, (x, y), bounds=((-1, 2), (-2, 2)))
+    lines = rsym.level_lines(half, resolution=60)
+    assert lines.status.undefined_samples > 0
+    assert lines.status.open >= 1
+    assert "undefined" in str(lines.status)
+    points = np.concatenate(list(lines))
+    assert (points[:, 0] >= 0).all()
+
+
+def test_a_jump_keeps_its_place_and_is_counted():
+    step = Shape(sp.Piecewise((1, x > 0.1), (-1, True)) + 0 * y, (x, y), bounds=((-1, 1), (-1, 1)))
+    lines = rsym.level_lines(step, resolution=20)
+    assert lines.status.kept == lines.status.vertices > 0
+    assert "unresolved" in str(lines.status)
+
+
+def test_a_corner_is_met_from_both_sides():
+    corner = Shape(conjunction(x, y), (x, y), bounds=((-1, 1), (-1, 1)))
+    points = np.concatenate(list(rsym.level_lines(corner, resolution=50)))
+    assert np.abs(np.minimum(*points.T)).max() < 1e-2
+    assert (np.abs(np.minimum(*points.T)) < 1e-14).mean() > 0.9
+
+
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [
+        ({"field": "gradient"}, "unknown-field"),
+        ({"section": {"w": 1}}, "section"),
+        ({"section": {"x": 1}}, "section"),
+        ({"level": float("nan")}, "number"),
+        ({"bounds": ((0, 1),)}, "bounds"),
+    ],
+)
+def test_bad_input(options, code):
+    with pytest.raises(RsymError) as caught:
+        rsym.level_lines(DISC, **options)
+    assert caught.value.code == code
+
+
+def test_a_body_without_section_is_refused():
+    with pytest.raises(RsymError) as caught:
+        rsym.level_lines(Shape(x + y + z, (x, y, z), bounds=((-1, 1),) * 3))
+    assert caught.value.code == "section"
+
+
+def test_several_levels_are_sampled_once_and_answered_in_their_order():
+    one_by_one = [rsym.level_lines(DISC, level, resolution=48) for level in (0.5, -0.25, 0.0)]
+    together = rsym.level_lines(DISC, [0.5, -0.25, 0.0], resolution=48)
+    assert isinstance(together, tuple)
+    assert [lines.level for lines in together] == [0.5, -0.25, 0.0]
+    for lines, alone in zip(together, one_by_one, strict=True):
+        assert [line.tobytes() for line in lines] == [line.tobytes() for line in alone]
+    assert len(rsym.level_lines(DISC, np.array([0.5]), resolution=48)) == 1
+
+
+@pytest.mark.parametrize("level", [[], [0.0, None], "0", [[0.0]], np.zeros((2, 2))])
+def test_levels_that_are_none(level):
+    with pytest.raises(RsymError):
+        rsym.level_lines(DISC, level, resolution=16)

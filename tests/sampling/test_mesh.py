@@ -1,0 +1,138 @@
+import pickle
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from oracles.closeness import assert_close
+
+from rsym import RsymError
+from rsym.sampling.manifolds import sides_of
+from rsym.sampling.mesh import Mesh
+from rsym.sampling.status import Findings, OffSurface
+
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+
+
+@dataclass(frozen=True)
+class Spot:
+    kind: str
+    remark: str
+
+
+def status(corners, faces, **findings):
+    return Mesh(corners, faces, found=Findings(**findings)).status
+
+
+def test_a_tetrahedron():
+    found = status(CORNERS, FACES)
+    assert found.closed
+    assert (found.components, found.euler_characteristic, found.genera) == (1, 2, (0,))
+    assert_close(found.volume, 1 / 6, rtol=1e-14)
+    assert_close(found.area, 1.5 + np.sqrt(3) / 2, rtol=1e-14)
+    assert_close(found.worst_angle, 45.0, rtol=1e-14)
+    assert_close(status(CORNERS + 1e6, FACES[:, ::-1]).volume, -1 / 6, rtol=1e-8)
+
+
+def test_a_missing_triangle_is_open_or_clipped():
+    assert "open" in str(status(CORNERS, FACES[1:]))
+    found = status(CORNERS, FACES[1:], sides=sides_of("xyz", [(-1, 2), (-1, 2), (0, 2)]), clipped_at=("the floor",))
+    assert "clipped" in str(found)
+    (loop,) = found.loops
+    # The triangle (0, 2, 1) is gone; what remains runs the other way round.
+    assert loop.vertices in [(0, 1, 2), (1, 2, 0), (2, 0, 1)]
+    assert loop.sides == ("the lower end of z",)
+    (loop,) = status(CORNERS, FACES[1:], sides=sides_of("xyz", [(0, 2), (-1, 2), (-1, 2)])).loops
+    assert loop.sides == ()
+
+
+def test_a_turned_triangle_is_seen():
+    turned = FACES.copy()
+    turned[0] = turned[0, ::-1]
+    found = status(CORNERS, turned)
+    assert not found.closed
+    assert found.repeated_edges == 3
+
+
+def test_two_pieces():
+    found = status(np.vstack([CORNERS, CORNERS + 5]), np.vstack([FACES, FACES + 4]))
+    assert (found.components, found.euler_characteristic, found.closed) == (2, 4, True)
+    assert "2 pieces" in str(found)
+
+
+def test_unresolved_and_zeros_are_told():
+    text = str(status(CORNERS, FACES, nudged_zeros=3, kept=2))
+    assert "unresolved" in text
+    assert "3 samples lay exactly" in text
+    assert status(CORNERS, FACES, nudged_zeros=1).remarks[0].startswith("1 sample lay")
+
+
+def test_suspects_of_a_kind_are_told_and_then_counted():
+    spots = tuple(Spot("sheet", f"A sheet without change of sign near {k}.") for k in range(5))
+    found = status(CORNERS, FACES, unresolved=(*spots, Spot("touch", "Bodies touch at 7.")))
+    assert found.remarks[2:] == (
+        "A sheet without change of sign near 2.",
+        "2 more places like these.",
+        "Bodies touch at 7.",
+    )
+    assert (found.sheets, found.touches) == (spots, found.unresolved[5:])
+
+
+def test_vertices_off_the_surface_and_caps_are_told():
+    found = status(
+        CORNERS, FACES, clipped_at=("the floor",), capped=True, off_surface=OffSurface(2, 0.25, (0.0, 1.0, 2.0))
+    )
+    assert found.clipped
+    assert found.closed
+    assert found.remarks == (
+        "The body leaves the bounds and is clipped at the floor; flat caps close it there.",
+        "2 vertices are off the surface, at worst by 0.25 cells near (0.0, 1.0, 2.0).",
+    )
+
+
+def test_normals_come_from_an_array_a_rule_or_the_triangles():
+    flat = Mesh(CORNERS, FACES).normals
+    assert_close(flat[0], np.array([[0, 0, -1.0]] * 3), atol=1e-15)
+    given = np.full((4, 3, 3), np.nan)
+    given[1] = [0, -2, 0]
+    assert_close(Mesh(CORNERS, FACES, given).normals, flat, atol=1e-15)
+    leaf = np.array([2, 1, 0, 3])
+    directions = -np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, -1, -1.0]])
+
+    def rule(leaf, points):
+        assert points.shape == (len(leaf), 3)
+        return directions[leaf]
+
+    mesh = Mesh(CORNERS, FACES, rule, leaf=leaf)
+    assert_close(mesh.normals, flat, atol=1e-15)
+    assert mesh.status.folded == 0
+    wrong = Mesh(CORNERS, FACES, rule, leaf=np.array([2, 1, 0, 2])).status
+    assert wrong.folded == 1
+    assert_close(wrong.folded_share, np.sqrt(3) / (3 + np.sqrt(3)), rtol=1e-14)
+    assert any("facing inwards" in remark for remark in wrong.remarks)
+
+
+def test_a_mesh_is_pickled_with_its_normals():
+    mesh = Mesh(
+        CORNERS, FACES, lambda leaf, points: points - 0.25, Findings(kept=1), np.arange(4), ("a", "b", "c", "d")
+    )
+    back = pickle.loads(pickle.dumps(mesh))
+    assert np.array_equal(back.normals, mesh.normals)
+    assert back.leaves == mesh.leaves
+    assert back.status == mesh.status
+
+
+@pytest.mark.parametrize(
+    ("corners", "faces"),
+    [
+        (CORNERS, FACES[:0]),
+        (CORNERS, FACES + 1),
+        (CORNERS, FACES - 1),
+        (CORNERS[:, :2], FACES),
+        (CORNERS, FACES[:, :2]),
+        (CORNERS * np.nan, FACES),
+    ],
+)
+def test_what_is_no_mesh_is_refused(corners, faces):
+    with pytest.raises(RsymError):
+        status(corners, faces)
