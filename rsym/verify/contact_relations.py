@@ -120,6 +120,4 @@ def contacts_of(model: Model) -> Contacts:
     >>> found.sign, [power for _, power in found.factors]
     (-1, [2])
     """
-    if model.contacts is None:
-        model.contacts = Contacts(model)
-    return model.contacts
+    return model.remembered(Contacts)

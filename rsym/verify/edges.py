@@ -40,7 +40,7 @@ from rsym.verify.lifting import (
     lifted,
     with_root,
 )
-from rsym.verify.local import Local
+from rsym.verify.local import Local, Model
 from rsym.verify.polynomials import same_zeros
 from rsym.verify.report import Joint
 from rsym.verify.resolution import put
@@ -119,14 +119,15 @@ def has_edges(local: Local, number: int) -> bool:
 
 def _edged(local: Local, number: int) -> list[int]:
     """The roots in a node whose radicand may be zero on the box, and negative beyond."""
-    model = local.model
-    if number not in model.edges:
-        nodes, nonnegative = model.builder.nodes, model.builder.nonnegative
-        roots = [part for part in model.order(number) if nodes[part].operation == "sqrt"]
-        inner = [nodes[part].arguments[0] for part in roots]
-        ending = [not nonnegative[u] or nodes[u].operation == "abs" for u in inner]
-        model.edges[number] = [part for part, ends in zip(roots, ending, strict=True) if ends]
-    return [part for part in model.edges[number] if _may_vanish(local, part)]
+    return [part for part in local.model.remembered(_ending, number) if _may_vanish(local, part)]
+
+
+def _ending(model: Model, number: int) -> list[int]:
+    """The roots in a node whose radicand may be negative somewhere, and those of |u|."""
+    nodes, nonnegative = model.builder.nodes, model.builder.nonnegative
+    roots = [part for part in model.order(number) if nodes[part].operation == "sqrt"]
+    inner = [nodes[part].arguments[0] for part in roots]
+    return [part for part, u in zip(roots, inner, strict=True) if not nonnegative[u] or nodes[u].operation == "abs"]
 
 
 def _may_vanish(local: Local, part: int) -> bool:
@@ -148,10 +149,7 @@ class _Place:
 
     def lift(self, leaf: int) -> Lifted:
         """The leaf as a function of the root, remembered with the model."""
-        model, key = self.around.model, (leaf, self.radicand)
-        if key not in model.lifted:
-            model.lifted[key] = lifted(model, leaf, self.part, self.radicand)
-        return model.lifted[key]
+        return self.around.model.remembered(lifted, leaf, self.part, self.radicand)
 
     def above(self) -> Local:
         """The box with all values of the root."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from rsym.bounds.balls import Step, arb, ball, ctx, exact, run, step
 from rsym.model.nodes import without_zeros
@@ -16,12 +16,7 @@ from rsym.program.fields import Calculus
 from rsym.program.lowering import lower
 from rsym.program.program import live
 
-if TYPE_CHECKING:
-    from rsym.verify.contact_relations import Contacts
-    from rsym.verify.lifting import Lifted
-    from rsym.verify.polynomials import Ring
-    from rsym.verify.root_classes import Axes
-
+T = TypeVar("T")
 Interval: TypeAlias = tuple[Fraction, Fraction]
 Box: TypeAlias = tuple[tuple[float, float], ...]
 
@@ -69,18 +64,21 @@ class Model:
         self._steps: dict[int, Step] = {}
         self.resolutions: dict[tuple[object, ...], int] = {}  # by what they depend on, on whatever box
         self.orders_of_contact: dict[tuple[object, ...], float] = {}
-        self.multiplicities: dict[tuple[int, int], float] = {}
-        self.ring: Ring | None = None
-        self.contacts: Contacts | None = None
-        self.root_axes: Axes | None = None
-        self.edges: dict[int, list[int]] = {}
-        self.lifted: dict[tuple[int, int], Lifted] = {}
+        self._remembered: dict[tuple[Any, ...], Any] = {}
         self._gradients: dict[int, tuple[int, ...]] = {}
         self._curvatures: dict[int, int] = {}
         self._fixed: dict[int, dict[str, arb]] = {}
         self._parts: dict[tuple[int, frozenset[str]], list[int]] = {}
         self._made_of: dict[tuple[int, frozenset[str]], bool] = {}
         self._plans: dict[tuple[int, ...], _Plan] = {}
+
+    def remembered(self, maker: Callable[..., T], *arguments: Any) -> T:
+        """What `maker(model, *arguments)` gives, made when it is first asked for: the ring of the model, say."""
+        key = (maker, *arguments)
+        if key not in self._remembered:
+            self._remembered[key] = maker(self, *arguments)
+        found: T = self._remembered[key]
+        return found
 
     def order(self, number: int) -> list[int]:
         """The nodes that a node needs, in evaluation order."""

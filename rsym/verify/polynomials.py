@@ -212,9 +212,7 @@ def ring_of(model: Model) -> Ring:
     >>> ring.polynomial(model.root) == ring.polynomial(lower(model.builder, x**2 - 2 * y**2))
     True
     """
-    if model.ring is None:
-        model.ring = Ring(model)
-    return model.ring
+    return model.remembered(Ring)
 
 
 def multiplicity(model: Model, number: int, divisor: int, most: int = 4) -> float:
@@ -222,10 +220,7 @@ def multiplicity(model: Model, number: int, divisor: int, most: int = 4) -> floa
 
     0 where they are no polynomials.
     """
-    key = number, divisor
-    if key not in model.multiplicities:
-        model.multiplicities[key] = _multiplicity(model, number, divisor, most)
-    return model.multiplicities[key]
+    return model.remembered(_multiplicity, number, divisor, most)
 
 
 def _multiplicity(model: Model, number: int, divisor: int, most: int) -> float:

@@ -70,9 +70,7 @@ class Axes:
 
 def axes_of(model: Model) -> Axes:
     """The axes of a model, remembered with it."""
-    if model.root_axes is None:
-        model.root_axes = Axes(model)
-    return model.root_axes
+    return model.remembered(Axes)
 
 
 def _axis_of(model: Model, radicand: int) -> Axis | None:

@@ -78,27 +78,15 @@ IN_CIRCLES = """\
     rsym.verify.bodies.records
     rsym.verify.bodies.report
     rsym.verify.bodies.wording
-    rsym.verify.contact_relations
-    rsym.verify.domains
     rsym.verify.fairness.markup
     rsym.verify.fairness.records
     rsym.verify.fairness.report
     rsym.verify.fairness.wording
-    rsym.verify.generators
-    rsym.verify.joints
-    rsym.verify.lifting
-    rsym.verify.local
-    rsym.verify.locus
     rsym.verify.markup
-    rsym.verify.polynomials
     rsym.verify.records
     rsym.verify.repair.report
     rsym.verify.repair.wording
     rsym.verify.report
-    rsym.verify.resolution
-    rsym.verify.root_classes
-    rsym.verify.root_free
-    rsym.verify.vanishing
     rsym.verify.wording
 """
 # Deferred imports of today that have no such reason; none is added.
@@ -127,10 +115,6 @@ STILL_DEFERRED = """\
     rsym.verify.fairness.markup rsym.verify.fairness.report
     rsym.verify.fairness.records rsym.verify.fairness.report
     rsym.verify.fairness.wording rsym.verify.fairness.report
-    rsym.verify.local rsym.verify.contact_relations
-    rsym.verify.local rsym.verify.lifting
-    rsym.verify.local rsym.verify.polynomials
-    rsym.verify.local rsym.verify.root_classes
     rsym.verify.markup rsym.verify.report
     rsym.verify.records rsym.verify.report
     rsym.verify.repair.wording rsym.verify.repair.report
