@@ -13,22 +13,24 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
-from rsym.codegen import ball_domains, definedness, far_forms, jumps, plain
-from rsym.codegen.ball_series import SeriesFunction, arb, truncated
-from rsym.codegen.balls import BallFunction
-from rsym.codegen.builder import Builder
-from rsym.codegen.c_source import c_source
-from rsym.codegen.differentiation import derivative
-from rsym.codegen.expansion import expand
-from rsym.codegen.interpreter import interpret
-from rsym.codegen.intervals import IntervalFunction
-from rsym.codegen.llvm_backend import LlvmFunction
-from rsym.codegen.lowering import LOWERINGS
-from rsym.codegen.mean_values import SMOOTH
-from rsym.codegen.numpy_backend import NumpyFunction
-from rsym.codegen.one_sided import gradient_of_one_side
-from rsym.codegen.operations import OPERATIONS
-from rsym.model.contracts.table import PROMISES
+from rsym.analysis.contracts import PROMISES
+from rsym.backends import plain
+from rsym.backends.c_source import c_source
+from rsym.backends.interpreter import interpret
+from rsym.backends.llvm_backend import LlvmFunction
+from rsym.backends.numpy_backend import NumpyFunction
+from rsym.bounds import ball_domains, far_forms
+from rsym.bounds.ball_series import SeriesFunction, arb, truncated
+from rsym.bounds.balls import BallFunction
+from rsym.bounds.intervals import IntervalFunction
+from rsym.bounds.mean_values import SMOOTH
+from rsym.program import definedness, jumps
+from rsym.program.builder import Builder
+from rsym.program.differentiation import derivative
+from rsym.program.expansion import expand
+from rsym.program.lowering import LOWERINGS
+from rsym.program.one_sided import gradient_of_one_side
+from rsym.program.operations import OPERATIONS
 from rsym.verify.domains import is_defined
 from rsym.verify.generators import is_analytic_at
 from rsym.verify.local import Model
