@@ -8,9 +8,9 @@ from typing import Any
 from rsym.analysis.normalisation import normalise
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, number
+from rsym.model.equation import substituted
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.model.substitutions import substituted
 
 
 def transform(

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from fractions import Fraction
 
 from rsym.language.cursor import Cursor
+from rsym.language.declarations import closed_number
 from rsym.language.expressions import ExpressionParser
 from rsym.language.loops import unrolled
 from rsym.language.matlab import UNSUPPORTED
@@ -47,8 +48,6 @@ def parse(text: str, notes: list[str] | None = None) -> tuple[Statement, ...]:
 
 def _whole_number(expression: Expression) -> Fraction:
     """The end of a run of a loop, which is a number."""
-    from rsym.language.declarations import closed_number
-
     return Fraction(closed_number(expression))
 
 

@@ -9,12 +9,12 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number
+from rsym.model.equation import substituted
 from rsym.model.letters import Letters
 from rsym.model.primitives.distances import between
 from rsym.model.primitives.extents import ROOM
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.model.substitutions import substituted
 from rsym.model.symbols import as_expression, real_symbol, x
 from rsym.model.systems import R0, RSystem
 from rsym.model.traversal import substitute, symbols_of

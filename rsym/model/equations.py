@@ -3,24 +3,21 @@ r"""Equations as LaTeX: one line where it can be read, else a line for each name
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from rsym.model.abridging import ROOM, abridged, weight
+from rsym.model.equation import Equation
 from rsym.model.folds import Fold
 from rsym.model.names import symbol_names
 from rsym.model.sharing import in_common_parts
 from rsym.model.symbols import real_symbol
 from rsym.model.traversal import substitute, symbols_of
 
-if TYPE_CHECKING:
-    from rsym.model.shape import Shape
-
 MOST = 1800  # characters of an equation at a glance
 
 
-def latex(shape: Shape) -> str:
+def latex(shape: Equation) -> str:
     r"""The equation as LaTeX; where a model file named its parts, the definitions one by one.
 
     A formula of more parts than a line can take is written in named common parts.
@@ -37,7 +34,7 @@ def latex(shape: Shape) -> str:
     return written({title(shape): shape.expression}, taken=shape.letters)
 
 
-def title(shape: Shape) -> str:
+def title(shape: Equation) -> str:
     """Omega of its coordinates."""
     return rf"\omega\left({', '.join(map(printed, shape.coordinates))}\right)"
 
@@ -64,7 +61,7 @@ def lines_of(
     ]
 
 
-def known_parts(shape: Shape) -> dict[str, sp.Expr]:
+def known_parts(shape: Equation) -> dict[str, sp.Expr]:
     """The names of a model file and what they stand for, written out in coordinates and letters."""
     known: dict[sp.Symbol, sp.Expr] = {}
     for name, value in shape.definitions[:-1]:
@@ -72,7 +69,7 @@ def known_parts(shape: Shape) -> dict[str, sp.Expr]:
     return {symbol.name: value for symbol, value in known.items()}
 
 
-def at_a_glance(shape: Shape) -> list[str]:
+def at_a_glance(shape: Equation) -> list[str]:
     """The equation in lines of bounded length; what is left out is said."""
     if not shape.definitions:
         return _glimpse(title(shape), shape.expression, shape.letters)
@@ -102,7 +99,7 @@ def aligned(lines: Sequence[str]) -> str:
     return r"\begin{aligned}" + r"\\ ".join(lines) + r"\end{aligned}"
 
 
-def _definitions(shape: Shape) -> list[str]:
+def _definitions(shape: Equation) -> list[str]:
     *parts, (_, last) = shape.definitions
     return [*(f"{_name(name)} &= {line(value)}" for name, value in parts), f"{title(shape)} &= {line(last)}"]
 

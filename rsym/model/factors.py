@@ -12,6 +12,8 @@ from rsym.model.nodes import Composition
 class Scaled(Composition):
     """f times a factor that is positive wherever the shape has a boundary: the sign and the zero set are those of f."""
 
+    of_shapes = True
+
     def composition(self) -> sp.Expr:
         """The product."""
         f, factor = self.args

@@ -16,6 +16,7 @@ class Fold(RealNode):
     Neither the order nor the grouping of the operands is ever changed.
     """
 
+    of_shapes = True
     parameter_count: ClassVar[int] = 0
 
     def __new__(cls, *arguments: Any, **options: Any) -> sp.Expr:

@@ -6,35 +6,27 @@ by the factor and keeps it too; stretching and shearing do not.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from dataclasses import dataclass
+from typing import Any, Self, TypeAlias, TypeVar
 
 import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, coordinate, default, number, point, positive, unit_vector
 from rsym.model.arguments import angle as in_radians
+from rsym.model.equation import Bounds, Equation, substituted
 from rsym.model.letters import Letters
 from rsym.model.traversal import symbols_of
 
-if TYPE_CHECKING:
-    from rsym.model.shape import Bounds, Shape
-
 Matrix: TypeAlias = sp.ImmutableDenseMatrix
+S = TypeVar("S", bound="Movable")
 
 
-class Movable:
+@dataclass(frozen=True, init=False, repr=False)
+class Movable(Equation):
     """The motions of a shape; every number may be an expression in letters, whose values `letters` adds."""
 
-    if TYPE_CHECKING:  # what a shape has
-        coordinates: tuple[sp.Symbol, ...]
-        letters: Letters
-        bounds: Bounds | None
-
-        @property
-        def dimension(self) -> int:
-            """2 in the plane, 3 in space."""
-
-    def translate(self, *offset: Any, letters: LetterMapping = None) -> Shape:
+    def translate(self, *offset: Any, letters: LetterMapping = None) -> Self:
         """The shape moved by an offset: omega(p - offset).
 
         Raises
@@ -60,7 +52,7 @@ class Movable:
         *,
         degrees: bool = False,
         letters: LetterMapping = None,
-    ) -> Shape:
+    ) -> Self:
         """The shape turned counterclockwise about a centre, by default the origin; in space about an axis.
 
         Parameters
@@ -96,7 +88,7 @@ class Movable:
             matrix = _about(axis_vector(self, self.coordinates[2] if axis is None else axis, "an axis", letters), turn)
         return _about_centre(self, matrix, matrix.T, centre, letters)
 
-    def scale(self, factor: Any, centre: Any = None, *, letters: LetterMapping = None) -> Shape:
+    def scale(self, factor: Any, centre: Any = None, *, letters: LetterMapping = None) -> Self:
         """The shape enlarged about a centre: k omega(p/k), which keeps the normalisation.
 
         A factor for each coordinate stretches: omega is then not normalised any more.
@@ -121,7 +113,7 @@ class Movable:
         one = sp.eye(self.dimension)
         return _about_centre(self, one * size, one / size, centre, letters, factor=size)
 
-    def mirror(self, normal: Any, distance: Any = 0, *, letters: LetterMapping = None) -> Shape:
+    def mirror(self, normal: Any, distance: Any = 0, *, letters: LetterMapping = None) -> Self:
         """The mirror image in the line, or plane, n . p = distance.
 
         Parameters
@@ -145,7 +137,7 @@ class Movable:
         offset = 2 * number(distance, "a distance") * unit
         return _moved(self, matrix, matrix, offset, letters)
 
-    def shear(self, along: Any, by: Any, amount: Any, *, letters: LetterMapping = None) -> Shape:
+    def shear(self, along: Any, by: Any, amount: Any, *, letters: LetterMapping = None) -> Self:
         """Every point moved along one coordinate by an amount times another; omega is not normalised any more.
 
         Raises
@@ -169,7 +161,7 @@ class Movable:
         return _moved(self, one + share, one - share, sp.zeros(self.dimension, 1), letters)
 
 
-def axis_vector(shape: Movable, given: Any, what: str, letters: LetterMapping) -> tuple[sp.Expr, ...]:
+def axis_vector(shape: Equation, given: Any, what: str, letters: LetterMapping) -> tuple[sp.Expr, ...]:
     """The direction of a coordinate, or any other, as a vector of length 1.
 
     Examples
@@ -200,30 +192,22 @@ def _about(axis: tuple[sp.Expr, ...], angle: sp.Expr) -> Matrix:
     return cosine * sp.eye(3) + sine * cross + (1 - cosine) * along
 
 
-def _about_centre(
-    shape: Movable, matrix: Matrix, inverse: Matrix, centre: Any, letters: LetterMapping, factor: Any = 1
-) -> Shape:
+def _about_centre(shape: S, matrix: Matrix, inverse: Matrix, centre: Any, letters: LetterMapping, factor: Any = 1) -> S:
     """The map that leaves the centre where it is."""
     fixed = Matrix([0] * shape.dimension if centre is None else point(centre, shape.dimension, "a centre"))
     return _moved(shape, matrix, inverse, fixed - matrix * fixed, letters, factor)
 
 
-def _moved(
-    shape: Movable, matrix: Matrix, inverse: Matrix, offset: Matrix, letters: LetterMapping, factor: Any = 1
-) -> Shape:
+def _moved(shape: S, matrix: Matrix, inverse: Matrix, offset: Matrix, letters: LetterMapping, factor: Any = 1) -> S:
     """The image under p -> matrix p + offset."""
-    from rsym.model.substitutions import substituted  # Shape is made of this module
-
     known = shape.letters.merge(letters)
     _check_constant(shape, (*matrix, *offset))
     images = inverse * (Matrix(shape.coordinates) - offset)
     places = dict(zip(shape.coordinates, images, strict=True))
-    return substituted(
-        cast("Shape", shape), places, factor=factor, letters=letters, bounds=_bounds(shape, matrix, offset, known)
-    )
+    return substituted(shape, places, factor=factor, letters=letters, bounds=_bounds(shape, matrix, offset, known))
 
 
-def _check_constant(shape: Movable, numbers: tuple[sp.Expr, ...]) -> None:
+def _check_constant(shape: Equation, numbers: tuple[sp.Expr, ...]) -> None:
     """A motion takes all points alike."""
     varying = [symbol for symbol in shape.coordinates if symbol in symbols_of(*numbers)]
     if varying:
@@ -234,7 +218,7 @@ def _check_constant(shape: Movable, numbers: tuple[sp.Expr, ...]) -> None:
         )
 
 
-def _bounds(shape: Movable, matrix: Matrix, offset: Matrix, letters: Letters) -> Bounds | None:
+def _bounds(shape: S, matrix: Matrix, offset: Matrix, letters: Letters) -> Bounds | None:
     """The box around the moved box, letters at their defaults."""
     if shape.bounds is None:
         return None

@@ -3,31 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from operator import is_
-from typing import Any
+from typing import Any, TypeVar
 
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.blends.displacement import BoundedDisplacement, Displacement
-from rsym.model.factors import Scaled
+from rsym.model.equation import Equation, combine
 from rsym.model.folds import Fold
-from rsym.model.nodes import Trimming, ZeroWith
-from rsym.model.powers import AbsolutePower
+from rsym.model.letters import Letters
+from rsym.model.nodes import RealNode, ZeroWith
 from rsym.model.requirements import require_shape
 from rsym.model.rnodes import ROperation
-from rsym.model.shape import Shape, combine
 from rsym.model.symbols import real_symbol
 from rsym.model.systems import R0
 from rsym.model.traversal import postorder, rebuild, symbols_of, with_arguments, with_operands
 from rsym.model.wording import listing, proposal
 
-# Nodes whose operands are shapes: a coordinate among them is a half-plane, elsewhere it is a coordinate.
-_OF_SHAPES = (Fold, Scaled, Trimming, sp.Min, sp.Max, sp.Abs, AbsolutePower, Displacement, BoundedDisplacement)
 _IDEMPOTENT = (ROperation, sp.Min, sp.Max)
+S = TypeVar("S", bound=Equation)
 
 
-def part_of(shape: Shape, name: str) -> Shape:
+def part_of(shape: S, name: str) -> S:
     """The part of this name, several as one group; what `Shape.part` is.
 
     Examples
@@ -40,16 +38,16 @@ def part_of(shape: Shape, name: str) -> Shape:
     group = _group(shape, name)
     expression = group[0] if len(group) == 1 else R0.disjunction(*group)
     inside = _Inside(*group)
-    return Shape(
-        expression,
-        shape.coordinates,
-        letters={symbol.name: shape.letters[symbol.name] for symbol in _letters(shape, expression)},
-        bounds=shape.bounds,
+    return replace(
+        shape,
+        expression=expression,
+        letters=Letters({symbol.name: shape.letters[symbol.name] for symbol in _letters(shape, expression)}),
+        definitions=(),
         parts=tuple(part for part in shape.parts if part[1] in inside),
     )
 
 
-def with_part(shape: Shape, name: str, other: Shape) -> Shape:
+def with_part(shape: S, name: str, other: Equation) -> S:
     """The shape with another in the place of a part; what `Shape.with_part` is.
 
     Examples
@@ -77,18 +75,19 @@ def with_part(shape: Shape, name: str, other: Shape) -> Shape:
         changed = (name, other.expression) if part in old else (title, swap.within(part))
         if changed[1] in after or part not in before:  # what was inside the old part has gone with it
             parts[changed] = None
-    merged: Shape = combine(lambda *_: expression, shape, other)
+    merged: S = combine(lambda *_: expression, shape, other)
     gone = set(_letters(shape, shape.expression)) - set(symbols_of(expression))
-    return Shape(
-        expression,
-        shape.coordinates,
-        letters={title: letter for title, letter in merged.letters.items() if real_symbol(title) not in gone},
+    return replace(
+        shape,
+        expression=expression,
+        letters=Letters({title: one for title, one in merged.letters.items() if real_symbol(title) not in gone}),
         bounds=merged.bounds,
+        definitions=(),
         parts=tuple(parts),
     )
 
 
-def _group(shape: Shape, name: Any) -> tuple[sp.Expr, ...]:
+def _group(shape: Equation, name: Any) -> tuple[sp.Expr, ...]:
     """The formulas of a name, but those that lie within another of the same name."""
     names = list(dict.fromkeys(title for title, _ in shape.parts))
     if name not in names:
@@ -100,7 +99,7 @@ def _group(shape: Shape, name: Any) -> tuple[sp.Expr, ...]:
     return tuple(part for part in group if not any(part != other and part in inside[other] for other in group))
 
 
-def _letters(shape: Shape, expression: sp.Expr) -> list[sp.Symbol]:
+def _letters(shape: Equation, expression: sp.Expr) -> list[sp.Symbol]:
     return [symbol for symbol in symbols_of(expression) if symbol.name in shape.letters]
 
 
@@ -125,7 +124,12 @@ def _operands(part: sp.Expr) -> tuple[sp.Expr, ...]:
     if isinstance(part, Fold):
         return part.operands
     negated = part.is_Mul and len(part.args) == 2 and part.args[0].is_number
-    return tuple(part.args) if negated or part.is_Add or isinstance(part, _OF_SHAPES) else ()
+    return tuple(part.args) if negated or part.is_Add or _is_of_shapes(part) else ()
+
+
+def _is_of_shapes(part: sp.Expr) -> bool:
+    """Whether operands are shapes: a coordinate among them is a half-plane, elsewhere it is a coordinate."""
+    return isinstance(part, sp.Min | sp.Max | sp.Abs) or (isinstance(part, RealNode) and part.of_shapes)
 
 
 class _Swap:
@@ -174,7 +178,7 @@ class _Swap:
     def _rebuilt(self, part: sp.Expr, operands: list[sp.Expr]) -> sp.Expr:
         """The node of the new operands; a group in one conjunction or disjunction becomes one operand of it."""
         before = list(_operands(part))
-        if isinstance(part, _OF_SHAPES):
+        if _is_of_shapes(part):
             operands = list(map(self._in_place_of, before, operands))
         if isinstance(part, Fold) and (count := self._head(part)):
             head = self._image(part.func(*part.parameters, *before[:count]))

@@ -17,6 +17,7 @@ class RealNode(sp.Function):  # type: ignore[misc]
 
     is_commutative = True
     runtime_name: ClassVar[str] = ""
+    of_shapes: ClassVar[bool] = False  # whether operands are shapes, as those of logic
 
     def __new__(cls, *arguments: Any, **options: Any) -> sp.Expr:
         """Know from the start which symbols are inside: SymPy asks often, and asks by recursion."""
@@ -103,7 +104,7 @@ class Composition(RealNode):
 class Trimming(RealNode):
     """The curve f = 0 kept where t >= 0: sqrt(f**2 + ((sqrt(t**2 + f**4) - t)/2)**2)."""
 
-    runtime_name = "trimming"
+    runtime_name, of_shapes = "trimming", True
 
     def _eval_is_nonnegative(self) -> bool:
         return True

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from rsym.errors import RsymError
+from rsym.model.equation import combine
 from rsym.model.equivalences import Equivalence, Joining
 from rsym.model.nodes import Trimming
-from rsym.model.shape import combine
 from rsym.model.symbols import as_expression
 from rsym.model.systems import R0, RSystem
 

@@ -27,7 +27,7 @@ def plain_absolute_power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
 class AbsolutePower(RealNode):
     """|u|**a; its derivative is a sign(u) |u|**(a - 1)."""
 
-    runtime_name = "absolute_power"
+    runtime_name, of_shapes = "absolute_power", True
 
     def _eval_is_nonnegative(self) -> bool:
         return True

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from rsym.errors import RsymError
-from rsym.model.shape import Shape
+from rsym.model.equation import Equation
 
 T = TypeVar("T")
 
@@ -34,7 +34,9 @@ def require_shape(shape: Any) -> None:
     ...
     rsym.errors.RsymError: expected a Shape, got str; remedy: rsym.load(name) gives the shape of a name
     """
-    require_kind(Shape, shape, "shape", "rsym.load(name) gives the shape of a name" if isinstance(shape, str) else "")
+    if not isinstance(shape, Equation):
+        remedy = "rsym.load(name) gives the shape of a name" if isinstance(shape, str) else _REMEDIES["Shape"]
+        raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape", remedy=remedy)
 
 
 def require_kind(kind: type[T], value: Any, code: str, remedy: str = "") -> T:
@@ -42,6 +44,7 @@ def require_kind(kind: type[T], value: Any, code: str, remedy: str = "") -> T:
 
     Examples
     --------
+    >>> from rsym import Shape
     >>> require_kind(Shape, 1j, "shape")
     Traceback (most recent call last):
     ...
@@ -61,6 +64,7 @@ def several(kind: type[T], values: Any, code: str) -> list[T]:
 
     Examples
     --------
+    >>> from rsym import Shape
     >>> several(Shape, 3, "shape")
     Traceback (most recent call last):
     ...

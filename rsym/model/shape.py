@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
-from sympy.functions.elementary.piecewise import ExprCondPair
 
 from rsym.errors import RsymError
-from rsym.model import showing
-from rsym.model.boxes import Bounds as Bounds
-from rsym.model.boxes import checked_bounds, hull
-from rsym.model.choices import Choice
-from rsym.model.letters import Letter, Letters, as_letters
+from rsym.model import named_parts, showing
+from rsym.model.equation import Bounds as Bounds
+from rsym.model.equation import combine
+from rsym.model.letters import Letter
 from rsym.model.motions import Movable
-from rsym.model.symbols import as_expression, real_replacements
 from rsym.model.systems import R0, RSystem, in_system
-from rsym.model.traversal import postorder, substitute, symbols_of
 
 if TYPE_CHECKING:
     from rsym.analysis.contracts.summary import Contract
-
-_NO_NUMBERS = (sp.oo, -sp.oo, sp.zoo, sp.I)
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -62,91 +56,6 @@ class Shape(Movable):
     conjunction(-x**2/2 - y**2/2 + 1/2, x)
     """
 
-    expression: sp.Expr
-    coordinates: tuple[sp.Symbol, ...]
-    letters: Letters
-    bounds: Bounds | None
-    definitions: tuple[tuple[str, sp.Expr], ...] = field(compare=False)
-    parts: tuple[tuple[str, sp.Expr], ...] = field(compare=False)
-
-    def __init__(
-        self,
-        expression: Any,
-        coordinates: Any,
-        *,
-        letters: Mapping[Any, Letter | float] | None = None,
-        bounds: Any = None,
-        definitions: tuple[tuple[str, sp.Expr], ...] = (),
-        parts: tuple[tuple[str, sp.Expr], ...] = (),
-    ) -> None:
-        expression = as_expression(expression)
-        coordinates = tuple(coordinates) if isinstance(coordinates, Iterable) else (coordinates,)
-        if len(coordinates) not in (2, 3) or not all(isinstance(symbol, sp.Symbol) for symbol in coordinates):
-            raise RsymError(
-                f"a shape needs two or three coordinate symbols, got {coordinates}",
-                code="coordinates",
-                remedy="for example (x, y) or (x, y, z)",
-            )
-        _check_values(expression)
-        real = real_replacements((expression, *coordinates))
-        store = object.__setattr__
-        store(self, "expression", substitute(expression, real) if real else expression)
-        store(self, "coordinates", tuple(real.get(symbol, symbol) for symbol in coordinates))
-        store(self, "letters", as_letters(letters))
-        store(self, "bounds", None if bounds is None else checked_bounds(bounds, len(coordinates)))
-        store(self, "definitions", definitions)
-        store(self, "parts", tuple((name, substitute(part, real) if real else part) for name, part in parts))
-        self._check_symbols()
-
-    def _check_symbols(self) -> None:
-        names = [symbol.name for symbol in self.coordinates]
-        if len(set(names)) != len(names) or self.letters.keys() & set(names):
-            raise RsymError("coordinates and letters must have different names", code="coordinates")
-        known = {*names, *self.letters}
-        unknown = [symbol.name for symbol in symbols_of(self.expression) if symbol.name not in known]
-        if unknown:
-            raise RsymError(
-                f"the expression contains {', '.join(unknown)}, neither coordinate nor letter",
-                code="unknown-letter",
-                remedy=f"give letters={{{unknown[0]}: value}}",
-            )
-
-    @property
-    def dimension(self) -> int:
-        """2 in the plane, 3 in space."""
-        return len(self.coordinates)
-
-    def with_letters(self, values: Mapping[Any, Any]) -> Shape:
-        """The same shape with other defaults: {name or symbol: number or Letter}.
-
-        Examples
-        --------
-        >>> import rsym
-        >>> from rsym import x, y
-        >>> import sympy as sp
-        >>> r = sp.Symbol("r", real=True)
-        >>> rsym.Shape(r - x - y, (x, y), letters={r: 1}).with_letters({r: 2}).letters["r"].default
-        2
-        """
-        named = {str(key): value for key, value in values.items()}
-        self.letters.values_with({name: value for name, value in named.items() if not isinstance(value, Letter)})
-        changed = {
-            name: new if isinstance(new := named.get(name, old.default), Letter) else replace(old, default=new)
-            for name, old in self.letters.items()
-        }
-        return self.replace(letters=changed)
-
-    def replace(self, *, expression: Any = None, letters: Mapping[Any, Any] | None = None, bounds: Any = None) -> Shape:
-        """A copy with another expression, other letters or other bounds."""
-        return Shape(
-            self.expression if expression is None else expression,
-            self.coordinates,
-            letters=self.letters if letters is None else letters,
-            bounds=self.bounds if bounds is None else bounds,
-            definitions=self.definitions if expression is None else (),
-            parts=self.parts,
-        )
-
     def named(self, name: str) -> Shape:
         """The same shape as a part of this name: meshes and pictures call its surface so, whatever it is combined with.
 
@@ -163,14 +72,7 @@ class Shape(Movable):
         if not isinstance(name, str) or not name.strip():
             raise RsymError(f"a part needs a name, got {name!r}", code="part-name", remedy='for example named("wheel")')
         others = tuple(part for part in self.parts if part[1] != self.expression)
-        return Shape(
-            self.expression,
-            self.coordinates,
-            letters=self.letters,
-            bounds=self.bounds,
-            definitions=self.definitions,
-            parts=(*others, (name, self.expression)),
-        )
+        return replace(self, parts=(*others, (name, self.expression)))
 
     def part(self, name: str) -> Shape:
         """The part of this name as a shape, with the letters that it needs; several of one name are their disjunction.
@@ -186,9 +88,7 @@ class Shape(Movable):
         >>> list(rsym.load("car").part("headlights").letters)
         ['af', 'bf', 'cf', 'df', 'xf', 'yf', 'zf']
         """
-        from rsym.model.named_parts import part_of
-
-        return part_of(self, name)
+        return named_parts.part_of(self, name)
 
     def with_part(self, name: str, other: Shape) -> Shape:
         """The same formula with another shape in the place of a part, which keeps its name in meshes and pictures.
@@ -220,9 +120,7 @@ class Shape(Movable):
         >>> [name for name, _ in square.parts], square.part("hole").expression
         (['hole'], (1 - x)*(x + 1)/2)
         """
-        from rsym.model.named_parts import with_part
-
-        return with_part(self, name, other)
+        return named_parts.with_part(self, name, other)
 
     def with_system(self, system: RSystem, *, letters: Mapping[Any, Letter | float] | None = None) -> Shape:
         """The same logic in another R-system: every conjunction and disjunction becomes that of `system`.
@@ -257,11 +155,10 @@ class Shape(Movable):
         """
         if not isinstance(system, RSystem):
             raise RsymError(f"expected an R-system, got {system!r}", code="system", remedy="for example Rp(4) or R1")
-        return Shape(
-            in_system(self.expression, system),
-            self.coordinates,
+        return replace(
+            self,
+            expression=in_system(self.expression, system),
             letters=self.letters.merge(letters),
-            bounds=self.bounds,
             definitions=tuple((name, in_system(value, system)) for name, value in self.definitions),
             parts=tuple((name, in_system(part, system)) for name, part in self.parts),
         )
@@ -346,44 +243,3 @@ class Shape(Movable):
 
     def _repr_html_(self) -> str:
         return showing.table(self)
-
-
-def combine(function: Callable[..., sp.Expr], *operands: Any) -> Any:
-    """Apply a function of expressions to shapes: same coordinates, letters and parts merged, bounds the box around all.
-
-    Plain expressions among shapes take part as they are; without any shape the result is an expression.
-    """
-    shapes = [operand for operand in operands if isinstance(operand, Shape)]
-    expressions = [operand.expression if isinstance(operand, Shape) else as_expression(operand) for operand in operands]
-    if not shapes:
-        return function(*expressions)
-    letters = Letters({})
-    for shape in shapes:
-        if [s.name for s in shape.coordinates] != [s.name for s in shapes[0].coordinates]:
-            raise RsymError(
-                f"shapes in {shapes[0].coordinates} and {shape.coordinates} cannot be combined",
-                code="coordinates",
-                remedy="revolve or extrude the plane shape first",
-            )
-        letters = letters.merge(shape.letters)
-    return Shape(
-        function(*expressions),
-        shapes[0].coordinates,
-        letters=letters,
-        bounds=hull([shape.bounds for shape in shapes if shape.bounds is not None]),
-        # Two parts of one name stay two: their surfaces share the name.
-        parts=tuple(dict.fromkeys(part for shape in shapes for part in shape.parts)),
-    )
-
-
-def _check_values(expression: sp.Expr) -> None:
-    """Refuse what has no real value anywhere; a branch of a piecewise function may be undefined."""
-    for part in (sp.Tuple(expression), *postorder(expression)):
-        branches = isinstance(part, ExprCondPair | Choice)
-        for argument in part.args:
-            if argument in _NO_NUMBERS or (argument is sp.nan and not branches):
-                raise RsymError(
-                    f"the expression contains {argument}, which is not a real number",
-                    code="number",
-                    remedy="remove the division by zero or the root of a negative number that it came from",
-                )

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from rsym.model.abridging import abridged
+from rsym.model.equation import Equation
 from rsym.model.equations import aligned, at_a_glance, printed
 from rsym.model.wording import within
-
-if TYPE_CHECKING:
-    from rsym.model.shape import Shape
 
 MOST = 2000  # characters of a formula as text
 LETTERS = 24  # of a shape that are written out
 _IN_A_LINE = 8  # letters
 
 
-def text(shape: Shape) -> str:
+def text(shape: Equation) -> str:
     """Shape(expression, coordinates, ...), its deep parts by name."""
     short, named = abridged(shape.expression, shape.letters)
     formula = sp.sstr(short)
@@ -37,11 +34,11 @@ def text(shape: Shape) -> str:
     return f"Shape({', '.join(given)})"
 
 
-def _letters(shape: Shape) -> list[str]:
+def _letters(shape: Equation) -> list[str]:
     return [f"{name}: {float(letter.default):g}" for name, letter in shape.letters.items()]
 
 
-def latex(shape: Shape) -> str:
+def latex(shape: Equation) -> str:
     """The equation, the bounds and the letters for a notebook."""
     box = zip(map(printed, shape.coordinates), shape.bounds or (), strict=False)
     places = [rf"{name} \in [{low:g}, {high:g}]" for name, (low, high) in box]
@@ -61,7 +58,7 @@ def latex(shape: Shape) -> str:
     return rf"$\displaystyle \begin{{aligned}} & {whole} \end{{aligned}}$"
 
 
-def table(shape: Shape) -> str:
+def table(shape: Equation) -> str:
     """The equation over the table of the letters."""
     letters = shape.letters.table(room=1500) if shape.letters else ""
     return f"<div>{escape(latex(shape), quote=False)}{letters}</div>"

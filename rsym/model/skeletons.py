@@ -10,11 +10,12 @@ from sympy.logic.boolalg import Boolean
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number
+from rsym.model.equation import combine
 from rsym.model.letters import Letter, Letters
 from rsym.model.paths import paths
 from rsym.model.positivity import positive_polynomial
 from rsym.model.primitives.curve_nodes import PARAMETER, Path
-from rsym.model.shape import Bounds, Shape, combine
+from rsym.model.shape import Bounds, Shape
 from rsym.model.traversal import substitute, symbols_of
 
 ROOM = (

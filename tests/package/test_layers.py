@@ -39,7 +39,10 @@ DEFERRED = {
         "rsym.backends.kernel",
     ): "shape.contains(x, y): whether a point is inside is asked of a shape, and"
     " only a compiled one answers for arrays; a free function would be the one question that is not a method",
-    ("model/shape.py", "rsym.analysis.contracts.summary"): "shape.contract(): what its formula promises is asked of it",
+    (
+        "model/shape.py",
+        "rsym.analysis.contracts.summary",
+    ): "shape.contract(): what a formula promises is asked of a shape, and it takes calculus to know",
     (
         "surfaces/patch.py",
         "rsym.surfaces.meshes",
@@ -59,15 +62,6 @@ OPTIONAL = {
 AT_CALL = ("rsym.commands.", "rsym.cli")
 # Modules that import each other today; whoever mends a circle takes them off, and none is added.
 IN_CIRCLES = """\
-    rsym.model.blends.displacement
-    rsym.model.blends.operands
-    rsym.model.equations
-    rsym.model.motions
-    rsym.model.named_parts
-    rsym.model.requirements
-    rsym.model.shape
-    rsym.model.showing
-    rsym.model.substitutions
     rsym.surfaces.joints.edge_report
     rsym.surfaces.joints.edge_wording
     rsym.surfaces.joints.proof_wording
@@ -91,12 +85,6 @@ IN_CIRCLES = """\
 """
 # Deferred imports of today that have no such reason; none is added.
 STILL_DEFERRED = """\
-    rsym.language.parser rsym.language.declarations
-    rsym.model.equations rsym.model.shape
-    rsym.model.motions rsym.model.shape
-    rsym.model.motions rsym.model.substitutions
-    rsym.model.shape rsym.model.named_parts
-    rsym.model.showing rsym.model.shape
     rsym.output.explore rsym.output.patches
     rsym.paper.atlas rsym.verify.atlas.atlas
     rsym.paper.claims rsym.verify.normalisation

@@ -17,6 +17,7 @@ from rsym.model.systems import R0, RSystem
 class _Bump(Composition):
     """What is added to an operation: scales first, then operands."""
 
+    of_shapes = True
     name: ClassVar[str]
     scale_count: ClassVar[int]
 

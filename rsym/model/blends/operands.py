@@ -10,8 +10,9 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping
+from rsym.model.equation import combine
 from rsym.model.letters import Letters, as_letters
-from rsym.model.shape import Shape, combine
+from rsym.model.shape import Shape
 from rsym.model.systems import RSystem
 
 OPERATIONS = ("union", "intersection", "difference")

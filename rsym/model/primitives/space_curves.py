@@ -8,9 +8,10 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, positive
+from rsym.model.equation import combine
 from rsym.model.primitives.curve_nodes import Helix
 from rsym.model.primitives.extents import box_around
-from rsym.model.shape import Shape, combine
+from rsym.model.shape import Shape
 from rsym.model.symbols import x, y, z
 
 

@@ -10,9 +10,9 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, whole
 from rsym.model.choices import Choice
+from rsym.model.equation import substituted
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.model.substitutions import substituted
 from rsym.model.symmetry.evenness import check_even
 from rsym.model.symmetry.reflections import farthest, within_half_a_sector
 from rsym.model.symmetry.turns import turned_bounds, turned_coordinates

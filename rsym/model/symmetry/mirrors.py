@@ -9,11 +9,11 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, point, unit_vector, whole
+from rsym.model.equation import substituted
 from rsym.model.motions import axis_vector
 from rsym.model.nodes import Held
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.model.substitutions import substituted
 from rsym.model.symmetry.reflections import folded, within_half_a_sector
 from rsym.model.symmetry.turns import turned_bounds, turned_coordinates
 from rsym.model.traversal import rebuild

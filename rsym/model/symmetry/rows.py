@@ -9,9 +9,9 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, coordinate, default, positive, whole
+from rsym.model.equation import substituted
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.model.substitutions import substituted
 from rsym.model.symbols import x
 from rsym.model.symmetry.cyclic import checked_motif
 from rsym.model.symmetry.evenness import check_even

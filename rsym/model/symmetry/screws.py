@@ -8,11 +8,11 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
+from rsym.model.equation import substituted
 from rsym.model.factors import Scaled
 from rsym.model.primitives.extents import box_around
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.model.substitutions import substituted
 from rsym.model.symbols import real_symbol, x, y, z
 from rsym.model.symmetry.cyclic import checked_motif, cyclic
 from rsym.model.symmetry.evenness import check_even
