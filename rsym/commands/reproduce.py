@@ -7,6 +7,8 @@ import os
 
 from rsym.commands.options import Commands, add_command
 
+PROCESSES = 2  # one figure may take a gigabyte
+
 
 def add(commands: Commands) -> None:
     """Describe the command."""
@@ -25,6 +27,7 @@ def run(options: argparse.Namespace) -> None:
     """Draw, and say what was drawn."""
     from tqdm import tqdm
 
+    from rsym.backends.kernel import checked_threads
     from rsym.paper.reproduction import reproduce
 
     with tqdm(total=1, unit="figure", disable=None) as bar:
@@ -33,7 +36,9 @@ def run(options: argparse.Namespace) -> None:
             bar.total, bar.n = total, done
             bar.set_description(name)
 
-        results = reproduce(options.out, only=options.only, progress=progress)
+        results = reproduce(
+            options.out, only=options.only, progress=progress, processes=min(PROCESSES, checked_threads(None))
+        )
     for result in results:
         print(f"{result.path}  {result.seconds:.1f} s  {result.triangles} triangles")
     print(os.path.join(options.out, "index.html"))

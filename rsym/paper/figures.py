@@ -137,3 +137,14 @@ RECIPES: tuple[Recipe, ...] = (
     *SURFACES,
     Recipe("gallery", "A gallery of shapes", "", bodies.draw_gallery),
 )
+
+# Figures in rows that share a mesh or a compiled model, so that one process draws each; the costliest rows first.
+ROWS = (
+    ("fig09a", "fig09b", "parts", "fig10", "preference", "sections", "fig08b", "fig08a"),
+    ("fig11", "claims", "revolution", "fig12", "atlas"),
+    ("verdicts",),
+    ("fig07a", "fig07b", "fig06a", "fig06b", "fig05a", "fig05b"),
+    ("gallery",),
+    ("table1", "fig01", "fig02"),
+    ("fig13", "fig14"),
+)

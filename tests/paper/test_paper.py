@@ -1,7 +1,10 @@
 import html
 import itertools
+import multiprocessing
 import re
+import threading
 
+import dying
 import matplotlib.pyplot
 import numpy as np
 import pytest
@@ -9,10 +12,11 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import RsymError
+from rsym.errors import warn
 from rsym.language.listing import definitions
-from rsym.paper import MODELS
-from rsym.paper.drawing import Reproduced, Table, mesh_quietly
-from rsym.paper.figures import BODIES, RECIPES
+from rsym.paper import MODELS, reproduction
+from rsym.paper.drawing import Drawing, Recipe, Reproduced, Table, mesh_quietly
+from rsym.paper.figures import BODIES, RECIPES, ROWS
 from rsym.paper.models import GALLERY
 from rsym.paper.page import page
 
@@ -146,6 +150,95 @@ def test_the_same_picture_has_the_same_bytes(tmp_path):
     second = rsym.paper.reproduce(tmp_path / "b", only=["fig10"])[0]
     assert first.path.read_bytes() == second.path.read_bytes()
     assert first.triangles == second.triangles > 10_000
+
+
+def test_two_processes_draw_the_same_pictures_in_the_same_order(tmp_path):
+    names, seen = ["fig02", "fig10", "fig14", "torus"], []
+    one = rsym.paper.reproduce(tmp_path / "one", only=names)
+    two = rsym.paper.reproduce(tmp_path / "two", only=names, processes=2, progress=lambda *state: seen.append(state))
+    for first, second in zip(one, two, strict=True):
+        assert first.path.read_bytes() == second.path.read_bytes()
+        assert (first.name, first.triangles, first.table) == (second.name, second.triangles, second.table)
+    assert seen[-1] == (4, 4, "done")
+    assert sorted(name for _, _, name in seen[:-1]) == sorted(names)
+    assert [done for done, _, _ in seen] == sorted(done for done, _, _ in seen)
+    assert "index.html" in {path.name for path in (tmp_path / "two").iterdir()}
+    assert not multiprocessing.active_children()
+
+
+def test_every_row_of_figures_is_of_figures_and_none_is_in_two():
+    rows = [name for row in ROWS for name in row]
+    assert len(set(rows)) == len(rows)
+    assert set(rows) <= {recipe.name for recipe in RECIPES}
+
+
+@pytest.mark.parametrize("processes", [0, 1.5, True, "2"])
+def test_a_number_of_processes_that_is_none(processes, tmp_path):
+    with pytest.raises(RsymError, match="processes must be a positive integer"):
+        rsym.paper.reproduce(tmp_path / "new", processes=processes)
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_interrupt_ends_the_processes_and_leaves_no_page(tmp_path):
+    def interrupt(done, total, name):
+        if done == 1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        rsym.paper.reproduce(tmp_path, only=["fig02", "torus", "fig13"], processes=2, progress=interrupt)
+    assert not multiprocessing.active_children()
+    assert not [path for path in tmp_path.iterdir() if path.suffix != ".png"]
+
+
+def test_a_process_that_ends_is_said_with_its_figure(tmp_path, monkeypatch):
+    monkeypatch.setattr(reproduction, "_draw_as_told", dying.die_drawing)
+    with pytest.raises(RsymError, match=r"the process that drew fig(02|10) has ended") as caught:
+        rsym.paper.reproduce(tmp_path, only=["fig02", "fig10"], processes=2)
+    assert caught.value.code == "process"
+    assert not multiprocessing.active_children()
+
+
+def failing(error):
+    def draw():
+        raise error
+
+    return Recipe("fig02", "A failure", "", draw)
+
+
+def told(recipe, monkeypatch):
+    """What a process answers that is asked for a figure."""
+    monkeypatch.setattr(reproduction, "RECIPES", [recipe])
+    monkeypatch.setattr(reproduction.signal, "signal", lambda *_: None)
+    near, far = multiprocessing.Pipe()
+    drawing = threading.Thread(target=reproduction._draw_as_told, args=(far,))
+    drawing.start()
+    near.send(recipe.name)
+    answer = near.recv()
+    near.close()
+    drawing.join()
+    return answer
+
+
+def test_an_error_names_its_figure_here_and_in_another_process(tmp_path, monkeypatch):
+    refused = failing(RsymError("no such letter", code="letter", where="line 3"))
+    monkeypatch.setattr(reproduction, "RECIPES", [refused])
+    with pytest.raises(RsymError) as caught:
+        rsym.paper.reproduce(tmp_path)
+    assert str(caught.value) == "fig02, line 3: no such letter"
+    assert str(told(refused, monkeypatch)) == "fig02, line 3: no such letter"
+    defect = told(failing(KeyError("leaf")), monkeypatch)
+    assert isinstance(defect, KeyError)
+    assert defect.__notes__[0] == "while drawing fig02"
+    assert "in draw" in defect.__notes__[1]
+
+
+def test_a_warning_of_another_process_is_given_here(monkeypatch):
+    def draw():
+        warn("the surface is cut")
+        return Drawing(matplotlib.pyplot.figure(), "", 0, "")
+
+    _, warnings = told(Recipe("fig02", "A warning", "", draw), monkeypatch)
+    assert warnings == ["the surface is cut"]
 
 
 def test_cancelling_leaves_no_page(tmp_path):
