@@ -13,7 +13,7 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
-from rsym.analysis.contracts import PROMISES
+from rsym.analysis.contracts.table import PROMISES
 from rsym.backends import plain
 from rsym.backends.c_source import c_source
 from rsym.backends.interpreter import interpret
@@ -135,7 +135,8 @@ def intervals(operation):
     known = values(operation, safe())
     if operation == "undefined":
         return
-    assert (found[0] <= known).all() and (known <= found[1]).all()
+    assert (found[0] <= known).all()
+    assert (known <= found[1]).all()
     assert found[1] - found[0] <= 40 * np.ptp(known) + 1e-9
 
 
@@ -147,7 +148,8 @@ def balls(operation):
         assert found is None
         return
     known = values(operation, safe())
-    assert float(found.lower()) <= known.min() + 1e-12 and known.max() <= float(found.upper()) + 1e-12
+    assert float(found.lower()) <= known.min() + 1e-12
+    assert known.max() <= float(found.upper()) + 1e-12
     assert float(found.upper()) - float(found.lower()) <= 40 * np.ptp(known) + 1e-9
 
 
@@ -218,7 +220,8 @@ def domains(operation):
             operands = [arb(value) for value in point[: single(operation)[2]]]
             operands += [arb(float(PARAMETERS[operation]))] if operation in PARAMETERS else []
             tests = ball_domains.TESTS
-            assert operation in tests and not tests[operation](*operands)
+            assert operation in tests
+            assert not tests[operation](*operands)
 
 
 def choices(operation):
@@ -244,7 +247,7 @@ def far_form(operation):
     """The sign at s u is that of the far form at u and 1/s."""
     if operation == "input":
         return
-    builder, node, count = single(operation)
+    builder, node, _count = single(operation)
     forms = far_forms.FarForms(builder)
     far = forms[node]
     assert (far.degree == 0 and operation in NO_DEGREE) or operation not in NO_DEGREE
