@@ -85,7 +85,8 @@ from .sampling.sharp.features import Feature
 from .verify.atlas.atlas import smoothness_atlas
 from .verify.atlas.report import SmoothnessAtlas
 from .verify.atlas.threshold_curve import ThresholdCurve
-from .verify.bodies.report import BodyCover, BodyReport, SingularCurve, SingularPoint
+from .verify.bodies.report import BodyCover, BodyReport
+from .verify.bodies.singular import SingularCurve, SingularPoint
 from .verify.continuity import ContinuityReport, continuity
 from .verify.curves import Curve
 from .verify.fairness.designs import DesignTable, compare_designs

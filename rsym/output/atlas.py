@@ -23,9 +23,9 @@ from rsym.model.names import typeset_name
 from rsym.output.certificates import DEFECT
 from rsym.output.paints import checked_limits, checked_map
 from rsym.output.pictures import figure_of, require_axes, require_report
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.verify.atlas.levels import FEWEST, round_levels
 from rsym.verify.atlas.report import SmoothnessAtlas
-from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
 Floats = NDArray[np.float64]
 

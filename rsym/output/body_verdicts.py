@@ -19,10 +19,11 @@ from rsym.output.paints import coat_of
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.singular import Limits, Marks, labelled, mark_boxes, mark_curves, mark_points, outlines
 from rsym.output.surfaces import ShadedMesh, show
+from rsym.reports.numbers import share
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
-from rsym.verify.bodies.phrases import kinds_text, share_text
 from rsym.verify.bodies.report import BodyReport
+from rsym.verify.bodies.singular import kinds_text
 
 FRAME = "#aaaaaa"
 TITLE, ROW = 0.5, 0.3  # inches, for the title and for a row of a legend
@@ -109,7 +110,8 @@ def verdict_title(report: BodyReport) -> str:
 
     Examples
     --------
-    >>> from rsym.verify.bodies.report import BodyCover, SingularPoint
+    >>> from rsym.verify.bodies.report import BodyCover
+    >>> from rsym.verify.bodies.singular import SingularPoint
     >>> none, nothing = np.empty((0, 3, 2)), (float("nan"),) * 2
     >>> cover, tip = BodyCover((), none, none, none, 0), SingularPoint((0.0, 0.0, 1.0), 0.0, "cone tip", "G0")
     >>> verdict_title(BodyReport("REFUTED", "G0", (), (tip,), nothing, nothing, cover, {"a": (1, 2)}))
@@ -121,7 +123,7 @@ def verdict_title(report: BodyReport) -> str:
         "REFUTED": f"{report.continuity}, not G2, proved: {kinds}",
         "DEGENERATE": kinds or "no boundary to speak of",
     }
-    undecided = f"on {share_text(report.undecided_share)} of the boundary nothing is proved"
+    undecided = f"on {share(report.undecided_share)} of the boundary nothing is proved"
     ranges = [f"{name} in [{low:g}, {high:g}]" for name, (low, high) in report.letters.items() if low < high]
     which = "every" if report.verdict in {"CERTIFIED", "UNDECIDED"} else "some"
     letters = f", for {which} {' and '.join(ranges)}" if ranges else ""

@@ -12,9 +12,9 @@ from rsym.errors import RsymError
 from rsym.model.names import typeset_name
 from rsym.output.fairness import colour_bar, curvature_label, curvature_norm, draw_curvature
 from rsym.output.pictures import checked_titles, page, require_report, whole
+from rsym.reports.numbers import number
 from rsym.verify.fairness.designs import Design, DesignTable
 from rsym.verify.fairness.wording import directed
-from rsym.verify.wording import number
 
 PANEL = 4.2  # inches, the width of a panel
 SHORTEST, TALLEST = 1.0, 4.2

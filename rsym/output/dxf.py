@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rsym.output.units import UNITS
 from rsym.sampling.sections import Section
 from rsym.sampling.sharp.features import Feature
-from rsym.verify.bodies.report import SingularCurve
+from rsym.verify.bodies.singular import SingularCurve
 
 Floats: TypeAlias = NDArray[np.float64]
 Tags = Iterable[tuple[int, Any]]

@@ -18,7 +18,7 @@ from rsym.output.interactive import page, page_of_parts
 from rsym.output.units import UNITS, check_unit, sized
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.sharp.features import Feature
-from rsym.verify.bodies.report import SingularCurve
+from rsym.verify.bodies.singular import SingularCurve
 
 # Formats that hold colours.
 COLOURED: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(

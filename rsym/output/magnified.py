@@ -13,8 +13,8 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from rsym.output.certificates import DEFECT, Subject, draw_boundary
+from rsym.reports.numbers import measured
 from rsym.verify.report import Joint, SmoothnessReport
-from rsym.verify.wording import measured
 
 Floats = NDArray[np.float64]
 

@@ -23,7 +23,7 @@ from rsym.output.verdicts import plot_verdict
 from rsym.sampling.boundaries import Boundary, boundary, distances_to
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.plane import plane_section
-from rsym.verify.bodies.report import SingularCurve
+from rsym.verify.bodies.singular import SingularCurve
 from rsym.verify.repair.anatomy import Verdict
 from rsym.verify.repair.prices import price_words
 from rsym.verify.repair.report import Candidate, RepairReport

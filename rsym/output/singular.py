@@ -23,10 +23,9 @@ from rsym.output.certificates import CERTIFICATES, DEFECT
 from rsym.output.ink import INK, SMOOTH, Stroke, dots, visible
 from rsym.output.paints import UNDEFINED
 from rsym.output.shading import decode, linear
+from rsym.reports.words import plural
 from rsym.sampling.sharp.features import Feature
-from rsym.verify.bodies.phrases import counted
-from rsym.verify.bodies.report import SingularCurve, SingularPoint
-from rsym.verify.wording import plural
+from rsym.verify.bodies.singular import SingularCurve, SingularPoint, counted
 
 Floats = NDArray[np.float64]
 Limits: TypeAlias = tuple[float, float]

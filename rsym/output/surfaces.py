@@ -24,7 +24,7 @@ from rsym.output.shading import AZIMUTH, BODY, ELEVATION, hollows, mean_depth, r
 from rsym.output.singular import mark_curves
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.sharp.features import Feature
-from rsym.verify.bodies.report import SingularCurve
+from rsym.verify.bodies.singular import SingularCurve
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -31,9 +31,9 @@ from rsym.output.combs import plot_curvature_comb
 from rsym.output.magnified import draw_magnified
 from rsym.output.pictures import figure_of, require_axes
 from rsym.output.shading import AZIMUTH, ELEVATION
+from rsym.reports.words import plural
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.report import SmoothnessReport
-from rsym.verify.wording import plural
 
 Floats = NDArray[np.float64]
 

@@ -19,8 +19,8 @@ from rsym.output.magnified import draw_window
 from rsym.output.verdicts import plot_verdict
 from rsym.paper.drawing import Drawing, Table, letters_text
 from rsym.paper.models import BODIES, skeleton_body
+from rsym.reports.numbers import at_most, measured, number
 from rsym.verify.report import SmoothnessReport
-from rsym.verify.wording import measured, number, rounded_up
 
 CURVATURE = "the curvature is continuous"
 NOSES = (5.3, 5.35, 6.0)  # a2: as printed, little above what a smooth nose needs, well above
@@ -56,7 +56,7 @@ class Claim:
 def finding(report: SmoothnessReport) -> str:
     """What a verdict rests on, in a few words: the worst defect, or what is proved of the whole boundary."""
     if not report.defects:
-        bound = f", curvature at most {rounded_up(report.curvature_bound)}"
+        bound = f", curvature at most {at_most(report.curvature_bound)}"
         return f"{report.continuity}{bound if math.isfinite(report.curvature_bound) else ''}"
     worst = report.defects[0]
     turn = f", turn {measured(worst.tangent_jump, worst.tangent_jump_error)}°" if worst.tangent_jump > 0 else ""
@@ -110,7 +110,7 @@ def _normalised(claim: str, body: str, shape: Shape, order: int) -> tuple[str, .
     report = verify_normalisation(shape, order, tolerance=TOLERANCE)
     worst, bound = report.worst[-1], report.proved_bounds[-1]
     found = f"largest deviation found {measured(worst.deviation, worst.error)}"
-    proved = f", at most {rounded_up(bound)} proved" if report.verdict == "CERTIFIED" else ""
+    proved = f", at most {at_most(bound)} proved" if report.verdict == "CERTIFIED" else ""
     return claim, body, report.verdict, f"{found}{', proved' if report.verdict == 'REFUTED' else ''}{proved}"
 
 

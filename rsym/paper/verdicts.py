@@ -19,10 +19,10 @@ from rsym.output.portraits import Place, fill
 from rsym.output.singular import Limits, angle_limits, jump_limits, mark_curves
 from rsym.paper.drawing import Drawing, Table, letters_text, triangles_in
 from rsym.paper.models import car, skeleton_body
-from rsym.verify.bodies.groups import groups
-from rsym.verify.bodies.markup import HEADER, group_cells
-from rsym.verify.bodies.phrases import interval, kinds_text, share_text
+from rsym.reports.numbers import interval, share
+from rsym.verify.bodies.report import COLUMNS as PARTS
 from rsym.verify.bodies.report import BodyReport
+from rsym.verify.bodies.singular import kinds_text
 
 SIZE = (9.6, 10.6)  # inches
 WIDE = 0.9  # of the width, for the bodies; the rest is for the bars
@@ -57,9 +57,7 @@ class Judged:
         told = [kinds_text((*report.curves, *report.points))] if report.curves or report.points else []
         if not told and np.isfinite(report.curvatures).all():
             told = [f"curvatures in {interval(*report.curvatures)}"]
-        return ", ".join(
-            [*told, *([f"{share_text(report.undecided_share)} undecided"] if len(report.undecided) else [])]
-        )
+        return ", ".join([*told, *([f"{share(report.undecided_share)} undecided"] if len(report.undecided) else [])])
 
 
 def bodies() -> list[tuple[str, Shape, str | None, float]]:
@@ -103,7 +101,7 @@ def draw_verdicts() -> Drawing:
         _draw(figure, one, place, angles, jumps)
     for bar, bottom in zip(mark_curves(curves, 1.0, angles, jumps).bars, (0.65, 0.15), strict=False):
         _draw_bar(figure, bar, bottom)
-    table = Table(("body", "verdict", *HEADER[1:]), tuple(row for one in judged for row in _rows(one)))
+    table = Table(("body", "verdict", *PARTS), tuple(row for one in judged for row in _rows(one)))
     return Drawing(figure, letters_text(car().letters), triangles_in(figure), REMARK, table)
 
 
@@ -144,6 +142,5 @@ def _draw_bar(figure: Figure, bar: Bar, bottom: float) -> None:
 
 def _rows(one: Judged) -> Iterator[tuple[str, ...]]:
     """The verdict, then what is below G2 and what is not."""
-    found = [group for part in groups(one.report) for group in part]
     yield one.name, one.report.verdict, *("",) * 4, one.summary, one.report.continuity, "", ""
-    yield from (("", "", *group_cells(group)) for group in found)
+    yield from (("", "", *entry.cells) for entry in one.report.document().entries)

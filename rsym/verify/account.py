@@ -13,9 +13,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
 
-from rsym.verify.report import BROKEN, CONTINUITIES
-
-G2 = CONTINUITIES.index("G2")
+from rsym.reports.numbers import point
+from rsym.verify.report import BROKEN, CONTINUITIES, is_defect, level_of
 
 
 class Place(Protocol):
@@ -39,16 +38,6 @@ class Place(Protocol):
 
 
 P = TypeVar("P", bound=Place)
-
-
-def level_of(place: Any) -> int:
-    """The rank of a continuity: 0 for "unknown", 1 for "broken", 4 for "G2"."""
-    return CONTINUITIES.index(place.continuity)
-
-
-def is_defect(place: Any) -> bool:
-    """Whether the boundary is below G2 at a place, if what is said of it holds."""
-    return level_of(place) < G2
 
 
 def answers(said: Place, found: Place, near: float = 0.0) -> bool:
@@ -98,8 +87,7 @@ def missing(
         result.append(f"{boxes} boxes that hold something are not listed")
     for place in found:
         if not any(answers(one, place, near) for one in said):
-            where = ", ".join(f"{value:.6g}" for value in place.point)
-            result.append(f"what was found at ({where}) is not listed")
+            result.append(f"what was found at {point(place.point, 6)} is not listed")
     return result
 
 

@@ -13,12 +13,13 @@ import sympy as sp
 from rsym.bounds.balls import arb
 from rsym.errors import RsymError
 from rsym.model.requirements import several
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
+from rsym.reports.numbers import number
 from rsym.verify.constants import enclosed, measured, norm, precise
 from rsym.verify.curve_interiors import Arc, arcs_of
 from rsym.verify.curves import Curve, End, Vector, all_vanish, dot, end_of, minors
 from rsym.verify.jumps import bend, curvature, distance, slope, torsion, turn
-from rsym.verify.report import CERTIFIED, CONTINUITIES, DEGENERATE, REFUTED, UNDECIDED, Joint
-from rsym.verify.wording import number
+from rsym.verify.report import CONTINUITIES, Joint
 
 GRADES = CONTINUITIES[CONTINUITIES.index("broken") : -1]
 KINDS = ("end", "corner", "curvature jump", "smooth joint")

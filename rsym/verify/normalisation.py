@@ -13,6 +13,7 @@ from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.sampling.contours import level_lines
 from rsym.sampling.effort import Effort
 from rsym.sampling.lattice import bounds_of, lattice_over
@@ -23,7 +24,6 @@ from rsym.verify.normal_cover import NormalCover, cover_boundary, feasible_order
 from rsym.verify.normal_derivatives import NormalDerivatives
 from rsym.verify.normal_places import breaks, enclosed, inside, onto_boundary, thinned, zoomed
 from rsym.verify.normalisation_report import NormalDerivative, NormalisationReport
-from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
 SMALLEST = 2.0**-14  # of the extent: a box of this size without a bound is left uncovered
 WORK = 5e8  # the body of Fig. 11 takes a twentieth of it

@@ -11,9 +11,9 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.verify.markup import SIGNS
-from rsym.verify.records import plain
-from rsym.verify.wording import letters_text, measured, number, plural, rounded_up, within
+from rsym.reports.numbers import at_most, measured, number
+from rsym.reports.render import SIGNS, plain
+from rsym.reports.words import letters_text, plural, within
 
 FORMAT = "rsym-normalisation-report"
 VERSION = 1
@@ -105,7 +105,7 @@ class NormalisationReport:
         rows = [("derivative", "worst deviation found", "at", "proved there", "proved bound")]
         for place, bound in zip(self.worst, self.proved_bounds, strict=True):
             size = measured(place.deviation, place.error)
-            limit = rounded_up(bound) if math.isfinite(bound) else "none"
+            limit = at_most(bound) if math.isfinite(bound) else "none"
             rows.append((_name(place.order), size, _point(place.point), "yes" if place.proved else "no", limit))
         cells = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
         table = f"<table>{''.join(f'<tr>{row}</tr>' for row in cells)}</table>" if self.worst else ""
@@ -143,7 +143,7 @@ def _boxes(report: NormalisationReport) -> Iterator[str]:
         return
     if len(report.covered):
         bounds = zip(range(1, report.order + 1), report.proved_bounds, strict=True)
-        limits = " and ".join(f"|{_name(k)}| <= {rounded_up(bound)}" for k, bound in bounds if math.isfinite(bound))
+        limits = " and ".join(f"|{_name(k)}| <= {at_most(bound)}" for k, bound in bounds if math.isfinite(bound))
         yield f"Proved: {limits} at all of the boundary in {plural(len(report.covered), 'box', 'boxes')}."
     if len(report.uncovered):
         yield f"Nothing is proved in {plural(len(report.uncovered), 'other box', 'other boxes')}."

@@ -16,11 +16,12 @@ from rsym.errors import RsymError
 from rsym.model.blends.gates import without_rounded_levels
 from rsym.model.requirements import require_count, require_positive, require_shape
 from rsym.model.shape import Bounds, Shape
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.sampling.effort import Effort
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
-from rsym.verify.account import complaint, distinct, is_defect, level_of, missing
+from rsym.verify.account import complaint, distinct, missing
 from rsym.verify.bodies.fibres import report_over_ranges
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.bodies.verdict import BUDGET as BODY_BUDGET
@@ -32,17 +33,7 @@ from rsym.verify.evidence import NOWHERE, has_boundary, has_boundary_for_every_v
 from rsym.verify.holes import holes
 from rsym.verify.local import Box, Interval, Model
 from rsym.verify.pruning import pruner
-from rsym.verify.report import (
-    CERTIFIED,
-    DEGENERATE,
-    REFUTED,
-    UNDECIDED,
-    UNKNOWN,
-    Cover,
-    Joint,
-    SmoothnessReport,
-    continuity_of,
-)
+from rsym.verify.report import UNKNOWN, Cover, Joint, SmoothnessReport, continuity_of, is_defect, level_of
 from rsym.verify.revolution import find_meridian, meridian
 from rsym.verify.sharpening import sharpened_bound
 from rsym.verify.suspects import DEGENERATIONS, classify_suspects

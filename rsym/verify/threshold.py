@@ -13,9 +13,9 @@ from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
 from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress, report
-from rsym.verify.report import CERTIFIED, REFUTED, UNDECIDED
 from rsym.verify.smoothness import verdict_of
 
 SCAN = 12  # parts into which the range is cut in search of a change

@@ -22,8 +22,8 @@ from rsym.verify.bodies.corners import Corner, corner
 from rsym.verify.bodies.even_roots import is_regular_through_root
 from rsym.verify.bodies.formulas import ternary
 from rsym.verify.bodies.points import Classified, classify_points, is_degenerate
-from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.sheets import sheets
+from rsym.verify.bodies.singular import SingularPoint
 from rsym.verify.local import Model, side
 
 

@@ -16,7 +16,7 @@ from rsym.bounds.balls import arb, ctx
 from rsym.program.lowering import lower
 from rsym.verify.bodies import components, following
 from rsym.verify.bodies.continuation import Curve, cross
-from rsym.verify.bodies.report import SingularPoint
+from rsym.verify.bodies.singular import SingularPoint
 from rsym.verify.bodies.tracing import trace
 from rsym.verify.generators import generators
 from rsym.verify.joints import meeting

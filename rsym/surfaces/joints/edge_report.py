@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.surfaces.joints.edge_wording import report_html, report_text
 from rsym.surfaces.proofs.edge_proof import EdgeProof
-from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
 Array = NDArray[np.float64]
 

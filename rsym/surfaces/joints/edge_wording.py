@@ -8,8 +8,9 @@ from collections.abc import Iterator, Mapping
 from html import escape
 from typing import TYPE_CHECKING
 
+from rsym.reports.numbers import measured, number
+from rsym.reports.words import plural
 from rsym.surfaces.joints.proof_wording import proof_text, verdict_text
-from rsym.verify.wording import measured, number, plural
 
 if TYPE_CHECKING:
     from rsym.surfaces.joints.edge_report import EdgeReport, Extreme, Meeting

@@ -6,8 +6,9 @@ from collections import Counter
 from decimal import ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
 
+from rsym.reports.numbers import at_most, number
+from rsym.reports.words import plural
 from rsym.surfaces.proofs.edge_proof import DIFFERENT, EQUAL, WITHIN, EdgeProof, Level
-from rsym.verify.wording import number, plural, rounded_up
 
 if TYPE_CHECKING:
     from rsym.surfaces.joints.edge_report import EdgeReport
@@ -58,7 +59,7 @@ def _level_text(level: Level) -> str:
     if level.status == EQUAL:
         return f"{what} is 0"
     if level.status == WITHIN:
-        return f"{what} is at most {rounded_up(level.most, DIGITS)}{unit}"
+        return f"{what} is at most {at_most(level.most, DIGITS)}{unit}"
     least = Context(DIGITS, ROUND_FLOOR).create_decimal(level.least)
     return f"{what} is at least {float(least):.{DIGITS}g}{unit} at t = {number(level.place)}"
 

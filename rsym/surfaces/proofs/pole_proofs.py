@@ -28,6 +28,7 @@ from rsym.errors import RsymError
 from rsym.model.vectors import cross
 from rsym.program.builder import Builder
 from rsym.program.program import Node
+from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
 from rsym.surfaces.functions.entries import exact as decimal
 from rsym.surfaces.joints.edges import Edge
 from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, PatchFormula, Walk
@@ -37,7 +38,6 @@ from rsym.surfaces.proofs.exact_values import exact_values
 from rsym.surfaces.proofs.sides import COUNT, Side, Vector, dot
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
 from rsym.surfaces.proofs.unbroken import check_unbroken
-from rsym.verify.report import CERTIFIED, REFUTED, UNDECIDED
 
 Shares: TypeAlias = tuple[Fraction, ...]
 

@@ -14,6 +14,7 @@ from rsym.bounds.ball_series import SeriesFunction, truncated
 from rsym.bounds.balls import exact
 from rsym.errors import RsymError
 from rsym.program.builder import Builder
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.surfaces.proofs.apart import distance_from
 from rsym.surfaces.proofs.deflation import is_cuspidal, regular_end
 from rsym.surfaces.proofs.edge_formulas import ORDERS, Walk
@@ -24,7 +25,6 @@ from rsym.surfaces.proofs.sides import COUNT
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
 from rsym.surfaces.proofs.stretches import Task, pairs, walks
 from rsym.surfaces.proofs.uneven import evened, place_of
-from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
 # The share of a measured gap that is to be proved.
 NEARLY = 0.99

@@ -10,6 +10,7 @@ import numpy as np
 from rsym.bounds.enclosures import Range, ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.reports.document import CERTIFIED
 from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress
 from rsym.verify.atlas.dividing import divide
@@ -20,7 +21,6 @@ from rsym.verify.atlas.levels import CurvatureMap
 from rsym.verify.atlas.report import SmoothnessAtlas
 from rsym.verify.atlas.strips import thresholds_of
 from rsym.verify.atlas.subjects import PlaneSubject
-from rsym.verify.report import CERTIFIED
 from rsym.verify.threshold import inward, range_of
 
 TOLERANCE = 0.02  # of the ranges: a strip that is a fine line in a figure

@@ -10,11 +10,11 @@ from fractions import Fraction
 import numpy as np
 
 from rsym.errors import warn
+from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
 from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress, report
 from rsym.verify.atlas.grid import KINDS, Floats, grid_of, run_through, too_wide
 from rsym.verify.atlas.judging import Judge, Judgement, Point, Rectangle, middle_of
-from rsym.verify.report import CERTIFIED, REFUTED, UNDECIDED
 
 LABELS = {CERTIFIED: 1.0, REFUTED: -1.0}
 # Off the middle, so that no line of rectangles follows a threshold that is as simple as the ranges, such as a = b.

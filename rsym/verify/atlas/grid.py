@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -14,9 +14,9 @@ from rsym.backends.kernel import compile
 from rsym.bounds.balls import arb, ball, ctx, exact
 from rsym.bounds.enclosures import Range, ranges_of
 from rsym.model.shape import Shape
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.verify.atlas.subjects import Spread, Subject, subject_of
 from rsym.verify.covering import PRECISION
-from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
 Point: TypeAlias = tuple[float, float]
 Rectangle: TypeAlias = tuple[Point, Point]

@@ -15,7 +15,6 @@ from rsym.bounds.balls import arb, ball, ctx, exact
 from rsym.bounds.enclosures import ranges_of
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.lattice import bounds_of
-from rsym.verify.account import is_defect
 from rsym.verify.cleaning import cleaned
 from rsym.verify.covering import PRECISION
 from rsym.verify.generators import generators
@@ -23,7 +22,7 @@ from rsym.verify.joints import Arc, Meeting, is_transversal, joint, locate, loca
 from rsym.verify.krawczyk import Point, image, inverse
 from rsym.verify.local import Interval, Model
 from rsym.verify.locus import reduce
-from rsym.verify.report import Joint
+from rsym.verify.report import Joint, is_defect
 from rsym.verify.revolution import meridian
 
 # A box that holds its image is found by growing it to a little more than its image, as often as it is worth trying.

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
+from rsym.reports.render import plain
+from rsym.reports.words import plural
 from rsym.verify.atlas.grid import Floats
 from rsym.verify.atlas.levels import CurvatureMap
 from rsym.verify.atlas.threshold_curve import ThresholdCurve
-from rsym.verify.records import plain
-from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-from rsym.verify.wording import plural
 
 FORMAT = "rsym-smoothness-atlas"
 # Raised when a key changes its meaning or goes; a key may be added without.

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, label
 
+from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
 from rsym.verify.atlas.grid import KINDS, Floats, Grid, Ints, grid_of, narrowest
 from rsym.verify.atlas.medial import middle_lines
 from rsym.verify.atlas.outlines import chains
 from rsym.verify.atlas.threshold_curve import ThresholdCurve
-from rsym.verify.report import CERTIFIED, REFUTED, UNDECIDED
 
 Marks = NDArray[np.bool_]
 TOUCHING = np.ones((3, 3))

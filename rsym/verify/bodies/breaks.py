@@ -16,7 +16,7 @@ from collections.abc import Sequence
 
 from rsym.bounds.balls import arb, ctx
 from rsym.verify.bodies.corners import PRECISE, floats, radius_of
-from rsym.verify.bodies.report import SingularPoint
+from rsym.verify.bodies.singular import SingularPoint
 from rsym.verify.borders import is_within
 from rsym.verify.generators import generators
 from rsym.verify.joints import Arc, Meeting

@@ -17,7 +17,7 @@ from rsym.sampling.effort import Effort
 from rsym.verify.bodies.continuation import Curve, Knot, Tube, others
 from rsym.verify.bodies.following import ACCURACY, Ground, Path, Walk, cut
 from rsym.verify.bodies.region import Region
-from rsym.verify.bodies.report import SingularPoint
+from rsym.verify.bodies.singular import SingularPoint
 from rsym.verify.krawczyk import Point, image, inverse
 from rsym.verify.local import Box, side
 

@@ -15,8 +15,8 @@ from typing import TypeAlias
 from rsym.bounds.balls import arb, ctx, hypotenuse
 from rsym.verify.bodies.formulas import Formula, Literal, replaced
 from rsym.verify.bodies.links import Link, octants
-from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.sheets import Sheets, sheets
+from rsym.verify.bodies.singular import SingularPoint
 from rsym.verify.borders import is_within
 from rsym.verify.generators import generators
 from rsym.verify.krawczyk import refined, unique_zero

@@ -14,12 +14,12 @@ from fractions import Fraction
 from itertools import islice
 
 from rsym.model.shape import Bounds, Shape
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.bodies.subdivision import Subdivision
 from rsym.verify.bodies.verdict import BUDGET, SMALLEST, Study, report_body, study_body
 from rsym.verify.local import Box, Interval
-from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 
 MOST_FIBRES = 5  # values tried where boxes are left, besides the middle
 Values = Mapping[str, Fraction]

@@ -9,8 +9,8 @@ from rsym.bounds.balls import arb
 from rsym.program.builder import Builder
 from rsym.verify.bodies.breaks import broken
 from rsym.verify.bodies.corners import Corner, corner
-from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.sheets import locus_of, sheets
+from rsym.verify.bodies.singular import SingularPoint
 from rsym.verify.bodies.touching import touching
 from rsym.verify.breaks import are_empty, changes_sign, emptiness
 from rsym.verify.classes import CURVED, PARTED, parted, pieces

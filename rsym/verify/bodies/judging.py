@@ -30,8 +30,8 @@ from rsym.verify.bodies.cusps import cusp
 from rsym.verify.bodies.formulas import ternary
 from rsym.verify.bodies.links import Link, link
 from rsym.verify.bodies.rays import FINE, FINEST, Rays, rays_at
-from rsym.verify.bodies.report import SingularPoint
 from rsym.verify.bodies.sheets import Sheets, sheets
+from rsym.verify.bodies.singular import SingularPoint
 from rsym.verify.bodies.tips import largest_turn
 from rsym.verify.bodies.zeros import Apparent, Known, known_at
 from rsym.verify.generators import generators

@@ -24,8 +24,8 @@ from rsym.verify.bodies.corners import PRECISE, Corner, corner, doubted, floats
 from rsym.verify.bodies.even_roots import is_regular_through_root
 from rsym.verify.bodies.formulas import Literal, as_gate
 from rsym.verify.bodies.judging import Names, called_of, classify_place
-from rsym.verify.bodies.report import SingularCurve, SingularPoint
 from rsym.verify.bodies.sheets import Sheets, sheets
+from rsym.verify.bodies.singular import SingularCurve, SingularPoint
 from rsym.verify.bodies.spheres import COARSE, Sampler, sampler, views
 from rsym.verify.borders import is_within
 from rsym.verify.covering import PRECISION

@@ -3,147 +3,37 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rsym.verify.account import is_defect
-from rsym.verify.bodies.markup import body_html
-from rsym.verify.bodies.records import body_json
-from rsym.verify.bodies.wording import body_text, curves_text, points_text
+from rsym.reports.document import Document, Entry, Sentence
+from rsym.reports.numbers import interval, point, share, short
+from rsym.reports.render import plain
+from rsym.reports.words import plural
+from rsym.verify.bodies.singular import (
+    Array,
+    Defect,
+    SingularCurve,
+    SingularPoint,
+    curves_effect,
+    curves_text,
+    cut,
+    points_effect,
+    points_text,
+)
+from rsym.verify.report import Cover, Verdict, is_defect, level_of, yes_or_no
 
-Array: TypeAlias = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class SingularCurve:
-    """A curve on a boundary along which two analytic sheets meet.
-
-    Attributes
-    ----------
-    points : (n, 3) float64
-        Points of the curve in their order, each within `radius` of it; a closed curve repeats its first point.
-    kind : str
-        "edge" (the tangent plane turns), "curvature jump", "smooth joint", "unbounded curvature" or "unresolved".
-    continuity : str
-        What the boundary is across the curve where it is worst, a word of ``CONTINUITIES``.
-    names : pair of str
-        The definitions that meet.
-    normals : (n, 2, 3) float64
-        The outward unit normals of both sheets at the points.
-    tangent_jumps : (n,) float64
-        The angles between both normals, in degrees.
-    curvature_jumps : (n,) float64
-        How much the normal curvature across the curve jumps; NaN where the tangent planes differ.
-    tangent_jump, curvature_jump : float
-        The largest of them, each known to within its error.
-    traced : bool
-        Whether the whole curve was followed by certified continuation: there is one curve, and it passes these points.
-    proved : bool
-        Whether the continuity is proved: that it is no more at a point of the curve, for one below G2; that it is no
-        less all along it, else.
-
-    Examples
-    --------
-    >>> import rsym
-    >>> from rsym import x, y, z
-    >>> bounds = ((-1.2, 1.3), (-1.3, 1.2), (-0.5, 1.3))
-    >>> half = rsym.Shape(rsym.conjunction(1 - x**2 - y**2 - z**2, z), (x, y, z), bounds=bounds)
-    >>> (rim,) = rsym.verify_smoothness(half, method="space").curves
-    >>> rim.kind, rim.closed, rim.traced, rim.names, round(float(rim.dihedral_angles.max()), 9)
-    ('edge', True, True, ('-x**2 - y**2 - z**2 + 1', 'z'), 90.0)
-    """
-
-    points: Array
-    radius: float
-    kind: str
-    continuity: str
-    names: tuple[str, str]
-    normals: Array
-    tangent_jumps: Array
-    curvature_jumps: Array
-    tangent_jump: float = math.nan
-    tangent_jump_error: float = math.nan
-    curvature_jump: float = math.nan
-    curvature_jump_error: float = math.nan
-    traced: bool = False
-    proved: bool = False
-    reason: str = ""
-
-    @property
-    def closed(self) -> bool:
-        """Whether the curve ends where it begins."""
-        return len(self.points) > 2 and bool((self.points[0] == self.points[-1]).all())
-
-    @property
-    def length(self) -> float:
-        """The length of the polyline through the points."""
-        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
-
-    @property
-    def dihedral_angles(self) -> Array:
-        """The angles between the two sheets at the points, measured through the inside, in degrees: 180 is flat."""
-        angles: Array = np.where(self.convex, 180 - self.tangent_jumps, 180 + self.tangent_jumps)
-        return angles
-
-    @property
-    def convex(self) -> NDArray[np.bool_]:
-        """Whether the edge is convex at each point; the first sheet lies to the left, seen from outside."""
-        along = np.gradient(self.points, axis=0) if len(self.points) > 1 else np.zeros_like(self.points)
-        turn = np.cross(self.normals[:, 0], self.normals[:, 1])
-        inner: NDArray[np.bool_] = np.einsum("ij,ij->i", turn, along) >= 0
-        return inner
-
-    def __str__(self) -> str:
-        return curves_text((self,))
-
-    def __repr__(self) -> str:
-        shape = "closed" if self.closed else "open"
-        between = " | ".join(map(repr, self.names))
-        return f"SingularCurve({self.kind}, {between}, {self.continuity}, {shape}, {len(self.points)} points)"
-
-
-@dataclass(frozen=True)
-class SingularPoint:
-    """A point where a boundary is less than two sheets that meet along a curve.
-
-    `point` is within `radius` of the truth. kind: "corner" (three or more sheets meet), "cone tip", "cusp", "node",
-    "tangency", "isolated point", "end", "no sign change", "curvature jump" or "unresolved". `tangent_jump` is the
-    largest angle between normals at the point in degrees, NaN where it is not known; names: the definitions that meet.
-
-    Examples
-    --------
-    >>> import rsym
-    >>> from rsym import x, y, z
-    >>> corner = rsym.Shape(rsym.conjunction(x, y, z), (x, y, z), bounds=((-1, 1.1),) * 3)
-    >>> (point,) = rsym.verify_smoothness(corner).points
-    >>> point.kind, point.point, point.names
-    ('corner', (0.0, 0.0, 0.0), ('x', 'y', 'z'))
-    """
-
-    point: tuple[float, float, float]
-    radius: float
-    kind: str
-    continuity: str
-    names: tuple[str, ...] = ()
-    tangent_jump: float = math.nan
-    tangent_jump_error: float = math.nan
-    proved: bool = False
-    reason: str = ""
-
-    def __str__(self) -> str:
-        return points_text((self,))
-
-
-Defect: TypeAlias = SingularCurve | SingularPoint
+COLUMNS = ("kind", "count", "definitions", "where", "what happens", "continuity", "proved", "traced")
+PLACES, DIGITS = 3, 6  # points that a cell lists, and digits of their coordinates
+One = TypeVar("One", SingularCurve, SingularPoint)
 
 
 @dataclass(frozen=True, eq=False)
-class BodyCover:
-    """The boxes that a proof is made of, each (n, 3, 2): the boundary within `bounds` lies in them.
+class BodyCover(Cover):
+    """The boxes that a proof in space is made of, each (n, 3, 2): the boundary within `bounds` lies in them.
 
     certified: a regular surface of the class proved; joined: two analytic sheets that meet along a curve of the
     report, or three in a corner; undecided: nothing is proved.
@@ -155,12 +45,6 @@ class BodyCover:
     >>> cover.certified.shape[1:], len(cover.undecided), cover.undecided_share
     ((3, 2), 0, 0.0)
     """
-
-    bounds: tuple[tuple[float, float], ...]
-    certified: Array
-    joined: Array
-    undecided: Array
-    examined: int
 
     @property
     def undecided_share(self) -> float:
@@ -175,7 +59,7 @@ def _widths(boxes: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BodyReport:
+class BodyReport(Verdict):
     """The answer to the question whether the curvature of the boundary of a body is continuous (G2).
 
     Attributes
@@ -226,25 +110,111 @@ class BodyReport:
         return max(abs(end) for end in self.curvatures)
 
     @property
-    def undecided(self) -> Array:
-        """The boxes in which nothing is proved."""
-        return self.cover.undecided
-
-    @property
     def undecided_share(self) -> float:
         """The share of the boundary that is undecided, by area."""
         return self.cover.undecided_share
-
-    def __str__(self) -> str:
-        return body_text(self)
 
     def __repr__(self) -> str:
         found = f"{len(self.curves)} curves, {len(self.points)} points"
         return f"<BodyReport {self.verdict}, {self.continuity}, {found}>"
 
-    def to_json(self, *, boxes: bool = False) -> str:
-        """The report for programs: JSON with stable keys, null where a number is unknown or has no bound."""
-        return body_json(self, boxes=boxes)
+    def document(self) -> Document:
+        """All that the report says."""
+        sentences = [Sentence(self._curvatures_text(), True)]
+        if len(self.undecided):
+            boxes = plural(len(self.undecided), "box", "boxes")
+            sentences.append(
+                Sentence(f"Of the boundary {share(self.undecided_share)}, in {boxes}, is undecided.", True)
+            )
+        data = {
+            "letters": self.letters,
+            "curvatures": self.curvatures,
+            "curvatures_attained": self.attained,
+            "curves": [_curve_data(curve) for curve in self.curves],
+            "points": self.points,
+            "undecided_share": self.undecided_share,
+            **self.cover.data,
+        }
+        return Document(
+            "body-report",
+            self.headline("the boundary", "surface", doubt=not all(defect.proved for defect in self.defects)),
+            self.verdict,
+            self.continuity,
+            sentences=tuple(sentences),
+            statements=tuple(Sentence(*statement) for statement in self.statements),
+            entries=tuple(group.entry() for group in groups(self.curves, self.points)),
+            columns=COLUMNS,
+            data=data,
+        )
 
-    def _repr_html_(self) -> str:
-        return body_html(self)
+    def _curvatures_text(self) -> str:
+        """How many boxes were examined, and what they say of the curvatures."""
+        if not (math.isfinite(self.curvature_bound) and len(self.cover.certified)):
+            return f"{self.cover.told}."
+        scale = max(self.curvature_bound, 2 / max(high - low for low, high in self.cover.bounds))
+        proved = interval(*self.curvatures, scale)
+        told = f"{self.cover.told}; where they prove the boundary regular, all principal curvatures lie in {proved}"
+        if not all(map(math.isfinite, self.attained)):
+            return f"{told}."
+        low, high = (short(value, scale) for value in self.attained)
+        found = f"all found are {low}" if low == high else f"those found go from {low} to {high}"
+        return f"{told}; {found}."
+
+
+def _curve_data(curve: SingularCurve) -> dict[str, Any]:
+    """What was found, and what follows from it."""
+    follows = {"closed": curve.closed, "length": curve.length, "dihedral_angles": curve.dihedral_angles}
+    return {**plain(curve), **follows}
+
+
+@dataclass(frozen=True)
+class Group:
+    """Curves, or points, that one line tells of: of one kind and class, between the same definitions."""
+
+    curves: tuple[SingularCurve, ...] = ()
+    points: tuple[SingularPoint, ...] = ()
+
+    @property
+    def first(self) -> Defect:
+        """The worst, as a report has the worst first."""
+        everything: tuple[Defect, ...] = (*self.curves, *self.points)
+        return everything[0]
+
+    @property
+    def defect(self) -> bool:
+        """Whether it is below G2."""
+        return is_defect(self.first)
+
+    @property
+    def badness(self) -> tuple[bool, bool, int]:
+        """A key that sorts the defects first, of these the proved and worst."""
+        rank = level_of(self.first)
+        return (False, not self.first.proved, rank) if self.defect else (True, False, 0)
+
+    def entry(self) -> Entry:
+        """The line and the row of a report; only defects have numbers."""
+        first = self.first
+        names = " | ".join(dict.fromkeys(cut(name) for name in first.names if name))
+        if self.curves:
+            text, count, effect = curves_text(self.curves), len(self.curves), curves_effect(self.curves)
+            where = f"length {short(sum(curve.length for curve in self.curves))}"
+            traced = f"{sum(curve.traced for curve in self.curves)} of {count}"
+        else:
+            text, count, effect, traced = points_text(self.points), len(self.points), points_effect(self.points), ""
+            where = ", ".join([point(one.point, DIGITS) for one in self.points[:PLACES]] + ["..."] * (count > PLACES))
+        row = first.kind, str(count), names, where, effect, first.continuity, yes_or_no(first.proved), traced
+        return Entry(text, first.proved, row, self.defect, None if self.defect else "also")
+
+
+def groups(curves: Sequence[SingularCurve], points: Sequence[SingularPoint]) -> list[Group]:
+    """What is below G2 first, the proved and worst before the others."""
+    found = [Group(curves=alike) for alike in _alike(curves)] + [Group(points=alike) for alike in _alike(points)]
+    return sorted(found, key=lambda group: group.badness)
+
+
+def _alike(found: Sequence[One]) -> list[tuple[One, ...]]:
+    """Those of one kind and class between the same definitions, in the order of the first of each."""
+    together: dict[object, list[One]] = {}
+    for one in found:
+        together.setdefault((one.kind, one.continuity, one.proved, frozenset(one.names)), []).append(one)
+    return [tuple(group) for group in together.values()]

@@ -11,7 +11,7 @@ from rsym.verify.account import Balance
 from rsym.verify.bodies.corners import Corner
 from rsym.verify.bodies.images import Boxes
 from rsym.verify.bodies.inspection import Inspection
-from rsym.verify.bodies.report import SingularPoint
+from rsym.verify.bodies.singular import SingularPoint
 from rsym.verify.joints import Meeting
 from rsym.verify.local import Box
 

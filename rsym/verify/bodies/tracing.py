@@ -15,7 +15,7 @@ from rsym.sampling.effort import Effort
 from rsym.verify.bodies.components import Component, Search, ends
 from rsym.verify.bodies.continuation import Curve, Knot
 from rsym.verify.bodies.jumps import Jump, Jumps, judge
-from rsym.verify.bodies.report import SingularCurve, SingularPoint
+from rsym.verify.bodies.singular import SingularCurve, SingularPoint
 from rsym.verify.borders import is_within
 from rsym.verify.covering import PRECISION
 from rsym.verify.joints import Meeting

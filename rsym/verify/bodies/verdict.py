@@ -12,8 +12,10 @@ import numpy as np
 
 from rsym.model.blends.gates import without_rounded_levels
 from rsym.model.shape import Bounds, Shape
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
+from rsym.reports.words import plural
 from rsym.sampling.effort import Effort
-from rsym.verify.account import complaint, distinct, is_defect, level_of, missing
+from rsym.verify.account import complaint, distinct, missing
 from rsym.verify.bodies.bending import UNBOUNDED, bending
 from rsym.verify.bodies.boxes import at
 from rsym.verify.bodies.everywhere import exists_for_every_value, for_every_value
@@ -24,7 +26,8 @@ from rsym.verify.bodies.naming import Naming
 from rsym.verify.bodies.octree import Octree
 from rsym.verify.bodies.points import classify_points, is_degenerate
 from rsym.verify.bodies.repetition import Repetition, repetition, turning
-from rsym.verify.bodies.report import Array, BodyCover, BodyReport, Defect, SingularCurve, SingularPoint
+from rsym.verify.bodies.report import BodyCover, BodyReport
+from rsym.verify.bodies.singular import Array, Defect, SingularCurve, SingularPoint
 from rsym.verify.bodies.subdivision import Subdivision, joined_boxes
 from rsym.verify.bodies.tracing import trace
 from rsym.verify.cells import within_cells
@@ -33,8 +36,7 @@ from rsym.verify.contact_relations import contacts_of
 from rsym.verify.domains import is_legal
 from rsym.verify.holes import holes
 from rsym.verify.local import Box, Interval, Model
-from rsym.verify.report import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED, UNKNOWN, continuity_of
-from rsym.verify.wording import plural
+from rsym.verify.report import UNKNOWN, continuity_of, is_defect, level_of
 
 BUDGET = 1_000_000  # boxes: a ball takes 8 000, the car 120 000
 INSPECTIONS = 20_000  # boxes that balls look at, a millisecond or a few each; the car takes 1 300

@@ -14,7 +14,8 @@ from rsym.errors import RsymWarning
 from rsym.model.shape import Shape
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
-from rsym.verify.bodies.report import Array, BodyReport
+from rsym.verify.bodies.report import BodyReport
+from rsym.verify.bodies.singular import Array
 from rsym.verify.fairness.report import Bands, CurvatureBounds, FairnessReport, Measure, Peak
 from rsym.verify.fairness.summits import Summits, summits
 from rsym.verify.fairness.surfaces import Bent, Floats, Surface

@@ -12,14 +12,15 @@ from typing import Any
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
+from rsym.reports.numbers import number
 from rsym.sampling.progress import Progress, report
 from rsym.verify.fairness.fairness import BUDGET, fairness
 from rsym.verify.fairness.markup import table
 from rsym.verify.fairness.records import fairness_record
 from rsym.verify.fairness.report import Extremum, FairnessReport, Peak
 from rsym.verify.fairness.wording import MEASURES, aligned, directed
-from rsym.verify.report import CERTIFIED, CONTINUITIES, DEGENERATE, REFUTED, UNDECIDED
-from rsym.verify.wording import number
+from rsym.verify.report import CONTINUITIES
 
 BEST = "*"  # marks the best value of a column in plain text
 VERDICTS = (DEGENERATE, REFUTED, UNDECIDED, CERTIFIED)  # from the worst to the best

@@ -13,6 +13,7 @@ from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.requirements import require_count, require_positive, require_shape
 from rsym.model.shape import Shape
+from rsym.reports.words import plural
 from rsym.sampling.combs import combs
 from rsym.sampling.effort import Effort
 from rsym.sampling.lattice import bounds_of
@@ -30,7 +31,6 @@ from rsym.verify.local import Box, Interval, Model
 from rsym.verify.report import SmoothnessReport
 from rsym.verify.revolution import meridian
 from rsym.verify.smoothness import verify_smoothness
-from rsym.verify.wording import plural
 
 BUDGET = 6_000  # pieces: an ellipse takes 150, the body of Fig. 11 at a2 = 6 takes 2 800
 TEETH = 600  # places at which the curvature is sampled along the boundary, and more where it bends

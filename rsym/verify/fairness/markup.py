@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
+from rsym.reports.numbers import measured
+from rsym.reports.render import SIGNS
 from rsym.verify.fairness.wording import HEADER, bound_rows, place_text, sentences
-from rsym.verify.markup import SIGNS
-from rsym.verify.wording import measured
 
 if TYPE_CHECKING:
     from rsym.verify.fairness.report import Extremum, FairnessReport

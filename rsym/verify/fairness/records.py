@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from rsym.verify.records import plain
+from rsym.reports.render import plain
 
 if TYPE_CHECKING:
     from rsym.verify.fairness.report import CurvatureBounds, Extremum, FairnessReport, Peak

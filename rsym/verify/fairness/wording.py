@@ -8,8 +8,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
 
+from rsym.reports.numbers import measured, number
+from rsym.reports.words import letters_text, plural, within
 from rsym.verify.report import UNKNOWN
-from rsym.verify.wording import letters_text, measured, number, plural, within
 
 if TYPE_CHECKING:
     from rsym.verify.fairness.report import Extremum, FairnessReport, Peak

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from html import escape
 
+from rsym.reports.render import plain
+from rsym.reports.words import plural
 from rsym.verify.lint.places import Place
-from rsym.verify.records import plain
-from rsym.verify.wording import plural
 
 FORMAT = "rsym-lint-report"
 VERSION = 1

@@ -20,7 +20,8 @@ from rsym.model.traversal import postorder
 from rsym.program.lowering import lower
 from rsym.program.program import live
 from rsym.sampling.lattice import bounds_of
-from rsym.verify.bodies.report import BodyReport, SingularCurve, SingularPoint
+from rsym.verify.bodies.report import BodyReport
+from rsym.verify.bodies.singular import SingularCurve, SingularPoint
 from rsym.verify.generators import BRANCHING, is_analytic_at
 from rsym.verify.local import Local, Model
 from rsym.verify.locus import chosen

@@ -10,6 +10,7 @@ import numpy as np
 from rsym.backends.kernel import compile as compile_shape
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.reports.numbers import at_most
 from rsym.sampling.boundaries import Boundary, boundary, distance
 from rsym.sampling.distances import distance_to_mesh
 from rsym.sampling.lattice import bounds_of
@@ -18,7 +19,6 @@ from rsym.sampling.meshing import mesh
 from rsym.verify.repair.anatomy import Verdict
 from rsym.verify.report import SmoothnessReport
 from rsym.verify.revolution import meridian
-from rsym.verify.wording import rounded_up
 
 NORMALISED = 1e-3  # the deviation of |grad omega| from 1 that counts as none, that of verify_normalisation
 CELLS = 96  # of meshes of bodies that do not turn about an axis
@@ -67,7 +67,7 @@ def price_words(price: Price) -> tuple[str, str, str, str]:
     return (
         "nothing to measure from" if math.isinf(price.distance) else f"moved by up to {price.distance:.3g}",
         f"{what} unknown" if math.isnan(price.volume) else f"{what} {100 * price.volume:+.2g} %",
-        f"curvature at most {rounded_up(price.curvature_bound)}",
+        f"curvature at most {at_most(price.curvature_bound)}",
         normalised or f"normalisation {price.normalisation}",
     )
 

@@ -8,14 +8,14 @@ from fractions import Fraction
 
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.reports.document import CERTIFIED, REFUTED
+from rsym.reports.numbers import at_most, number
 from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress, report
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.repair.anatomy import Verdict
 from rsym.verify.repair.moves import Family, short
-from rsym.verify.report import CERTIFIED, REFUTED
 from rsym.verify.smoothness import verdict_of, verify_smoothness
-from rsym.verify.wording import number, rounded_up
 
 GENTLER = 10  # the second size that is offered is at least so many times the first
 DIGITS = (3, 4, 6, 9)  # of a size that was narrowed down, as few as certify: three add at most a hundredth
@@ -68,7 +68,7 @@ class Judge:
         if verdict.verdict != CERTIFIED:
             return verdict.verdict
         if self.curvature is not None and verdict.curvature_bound > self.curvature:
-            bound = rounded_up(verdict.curvature_bound)
+            bound = at_most(verdict.curvature_bound)
             return f"certified, but the curvature is only bounded by {bound}, not by {number(self.curvature)}"
         return ""
 

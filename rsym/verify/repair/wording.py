@@ -8,10 +8,10 @@ from dataclasses import asdict
 from html import escape
 from typing import TYPE_CHECKING
 
-from rsym.verify.markup import SIGNS
-from rsym.verify.records import plain
+from rsym.reports.numbers import at_most
+from rsym.reports.render import SIGNS, plain
+from rsym.reports.words import plural
 from rsym.verify.repair.prices import price_words
-from rsym.verify.wording import plural, rounded_up
 
 if TYPE_CHECKING:
     from rsym.verify.repair.report import RepairReport
@@ -53,7 +53,7 @@ def _headline(report: RepairReport) -> str:
         return f"CERTIFIED, {before.continuity}, as it is: nothing to repair."
     lack = f"with {plural(len(before.defects), 'defect')}"
     if before.verdict == "CERTIFIED":
-        lack = f"its curvature only bounded by {rounded_up(before.curvature_bound)}"
+        lack = f"its curvature only bounded by {at_most(before.curvature_bound)}"
     found = f"{before.verdict}, {before.continuity}, {lack}"
     if not report.candidates:
         return f"{found}; no candidate was found."
