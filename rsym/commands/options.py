@@ -18,7 +18,7 @@ from rsym.errors import RsymError
 if TYPE_CHECKING:
     from tqdm import tqdm
 
-    from rsym.language.model import Model
+    from rsym.language.model import ModelFile
     from rsym.model.letters import Letters
     from rsym.model.shape import Shape
     from rsym.model.systems import RSystem
@@ -242,7 +242,7 @@ class Chosen:
     """A model file, all its letters with the values that the options give, and the shape that they ask for."""
 
     path: Path
-    model: Model
+    model: ModelFile
     letters: Letters
     shape: Shape
 

@@ -8,11 +8,11 @@ from collections.abc import Mapping
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.language.building import Builder
+from rsym.language.building import FormulaBuilder
 from rsym.language.extent import Extent
 from rsym.language.functions import operations
-from rsym.language.model import Model
-from rsym.language.parts import Part, symbol_part
+from rsym.language.model import ModelFile
+from rsym.language.parts import Built, symbol_part
 from rsym.language.piece_calls import Calls, shown_call
 from rsym.language.syntax import Assignment, Name, PartStatement, names_in
 from rsym.language.verbatim import Verbatim
@@ -23,7 +23,7 @@ from rsym.model.traversal import symbols_of
 from rsym.model.wording import listing, proposal
 
 
-def assemble(model: Model, shape: str | None, variant: str | None) -> Shape:
+def assemble(model: ModelFile, shape: str | None, variant: str | None) -> Shape:
     """The chosen shape of a model with the chosen letters."""
     chosen, letters = _chosen(model, shape), _letters(model, variant)
     known, needed = _inlined(model, letters), _needed(model, chosen)
@@ -39,7 +39,7 @@ def assemble(model: Model, shape: str | None, variant: str | None) -> Shape:
     )
 
 
-def _chosen(model: Model, shape: str | None) -> str:
+def _chosen(model: ModelFile, shape: str | None) -> str:
     names = [assignment.name for assignment in model.assignments]
     if not names:
         raise RsymError(
@@ -56,7 +56,7 @@ def _chosen(model: Model, shape: str | None) -> str:
     return shape
 
 
-def _letters(model: Model, variant: str | None) -> dict[str, Letter]:
+def _letters(model: ModelFile, variant: str | None) -> dict[str, Letter]:
     if variant is None:
         return dict(model.letters)
     if variant not in model.variants:
@@ -66,7 +66,7 @@ def _letters(model: Model, variant: str | None) -> dict[str, Letter]:
     return {**model.letters, **model.variants[variant]}
 
 
-def _inlined(model: Model, letters: Mapping[str, Letter]) -> dict[str, Part]:
+def _inlined(model: ModelFile, letters: Mapping[str, Letter]) -> dict[str, Built]:
     """Every formula with the others written into it; a part that is used twice is one object."""
     builder, known = _builder(model, letters), _given(model)
     for assignment in model.assignments:
@@ -75,14 +75,14 @@ def _inlined(model: Model, letters: Mapping[str, Letter]) -> dict[str, Part]:
     return known
 
 
-def _builder(model: Model, letters: Mapping[str, Letter]) -> Builder:
-    kind = Verbatim if model.verbatim else Builder
+def _builder(model: ModelFile, letters: Mapping[str, Letter]) -> FormulaBuilder:
+    kind = Verbatim if model.verbatim else FormulaBuilder
     calls = Calls(model.coordinates, letters, model.system)
     return kind(operations(model.system), calls, frozenset(map(real_symbol, model.coordinates)))
 
 
 def _given_parts(
-    model: Model, letters: Mapping[str, Letter], known: Mapping[str, Part]
+    model: ModelFile, letters: Mapping[str, Letter], known: Mapping[str, Built]
 ) -> tuple[tuple[str, sp.Expr], ...]:
     """What the part statements say, in their order."""
     builder = _builder(model, letters)
@@ -91,7 +91,7 @@ def _given_parts(
     return tuple((statement.name, builder.build(statement.value, known).outer) for statement in model.parts)
 
 
-def _needed(model: Model, chosen: str) -> list[Assignment]:
+def _needed(model: ModelFile, chosen: str) -> list[Assignment]:
     """The chosen formula and those that it needs, in the order of the file."""
     needed, assigned = {chosen}, {assignment.name for assignment in model.assignments}
     for assignment in reversed(model.assignments):
@@ -100,35 +100,37 @@ def _needed(model: Model, chosen: str) -> list[Assignment]:
     return [assignment for assignment in model.assignments if assignment.name in needed]
 
 
-def _definitions(model: Model, needed: list[Assignment]) -> tuple[tuple[str, sp.Expr], ...]:
+def _definitions(model: ModelFile, needed: list[Assignment]) -> tuple[tuple[str, sp.Expr], ...]:
     """The formulas, each in terms of the others' names."""
-    builder = (Verbatim if model.verbatim else Builder)(operations(model.system), shown_call)
+    builder = (Verbatim if model.verbatim else FormulaBuilder)(operations(model.system), shown_call)
     known = {**_given(model), **{assignment.name: symbol_part(assignment.name) for assignment in model.assignments}}
     return tuple((assignment.name, builder.build(assignment.value, known).outer) for assignment in needed)
 
 
-def _parts(needed: list[Assignment], known: Mapping[str, Part]) -> tuple[tuple[str, sp.Expr], ...]:
+def _parts(needed: list[Assignment], known: Mapping[str, Built]) -> tuple[tuple[str, sp.Expr], ...]:
     """The formulas whose text says what they are; where none has one, every formula by its name."""
     told = [assignment for assignment in needed if assignment.doc]
     return tuple((one.doc or one.name, known[one.name].outer) for one in told or needed if one.doc or not one.inner)
 
 
-def _given(model: Model) -> dict[str, Part]:
+def _given(model: ModelFile) -> dict[str, Built]:
     """What formulas may speak of before the first assignment."""
     names = (*model.coordinates, *model.letters)
     given = {name: symbol_part(name) for name in names}
     if model.verbatim:
-        return {**given, "pi": Part(sp.pi, Extent()), "nan": Part(sp.nan, Extent())}
-    return {**given, "pi": Part(sp.pi, Extent(), None, math.pi)}
+        return {**given, "pi": Built(sp.pi, Extent()), "nan": Built(sp.nan, Extent())}
+    return {**given, "pi": Built(sp.pi, Extent(), None, math.pi)}
 
 
-def _check_names(assignment: Assignment | PartStatement, known: Mapping[str, Part], model: Model) -> None:
+def _check_names(assignment: Assignment | PartStatement, known: Mapping[str, Built], model: ModelFile) -> None:
     for name in names_in(assignment.value):
         if name.name not in known:
             raise _unknown(name, assignment, known, model)
 
 
-def _unknown(name: Name, assignment: Assignment | PartStatement, known: Mapping[str, Part], model: Model) -> Exception:
+def _unknown(
+    name: Name, assignment: Assignment | PartStatement, known: Mapping[str, Built], model: ModelFile
+) -> Exception:
     later = {other.name: other.place for other in model.assignments}
     if isinstance(assignment, Assignment) and name.name == assignment.name:
         remedy = "a formula may use earlier names only; rename"

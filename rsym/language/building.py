@@ -16,16 +16,28 @@ from typing import Any, TypeAlias
 import sympy as sp
 
 from rsym.language import exact
-from rsym.language.extent import Budget, Extent, check_degree, joined, measured
+from rsym.language.extent import Extent, Work, check_degree, joined, measured
 from rsym.language.functions import Operation
 from rsym.language.nodes import MADE, made
-from rsym.language.parts import Part, constant_part, exact_part, open_part, text_part, vector_part
-from rsym.language.syntax import Call, Expression, Name, Number, Place, Power, Product, Sum, Text, Vector, postorder
+from rsym.language.parts import Built, constant_part, exact_part, open_part, text_part, vector_part
+from rsym.language.syntax import (
+    Call,
+    Expression,
+    Name,
+    Number,
+    Position,
+    Power,
+    Product,
+    Quoted,
+    Sum,
+    Vector,
+    postorder,
+)
 
-PieceCall: TypeAlias = Callable[[Call, list[Part]], sp.Expr]
+PieceCall: TypeAlias = Callable[[Call, list[Built]], sp.Expr]
 
 
-class Builder:
+class FormulaBuilder:
     """Builds expressions with one table of functions and one budget."""
 
     def __init__(
@@ -37,17 +49,17 @@ class Builder:
         self._operations = operations
         self._coordinates = coordinates
         self._pieces = pieces
-        self._budget = Budget()
+        self._budget = Work()
 
-    def build(self, expression: Expression, known: Mapping[str, Part]) -> Part:
+    def build(self, expression: Expression, known: Mapping[str, Built]) -> Built:
         """The expression in SymPy; names mean what `known` says."""
-        done: list[Part] = []
+        done: list[Built] = []
         for node in postorder(expression):
             first = len(done) - len(node.parts)
             done[first:] = [self._combine(node, done[first:], known)]
         return done[0]
 
-    def _combine(self, node: Expression, parts: list[Part], known: Mapping[str, Part]) -> Part:
+    def _combine(self, node: Expression, parts: list[Built], known: Mapping[str, Built]) -> Built:
         match node:
             case Number():
                 return exact_part(node.value)
@@ -64,24 +76,24 @@ class Builder:
                 return reduce(lambda base, exponent: self._raise(base, exponent, node.place), parts)
             case Vector():
                 return vector_part(parts)
-            case Text():
+            case Quoted():
                 return text_part(node.value)
             case Call() if node.function in self._operations:
                 return self._call(node, parts)
             case Call() if node.function in MADE:
                 extent = self._budget.afford(joined(part.extent for part in parts).opaque(len(parts)), node.place)
-                return Part(made(node, [part.outer for part in parts], self._coordinates), extent)
+                return Built(made(node, [part.outer for part in parts], self._coordinates), extent)
             case Call():
                 return self._piece(node, parts)
 
     def _join(
         self,
-        parts: list[Part],
-        place: Place,
+        parts: list[Built],
+        place: Position,
         symbolic: Any,
         fold: Callable[[Fraction, Fraction], Fraction],
         numeric: Callable[[Iterable[float]], float],
-    ) -> Part:
+    ) -> Built:
         """A sum or a product in one step: term by term SymPy would take quadratic time."""
         rationals = [part.exact for part in parts if part.exact is not None]
         pieces = [part for part in parts if part.exact is None]
@@ -97,7 +109,7 @@ class Builder:
         result = symbolic(*(part.outer for part in pieces))
         return open_part(result, extent.of_terms() if result.is_Add else extent, place)
 
-    def _raise(self, base: Part, exponent: Part, place: Place) -> Part:
+    def _raise(self, base: Built, exponent: Built, place: Position) -> Built:
         if exponent.exact is not None and exponent.exact.denominator == 1:
             whole = int(exponent.exact)
             if base.exact is not None:
@@ -110,9 +122,9 @@ class Builder:
         if base.number is not None and exponent.number is not None:
             held = sp.Pow(base.expression, exponent.expression, evaluate=False)
             return constant_part(held, extent, place, math.pow, base.number, exponent.number)
-        return Part(sp.Pow(base.outer, exponent.outer, evaluate=False), extent)
+        return Built(sp.Pow(base.outer, exponent.outer, evaluate=False), extent)
 
-    def _piece(self, node: Call, parts: list[Part]) -> Part:
+    def _piece(self, node: Call, parts: list[Built]) -> Built:
         """A piece by name; its size is that of what came out of it."""
         if self._pieces is None:
             raise node.place.refuse(f"{node.function} cannot stand here", "letter-value", "write a number")
@@ -122,9 +134,9 @@ class Builder:
         expression = self._pieces(node, parts)
         exact.check_numbers(expression, node.place)
         extent = self._budget.afford(measured(expression), node.place)
-        return Part(expression, extent.of_terms() if expression.is_Add else extent)
+        return Built(expression, extent.of_terms() if expression.is_Add else extent)
 
-    def _call(self, node: Call, parts: list[Part]) -> Part:
+    def _call(self, node: Call, parts: list[Built]) -> Built:
         operation = self._operations[node.function]
         rationals = [part.exact for part in parts if part.exact is not None]
         if operation.exact is not None and len(rationals) == len(parts):
@@ -140,18 +152,18 @@ class Builder:
         for part, argument in zip(parts, arguments, strict=True):
             if result is argument:  # min(u, u) is u
                 return part
-        return Part(result, extent.opaque(len(result.args)))
+        return Built(result, extent.opaque(len(result.args)))
 
 
-def _opposite(part: Part) -> Part:
+def _opposite(part: Built) -> Built:
     if part.exact is not None:
         return exact_part(-part.exact)
     if part.number is not None:
-        return Part(sp.Mul(-1, part.expression, evaluate=False), part.extent, None, -part.number)
-    return Part(-part.expression, part.extent)
+        return Built(sp.Mul(-1, part.expression, evaluate=False), part.extent, None, -part.number)
+    return Built(-part.expression, part.extent)
 
 
-def _inverse(part: Part, place: Place) -> Part:
+def _inverse(part: Built, place: Position) -> Built:
     if part.exact is not None:
         return exact_part(exact.power(part.exact, -1, place))
     if part.number is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rsym.language.scanner import Kind, Token
-from rsym.language.syntax import Place
+from rsym.language.syntax import Position
 
 
 class Cursor:
@@ -103,5 +103,5 @@ class Cursor:
 
 
 def _tight(left: Token, right: Token) -> bool:
-    touching = right.place == Place(left.place.line, left.place.column + len(left.text))
+    touching = right.place == Position(left.place.line, left.place.column + len(left.text))
     return touching and "number" in (left.kind, right.kind)

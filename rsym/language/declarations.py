@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from rsym.errors import RsymError
-from rsym.language.building import Builder
+from rsym.language.building import FormulaBuilder
 from rsym.language.functions import FAMILIES, SYSTEMS, operations
 from rsym.language.syntax import (
     BoundsStatement,
     Expression,
-    Interval,
     LetterStatement,
     Name,
-    Place,
+    Position,
+    Range,
     Sum,
     SystemStatement,
     VariantStatement,
@@ -34,7 +34,7 @@ def letter(statement: LetterStatement, *, floats: bool = False) -> Letter:
     return _in_range(statement.place, Letter(0, unit=statement.unit, doc=statement.doc), default, low, high)
 
 
-def _range(interval: Interval | None, floats: bool) -> tuple[Number | None, Number | None]:
+def _range(interval: Range | None, floats: bool) -> tuple[Number | None, Number | None]:
     if interval is None:
         return None, None
     low = None if _is_endless(interval.low, -1) else closed_number(interval.low, floats)
@@ -64,7 +64,7 @@ def variant(statement: VariantStatement, letters: Mapping[str, Letter]) -> dict[
     return changed
 
 
-def _in_range(place: Place, like: Letter, default: Number, low: Number | None, high: Number | None) -> Letter:
+def _in_range(place: Position, like: Letter, default: Number, low: Number | None, high: Number | None) -> Letter:
     """Build a letter; one out of its range is refused at its place in the text."""
     try:
         return Letter(default, minimum=low, maximum=high, unit=like.unit, doc=like.doc)
@@ -114,14 +114,14 @@ def bounds(statement: BoundsStatement, coordinates: tuple[str, ...]) -> Bounds:
     return tuple(box[name] for name in coordinates)
 
 
-def _ends(interval: Interval, code: str) -> tuple[Number, Number]:
+def _ends(interval: Range, code: str) -> tuple[Number, Number]:
     low, high = closed_number(interval.low), closed_number(interval.high)
     if not float(low) < float(high):
         raise _empty(interval, low, high, code)
     return low, high
 
 
-def _empty(interval: Interval, low: Number, high: Number, code: str) -> RsymError:
+def _empty(interval: Range, low: Number, high: Number, code: str) -> RsymError:
     return interval.place.refuse(f"the range [{float(low):g}, {float(high):g}] is empty", code, "write [low, high]")
 
 
@@ -135,7 +135,7 @@ def closed_number(expression: Expression, floats: bool = False) -> Number:
         if name.name == "pi":
             remedy += "; an angle may be a letter in degrees, which formulas take as: a deg"
         raise name.place.refuse(f"'{name.name}' cannot stand here", "letter-value", remedy)
-    value = Builder(operations(R0)).build(expression, {}).exact
+    value = FormulaBuilder(operations(R0)).build(expression, {}).exact
     if value is None:
         raise expression.place.refuse(
             "expected a rational number", "letter-value", "write its decimal value, for example 1.4142"

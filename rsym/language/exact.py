@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import sympy as sp
 
-from rsym.language.syntax import Place
+from rsym.language.syntax import Position
 from rsym.model.traversal import postorder
 
 ONE = Fraction(1)
@@ -18,12 +18,12 @@ MOST_BITS = 4096  # of a numerator or a denominator; about 1200 decimal digits
 LONGEST_LITERAL = 100  # characters
 
 
-def literal(text: str, place: Place) -> Fraction:
+def literal(text: str, place: Position) -> Fraction:
     """The exact value of a decimal such as 1, 1., .5 or 2.5e-3.
 
     Examples
     --------
-    >>> literal("2.5e-3", Place(1, 1))
+    >>> literal("2.5e-3", Position(1, 1))
     Fraction(1, 400)
     """
     if len(text) > LONGEST_LITERAL:
@@ -41,7 +41,7 @@ def literal(text: str, place: Place) -> Fraction:
     raise _too_large(place, text) if power > 0 else _too_small(place, text)
 
 
-def checked(value: Fraction, place: Place, text: str = "this constant") -> Fraction:
+def checked(value: Fraction, place: Position, text: str = "this constant") -> Fraction:
     """The value, if it is of a size that computing can handle."""
     if abs(value) > LARGEST:
         raise _too_large(place, text)
@@ -56,14 +56,14 @@ def checked(value: Fraction, place: Place, text: str = "this constant") -> Fract
     return value
 
 
-def check_numbers(expression: sp.Expr, place: Place) -> None:
+def check_numbers(expression: sp.Expr, place: Position) -> None:
     """Refuse a formula with a number in it that would not have been accepted as a constant."""
     for part in postorder(expression):
         if isinstance(part, sp.Rational):
             checked(Fraction(int(part.p), int(part.q)), place, "a number in this formula")
 
 
-def power(base: Fraction, exponent: int, place: Place) -> Fraction:
+def power(base: Fraction, exponent: int, place: Position) -> Fraction:
     """base**exponent, refused before it is computed if it would be too long."""
     if base == 0 and exponent < 0:
         raise division_by_zero(place)
@@ -75,7 +75,7 @@ def power(base: Fraction, exponent: int, place: Place) -> Fraction:
     return checked(base**exponent, place, "this power")
 
 
-def division_by_zero(place: Place) -> Exception:
+def division_by_zero(place: Position) -> Exception:
     """The error for a divisor that is the constant zero."""
     return place.refuse("division by zero", "division-by-zero", "the divisor is the constant 0; correct the formula")
 
@@ -84,11 +84,11 @@ def _bits(value: Fraction) -> int:
     return max(value.numerator.bit_length(), value.denominator.bit_length())
 
 
-def _too_large(place: Place, text: str) -> Exception:
+def _too_large(place: Position, text: str) -> Exception:
     return place.refuse(f"{text} is too large", "number-too-large", "numbers up to 1e300 are accepted; change the unit")
 
 
-def _too_small(place: Place, text: str) -> Exception:
+def _too_small(place: Position, text: str) -> Exception:
     return place.refuse(
         f"{text} is too small", "number-too-small", "numbers from 1e-300 on are accepted; change the unit, or write 0"
     )

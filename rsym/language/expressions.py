@@ -15,7 +15,7 @@ from rsym.language.exact import literal
 from rsym.language.nodes import COMPARISONS, CONNECTIVES, NODES, PIECEWISE
 from rsym.language.pieces import PIECES
 from rsym.language.scanner import Token
-from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Sum, Text, Vector
+from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Quoted, Sum, Vector
 from rsym.language.vocabulary import ARITIES, KEYWORDS
 from rsym.model.wording import listing, proposal
 
@@ -174,7 +174,7 @@ class ExpressionParser:
         token = self._cursor.token
         if token.kind == "text":
             self._cursor.read()
-            return Text(token.place, token.quoted)
+            return Quoted(token.place, token.quoted)
         if token.text != "[":
             return self.expression()
         opening = self._open()

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from rsym.language.syntax import Place
+from rsym.language.syntax import Position
 from rsym.model.traversal import postorder
 
 LARGEST_SIZE = 100_000  # nodes of one formula with every name written out
@@ -90,7 +90,7 @@ def _highest_degree(expression: sp.Expr) -> int:
     return int(highest)
 
 
-def check_degree(extent: Extent, place: Place) -> None:
+def check_degree(extent: Extent, place: Position) -> None:
     """Refuse powers in which a number would be without end."""
     if extent.degree > HIGHEST_DEGREE:
         raise place.refuse(
@@ -98,13 +98,13 @@ def check_degree(extent: Extent, place: Place) -> None:
         )
 
 
-class Budget:
+class Work:
     """How much work one model may still cause."""
 
     def __init__(self) -> None:
         self._work = 0
 
-    def afford(self, extent: Extent, place: Place, *, sorts: bool = False) -> Extent:
+    def afford(self, extent: Extent, place: Position, *, sorts: bool = False) -> Extent:
         """The extent, if it and all that came before it is not too much; sorting arguments looks at all of them."""
         self._work += extent.width + extent.bits**2 // _BITS_SQUARED + sorts * extent.size // 50
         if extent.depth > DEEPEST:

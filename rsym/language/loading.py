@@ -12,7 +12,7 @@ from rsym.language.assembly import assemble
 from rsym.language.model import collect
 from rsym.language.parser import parse
 from rsym.language.scanner import LONGEST_TEXT
-from rsym.language.syntax import Place
+from rsym.language.syntax import Position
 from rsym.model.shape import Shape
 
 _LONGEST_FILE = 4 * LONGEST_TEXT + len(codecs.BOM_UTF8)  # bytes; UTF-8 needs at most four for a character
@@ -117,7 +117,7 @@ def read_text(path: str | PathLike[str]) -> str:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:
         before = data[: error.start].decode("utf-8")
-        place = Place(before.count("\n") + 1, len(before) - (before.rfind("\n") + 1) + 1)
+        place = Position(before.count("\n") + 1, len(before) - (before.rfind("\n") + 1) + 1)
         remedy = "save the file as UTF-8"
         raise place.refuse(f"the byte 0x{data[error.start]:02X} is not UTF-8", "encoding", remedy) from None
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import count
 
-from rsym.language.syntax import Assignment, Expression, ForStatement, Name, Number, Place, Statement, Sum, postorder
+from rsym.language.syntax import Assignment, Expression, ForStatement, Name, Number, Position, Statement, Sum, postorder
 
 MOST_STATEMENTS = 1000  # that loops may make
 
@@ -67,7 +67,7 @@ def _run(loop: ForStatement, values: Mapping[str, Expression], value: Value) -> 
     return (low + k * step for k in range(int((high - low) // step) + 1))
 
 
-def _written(number: Fraction, place: Place) -> Expression:
+def _written(number: Fraction, place: Position) -> Expression:
     size = Number(place, abs(number))
     return size if number >= 0 else Sum(place, (-1,), (size,))
 

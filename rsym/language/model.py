@@ -15,7 +15,7 @@ from rsym.language.syntax import (
     Expression,
     LetterStatement,
     PartStatement,
-    Place,
+    Position,
     Statement,
     SystemStatement,
     VariantStatement,
@@ -31,7 +31,7 @@ from rsym.model.systems import R0, RSystem
 
 
 @dataclass(frozen=True)
-class Model:
+class ModelFile:
     """A model file after reading, before any formula is built."""
 
     letters: Mapping[str, Letter]
@@ -44,22 +44,22 @@ class Model:
     verbatim: bool = False
 
 
-def collect(statements: tuple[Statement, ...]) -> Model:
+def collect(statements: tuple[Statement, ...]) -> ModelFile:
     """The model that the statements declare."""
-    table = _Table(verbatim=any(isinstance(statement, VerbatimStatement) for statement in statements))
+    table = _Declarations(verbatim=any(isinstance(statement, VerbatimStatement) for statement in statements))
     for statement in statements:
         table.declare(statement)
     return table.model()
 
 
-class _Table:
+class _Declarations:
     """Declarations in the order of the file."""
 
     def __init__(self, *, verbatim: bool = False) -> None:
         self._verbatim = verbatim
         self._parts: list[PartStatement] = []
-        self._places: dict[str, Place] = {}  # of every name
-        self._once: dict[str, Place] = {}  # of statements that come once
+        self._places: dict[str, Position] = {}  # of every name
+        self._once: dict[str, Position] = {}  # of statements that come once
         self._letters: dict[str, Letter] = {}
         self._variants: dict[str, VariantStatement] = {}
         self._coordinates: tuple[str, ...] = ()
@@ -92,10 +92,10 @@ class _Table:
             case VerbatimStatement():
                 self._first("verbatim", statement.place)
 
-    def model(self) -> Model:
+    def model(self) -> ModelFile:
         """What was declared, checked as a whole."""
         coordinates = self._coordinates or self._default_coordinates()
-        return Model(
+        return ModelFile(
             self._letters,
             {name: variant(statement, self._letters) for name, statement in self._variants.items()},
             coordinates,
@@ -106,7 +106,7 @@ class _Table:
             self._verbatim,
         )
 
-    def _define(self, name: str, place: Place) -> None:
+    def _define(self, name: str, place: Position) -> None:
         if name in RESERVED:
             kind = "function" if name in ARITIES else "word"
             raise place.refuse(f"'{name}' is a {kind} of the language", "reserved", "choose another name")
@@ -118,7 +118,7 @@ class _Table:
             )
         self._places[name] = place
 
-    def _first(self, what: str, place: Place) -> None:
+    def _first(self, what: str, place: Position) -> None:
         if what in self._once:
             raise place.refuse(
                 f"{what} is given already, at {self._once[what]}", "redefinition", "keep one of the two statements"

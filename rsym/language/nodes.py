@@ -32,7 +32,7 @@ MOST_CELLS = 400  # of a finite wave
 
 
 @dataclass(frozen=True)
-class Node:
+class NodeKind:
     """A class of nodes: how many arguments it takes, and what refuses parameters that it cannot have."""
 
     kind: type[sp.Basic]
@@ -58,8 +58,8 @@ def _order(order: sp.Expr) -> None:
     equivalence(sp.Symbol("f"), sp.Symbol("g"), order=order)
 
 
-def _folds(check: Callable[..., object] | None, *kinds: type[Fold]) -> list[Node]:
-    return [Node(kind, (kind.parameter_count + 2,), check) for kind in kinds]
+def _folds(check: Callable[..., object] | None, *kinds: type[Fold]) -> list[NodeKind]:
+    return [NodeKind(kind, (kind.parameter_count + 2,), check) for kind in kinds]
 
 
 _ALL = (
@@ -71,18 +71,18 @@ _ALL = (
     *_folds(lambda r, c, k: rho.Rho(r, "G2", c, k), rho.CubicConjunction, rho.CubicDisjunction),
     *_folds(sardf.Sardf, sardf.SardfConjunction, sardf.SardfDisjunction),
     *_folds(_order, equivalences.Equivalence, equivalences.Joining),
-    *(Node(kind, (2,)) for kind in (Ahead, ZeroWith, Scaled, Anomaly, powers.AbsolutePower, powers.SignedPower)),
-    *(Node(kind, (2,)) for kind in (waves.TriangleWave, waves.SawtoothWave)),
-    *(Node(kind, (3,), lambda *given: _cells(given[2])) for kind in (waves.TriangleRow, waves.SawtoothRow)),
-    Node(Held, (1,)),
-    Node(Choice, (4,)),
-    Node(displacement.Displacement, (5,)),
-    Node(displacement.BoundedDisplacement, (7,)),
+    *(NodeKind(kind, (2,)) for kind in (Ahead, ZeroWith, Scaled, Anomaly, powers.AbsolutePower, powers.SignedPower)),
+    *(NodeKind(kind, (2,)) for kind in (waves.TriangleWave, waves.SawtoothWave)),
+    *(NodeKind(kind, (3,), lambda *given: _cells(given[2])) for kind in (waves.TriangleRow, waves.SawtoothRow)),
+    NodeKind(Held, (1,)),
+    NodeKind(Choice, (4,)),
+    NodeKind(displacement.Displacement, (5,)),
+    NodeKind(displacement.BoundedDisplacement, (7,)),
     # In the plane or in space: coordinates, other vectors, numbers.
-    Node(curve_nodes.Segment, (6, 9)),
-    Node(curve_nodes.Circle, (10, 14)),
-    Node(curve_nodes.Arc, (12, 16)),
-    Node(curve_nodes.Helix, (5, 6)),
+    NodeKind(curve_nodes.Segment, (6, 9)),
+    NodeKind(curve_nodes.Circle, (10, 14)),
+    NodeKind(curve_nodes.Arc, (12, 16)),
+    NodeKind(curve_nodes.Helix, (5, 6)),
 )
 # What is not differentiated through: which argument it is, and what it must be.
 _SAME_EVERYWHERE = {
@@ -90,7 +90,7 @@ _SAME_EVERYWHERE = {
     "AbsolutePower": (1, "number or an expression in letters"),
     "SignedPower": (1, "number or an expression in letters"),
 }
-NODES: Mapping[str, Node] = {node.kind.__name__: node for node in _ALL}
+NODES: Mapping[str, NodeKind] = {node.kind.__name__: node for node in _ALL}
 MADE = frozenset((*NODES, *COMPARISONS, *CONNECTIVES, PIECEWISE))
 
 
@@ -107,8 +107,8 @@ def made(call: Call, arguments: Sequence[sp.Basic], varying: frozenset[sp.Symbol
     Examples
     --------
     >>> from rsym import x, y
-    >>> from rsym.language.syntax import Place
-    >>> made(Call(Place(1, 1), "RpConjunction", ()), [sp.Integer(4), x, y])
+    >>> from rsym.language.syntax import Position
+    >>> made(Call(Position(1, 1), "RpConjunction", ()), [sp.Integer(4), x, y])
     conjunction(x, y, system=Rp(4))
     """
     name = call.function

@@ -17,10 +17,10 @@ from rsym.language.syntax import (
     CoordinatesStatement,
     Expression,
     ForStatement,
-    Interval,
     LetterStatement,
     Name,
     PartStatement,
+    Range,
     Statement,
     SystemStatement,
     VariantStatement,
@@ -182,7 +182,7 @@ class _StatementParser:
         parameter = None if self._cursor.statement_over else self._expressions.expression()
         return SystemStatement(name.place, name.name, parameter)
 
-    def _interval(self) -> Interval:
+    def _interval(self) -> Range:
         start = self._cursor.mark()
         opening = self._cursor.expect("[", "a range is written [low, high]")
         low = self._expressions.expression()
@@ -191,7 +191,7 @@ class _StatementParser:
         if self._cursor.token.text == ",":
             raise self._cursor.decimal_comma(start) or self._cursor.unexpected("']'", "a range has two ends")
         self._cursor.close(opening, "]")
-        return Interval(opening.place, low, high)
+        return Range(opening.place, low, high)
 
     def _doc(self) -> str:
         return self._cursor.read().quoted if self._cursor.token.kind == "text" else ""

@@ -13,13 +13,13 @@ from sympy.core.function import AppliedUndef
 
 from rsym.language.exact import checked, division_by_zero
 from rsym.language.extent import Extent, joined
-from rsym.language.syntax import Place
+from rsym.language.syntax import Position
 from rsym.model.nodes import Held, RealNode
 from rsym.model.symbols import real_symbol
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class Built:
     """A piece: `exact` if it is rational, `number` if it is any constant, neither if it is open.
 
     `items` and `text` are those of a vector and of a quoted choice, which only pieces of shapes take.
@@ -31,7 +31,7 @@ class Part:
     extent: Extent
     exact: Fraction | None = None
     number: float | None = None
-    items: tuple[Part, ...] | None = None
+    items: tuple[Built, ...] | None = None
     text: str | None = None
 
     @property
@@ -40,31 +40,31 @@ class Part:
         return Held(self.expression) if self.number is not None and self.exact is None else self.expression
 
 
-def exact_part(value: Fraction) -> Part:
+def exact_part(value: Fraction) -> Built:
     """A rational constant."""
     bits = value.numerator.bit_length() + value.denominator.bit_length()
-    return Part(sp.Rational(value.numerator, value.denominator), Extent(bits=bits), value, float(value))
+    return Built(sp.Rational(value.numerator, value.denominator), Extent(bits=bits), value, float(value))
 
 
-def symbol_part(name: str) -> Part:
+def symbol_part(name: str) -> Built:
     """A letter, a coordinate, or an assigned name that is shown as such."""
-    return Part(real_symbol(name), Extent())
+    return Built(real_symbol(name), Extent())
 
 
-def vector_part(items: Sequence[Part]) -> Part:
+def vector_part(items: Sequence[Built]) -> Built:
     """A list of parts."""
     extent = joined((Extent(), *(item.extent for item in items)))
-    return Part(sp.Tuple(*(item.outer for item in items)), extent, items=tuple(items))
+    return Built(sp.Tuple(*(item.outer for item in items)), extent, items=tuple(items))
 
 
-def text_part(text: str) -> Part:
+def text_part(text: str) -> Built:
     """A quoted choice."""
-    return Part(sp.Symbol(text), Extent(), text=text)
+    return Built(sp.Symbol(text), Extent(), text=text)
 
 
 def constant_part(
-    expression: sp.Expr, extent: Extent, place: Place, numeric: Callable[..., float], *numbers: Any
-) -> Part:
+    expression: sp.Expr, extent: Extent, place: Position, numeric: Callable[..., float], *numbers: Any
+) -> Built:
     """A constant that is not rational, its approximate value numeric(*numbers)."""
     try:
         value = numeric(*numbers)
@@ -76,10 +76,10 @@ def constant_part(
         value = math.inf
     if not math.isfinite(value):
         raise place.refuse("this constant is too large for float64", "number-too-large", "correct the formula")
-    return Part(expression, extent, None, value)
+    return Built(expression, extent, None, value)
 
 
-def open_part(expression: sp.Expr, extent: Extent, place: Place) -> Part:
+def open_part(expression: sp.Expr, extent: Extent, place: Position) -> Built:
     """What SymPy made of an operation on open pieces; a number if the variables have cancelled.
 
     Such a number must leave here, lest the next operation make SymPy evaluate it.
@@ -92,7 +92,7 @@ def open_part(expression: sp.Expr, extent: Extent, place: Place) -> Part:
             "constant",
             "write that constant, or correct the formula",
         )
-    return Part(expression, extent)
+    return Built(expression, extent)
 
 
 def _varies(expression: sp.Expr) -> bool:

@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.language.parts import Part
+from rsym.language.parts import Built
 from rsym.language.pieces import PIECES, Piece
 from rsym.language.syntax import Call
 from rsym.model.letters import Letter
@@ -29,7 +29,7 @@ class Calls:
     letters: Mapping[str, Letter]
     system: RSystem
 
-    def __call__(self, node: Call, parts: list[Part]) -> sp.Expr:
+    def __call__(self, node: Call, parts: list[Built]) -> sp.Expr:
         """The formula that a piece makes.
 
         Raises
@@ -83,7 +83,7 @@ class Calls:
         names = ((there, here) if back else (here, there) for here, there in pairs if here != there)
         return {real_symbol(old): real_symbol(new) for old, new in names}
 
-    def _argument(self, part: Part) -> Any:
+    def _argument(self, part: Built) -> Any:
         if part.text is not None:
             return part.text
         if part.items is not None:
@@ -164,7 +164,7 @@ def _inner(expression: sp.Expr) -> list[sp.Basic]:
     return [part for part in sp.preorder_traversal(expression) if part.args]
 
 
-class Named(RealNode):
+class NamedArgument(RealNode):
     """An argument by name, to be shown."""
 
     def _sympystr(self, printer: Any) -> str:
@@ -174,8 +174,10 @@ class Named(RealNode):
         return rf"\mathrm{{{self.args[0].name}}} = {printer._print(self.args[1])}"
 
 
-def shown_call(node: Call, parts: list[Part]) -> sp.Expr:
+def shown_call(node: Call, parts: list[Built]) -> sp.Expr:
     """The call as a function without meaning, for formulas in which names stand for one another."""
     first = len(parts) - len(node.keywords)
-    named = [Named(sp.Symbol(name), part.outer) for name, part in zip(node.keywords, parts[first:], strict=True)]
+    named = [
+        NamedArgument(sp.Symbol(name), part.outer) for name, part in zip(node.keywords, parts[first:], strict=True)
+    ]
     return sp.Function(node.function, real=True)(*(part.outer for part in parts[:first]), *named)

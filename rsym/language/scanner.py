@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from rsym.language import matlab
-from rsym.language.syntax import Place
+from rsym.language.syntax import Position
 
 LONGEST_TEXT = 200_000  # characters
 MOST_TOKENS = 20_000
@@ -49,7 +49,7 @@ class Token:
 
     kind: Kind
     text: str
-    place: Place
+    place: Position
 
     @property
     def quoted(self) -> str:
@@ -72,7 +72,7 @@ def scan(text: str, notes: list[str] | None = None) -> list[Token]:
     """
     text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     if len(text) > LONGEST_TEXT:
-        raise Place(1, 1).refuse(
+        raise Position(1, 1).refuse(
             f"the text has {len(text)} characters; {LONGEST_TEXT} are the most", "too-large", "split the model"
         )
     tokens: list[Token] = []
@@ -83,7 +83,7 @@ def scan(text: str, notes: list[str] | None = None) -> list[Token]:
                 line, line_start = line + newlines, text.rindex("\n", position, end) + 1
             position = end
             continue
-        place = Place(line, position - line_start + 1)
+        place = Position(line, position - line_start + 1)
         match = _PATTERN.match(text, position)
         if match is None:
             raise _bad_character(text[position], place)
@@ -94,7 +94,7 @@ def scan(text: str, notes: list[str] | None = None) -> list[Token]:
         brackets = _depth(brackets, token)
         if token.text != "\n" or not (brackets or _continues(tokens)):
             tokens.append(_checked(token, len(tokens)))
-    return [*tokens, Token("end", "", Place(line, position - line_start + 1))]
+    return [*tokens, Token("end", "", Position(line, position - line_start + 1))]
 
 
 def _passed_over(
@@ -104,7 +104,7 @@ def _passed_over(
     if position == line_start and _BLOCK_BEGINS.match(text, position):
         if block := _BLOCK.match(text, position):
             return block.end()
-        raise Place(line, 1).refuse("a block of comments that is not closed", "unclosed", "end it with a line %}")
+        raise Position(line, 1).refuse("a block of comments that is not closed", "unclosed", "end it with a line %}")
     if blank := _BLANK.match(text, position):
         return blank.end()
     if text.startswith("...", position):
@@ -141,7 +141,7 @@ def _checked(token: Token, count: int) -> Token:
     return token
 
 
-def _bad_character(character: str, place: Place) -> Exception:
+def _bad_character(character: str, place: Position) -> Exception:
     if character == '"':
         return place.refuse("a text that is not closed on its line", "unclosed", 'end it with "')
     if character in _ANSWERS:

@@ -45,7 +45,7 @@ def unspeakable(what: str) -> RsymError:
     return RsymError(f"the model language cannot say {what}", code=CODE, remedy=remedy)
 
 
-class Text(NamedTuple):
+class Written(NamedTuple):
     """A formula as text, and how firmly it holds together."""
 
     text: str
@@ -61,16 +61,16 @@ class Sentences:
 
     def __init__(self, system: RSystem) -> None:
         self._system = system
-        self.done: dict[sp.Basic, Text] = {}
+        self.done: dict[sp.Basic, Written] = {}
 
-    def written(self, part: sp.Basic) -> Text:
+    def written(self, part: sp.Basic) -> Written:
         """One part as text; its arguments are done."""
         if isinstance(part, sp.Symbol):
-            return Text(part.name, ATOM)
+            return Written(part.name, ATOM)
         if part is sp.nan:
-            return Text("nan", ATOM)
+            return Written("nan", ATOM)
         if part in (sp.pi, sp.E):
-            return Text("pi" if part == sp.pi else "exp(1)", ATOM)
+            return Written("pi" if part == sp.pi else "exp(1)", ATOM)
         if isinstance(part, sp.Number):
             return _constant(part)
         if isinstance(part, sp.Add):
@@ -82,15 +82,15 @@ class Sentences:
         if isinstance(part, sp.Piecewise):
             return self._piecewise(part)
         if isinstance(part, ExprCondPair):
-            return Text("", ATOM)  # written by the Piecewise that owns it
+            return Written("", ATOM)  # written by the Piecewise that owns it
         if isinstance(part, Relational):
             return self._comparison(part)
         return self._call(part)
 
-    def _of(self, part: sp.Basic) -> Text:
+    def _of(self, part: sp.Basic) -> Written:
         return self.done[part]
 
-    def _sum(self, part: sp.Add) -> Text:
+    def _sum(self, part: sp.Add) -> Written:
         text = ""
         for term in part.args:
             negative, shown = self._signed(term)
@@ -98,16 +98,16 @@ class Sentences:
                 text += f" {'-' if negative else '+'} {shown.within(_PRODUCT)}"
             else:
                 text = f"-{shown.within(_PRODUCT)}" if negative else shown.within(_PRODUCT)
-        return Text(text, _SUM)
+        return Written(text, _SUM)
 
-    def _signed(self, term: sp.Expr) -> tuple[bool, Text]:
+    def _signed(self, term: sp.Expr) -> tuple[bool, Written]:
         """Whether a term is written behind a minus, and what is written then."""
         known = self._of(term)
         if known.rank == ATOM or not known.text.startswith("-"):
             return False, known
-        return True, Text(known.text[1:], _PRODUCT)
+        return True, Written(known.text[1:], _PRODUCT)
 
-    def _product(self, part: sp.Mul) -> Text:
+    def _product(self, part: sp.Mul) -> Written:
         first, *rest = part.args
         sign, coefficient = "", None
         if first.is_Number and rest:
@@ -116,7 +116,7 @@ class Sentences:
         else:
             rest = list(part.args)
         if first == -1 and len(rest) == 1 and rest[0].is_Mul:
-            return Text(f"(-1*({self._of(rest[0]).text}))", ATOM)  # behind a bare minus it would be one product
+            return Written(f"(-1*({self._of(rest[0]).text}))", ATOM)  # behind a bare minus it would be one product
         text, divisor = "", ""
         if coefficient is not None and coefficient.is_Rational:
             text = "" if coefficient.p == 1 else str(coefficient.p)
@@ -132,7 +132,7 @@ class Sentences:
                 # A bare number would join the coefficient.
                 inner = f"({shown.text})" if factor.is_Rational else shown.within(_POWER)
                 text = f"{text}*{inner}" if text else inner
-        return Text(f"{sign}{text}{divisor}", _SUM if sign else _PRODUCT)
+        return Written(f"{sign}{text}{divisor}", _SUM if sign else _PRODUCT)
 
     def _below(self, factor: sp.Expr) -> str | None:
         """What a factor is divided by, if it is written so."""
@@ -156,36 +156,36 @@ class Sentences:
         power = str(exponent) if exponent.is_Integer and exponent >= 0 else f"({exponent})"
         return f"{shown.within(ATOM)}^{power}"
 
-    def _power(self, part: sp.Pow) -> Text:
+    def _power(self, part: sp.Pow) -> Written:
         base, exponent = part.args
         if exponent.is_Rational and exponent.is_negative and self._divides(part):
-            return Text(f"1/{self._raised(base, -exponent)}", _PRODUCT)
+            return Written(f"1/{self._raised(base, -exponent)}", _PRODUCT)
         if exponent.is_Rational:
             text = self._raised(base, exponent)
-            return Text(text, ATOM if exponent == _HALF else _POWER)
-        return Text(f"{self._of(base).within(ATOM)}^{self._of(exponent).within(ATOM)}", _POWER)
+            return Written(text, ATOM if exponent == _HALF else _POWER)
+        return Written(f"{self._of(base).within(ATOM)}^{self._of(exponent).within(ATOM)}", _POWER)
 
-    def _piecewise(self, part: sp.Piecewise) -> Text:
+    def _piecewise(self, part: sp.Piecewise) -> Written:
         items: list[str] = []
         for value, condition in (pair.args for pair in part.args):
             items.append(self._of(value).text)
             if condition is not sp.true:
                 items.append(self._condition(condition))
-        return Text(f"{PIECEWISE}({', '.join(items)})", ATOM)
+        return Written(f"{PIECEWISE}({', '.join(items)})", ATOM)
 
     def _condition(self, condition: sp.Basic) -> str:
         if isinstance(condition, BooleanAtom):
             raise unspeakable(f"the condition {condition}")
         return self._of(condition).text
 
-    def _comparison(self, part: Relational) -> Text:
+    def _comparison(self, part: Relational) -> Written:
         signs: dict[type[sp.Basic], str] = {sp.Lt: "<", sp.Le: "<=", sp.Gt: ">", sp.Ge: ">="}
         if type(part) not in signs:
             raise unspeakable(f"the condition {sp.sstr(part)[:80]}")
         left, right = part.args
-        return Text(f"{self._of(left).text} {signs[type(part)]} {self._of(right).text}", _LOGIC)
+        return Written(f"{self._of(left).text} {signs[type(part)]} {self._of(right).text}", _LOGIC)
 
-    def _call(self, part: sp.Basic) -> Text:
+    def _call(self, part: sp.Basic) -> Written:
         arguments, name = part.args, _FUNCTIONS.get(type(part))
         if isinstance(part, Fold) and self._is_of_the_system(part):
             arguments, name = part.operands, "rfAND" if part.sign < 0 else "rfOR"
@@ -193,7 +193,7 @@ class Sentences:
             name = type(part).__name__
         if name is None:
             raise unspeakable(f"{type(part).__name__}: {sp.sstr(part)[:80]}")
-        return Text(f"{name}({', '.join(self._of(argument).text for argument in arguments)})", ATOM)
+        return Written(f"{name}({', '.join(self._of(argument).text for argument in arguments)})", ATOM)
 
     def _is_of_the_system(self, part: Fold) -> bool:
         return isinstance(part, ROperation) and _system_of(part) == self._system
@@ -227,11 +227,11 @@ def common_system(order: list[sp.Basic]) -> RSystem:
     return found.most_common(1)[0][0] if found else R0
 
 
-def _constant(number: sp.Expr) -> Text:
+def _constant(number: sp.Expr) -> Written:
     if isinstance(number, sp.Rational) and number.is_finite:
-        return Text(str(number), _SUM if number < 0 else ATOM if number.q == 1 else _PRODUCT)
+        return Written(str(number), _SUM if number < 0 else ATOM if number.q == 1 else _PRODUCT)
     if isinstance(number, sp.Float) and sp.Float(float(number)) == number and number._prec == sp.Float(1.0)._prec:
-        return Text(number_text(float(number)), _SUM if number < 0 else ATOM)
+        return Written(number_text(float(number)), _SUM if number < 0 else ATOM)
     raise unspeakable(f"the number {number}")
 
 

@@ -14,7 +14,7 @@ from rsym.errors import RsymError
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class Position:
     """A line and a column, both counted from one."""
 
     line: int
@@ -32,7 +32,7 @@ class Place:
 class Number:
     """An exact number; `point` says that it was written with a point or an exponent."""
 
-    place: Place
+    place: Position
     value: Fraction
     parts: tuple[Expression, ...] = ()
     point: bool = False
@@ -42,7 +42,7 @@ class Number:
 class Name:
     """A letter, a coordinate, an assigned name or pi."""
 
-    place: Place
+    place: Position
     name: str
     parts: tuple[Expression, ...] = ()
 
@@ -51,7 +51,7 @@ class Name:
 class Sum:
     """s1*p1 + s2*p2 + ... with signs s = 1 or -1."""
 
-    place: Place
+    place: Position
     signs: tuple[int, ...]
     parts: tuple[Expression, ...]
 
@@ -60,7 +60,7 @@ class Sum:
 class Product:
     """p1^s1 * p2^s2 * ... with s = 1 for a factor and -1 for a divisor."""
 
-    place: Place
+    place: Position
     signs: tuple[int, ...]
     parts: tuple[Expression, ...]
 
@@ -69,7 +69,7 @@ class Product:
 class Power:
     """((base ^ exponent) ^ exponent) ...: the base first, then the exponents; MATLAB's power is left-associative."""
 
-    place: Place
+    place: Position
     parts: tuple[Expression, ...]
 
 
@@ -77,7 +77,7 @@ class Power:
 class Call:
     """A function of some arguments; `keywords` name the last of them."""
 
-    place: Place
+    place: Position
     function: str
     parts: tuple[Expression, ...]
     keywords: tuple[str, ...] = ()
@@ -87,27 +87,27 @@ class Call:
 class Vector:
     """[p1, p2, ...], an argument of a piece."""
 
-    place: Place
+    place: Position
     parts: tuple[Expression, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Text:
+class Quoted:
     """A quoted choice, an argument of a piece."""
 
-    place: Place
+    place: Position
     value: str
     parts: tuple[Expression, ...] = ()
 
 
-Expression: TypeAlias = Number | Name | Sum | Product | Power | Call | Vector | Text
+Expression: TypeAlias = Number | Name | Sum | Product | Power | Call | Vector | Quoted
 
 
 @dataclass(frozen=True, slots=True)
-class Interval:
+class Range:
     """[low, high]."""
 
-    place: Place
+    place: Position
     low: Expression
     high: Expression
 
@@ -116,10 +116,10 @@ class Interval:
 class LetterStatement:
     """``letter a = 5 in [1, 10] unit "mm" "what it is"``."""
 
-    place: Place
+    place: Position
     name: str
     value: Expression
-    interval: Interval | None
+    interval: Range | None
     doc: str
     unit: str = ""
 
@@ -128,7 +128,7 @@ class LetterStatement:
 class VariantStatement:
     """``variant b: a1 = 9, b1 = 4``."""
 
-    place: Place
+    place: Position
     name: str
     values: tuple[tuple[Name, Expression], ...]
 
@@ -137,7 +137,7 @@ class VariantStatement:
 class CoordinatesStatement:
     """``coordinates x y z``."""
 
-    place: Place
+    place: Position
     names: tuple[Name, ...]
 
 
@@ -145,15 +145,15 @@ class CoordinatesStatement:
 class BoundsStatement:
     """``bounds x [-8, 8] y [-4, 4]``."""
 
-    place: Place
-    intervals: tuple[tuple[Name, Interval], ...]
+    place: Position
+    intervals: tuple[tuple[Name, Range], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class SystemStatement:
     """``system R0`` or ``system Ralpha 0.5``."""
 
-    place: Place
+    place: Position
     name: str
     parameter: Expression | None
 
@@ -162,7 +162,7 @@ class SystemStatement:
 class Assignment:
     """``name = expression "what it is"``."""
 
-    place: Place
+    place: Position
     name: str
     value: Expression
     doc: str = ""
@@ -173,7 +173,7 @@ class Assignment:
 class ForStatement:
     """``for k = low:step:high ... end``: its statements once for each value of k."""
 
-    place: Place
+    place: Position
     name: str
     run: tuple[Expression, ...]  # low, high or low, step, high
     body: tuple[Statement, ...]
@@ -183,7 +183,7 @@ class ForStatement:
 class PartStatement:
     """``part "bonnet" = expression``: what pictures and meshes call the surface of a formula."""
 
-    place: Place
+    place: Position
     name: str
     value: Expression
 
@@ -192,7 +192,7 @@ class PartStatement:
 class VerbatimStatement:
     """``verbatim``: operations stay as they are written, decimals are floats, and all letters are kept."""
 
-    place: Place
+    place: Position
 
 
 Statement: TypeAlias = (

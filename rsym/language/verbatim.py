@@ -13,20 +13,20 @@ from dataclasses import replace
 import sympy as sp
 
 from rsym.language import exact
-from rsym.language.building import Builder
+from rsym.language.building import FormulaBuilder
 from rsym.language.extent import HIGHEST_DEGREE, joined
-from rsym.language.parts import Part, exact_part
-from rsym.language.syntax import Call, Expression, Number, Place, Power, Product, Sum
+from rsym.language.parts import Built, exact_part
+from rsym.language.syntax import Call, Expression, Number, Position, Power, Product, Sum
 
 
-class Verbatim(Builder):
+class Verbatim(FormulaBuilder):
     """Builds formulas as they are written.
 
     A number in front of a product and those that divide it are one rational coefficient; a minus is the coefficient
     -1; a divisor is a power with the opposite exponent. A decimal is the float of that name.
     """
 
-    def _combine(self, node: Expression, parts: list[Part], known: Mapping[str, Part]) -> Part:
+    def _combine(self, node: Expression, parts: list[Built], known: Mapping[str, Built]) -> Built:
         match node:
             case Number():
                 return self._number(node)
@@ -49,7 +49,7 @@ class Verbatim(Builder):
                 degrees = math.prod(_degree(exponent) for exponent in parts[1:])
                 extent = joined(part.extent for part in parts)
                 extent = replace(extent, width=1, bits=0, degree=parts[0].extent.degree * max(degrees, 1))
-                return Part(made, self._budget.afford(extent, node.place))
+                return Built(made, self._budget.afford(extent, node.place))
             case Call(function="exp") if parts[0].exact == 1:
                 made = sp.E
             case Call() if node.function in self._operations:
@@ -57,15 +57,15 @@ class Verbatim(Builder):
             case _:
                 return super()._combine(node, parts, known)
         extent = replace(joined(part.extent for part in parts), width=1, bits=0)
-        return Part(made, self._budget.afford(extent.of_terms() if made.is_Add else extent, node.place))
+        return Built(made, self._budget.afford(extent.of_terms() if made.is_Add else extent, node.place))
 
-    def _number(self, node: Number) -> Part:
+    def _number(self, node: Number) -> Built:
         number = exact_part(node.value)
-        return Part(sp.Float(float(node.value)), number.extent) if node.point else number
+        return Built(sp.Float(float(node.value)), number.extent) if node.point else number
 
-    def _factors(self, node: Product, parts: list[Part]) -> list[Part]:
+    def _factors(self, node: Product, parts: list[Built]) -> list[Built]:
         """The factors of a product, the rational coefficient first if it is not 1."""
-        coefficient, others, leading = exact_part(exact.ONE).exact, list[Part](), True
+        coefficient, others, leading = exact_part(exact.ONE).exact, list[Built](), True
         assert coefficient is not None
         for sign, text, part in zip(node.signs, node.parts, parts, strict=True):
             leading = leading and part.exact is not None
@@ -77,13 +77,13 @@ class Verbatim(Builder):
                 _check_power(part.expression, sp.S.NegativeOne, text.place)
             elif not others and isinstance(text, Sum) and text.signs == (-1,) and _is_minus(part.expression):
                 coefficient = -coefficient  # -x*y is one product, not one of -x
-                others.append(Part(part.expression.args[1], part.extent))
+                others.append(Built(part.expression.args[1], part.extent))
             else:
                 others.append(part)
         return others if coefficient == 1 and others else [exact_part(coefficient), *others]
 
 
-def _degree(exponent: Part) -> int:
+def _degree(exponent: Built) -> int:
     """What an exponent multiplies the length of numbers by: SymPy may evaluate the power later."""
     if exponent.exact is not None:
         return math.ceil(abs(exponent.exact))
@@ -93,7 +93,7 @@ def _degree(exponent: Part) -> int:
     return math.ceil(size) if size.is_Float and size < 2 * HIGHEST_DEGREE else 2 * HIGHEST_DEGREE
 
 
-def _check_power(base: sp.Expr, exponent: sp.Expr, place: Place) -> None:
+def _check_power(base: sp.Expr, exponent: sp.Expr, place: Position) -> None:
     """Refuse a division by the constant zero, and a root of a negative constant."""
     if base.free_symbols or exponent.free_symbols:
         return
@@ -109,24 +109,24 @@ def _is_minus(expression: sp.Expr) -> bool:
     return bool(expression.is_Mul and len(expression.args) == 2 and expression.args[0] == -1)
 
 
-def _opposite(part: Part, text: Expression) -> Part:
+def _opposite(part: Built, text: Expression) -> Built:
     """The part behind a minus; a product that stands there, not one by name, takes it into its coefficient."""
     if part.exact is not None and isinstance(text, Number | Product):
         return exact_part(-part.exact)
     expression = part.expression
     if expression.is_Float:
-        return Part(-expression, part.extent)
+        return Built(-expression, part.extent)
     if isinstance(text, Product) and expression.is_Mul and expression.args[0].is_Number:
         first, *rest = expression.args
         factors = rest if first == -1 and first.is_Integer else [-first, *rest]
         made = sp.Mul(*factors, evaluate=False) if len(factors) > 1 else factors[0]
-        return Part(made, part.extent)
+        return Built(made, part.extent)
     inner = expression.args if isinstance(text, Product) and expression.is_Mul else (expression,)
-    return Part(sp.Mul(-1, *inner, evaluate=False), part.extent)
+    return Built(sp.Mul(-1, *inner, evaluate=False), part.extent)
 
 
-def _inverse(part: Part, text: Expression) -> Part:
+def _inverse(part: Built, text: Expression) -> Built:
     expression = part.expression
     if isinstance(text, Power) and expression.is_Pow and expression.exp.is_Rational:
-        return Part(sp.Pow(expression.base, -expression.exp, evaluate=False), part.extent)
-    return Part(sp.Pow(expression, -1, evaluate=False), part.extent)
+        return Built(sp.Pow(expression.base, -expression.exp, evaluate=False), part.extent)
+    return Built(sp.Pow(expression, -1, evaluate=False), part.extent)

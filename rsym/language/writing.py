@@ -16,7 +16,7 @@ from rsym.language.loading import loads
 from rsym.language.nodes import NODES, PIECEWISE
 from rsym.language.pieces import PIECES
 from rsym.language.scanner import LONGEST_NAME
-from rsym.language.sentences import ATOM, CODE, Sentences, Text, common_system, number_text, unspeakable
+from rsym.language.sentences import ATOM, CODE, Sentences, Written, common_system, number_text, unspeakable
 from rsym.language.vocabulary import RESERVED
 from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
@@ -118,14 +118,14 @@ class _Writer:
                 written = self._defined(part, written)
             self._sentences.done[part] = written
 
-    def _defined(self, part: sp.Basic, written: Text) -> Text:
+    def _defined(self, part: sp.Basic, written: Written) -> Written:
         """A statement for this part; its name stands for it from now on."""
         if part == self._shape.expression:
             name = self._fresh("omega")
         else:
             name = self._names.get(part) or self._fresh_numbered()
         self._formulas.append(f"{name} = {written.text}")
-        return Text(name, ATOM)
+        return Written(name, ATOM)
 
     def _fresh(self, wish: str) -> str:
         name, count = wish, 1

@@ -28,14 +28,14 @@ _OPEN = (sp.Add, sp.Mul, sp.Pow, Fold, sp.Abs, sp.Min, sp.Max)
 _KINDS = ((sp.Add, "sum"), (sp.Mul, "product"), (sp.Pow, "power"), (sp.Number, "number"))
 
 
-class Named(NamedTuple):
+class Omitted(NamedTuple):
     """A part that is not written out: its name, and what it is in words."""
 
     name: str
     words: str
 
 
-def abridged(expression: sp.Expr, taken: Collection[str] = ()) -> tuple[sp.Expr, tuple[Named, ...]]:
+def abridged(expression: sp.Expr, taken: Collection[str] = ()) -> tuple[sp.Expr, tuple[Omitted, ...]]:
     """A formula of bounded length, and the parts that are only named in it; `taken` are names in use.
 
     Examples
@@ -44,12 +44,12 @@ def abridged(expression: sp.Expr, taken: Collection[str] = ()) -> tuple[sp.Expr,
     >>> abridged(x + y)
     (x + y, ())
     >>> abridged(1 / sum((x - k) ** 2 for k in range(100)))
-    (1/omega_1, (Named(name='omega_1', words='sum of 301 parts'),))
+    (1/omega_1, (Omitted(name='omega_1', words='sum of 301 parts'),))
     """
     if weight(expression, ROOM) <= ROOM:
         return expression, ()
     names = _Names(taken)
-    places = [_Place(expression)]
+    places = [_Shown(expression)]
     for place in places:  # it grows
         if isinstance(place.part, ZeroWith):
             place.part = place.part.args[1]  # as which it is printed
@@ -57,7 +57,7 @@ def abridged(expression: sp.Expr, taken: Collection[str] = ()) -> tuple[sp.Expr,
         if part.is_Symbol or weight(part, SMALL) <= SMALL:
             place.shown = part
         elif isinstance(part, _OPEN) and len(places) + len(part.args) <= TOP:
-            place.inside = [_Place(argument) for argument in part.args]
+            place.inside = [_Shown(argument) for argument in part.args]
             places.extend(place.inside)
         else:
             place.shown = names.of(part)
@@ -68,11 +68,11 @@ def abridged(expression: sp.Expr, taken: Collection[str] = ()) -> tuple[sp.Expr,
 
 
 @dataclass
-class _Place:
+class _Shown:
     """A part where it stands: a shared part stands in several places."""
 
     part: sp.Expr
-    inside: list[_Place] = field(default_factory=list)
+    inside: list[_Shown] = field(default_factory=list)
     shown: sp.Expr = sp.S.Zero
 
 
@@ -80,14 +80,14 @@ class _Names:
     def __init__(self, taken: Collection[str]) -> None:
         self.free = (name for name in numbered("omega") if name not in taken)
         self.known: dict[int, sp.Symbol] = {}
-        self.named: list[Named] = []
+        self.named: list[Omitted] = []
 
     def of(self, part: sp.Expr) -> sp.Symbol:
         """The name of a part, the same wherever it stands."""
         if id(part) not in self.known:
             name = next(self.free)
             self.known[id(part)] = real_symbol(name)
-            self.named.append(Named(name, in_words(part)))
+            self.named.append(Omitted(name, in_words(part)))
         return self.known[id(part)]
 
 

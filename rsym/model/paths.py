@@ -12,11 +12,11 @@ from rsym.model.arguments import Point, default
 from rsym.model.equivalences import Joining
 from rsym.model.letters import Letter
 from rsym.model.nodes import Trimming
-from rsym.model.primitives.curve_nodes import PARAMETER, CurveField, Path
+from rsym.model.primitives.curve_nodes import PARAMETER, CurveField, CurvePath
 from rsym.model.traversal import substitute, symbols_of
 
 
-def paths(expression: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: Mapping[str, Letter]) -> list[Path]:
+def paths(expression: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: Mapping[str, Letter]) -> list[CurvePath]:
     """The ways of the curves whose joined field this is.
 
     Segments, arcs, circles and helices with ends, also moved, scaled and joined; and lines that are trimmed:
@@ -51,7 +51,7 @@ def _curves(expression: sp.Expr, coordinates: tuple[sp.Symbol, ...]) -> Iterator
         yield expression
 
 
-def _ways(curve: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: Mapping[str, Letter]) -> list[Path]:
+def _ways(curve: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: Mapping[str, Letter]) -> list[CurvePath]:
     try:
         if isinstance(curve, CurveField) and curve.paths():
             return [_moved(way, curve.vector(0), coordinates) for way in curve.paths()]
@@ -72,7 +72,7 @@ def _unknown(curve: sp.Expr) -> RsymError:
     )
 
 
-def _moved(way: Path, places: Point, coordinates: tuple[sp.Symbol, ...]) -> Path:
+def _moved(way: CurvePath, places: Point, coordinates: tuple[sp.Symbol, ...]) -> CurvePath:
     """The way in the coordinates, where the curve knows it in places = A coordinates - shift."""
     if places == coordinates:
         return way
@@ -82,10 +82,10 @@ def _moved(way: Path, places: Point, coordinates: tuple[sp.Symbol, ...]) -> Path
     def back(point: Point) -> Point:
         return tuple(inverse * (sp.Matrix(point) + shift))
 
-    return Path(back(way.point), way.low, way.high, (back(way.ends[0]), back(way.ends[1])))
+    return CurvePath(back(way.point), way.low, way.high, (back(way.ends[0]), back(way.ends[1])))
 
 
-def _trimmed(f: sp.Expr, t: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: Mapping[str, Letter]) -> Path:
+def _trimmed(f: sp.Expr, t: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: Mapping[str, Letter]) -> CurvePath:
     """The part of the line f = 0 where t >= 0: f**2 is of degree 2, and its gradient is zero on the line."""
     square = sp.Poly(f**2, *coordinates)
     slopes = [square.diff(symbol).as_expr() for symbol in coordinates]
@@ -104,4 +104,4 @@ def _trimmed(f: sp.Expr, t: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters
         tuple(sp.simplify(substitute(item, {along: (-b + sign * root) / (2 * a)})) for item in line) for sign in (1, -1)
     )
     point = tuple(p + PARAMETER * (q - p) for p, q in zip(first, last, strict=True))
-    return Path(point, sp.S.Zero, sp.S.One, (first, last))
+    return CurvePath(point, sp.S.Zero, sp.S.One, (first, last))

@@ -21,7 +21,7 @@ LONGEST = 40  # parts in one line
 _FIRST = "pqrstuvwabcdefghijklmno"  # of names; p for part
 
 
-class Part(NamedTuple):
+class CommonPart(NamedTuple):
     """name := expression, in which earlier names are symbols."""
 
     name: str
@@ -30,7 +30,7 @@ class Part(NamedTuple):
 
 def in_common_parts(
     expressions: Sequence[sp.Expr], known: Mapping[str, sp.Expr] | None = None, taken: Collection[str] = ()
-) -> tuple[tuple[Part, ...], tuple[sp.Expr, ...]]:
+) -> tuple[tuple[CommonPart, ...], tuple[sp.Expr, ...]]:
     """The common parts by name, each before it is used, and the expressions in terms of them.
 
     Parameters
@@ -48,7 +48,7 @@ def in_common_parts(
     >>> from rsym import x, y
     >>> root = sp.sqrt(x**2 + y**2)
     >>> in_common_parts([x / root, y / root])
-    ((Part(name='p_1', expression=1/sqrt(x**2 + y**2)),), (p_1*x, p_1*y))
+    ((CommonPart(name='p_1', expression=1/sqrt(x**2 + y**2)),), (p_1*x, p_1*y))
     """
     known = known or {}
     forest = _Forest()
@@ -60,12 +60,12 @@ def in_common_parts(
     fresh = (f"{first}_{number}" for number in count(1))
     uses = Counter(argument for key in inside for argument in forest.arguments[key])
     uses.update(roots)
-    parts: list[Part] = []
+    parts: list[CommonPart] = []
     shown: dict[int, sp.Expr] = {}
     sizes: dict[int, int] = {}
 
     def give_name(key: int) -> None:
-        parts.append(Part(called.get(key) or next(fresh), shown[key]))
+        parts.append(CommonPart(called.get(key) or next(fresh), shown[key]))
         shown[key], sizes[key] = real_symbol(parts[-1].name), 1
 
     for key in sorted(inside):

@@ -14,7 +14,7 @@ from rsym.model.equation import combine
 from rsym.model.letters import Letter, Letters
 from rsym.model.paths import paths
 from rsym.model.positivity import positive_polynomial
-from rsym.model.primitives.curve_nodes import PARAMETER, Path
+from rsym.model.primitives.curve_nodes import PARAMETER, CurvePath
 from rsym.model.shape import Bounds, Shape
 from rsym.model.traversal import substitute, symbols_of
 
@@ -137,7 +137,7 @@ def _bounds(skeleton: Shape, h: sp.Expr, letters: Letters) -> Bounds | None:
     return tuple((low - room, high + room) for low, high in skeleton.bounds)
 
 
-def _along(way: Path, h: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: Mapping[str, Letter]) -> Boolean:
+def _along(way: CurvePath, h: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: Mapping[str, Letter]) -> Boolean:
     """That h is positive along a way."""
 
     def at(place: tuple[sp.Expr, ...]) -> sp.Expr:
@@ -157,7 +157,7 @@ def _along(way: Path, h: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: M
     return positive_polynomial(polynomial, way.low, way.high, letters, (first, last))
 
 
-def _signed_alike(value: sp.Expr, way: Path) -> sp.Poly:
+def _signed_alike(value: sp.Expr, way: CurvePath) -> sp.Poly:
     """A polynomial with the sign of a quotient: what may change its sign below stands above."""
     top, bottom = sp.fraction(sp.together(sp.trigsimp(value) if value.has(sp.cos, sp.sin) else value))
     for factor in sp.Mul.make_args(bottom):
@@ -172,7 +172,7 @@ def _signed_alike(value: sp.Expr, way: Path) -> sp.Poly:
     return sp.Poly(top, PARAMETER)
 
 
-def _sign(polynomial: sp.Poly, way: Path) -> int:
+def _sign(polynomial: sp.Poly, way: CurvePath) -> int:
     """1 or -1 if that is its sign all along the way whatever the letters; else 0."""
     if symbols_of(*polynomial.coeffs(), way.low, way.high):
         return 0

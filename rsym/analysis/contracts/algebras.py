@@ -15,7 +15,7 @@ Fraction: TypeAlias = tuple[Element, Element]
 Series: TypeAlias = list[Element]
 
 
-class Line:
+class RandomLine:
     """Random values: all quantities are numbers but one, which is the unknown of the polynomials.
 
     They are drawn from the name of what is asked for, and so are the same each time.
@@ -26,9 +26,9 @@ class Line:
         self._varied = varied
         self.varying: dict[tuple[sp.Expr, str], None] = {}  # what has been asked for and varies in space
 
-    def along(self, varied: tuple[sp.Expr, str]) -> Line:
+    def along(self, varied: tuple[sp.Expr, str]) -> RandomLine:
         """The line along which one quantity varies."""
-        return Line(tuple(self._coordinates), varied)
+        return RandomLine(tuple(self._coordinates), varied)
 
     def at(self, quantity: Any, name: str = "") -> Polynomial:
         """The value of a symbol, or of an independent quantity that belongs to an expression."""
@@ -42,7 +42,7 @@ class Line:
 class Fractions:
     """Numerators and denominators, for the zeros of a leaf."""
 
-    def __init__(self, line: Line) -> None:
+    def __init__(self, line: RandomLine) -> None:
         self.line, self.tower = line, Tower()
         self.poles: list[Polynomial] = []
 
@@ -120,7 +120,7 @@ def _over(f: Element, divisor: Polynomial) -> Element:
 class TaylorSeries:
     """Series in the distance along a direction, on the zeros of a leaf."""
 
-    def __init__(self, line: Line, tower: Tower, directions: dict[sp.Symbol, Element], length: int) -> None:
+    def __init__(self, line: RandomLine, tower: Tower, directions: dict[sp.Symbol, Element], length: int) -> None:
         self.line, self.tower, self.directions, self.length = line, tower, directions, length
 
     def number(self, value: int) -> Series:

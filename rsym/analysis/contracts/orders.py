@@ -19,7 +19,7 @@ from functools import lru_cache
 
 import sympy as sp
 
-from rsym.analysis.contracts.algebras import Fractions, Line, Series, TaylorSeries
+from rsym.analysis.contracts.algebras import Fractions, RandomLine, Series, TaylorSeries
 from rsym.analysis.contracts.evaluation import Evaluation
 from rsym.analysis.contracts.promises import Order, weakest
 from rsym.analysis.contracts.towers import Element, NotShown, Tower, element
@@ -51,7 +51,7 @@ def leaf_order(leaf: sp.Expr, coordinates: tuple[sp.Symbol, ...]) -> Order:
         return math.inf
     try:
         plain = _plain(leaf)
-        boundary, line = boundary_of(plain), Line(coordinates)
+        boundary, line = boundary_of(plain), RandomLine(coordinates)
         if _Along(plain, boundary, line, coordinates).is_distance():
             return math.inf
         lines = map(line.along, line.varying)
@@ -107,7 +107,7 @@ class _Along:
 
     leaf: sp.Expr
     boundary: sp.Expr
-    line: Line
+    line: RandomLine
     coordinates: tuple[sp.Symbol, ...]
     roots: dict[sp.Expr, int] = field(default_factory=dict)  # their numbers, in the order in which they are met
 

@@ -17,7 +17,7 @@ PARAMETER: sp.Symbol = sp.Dummy("s", real=True)
 
 
 @dataclass(frozen=True)
-class Path:
+class CurvePath:
     """Where a curve runs: a point that depends on PARAMETER, from low to high, and the points at the two ends."""
 
     point: Point
@@ -51,7 +51,7 @@ class CurveField(Composition):
         """The scalars."""
         return tuple(self.args[self.vectors * self.dimension :])
 
-    def paths(self) -> tuple[Path, ...]:
+    def paths(self) -> tuple[CurvePath, ...]:
         """Where the curve runs, in its own coordinates; none if it has no ends and does not close."""
         raise NotImplementedError
 
@@ -92,11 +92,11 @@ class Segment(CurveField):
         line = offset[0] * along[1] - offset[1] * along[0] if self.dimension == 2 else norm(cross(offset, along))
         return Trimming(line, dot(offset, minus(end, place)) / length)
 
-    def paths(self) -> tuple[Path, ...]:
+    def paths(self) -> tuple[CurvePath, ...]:
         """P + s (q - p) for s in [0, 1]."""
         start, end = self.vector(1), self.vector(2)
         point = tuple(a + PARAMETER * (b - a) for a, b in zip(start, end, strict=True))
-        return (Path(point, sp.S.Zero, sp.S.One, (start, end)),)
+        return (CurvePath(point, sp.S.Zero, sp.S.One, (start, end)),)
 
 
 class Circle(CurveField):
@@ -130,15 +130,15 @@ class Circle(CurveField):
         axes = zip(self.vector(1), self.vector(2), self.vector(3), strict=True)
         return tuple(c + radius * (a * cosine + b * sine) for c, a, b in axes)
 
-    def path(self, start: sp.Expr, end: sp.Expr) -> Path:
+    def path(self, start: sp.Expr, end: sp.Expr) -> CurvePath:
         """The arc between two angles, by the tangent s of half the angle from the middle."""
         middle, reach = (start + end) / 2, sp.tan((end - start) / 4)
         s, cosine, sine = PARAMETER, sp.cos(middle), sp.sin(middle)
         whole = 1 + s**2
         turned = (cosine * (1 - s**2) - 2 * sine * s) / whole, (sine * (1 - s**2) + 2 * cosine * s) / whole
-        return Path(self._from(*turned), -reach, reach, (self.at(start), self.at(end)))
+        return CurvePath(self._from(*turned), -reach, reach, (self.at(start), self.at(end)))
 
-    def paths(self) -> tuple[Path, ...]:
+    def paths(self) -> tuple[CurvePath, ...]:
         """Two halves."""
         return self.path(sp.S.Zero, sp.pi), self.path(sp.pi, 2 * sp.pi)
 
@@ -156,7 +156,7 @@ class Arc(Circle):
         beyond = sp.cos(half) * (radius**2 + squared(offset))
         return Trimming(self.line(), (2 * radius * along - beyond) / (2 * radius * sp.sin(half)))
 
-    def paths(self) -> tuple[Path, ...]:
+    def paths(self) -> tuple[CurvePath, ...]:
         """One."""
         return (self.path(self.numbers[1], self.numbers[2]),)
 
@@ -192,7 +192,7 @@ class Helix(CurveField):
         unit = 2 * radius / (radius**2 + a**2 + b**2)
         return unit * (b * cosine - a * sine) * (4 - unit * (a * cosine + b * sine)) / 3
 
-    def paths(self) -> tuple[Path, ...]:
+    def paths(self) -> tuple[CurvePath, ...]:
         """One, by the height over that of the end."""
         radius, pitch, *turns = self.numbers
         if not turns:
@@ -202,4 +202,4 @@ class Helix(CurveField):
             angle = 2 * sp.pi * turns[0] * share
             return radius * sp.cos(angle), radius * sp.sin(angle), pitch * turns[0] * share
 
-        return (Path(at(PARAMETER), sp.S.Zero, sp.S.One, (at(sp.S.Zero), at(sp.S.One))),)
+        return (CurvePath(at(PARAMETER), sp.S.Zero, sp.S.One, (at(sp.S.Zero), at(sp.S.One))),)
