@@ -13,7 +13,7 @@ from rsym.language.extent import Extent
 from rsym.language.functions import operations
 from rsym.language.model import ModelFile
 from rsym.language.parts import Built, symbol_part
-from rsym.language.piece_calls import Calls, shown_call
+from rsym.language.pieces import Calls, shown_call
 from rsym.language.syntax import Assignment, Name, PartStatement, names_in
 from rsym.language.verbatim import Verbatim
 from rsym.model.letters import Letter

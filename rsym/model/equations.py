@@ -1,8 +1,15 @@
-r"""Equations as LaTeX: one line where it can be read, else a line for each named part."""
+r"""Equations as LaTeX: one line where it can be read, else a line for each named part.
+
+What stands in several places is written once and then called by its name. Equal parts are found from below, by what
+they are made of, so the work grows with the distinct parts and not with the text that would come of them.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import count
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -10,11 +17,13 @@ from rsym.model.abridging import ROOM, abridged, weight
 from rsym.model.equation import Equation
 from rsym.model.folds import Fold
 from rsym.model.names import symbol_names
-from rsym.model.sharing import in_common_parts
 from rsym.model.symbols import real_symbol
-from rsym.model.traversal import substitute, symbols_of
+from rsym.model.traversal import postorder, substitute, symbols_of, with_arguments
 
 MOST = 1800  # characters of an equation at a glance
+WORTH_A_NAME = 5  # parts: x**2 + y**2 is, 2*x is not
+LONGEST = 40  # parts in one line
+_FIRST = "pqrstuvwabcdefghijklmno"  # of names; p for part
 
 
 def latex(shape: Equation) -> str:
@@ -118,3 +127,107 @@ def line(expression: sp.Expr) -> str:
     """The right side of an equation: the outer brackets of an R-operation are not needed."""
     text = printed(expression)
     return text.removeprefix(r"\left(").removesuffix(r"\right)") if isinstance(expression, Fold) else text
+
+
+class CommonPart(NamedTuple):
+    """name := expression, in which earlier names are symbols."""
+
+    name: str
+    expression: sp.Expr
+
+
+def in_common_parts(
+    expressions: Sequence[sp.Expr], known: Mapping[str, sp.Expr] | None = None, taken: Collection[str] = ()
+) -> tuple[tuple[CommonPart, ...], tuple[sp.Expr, ...]]:
+    """The common parts by name, each before it is used, and the expressions in terms of them.
+
+    Parameters
+    ----------
+    expressions : sequence of SymPy expressions
+        What is to be written.
+    known : mapping, optional
+        Names that a reader knows already, of a model file say, and what they stand for.
+    taken : collection of names, optional
+        Names that mean something else.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from rsym import x, y
+    >>> root = sp.sqrt(x**2 + y**2)
+    >>> in_common_parts([x / root, y / root])
+    ((CommonPart(name='p_1', expression=1/sqrt(x**2 + y**2)),), (p_1*x, p_1*y))
+    """
+    known = known or {}
+    forest = _Forest()
+    roots = [forest.add(expression) for expression in expressions]
+    inside = forest.below(roots)
+    called = {key: name for name, value in known.items() if (key := forest.add(value)) in inside and value.args}
+    used = {symbol.name for symbol in symbols_of(*expressions)} | {*taken, *known}
+    first = next(letter for letter in _FIRST if not any(name.startswith(f"{letter}_") for name in used))
+    fresh = (f"{first}_{number}" for number in count(1))
+    uses = Counter(argument for key in inside for argument in forest.arguments[key])
+    uses.update(roots)
+    parts: list[CommonPart] = []
+    shown: dict[int, sp.Expr] = {}
+    sizes: dict[int, int] = {}
+
+    def give_name(key: int) -> None:
+        parts.append(CommonPart(called.get(key) or next(fresh), shown[key]))
+        shown[key], sizes[key] = real_symbol(parts[-1].name), 1
+
+    for key in sorted(inside):
+        arguments = forest.arguments[key]
+        for longest in sorted(set(arguments), key=lambda argument: -sizes[argument]):
+            if sum(sizes[argument] for argument in arguments) > LONGEST and _may_be_named(forest, longest, sizes):
+                give_name(longest)
+        shown[key] = forest.remade(key, shown)
+        sizes[key] = 1 + sum(sizes[argument] for argument in arguments)
+        shared = uses[key] > 1 and sizes[key] >= WORTH_A_NAME
+        if (shared or key in called) and isinstance(shown[key], sp.Expr):
+            give_name(key)
+    return tuple(parts), tuple(shown[root] for root in roots)
+
+
+def _may_be_named(forest: _Forest, key: int, sizes: Mapping[int, int]) -> bool:
+    return sizes[key] >= WORTH_A_NAME and isinstance(forest.items[key], sp.Expr)
+
+
+class _Forest:
+    """Distinct parts by number, arguments before their users; equal parts have one number."""
+
+    def __init__(self) -> None:
+        self.items: list[sp.Basic] = []
+        self.arguments: list[tuple[int, ...]] = []
+        self._numbers: dict[object, int] = {}
+
+    def add(self, expression: sp.Basic) -> int:
+        """The number of an expression."""
+        here: dict[int, int] = {}
+        for part in postorder(expression):
+            arguments = tuple(here[id(argument)] for argument in part.args)
+            key = (part.func, arguments) if arguments else part
+            number = self._numbers.setdefault(key, len(self.items))
+            if number == len(self.items):
+                self.items.append(part)
+                self.arguments.append(arguments)
+            here[id(part)] = number
+        return here[id(expression)]
+
+    def below(self, roots: Iterable[int]) -> set[int]:
+        """The roots and all that they are made of."""
+        found: set[int] = set()
+        stack = list(roots)
+        while stack:
+            key = stack.pop()
+            if key not in found:
+                found.add(key)
+                stack.extend(self.arguments[key])
+        return found
+
+    def remade(self, key: int, shown: Mapping[int, sp.Basic]) -> sp.Basic:
+        """A part over what its arguments are called."""
+        part = self.items[key]
+        arguments = tuple(shown[argument] for argument in self.arguments[key])
+        same = all(new is old for new, old in zip(arguments, part.args, strict=True))
+        return part if same else with_arguments(part, arguments)

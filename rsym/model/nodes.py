@@ -101,6 +101,25 @@ class Composition(RealNode):
     _numpycode = _pythoncode = _mpmathcode = _jaxcode = _torchcode = _cupycode = _runtime_call
 
 
+class Scaled(Composition):
+    """f times a factor that is positive wherever the shape has a boundary: the sign and the zero set are those of f."""
+
+    of_shapes = True
+
+    def composition(self) -> sp.Expr:
+        """The product."""
+        f, factor = self.args
+        return f * factor
+
+    def _sympystr(self, printer: Any) -> str:
+        text: str = printer._print(self.composition())
+        return text
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        text = printer._print(self.composition())
+        return text if exp is None else rf"\left({text}\right)^{{{exp}}}"
+
+
 class Trimming(RealNode):
     """The curve f = 0 kept where t >= 0: sqrt(f**2 + ((sqrt(t**2 + f**4) - t)/2)**2)."""
 

@@ -9,10 +9,9 @@ from oracles.array_values import REAL, evaluated
 from oracles.random_models import model
 
 from rsym import R0, Shape, x, y
-from rsym.analysis.contracts.images import image
 from rsym.analysis.contracts.leaves import leaves
 from rsym.analysis.contracts.promises import Singularity
-from rsym.analysis.contracts.summary import singularities, slope_of
+from rsym.analysis.contracts.summary import image, singularities, slope_of
 from rsym.analysis.contracts.table import PROMISES, Promises
 from rsym.model.rnodes import R0Conjunction
 from rsym.model.symbols import real_symbol

@@ -10,13 +10,13 @@ from typing import Any
 import sympy as sp
 
 from rsym.analysis.contracts.display import normalisation, paragraph, smoothness, table
-from rsym.analysis.contracts.images import image
 from rsym.analysis.contracts.leaves import Leaf, decided_by, is_logical, leaves, logical_parts, names_of, parts_around
 from rsym.analysis.contracts.orders import boundary_of, leaf_order
 from rsym.analysis.contracts.promises import Ends, Order, Singularity
 from rsym.analysis.contracts.squares import never_zero_together
 from rsym.analysis.contracts.table import Promises, number_itself
 from rsym.errors import RsymError
+from rsym.model.choices import Choice
 from rsym.model.letters import Letters
 from rsym.model.nodes import without_zeros
 from rsym.model.shape import Shape
@@ -159,6 +159,29 @@ def singularities(
                 found[lost] = None
     nonzero = _not_zero(letters)
     return tuple(lost for lost in found if not never_zero_together(lost.equations, coordinates, nonzero))
+
+
+def image(promises: Promises, given: Mapping[sp.Symbol, Ends]) -> Ends:
+    """Lower and upper end of the formula; a symbol without ends stands for one value.
+
+    Examples
+    --------
+    >>> import sympy as sp
+    >>> from rsym import conjunction, x, y
+    >>> low, high = sp.symbols("x_lower x_upper", real=True)
+    >>> image(Promises(conjunction(x, y)), {x: (low, high)})
+    (conjunction(x_lower, y), conjunction(x_upper, y))
+    """
+    known: dict[int, Ends] = {}
+    for part in promises.parts():
+        operands = [known[id(operand)] for operand in promises.inward(part)]
+        if not operands:
+            known[id(part)] = given.get(part, (part, part))
+        elif all(low is high for low, high in operands) and not isinstance(part, Choice):  # whose tests are no operands
+            known[id(part)] = (part, part)
+        else:
+            known[id(part)] = promises[part].image(*operands)
+    return known[id(promises.root)]
 
 
 def _not_zero(letters: Letters) -> Callable[[sp.Expr], bool]:

@@ -12,7 +12,7 @@ import sympy as sp
 
 from rsym.model.blends.folds import BlendOperation
 from rsym.model.blends.sardf import SardfOperation
-from rsym.model.factors import Scaled
+from rsym.model.nodes import Scaled
 from rsym.model.rnodes import ROperation
 from rsym.model.traversal import postorder
 

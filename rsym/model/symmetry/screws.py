@@ -9,7 +9,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
 from rsym.model.equation import substituted
-from rsym.model.factors import Scaled
+from rsym.model.nodes import Scaled
 from rsym.model.primitives.extents import box_around
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
