@@ -99,8 +99,6 @@ NAMED_TWICE = """\
     Bounds
     Boxes
     Branch
-    Budget
-    Builder
     Choice
     Circle
     Component
@@ -116,7 +114,6 @@ NAMED_TWICE = """\
     Frame
     Gate
     Held
-    Interval
     Jet
     Judge
     Judgement
@@ -124,18 +121,12 @@ NAMED_TWICE = """\
     Known
     Leaf
     Leaves
-    Line
     Literal
     Local
     Locus
     Look
     Meeting
-    Model
-    Named
-    Node
     Operation
-    Part
-    Path
     Piece
     Place
     Rays
@@ -150,7 +141,6 @@ NAMED_TWICE = """\
     Survey
     Suspect
     Task
-    Text
     Triangles
     Value
     View
