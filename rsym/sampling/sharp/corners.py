@@ -59,7 +59,7 @@ def settle(
             result[:, owner[best]] = solutions[:, best]
             open_[owner[best]] = False
     rest = np.flatnonzero(open_)
-    result[:, rest] = _on_active_leaf(kernels, start[:, rest], lattice, pool)
+    result[:, rest] = on_active_leaf(kernels, start[:, rest], lattice, pool)
     return result
 
 
@@ -167,7 +167,7 @@ def on_surface(cells: Floats, lattice: Floats) -> NDArray[np.bool_]:
     return np.asarray(cells * lattice[3:].min() < smallest(lattice))
 
 
-def _on_active_leaf(kernels: SurfaceKernels, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
+def on_active_leaf(kernels: SurfaceKernels, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
     """Newton's method on the leaf that is active where a point is.
 
     What does not end on the surface starts once more, from a little beside a kink; where leaves take turns, as beside

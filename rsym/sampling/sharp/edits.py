@@ -33,8 +33,9 @@ Edge: TypeAlias = tuple[int, int]
 
 
 class Edited(NamedTuple):
-    """Which faces remain; new points (3, k), numbered behind the others; new faces and their leaves."""
+    """Which faces may have changed, and which remain; new points (3, k), behind the others; new faces, their leaves."""
 
+    changed: Ints
     remain: NDArray[np.bool_]
     points: Floats
     faces: Faces
@@ -61,7 +62,7 @@ def edit(
     leaf[kept] = [soup.leaf[face] for face in soup.corners]
     stitched = stitch(soup.faces, points, inner > 0)
     faces[kept] = stitched.faces[: len(kept)]
-    return Edited(remain, stitched.points, stitched.faces[len(kept) :], leaf[kept[stitched.part_of[len(kept) :]]])
+    return Edited(some, remain, stitched.points, stitched.faces[len(kept) :], leaf[kept[stitched.part_of[len(kept) :]]])
 
 
 def _are_flawed(points: Floats, quads: Faces, no_length: float) -> NDArray[np.bool_]:

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError
 from rsym.sampling.kernels.surface_kernels import SurfaceKernels
 from rsym.sampling.sharp.edits import edit
-from rsym.sampling.sharp.flaws import FLAT, FOLDED, Adjacency
+from rsym.sampling.sharp.flaws import FLAT, FOLDED, SHORT, TURNED, Adjacency
 from rsym.sampling.sharp.loops import in_threads, loop
+from rsym.sampling.sharp.unfolding import unfold
 from rsym.sampling.sharp.untangling import untangle
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -80,29 +81,43 @@ def finish(
 
     `flaws` (quads,) as `find_flaws` tells them; points and faces are changed in place.
     """
-    flawed = np.flatnonzero(flaws)
+    flawed, suspects = np.flatnonzero(flaws & (FOLDED | FLAT | SHORT)), np.repeat(flaws & (FOLDED | TURNED) > 0, 2)
     adjacency = Adjacency(faces, points.shape[1]) if len(flawed) else None
     if adjacency is not None and (flaws & (FOLDED | FLAT)).any():
         tangled = np.flatnonzero(flaws & (FOLDED | FLAT))
-        untangle(kernels, adjacency, tangled, leaf, points, faces, lattice, pool)
+        moved = untangle(kernels, adjacency, tangled, leaf, points, faces, lattice, pool)
+        suspects.reshape(-1, 2)[moved] = True
     vertices = np.empty((count, 3))
     in_threads(lambda a, b: _rows(a, b, points, vertices), count, GRAIN, pool)
     whole = Triangles(vertices, faces, np.repeat(leaf[: len(flaws)], 2))
-    return whole if adjacency is None else _edited(whole, adjacency, flawed, points[:, :count], lattice)
+    if adjacency is not None:
+        whole, suspects = _edited(whole, adjacency, flawed, points[:, :count], suspects, lattice)
+    remain = unfold(kernels, whole.vertices, whole.faces, whole.leaf, suspects, lattice, pool)
+    return whole if remain is None else whole.some(remain)
 
 
-def _edited(whole: Triangles, adjacency: Adjacency, flawed: Ints, points: Floats, lattice: Floats) -> Triangles:
+def _edited(
+    whole: Triangles,
+    adjacency: Adjacency,
+    flawed: Ints,
+    points: Floats,
+    suspects: NDArray[np.bool_],
+    lattice: Floats,
+) -> tuple[Triangles, NDArray[np.bool_]]:
+    """The triangles edited around their flaws, and which of them may face inwards."""
     found = edit(adjacency, flawed, points, whole.faces, whole.leaf, lattice)
+    suspects[found.changed] = True
     if found.remain.all() and not len(found.faces):
-        return whole
+        return whole, suspects
     if not (found.remain.any() or len(found.faces)):
         raise RsymError(
             "the body has no extent: its surface is points and curves",
             code="no-surface",
             remedy="check bounds and letters; take a higher resolution if the body is thin",
         )
-    return Triangles(
+    edited = Triangles(
         np.concatenate([whole.vertices, found.points.T]),
         np.concatenate([whole.faces[found.remain], found.faces]),
         np.concatenate([whole.leaf[found.remain], found.leaf]),
-    ).renumbered()
+    )
+    return edited.renumbered(), np.concatenate([suspects[found.remain], np.ones(len(found.faces), np.bool_)])

@@ -15,7 +15,9 @@ Faces: TypeAlias = NDArray[np.int32]
 Ints: TypeAlias = NDArray[np.int64]
 Marks: TypeAlias = NDArray[np.uint8]
 
-FOLDED, FLAT, SHORT = 1, 2, 4
+FOLDED, FLAT, SHORT, TURNED = 1, 2, 4, 8
+# The cosine of the angle between a triangle and its leaf at the crossing, beyond which the leaf is asked at its middle.
+ASKED = 0.7
 # A fold turns more than this share of a triangle's longest side squared against the surface; less is rounding.
 FOLD = 1e-9
 # Twice the area of a triangle over its longest side squared, below which it has none.
@@ -33,7 +35,7 @@ def smallest(lattice: Floats) -> float:
 
 
 def find_flaws(faces: Faces, points: Floats, gradients: Floats, lattice: Floats, pool: Executor | None) -> Marks:
-    """FOLDED, FLAT and SHORT for each quad; `gradients` (3, quads) of the leaf of the quad, which point inwards."""
+    """FOLDED, FLAT, SHORT and TURNED for each quad; `gradients` (3, quads) of the leaf of the quad, inwards."""
     flaws = np.zeros(len(faces) // 2, np.uint8)
     shortest = smallest(lattice) ** 2
     in_threads(lambda a, b: _inspect(a, b, faces, points, gradients, shortest, flaws), len(flaws), GRAIN, pool)
@@ -63,7 +65,10 @@ def _inspect(
             longest = max(uu, vv, ww)
             if longest > shortest and along > FOLD * longest * np.sqrt(steep):
                 flaws[e] |= FOLDED
-            if n[0] ** 2 + n[1] ** 2 + n[2] ** 2 < (FLATNESS * longest) ** 2:
+            nn = n[0] ** 2 + n[1] ** 2 + n[2] ** 2
+            if along > -ASKED * np.sqrt(nn * steep):
+                flaws[e] |= TURNED
+            if nn < (FLATNESS * longest) ** 2:
                 flaws[e] |= FLAT
             if min(uu, vv, ww) < shortest:
                 flaws[e] |= SHORT

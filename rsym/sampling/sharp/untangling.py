@@ -44,19 +44,22 @@ def untangle(
     faces: Faces,
     lattice: Floats,
     pool: Executor | None,
-) -> None:
-    """Move vertices and turn diagonals around folded quads, in place; `leaf` is that of each quad.
+) -> Ints:
+    """Move vertices and turn diagonals around folded quads, in place; `leaf` is that of each quad. The quads touched.
 
     Where that leaves folds, the vertices of what is folded go to the seam beside them first, and lie flat there.
     """
+    touched: list[Ints] = []
     for turn in range(1 + PULLS):
         patch = _Patch(kernels, adjacency, folded, leaf, points, faces, lattice, pool)
         if turn:
             patch.pull(to_corners=turn > 1)
         patch.relax()
         folded = patch.settle(points, faces)
+        touched.append(patch.quads)
         if not len(folded):
             break
+    return np.concatenate(touched)
 
 
 class _Patch:

@@ -1,0 +1,287 @@
+"""Folds that no move along an edge takes out: there the triangles themselves change.
+
+A vertex goes to a feature up to four cells away. Where leaves touch along a line, or corners lie closer together than
+a cell, vertices then stand in another order than their cells do, and triangles face inwards that vertices moved along
+their edge cannot turn. Around these a diagonal is turned, an edge contracted or a vertex put amid its neighbours,
+whichever step leaves the fewest folds; first such steps that keep every vertex on its edge, then any. Each step must
+also turn less area away from the leaves: a triangle counts twice its area minus that of its projection along the
+gradient. So folds and area only fall, and the mesh stays the manifold it was.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Executor
+from itertools import chain
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.sampling.kernels.surface_kernels import SurfaceKernels
+from rsym.sampling.sharp.corners import off_surface, on_active_leaf, on_surface, solve
+from rsym.sampling.sharp.flaws import FLATNESS
+from rsym.sampling.sharp.leaves import CompiledLeaves
+from rsym.sampling.sharp.loops import loop
+
+Floats: TypeAlias = NDArray[np.float64]
+Faces: TypeAlias = NDArray[np.int32]
+Corners: TypeAlias = tuple[int, int, int]
+Edge: TypeAlias = tuple[int, int]
+
+# Around a fold: steps change the triangles around its corners and their neighbours, and make way for further steps.
+RINGS = 4
+# Cells from the middle of its neighbours, within which a vertex finds its place.
+REACH = 1.0
+# What a step must leave at most of what turns away, if it folds no triangle less: it makes way for one that does.
+LESS = 0.9
+
+
+class Change(NamedTuple):
+    """Faces that go, and the corners of those that take their place, in order; the last ones have none."""
+
+    faces: tuple[int, ...]
+    corners: tuple[Corners, ...]
+
+
+def unfold(
+    kernels: SurfaceKernels,
+    vertices: Floats,
+    faces: Faces,
+    leaf: NDArray[np.int16],
+    suspects: NDArray[np.bool_],
+    lattice: Floats,
+    pool: Executor | None,
+) -> NDArray[np.bool_] | None:
+    """Turn outwards what can be of the suspects among the faces, in place; which faces remain, if any had to go."""
+    some = np.flatnonzero(suspects)
+    folded, _ = judged(CompiledLeaves(kernels), vertices[faces[some]], leaf[some])
+    if not folded.any():
+        return None
+    around = np.zeros(len(faces), np.bool_)
+    around[some[folded]] = True
+    for _ in range(RINGS):
+        _mark_faces(faces, _corners(faces, around, len(vertices)), around)
+    near, remain = np.flatnonzero(around), ~around
+    region = _Region(kernels, vertices, faces[near], leaf[near], lattice, pool)
+    beyond = _corners(faces, remain, len(vertices))
+    region.free -= {corner for corner in region.at if beyond[corner]}
+    steps = 0
+    while region.improve(keep=True) or region.improve(keep=False):
+        steps += 1
+    if not steps:
+        return None
+    for face, number in enumerate(near.tolist()):
+        if face in region.corners:
+            faces[number] = [region.home[corner] for corner in region.corners[face]]
+            remain[number] = True
+    for corner in region.at:
+        vertices[region.home[corner]] = region.points[corner]
+    return remain
+
+
+def judged(leaves: CompiledLeaves, corners: Floats, leaf: NDArray[np.int16]) -> tuple[NDArray[np.bool_], Floats]:
+    """Which triangles (n, 3, 3) face inwards or have no area, and how far each turns away from its leaf."""
+    a, b, c = corners.transpose(1, 0, 2)
+    normal = np.cross(b - a, c - a)
+    _, gradient = leaves.evaluate(leaf, (a + b + c).T / 3)
+    with np.errstate(all="ignore"):
+        along = -np.einsum("ij,ji->i", normal, gradient) / np.linalg.norm(gradient, axis=0)
+    size = np.linalg.norm(normal, axis=1)
+    longest = np.maximum.reduce([((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))])
+    return (along < 0) | (size <= FLATNESS * longest), size - np.nan_to_num(along)
+
+
+@loop
+def _corners(faces: Faces, which: NDArray[np.bool_], vertices: int) -> Any:
+    """Which vertices some faces have."""
+    held = np.zeros(vertices, np.bool_)
+    for f in range(len(faces)):
+        if which[f]:
+            held[faces[f, 0]] = held[faces[f, 1]] = held[faces[f, 2]] = True
+    return held
+
+
+@loop
+def _mark_faces(faces: Faces, held: NDArray[np.bool_], which: NDArray[np.bool_]) -> None:
+    """Which faces have some vertices."""
+    for f in range(len(faces)):
+        which[f] |= held[faces[f, 0]] | held[faces[f, 1]] | held[faces[f, 2]]
+
+
+class _Region:
+    """Triangles around folds: `corners` of each face, the faces `at` each vertex; a vertex that moves is a new one."""
+
+    def __init__(
+        self,
+        kernels: SurfaceKernels,
+        vertices: Floats,
+        faces: Faces,
+        leaf: NDArray[np.int16],
+        lattice: Floats,
+        pool: Executor | None,
+    ) -> None:
+        self.kernels, self.lattice, self.pool = kernels, lattice, pool
+        self.leaf: list[int] = leaf.tolist()
+        self.corners: dict[int, Corners] = {face: _turn((a, b, c)) for face, (a, b, c) in enumerate(faces.tolist())}
+        self.at: dict[int, set[int]] = defaultdict(set)
+        for face, corners in self.corners.items():
+            for corner in corners:
+                self.at[corner].add(face)
+        self.home = {corner: corner for corner in self.at}
+        self.points = {corner: vertices[corner] for corner in self.at}
+        self.free = set(self.at)
+        self._next = len(vertices)
+        self._known: dict[tuple[Corners, int], tuple[bool, float]] = {}
+        self._judge((corners, self.leaf[face]) for face, corners in self.corners.items())
+
+    def improve(self, keep: bool) -> bool:
+        """Take the best of the steps that do not meet; whether there was any. `keep`: no vertex leaves its edge."""
+        folded = [face for face, corners in self.corners.items() if self._known[corners, self.leaf[face]][0]]
+        edges = dict.fromkeys(edge for face in folded for edge in _edges(self.corners[face]))
+        ends = list(dict.fromkeys(chain.from_iterable(edges)))
+        steps = [*self._turned(edges), *self._contracted(ends, keep), *self._moved(ends, keep)]
+        self._judge(chain.from_iterable(self._after(step) for step in steps))
+        ranked = []
+        for step in steps:
+            (folds, area), (fewer, less) = self._sum(self._before(step)), self._sum(self._after(step))
+            even = not keep and fewer == folds > 0 and less < LESS * area
+            if even or (fewer < folds and less < area):
+                ranked.append((fewer - folds, less - area, step))
+        touched: set[int] = set()
+        for _, _, step in sorted(ranked):
+            if touched.isdisjoint(step.faces):
+                touched.update(*(self.at[corner] for face in step.faces for corner in self.corners[face]))
+                self._take(step)
+        return bool(touched)
+
+    def _turned(self, edges: Iterable[Edge]) -> Iterator[Change]:
+        """Each edge turned within the quad of its two triangles, if they have one leaf."""
+        for u, v in edges:
+            one, other = self._beside(u, v)
+            if one < 0 or other < 0 or self.leaf[one] != self.leaf[other] or not {u, v} <= self.free:
+                continue
+            (w,), (x,) = set(self.corners[one]) - {u, v}, set(self.corners[other]) - {u, v}
+            if min(len(self.at[u]), len(self.at[v])) > 3 and w != x and self.at[w].isdisjoint(self.at[x]):
+                yield Change((one, other), (_turn((w, u, x)), _turn((x, v, w))))
+
+    def _contracted(self, ends: Iterable[int], keep: bool) -> Iterator[Change]:
+        """Each edge at some vertices contracted into either of its ends."""
+        tried = dict.fromkeys(edge for v in ends for u in sorted(self._ring(v)) for edge in ((v, u), (u, v)))
+        for v, u in tried:
+            both = self.at[u] & self.at[v]
+            across = set(chain.from_iterable(self.corners[face] for face in both)) - {u, v}
+            # The condition under which the surface stays the manifold it was (Dey, Edelsbrunner, Guha, Nekhayev 1999).
+            if (
+                len(both) == 2
+                and {u, v} <= self.free
+                and self._ring(u) & self._ring(v) == across
+                and len(self._ring(u) | self._ring(v)) > 4
+                and min(len(self.at[w]) for w in across) > 3
+                and (not keep or self._may_slide(v, u))
+            ):
+                kept = tuple(sorted(self.at[v] - both))
+                yield Change((*kept, *sorted(both)), tuple(self._with(face, v, u) for face in kept))
+
+    def _may_slide(self, v: int, u: int) -> bool:
+        """Whether v comes to u along its edge of the body, or has none."""
+        seam = self._seam(v)
+        return not seam or (len(seam) == 2 and u in seam and len(self._leaves(v)) == 2)
+
+    def _moved(self, ends: Iterable[int], keep: bool) -> Iterator[Change]:
+        """Each vertex amid its neighbours, those along its edge if it has one; or on whichever leaf is there."""
+        wanted: list[tuple[int, Floats, list[int]]] = []
+        for v in ends:
+            if v in self.free:
+                seam, leaves = self._seam(v), sorted(self._leaves(v))
+                middle = self._middle(self._ring(v))
+                if keep and not seam:
+                    wanted.append((v, middle, leaves))
+                elif keep and len(seam) == len(leaves) == 2:
+                    wanted.append((v, self._middle(seam), leaves))
+                elif not keep:
+                    wanted.append((v, middle, []))
+                    wanted += [(v, middle, [one]) for one in leaves]
+        if not wanted:
+            return
+        start, ids = np.stack([place for _, place, _ in wanted], axis=1), np.full((3, len(wanted)), -1, np.int16)
+        for row, (_, _, leaves) in enumerate(wanted):
+            ids[: len(leaves), row] = leaves
+        points, loose = solve(self.kernels, ids, start, self.lattice, self.pool), ids[0] < 0
+        points[:, loose] = on_active_leaf(self.kernels, start[:, loose], self.lattice, self.pool)
+        good = on_surface(off_surface(self.kernels, points, self.lattice, self.pool), self.lattice)
+        good &= (np.abs(points - start) <= REACH * self.lattice[3:].max()).all(axis=0)
+        for row in np.flatnonzero(good).tolist():
+            v, new = wanted[row][0], self._next
+            self._next += 1
+            self.home[new], self.points[new] = self.home[v], points[:, row].copy()
+            faces = tuple(sorted(self.at[v]))
+            yield Change(faces, tuple(self._with(face, v, new) for face in faces))
+
+    def _take(self, step: Change) -> None:
+        old = set(chain.from_iterable(self.corners[face] for face in step.faces))
+        for face in step.faces:
+            for corner in self.corners.pop(face):
+                self.at[corner].discard(face)
+        for face, corners in zip(step.faces, step.corners, strict=False):
+            self.corners[face] = corners
+            for corner in corners:
+                self.at[corner].add(face)
+                self.free.update({corner} - old)
+        for corner in old:
+            if not self.at[corner]:
+                del self.at[corner]
+
+    def _judge(self, triangles: Iterable[tuple[Corners, int]]) -> None:
+        new = [triangle for triangle in dict.fromkeys(triangles) if triangle not in self._known]
+        if new:
+            corners = np.array([[self.points[corner] for corner in corners] for corners, _ in new])
+            leaf = np.array([leaf for _, leaf in new], np.int16)
+            folded, turned = judged(CompiledLeaves(self.kernels), corners, leaf)
+            self._known.update(zip(new, zip(folded.tolist(), turned.tolist(), strict=True), strict=True))
+
+    def _before(self, step: Change) -> Iterator[tuple[Corners, int]]:
+        return ((self.corners[face], self.leaf[face]) for face in step.faces)
+
+    def _after(self, step: Change) -> Iterator[tuple[Corners, int]]:
+        return ((corners, self.leaf[face]) for face, corners in zip(step.faces, step.corners, strict=False))
+
+    def _sum(self, triangles: Iterable[tuple[Corners, int]]) -> tuple[int, float]:
+        known = [self._known[triangle] for triangle in triangles]
+        return sum(folded for folded, _ in known), sum(turned for _, turned in known)
+
+    def _beside(self, u: int, v: int) -> tuple[int, int]:
+        """The face that has the half-edge from u to v, and the one that has its reverse; -1 where there is none."""
+        both = self.at[u] & self.at[v]
+        one = [face for face in both if (u, v) in _edges(self.corners[face])]
+        other = [face for face in both if (v, u) in _edges(self.corners[face])]
+        return (one[0], other[0]) if len(one) == len(other) == 1 else (-1, -1)
+
+    def _ring(self, v: int) -> set[int]:
+        return set(chain.from_iterable(self.corners[face] for face in self.at[v])) - {v}
+
+    def _leaves(self, v: int) -> set[int]:
+        return {self.leaf[face] for face in self.at[v]}
+
+    def _seam(self, v: int) -> list[int]:
+        """The neighbours along edges that have another leaf on the other side."""
+        return [u for u in sorted(self._ring(v)) if len({self.leaf[face] for face in self.at[u] & self.at[v]}) > 1]
+
+    def _middle(self, vertices: Iterable[int]) -> Floats:
+        return np.asarray(np.mean([self.points[v] for v in sorted(vertices)], axis=0))
+
+    def _with(self, face: int, v: int, u: int) -> Corners:
+        a, b, c = (u if corner == v else corner for corner in self.corners[face])
+        return _turn((a, b, c))
+
+
+def _turn(corners: Corners) -> Corners:
+    """The same triangle, its lowest corner first."""
+    a, b, c = corners
+    return (a, b, c) if a <= b and a <= c else (b, c, a) if b <= c else (c, a, b)
+
+
+def _edges(corners: Corners) -> tuple[Edge, Edge, Edge]:
+    a, b, c = corners
+    return (a, b), (b, c), (c, a)
