@@ -10,42 +10,37 @@ the command that needs it, so `rsym --help` answers at once.
 from __future__ import annotations
 
 import argparse
+import importlib
 import logging
 import os
+import pkgutil
 import re
 import sys
 import textwrap
 import warnings
 from collections.abc import Sequence
+from types import ModuleType
 from typing import Any, NoReturn
 
-from rsym.commands import (
-    compare,
-    fields,
-    letters,
-    lint,
-    mesh,
-    models,
-    repair,
-    reproduce,
-    sections,
-    show,
-    sweep,
-    verify,
-    view,
-)
+from rsym import commands
 from rsym.commands.options import QUIET
 from rsym.errors import RsymError, RsymWarning
 
-# Another command is one module beside these, and its name here and above.
 INTERRUPTED = 130  # what shells call a command that Ctrl-C has ended: 128 and the number of the signal
-GROUPS = {
-    "models": (models, show, letters),
-    "pictures": (fields, sections, sweep),
-    "meshes": (mesh, view),
-    "proofs": (verify, repair, compare, lint),
-    "the paper": (reproduce,),
-}
+
+
+def _found(*groups: str) -> dict[str, list[ModuleType]]:
+    """The commands in these groups, and in others that they name: the modules of `rsym.commands` that name a group."""
+    names = sorted(one.name for one in pkgutil.iter_modules(commands.__path__))
+    modules = [importlib.import_module(f"{commands.__name__}.{name}") for name in names]
+    found: dict[str, list[ModuleType]] = {group: [] for group in groups}
+    for module in modules:
+        if group := getattr(module, "GROUP", None):
+            found.setdefault(group, []).append(module)
+    return found
+
+
+GROUPS = _found("models", "pictures", "meshes", "proofs", "the paper")
 COMMANDS = tuple(command for group in GROUPS.values() for command in group)
 
 
@@ -155,21 +150,21 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version of rsym")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
+    added = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
     for command in COMMANDS:
-        command.add(commands)
-    parser.epilog = _overview(commands.choices)
+        command.add(added)
+    parser.epilog = _overview(added.choices)
     return parser
 
 
-def _overview(commands: Any) -> str:
+def _overview(added: Any) -> str:
     """The commands in groups, a line each."""
     lines = []
     for title, group in GROUPS.items():
         lines.append(f"{title}:")
         for module in group:
             name = module.__name__.rpartition(".")[2]
-            summary = commands[name].description.rstrip(".")
+            summary = added[name].description.rstrip(".")
             text = f"{name:<12}{summary[0].lower()}{summary[1:]}"
             lines.append(textwrap.fill(text, 100, initial_indent="  ", subsequent_indent=" " * 14))
         lines.append("")

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from rsym.commands.options import Chosen
 
 
+GROUP = "proofs"
+
+
 def add(commands: Commands) -> None:
     """Describe the command."""
     parser = add_command(

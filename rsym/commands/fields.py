@@ -17,6 +17,8 @@ from rsym.commands.options import (
     progress_bar,
 )
 
+GROUP = "pictures"
+
 
 def add(commands: Commands) -> None:
     """Describe the command."""

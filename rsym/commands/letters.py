@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from rsym.model.letters import Letter
 
 
+GROUP = "models"
+
+
 def add(commands: Commands) -> None:
     """Describe the command."""
     parser = add_command(

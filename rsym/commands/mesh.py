@@ -15,6 +15,7 @@ from rsym.commands.options import (
     add_resolution,
     add_revolve,
     add_system,
+    explain,
     load_shape,
     progress_bar,
 )
@@ -22,6 +23,9 @@ from rsym.errors import RsymWarning
 
 if TYPE_CHECKING:
     from rsym.sampling.status import MeshStatus
+
+
+GROUP = "meshes"
 
 
 def add(commands: Commands) -> None:
@@ -35,7 +39,7 @@ def add(commands: Commands) -> None:
     )
     add_model(parser)
     add_system(parser)
-    add_output(parser, "the mesh: .stl .ply .obj .off .glb .3mf, .html to look at; .vtu and .msh by meshio")
+    explain(add_output(parser, ""), "the mesh, in the format of its suffix: %(known)s", _formats)
     add_revolve(parser)
     add_resolution(parser, 128)
     parser.add_argument(
@@ -51,7 +55,20 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--unit", help="of lengths in the file: mm, cm, m or in; .3mf states it, .glb is converted to metres"
     )
-    parser.add_argument("--colour-by", choices=["part"], help="a colour for each part of the model: .glb and .html")
+    colours = parser.add_argument("--colour-by", choices=["part"])
+    explain(colours, "a colour for each part of the model: %(known)s", _coloured_formats)
+
+
+def _formats() -> str:
+    from rsym.output.formats import listed_formats
+
+    return listed_formats()
+
+
+def _coloured_formats() -> str:
+    from rsym.output.formats import coloured_formats
+
+    return coloured_formats()
 
 
 def run(options: argparse.Namespace) -> None:

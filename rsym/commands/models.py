@@ -6,6 +6,8 @@ import argparse
 
 from rsym.commands.options import Commands, add_command
 
+GROUP = "models"
+
 
 def add(commands: Commands) -> None:
     """Describe the command."""

@@ -71,9 +71,25 @@ def _completed(prefix: str, **_: Any) -> list[str]:
     return sorted(name for name in names if name.startswith(prefix)) + here
 
 
-def add_output(parser: argparse.ArgumentParser, what: str) -> None:
+class Listed:
+    """A list in a help text, made when that text is printed: the table that it lists is slow to import."""
+
+    def __init__(self, tell: Callable[[], str]) -> None:
+        self.tell = tell
+
+    def __str__(self) -> str:
+        return self.tell()
+
+
+def explain(action: argparse.Action, text: str, tell: Callable[[], str]) -> None:
+    """Give an option its help, in which ``%(known)s`` stands for a list."""
+    action.known = Listed(tell)  # type: ignore[attr-defined]
+    action.help = text
+
+
+def add_output(parser: argparse.ArgumentParser, what: str) -> argparse.Action:
     """The file to write."""
-    parser.add_argument("-o", "--output", required=True, metavar="FILE", help=what)
+    return parser.add_argument("-o", "--output", required=True, metavar="FILE", help=what)
 
 
 def add_resolution(parser: argparse.ArgumentParser, default: int | None, note: str = "") -> None:

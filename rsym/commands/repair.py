@@ -6,6 +6,8 @@ import argparse
 
 from rsym.commands.options import Commands, add_command, add_model, add_revolve, add_timeout, load_shape, progress_bar
 
+GROUP = "proofs"
+
 
 def add(commands: Commands) -> None:
     """Describe the command."""

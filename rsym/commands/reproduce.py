@@ -8,6 +8,7 @@ import os
 from rsym.commands.options import Commands, add_command
 
 PROCESSES = 2  # one figure may take a gigabyte
+GROUP = "the paper"
 
 
 def add(commands: Commands) -> None:

@@ -26,6 +26,9 @@ DOCUMENT = r"""\documentclass{article}
 \end{document}"""
 
 
+GROUP = "models"
+
+
 def add(commands: Commands) -> None:
     """Describe the command."""
     parser = add_command(

@@ -19,6 +19,8 @@ from rsym.commands.options import (
     values,
 )
 
+GROUP = "pictures"
+
 
 def add(commands: Commands) -> None:
     """Describe the command."""

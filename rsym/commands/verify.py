@@ -23,6 +23,9 @@ from rsym.errors import RsymError
 CODES = {"CERTIFIED": 0, "REFUTED": 1, "DEGENERATE": 3, "UNDECIDED": 3}
 
 
+GROUP = "proofs"
+
+
 def add(commands: Commands) -> None:
     """Describe the command."""
     parser = add_command(

@@ -17,6 +17,8 @@ from rsym.commands.options import (
 )
 from rsym.errors import RsymWarning
 
+GROUP = "meshes"
+
 
 def add(commands: Commands) -> None:
     """Describe the command."""

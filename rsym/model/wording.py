@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
+from typing import Any, TypeVar
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 
 def proposal(name: object, known: Iterable[str], otherwise: str) -> str:
@@ -42,3 +45,23 @@ def within(texts: Sequence[str], room: int, more: str = "and {} more") -> list[s
             return [*shown, more.format(len(texts) - len(shown))]
         shown.append(text)
     return shown
+
+
+def documented(**texts: str) -> Callable[[F], F]:
+    """A decorator: in the docstring a name in braces stands for the text, made of the table that holds its rows.
+
+    Examples
+    --------
+    >>> @documented(known="a, b or c")
+    ... def chosen(name):
+    ...     "Choose from {known}."
+    >>> chosen.__doc__
+    'Choose from a, b or c.'
+    """
+
+    def written(function: F) -> F:
+        for name, text in texts.items():
+            function.__doc__ = (function.__doc__ or "").replace(f"{{{name}}}", text)
+        return function
+
+    return written

@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.names import typeset_name
 from rsym.output.certificates import DEFECT
@@ -26,8 +26,6 @@ from rsym.output.pictures import figure_of, require_axes, require_report
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.verify.atlas.levels import FEWEST, round_levels
 from rsym.verify.atlas.report import SmoothnessAtlas
-
-Floats = NDArray[np.float64]
 
 SIZE = (6.4, 5.0)  # inches: the width of a page of text
 COLOUR_MAP = "viridis_r"  # dark where the boundary is sharp

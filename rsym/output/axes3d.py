@@ -16,12 +16,10 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import Axes3D
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.output.shading import unit
-
-Floats = NDArray[np.float64]
 
 WIDTH = 7.0  # inches, of a figure made here; its height follows from the body
 LOWEST, HIGHEST = 3.2, 7.5

@@ -11,12 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.model.shape import Shape
 from rsym.sampling.contours import level_lines
 from rsym.verify.report import Cover, SmoothnessReport
 from rsym.verify.revolution import meridian
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Colormap, ListedColormap, Normalize
-from numpy.typing import NDArray
 
+from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.requirements import require_shape
@@ -20,9 +20,6 @@ from rsym.model.shape import Shape
 from rsym.output.paints import checked_limits, checked_map
 from rsym.output.pictures import require_axes
 from rsym.sampling.combs import Comb, combs
-
-Floats = NDArray[np.float64]
-Marks = NDArray[np.bool_]
 
 USUAL = 0.95  # the share of a line's length whose curvature the usual one is not below
 # Teeth of the usual and of the largest curvature, as shares of the picture's diagonal.
@@ -155,15 +152,15 @@ def _page(found: Sequence[Comb], scale: float, longest: float) -> tuple[float, f
     return 8.0, float(np.clip(7.0 * height / max(width, 1e-3 * height), 2.2, 8.0)) + 0.6
 
 
-def _marked(comb: Comb) -> Marks:
+def _marked(comb: Comb) -> Flags:
     """The teeth to draw: where the curvature is defined, and the first point of a closed line once."""
-    marked: Marks = np.isfinite(comb.curvature) & comb.teeth
+    marked: Flags = np.isfinite(comb.curvature) & comb.teeth
     if np.array_equal(comb.points[0], comb.points[-1]):
         marked[-1] = False
     return marked
 
 
-def _runs(points: Floats, breaks: Marks) -> list[Floats]:
+def _runs(points: Floats, breaks: Flags) -> list[Floats]:
     """The pieces of a line between its breaks and undefined points."""
     undefined = np.isnan(points[:, 0])
     parts = np.split(np.arange(len(points)), np.flatnonzero(breaks | undefined[1:] | undefined[:-1]) + 1)

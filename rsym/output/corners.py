@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.output.shading import unit
 from rsym.sampling.mesh import Mesh
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.integer[Any]]
 
 # Blender and most viewers call an edge sharp from 30 degrees on; normals of triangles stand for a smooth surface below.

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.output.units import UNITS
 from rsym.sampling.sections import Section
 from rsym.sampling.sharp.features import Feature
 from rsym.verify.bodies.singular import SingularCurve
 
-Floats: TypeAlias = NDArray[np.float64]
 Tags = Iterable[tuple[int, Any]]
 
 

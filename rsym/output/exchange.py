@@ -16,9 +16,6 @@ from numpy.typing import NDArray
 from rsym.model.requirements import optional_package, require_kind
 from rsym.sampling.mesh import Mesh
 
-# What meshio calls the formats, and how it is to write them: its own choice for .msh is another program's.
-_FORMATS: dict[str, tuple[str, dict[str, Any]]] = {".vtu": ("vtu", {}), ".msh": ("gmsh22", {"binary": False})}
-
 
 def to_trimesh(mesh: Mesh) -> Any:
     """The mesh as a ``trimesh.Trimesh``: vertices, faces, and what is known of parts.
@@ -96,13 +93,20 @@ def to_meshio(mesh: Mesh) -> Any:
     )
 
 
-def by_meshio(mesh: Mesh, suffix: str) -> bytes:
-    """Encode as meshio does: ``.vtu`` of ParaView, with its parts as cell data; ``.msh`` of Gmsh, as physical surfaces.
+def vtu(mesh: Mesh, unit: str | None) -> bytes:
+    """Encode as ``.vtu`` of ParaView, with its parts as cell data."""
+    return _by_meshio(mesh, ".vtu", "vtu")
 
-    Text of version 2.2, which every reader of ``.msh`` knows.
-    """
+
+def msh(mesh: Mesh, unit: str | None) -> bytes:
+    """Encode as ``.msh`` of Gmsh, parts as physical surfaces; text of version 2.2, which every reader of it knows."""
+    return _by_meshio(mesh, ".msh", "gmsh22", binary=False)
+
+
+def _by_meshio(mesh: Mesh, suffix: str, name: str, **options: bool) -> bytes:
+    """The bytes of a file by the name that meshio has for its format: its own choice by suffix is another program's."""
     meshio = optional_package("meshio", f"a file {suffix}")
-    given, (name, options) = to_meshio(mesh), _FORMATS[suffix]
+    given = to_meshio(mesh)
     if suffix == ".msh" and given.cell_data:
         tags = [given.cell_data.pop("part")[0] + 1]
         given.cell_data = {"gmsh:physical": tags, "gmsh:geometrical": tags}

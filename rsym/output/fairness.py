@@ -14,6 +14,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.output.paints import checked_limits
@@ -21,7 +22,6 @@ from rsym.output.pictures import page, require_report, whole
 from rsym.verify.fairness.fairness import fairness
 from rsym.verify.fairness.report import Extremum, FairnessReport, Profile
 
-Floats = NDArray[np.float64]
 Place: TypeAlias = tuple[int, tuple[float, float]]
 
 MAP = "viridis"

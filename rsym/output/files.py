@@ -3,44 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
-from types import MappingProxyType
 
 from rsym.errors import RsymError
 from rsym.model.requirements import file_path, require_kind
-from rsym.output import formats
+from rsym.model.wording import documented
 from rsym.output.atomic import write_atomically
 from rsym.output.dxf import features_dxf
-from rsym.output.exchange import by_meshio
-from rsym.output.interactive import page, page_of_parts
-from rsym.output.units import UNITS, check_unit, sized
+from rsym.output.formats import FORMATS, coloured_formats, table_of_formats
+from rsym.output.units import check_unit, sized
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.sharp.features import Feature
 from rsym.verify.bodies.singular import SingularCurve
 
-# Formats that hold colours.
-COLOURED: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(
-    {".glb": formats.glb_of_parts, ".html": page_of_parts}
-)
-FORMATS: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(
-    {
-        ".stl": formats.stl,
-        ".ply": formats.ply,
-        ".obj": formats.obj,
-        ".off": formats.off,
-        ".glb": formats.glb,
-        ".3mf": formats.three_mf,
-        ".html": page,
-    }
-)
-# Formats that the package meshio writes, where it is installed.
-BY_MESHIO: Mapping[str, Callable[[Mesh], bytes]] = MappingProxyType(
-    {suffix: partial(by_meshio, suffix=suffix) for suffix in (".vtu", ".msh")}
-)
 
-
+@documented(formats=table_of_formats(), coloured=coloured_formats().replace(" or ", "`` and ``"))
 def write(
     mesh: Mesh,
     path: str | os.PathLike[str],
@@ -52,17 +30,7 @@ def write(
 ) -> Path:
     """Write a mesh to a file, in the format that the suffix names.
 
-    ========= ===============================================================================================
-    ``.stl``  binary, float32, triangles without shared vertices
-    ``.ply``  binary, float64
-    ``.obj``  text, float64 in full, a normal for each corner of each face
-    ``.off``  text, float64 in full
-    ``.glb``  binary glTF 2.0, float32, y up (so x, z, -y), normals, copies along sharp edges
-    ``.3mf``  float64 in full, for printing: states its unit, closed bodies alone
-    ``.html`` a page that opens offline, turns with the mouse and zooms
-    ``.vtu``  of ParaView, float64, parts as numbers; by the package meshio
-    ``.msh``  of Gmsh, text of version 2.2, float64 in full, parts as physical surfaces; by the package meshio
-    ========= ===============================================================================================
+    {formats}
 
     The file appears whole or not at all: an older one stays as it is until
     the new one is safe on the disk. The same mesh gives the same bytes.
@@ -84,7 +52,7 @@ def write(
     scale : float, optional
         How many units one unit of the model becomes, in place of `size`; by default 1.
     colour_by : "part", optional
-        Give each part its colour, and in ``.glb`` an object of its name: only in ``.glb`` and ``.html``.
+        Give each part its colour, and in ``.glb`` an object of its name: only in ``{coloured}``.
 
     Returns
     -------
@@ -121,28 +89,24 @@ def write(
     """
     require_kind(Mesh, mesh, "mesh")
     path = file_path(path)
-    if colour_by not in (None, "part") or (colour_by and path.suffix.lower() not in COLOURED):
+    row = FORMATS.get(path.suffix.lower())
+    if colour_by not in (None, "part") or (colour_by and not (row and row.coloured)):
         raise RsymError(
-            f"files are coloured by part, as {' or '.join(COLOURED)}, got colour_by={colour_by!r} for {path.name}",
+            f"files are coloured by part, as {coloured_formats()}, got colour_by={colour_by!r} for {path.name}",
             code="colour-by",
             where=str(path),
             remedy='leave colour_by out, or write colour_by="part" to one of them',
         )
-    known = {**FORMATS, **BY_MESHIO}
-    encode = (COLOURED if colour_by else known).get(path.suffix.lower())
-    if encode is None:
+    if row is None:
         raise RsymError(
-            f"a mesh is written as {', '.join(known)}, got the suffix {path.suffix!r}",
+            f"a mesh is written as {', '.join(FORMATS)}, got the suffix {path.suffix!r}",
             code="file-format",
             where=str(path),
-            remedy=f"end the name with one of: {', '.join(known)}",
+            remedy=f"end the name with one of: {', '.join(FORMATS)}",
         )
     mesh, unit = sized(mesh, unit=unit, size=size, scale=scale)
-    if path.suffix.lower() == ".3mf":
-        return write_atomically(path, formats.three_mf(mesh, unit or "mm"))
-    if path.suffix.lower() == ".glb" and unit is not None:
-        mesh = mesh.scale(UNITS[unit].metres)
-    return write_atomically(path, encode(mesh))
+    encode = row.coloured if colour_by and row.coloured else row.encode
+    return write_atomically(path, encode(mesh, unit))
 
 
 def write_features(

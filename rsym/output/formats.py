@@ -1,14 +1,16 @@
-"""A mesh as the bytes of a file: one function for each format, the same bytes for the same mesh.
+"""A mesh as the bytes of a file: one function and one row of `FORMATS` for each format.
 
-Text, PLY and 3MF keep every digit of float64; STL and GLB hold float32 by definition.
+The same mesh gives the same bytes. Text, PLY and 3MF keep every digit of float64; STL and GLB hold float32 by
+definition. Whatever lists formats, `write`, its docstring, the command line, reads the rows.
 """
 
 from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 import trimesh
@@ -17,6 +19,8 @@ from trimesh.visual.material import PBRMaterial
 
 from rsym.errors import RsymError
 from rsym.output.corners import split_sharp
+from rsym.output.exchange import msh, vtu
+from rsym.output.interactive import page, page_of_parts
 from rsym.output.parts import part_colours
 from rsym.output.shading import BODY, linear
 from rsym.output.units import UNITS
@@ -28,14 +32,14 @@ SMALLEST_RATIO = 1e-4
 ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-def stl(mesh: Mesh) -> bytes:
+def stl(mesh: Mesh, unit: str | None) -> bytes:
     """Encode as binary STL: 80 empty bytes and the triangles in float32."""
     require_float32(mesh, "STL")
     data: bytes = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(file_type="stl")
     return data
 
 
-def ply(mesh: Mesh) -> bytes:
+def ply(mesh: Mesh, unit: str | None) -> bytes:
     """Encode as binary PLY: float64 vertices, int32 faces, little-endian."""
     header = (
         "ply\nformat binary_little_endian 1.0\n"
@@ -47,7 +51,7 @@ def ply(mesh: Mesh) -> bytes:
     return header.encode() + mesh.vertices.astype("<f8").tobytes() + faces.tobytes()
 
 
-def obj(mesh: Mesh) -> bytes:
+def obj(mesh: Mesh, unit: str | None) -> bytes:
     """Encode as OBJ: shared vertices in full, and beside them a normal for each corner of each face."""
     shaded = split_sharp(mesh)
     pairs = np.stack([mesh.faces, shaded.faces], axis=2).reshape(-1, 6) + 1
@@ -58,7 +62,7 @@ def obj(mesh: Mesh) -> bytes:
     )
 
 
-def off(mesh: Mesh) -> bytes:
+def off(mesh: Mesh, unit: str | None) -> bytes:
     """Encode as OFF text."""
     return _text(
         ["OFF", f"{len(mesh.vertices)} {len(mesh.faces)} 0"],
@@ -67,14 +71,16 @@ def off(mesh: Mesh) -> bytes:
     )
 
 
-def glb(mesh: Mesh) -> bytes:
+def glb(mesh: Mesh, unit: str | None) -> bytes:
     """Encode as binary glTF 2.0: float32, turned to its y-up, with normals, vertices copied along sharp edges."""
+    mesh = _in_metres(mesh, unit)
     require_float32(mesh, "GLB")
     return _glb({"body": _body(mesh, "body", BODY)})
 
 
-def glb_of_parts(mesh: Mesh) -> bytes:
+def glb_of_parts(mesh: Mesh, unit: str | None) -> bytes:
     """Encode as binary glTF 2.0 with an object for each part, its name and colour."""
+    mesh = _in_metres(mesh, unit)
     require_float32(mesh, "GLB")
     colours = part_colours(mesh)
     assert mesh.leaf is not None
@@ -96,12 +102,17 @@ def _body(mesh: Mesh, name: str, colour: str) -> trimesh.Trimesh:
     return body
 
 
+def _in_metres(mesh: Mesh, unit: str | None) -> Mesh:
+    """The numbers of a mesh without a unit are taken for metres, which they are in glTF."""
+    return mesh if unit is None else mesh.scale(UNITS[unit].metres)
+
+
 def _glb(bodies: Mapping[str, trimesh.Trimesh]) -> bytes:
     data: bytes = trimesh.Scene(bodies).export(file_type="glb", include_normals=True)
     return data
 
 
-def three_mf(mesh: Mesh, unit: str = "mm") -> bytes:
+def three_mf(mesh: Mesh, unit: str | None) -> bytes:
     """Encode as 3MF, which states its unit; the format is for bodies, so the mesh must be closed and not empty."""
     if not mesh.status.closed or mesh.status.volume <= 0:
         state = "an open surface" if not mesh.status.closed else f"a volume of {mesh.status.volume:.3g}"
@@ -113,7 +124,7 @@ def three_mf(mesh: Mesh, unit: str = "mm") -> bytes:
     parts = (
         ("[Content_Types].xml", _CONTENT_TYPES.encode()),
         ("_rels/.rels", _RELATIONS.encode()),
-        ("3D/3dmodel.model", _model(mesh, UNITS[unit].three_mf)),
+        ("3D/3dmodel.model", _model(mesh, UNITS[unit or "mm"].three_mf)),
     )
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
@@ -189,3 +200,57 @@ _RELATIONS = f"""{_XML}
 <Relationship Id="model" Target="/3D/3dmodel.model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>
 </Relationships>
 """
+
+
+class Format(NamedTuple):
+    """What rsym knows of a format: its suffix, what `write` says of it, and how a mesh in a unit is encoded.
+
+    coloured: the same with a colour for each part, if it holds colours. package: which must be installed to write it.
+    """
+
+    suffix: str
+    says: str
+    encode: Callable[[Mesh, str | None], bytes]
+    coloured: Callable[[Mesh, str | None], bytes] | None = None
+    package: str = ""
+
+
+_ROWS = (
+    Format(".stl", "binary, float32, triangles without shared vertices", stl),
+    Format(".ply", "binary, float64", ply),
+    Format(".obj", "text, float64 in full, a normal for each corner of each face", obj),
+    Format(".off", "text, float64 in full", off),
+    Format(
+        ".glb",
+        "binary glTF 2.0, float32, y up (so x, z, -y), normals, copies along sharp edges",
+        glb,
+        coloured=glb_of_parts,
+    ),
+    Format(".3mf", "float64 in full, for printing: states its unit, closed bodies alone", three_mf),
+    Format(".html", "a page that opens offline, turns with the mouse and zooms", page, coloured=page_of_parts),
+    Format(".vtu", "of ParaView, float64, parts as numbers", vtu, package="meshio"),
+    Format(".msh", "of Gmsh, text of version 2.2, float64 in full, parts as physical surfaces", msh, package="meshio"),
+)
+FORMATS: Mapping[str, Format] = MappingProxyType({row.suffix: row for row in _ROWS})
+
+
+def coloured_formats() -> str:
+    """The suffixes of the formats that hold colours, for a sentence."""
+    return " or ".join(row.suffix for row in FORMATS.values() if row.coloured)
+
+
+def listed_formats() -> str:
+    """The suffixes of all formats, for a line of help: those that need a package last."""
+    own = " ".join(row.suffix for row in FORMATS.values() if not row.package)
+    others = {row.package: [one.suffix for one in FORMATS.values() if one.package == row.package] for row in _ROWS}
+    return "; ".join([own, *(f"{' and '.join(those)} by {package}" for package, those in others.items() if package)])
+
+
+def table_of_formats() -> str:
+    """The rows as a table of a docstring."""
+    rows = [
+        (f"``{row.suffix}``", row.says + (f"; by the package {row.package}" if row.package else "")) for row in _ROWS
+    ]
+    wide = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    rule = " ".join("=" * width for width in wide)
+    return "\n    ".join([rule, *(f"{name:<{wide[0]}} {says}" for name, says in rows), rule])

@@ -7,12 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.output import axes3d
 from rsym.output.surfaces import ShadedMesh
-
-Floats = NDArray[np.float64]
 
 MARGIN = 6.0  # points round a body
 TITLE = 0.32  # inches above the bodies of a row that has titles

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.output.rasteriser import Triangles
 from rsym.output.shading import linear
 from rsym.sampling.sharp.features import Feature
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 INK = "#20242b"
 SMOOTH = 10.0  # degrees: where leaves meet at a smaller angle nobody sees an edge

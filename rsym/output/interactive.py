@@ -33,12 +33,12 @@ FILLED = 0.94
 MOST_TRIANGLES = 10_000_000
 
 
-def page(mesh: Mesh) -> bytes:
+def page(mesh: Mesh, unit: str | None) -> bytes:
     """Encode as HTML: positions float32 about the middle, normals int16, faces uint32, nothing that is fetched."""
     return _page(mesh, None)
 
 
-def page_of_parts(mesh: Mesh) -> bytes:
+def page_of_parts(mesh: Mesh, unit: str | None) -> bytes:
     """Encode as HTML with a colour for each part."""
     return _page(mesh, face_colours(mesh))
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from mpl_toolkits.mplot3d import Axes3D
-from numpy.typing import NDArray
 
 from rsym.output.ink import INK, Stroke, dots
 from rsym.output.paints import MAPS
@@ -21,8 +20,6 @@ from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.joints.edge_report import EdgeReport, Meeting, is_settled
 from rsym.surfaces.joints.edge_wording import COLOURS
 from rsym.surfaces.patch import Patch, patches_of
-
-Floats = NDArray[np.float64]
 
 PALE = "#d5d9e0"  # of the surface: the colours of the edges are what is to be seen
 WIDTH, FREE_WIDTH, MARK, HIDDEN = 2.6, 0.8, 5.5, 0.35

@@ -10,13 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.output.certificates import DEFECT, Subject, draw_boundary
 from rsym.reports.numbers import measured
 from rsym.verify.report import Joint, SmoothnessReport
-
-Floats = NDArray[np.float64]
 
 RESOLUTION = 240
 # Shares of the half-width of a window: where an arc is read, and where the arc of the turn is drawn.

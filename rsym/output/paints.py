@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.model.wording import proposal
@@ -20,16 +22,33 @@ from rsym.output.shading import INSIDE, decode, linear, unit
 from rsym.sampling.leaf_fields import LeafFields
 from rsym.sampling.mesh import Mesh
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
-# Field of a kernel, which of its components, the power of a length whose inverse it is, label.
-MAPS: dict[str, tuple[str, int | None, int, str]] = {
-    "mean_curvature": ("mean_curvature", None, 1, "mean curvature $H$"),
-    "gaussian_curvature": ("gaussian_curvature", None, 2, "Gaussian curvature $K$"),
-    "k1": ("principal_curvatures", 0, 1, "larger principal curvature $k_1$"),
-    "k2": ("principal_curvatures", 1, 1, "smaller principal curvature $k_2$"),
-}
+def _whole(values: Floats) -> Floats:
+    return values
+
+
+class SurfaceMap(NamedTuple):
+    """A map that a surface may be coloured by: the field of curvature that it is made of, its label, and how.
+
+    power: of the length whose inverse it is. of: what becomes of the field, whose components are its last axis.
+    """
+
+    field: str
+    label: str
+    power: int = 1
+    of: Callable[[Floats], Floats] = _whole
+
+
+# A map is a row: `plot_mesh`, `plot_patches`, their docstrings and refusals and the explorer of patches read it.
+MAPS: Mapping[str, SurfaceMap] = MappingProxyType(
+    {
+        "mean_curvature": SurfaceMap("mean_curvature", "mean curvature $H$"),
+        "gaussian_curvature": SurfaceMap("gaussian_curvature", "Gaussian curvature $K$", power=2),
+        "k1": SurfaceMap("principal_curvatures", "larger principal curvature $k_1$", of=lambda k: k[..., 0]),
+        "k2": SurfaceMap("principal_curvatures", "smaller principal curvature $k_2$", of=lambda k: k[..., 1]),
+    }
+)
+NAMES_OF_MAPS = ", ".join(f"``{name}``" for name in MAPS)  # for docstrings
 # Curvatures are unbounded near edges; the colours span what lies between these shares of the vertices.
 ROBUST_RANGE = (0.02, 0.98)
 # Less than this share of the other values, or of the curvature of a ball as large as the body, is rounding.
@@ -92,23 +111,20 @@ def coat_of(
     if colour_by not in MAPS:
         names = ", ".join((*MAPS, "zebra", "part"))
         raise RsymError(f"no map {colour_by!r}", code="colour-by", remedy=f"choose from {names}, or give an array")
-    field, component, power, label = MAPS[colour_by]
+    field, label, power, of = MAPS[colour_by]
     unit = (2 / float(np.ptp(mesh.vertices, axis=0).max())) ** power
     if shape is None:
         if mesh.curvatures is None:
             raise RsymError(f"a map of {colour_by} needs the equation", code="colour-by", remedy="give shape=")
-        known = mesh.curvatures(field)
-        at_corners = known if component is None else known[..., component]
+        at_corners = of(mesh.curvatures(field))
         return value_coat(between_corners(at_corners), at_corners, label, unit, limits, _areas(mesh), colour_map)
     on_faces = LeafFields(shape, (field,), letters).on_faces(mesh)
 
     def values(spots: Spots) -> Floats:
-        found = on_faces(spots.faces, spots.weights)[field]
-        return found if component is None else found[:, component]
+        return of(on_faces(spots.faces, spots.weights)[field])
 
-    middles = on_faces(np.arange(len(mesh.faces)), np.full(mesh.faces.shape, 1 / 3))[field]
-    known = middles if component is None else middles[:, component]
-    return value_coat(values, known, label, unit, limits, _areas(mesh), colour_map)
+    middles = of(on_faces(np.arange(len(mesh.faces)), np.full(mesh.faces.shape, 1 / 3))[field])
+    return value_coat(values, middles, label, unit, limits, _areas(mesh), colour_map)
 
 
 def one_colour(colour: str, inside: str = INSIDE) -> Coat:

@@ -8,12 +8,24 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from mpl_toolkits.mplot3d import Axes3D
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
+from rsym.model.wording import documented
 from rsym.output.ink import INK, Stroke, dots
-from rsym.output.paints import MAPS, Coat, between_corners, one_colour, part_coat, robust_limits, value_coat, zebra
+from rsym.output.paints import (
+    MAPS,
+    NAMES_OF_MAPS,
+    Coat,
+    between_corners,
+    one_colour,
+    part_coat,
+    robust_limits,
+    value_coat,
+    zebra,
+)
 from rsym.output.shading import AZIMUTH, BODY, ELEVATION
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import Tessellation, cells_of, joined, line_parameters, pieces, tessellate
@@ -21,7 +33,6 @@ from rsym.surfaces import forms
 from rsym.surfaces.functions.univariate import Curve as SpaceCurve
 from rsym.surfaces.patch import Patch, patches_of
 
-Floats = NDArray[np.float64]
 Patches: TypeAlias = Patch | Sequence[Patch] | Mapping[str, Patch]
 Lines: TypeAlias = int | tuple[ArrayLike, ArrayLike]
 
@@ -33,6 +44,7 @@ SAMPLES = 201  # of a curve
 HIDDEN = 0.3  # the share of a net or a curve that shows through the surface
 
 
+@documented(maps=NAMES_OF_MAPS)
 def plot_patches(
     patches: Patches,
     *,
@@ -62,7 +74,7 @@ def plot_patches(
     colour : str
         The colour of the surface, as matplotlib writes colours.
     colour_by : str, optional
-        ``mean_curvature``, ``gaussian_curvature``, ``k1``, ``k2``, exact at some tens of thousands of points: where
+        {maps}, exact at some tens of thousands of points: where
         patches meet each shows its own; ``zebra``: the reflection of level stripes, kinked where the curvature jumps
         and broken at an edge; ``patch``: a colour for each patch. A new figure says what the colours mean, otherwise
         ``figure.colorbar(artist.scale, ax=ax)`` does, and ``artist.parts`` maps names to colours.
@@ -156,13 +168,14 @@ def merged_letters(patches: Patches) -> Letters:
 
 def map_values(parts: Sequence[Tessellation], name: str) -> Floats:
     """A map of `MAPS` at the corners of the faces of the joined mesh, (m, 3)."""
-    field, component, _, _ = MAPS[name]
     pairs = zip(*(part.curvatures() for part in parts), strict=True)
     gaussian, mean = (np.concatenate([one.ravel() for one in several]) for several in pairs)
-    if component is not None:
-        values = forms.principal(gaussian, mean)[:, component]
-    else:
-        values = mean if field == "mean_curvature" else gaussian
+    known = {
+        "gaussian_curvature": gaussian,
+        "mean_curvature": mean,
+        "principal_curvatures": forms.principal(gaussian, mean),
+    }
+    values = MAPS[name].of(known[MAPS[name].field])
     return np.asarray(values[joined(parts).faces])
 
 
@@ -197,7 +210,7 @@ def coat_of_patches(
         raise RsymError(f"no map {colour_by!r}", code="colour-by", remedy=f"choose from {known}")
     values = map_values(parts, colour_by)
     chosen = limits if limits is not None else _limits(mesh.vertices, values, colour_by)
-    return value_coat(between_corners(values), values, MAPS[colour_by][3], limits=chosen, colour_map=colour_map)
+    return value_coat(between_corners(values), values, MAPS[colour_by].label, limits=chosen, colour_map=colour_map)
 
 
 def map_range(
@@ -212,7 +225,7 @@ def map_range(
 
 def _limits(points: Floats, values: Floats, name: str) -> tuple[float, float]:
     size = float(np.ptp(points, axis=0).max())
-    return robust_limits(values, (2 / size) ** MAPS[name][2])
+    return robust_limits(values, (2 / size) ** MAPS[name].power)
 
 
 def _net(net: Floats, patches: Patches) -> list[Stroke]:

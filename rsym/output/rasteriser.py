@@ -14,8 +14,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
+from rsym.arrays import Floats, Ints
 
 SUBPIXELS = 256
 # Beyond this many pixels a corner is moved back: products of two coordinates must fit 63 bits.

@@ -13,8 +13,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.output.certificates import CERTIFICATES, DEFECT
@@ -30,7 +30,6 @@ from rsym.verify.repair.report import Candidate, RepairReport
 from rsym.verify.report import SmoothnessReport
 from rsym.verify.revolution import meridian
 
-Floats = NDArray[np.float64]
 Box = tuple[tuple[float, float], ...]
 
 COLUMNS = 3

@@ -14,8 +14,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PathCollection
 from matplotlib.colors import Normalize
 from matplotlib.path import Path as Outline
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError, warn
 from rsym.model.requirements import file_path, several
 from rsym.output.atomic import write_atomically
@@ -25,8 +25,6 @@ from rsym.output.pictures import require_axes
 from rsym.output.shading import AZIMUTH
 from rsym.output.units import UNITS, check_unit
 from rsym.sampling.sections import Section
-
-Floats = NDArray[np.float64]
 
 LAYERS = (".svg", ".dxf")
 COLOUR_MAP = "viridis"

@@ -10,9 +10,8 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
-
-Floats = NDArray[np.float64]
 
 # Where the eye stands, in degrees: above the xy-plane, and from x towards y. The front of the car is seen, which
 # drives along y.

@@ -16,8 +16,8 @@ from matplotlib.artist import Artist
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.output.axes3d import Bar
 from rsym.output.certificates import CERTIFICATES, DEFECT
 from rsym.output.ink import INK, SMOOTH, Stroke, dots, visible
@@ -27,7 +27,6 @@ from rsym.reports.words import plural
 from rsym.sampling.sharp.features import Feature
 from rsym.verify.bodies.singular import SingularCurve, SingularPoint, counted
 
-Floats = NDArray[np.float64]
 Limits: TypeAlias = tuple[float, float]
 
 HIDDEN, HIDDEN_POINT = 0.15, 0.5  # the share that shows through the body

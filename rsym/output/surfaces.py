@@ -13,21 +13,20 @@ from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike, NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.model.requirements import require_kind
 from rsym.model.shape import Shape
+from rsym.model.wording import documented
 from rsym.output import axes3d
 from rsym.output.ink import SMOOTH, Stroke, draw_lines, visible
-from rsym.output.paints import Coat, Spots, coat_of
+from rsym.output.paints import NAMES_OF_MAPS, Coat, Spots, coat_of
 from rsym.output.rasteriser import Triangles, rasterise, snap
 from rsym.output.shading import AZIMUTH, BODY, ELEVATION, hollows, mean_depth, reduce, shade, unit
 from rsym.output.singular import mark_curves
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.sharp.features import Feature
 from rsym.verify.bodies.singular import SingularCurve
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SAMPLES = 2  # per pixel and direction
 BATCH = 1 << 18  # pixels shaded at once
@@ -36,6 +35,7 @@ HOLLOW_RADIUS = 0.025  # of the picture's longer side
 EDGE_LIGHT = 0.25  # what is left of the light on an edge
 
 
+@documented(maps=NAMES_OF_MAPS)
 def plot_mesh(
     mesh: Mesh,
     *,
@@ -70,7 +70,7 @@ def plot_mesh(
         Whether to draw `mesh.features`, the curves along which leaves meet; a number is the least angle in degrees
         of those that are drawn, by default 10.
     colour_by : str or array, optional
-        ``mean_curvature``, ``gaussian_curvature``, ``k1``, ``k2``: a map of the exact curvature at every pixel, that
+        {maps}: a map of the exact curvature at every pixel, that
         of the leaf up to each edge; for a mesh of patches exact at every vertex and linear between;
         ``zebra``: the reflection of level stripes, kinked where the curvature jumps and broken at an edge;
         ``part``: a colour for each part of the shape (`Shape.named`, or the texts of a model file);

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.sampling.mesh import Mesh
 from rsym.surfaces import forms
 from rsym.surfaces.patch import LetterValues, Orders, Patch
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Triangles of a picture of two or three thousand points: smaller ones than a few pixels show nothing more.
 CELLS = 32_000

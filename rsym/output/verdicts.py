@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.output.axes3d import require_axes3d
@@ -34,8 +34,6 @@ from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.reports.words import plural
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.report import SmoothnessReport
-
-Floats = NDArray[np.float64]
 
 CELLS, BODY_CELLS = 600, 160  # along the longer side
 WIDTH = 8.0  # inches

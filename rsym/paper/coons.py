@@ -13,7 +13,8 @@ from rsym.output.comparison import compare_patches
 from rsym.output.gallery import Gallery
 from rsym.output.patches import plot_patches
 from rsym.paper.drawing import Drawing, Table, triangles_in
-from rsym.surfaces.coons.coons_patches import BicubicCoons, CoonsPatch
+from rsym.surfaces.coons.bicubic import BicubicCoons
+from rsym.surfaces.coons.coons_patches import CoonsPatch
 from rsym.surfaces.coons.twists import estimate_twists
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v

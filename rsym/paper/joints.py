@@ -10,7 +10,7 @@ from rsym.output.gallery import Gallery
 from rsym.output.joins import plot_continuity
 from rsym.output.patches import plot_patches
 from rsym.paper.drawing import Drawing, Table, triangles_in
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.joints.joining import join
 from rsym.surfaces.parametric import ParametricSurface

@@ -13,7 +13,7 @@ from rsym.output.gallery import Gallery
 from rsym.output.patches import map_range, plot_patches
 from rsym.paper.drawing import Drawing, Table, triangles_in
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.coons.exact import torus
 
 Floats = NDArray[np.float64]

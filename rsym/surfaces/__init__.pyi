@@ -1,9 +1,10 @@
 from . import projections
 from .blends.blending import HermiteBlend
 from .blends.blending_checks import Answer
-from .bsplines.bspline_loci import Plane
+from .bsplines.parameter_correction import Plane
 from .bsplines.spline_surfaces import BSplineSurface
-from .coons.coons_patches import BicubicCoons, CoonsPatch
+from .coons.bicubic import BicubicCoons
+from .coons.coons_patches import CoonsPatch
 from .coons.energies import energy
 from .coons.exact import (
     cone,

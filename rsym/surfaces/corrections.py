@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.model.requirements import require_positive
 from rsym.surfaces.parameters import Interval
-
-Array: TypeAlias = NDArray[np.float64]
 
 # Share of their size by which patches and curves may miss one another: rounding of data given to nine digits.
 MEETING = 1e-9
@@ -76,7 +74,7 @@ def enough(share: float) -> str:
     return f"{math.ceil(share / step * (1 - 1e-12)) * step:.2g}"
 
 
-def greatest(distance: Callable[..., Array], *intervals: Interval) -> tuple[float, tuple[float, ...]]:
+def greatest(distance: Callable[..., Floats], *intervals: Interval) -> tuple[float, tuple[float, ...]]:
     """The greatest value of a function of one or two parameters and where it is: samples, then closer ones round it.
 
     Examples
@@ -103,7 +101,7 @@ def greatest(distance: Callable[..., Array], *intervals: Interval) -> tuple[floa
     return best, place
 
 
-def sizes(vectors: Array) -> Array:
+def sizes(vectors: Floats) -> Floats:
     """The lengths of vectors (..., 3).
 
     Examples

@@ -16,12 +16,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Flags, Floats
 from rsym.surfaces.parameters import Interval
 
-Array: TypeAlias = NDArray[np.float64]
-Flags: TypeAlias = NDArray[np.bool_]
 LetterValues: TypeAlias = Mapping[Any, float] | None
 
 # Share d of a length below which a place is taken for one at a pole. At an end of the interval means with three nodes
@@ -49,28 +48,28 @@ class Surface(Protocol):
     def domain(self) -> tuple[Interval, Interval]:
         """The intervals of u and v."""
 
-    def derivatives(self, u: ArrayLike, v: ArrayLike, orders: Any, *, letters: LetterValues = None) -> list[Array]:
+    def derivatives(self, u: ArrayLike, v: ArrayLike, orders: Any, *, letters: LetterValues = None) -> list[Floats]:
         """Several derivatives, (..., 3) each."""
 
 
 class Forms(NamedTuple):
     """A normal and the coefficients of both fundamental forms in one basis of the tangent plane."""
 
-    normal: Array
-    E: Array
-    F: Array
-    G: Array
-    L: Array
-    M: Array
-    N: Array
+    normal: Floats
+    E: Floats
+    F: Floats
+    G: Floats
+    L: Floats
+    M: Floats
+    N: Floats
 
 
-def dot(a: Array, b: Array) -> Array:
+def dot(a: Floats, b: Floats) -> Floats:
     """The scalar product along the last axis."""
     return np.asarray(np.einsum("...i,...i->...", a, b))
 
 
-def normals(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Array:
+def normals(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Floats:
     """Unit normals (..., 3); NaN where the surface has none."""
     p_u, p_v, p_uv = surface.derivatives(u, v, ((1, 0), (0, 1), (1, 1)), letters=letters)
     result = _unit(np.cross(p_u, p_v))
@@ -82,20 +81,20 @@ def normals(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues 
     return result
 
 
-def first_form(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Array:
+def first_form(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Floats:
     """[[E, F], [F, G]], (..., 2, 2)."""
     p_u, p_v = surface.derivatives(u, v, ((1, 0), (0, 1)), letters=letters)
     return _matrix(dot(p_u, p_u), dot(p_u, p_v), dot(p_v, p_v))
 
 
-def second_form(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Array:
+def second_form(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Floats:
     """[[L, M], [M, N]], (..., 2, 2)."""
     n = normals(surface, u, v, letters)
     p_uu, p_uv, p_vv = surface.derivatives(u, v, ((2, 0), (1, 1), (0, 2)), letters=letters)
     return _matrix(dot(n, p_uu), dot(n, p_uv), dot(n, p_vv))
 
 
-def curvatures(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> tuple[Array, Array]:
+def curvatures(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> tuple[Floats, Floats]:
     """The Gaussian and the mean curvature; NaN where the surface has none."""
     one = limit_forms(surface, u, v, letters)
     with np.errstate(all="ignore"):
@@ -105,7 +104,7 @@ def curvatures(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValu
     return gaussian, mean
 
 
-def principal(gaussian: Array, mean: Array) -> Array:
+def principal(gaussian: Floats, mean: Floats) -> Floats:
     """The principal curvatures (..., 2), the larger first."""
     root = np.sqrt(np.maximum(mean**2 - gaussian, 0.0))
     return np.stack([mean + root, mean - root], axis=-1)
@@ -132,8 +131,8 @@ def limit_forms(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterVal
 
 
 def _pole_forms(
-    surface: Surface, places: list[Array], axis: int, gone: Array, p_uv: Array, inner: Array, letters: LetterValues
-) -> tuple[tuple[Flags, Flags], Array, list[Array]]:
+    surface: Surface, places: list[Floats], axis: int, gone: Floats, p_uv: Floats, inner: Floats, letters: LetterValues
+) -> tuple[tuple[Flags, Flags], Floats, list[Floats]]:
     """Where normal and forms near poles hold, and what they are; `gone` is the derivative that vanishes."""
     low, high = surface.domain[1 - axis]
     pole = _at_pole(surface, places[1 - axis], axis, gone, p_uv)
@@ -156,8 +155,8 @@ def _pole_forms(
 
 
 def _forms_by_means(
-    axis: int, side: Array, distance: Array, length: float, derivatives: Sequence[Array]
-) -> tuple[Array, list[Array]]:
+    axis: int, side: Floats, distance: Floats, length: float, derivatives: Sequence[Floats]
+) -> tuple[Floats, list[Floats]]:
     """Normal and forms in the basis (p_u/d, p_v), from derivatives at the pole, on the way from it and at its end."""
     p_v, p_vv, p_uv, p_uvv, p_uuv, p_uuvv = derivatives
     back = [1 - share for share in NODES]
@@ -175,13 +174,13 @@ def _forms_by_means(
     return n, [E, F, G, L, dot(n, _mean(p_uvv, NODES)), dot(n, p_vv[-1])]
 
 
-def _mean(values: Array, weights: Sequence[float] = (1.0, 1.0, 1.0)) -> Array:
+def _mean(values: Floats, weights: Sequence[float] = (1.0, 1.0, 1.0)) -> Floats:
     """The mean over the way of values at its start, the nodes and its end, times weights at the nodes."""
     terms = [w * one * value for w, one, value in zip(WEIGHTS, weights, values[1:-1], strict=True)]
     return np.asarray(np.add.reduce(terms))
 
 
-def _poles(tangents: tuple[Array, Array], p_uv: Array, near: Sequence[Any]) -> tuple[Flags, Flags]:
+def _poles(tangents: tuple[Floats, Floats], p_uv: Floats, near: Sequence[Any]) -> tuple[Flags, Flags]:
     """Where p_u vanishes beside p_uv, nearer in v than the second of two distances, and where p_v does."""
     turning = _size(p_uv)
     at_u, at_v = (_size(one) < distance * turning for one, distance in zip(tangents, near[::-1], strict=True))
@@ -193,18 +192,18 @@ def _lengths(surface: Surface) -> list[float]:
     return [high - low for low, high in surface.domain]
 
 
-def _turning_length(first: Array, second: Array) -> Array:
+def _turning_length(first: Floats, second: Floats) -> Floats:
     """The change of the parameter in which the tangent changes by itself; infinite along a line."""
     with np.errstate(all="ignore"):
         length = _size(first) / _size(second)
     return np.where(np.isfinite(length), length, np.inf)
 
 
-def _places(u: ArrayLike, v: ArrayLike, where: Flags) -> list[Array]:
+def _places(u: ArrayLike, v: ArrayLike, where: Flags) -> list[Floats]:
     return [np.broadcast_to(np.asarray(one, np.float64), where.shape)[where] for one in (u, v)]
 
 
-def _at_pole(surface: Surface, values: Array, axis: int, gone: Array, p_uv: Array) -> Array:
+def _at_pole(surface: Surface, values: Floats, axis: int, gone: Floats, p_uv: Floats) -> Floats:
     """The parameter of the pole near each place, where `gone`, the derivative along the axis, vanishes."""
     low, high = surface.domain[1 - axis]
     room = AT_END * (high - low)
@@ -212,7 +211,7 @@ def _at_pole(surface: Surface, values: Array, axis: int, gone: Array, p_uv: Arra
     return np.where(moved < low + room, low, np.where(moved > high - room, high, moved))
 
 
-def _side(surface: Surface, values: Array, axis: int, gone: Array, p_uv: Array) -> Array:
+def _side(surface: Surface, values: Floats, axis: int, gone: Floats, p_uv: Floats) -> Floats:
     """1 where the place is above its pole and -1 where it is below: the sign of the way inwards at an end."""
     low, high = surface.domain[1 - axis]
     pole = _at_pole(surface, values, axis, gone, p_uv)
@@ -220,21 +219,21 @@ def _side(surface: Surface, values: Array, axis: int, gone: Array, p_uv: Array) 
     return np.where(inner, np.where(dot(gone, p_uv) < 0, -1.0, 1.0), np.where(pole == high, -1.0, 1.0))
 
 
-def _limit_normal(axis: int, side: Array, p_u: Array, p_v: Array, p_uv: Array) -> Array:
+def _limit_normal(axis: int, side: Floats, p_u: Floats, p_v: Floats, p_uv: Floats) -> Floats:
     """The normal at poles where the derivative along the axis is side p_uv times a distance that vanishes."""
     limit = side[:, None] * p_uv
     return _unit(np.cross(limit, p_v) if axis == 0 else np.cross(p_u, limit))
 
 
-def _size(vectors: Array) -> Array:
+def _size(vectors: Floats) -> Floats:
     return np.sqrt(dot(vectors, vectors))
 
 
-def _matrix(a: Array, b: Array, c: Array) -> Array:
+def _matrix(a: Floats, b: Floats, c: Floats) -> Floats:
     return np.stack([np.stack([a, b], axis=-1), np.stack([b, c], axis=-1)], axis=-2)
 
 
-def _unit(vectors: Array) -> Array:
+def _unit(vectors: Floats) -> Floats:
     with np.errstate(all="ignore"):
         lengths = _size(vectors)[..., None]
         return np.where(lengths > 0, vectors / lengths, np.nan)

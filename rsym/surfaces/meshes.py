@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.sampling.mesh import Mesh
-from rsym.surfaces.patch import Array, LetterValues, Patch, patches_of
-
-Ints: TypeAlias = NDArray[np.int64]
+from rsym.surfaces.patch import LetterValues, Patch, patches_of
 
 # Points of neighbouring patches this share of the whole apart are one vertex: far below a cell, far above rounding,
 # unless the whole is far from the origin: coordinates of different formulas differ by some roundings of their size.
@@ -83,7 +81,7 @@ def mesh_patches(
     shading = np.concatenate(normals)[faces[kept]]
     leaves = tuple(f"patch {number}" for number in range(len(given)))
 
-    def curvatures(name: str) -> Array:
+    def curvatures(name: str) -> Floats:
         found = [_curvature(patch, name, cells, letters) for patch in given]
         return np.asarray(np.concatenate(found)[faces[kept]])
 
@@ -101,22 +99,22 @@ def _cells(resolution: Any) -> tuple[int, int]:
     return int(given[0]), int(given[1])
 
 
-def _places(patch: Patch, cells: tuple[int, int], letters: LetterValues) -> tuple[Array, Array, dict[Any, float]]:
+def _places(patch: Patch, cells: tuple[int, int], letters: LetterValues) -> tuple[Floats, Floats, dict[Any, float]]:
     """The parameters of a patch's grid, as they broadcast, and the letters that it has."""
     u, v = (np.linspace(*interval, count + 1) for interval, count in zip(patch.domain, cells, strict=True))
     return u[:, None], v[None, :], {name: one for name, one in (letters or {}).items() if str(name) in patch.letters}
 
 
-def _samples(patch: Patch, cells: tuple[int, int], letters: LetterValues) -> tuple[Array, Array]:
+def _samples(patch: Patch, cells: tuple[int, int], letters: LetterValues) -> tuple[Floats, Floats]:
     """Points and unit normals on the grid of a patch; NaN, for that of the triangle, where the surface has none."""
     u, v, own = _places(patch, cells, letters)
     return patch(u, v, letters=own), patch.normal(u, v, letters=own)
 
 
-def _curvature(patch: Patch, name: str, cells: tuple[int, int], letters: LetterValues) -> Array:
+def _curvature(patch: Patch, name: str, cells: tuple[int, int], letters: LetterValues) -> Floats:
     """The curvature of this name at the points of the grid of a patch, row by row."""
     u, v, own = _places(patch, cells, letters)
-    values: Array = getattr(patch, name)(u, v, letters=own)
+    values: Floats = getattr(patch, name)(u, v, letters=own)
     return values.reshape(u.size * v.size, *values.shape[2:])
 
 
@@ -129,7 +127,7 @@ def _triangles(rows: int, columns: int) -> Ints:
     return halves.reshape(-1, 3)
 
 
-def _welded(points: Array) -> tuple[Array, Ints]:
+def _welded(points: Floats) -> tuple[Floats, Ints]:
     """Vertices without repetition, and which of them each point is."""
     size = float(np.ptp(points, axis=0).max())
     room = max(WELDING * size, ROUNDING * float(np.abs(points).max()))

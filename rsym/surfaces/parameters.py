@@ -6,18 +6,18 @@ import math
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 
-Array: TypeAlias = NDArray[np.float64]
 Interval: TypeAlias = tuple[float, float]
 
 # Parameters this share of the interval outside of it are rounding, and moved to its end.
 ROUNDING = 1e-12
 
 
-def real_array(given: ArrayLike) -> Array:
+def real_array(given: ArrayLike) -> Floats:
     """Float64 numbers, a copy of none that are. TypeError or ValueError for others: NumPy only warns of complex ones.
 
     Examples
@@ -31,7 +31,7 @@ def real_array(given: ArrayLike) -> Array:
     return array.astype(np.float64, copy=False)
 
 
-def parameter_arrays(*given: ArrayLike) -> list[Array]:
+def parameter_arrays(*given: ArrayLike) -> list[Floats]:
     """Float64 arrays that broadcast against each other, in the shapes given."""
     try:
         arrays = [real_array(one) for one in given]
@@ -72,7 +72,7 @@ def as_interval(given: Any, what: str) -> Interval:
     return low, high
 
 
-def inside(values: Array, interval: Interval, closed: bool, name: str) -> Array:
+def inside(values: Floats, interval: Interval, closed: bool, name: str) -> Floats:
     """The values in the interval: modulo its length if it is closed, otherwise refused if they lie outside.
 
     Examples
@@ -82,7 +82,7 @@ def inside(values: Array, interval: Interval, closed: bool, name: str) -> Array:
     """
     low, high = interval
     if closed:
-        turned: Array = low + np.mod(values - low, high - low)
+        turned: Floats = low + np.mod(values - low, high - low)
         # The upper end stays where it is, so that a closed grid ends where it should.
         return np.where((values >= low) & (values <= high), values, turned)
     if not values.size or (values.min() >= low and values.max() <= high):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.model.symbols import real_replacements
@@ -16,7 +17,7 @@ from rsym.model.traversal import symbols_of
 from rsym.surfaces.functions.entries import entries_and_shape, exact
 from rsym.surfaces.functions.formulas import CompiledFormulas
 from rsym.surfaces.parameters import as_interval
-from rsym.surfaces.patch import Array, Domain, LetterValues, Orders, Patch
+from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch
 
 
 class ParametricSurface(Patch):
@@ -105,6 +106,6 @@ class ParametricSurface(Patch):
     def _compiled(self) -> CompiledFormulas:
         return CompiledFormulas(list(self._point), ("u", "v"), self._letters, self._domain)
 
-    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, u: Floats, v: Floats, orders: Orders, letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         return self._compiled.points(u, v, orders, self._letters.values_with(letters))

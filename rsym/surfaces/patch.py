@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import sympy as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.abridging import ROOM, weight
 from rsym.model.letters import Letters
@@ -25,7 +26,6 @@ from rsym.surfaces.parameters import Interval, inside, parameter_arrays
 if TYPE_CHECKING:
     from rsym.sampling.mesh import Mesh
 
-Array: TypeAlias = NDArray[np.float64]
 Domain: TypeAlias = tuple[Interval, Interval]
 Orders: TypeAlias = Sequence[tuple[int, int]]
 LetterValues: TypeAlias = Mapping[Any, float] | None
@@ -69,7 +69,7 @@ class Patch(ABC):
         return Letters({})
 
     @abstractmethod
-    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, u: Floats, v: Floats, orders: Orders, letters: LetterValues = None) -> list[Floats]:
         """The derivatives d^(i+j)p/du^i dv^j for each (i, j), at arrays that broadcast and lie in the domain."""
 
     def expression(self) -> sp.ImmutableMatrix:
@@ -80,11 +80,11 @@ class Patch(ABC):
             remedy="give its curves as SymPy expressions",
         )
 
-    def __call__(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+    def __call__(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Floats:
         """Points (..., 3)."""
         return self.derivative(u, v, (0, 0), letters=letters)
 
-    def grid(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+    def grid(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Floats:
         """Points (len u, len v, 3) at all pairs of two vectors."""
         rows, columns = (np.atleast_1d(parameter_arrays(one)[0]) for one in (u, v))
         if rows.ndim != 1 or columns.ndim != 1:
@@ -97,11 +97,11 @@ class Patch(ABC):
 
     def derivative(
         self, u: ArrayLike, v: ArrayLike, order: tuple[int, int] = (1, 0), *, letters: LetterValues = None
-    ) -> Array:
+    ) -> Floats:
         """The derivative d^(i+j)p/du^i dv^j of order (i, j), as (..., 3)."""
         return self.derivatives(u, v, (order,), letters=letters)[0]
 
-    def derivatives(self, u: ArrayLike, v: ArrayLike, orders: Orders, *, letters: LetterValues = None) -> list[Array]:
+    def derivatives(self, u: ArrayLike, v: ArrayLike, orders: Orders, *, letters: LetterValues = None) -> list[Floats]:
         """Several derivatives at the same parameters; cheaper than one after the other."""
         whole = [_order(order) for order in orders]
         if letters:
@@ -115,27 +115,27 @@ class Patch(ABC):
         (first, second), (round_u, round_v) = self.domain, self.closed
         return (first, round_u, "u"), (second, round_v, "v")
 
-    def normal(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+    def normal(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Floats:
         """Unit normals (..., 3): p_u x p_v over its length; at a pole, where one is 0, the limit from inside."""
         return forms.normals(self, u, v, letters)
 
-    def first_fundamental_form(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+    def first_fundamental_form(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Floats:
         """[[E, F], [F, G]] = products of p_u and p_v, (..., 2, 2)."""
         return forms.first_form(self, u, v, letters)
 
-    def second_fundamental_form(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+    def second_fundamental_form(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Floats:
         """[[L, M], [M, N]] = products of the normal with p_uu, p_uv, p_vv, (..., 2, 2)."""
         return forms.second_form(self, u, v, letters)
 
-    def gaussian_curvature(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+    def gaussian_curvature(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Floats:
         """K = (LN - M**2)/(EG - F**2); at a pole its limit."""
         return forms.curvatures(self, u, v, letters)[0]
 
-    def mean_curvature(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+    def mean_curvature(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Floats:
         """H = (EN - 2FM + GL)/(2(EG - F**2)); at a pole its limit."""
         return forms.curvatures(self, u, v, letters)[1]
 
-    def principal_curvatures(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Array:
+    def principal_curvatures(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Floats:
         """H + sqrt(H**2 - K) and H - sqrt(H**2 - K), (..., 2)."""
         return forms.principal(*forms.curvatures(self, u, v, letters))
 

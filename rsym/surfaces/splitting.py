@@ -8,11 +8,12 @@ from itertools import pairwise
 import numpy as np
 import sympy as sp
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 from rsym.surfaces.parameters import Interval
-from rsym.surfaces.patch import Array, Domain, LetterValues, Orders, Patch, patches_of
+from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch, patches_of
 
 
 class PatchPiece(Patch):
@@ -55,7 +56,7 @@ class PatchPiece(Patch):
         """Those of the whole."""
         return self.patch.letters
 
-    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, u: Floats, v: Floats, orders: Orders, letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders; at an upper end that of the whole does not share, from just below it."""
         ends = zip((u, v), self._domain, self.patch.domain, strict=True)
         below = [

@@ -17,6 +17,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.kernel import blocks_of
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
@@ -24,7 +25,7 @@ from rsym.surfaces import symbols
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.formulas import CompiledFormulas
 from rsym.surfaces.functions.univariate import NO_LETTERS, Curve
-from rsym.surfaces.patch import Array, Domain, LetterValues, Orders, Patch
+from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch
 
 # Points combined at once: their factors stay in the cache of a core.
 BLOCK = 4096
@@ -110,7 +111,7 @@ class BooleanSum(Patch):
         """The letters of all parts."""
         return self._letters
 
-    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, u: Floats, v: Floats, orders: Orders, letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         values = self._letters.values_with(letters)
         if self._compiled is not None:
@@ -163,7 +164,7 @@ class _Separable:
         self.corners = None if patch.corners is None else patch.corners.at_start(letters)
         self.width = sum(prod(one.shape) for one in (*self.of_u, *self.of_v) if one is not None)
 
-    def evaluate(self, u: Array, v: Array) -> list[Array]:
+    def evaluate(self, u: Floats, v: Floats) -> list[Floats]:
         """The derivatives (..., 3); the factors are computed for the parameters as given, before they broadcast."""
         shape = np.broadcast_shapes(u.shape, v.shape)
         u, v = (one.reshape((1,) * (len(shape) - one.ndim) + one.shape) for one in (u, v))
@@ -176,7 +177,7 @@ class _Separable:
             self._fill(_cut(u, block), _cut(v, block), [one[block] for one in out])
         return out
 
-    def _fill(self, u: Array, v: Array, out: list[Array]) -> None:
+    def _fill(self, u: Floats, v: Floats, out: list[Floats]) -> None:
         """Write the derivatives at one block."""
         of_u = [self._factors(one, u, 0) for one in self.of_u]
         of_v = [self._factors(one, v, 1) for one in self.of_v]
@@ -186,14 +187,14 @@ class _Separable:
                 parts_v = [_cut(one[j], block) if one else None for one in of_v]
                 result[block] = self._combine(parts_u, parts_v)
 
-    def _factors(self, curve: Curve | None, t: Array, axis: int) -> dict[int, Array]:
+    def _factors(self, curve: Curve | None, t: Floats, axis: int) -> dict[int, Floats]:
         """The derivatives of a factor by their order in the parameter of this axis; none of one that is missing."""
         orders = sorted({order[axis] for order in self.orders})
         return {} if curve is None else dict(zip(orders, curve.evaluate(t, orders, self.letters), strict=True))
 
-    def _combine(self, of_u: list[Array | None], of_v: list[Array | None]) -> Array:
+    def _combine(self, of_u: list[Floats | None], of_v: list[Floats | None]) -> Floats:
         (f, across_v), (g, across_u) = of_u, of_v
-        total: Array = np.zeros(3)
+        total: Floats = np.zeros(3)
         if f is not None and across_u is not None:
             total = total + _blend(f, across_u)
         if g is not None and across_v is not None:
@@ -206,7 +207,7 @@ class _Separable:
         return total
 
 
-def _blend(functions: Array, curves: Array) -> Array:
+def _blend(functions: Floats, curves: Floats) -> Floats:
     """Sum of functions (..., n) times curves (..., n, k), term by term in the order of n."""
     total = functions[..., 0, None] * curves[..., 0, :]
     for row in range(1, functions.shape[-1]):
@@ -214,7 +215,7 @@ def _blend(functions: Array, curves: Array) -> Array:
     return total
 
 
-def _cut(array: NDArray[np.float64], block: tuple[slice, ...]) -> Array:
+def _cut(array: NDArray[np.float64], block: tuple[slice, ...]) -> Floats:
     """The part of an array that broadcasts to a block; axes of length 1 stay."""
     return array[tuple(slice(None) if array.shape[axis] == 1 else part for axis, part in enumerate(block))]
 

@@ -3,7 +3,7 @@
 import numpy as np
 from geomdl import BSpline
 
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 
 RANDOM = np.random.default_rng(0)
 MATRIX = RANDOM.normal(size=(4, 4, 3))

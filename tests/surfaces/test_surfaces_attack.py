@@ -11,7 +11,7 @@ from rsym.errors import RsymError
 from rsym.surfaces import sphere, sphere_octant
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.coons.ferguson import with_twists
 from rsym.surfaces.coons.twists import estimate_twists
 from rsym.surfaces.functions import formulas

@@ -13,8 +13,7 @@ from scipy.interpolate import NdBSpline, make_interp_spline, make_lsq_spline
 
 from rsym.errors import RsymError
 from rsym.surfaces import symbols
-from rsym.surfaces.bsplines.bspline_loci import Along, Plane
-from rsym.surfaces.bsplines.parameter_correction import moved
+from rsym.surfaces.bsplines.parameter_correction import Along, Plane, moved
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 from rsym.surfaces.functions.curves import as_curve
 from rsym.surfaces.symbols import t

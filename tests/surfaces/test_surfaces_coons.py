@@ -7,7 +7,8 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.coons_patches import BicubicCoons, CoonsPatch
+from rsym.surfaces.coons.bicubic import BicubicCoons
+from rsym.surfaces.coons.coons_patches import CoonsPatch
 from rsym.surfaces.functions.univariate import Formula
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v

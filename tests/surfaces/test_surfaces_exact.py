@@ -9,7 +9,7 @@ import rsym
 from rsym.errors import RsymError
 from rsym.model.letters import Letter
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.coons.exact import (
     cone,
     cone_quarter,

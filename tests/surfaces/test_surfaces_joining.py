@@ -8,7 +8,7 @@ from oracles.hermite_doubles import Corners, Lambdified, sheet, sphere
 
 from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.coons.exact import sphere as sphere_patches
 from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.joints.joining import join

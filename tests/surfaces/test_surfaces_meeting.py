@@ -7,7 +7,8 @@ from oracles.closeness import assert_close
 from oracles.hermite_doubles import Lambdified, sheet
 
 from rsym.errors import RsymError
-from rsym.surfaces.coons.coons_patches import BicubicCoons, CoonsPatch
+from rsym.surfaces.coons.bicubic import BicubicCoons
+from rsym.surfaces.coons.coons_patches import CoonsPatch
 from rsym.surfaces.joints.joining import join
 from rsym.surfaces.networks.composite import CompositeCoons
 from rsym.surfaces.networks.gordon import GordonSurface

@@ -12,7 +12,7 @@ from scipy.optimize import minimize_scalar
 from rsym.errors import RsymError
 from rsym.model.letters import Letter
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.coons.energies import energy
 from rsym.surfaces.coons.exact import sphere_octant
 from rsym.surfaces.coons.optimal import _least_in_box, optimal_parameters

@@ -11,7 +11,7 @@ from scipy.integrate import quad
 
 import rsym
 from rsym import x, y
-from rsym.surfaces.chords.line_roots import roots_between
+from rsym.surfaces.chords.domain_chords import roots_between
 from rsym.surfaces.projections import ProjectionOperator
 from rsym.surfaces.symbols import t
 

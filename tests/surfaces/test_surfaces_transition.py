@@ -8,8 +8,7 @@ from oracles.closeness import assert_close
 from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.functions.univariate import Formula
-from rsym.surfaces.networks.transition import TransitionSurface
-from rsym.surfaces.networks.trimmed import Across, as_line
+from rsym.surfaces.networks.transition import Across, TransitionSurface, as_line
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v
 

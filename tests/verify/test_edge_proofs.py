@@ -15,7 +15,8 @@ from rsym.output.joins import plot_continuity
 from rsym.program.builder import Builder
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
-from rsym.surfaces.coons.coons_patches import BicubicCoons, CoonsPatch
+from rsym.surfaces.coons.bicubic import BicubicCoons
+from rsym.surfaces.coons.coons_patches import CoonsPatch
 from rsym.surfaces.coons.exact import ellipsoid, sphere, torus
 from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.joints.joining import join

@@ -1,7 +1,6 @@
 """The opponent: shapes whose truth is known by construction; of no verdict may anything be false.
 
-A fixed seed and that of the day; `OPPONENT_SEED=738000 pytest tests/verify/test_opponent.py` repeats those of
-another day.
+A fixed seed and that of the day; `OPPONENT_SEED=738000 pytest tests/test_opponent.py` repeats those of another day.
 Many more: `python tests/opponent/hunt.py plane --count 2000`.
 """
 

@@ -11,8 +11,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import sympy as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letter, Letters, as_letters
 from rsym.model.symbols import as_expression, real_symbol
@@ -26,7 +27,6 @@ from rsym.surfaces.functions.formulas import real_expressions
 from rsym.surfaces.functions.univariate import PARAMETERS, Formula
 from rsym.surfaces.symbols import t
 
-Array: TypeAlias = NDArray[np.float64]
 LetterValues: TypeAlias = Mapping[Any, float] | None
 
 # Formulas whose numbers are given to ten digits pass, and so does rounding times a shape parameter of a million.
@@ -112,7 +112,7 @@ class HermiteBlend:
         """The functions as one function of t with values of the shape (2 order,), compiled."""
         return Formula(self.functions, self.letters, what="a blending function")
 
-    def __call__(self, t: ArrayLike, order: int = 0, *, letters: LetterValues = None) -> Array:
+    def __call__(self, t: ArrayLike, order: int = 0, *, letters: LetterValues = None) -> Floats:
         """The values of all functions, or their derivatives of an order, (..., 2 order)."""
         return self.curve(t, order, letters=letters)
 
@@ -292,3 +292,24 @@ def part_of_pi(value: float) -> sp.Expr:
     share = Fraction(value / pi).limit_denominator(360)
     near = float(share) * pi
     return sp.Rational(share) * sp.pi if value and abs(near - value) <= 4e-16 * abs(value) else decimal
+
+
+OF_CLASS = {1: HermiteBlend.linear, 2: HermiteBlend.cubic, 3: HermiteBlend.quintic}
+
+
+def blend_of_class(given: HermiteBlend | None, order: int, name: str) -> HermiteBlend:
+    """The blend that somebody gave for a patch of a class in one parameter, cut down to it; by default its own."""
+    if order not in OF_CLASS:
+        raise RsymError(f"the class of a Coons patch is 1, 2 or 3, got {order!r}", code="class", remedy="order=2")
+    blend = OF_CLASS[order]() if given is None else given
+    if not isinstance(blend, HermiteBlend) or blend.order < order:
+        got = f"one of class {blend.order}" if isinstance(blend, HermiteBlend) else type(blend).__name__
+        raise RsymError(
+            f"a patch of class {order} needs a blend of class {order} or higher in {name}, got {got}",
+            code="blend",
+            remedy=f"HermiteBlend.{OF_CLASS[order].__name__}(), or order={getattr(blend, 'order', order)}",
+        )
+    if blend.order == order:
+        return blend
+    count = 2 * order  # the first functions of a higher class are a blend of the lower
+    return HermiteBlend(blend.functions[:count], blend.letters, formulas=blend.formulas[:count])

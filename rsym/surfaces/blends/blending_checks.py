@@ -11,8 +11,8 @@ from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.interpreter import interpret
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
@@ -22,7 +22,6 @@ from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.functions.formulas import CompiledFormulas
 from rsym.surfaces.symbols import t
 
-Array: TypeAlias = NDArray[np.float64]
 LetterValues: TypeAlias = Mapping[Any, float] | None
 
 # Sampled identities hold to this: a thousand times the rounding of blending functions.
@@ -91,7 +90,7 @@ class Answer:
         return f"{self.statement}: {'yes' if self.holds else 'no'}{place}; {status} ({self.reason})"
 
 
-def end_values(functions: Functions, letters: Letters, orders: int) -> Array:
+def end_values(functions: Functions, letters: Letters, orders: int) -> Floats:
     """The derivatives of the functions at both ends, (orders, functions, 2)."""
     return _interpreted(functions, np.array([0.0, 1.0]), orders, letters.values_with(None))
 
@@ -260,7 +259,7 @@ def _with(values: Mapping[str, float]) -> str:
     return "".join(f", {name} = {value:.6g}" for name, value in values.items())
 
 
-def _interpreted(functions: Sequence[sp.Expr], places: Array, orders: int, values: Mapping[str, float]) -> Array:
+def _interpreted(functions: Sequence[sp.Expr], places: Floats, orders: int, values: Mapping[str, float]) -> Floats:
     """Derivatives of expressions (orders, functions, places), node by node: nothing is compiled for one look."""
     formulas = CompiledFormulas(functions, (t.name,), as_letters(values), ((0.0, 1.0),))
     program = formulas.program([(order,) for order in range(orders)])

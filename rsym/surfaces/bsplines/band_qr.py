@@ -10,7 +10,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-Array: TypeAlias = NDArray[np.float64]
+from rsym.arrays import Floats
+
 Rows: TypeAlias = NDArray[np.intp]
 
 # Rows are made a triangle when they are this many times as many as their columns. 10 000 points and 20 x 20 vertices
@@ -35,14 +36,14 @@ class BandQR:
     ([1.0, 2.0], None)
     """
 
-    def __init__(self, matrix: Array, rounding: float = DEPENDENT) -> None:
+    def __init__(self, matrix: Floats, rounding: float = DEPENDENT) -> None:
         filled, columns = matrix != 0, np.arange(matrix.shape[1])
         first = np.where(filled, columns, len(columns)).min(axis=1, initial=len(columns))
         self._last = np.where(filled, columns + 1, 0).max(axis=1, initial=0)
         order = np.argsort(first, kind="stable")
         starts = np.searchsorted(first[order], np.arange(len(columns) + 1))
         self._entries = np.array(matrix, np.float64)
-        self._reflections: list[tuple[Rows, Array]] = []
+        self._reflections: list[tuple[Rows, Floats]] = []
         self._pivots, self._widths = np.empty_like(columns), np.empty_like(columns)
         self.dependent: int | None = None
         sizes = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
@@ -83,16 +84,16 @@ class BandQR:
         return length
 
     @property
-    def upper(self) -> Array:
+    def upper(self) -> Floats:
         """R."""
         return np.triu(self._entries[self._pivots])
 
-    def turned(self, right: Array) -> Array:
+    def turned(self, right: Floats) -> Floats:
         """Q^T right, (rows, numbers in a row), the rows of R first."""
         y = self._turned(right)
         return np.concatenate([y[self._pivots], np.delete(y, self._pivots, axis=0)])
 
-    def solve(self, right: Array) -> Array:
+    def solve(self, right: Floats) -> Floats:
         """The x with the smallest |A x - right|, along the first axis."""
         y = self._turned(right)
         x = np.zeros((len(self._pivots), y.shape[1]))
@@ -102,7 +103,7 @@ class BandQR:
             x[row] = (y[pivot] - rest) / self._entries[pivot, row]
         return x.reshape(-1, *right.shape[1:])
 
-    def _turned(self, right: Array) -> Array:
+    def _turned(self, right: Floats) -> Floats:
         y = np.array(right, np.float64).reshape(len(self._entries), -1)
         for rows, mirror in self._reflections:
             part = y[rows]

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.bsplines.bspline_fitting import Pair, broadcast
 from rsym.surfaces.bsplines.data_parameters import EXPONENTS, DataParameters, chord_parameters, given_parameters
@@ -14,14 +15,13 @@ from rsym.surfaces.bsplines.spline_knots import averaged_space
 from rsym.surfaces.bsplines.spline_spaces import Spaces, SplineSpace, checked_order, checked_space, uniform_space
 from rsym.surfaces.parameters import Interval, real_array
 
-Array: TypeAlias = NDArray[np.float64]
 Both: TypeAlias = tuple[Any, Any]
 
 # What has one parameter of this name: rows and columns of a net, points of a curve.
 WORDS = {"u": "row", "v": "column", "t": "point"}
 
 
-def checked_points(points: ArrayLike, what: str, *, scattered: bool = False) -> Array:
+def checked_points(points: ArrayLike, what: str, *, scattered: bool = False) -> Floats:
     """A net of finite points (r, s, 3), r and s at least 2; or points (n, 3) where these are allowed."""
     shapes = "(r, s, 3) or (n, 3)" if scattered else "(r, s, 3)"
     try:
@@ -91,7 +91,7 @@ def order_of(order: Any, degree: Any) -> Any:
 
 
 def spaces_for_data(
-    points: Array, vertices: Any, order: Any, parameters: Any, per_point: bool, knots: Any, closed: Any
+    points: Floats, vertices: Any, order: Any, parameters: Any, per_point: bool, knots: Any, closed: Any
 ) -> tuple[Spaces, Pair]:
     """The spline spaces of a fit, and the parameters of its data."""
     counts, orders, turns = pair_of(vertices, "vertices"), pair_of(order, "order"), directions(closed)
@@ -109,8 +109,8 @@ def spaces_for_data(
 
 
 def space_along(
-    points: Array, axis: int, name: str, count: Any, order: Any, rule: Any, per_point: bool, knots: Any, closed: bool
-) -> tuple[SplineSpace, Array]:
+    points: Floats, axis: int, name: str, count: Any, order: Any, rule: Any, per_point: bool, knots: Any, closed: bool
+) -> tuple[SplineSpace, Floats]:
     """The spline space of a fit along one axis of the data (r, s, 3), and their parameters."""
     available = points.shape[axis]
     if isinstance(count, bool) or not isinstance(count, int | np.integer) or count > available:
@@ -132,7 +132,7 @@ def space_along(
 
 
 def _parameters(
-    points: Array, axis: int, name: str, degree: int, rule: Any, per_point: bool, closed: bool, interval: Interval
+    points: Floats, axis: int, name: str, degree: int, rule: Any, per_point: bool, closed: bool, interval: Interval
 ) -> DataParameters:
     if not isinstance(rule, str):
         return given_parameters(rule, axis, name, points.shape, closed)
@@ -152,7 +152,7 @@ def space_for(data: DataParameters, degree: int, count: int, knots: Any, closed:
     raise RsymError(f"knots are 'averaged' or 'uniform' or arrays, got {knots!r}", code="knots")
 
 
-def _placed(data: DataParameters, space: SplineSpace, name: str) -> Array:
+def _placed(data: DataParameters, space: SplineSpace, name: str) -> Floats:
     """The parameters in the interval of the space."""
     low, high = space.domain
     if space.closed:
@@ -172,7 +172,7 @@ def _placed(data: DataParameters, space: SplineSpace, name: str) -> Array:
     return data.values
 
 
-def _check_turn(points: Array, axis: int, name: str) -> None:
+def _check_turn(points: Floats, axis: int, name: str) -> None:
     first, last = points.take(0, axis=axis), points.take(-1, axis=axis)
     if np.array_equal(first, last):
         raise RsymError(

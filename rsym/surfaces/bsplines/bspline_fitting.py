@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.linalg.lapack import dtrcon
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.sampling.memory import free_memory
 from rsym.surfaces.bsplines.band_qr import DEPENDENT, BandQR
@@ -23,8 +23,7 @@ from rsym.surfaces.bsplines.spline_knots import are_settled, check_data
 from rsym.surfaces.bsplines.spline_spaces import Spaces, SplineSpace, tensor_values
 from rsym.surfaces.corrections import sizes
 
-Array: TypeAlias = NDArray[np.float64]
-Pair: TypeAlias = tuple[Array, Array]
+Pair: TypeAlias = tuple[Floats, Floats]
 
 # Share of the size of the data by which an interpolating surface may miss them: regular systems stay below 1e-14, nets
 # over averaged knots through crowded random points below 1e-11.
@@ -94,8 +93,8 @@ class SplineFit:
     (4, True)
     """
 
-    points: Array
-    parameters: tuple[Array, ...]
+    points: Floats
+    parameters: tuple[Floats, ...]
     history: tuple[Residual, ...]
     converged: bool = True
 
@@ -111,13 +110,13 @@ def broadcast(parameters: Pair) -> Pair:
     return (u[:, None] if u.ndim == 1 else u), (v[None, :] if v.ndim == 1 else v)
 
 
-def residual_of(spaces: Spaces, net: Array, points: Array, parameters: Pair) -> Residual:
+def residual_of(spaces: Spaces, net: Floats, points: Floats, parameters: Pair) -> Residual:
     """The distances of the points from the surface at their parameters."""
     u, v = broadcast(parameters)
     return residual_at(points, tensor_values(spaces, net, u, v), (u, v))
 
 
-def residual_at(points: Array, values: Array, parameters: tuple[Array, ...]) -> Residual:
+def residual_at(points: Floats, values: Floats, parameters: tuple[Floats, ...]) -> Residual:
     """The distances of points (..., 3) from values at their parameters."""
     distances = sizes(points - values)
     worst = tuple(int(one) for one in np.unravel_index(int(distances.argmax()), distances.shape))
@@ -125,7 +124,7 @@ def residual_at(points: Array, values: Array, parameters: tuple[Array, ...]) -> 
     return Residual(float(distances[worst]), float(np.sqrt((distances**2).mean())), worst, place)
 
 
-def fitted_net(spaces: Spaces, points: Array, parameters: Pair, smoothing: float = 0.0) -> Array:
+def fitted_net(spaces: Spaces, points: Floats, parameters: Pair, smoothing: float = 0.0) -> Floats:
     """The net whose surface passes the points nearest in the sense of least squares, and is smooth."""
     if smoothing:
         solve = _smooth_solver(spaces, parameters, smoothing)
@@ -136,14 +135,14 @@ def fitted_net(spaces: Spaces, points: Array, parameters: Pair, smoothing: float
     return net
 
 
-def check_near(net: Array, points: Array) -> None:
+def check_near(net: Floats, points: Floats) -> None:
     """Refuse vertices so far from the data that these hardly determine them."""
     size = float(np.abs(points).max())
     if not np.abs(net).max() <= FAR * size:
         raise _spoilt(f"these reach to {np.abs(net).max():.2g}, data of the size {size:.2g}")
 
 
-def check_met(residual: Residual, points: Array) -> None:
+def check_met(residual: Residual, points: Floats) -> None:
     """Refuse a surface that should pass its data and, for rounding, does not."""
     size = float(np.abs(points).max())
     if not residual.maximum <= MET * size:
@@ -158,7 +157,7 @@ def _spoilt(what: str) -> RsymError:
     )
 
 
-def collocation_matrix(spaces: Spaces, parameters: Pair) -> Array:
+def collocation_matrix(spaces: Spaces, parameters: Pair) -> Floats:
     """C: a row for each point, column i*(m+1) + j with N_i(u) M_j(v)."""
     u, v = (one.ravel() for one in np.broadcast_arrays(*broadcast(parameters)))
     need, free = float(COPIES * 8 * len(u) * spaces[0].count * spaces[1].count), free_memory()
@@ -176,7 +175,7 @@ def collocation_matrix(spaces: Spaces, parameters: Pair) -> Array:
     return matrix
 
 
-def _tensor_solver(spaces: Spaces, parameters: Pair) -> Callable[[Array], Array]:
+def _tensor_solver(spaces: Spaces, parameters: Pair) -> Callable[[Floats], Floats]:
     """B = N^+ D (M^+)^T."""
     systems = []
     for space, values, name in zip(spaces, parameters, "uv", strict=True):
@@ -190,7 +189,7 @@ def _tensor_solver(spaces: Spaces, parameters: Pair) -> Callable[[Array], Array]
     return lambda right: across.solve(along.solve(right).swapaxes(0, 1)).swapaxes(0, 1)
 
 
-def _solver(spaces: Spaces, parameters: Pair) -> Callable[[Array], Array]:
+def _solver(spaces: Spaces, parameters: Pair) -> Callable[[Floats], Floats]:
     """The one system of all points."""
     shape = (spaces[0].count, spaces[1].count)
     system = BandQR(collocation_matrix(spaces, parameters))
@@ -202,7 +201,7 @@ def _solver(spaces: Spaces, parameters: Pair) -> Callable[[Array], Array]:
     return lambda right: system.solve(right.reshape(-1, 3)).reshape(*shape, 3)
 
 
-def _smooth_solver(spaces: Spaces, parameters: Pair, smoothing: float) -> Callable[[Array], Array]:
+def _smooth_solver(spaces: Spaces, parameters: Pair, smoothing: float) -> Callable[[Floats], Floats]:
     """One system of all points, each with its share of the mean square, and of what is to be smooth."""
     shape = (spaces[0].count, spaces[1].count)
     matrix, rows = collocation_matrix(spaces, parameters), smoothness_rows(spaces)

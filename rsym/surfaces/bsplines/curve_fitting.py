@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rsym.arrays import Floats
 from rsym.surfaces.bsplines.band_qr import DEPENDENT, BandQR
 from rsym.surfaces.bsplines.bspline_data import space_along
 from rsym.surfaces.bsplines.bspline_fitting import SplineFit, check_met, check_near, residual_at, singular, undetermined
 from rsym.surfaces.bsplines.spline_knots import are_settled, check_data
 from rsym.surfaces.bsplines.spline_spaces import SplineSpace
 
-Array: TypeAlias = NDArray[np.float64]
-
 
 def fitted_curve(
-    points: Array, vertices: Any, order: Any, parameters: Any, knots: Any, closed: bool
-) -> tuple[SplineSpace, Array, SplineFit]:
+    points: Floats, vertices: Any, order: Any, parameters: Any, knots: Any, closed: bool
+) -> tuple[SplineSpace, Floats, SplineFit]:
     """The space, the vertices and the fit of the spline curve nearest to points (n, 3); through them for n vertices.
 
     Examples
     --------
+    >>> import numpy as np
     >>> points = np.array([[0.0, 0, 0], [1, 1, 0], [2, 4, 0], [3, 9, 0]])
     >>> space, vertices, fit = fitted_curve(points, 3, 3, range(4), "averaged", False)
     >>> (vertices.round(9) + 0.0).tolist(), fit.residual.maximum < 1e-14

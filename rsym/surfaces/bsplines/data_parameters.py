@@ -8,15 +8,13 @@ Source: Rogers and Adams (1990), before equation 6-85; the exponent 1/2 of the c
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.parameters import Interval, real_array
-
-Array: TypeAlias = NDArray[np.float64]
 
 EXPONENTS = {"chord-length": 1.0, "centripetal": 0.5}
 # A line of points shorter than so many roundings of their coordinates for each point is one point, a pole: the row
@@ -38,13 +36,13 @@ class DataParameters:
         The interval of the parameter.
     """
 
-    values: Array
-    mean: Array
+    values: Floats
+    mean: Floats
     interval: Interval
 
 
 def chord_parameters(
-    points: Array, axis: int, name: str, rule: str, per_point: bool, interval: Interval, closed: bool, halved: bool
+    points: Floats, axis: int, name: str, rule: str, per_point: bool, interval: Interval, closed: bool, halved: bool
 ) -> DataParameters:
     """Shares of the chord length (or of the sum of its roots) along an axis, brought to the interval.
 
@@ -105,12 +103,12 @@ def given_parameters(given: Any, axis: int, name: str, shape: tuple[int, ...], c
     return DataParameters(_turned(values, interval), mean[:-1], interval)
 
 
-def _turned(values: Array, interval: Interval) -> Array:
+def _turned(values: Floats, interval: Interval) -> Floats:
     low, high = interval
     return low + np.mod(values - low, high - low)
 
 
-def _check_order(values: Array, name: str) -> None:
+def _check_order(values: Floats, name: str) -> None:
     """Finite, and not decreasing along the first axis."""
     if not np.isfinite(values).all():
         place = tuple(map(int, np.argwhere(~np.isfinite(values))[0]))

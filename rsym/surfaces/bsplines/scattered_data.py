@@ -6,13 +6,13 @@ scattered data it is only asked, and a system without a unique solution is found
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.bsplines.bspline_data import directions, pair_of, space_for
 from rsym.surfaces.bsplines.bspline_fitting import Pair
@@ -20,14 +20,12 @@ from rsym.surfaces.bsplines.data_parameters import DataParameters
 from rsym.surfaces.bsplines.spline_spaces import Spaces, SplineSpace, checked_order, checked_space
 from rsym.surfaces.parameters import real_array
 
-Array: TypeAlias = NDArray[np.float64]
-
 # Points whose breadth is less than this share of their length lie on a line: they have no plane.
 LINE = 1e-9
 
 
 def spaces_for_scattered(
-    points: Array, vertices: Any, order: Any, parameters: Any, knots: Any, closed: Any, smooth: bool
+    points: Floats, vertices: Any, order: Any, parameters: Any, knots: Any, closed: Any, smooth: bool
 ) -> tuple[Spaces, Pair]:
     """The spline spaces of a fit to points (n, 3), and their parameters, (n,) each; what is smoothed may have holes."""
     counts, turns = pair_of(vertices, "vertices"), directions(closed)
@@ -83,7 +81,7 @@ def _support(space: SplineSpace, number: int) -> str:
     return f"[{start:.4g}, {stop:.4g}]"
 
 
-def _space(values: Array, count: Any, order: Any, knots: Any, closed: bool, name: str) -> SplineSpace:
+def _space(values: Floats, count: Any, order: Any, knots: Any, closed: bool, name: str) -> SplineSpace:
     """The space along one parameter: over given knots, over [0, 1], or from the least to the greatest parameter."""
     distinct = np.unique(values)
     if isinstance(count, bool) or not isinstance(count, int | np.integer) or count > len(distinct):
@@ -108,7 +106,7 @@ def _space(values: Array, count: Any, order: Any, knots: Any, closed: bool, name
     return space_for(DataParameters(values, followed, interval), degree, int(count), knots, closed)
 
 
-def _placed(values: Array, space: SplineSpace, name: str) -> Array:
+def _placed(values: Floats, space: SplineSpace, name: str) -> Floats:
     low, high = space.domain
     if space.closed:
         return low + np.mod(values - low, high - low)
@@ -122,7 +120,7 @@ def _placed(values: Array, space: SplineSpace, name: str) -> Array:
     return values
 
 
-def _numbers(given: Any, count: int, name: str) -> Array:
+def _numbers(given: Any, count: int, name: str) -> Floats:
     try:
         values = np.array(real_array(given))
     except (TypeError, ValueError) as error:
@@ -160,7 +158,7 @@ def _check_count(counts: tuple[Any, Any], available: int) -> None:
         )
 
 
-def _in_plane(points: Array) -> Pair:
+def _in_plane(points: Floats) -> Pair:
     """The places of points in the plane nearest to them, along its length and its breadth, each from 0 to 1."""
     centred = points - points.mean(axis=0)
     _, lengths, axes = np.linalg.svd(centred, full_matrices=False)

@@ -9,15 +9,13 @@ for planes with u and v proportional to lengths. The idea of such a penalty: Eil
 from __future__ import annotations
 
 import math
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.bsplines.spline_spaces import Spaces, SplineSpace
-
-Array: TypeAlias = NDArray[np.float64]
 
 
 def checked_smoothing(given: Any) -> float:
@@ -39,13 +37,13 @@ def checked_smoothing(given: Any) -> float:
     return value
 
 
-def smoothness_rows(spaces: Spaces) -> Array:
+def smoothness_rows(spaces: Spaces) -> Floats:
     """Rows (m, vertices of u times those of v) whose squares sum up to the formula above for s = 1."""
     (n, n_u, n_uu), (m, m_v, m_vv) = (_derivatives(space) for space in spaces)
     return np.concatenate([np.kron(n_uu, m), math.sqrt(2) * np.kron(n_u, m_v), np.kron(n, m_vv)])
 
 
-def _derivatives(space: SplineSpace) -> list[Array]:
+def _derivatives(space: SplineSpace) -> list[Floats]:
     """For the function and its first two derivatives the vertices, each times the root of its integral."""
     low, high = space.domain
     knots, matrix = (space.knots - low) / (high - low), space.unrolled(np.eye(space.count))

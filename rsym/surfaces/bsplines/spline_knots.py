@@ -6,19 +6,16 @@ data with t_j < u_j < t_(j+k), one in the support of every basis function.
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.bsplines.spline_spaces import ROUNDING, SplineSpace, around, clamped
 from rsym.surfaces.parameters import Interval
 
-Array: TypeAlias = NDArray[np.float64]
 
-
-def averaged_space(mean: Array, interval: Interval, degree: int, count: int, closed: bool) -> SplineSpace:
+def averaged_space(mean: Floats, interval: Interval, degree: int, count: int, closed: bool) -> SplineSpace:
     """A space whose knots follow the data.
 
     As many vertices as data: t_(j+p) = (u_j + ... + u_(j+p-1))/p (de Boor 1978). Fewer: knots at equal shares of the
@@ -38,7 +35,7 @@ def averaged_space(mean: Array, interval: Interval, degree: int, count: int, clo
     return SplineSpace(degree, clamped(np.concatenate([interval[:1], inner, interval[1:]]), degree))
 
 
-def _shares(mean: Array, interval: Interval, degree: int, count: int) -> Array:
+def _shares(mean: Floats, interval: Interval, degree: int, count: int) -> Floats:
     """The knots of one period at equal shares of the data, half a datum earlier where the degree is even."""
     period = interval[1] - interval[0]
     turns = np.concatenate([mean[-1:] - period, mean, mean[:1] + period])
@@ -48,7 +45,7 @@ def _shares(mean: Array, interval: Interval, degree: int, count: int) -> Array:
     return np.asarray(knots)
 
 
-def check_data(parameters: Array, space: SplineSpace, name: str) -> None:
+def check_data(parameters: Floats, space: SplineSpace, name: str) -> None:
     """Refuse data that do not determine the spline, naming the first vertex without a datum of its own."""
     distinct = np.unique(parameters)
     low, high = space.domain
@@ -74,7 +71,7 @@ def check_data(parameters: Array, space: SplineSpace, name: str) -> None:
         start += int(found[0]) + 1
 
 
-def are_settled(parameters: Array, space: SplineSpace) -> bool:
+def are_settled(parameters: Floats, space: SplineSpace) -> bool:
     """Whether data that `check_data` lets pass determine the spline for certain, however crowded they are.
 
     Open: Schoenberg and Whitney. Closed: knots that follow the data one by one; proved for odd degrees, and
@@ -88,6 +85,6 @@ def are_settled(parameters: Array, space: SplineSpace) -> bool:
     return np.allclose(followed, space.knots, rtol=0, atol=ROUNDING * (space.domain[1] - space.domain[0]))
 
 
-def _in_support(values: Array, left: float, right: float, period: float) -> NDArray[np.bool_]:
+def _in_support(values: Floats, left: float, right: float, period: float) -> NDArray[np.bool_]:
     """Whether a value or one of its repetitions lies strictly between left and right."""
     return np.asarray(left + np.mod(values - left, period) < right) & (np.mod(values - left, period) > 0)

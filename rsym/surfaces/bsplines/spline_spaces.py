@@ -14,12 +14,12 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import BSpline, NdBSpline, PPoly
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.polynomials import Polynomials
 from rsym.surfaces.parameters import Interval, real_array
 
-Array: TypeAlias = NDArray[np.float64]
 Spaces: TypeAlias = "tuple[SplineSpace, SplineSpace]"
 
 # Share of the period by which the knots of one turn may differ from those of the next: they come from sums.
@@ -49,7 +49,7 @@ class SplineSpace:
     """
 
     degree: int
-    knots: Array
+    knots: Floats
     closed: bool = False
 
     @property
@@ -62,21 +62,21 @@ class SplineSpace:
         """The interval where the basis functions sum to one."""
         return float(self.knots[self.degree]), float(self.knots[-self.degree - 1])
 
-    def unrolled(self, vertices: Array) -> Array:
+    def unrolled(self, vertices: Floats) -> Floats:
         """The vertices, along the first axis, one for every basis function on the line."""
         return np.concatenate([vertices, vertices[: self.degree]]) if self.closed else vertices
 
-    def spline(self, vertices: Array) -> BSpline:
+    def spline(self, vertices: Floats) -> BSpline:
         """The function with these vertices, along the first axis."""
         return BSpline(self.knots, self.unrolled(vertices), self.degree)
 
-    def local(self, t: Array) -> tuple[NDArray[np.intp], Array]:
+    def local(self, t: Floats) -> tuple[NDArray[np.intp], Floats]:
         """Numbers and values of the `degree + 1` basis functions that matter at each t, (len t, degree + 1) both."""
         design = BSpline.design_matrix(t, self.knots, self.degree)
         shape = (len(t), self.degree + 1)
         return design.indices.reshape(shape).astype(np.intp) % self.count, design.data.reshape(shape)
 
-    def matrix(self, t: Array) -> Array:
+    def matrix(self, t: Floats) -> Floats:
         """The values of all basis functions, (len t, count); closed: cyclic."""
         result = np.zeros((len(t), self.count))
         columns, values = self.local(t)
@@ -95,7 +95,7 @@ class SplineSpace:
         return len(np.unique(self.knots[(self.knots >= low) & (self.knots <= high)])) - 1
 
 
-def derivative(spline: BSpline, t: Array, order: int) -> Array:
+def derivative(spline: BSpline, t: Floats, order: int) -> Floats:
     """The derivative of a spline; of an order above the degree 0 in every span.
 
     There SciPy 1.13 writes beyond its arrays.
@@ -113,7 +113,7 @@ def inner_pieces(each: list[PPoly], domain: Interval) -> PPoly:
     return PPoly(np.stack([one.c[:, inner] for one in each], axis=-1), np.append(starts[inner], high))
 
 
-def tensor_values(spaces: Spaces, net: Array, u: Array, v: Array, order: tuple[int, int] = (0, 0)) -> Array:
+def tensor_values(spaces: Spaces, net: Floats, u: Floats, v: Floats, order: tuple[int, int] = (0, 0)) -> Floats:
     """The derivative of this order of the tensor product with this net, at arrays that broadcast, (..., 3).
 
     Arrays that vary along different axes are combined one direction after the other.
@@ -129,11 +129,11 @@ def tensor_values(spaces: Spaces, net: Array, u: Array, v: Array, order: tuple[i
     return np.asarray(surface(np.stack(np.broadcast_arrays(u, v), axis=-1), nu=order))
 
 
-def _padded(values: Array, dimensions: int) -> tuple[int, ...]:
+def _padded(values: Floats, dimensions: int) -> tuple[int, ...]:
     return (1,) * (dimensions - values.ndim) + values.shape
 
 
-def _separable(spaces: Spaces, net: Array, u: Array, v: Array, order: tuple[int, int]) -> Array:
+def _separable(spaces: Spaces, net: Floats, u: Floats, v: Floats, order: tuple[int, int]) -> Floats:
     """Curves of u with vertices that are curves of v."""
     across = spaces[1].spline(net.swapaxes(0, 1))(v.ravel(), order[1])
     along = spaces[0].spline(np.ascontiguousarray(across.swapaxes(0, 1)))(u.ravel(), order[0])
@@ -194,22 +194,22 @@ def uniform_space(degree: int, count: int, closed: bool, interval: Interval = (0
     return SplineSpace(degree, around(inner, degree) if closed else clamped(inner, degree), closed)
 
 
-def clamped(inner: Array, degree: int) -> Array:
+def clamped(inner: Floats, degree: int) -> Floats:
     """The knots with both ends `degree + 1` times."""
     return np.concatenate([np.full(degree, inner[0]), inner, np.full(degree, inner[-1])])
 
 
-def around(period: Array, degree: int) -> Array:
+def around(period: Floats, degree: int) -> Floats:
     """The knots of one period with `degree` more on each side."""
     length = period[-1] - period[0]
     return np.concatenate([period[-degree - 1 : -1] - length, period, period[1 : degree + 1] + length])
 
 
-def _room(knots: Array) -> float:
+def _room(knots: Floats) -> float:
     return ROUNDING * float(knots[-1] - knots[0])
 
 
-def _finite_knots(knots: ArrayLike, name: str) -> Array:
+def _finite_knots(knots: ArrayLike, name: str) -> Floats:
     try:
         given = np.array(real_array(knots))
     except (TypeError, ValueError) as error:
@@ -226,7 +226,7 @@ def _finite_knots(knots: ArrayLike, name: str) -> Array:
     return given
 
 
-def _check_multiplicities(knots: Array, degree: int, name: str) -> None:
+def _check_multiplicities(knots: Floats, degree: int, name: str) -> None:
     """A knot may be repeated `degree` times inside, once more at the ends: otherwise the spline is torn."""
     low, high = knots[degree], knots[-degree - 1]
     values, times = np.unique(knots, return_counts=True)

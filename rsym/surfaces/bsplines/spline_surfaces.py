@@ -13,8 +13,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import sympy as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces import symbols
 from rsym.surfaces.bsplines.bspline_data import checked_points, directions, orders_of, pair_of, spaces_for_data
@@ -27,7 +28,6 @@ from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.parameters import Interval
 from rsym.surfaces.patch import LetterValues, Orders, Patch
 
-Array: TypeAlias = NDArray[np.float64]
 Both: TypeAlias = tuple[Any, Any]
 
 # Polynomial pieces up to which a formula is given: SymPy takes about 5 ms for each of them.
@@ -84,7 +84,7 @@ class BSplineSurface(Patch):
         self.fit: SplineFit | None = None
 
     @classmethod
-    def _fitted(cls, spaces: Spaces, net: Array, fit: SplineFit) -> BSplineSurface:
+    def _fitted(cls, spaces: Spaces, net: Floats, fit: SplineFit) -> BSplineSurface:
         surface = cls(net, *_description(spaces))
         surface.fit = fit
         return surface
@@ -226,7 +226,7 @@ class BSplineSurface(Patch):
     @classmethod
     def _near_scattered(
         cls,
-        points: Array,
+        points: Floats,
         spaces: Spaces,
         parameters: Pair,
         corrections: Any,
@@ -285,7 +285,7 @@ class BSplineSurface(Patch):
             )
         return self.fit
 
-    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, u: Floats, v: Floats, orders: Orders, letters: LetterValues = None) -> list[Floats]:
         """The derivatives, by SciPy's B-splines: one direction after the other where u and v span a grid."""
         return [tensor_values(self.spaces, self.net, u, v, order) for order in orders]
 

@@ -4,31 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any
 
-import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
-from rsym.errors import RsymError
-from rsym.model.letters import as_letters
-from rsym.surfaces.blends.blending import HermiteBlend
+from rsym.arrays import Floats
+from rsym.surfaces.blends.blending import HermiteBlend, blend_of_class
 from rsym.surfaces.coons.corners import Corners
-from rsym.surfaces.coons.gregory import Gregory
-from rsym.surfaces.coons.patch_latex import bicubic_latex, coons_latex
+from rsym.surfaces.coons.gregory import gregory_of
+from rsym.surfaces.coons.patch_latex import coons_latex
 from rsym.surfaces.coons.ribbons import EDGES, ribbons_of, unit_curve
-from rsym.surfaces.coons.shared_kernels import corner_values, formulas_of_blends
 from rsym.surfaces.corrections import MEETING, Correction, require_tolerance
-from rsym.surfaces.functions.entries import entries_and_shape
-from rsym.surfaces.functions.univariate import Constant, Curve, Formula, Stack
+from rsym.surfaces.functions.univariate import Stack
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import LetterValues, Orders
 from rsym.surfaces.symbols import t, u, v
 from rsym.surfaces.transfinite import BooleanSum, Loft
-
-Array: TypeAlias = NDArray[np.float64]
-
-DEFAULTS = {1: HermiteBlend.linear, 2: HermiteBlend.cubic, 3: HermiteBlend.quintic}
 
 
 class CoonsPatch(BooleanSum):
@@ -100,7 +91,9 @@ class CoonsPatch(BooleanSum):
     ) -> None:
         require_tolerance(tolerance)
         self.order, self.tolerance = order, tolerance
-        self.blend_u, self.blend_v = (_blend(one, order, name) for one, name in ((blend_u, "u"), (blend_v, "v")))
+        self.blend_u, self.blend_v = (
+            blend_of_class(one, order, name) for one, name in ((blend_u, "u"), (blend_v, "v"))
+        )
         given = dict(zip(EDGES, (curve_u0, curve_u1, curve_v0, curve_v1), strict=True))
         edges = {name: unit_curve(curve, letters, f"the curve of the edge {name}") for name, curve in given.items()}
         across = ribbons_of(edges, ribbons, order, letters)
@@ -109,7 +102,7 @@ class CoonsPatch(BooleanSum):
         data.check(tolerance)
         super().__init__(Loft(self.blend_u.curve, across_u), Loft(self.blend_v.curve, across_v), data)
         self.data = data
-        self.gregory = _gregory(corners, data, self)
+        self.gregory = gregory_of(corners, data, (self.blend_u, self.blend_v), tolerance)
 
     @classmethod
     def of_surface(cls, point: Any, *, order: int = 1, letters: Mapping[Any, Any] | None = None) -> CoonsPatch:
@@ -136,7 +129,7 @@ class CoonsPatch(BooleanSum):
         """The greatest gap at a corner, and how far the edges are from the curves given; at the defaults of letters."""
         return self.data.correction(self.blend_u.curve, self.blend_v.curve)
 
-    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, u: Floats, v: Floats, orders: Orders, letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         if letters and len(self.data.letters):
             self.data.check(self.tolerance, self.letters.values_with(letters))
@@ -157,133 +150,3 @@ class CoonsPatch(BooleanSum):
         if self.gregory is not None or any(one.expressions() is None for one in (*lofts, self.data)):
             return super()._repr_latex_()
         return coons_latex(self.data, lofts, self.blend_u, self.blend_v)
-
-
-class BicubicCoons(BooleanSum):
-    """The patch p = f(u)^T Q f(v) of a corner information matrix; bicubic for the cubic blend.
-
-    Parameters
-    ----------
-    matrix : (4, 4, 3) numbers or SymPy expressions
-        Rows p(0,.), p(1,.), p_u(0,.), p_u(1,.); columns alike in v: .(.,0), .(.,1), ._v(.,0), ._v(.,1). So the lower
-        right block holds the twists p_uv. A matrix (6, 6, 3) adds p_uu and p_vv, for blends of class 3.
-    blend_u, blend_v : HermiteBlend, optional
-        Cubic by default; quintic for a matrix (6, 6, 3).
-    letters : mapping, optional
-        Of the expressions: symbols or names to numbers or `rsym.Letter`.
-
-    Attributes
-    ----------
-    correction : Correction or None
-        What `join` changed, if it made this patch.
-
-    Notes
-    -----
-    The form of the program `test1` of "Modelling of composite surfaces in MATLAB", and (2.4.2) of the thesis that
-    `CoonsPatch` names. With the default blends this is the bicubic Hermite patch, with zero twists Ferguson's (1964).
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> flat = np.zeros((4, 4, 3))
-    >>> flat[1, :2, 0] = flat[2:, :2, 0] = 1    # x = u
-    >>> flat[:2, 1, 1] = flat[:2, 2:, 1] = 1    # y = v
-    >>> BicubicCoons(flat)(0.25, 0.75).tolist()
-    [0.25, 0.75, 0.0]
-    """
-
-    def __init__(
-        self,
-        matrix: Any,
-        blend_u: HermiteBlend | None = None,
-        blend_v: HermiteBlend | None = None,
-        *,
-        letters: Mapping[Any, Any] | None = None,
-    ) -> None:
-        data = _matrix(matrix, letters)
-        order = data.shape[0] // 2
-        self.blend_u, self.blend_v = (_blend(one, order, name) for one, name in ((blend_u, "u"), (blend_v, "v")))
-        super().__init__(corners=data, basis=(self.blend_u.curve, self.blend_v.curve))
-        self.data = data
-        self.correction: Correction | None = None
-
-    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
-        """The derivatives of these orders."""
-        if not isinstance(self.data, Constant):
-            return super().evaluate(u, v, orders, letters)
-        values = self.letters.values_with(letters) | corner_values(self.data.values)
-        return formulas_of_blends(self.blend_u, self.blend_v).points(u, v, orders, values)
-
-    @property
-    def matrix(self) -> Array:
-        """The corner information matrix at the defaults of the letters."""
-        return np.array(self.data.at_start())
-
-    def _repr_latex_(self) -> str:
-        """P = f(u)^T Q f(v) with Q and f."""
-        return bicubic_latex(self.data, self.blend_u, self.blend_v)
-
-    def with_matrix(self, matrix: Any) -> BicubicCoons:
-        """The patch of another matrix with the same blends."""
-        return BicubicCoons(matrix, self.blend_u, self.blend_v)
-
-
-def _matrix(matrix: Any, letters: Mapping[Any, Any] | None) -> Curve:
-    """The corner information as a constant."""
-    try:
-        data: Curve = Constant(matrix)
-    except (TypeError, ValueError):
-        entries, shape = entries_and_shape(matrix)
-        known = as_letters(letters)
-        free = sorted({symbol.name for entry in entries for symbol in entry.free_symbols} - set(known))
-        if free:
-            raise RsymError(
-                f"the corner information has an unknown symbol {free[0]!r}",
-                code="unknown-letter",
-                remedy=f"declare it: letters={{{free[0]!r}: number}}",
-            ) from None
-        data = Formula(sp.ImmutableDenseNDimArray(entries, shape), known, what="the corner information")
-    if data.shape not in ((4, 4, 3), (6, 6, 3)):
-        raise RsymError(
-            f"the corner information is an array (4, 4, 3), or (6, 6, 3) for class 3, got the shape {data.shape}",
-            code="matrix",
-            remedy="rows p(0,.) p(1,.) p_u(0,.) p_u(1,.), columns alike in v, points last",
-        )
-    if isinstance(data, Constant) and not np.isfinite(data.values).all():
-        where = tuple(int(k) for k in np.argwhere(~np.isfinite(data.values))[0])
-        raise RsymError(f"the corner information is not finite at {where}", code="matrix", remedy="mend the number")
-    return data
-
-
-def _blend(given: HermiteBlend | None, order: int, name: str) -> HermiteBlend:
-    if order not in DEFAULTS:
-        raise RsymError(f"the class of a Coons patch is 1, 2 or 3, got {order!r}", code="class", remedy="order=2")
-    blend = DEFAULTS[order]() if given is None else given
-    if not isinstance(blend, HermiteBlend) or blend.order < order:
-        got = f"one of class {blend.order}" if isinstance(blend, HermiteBlend) else type(blend).__name__
-        raise RsymError(
-            f"a patch of class {order} needs a blend of class {order} or higher in {name}, got {got}",
-            code="blend",
-            remedy=f"HermiteBlend.{DEFAULTS[order].__name__}(), or order={getattr(blend, 'order', order)}",
-        )
-    if blend.order == order:
-        return blend
-    count = 2 * order  # the first functions of a higher class are a blend of the lower
-    return HermiteBlend(blend.functions[:count], blend.letters, formulas=blend.formulas[:count])
-
-
-def _gregory(corners: str, data: Corners, patch: CoonsPatch) -> Gregory | None:
-    """The correction for twists on which the edges disagree, if there is one."""
-    if corners not in ("mean", "gregory", "refuse"):
-        raise RsymError(f"corners is mean, gregory or refuse, got {corners!r}", code="corner")
-    gap = data.twist_gap()
-    size = float(np.ptp(data.both()[0][:2, :2], axis=(0, 1)).max())
-    if corners == "mean" or gap <= (patch.tolerance if corners == "refuse" else MEETING) * size:
-        return None
-    if corners == "refuse" or patch.order == 3:
-        raise RsymError(
-            f"the edges disagree by {gap:.3g} on the mixed derivatives at a corner",
-            code="twist",
-            remedy='corners="gregory" (class 2) keeps both, corners="mean" takes the mean',
-        )
-    return Gregory(patch.blend_u, patch.blend_v, data)

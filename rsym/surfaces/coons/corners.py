@@ -8,18 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import TypeAlias
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.corrections import Correction, enough, greatest, sizes
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.univariate import Curve, LetterValues, Sampled, Unvarying
-
-Array: TypeAlias = NDArray[np.float64]
 
 WORDS = ("point", "first derivative", "second derivative")
 
@@ -41,11 +38,11 @@ class Corners(Unvarying):
         self.domain = across_u.domain
         self.letters = self.by_v.letters.merge(self.by_u.letters)
 
-    def both(self, letters: LetterValues = None) -> tuple[Array, Array]:
+    def both(self, letters: LetterValues = None) -> tuple[Floats, Floats]:
         """The data [a, b] by the edges u = 0, 1 and by the edges v = 0, 1."""
         return np.swapaxes(self.by_u.value(letters), 0, 1), self.by_v.value(letters)
 
-    def value(self, letters: LetterValues = None) -> Array:
+    def value(self, letters: LetterValues = None) -> Floats:
         """The data."""
         by_u, by_v = self.both(letters)
         # Half of each, so that two infinite tangents do not make a NaN.
@@ -110,11 +107,11 @@ def _mean(a: sp.Expr, b: sp.Expr) -> sp.Expr:
     return a if a == b else (a + b) / 2
 
 
-def _distance(functions: Curve, data: Array, t: Array) -> Array:
+def _distance(functions: Curve, data: Floats, t: Floats) -> Floats:
     return sizes(functions(t) @ data)
 
 
-def _disagreement(i: int, j: int, order: tuple[int, int], by_u: Array, by_v: Array, share: float) -> RsymError:
+def _disagreement(i: int, j: int, order: tuple[int, int], by_u: Floats, by_v: Floats, share: float) -> RsymError:
     """The error of edges that do not meet at the corner (i, j), or of a ribbon that is not tangent to an edge there."""
     across, along = order
     mend = "make the ribbon agree with the edge that it ends on" if across or along else "make the edges meet there"
@@ -132,5 +129,5 @@ def _disagreement(i: int, j: int, order: tuple[int, int], by_u: Array, by_v: Arr
     )
 
 
-def _point(values: Array) -> str:
+def _point(values: Floats) -> str:
     return f"({', '.join(f'{value:.6g}' for value in values)})"

@@ -16,17 +16,16 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.interpreter import interpret
 from rsym.errors import RsymError
 from rsym.model.symbols import real_symbol
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.functions.formulas import CompiledFormulas
 from rsym.surfaces.symbols import t
 
-Array: TypeAlias = NDArray[np.float64]
 LetterValues: TypeAlias = Mapping[Any, float] | None
 Weights: TypeAlias = tuple[float, float, float]
 
@@ -53,7 +52,7 @@ def energy(patch: BicubicCoons, weights: Weights = BENDING, *, letters: LetterVa
 
 def coefficients(
     patch: BicubicCoons, parameters: tuple[str | None, str | None], weights: Weights, letters: LetterValues
-) -> Array:
+) -> Floats:
     """The energy as sum of c[a, b] lambda_u**a lambda_v**b, (3, 3): a letter for each direction, or none."""
     if not isinstance(patch, BicubicCoons):
         raise RsymError(
@@ -77,7 +76,7 @@ def coefficients(
 
 def gram_matrices(
     blend: HermiteBlend, parameter: str | None, values: Mapping[str, float], orders: Sequence[int]
-) -> dict[int, Array]:
+) -> dict[int, Floats]:
     """By the order k: the coefficients (3, n, n) of 1, lambda, lambda**2 in the integral of f^(k) f^(k)^T.
 
     Examples
@@ -90,7 +89,7 @@ def gram_matrices(
     program = known.program([(order,) for order in orders])
     inputs = {name: values[name] for name in blend.letters}
 
-    def integrals(panels: int) -> Array:
+    def integrals(panels: int) -> Floats:
         places, weights = _gauss(panels)
         found = interpret(program, {t.name: places, **inputs})
         rows = np.array([np.broadcast_to(found[name], places.shape) for name, _ in program.outputs])
@@ -132,20 +131,20 @@ def checked_weights(weights: Weights) -> tuple[float, ...]:
     return (0.0, *given.tolist())
 
 
-def _gauss(panels: int) -> tuple[Array, Array]:
+def _gauss(panels: int) -> tuple[Floats, Floats]:
     """Places and weights on [0, 1]."""
     places, weights = np.polynomial.legendre.leggauss(PLACES)
     starts = np.arange(panels)[:, None] / panels
     return (starts + (places + 1) / (2 * panels)).reshape(-1), np.tile(weights / (2 * panels), panels)
 
 
-def _products(a: Array, b: Array, weights: Array) -> Array:
+def _products(a: Floats, b: Floats, weights: Floats) -> Floats:
     """Integrals of the products of functions (orders, n, places)."""
-    result: Array = np.einsum("kmp,knp,p->kmn", a, b, weights)
+    result: Floats = np.einsum("kmp,knp,p->kmn", a, b, weights)
     return result
 
 
-def _settled(integrals: Any) -> Array:
+def _settled(integrals: Any) -> Floats:
     """The integrals, once halving the panels changes nothing."""
     panels, found = 2, integrals(1)
     while panels <= MOST_PANELS:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.coons.energies import gram_matrices
 from rsym.surfaces.coons.twists import estimate_twists
-
-Array = NDArray[np.float64]
 
 PATCH_KINDS = ("zero", "bilinear", "adini", "energy")
 
@@ -56,7 +54,7 @@ def with_twists(patch: BicubicCoons, kind: str) -> BicubicCoons:
     return patch.with_matrix(matrix)
 
 
-def _least_bending(matrix: Array, blend_u: HermiteBlend, blend_v: HermiteBlend) -> Array:
+def _least_bending(matrix: Floats, blend_u: HermiteBlend, blend_v: HermiteBlend) -> Floats:
     """The twists (2, 2, 3) of least bending energy."""
     of_u, of_v = (gram_matrices(blend, None, blend.letters.values_with(None), range(3)) for blend in (blend_u, blend_v))
     hessian = np.add.reduce([weight * np.kron(of_u[2 - k][0], of_v[k][0]) for k, weight in enumerate((1, 2, 1))])

@@ -11,17 +11,17 @@ from functools import cached_property
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
+from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces import symbols
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.corners import Corners
+from rsym.surfaces.corrections import MEETING
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.formulas import CompiledFormulas
 from rsym.surfaces.patch import LetterValues, Orders
-
-Array = NDArray[np.float64]
 
 
 class Gregory:
@@ -36,7 +36,7 @@ class Gregory:
     def _compiled(self) -> CompiledFormulas:
         return CompiledFormulas(self.weights, ("u", "v"), self.letters, ((0.0, 1.0), (0.0, 1.0)))
 
-    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues) -> list[Array]:
+    def evaluate(self, u: Floats, v: Floats, orders: Orders, letters: LetterValues) -> list[Floats]:
         """The derivatives (..., 3) of these orders; `letters` holds them all."""
         by_u, by_v = self.corners.both(letters)
         jumps = (by_u - by_v)[2:, 2:].reshape(4, 3)
@@ -52,6 +52,25 @@ class Gregory:
         return sp.ImmutableMatrix(
             [sum((w * e[c] for w, e in zip(self.weights, entries, strict=True)), sp.S.Zero) for c in range(3)]
         )
+
+
+def gregory_of(
+    corners: str, data: Corners, blends: tuple[HermiteBlend, HermiteBlend], tolerance: float
+) -> Gregory | None:
+    """The correction for twists on which the edges disagree, if there is one."""
+    if corners not in ("mean", "gregory", "refuse"):
+        raise RsymError(f"corners is mean, gregory or refuse, got {corners!r}", code="corner")
+    gap = data.twist_gap()
+    size = float(np.ptp(data.both()[0][:2, :2], axis=(0, 1)).max())
+    if corners == "mean" or gap <= (tolerance if corners == "refuse" else MEETING) * size:
+        return None
+    if corners == "refuse" or blends[0].order == 3:
+        raise RsymError(
+            f"the edges disagree by {gap:.3g} on the mixed derivatives at a corner",
+            code="twist",
+            remedy='corners="gregory" (class 2) keeps both, corners="mean" takes the mean',
+        )
+    return Gregory(*blends, data)
 
 
 def _weight(blend_u: HermiteBlend, blend_v: HermiteBlend, i: int, j: int) -> sp.Expr:

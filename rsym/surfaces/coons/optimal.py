@@ -14,16 +14,15 @@ from typing import Any, TypeAlias
 import numpy as np
 import sympy as sp
 from numpy.polynomial import Polynomial
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.model.requirements import require_kind
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.coons.energies import BENDING, Weights, coefficients
 
-Array: TypeAlias = NDArray[np.float64]
 LetterValues: TypeAlias = Mapping[Any, float] | None
 Range: TypeAlias = tuple[float, float]
 
@@ -65,7 +64,7 @@ class Optimum:
     before: float
     after: float
     patch: BicubicCoons
-    coefficients: Array
+    coefficients: Floats
 
 
 def optimal_parameters(
@@ -191,7 +190,7 @@ def _places(roots: list[float], within: Range, start: float) -> list[float]:
     return [min(max(start, low), high), *ends, *(root for root in roots if low <= root <= high)]
 
 
-def _least_in_box(table: Array, ranges: tuple[Range, Range], start: tuple[float, float]) -> tuple[float, float]:
+def _least_in_box(table: Floats, ranges: tuple[Range, Range], start: tuple[float, float]) -> tuple[float, float]:
     """The least of a biquadratic in a box.
 
     With p = -b(q)/(2 a(q)) eliminated, stationary points are roots of 4a**2 c' - 2abb' + b**2 a', of degree 5.
@@ -212,15 +211,15 @@ def _least_in_box(table: Array, ranges: tuple[Range, Range], start: tuple[float,
     return p, q
 
 
-def _along_u(table: Array, q: float) -> Polynomial:
+def _along_u(table: Floats, q: float) -> Polynomial:
     return Polynomial(table @ q ** np.arange(3))
 
 
-def _along_v(table: Array, p: float) -> Polynomial:
+def _along_v(table: Floats, p: float) -> Polynomial:
     return Polynomial(p ** np.arange(3) @ table)
 
 
-def _diagonals(table: Array) -> Array:
+def _diagonals(table: Floats) -> Floats:
     """The coefficients of the quartic of one parameter in both directions."""
     return np.array([np.trace(table[:, ::-1], 2 - k) for k in range(5)])
 
@@ -237,7 +236,7 @@ def _real_roots(polynomial: Polynomial) -> list[float]:
     return [float(root.real) for root in roots.tolist() if abs(root.imag) <= 1e-6 * (1 + abs(root))]
 
 
-def _value(table: Array, p: float, q: float) -> float:
+def _value(table: Floats, p: float, q: float) -> float:
     return float(p ** np.arange(3) @ table @ q ** np.arange(3))
 
 

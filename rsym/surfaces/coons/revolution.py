@@ -17,7 +17,7 @@ from rsym.model.letters import Letter, Letters, as_letters
 from rsym.model.shape import Bounds, Shape
 from rsym.model.symbols import real_symbol, x, y, z
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.coons.meridians import Arc, Pair, Segment, angle, arc_blend, arc_functions, number, positive, span_of
 from rsym.surfaces.symbols import t
 

@@ -10,11 +10,12 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.functions.curves import as_curve
 from rsym.surfaces.functions.entries import entries_of, exact
-from rsym.surfaces.functions.univariate import Array, Curve, LetterValues, Sampled, Stack, Unvarying, on_interval
+from rsym.surfaces.functions.univariate import Curve, LetterValues, Sampled, Stack, Unvarying, on_interval
 
 EDGES = ("u0", "u1", "v0", "v1")
 
@@ -27,7 +28,7 @@ class Blended(Curve):
         self.shape, self.domain = data.shape[1:], functions.domain
         self.letters = functions.letters.merge(data.letters)
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         data = self.data.at_start(letters)
         parts = self.functions.evaluate(t, orders, letters)
@@ -58,7 +59,7 @@ class Combination(Curve):
         self.closed, self.letters = self.stack.closed, self.stack.letters
         self.weights = [np.broadcast_to(np.asarray(weight, np.float64), self.shape) for weight in weights]
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         each = [curve.evaluate(t, orders, letters) for curve in self.stack.curves]
         terms = [[weight * part for part in parts] for weight, parts in zip(self.weights, each, strict=True)]
@@ -117,7 +118,7 @@ class Row(Unvarying):
         self.rows, self.shape = rows, rows.shape[1:]
         self.domain, self.letters = rows.domain, rows.letters
 
-    def value(self, letters: LetterValues = None) -> Array:
+    def value(self, letters: LetterValues = None) -> Floats:
         """The row."""
         return np.asarray(self.rows.value(letters)[0])
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.parameters import real_array
-
-Array: TypeAlias = NDArray[np.float64]
 
 
 def estimate_twists(
@@ -22,7 +21,7 @@ def estimate_twists(
     v: ArrayLike | None = None,
     u_tangents: ArrayLike | None = None,
     v_tangents: ArrayLike | None = None,
-) -> Array:
+) -> Floats:
     """Mixed derivatives p_uv at the nodes of a grid of points.
 
     =========== ==================================================================================================
@@ -74,7 +73,7 @@ def estimate_twists(
     return KINDS[kind](nodes, known[0], known[1], slopes)
 
 
-def bessel_slopes(knots: Array) -> Array:
+def bessel_slopes(knots: Floats) -> Floats:
     """The matrix (n, n) that takes values at knots to the slopes there of parabolas through three neighbours.
 
     Examples
@@ -93,7 +92,7 @@ def bessel_slopes(knots: Array) -> Array:
     return matrix
 
 
-def _differences(knots: Array) -> Array:
+def _differences(knots: Floats) -> Floats:
     """The matrix (n, n) of difference quotients over both neighbours, one-sided at the ends."""
     count = len(knots)
     matrix = np.zeros((count, count))
@@ -103,15 +102,15 @@ def _differences(knots: Array) -> Array:
     return matrix
 
 
-def _both(rows: Array, nodes: Array, columns: Array) -> Array:
+def _both(rows: Floats, nodes: Floats, columns: Floats) -> Floats:
     return np.asarray(np.einsum("ai,ijc,bj->abc", rows, nodes, columns))
 
 
-def _zero(nodes: Array, u: Array, v: Array, slopes: list[Array | None]) -> Array:
+def _zero(nodes: Floats, u: Floats, v: Floats, slopes: list[Floats | None]) -> Floats:
     return np.zeros_like(nodes)
 
 
-def _bilinear(nodes: Array, u: Array, v: Array, slopes: list[Array | None]) -> Array:
+def _bilinear(nodes: Floats, u: Floats, v: Floats, slopes: list[Floats | None]) -> Floats:
     inner = np.diff(np.diff(nodes, axis=0), axis=1) / (np.diff(u)[:, None] * np.diff(v))[..., None]
     total, cells = np.zeros_like(nodes), np.zeros((*nodes.shape[:2], 1))
     for i in (slice(1, None), slice(None, -1)):
@@ -121,11 +120,11 @@ def _bilinear(nodes: Array, u: Array, v: Array, slopes: list[Array | None]) -> A
     return total / cells
 
 
-def _central(nodes: Array, u: Array, v: Array, slopes: list[Array | None]) -> Array:
+def _central(nodes: Floats, u: Floats, v: Floats, slopes: list[Floats | None]) -> Floats:
     return _both(_differences(u), nodes, _differences(v))
 
 
-def _adini(nodes: Array, u: Array, v: Array, slopes: list[Array | None]) -> Array:
+def _adini(nodes: Floats, u: Floats, v: Floats, slopes: list[Floats | None]) -> Floats:
     p_u = np.einsum("ai,ijc->ajc", bessel_slopes(u), nodes) if slopes[0] is None else slopes[0]
     p_v = np.einsum("bj,ijc->ibc", bessel_slopes(v), nodes) if slopes[1] is None else slopes[1]
     across_u = np.einsum("ai,ijc->ajc", _differences(u), p_v)
@@ -133,11 +132,11 @@ def _adini(nodes: Array, u: Array, v: Array, slopes: list[Array | None]) -> Arra
     return np.asarray(across_u + across_v - _central(nodes, u, v, slopes))
 
 
-def _bessel(nodes: Array, u: Array, v: Array, slopes: list[Array | None]) -> Array:
+def _bessel(nodes: Floats, u: Floats, v: Floats, slopes: list[Floats | None]) -> Floats:
     return _both(bessel_slopes(u), nodes, bessel_slopes(v))
 
 
-KINDS: dict[str, Callable[[Array, Array, Array, list[Array | None]], Array]] = {
+KINDS: dict[str, Callable[[Floats, Floats, Floats, list[Floats | None]], Floats]] = {
     "zero": _zero,
     "bilinear": _bilinear,
     "central": _central,
@@ -146,7 +145,7 @@ KINDS: dict[str, Callable[[Array, Array, Array, list[Array | None]], Array]] = {
 }
 
 
-def _grid(given: Any, name: str) -> Array:
+def _grid(given: Any, name: str) -> Floats:
     try:
         nodes = np.array(real_array(given))
     except (TypeError, ValueError) as error:
@@ -159,14 +158,14 @@ def _grid(given: Any, name: str) -> Array:
     return nodes
 
 
-def _fit(given: Any, shape: tuple[int, ...], name: str) -> Array:
+def _fit(given: Any, shape: tuple[int, ...], name: str) -> Floats:
     array = _grid(given, name)
     if array.shape != shape:
         raise RsymError(f"{name} must have the shape of the points, {shape}, got {array.shape}", code="array")
     return array
 
 
-def _knots(given: ArrayLike | None, count: int, name: str) -> Array:
+def _knots(given: ArrayLike | None, count: int, name: str) -> Floats:
     try:
         knots = np.arange(float(count)) if given is None else real_array(given)
     except (TypeError, ValueError):
@@ -178,7 +177,7 @@ def _knots(given: ArrayLike | None, count: int, name: str) -> Array:
     return knots
 
 
-def _need_three(nodes: Array, kind: str) -> None:
+def _need_three(nodes: Floats, kind: str) -> None:
     if min(nodes.shape[:2]) < 3:
         raise RsymError(
             f"twists of the kind {kind!r} need 3 x 3 points, got {nodes.shape[0]} x {nodes.shape[1]}",

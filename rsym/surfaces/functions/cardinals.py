@@ -22,13 +22,13 @@ import sympy as sp
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError, warn
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.functions.polynomials import Polynomials
 from rsym.surfaces.functions.univariate import Curve, Formula, LetterValues
 from rsym.surfaces.symbols import t as parameter
 
-Array: TypeAlias = NDArray[np.float64]
 Knots: TypeAlias = Sequence[Any]
 
 # The cardinal functions of more equidistant knots than this swing to more than 3 between them (Runge): measured, their
@@ -48,7 +48,7 @@ class CubicCardinals(Polynomials):
         self.knots = checked_knots(knots, closed)
         self.count, self.neighbours = len(self.knots) - closed, neighbours
         left, right = _system(np.asarray(self.knots), neighbours, closed)
-        self.slopes: Array = np.linalg.solve(left, right)
+        self.slopes: Floats = np.linalg.solve(left, right)
         cyclic = np.arange(len(self.knots)) % self.count
         super().__init__(CubicHermiteSpline(self.knots, np.eye(self.count)[cyclic], self.slopes[cyclic]), closed=closed)
 
@@ -123,11 +123,11 @@ class LagrangeCardinals(Curve):
         places = np.array(self.knots)
         gaps = places[:, None] - places + np.eye(len(places))
         # Scaled by the length of the interval, so that the products neither overflow nor vanish.
-        self._weights: Array = 1 / np.prod(4 * gaps / (places[-1] - places[0]), axis=1)
+        self._weights: Floats = 1 / np.prod(4 * gaps / (places[-1] - places[0]), axis=1)
         slopes = self._weights / self._weights[:, None] / gaps
-        self._slopes: Array = slopes - np.diag(slopes.sum(axis=1))
+        self._slopes: Floats = slopes - np.diag(slopes.sum(axis=1))
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         gaps = t[..., None] - np.array(self.knots)
         at_knot = gaps == 0
@@ -249,6 +249,6 @@ def _cubic(knots: Sequence[float], values: sp.Matrix, slopes: sp.Matrix) -> sp.E
     return sp.Piecewise(*pieces[:-1], (pieces[-1][0], True)) if len(pieces) > 1 else pieces[0][0]
 
 
-def _times(values: Array, matrix: Array) -> Array:
+def _times(values: Floats, matrix: Floats) -> Floats:
     """Rows times a matrix, each point by itself: the bits do not depend on the others."""
     return np.asarray(np.einsum("...i,ij->...j", values, matrix))

@@ -7,8 +7,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.checking import CHECK_POINTS, check_at
 from rsym.backends.kernel import checked_threads, compiled, run_in_blocks
 from rsym.backends.registry import CompiledFunction, default_backend
@@ -23,7 +23,6 @@ from rsym.program.precision import FLOAT64
 from rsym.program.program import Program
 from rsym.surfaces.parameters import Interval
 
-Array: TypeAlias = NDArray[np.float64]
 Order: TypeAlias = tuple[int, ...]
 
 
@@ -76,7 +75,7 @@ class CompiledFormulas:
                 outputs[f"{number}{''.join(f'_{times}' for times in order)}"] = node
         return builder.program(outputs)
 
-    def evaluate(self, arrays: Sequence[Array], orders: Sequence[Order], letters: Mapping[str, float]) -> list[Array]:
+    def evaluate(self, arrays: Sequence[Floats], orders: Sequence[Order], letters: Mapping[str, float]) -> list[Floats]:
         """The derivatives (len expressions, *shape) of each order, which may be asked for twice; arrays broadcast."""
         wanted = [tuple(order) for order in orders]
         asked = tuple(dict.fromkeys(wanted))
@@ -91,7 +90,7 @@ class CompiledFormulas:
         parts = dict(zip(asked, np.moveaxis(out, (-2, -1), (0, 1)), strict=True))
         return [parts[order] for order in wanted]
 
-    def points(self, u: Array, v: Array, orders: Sequence[Order], letters: Mapping[str, float]) -> list[Array]:
+    def points(self, u: Floats, v: Floats, orders: Sequence[Order], letters: Mapping[str, float]) -> list[Floats]:
         """The derivatives of three coordinates, (..., 3) each."""
         return [np.ascontiguousarray(np.moveaxis(part, 0, -1)) for part in self.evaluate([u, v], orders, letters)]
 

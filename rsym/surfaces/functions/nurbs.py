@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import comb
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import sympy as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import PPoly
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.bsplines.bspline_data import order_of
 from rsym.surfaces.bsplines.bspline_fitting import Residual, SplineFit
@@ -26,8 +27,6 @@ from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.polynomials import Polynomials
 from rsym.surfaces.functions.univariate import Curve, LetterValues
 from rsym.surfaces.parameters import real_array
-
-Array: TypeAlias = NDArray[np.float64]
 
 # Share of the size of a curve by which its end may miss its start, and of its speed by which these may differ.
 CLOSED = 1e-12
@@ -153,7 +152,7 @@ class Nurbs(Curve):
         return cls._fitted(_checked_points(points), vertices, order_of(order, degree), parameters, knots, closed)
 
     @classmethod
-    def _fitted(cls, data: Array, vertices: Any, order: Any, parameters: Any, knots: Any, closed: Any) -> Nurbs:
+    def _fitted(cls, data: Floats, vertices: Any, order: Any, parameters: Any, knots: Any, closed: Any) -> Nurbs:
         space, found, fit = fitted_curve(data, vertices, order, parameters, knots, bool(closed))
         curve = cls(space.degree, space.knots, found, closed=space.closed)
         curve.fit = fit
@@ -170,7 +169,7 @@ class Nurbs(Curve):
         return self.space.degree + 1
 
     @property
-    def parameters(self) -> Array:
+    def parameters(self) -> Floats:
         """Those of the data, (n,)."""
         return self._data().parameters[0]
 
@@ -187,15 +186,15 @@ class Nurbs(Curve):
         return self.fit
 
     @property
-    def knots(self) -> Array:
+    def knots(self) -> Floats:
         """All knots."""
         return self.space.knots
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders; at a knot those of the span that begins there."""
         if self._below is None:
             return [derivative(self._above, t, order) / self.weights[0] for order in orders]
-        found: list[Array] = []
+        found: list[Floats] = []
         weights = [derivative(self._below, t, order) for order in range(max(orders, default=-1) + 1)]
         for n in range(len(weights)):
             rest = derivative(self._above, t, n)
@@ -228,14 +227,14 @@ class Nurbs(Curve):
         return all(gap <= CLOSED * size for gap, size in zip(gaps, sizes, strict=True)) and sizes[0] > 0
 
 
-def _checked_points(points: ArrayLike) -> Array:
+def _checked_points(points: ArrayLike) -> Floats:
     given = _numbers(points, "points")
     if given.ndim != 2 or given.shape[1] != 3:
         raise RsymError(f"the points of a Nurbs must have the shape (n, 3), got {given.shape}", code="points")
     return given
 
 
-def _checked_weights(weights: ArrayLike | None, count: int) -> Array:
+def _checked_weights(weights: ArrayLike | None, count: int) -> Floats:
     if weights is None:
         return np.ones(count)
     given = _numbers(weights, "weights")
@@ -251,7 +250,7 @@ def _checked_weights(weights: ArrayLike | None, count: int) -> Array:
     return given
 
 
-def _numbers(given: Any, what: str) -> Array:
+def _numbers(given: Any, what: str) -> Floats:
     try:
         array = np.array(real_array(given))
     except (TypeError, ValueError) as error:

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias
 
-import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 
+from rsym.arrays import Floats
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.functions.univariate import Curve, LetterValues
 from rsym.surfaces.symbols import t as parameter
-
-Array: TypeAlias = NDArray[np.float64]
 
 
 class Polynomials(Curve):
@@ -22,6 +18,7 @@ class Polynomials(Curve):
 
     Examples
     --------
+    >>> import numpy as np
     >>> hat = Polynomials(PPoly(np.array([[1.0, -1.0], [0.0, 1.0]]), np.array([0.0, 1.0, 2.0])))
     >>> hat([0.5, 1.5]).tolist(), hat([0.5, 1.5], 1).tolist()
     ([0.5, 0.5], [1.0, -1.0])
@@ -34,7 +31,7 @@ class Polynomials(Curve):
         self.closed = closed
         self._derivatives = {0: polynomials}
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders; at a knot those of the piece that begins there."""
         return [self._derivative(order)(t) for order in orders]
 
@@ -56,7 +53,7 @@ class Polynomials(Curve):
         return sp.ImmutableDenseNDimArray(entries, self.shape)
 
 
-def _pieces(coefficients: Array, knots: Sequence[sp.Expr]) -> sp.Expr:
+def _pieces(coefficients: Floats, knots: Sequence[sp.Expr]) -> sp.Expr:
     """The polynomials of one component, highest power first, each from its own knot."""
     pieces = [
         sum((exact(c) * (parameter - start) ** power for power, c in enumerate(piece[::-1])), sp.S.Zero)

@@ -13,8 +13,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import sympy as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.surfaces.functions.entries import entries_and_shape, entries_of, exact
@@ -22,7 +23,6 @@ from rsym.surfaces.functions.formulas import CompiledFormulas, real_expressions
 from rsym.surfaces.parameters import Interval, as_interval, inside, parameter_arrays, real_array
 from rsym.surfaces.symbols import t
 
-Array: TypeAlias = NDArray[np.float64]
 LetterValues: TypeAlias = Mapping[Any, float] | None
 
 # The parameter of a curve may be written by any of these names.
@@ -39,7 +39,7 @@ class Curve(ABC):
     letters: Letters = NO_LETTERS
 
     @abstractmethod
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders, (*t.shape, *shape) each; t lies in the domain.
 
         `letters` is None for the defaults, or holds every letter of this curve and perhaps others.
@@ -49,7 +49,7 @@ class Curve(ABC):
         """The value in `rsym.surfaces.symbols.t` and the letters; None where it is not one formula."""
         return None
 
-    def at_start(self, letters: LetterValues = None) -> Array:
+    def at_start(self, letters: LetterValues = None) -> Floats:
         """The value at the lower end of the interval: of a function that does not vary, its value."""
         return self.evaluate(np.array(self.domain[0]), [0], letters)[0]
 
@@ -58,7 +58,7 @@ class Curve(ABC):
         """Whether `expressions` gives formulas without pieces, which a kernel of the whole patch may take in."""
         return False
 
-    def __call__(self, t: ArrayLike, order: int = 0, *, letters: LetterValues = None) -> Array:
+    def __call__(self, t: ArrayLike, order: int = 0, *, letters: LetterValues = None) -> Floats:
         """The derivative of this order, (*t.shape, *shape)."""
         values = self.letters.values_with(letters) if letters else None
         if isinstance(order, bool) or not isinstance(order, int | np.integer) or order < 0:
@@ -96,7 +96,7 @@ class Formula(Curve):
     def _compiled(self) -> CompiledFormulas:
         return CompiledFormulas(self._entries, (t.name,), self.letters, (self.domain,))
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         values = letters or self.letters.values_with(None)
         parts = self._compiled.evaluate([t], [(order,) for order in orders], values)
@@ -116,10 +116,10 @@ class Unvarying(Curve):
     """A function that does not depend on its parameter, though perhaps on letters."""
 
     @abstractmethod
-    def value(self, letters: LetterValues = None) -> Array:
+    def value(self, letters: LetterValues = None) -> Floats:
         """What it is everywhere, in the shape."""
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The value, and zero for every derivative."""
         value = self.value(letters)
         return [np.broadcast_to(value * float(order == 0), (*t.shape, *self.shape)) for order in orders]
@@ -135,7 +135,7 @@ class Constant(Unvarying):
         given = np.array(values, object).reshape(-1)
         self._given = tuple(one if isinstance(one, sp.Expr) else None for one in given)
 
-    def value(self, letters: LetterValues = None) -> Array:
+    def value(self, letters: LetterValues = None) -> Floats:
         """The numbers."""
         return self.values
 
@@ -172,7 +172,7 @@ class Stack(Curve):
                 )
         self.letters = letters
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         each = [curve.evaluate(t, orders, letters) for curve in self.curves]
         return [np.stack(parts, axis=t.ndim) for parts in zip(*each, strict=True)]
@@ -201,7 +201,7 @@ class Resized(Curve):
         self.start, self.end = (d, c) if backwards else (c, d)
         self.speed = (self.end - self.start) / (b - a)
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         a, b = self.domain
         share = (t - a) / (b - a)
@@ -243,7 +243,7 @@ class Sampled(Unvarying):
         self.shape = (len(self.places), *curve.shape)
         self.domain, self.letters = curve.domain, curve.letters
 
-    def value(self, letters: LetterValues = None) -> Array:
+    def value(self, letters: LetterValues = None) -> Floats:
         """The samples."""
         wanted = sorted(set(self.orders))
         parts = self.curve.evaluate(np.array(self.places), wanted, letters)

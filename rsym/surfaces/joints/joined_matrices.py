@@ -8,7 +8,7 @@ import numpy as np
 
 from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.corrections import Correction, greatest, sizes
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.univariate import Constant

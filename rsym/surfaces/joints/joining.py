@@ -8,7 +8,7 @@ import numpy as np
 
 from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.coons_patches import BicubicCoons
+from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.corrections import MEETING, require_tolerance
 from rsym.surfaces.joints.edges import NAMES, Edge
 from rsym.surfaces.joints.extents import sample_grid

@@ -10,12 +10,13 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.corrections import MEETING, Correction
 from rsym.surfaces.functions.cardinals import CubicCardinals, SlopeFunctions, hermite_cardinals
 from rsym.surfaces.functions.univariate import Constant, Sampled, Unvarying
 from rsym.surfaces.networks.curve_networks import Network, network, network_latex
-from rsym.surfaces.patch import Array, LetterValues, Orders
+from rsym.surfaces.patch import LetterValues, Orders
 from rsym.surfaces.transfinite import BooleanSum, Loft
 
 Entries: TypeAlias = NDArray[Any]
@@ -102,7 +103,7 @@ class CompositeCoons(BooleanSum):
         assert functions is not None
         return self.network.correction(functions)
 
-    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, u: Floats, v: Floats, orders: Orders, letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         if letters:
             self.network.check(self.letters.values_with(letters))
@@ -132,7 +133,7 @@ class TwistCorrection(Unvarying):
         self.letters = net.points.letters.merge(self.along.letters).merge(self.over.letters)
         self.given = None if isinstance(twists, str) and twists == "mean" else _given(twists, self.shape)
 
-    def value(self, letters: LetterValues = None) -> Array:
+    def value(self, letters: LetterValues = None) -> Floats:
         """The numbers."""
         p, r_u, s_v = (one.at_start(letters) for one in (self.points, self.along, self.over))
         given = None if self.given is None else self.given.values

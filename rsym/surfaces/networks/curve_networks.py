@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.corrections import MEETING, Correction, greatest, require_tolerance, sizes
 from rsym.surfaces.functions.cardinals import checked_knots
@@ -19,8 +19,6 @@ from rsym.surfaces.networks.families import family
 from rsym.surfaces.networks.intersections import QUOTIENT, polygon
 from rsym.surfaces.networks.network_parameters import meeting_parameters
 from rsym.surfaces.networks.reparametrisation import Composed, Part, increasing
-
-Array: TypeAlias = NDArray[np.float64]
 
 # Shares of the size of a network. Curves whose parameters leave a larger gap than the first are given other ones:
 # intersections are found to about 1e-15. Beyond the second the curves themselves do not meet.
@@ -48,7 +46,7 @@ class Network:
         """The points p_ij, (number of v-curves, number of u-curves, 3)."""
         return _at_knots(self.u_curves, self.u_knots, self.v_curves.shape[0])
 
-    def gaps(self, letters: LetterValues = None) -> Array:
+    def gaps(self, letters: LetterValues = None) -> Floats:
         """The distances of r_j(u_i) and s_i(v_j), indices [i, j]."""
         over = _at_knots(self.v_curves, self.v_knots, self.u_curves.shape[0])
         start = np.zeros(())
@@ -159,7 +157,7 @@ def _closed(families: tuple[Stack, Stack], asked: tuple[bool, bool] | None, size
     return found[0], found[1]
 
 
-def _ends(one: Stack) -> tuple[Array, Array]:
+def _ends(one: Stack) -> tuple[Floats, Floats]:
     """Points and tangents at both ends of all curves; difference quotients, for curves with kinks elsewhere."""
     low, high = one.domain
     step = QUOTIENT * (high - low)
@@ -180,7 +178,7 @@ def _without_the_last_again(one: Stack, cyclic: bool, size: float) -> Stack:
 
 
 def _knots(
-    own: Array, given: Sequence[Any] | None, one: Stack, closed: bool, names: tuple[str, str]
+    own: Floats, given: Sequence[Any] | None, one: Stack, closed: bool, names: tuple[str, str]
 ) -> tuple[float, ...]:
     """The parameters of the grid: those given, or the means of the curves' own."""
     along, over = names
@@ -223,7 +221,7 @@ def _network(
     families: tuple[Stack, Stack],
     knots: tuple[tuple[float, ...], tuple[float, ...]],
     closed: tuple[bool, bool],
-    own: tuple[Array | None, Array | None],
+    own: tuple[Floats | None, Floats | None],
     tolerance: float,
 ) -> Network:
     """The network of curves cut to the grid, each brought to its parameters from its own ones where they differ."""
@@ -235,7 +233,7 @@ def _network(
     return Network(placed[0], placed[1], knots[0], knots[1], closed, tolerance)
 
 
-def _placed(curve: Curve, knots: tuple[float, ...], own: Array | None, closed: bool) -> Curve:
+def _placed(curve: Curve, knots: tuple[float, ...], own: Floats | None, closed: bool) -> Curve:
     interval, (low, high) = (knots[0], knots[-1]), curve.domain
     grid = np.array(knots[: len(knots) - closed])
     if own is not None and np.isnan(own).any():
@@ -250,7 +248,7 @@ def _placed(curve: Curve, knots: tuple[float, ...], own: Array | None, closed: b
     return Composed(curve, increasing(grid, own))
 
 
-def _distance(functions: Curve, data: Array, u: Array) -> Array:
+def _distance(functions: Curve, data: Floats, u: Floats) -> Floats:
     return sizes(functions(u) @ data)
 
 
@@ -266,7 +264,7 @@ def _unfit(name: str) -> RsymError:
     )
 
 
-def _incompatible(gaps: Array, own: tuple[Array, Array], knots: Sequence[tuple[float, ...]]) -> RsymError:
+def _incompatible(gaps: Floats, own: tuple[Floats, Floats], knots: Sequence[tuple[float, ...]]) -> RsymError:
     i, j = (int(k) for k in np.unravel_index(int(gaps.argmax()), gaps.shape))
     return RsymError(
         f"the u-curve {j} and the v-curve {i} meet at u = {own[0][i, j]:.6g}, v = {own[1][i, j]:.6g}, the others of "

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.surfaces.functions.curves import as_curve
 from rsym.surfaces.functions.univariate import Curve, Stack, on_interval
-
-Array: TypeAlias = NDArray[np.float64]
 
 # Parameters along each curve at which neighbours are measured against one another.
 SAMPLES = 33

@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
+from rsym.arrays import Floats
 from rsym.surfaces.corrections import MEETING, Correction
 from rsym.surfaces.functions.cardinals import named_cardinals
 from rsym.surfaces.networks.curve_networks import Network, network, network_latex
-from rsym.surfaces.patch import Array, LetterValues, Orders
+from rsym.surfaces.patch import LetterValues, Orders
 from rsym.surfaces.transfinite import BooleanSum, Loft
 
 
@@ -105,7 +106,7 @@ class GordonSurface(BooleanSum):
         assert functions is not None
         return self.network.correction(functions)
 
-    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, u: Floats, v: Floats, orders: Orders, letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         if letters:
             self.network.check(self.letters.values_with(letters))

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from rsym.arrays import Floats
 from rsym.surfaces.functions.univariate import Curve
 from rsym.surfaces.parameters import inside
-
-Array: TypeAlias = NDArray[np.float64]
 
 # Chords along a curve. Intersections nearer to one another than two chords may be taken for one.
 CHORDS = 128
@@ -37,13 +36,13 @@ class Polygon:
     """A curve and points on it; of a curve that is a point, one."""
 
     curve: Curve
-    places: Array
-    points: Array
+    places: Floats
+    points: Floats
     is_point: bool
     closes: bool
 
     @property
-    def reach(self) -> Array:
+    def reach(self) -> Floats:
         """The longer of the chords beside each point."""
         chords = np.sqrt(((self.points[1:] - self.points[:-1]) ** 2).sum(axis=-1))
         return np.asarray(np.maximum(np.append(chords, 0.0), np.append(0.0, chords)))
@@ -95,7 +94,7 @@ def _starts(one: Polygon, other: Polygon) -> NDArray[np.intp]:
     return np.vstack([nearest, pairs])
 
 
-def _refined(one: Polygon, other: Polygon, x: Array, y: Array) -> tuple[Array, Array, Array]:
+def _refined(one: Polygon, other: Polygon, x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
     """Gauss-Newton steps on the distance; the best that was met."""
     best = x, y, np.full(len(x), np.inf)
     longest = [0.1 * (part.curve.domain[1] - part.curve.domain[0]) for part in (one, other)]
@@ -118,7 +117,7 @@ def _refined(one: Polygon, other: Polygon, x: Array, y: Array) -> tuple[Array, A
     return best
 
 
-def _with_tangent(curve: Curve, t: Array) -> tuple[Array, Array]:
+def _with_tangent(curve: Curve, t: Floats) -> tuple[Floats, Floats]:
     """Points and difference quotients: steps need no better, and curves may have kinks."""
     low, high = curve.domain
     step = QUOTIENT * (high - low) * np.where(t > (low + high) / 2, -1.0, 1.0)
@@ -126,7 +125,7 @@ def _with_tangent(curve: Curve, t: Array) -> tuple[Array, Array]:
     return here, (beside - here) / step[:, None]
 
 
-def _moved(part: Polygon, t: Array, step: Array) -> Array:
+def _moved(part: Polygon, t: Floats, step: Floats) -> Floats:
     """The parameter after a step, turned or held back at the ends."""
     return inside(t + step, part.curve.domain, True, "t") if part.closes else np.clip(t + step, *part.curve.domain)
 

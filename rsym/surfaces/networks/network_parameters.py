@@ -6,19 +6,18 @@ from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.corrections import enough
 from rsym.surfaces.networks.intersections import Intersection, Polygon, intersections
 
-Array: TypeAlias = NDArray[np.float64]
 Table: TypeAlias = list[list[list[Intersection]]]
 
 
 def meeting_parameters(
     u_polygons: Sequence[Polygon], v_polygons: Sequence[Polygon], tolerance: float, size: float
-) -> tuple[Array, Array, Array]:
+) -> tuple[Floats, Floats, Floats]:
     """Arrays u_ij, v_ij and gaps: the v-curve i meets the u-curve j at u_ij on the u-curve and v_ij on the v-curve.
 
     Curves may miss one another by a share of the size. Parameters increase with i and with j; along curves whose ends
@@ -100,7 +99,7 @@ def _several(i: int, j: int, found: list[Intersection]) -> RsymError:
     )
 
 
-def _order(values: Array, polygons: Sequence[Polygon], along: str, over: str) -> None:
+def _order(values: Floats, polygons: Sequence[Polygon], along: str, over: str) -> None:
     """Check in place that the parameters on each curve (column) increase; where its ends meet, turn them first."""
     known = values[0, ~np.isnan(values[0])]
     for j, part in enumerate(polygons):

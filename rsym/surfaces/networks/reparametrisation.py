@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import comb
-from typing import TypeAlias
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 
+from rsym.arrays import Floats
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.functions.polynomials import Polynomials
 from rsym.surfaces.functions.univariate import Curve, LetterValues
 from rsym.surfaces.parameters import Interval, inside
 from rsym.surfaces.symbols import t as parameter
-
-Array: TypeAlias = NDArray[np.float64]
 
 # A spline that slows down to less than this share of a chord's slope crowds the lines of a surface and bends it.
 SLOWEST = 0.25
@@ -30,7 +27,7 @@ class Part(Curve):
         self.curve, self.domain, self.closed = curve, domain, closed
         self.shape, self.letters = curve.shape, curve.letters
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         return self.curve.evaluate(inside(t, self.curve.domain, self.closed, "t"), orders, letters)
 
@@ -57,7 +54,7 @@ class Composed(Curve):
         self.curve, self.pace, self.closed = curve, pace, closed
         self.shape, self.domain, self.letters = curve.shape, pace.domain, curve.letters
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders, by the formula of Faa di Bruno."""
         top = max(orders)
         pace = self.pace.evaluate(t, list(range(top + 1)))
@@ -85,7 +82,7 @@ def _turned(place: sp.Expr, curve: Curve) -> sp.Expr:
     return sp.Piecewise((place + length, place < low), (place - length, place > high), (place, True))
 
 
-def _bell(pace: Sequence[Array], top: int) -> list[list[Array]]:
+def _bell(pace: Sequence[Floats], top: int) -> list[list[Floats]]:
     """The partial Bell polynomials of the derivatives of the pace, by order and number of parts."""
     zero = np.zeros_like(pace[0])
     table = [[zero + 1.0]]
@@ -97,7 +94,7 @@ def _bell(pace: Sequence[Array], top: int) -> list[list[Array]]:
     return table
 
 
-def increasing(knots: Array, values: Array, *, closed: bool = False) -> Polynomials:
+def increasing(knots: Floats, values: Floats, *, closed: bool = False) -> Polynomials:
     """An increasing cubic with these increasing values at the knots; if closed, smooth across the last one too.
 
     The natural or periodic spline, C2, if it nowhere rises less than a quarter as fast as the chord there. Otherwise
@@ -128,7 +125,7 @@ def increasing(knots: Array, values: Array, *, closed: bool = False) -> Polynomi
     return Polynomials(CubicHermiteSpline(knots, values, slopes))
 
 
-def _local_slopes(knots: Array, values: Array, closed: bool) -> Array:
+def _local_slopes(knots: Floats, values: Floats, closed: bool) -> Floats:
     """Slopes of PCHIP, with those of the ends mended."""
     if closed:
         turn = knots[-1] - knots[0], values[-1] - values[0]
