@@ -1,1 +1,10 @@
-"""What calculus says of a shape, in closed form: gradient, Hessian, Laplacian, normalisation, curvature."""
+"""What calculus says of a shape: gradient, Hessian, Laplacian, curvatures, normalisation, maps; contracts.
+
+A shape comes in; expressions, or another shape, go out, R-nodes kept and letters symbolic.
+
+- `differential`: gradient, Hessian, Laplacian; `tensors`: derivatives of higher order; `curvature`
+- `contracts/`: what a formula promises, from its operations alone
+- `normalisation`: omega over the length of its gradient, to any order; `implicit`: any equation as a shape;
+  `transformations`: a shape under any smooth map
+- `latex`: fields as formulas for a paper
+"""

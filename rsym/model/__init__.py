@@ -1,1 +1,13 @@
-"""What a shape is: R-systems, R-nodes, letters, shapes and the model language."""
+"""What a shape is: R-nodes, systems, letters, shapes; primitives, motions, constructions, symmetry, blends, skeletons.
+
+Numbers, points and SymPy expressions come in; a `Shape` goes out: one expression in coordinates and letters, with
+bounds and named parts. In the order of the data:
+
+- `traversal`, `symbols`, `vectors`: expressions walked without recursion, symbols real, vectors of expressions
+- `nodes`, `folds`, `powers`, `choices`, `rnodes`, `equivalences`: what SymPy keeps whole; `systems` make nodes of logic
+- `letters` and `arguments`: what a shape is given, checked once; `requirements`: what all public functions refuse alike
+- `equation`: the data of a shape; `motions` of it; `named_parts`; `shape`: `Shape`, which joins these
+- `operations`: logic on shapes or expressions; `primitives/`: shapes of numbers; `constructions`, `thickness`,
+  `symmetry/`, `blends/`: shapes of shapes; `skeletons`, with `positivity`: bodies around curves
+- `abridging`, `latex`, `showing`: a shape as people see it; `names`, `wording`: its letters and words
+"""

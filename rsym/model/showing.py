@@ -8,7 +8,7 @@ import sympy as sp
 
 from rsym.model.abridging import abridged
 from rsym.model.equation import Equation
-from rsym.model.equations import aligned, at_a_glance, printed
+from rsym.model.latex import aligned, at_a_glance, printed
 from rsym.model.wording import within
 
 MOST = 2000  # characters of a formula as text

@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
 
 from rsym.errors import RsymError
-from rsym.model.equations import latex
+from rsym.model.latex import latex
 from rsym.model.nodes import Composition
 from rsym.model.requirements import require_mapping, require_shape
 from rsym.model.shape import Bounds, Shape

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import rsym.paper
 from rsym.errors import RsymError
 from rsym.language.loading import load, loads
-from rsym.model.equations import latex
+from rsym.model.latex import latex
 from rsym.model.nodes import Held, expand_nodes
 from rsym.model.operations import difference, implication, joining
 from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction

@@ -5,7 +5,7 @@ from rsym import RsymError
 from rsym.language.listing import definitions
 from rsym.language.loading import loads
 from rsym.language.vocabulary import ARITIES
-from rsym.model.equations import latex
+from rsym.model.latex import latex
 from rsym.model.names import typeset_name
 from rsym.model.shape import Shape
 from rsym.model.symbols import x, y

@@ -3,6 +3,7 @@
 import ast
 import collections
 import functools
+import re
 import sys
 from pathlib import Path
 
@@ -230,6 +231,34 @@ def test_sub_packages_only_re_export():
     for path in PACKAGE.rglob("*/__init__.py"):
         kinds = {type(node) for node in ast.parse(path.read_text()).body[1:]}
         assert kinds <= {ast.ImportFrom, ast.Assign}, path
+
+
+# Rooms whose map names every file: what it does is said once, in the order of the data.
+MAPPED = "model model/primitives model/symmetry model/blends analysis analysis/contracts language".split()
+
+
+def unmapped(room, docstring):
+    """The files and folders of a room that its map does not name."""
+    inside = {path.stem for path in room.glob("*.py")} | {f"{path.parent.name}/" for path in room.glob("*/__init__.py")}
+    return inside - {"__init__"} - set(re.findall(r"`([\w/]+)`", docstring))
+
+
+@pytest.mark.parametrize("room", MAPPED)
+def test_the_map_of_a_room_names_its_files(room):
+    docstring = ast.get_docstring(ast.parse((PACKAGE / room / "__init__.py").read_text()))
+    assert unmapped(PACKAGE / room, docstring) == set()
+    assert 5 <= len(docstring.splitlines()) <= 20
+
+
+def test_a_file_without_a_place_on_the_map_is_seen():
+    """Red proof."""
+    assert unmapped(PACKAGE / "model/blends", "`folds` and `rho`") == {
+        "sardf",
+        "operands",
+        "fillets",
+        "displacement",
+        "gates",
+    }
 
 
 def module_of(path):
