@@ -59,16 +59,12 @@ def implicit(
     if isinstance(expression, Shape):
         if coordinates is not None:
             raise RsymError("a shape has coordinates of its own", code="coordinates", remedy="leave coordinates out")
-        shape = _with(expression, letters, bounds)
+        shape = expression.replace(letters=expression.letters.merge(letters), bounds=bounds)
     else:
         shape = _shape(expression, coordinates, letters, bounds)
     if not set(symbols_of(shape.expression)) & set(shape.coordinates):
         raise RsymError(f"the expression {shape.expression} has no coordinate in it", code="implicit")
     return normalise(shape, 1, positive(length, "the length", shape.letters))
-
-
-def _with(shape: Shape, letters: LetterMapping, bounds: Any) -> Shape:
-    return shape.replace(letters=shape.letters.merge(letters), bounds=bounds)
 
 
 def _shape(expression: Any, coordinates: Any, letters: LetterMapping, bounds: Any) -> Shape:

@@ -105,20 +105,15 @@ def bounds(statement: BoundsStatement, coordinates: tuple[str, ...]) -> Bounds:
                 "bounds",
                 f"the coordinates are {listing(coordinates)}",
             )
-        low, high = _ends(interval, "bounds")
+        low, high = closed_number(interval.low), closed_number(interval.high)
+        if not float(low) < float(high):
+            raise _empty(interval, low, high, "bounds")
         box[name.name] = (float(low), float(high))
     if missing := [name for name in coordinates if name not in box]:
         raise statement.place.refuse(
             f"bounds lack {listing(missing)}", "bounds", f"add {missing[0]} [low, high], or leave the statement out"
         )
     return tuple(box[name] for name in coordinates)
-
-
-def _ends(interval: Range, code: str) -> tuple[Number, Number]:
-    low, high = closed_number(interval.low), closed_number(interval.high)
-    if not float(low) < float(high):
-        raise _empty(interval, low, high, code)
-    return low, high
 
 
 def _empty(interval: Range, low: Number, high: Number, code: str) -> RsymError:

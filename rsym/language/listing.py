@@ -243,21 +243,13 @@ def _infix(sign: str, parts: list[_Typeset]) -> _Typeset:
     return _Typeset(f" {sign} ".join(part.within(_POWER) for part in parts), _LOGIC)
 
 
-def _difference(parts: list[_Typeset], both: str, either: str) -> _Typeset:
-    return _infix(both, [parts[0], *map(_opposite, parts[1:])])
-
-
-def _implication(parts: list[_Typeset], both: str, either: str) -> _Typeset:
-    return _infix(either, [_opposite(parts[0]), parts[1]])
-
-
 def _exclusive_or(parts: list[_Typeset], both: str, either: str) -> _Typeset:
     f, g = parts
     return _infix(either, [_infix(both, [f, _opposite(g)]), _infix(both, [_opposite(f), g])])
 
 
 _COMPOSED: dict[str, Callable[[list[_Typeset], str, str], _Typeset]] = {
-    "difference": _difference,
-    "implication": _implication,
+    "difference": lambda parts, both, either: _infix(both, [parts[0], *map(_opposite, parts[1:])]),
+    "implication": lambda parts, both, either: _infix(either, [_opposite(parts[0]), parts[1]]),
     "exclusive_or": _exclusive_or,
 }

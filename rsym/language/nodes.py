@@ -53,10 +53,6 @@ def _cells(count: sp.Expr) -> None:
         raise RsymError(f"the cells must be 2 to {MOST_CELLS}, got {count}", code="integer")
 
 
-def _order(order: sp.Expr) -> None:
-    equivalence(sp.Symbol("f"), sp.Symbol("g"), order=order)
-
-
 def _folds(check: Callable[..., object] | None, *kinds: type[Fold]) -> list[NodeKind]:
     return [NodeKind(kind, (kind.parameter_count + 2,), check) for kind in kinds]
 
@@ -69,7 +65,9 @@ _ALL = (
     *_folds(lambda r, c: rho.Rho(r, "G1", c), rho.CircularConjunction, rho.CircularDisjunction),
     *_folds(lambda r, c, k: rho.Rho(r, "G2", c, k), rho.CubicConjunction, rho.CubicDisjunction),
     *_folds(sardf.Sardf, sardf.SardfConjunction, sardf.SardfDisjunction),
-    *_folds(_order, equivalences.Equivalence, equivalences.Joining),
+    *_folds(
+        lambda m: equivalence(sp.Symbol("f"), sp.Symbol("g"), order=m), equivalences.Equivalence, equivalences.Joining
+    ),
     *(NodeKind(kind, (2,)) for kind in (Ahead, ZeroWith, Scaled, Anomaly, powers.AbsolutePower, powers.SignedPower)),
     *(NodeKind(kind, (2,)) for kind in (waves.TriangleWave, waves.SawtoothWave)),
     *(NodeKind(kind, (3,), lambda *given: _cells(given[2])) for kind in (waves.TriangleRow, waves.SawtoothRow)),

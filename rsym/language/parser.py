@@ -64,7 +64,7 @@ class _StatementParser:
             "bounds": self._bounds,
             "system": self._system,
             "part": self._part,
-            "verbatim": self._verbatim,
+            "verbatim": lambda word: VerbatimStatement(word.place),
             "for": self._for,
         }
         self._loops = 0
@@ -145,9 +145,6 @@ class _StatementParser:
             body.append(statement)
         self._loops -= 1
         return ForStatement(word.place, name.name, tuple(run), tuple(body))
-
-    def _verbatim(self, word: Token) -> Statement:
-        return VerbatimStatement(word.place)
 
     def _variant(self, word: Token) -> Statement:
         example = "for example: variant b: a1 = 9, b1 = 4"

@@ -171,7 +171,9 @@ class Calls:
     def _made(self, piece: Piece, bound: inspect.BoundArguments) -> Shape | sp.Expr:
         """The shape; formulas without the third coordinate may be plane shapes, if they do not fit as bodies."""
         rest, named = _given(piece, bound)
-        shared, letters = self._shared(piece), self._own_letters()
+        letters = {_apart(name): letter for name, letter in self.letters.items()}
+        given = {"letters": letters, "system": self.system}
+        shared = {name: value for name, value in given.items() if piece.takes(name)}
 
         def made(dimension: int) -> Shape | sp.Expr:
             shapes = [Shape(value, (x, y, z)[:dimension], letters=letters) for value in bound.args[: piece.shapes]]
@@ -202,13 +204,6 @@ class Calls:
         if part.exact is not None and part.exact.denominator == 1:
             return int(part.exact)
         return substitute(part.expression, self._names())
-
-    def _shared(self, piece: Piece) -> dict[str, Any]:
-        shared = {"letters": self._own_letters(), "system": self.system}
-        return {name: value for name, value in shared.items() if piece.takes(name)}
-
-    def _own_letters(self) -> dict[str, Letter]:
-        return {_apart(name): letter for name, letter in self.letters.items()}
 
 
 def _apart(letter: str) -> str:
@@ -263,14 +258,11 @@ def _turn(expression: sp.Expr) -> sp.Expr | None:
     """A rational multiple of pi, of which SymPy knows sine and cosine; None for any other constant."""
     if not all(part.is_Rational or part is sp.pi for part in sp.preorder_traversal(expression) if not part.args):
         return None
-    if not all(part.is_Add or part.is_Mul or (part.is_Pow and part.exp == -1) for part in _inner(expression)):
+    inner = [part for part in sp.preorder_traversal(expression) if part.args]
+    if not all(part.is_Add or part.is_Mul or (part.is_Pow and part.exp == -1) for part in inner):
         return None
     value = expression.doit()
     return value if (value / sp.pi).is_Rational else None
-
-
-def _inner(expression: sp.Expr) -> list[sp.Basic]:
-    return [part for part in sp.preorder_traversal(expression) if part.args]
 
 
 class NamedArgument(RealNode):

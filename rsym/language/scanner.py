@@ -92,7 +92,7 @@ def scan(text: str, notes: list[str] | None = None) -> list[Token]:
         if token.text == "\n":
             line, line_start = line + 1, position
         brackets = _depth(brackets, token)
-        if token.text != "\n" or not (brackets or _continues(tokens)):
+        if token.text != "\n" or not (brackets or (tokens and tokens[-1].text in _CONTINUES)):
             tokens.append(_checked(token, len(tokens)))
     return [*tokens, Token("end", "", Position(line, position - line_start + 1))]
 
@@ -123,10 +123,6 @@ def _depth(brackets: int, token: Token) -> int:
     if token.text == ";":
         return 0  # an unclosed bracket is an error of its own statement only
     return max(brackets - (token.text in (")", "]")), 0)
-
-
-def _continues(tokens: list[Token]) -> bool:
-    return bool(tokens) and tokens[-1].text in _CONTINUES
 
 
 def _checked(token: Token, count: int) -> Token:

@@ -15,7 +15,6 @@ from sympy.logic.boolalg import BooleanAtom
 from rsym.errors import RsymError
 from rsym.language.functions import FAMILIES, SYSTEMS
 from rsym.language.nodes import NODES, PIECEWISE
-from rsym.model.folds import Fold
 from rsym.model.letters import Number
 from rsym.model.nodes import Trimming
 from rsym.model.rnodes import ROperation
@@ -187,16 +186,13 @@ class Sentences:
 
     def _call(self, part: sp.Basic) -> Written:
         arguments, name = part.args, _FUNCTIONS.get(type(part))
-        if isinstance(part, Fold) and self._is_of_the_system(part):
+        if isinstance(part, ROperation) and _system_of(part) == self._system:
             arguments, name = part.operands, "rfAND" if part.sign < 0 else "rfOR"
         if name is None and type(part).__name__ in NODES and NODES[type(part).__name__].kind is type(part):
             name = type(part).__name__
         if name is None:
             raise unspeakable(f"{type(part).__name__}: {sp.sstr(part)[:80]}")
         return Written(f"{name}({', '.join(self._of(argument).text for argument in arguments)})", ATOM)
-
-    def _is_of_the_system(self, part: Fold) -> bool:
-        return isinstance(part, ROperation) and _system_of(part) == self._system
 
 
 def _system_of(part: ROperation) -> RSystem | None:

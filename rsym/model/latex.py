@@ -39,7 +39,9 @@ def latex(shape: Equation) -> str:
     \omega\left(x, y\right) = x \wedge_0 y
     """
     if shape.definitions:
-        return aligned(_definitions(shape))
+        *parts, (_, last) = shape.definitions
+        lines = [f"{_name(name)} &= {line(value)}" for name, value in parts]
+        return aligned([*lines, f"{title(shape)} &= {line(last)}"])
     return written({title(shape): shape.expression}, taken=shape.letters)
 
 
@@ -108,11 +110,6 @@ def aligned(lines: Sequence[str]) -> str:
     return r"\begin{aligned}" + r"\\ ".join(lines) + r"\end{aligned}"
 
 
-def _definitions(shape: Equation) -> list[str]:
-    *parts, (_, last) = shape.definitions
-    return [*(f"{_name(name)} &= {line(value)}" for name, value in parts), f"{title(shape)} &= {line(last)}"]
-
-
 def _name(name: str) -> str:
     return printed(real_symbol(name))
 
@@ -179,7 +176,8 @@ def in_common_parts(
     for key in sorted(inside):
         arguments = forest.arguments[key]
         for longest in sorted(set(arguments), key=lambda argument: -sizes[argument]):
-            if sum(sizes[argument] for argument in arguments) > LONGEST and _may_be_named(forest, longest, sizes):
+            may_be_named = sizes[longest] >= WORTH_A_NAME and isinstance(forest.items[longest], sp.Expr)
+            if may_be_named and sum(sizes[argument] for argument in arguments) > LONGEST:
                 give_name(longest)
         shown[key] = forest.remade(key, shown)
         sizes[key] = 1 + sum(sizes[argument] for argument in arguments)
@@ -187,10 +185,6 @@ def in_common_parts(
         if (shared or key in called) and isinstance(shown[key], sp.Expr):
             give_name(key)
     return tuple(parts), tuple(shown[root] for root in roots)
-
-
-def _may_be_named(forest: _Forest, key: int, sizes: Mapping[int, int]) -> bool:
-    return sizes[key] >= WORTH_A_NAME and isinstance(forest.items[key], sp.Expr)
 
 
 class _Forest:

@@ -105,8 +105,9 @@ class Movable(Equation):
         -x**2/4 - y**2/4 + 1
         """
         if isinstance(factor, tuple | list):
-            given = _items(factor, self.dimension, "factors")
-            factors = [positive(one, "a factor", self.letters.merge(letters)) for one in given]
+            if len(factor) != self.dimension:
+                raise RsymError(f"expected {self.dimension} factors, got {len(factor)}", code="point")
+            factors = [positive(one, "a factor", self.letters.merge(letters)) for one in factor]
             matrix, inverse = sp.diag(*factors), sp.diag(*(1 / one for one in factors))
             return _about_centre(self, matrix, inverse, centre, letters)
         size = positive(factor, "a factor", self.letters.merge(letters))
@@ -175,12 +176,6 @@ def axis_vector(shape: Equation, given: Any, what: str, letters: LetterMapping) 
         position = coordinate(given, shape.coordinates, what)
         return tuple(sp.Integer(k == position) for k in range(shape.dimension))
     return unit_vector(given, shape.dimension, what, shape.letters.merge(letters))
-
-
-def _items(value: Any, count: int, what: str) -> list[Any]:
-    if len(value) != count:
-        raise RsymError(f"expected {count} {what}, got {len(value)}", code="point")
-    return list(value)
 
 
 def _about(axis: tuple[sp.Expr, ...], angle: sp.Expr) -> Matrix:

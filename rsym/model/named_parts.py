@@ -109,14 +109,14 @@ class _Inside:
     def __init__(self, *expressions: sp.Expr) -> None:
         self._parts = set(postorder(*expressions))
         folds = [part for part in self._parts if isinstance(part, Fold)]
-        self._parts |= {fold.func(*fold.parameters, *fold.operands[:k]) for fold in folds for k in _heads(fold)}
+        self._parts |= {
+            fold.func(*fold.parameters, *fold.operands[:count])
+            for fold in folds
+            for count in range(2, len(fold.operands))
+        }
 
     def __contains__(self, part: sp.Expr) -> bool:
         return part in self._parts or -part in self._parts
-
-
-def _heads(fold: Fold) -> range:
-    return range(2, len(fold.operands))
 
 
 def _operands(part: sp.Expr) -> tuple[sp.Expr, ...]:

@@ -60,7 +60,8 @@ def positive_polynomial(
     """
     (variable,) = polynomial.gens
     first, last = ends or (polynomial.eval(low), polynomial.eval(high))
-    if low == -high and _is_even(polynomial):
+    even = polynomial.degree() > 0 and all(degree % 2 == 0 for (degree,) in polynomial.monoms())
+    if low == -high and even:
         squares = sp.Poly(polynomial.all_coeffs()[::2], variable)
         return positive_polynomial(squares, sp.S.Zero, high**2, letters, (polynomial.eval(0), last))
     coefficients = bernstein(polynomial, low, high)
@@ -86,10 +87,6 @@ def bernstein(polynomial: sp.Poly, low: sp.Expr, high: sp.Expr) -> list[sp.Expr]
     n = len(powers) - 1
     shares = [[sp.binomial(k, j) / sp.binomial(n, j) for j in range(k + 1)] for k in range(n + 1)]
     return [sp.cancel(sp.Add(*(a * b for a, b in zip(row, powers, strict=False)))) for row in shares]
-
-
-def _is_even(polynomial: sp.Poly) -> bool:
-    return polynomial.degree() > 0 and all(degree % 2 == 0 for (degree,) in polynomial.monoms())
 
 
 def _between(polynomial: sp.Poly, b: list[sp.Expr], letters: Mapping[str, Letter]) -> Boolean:

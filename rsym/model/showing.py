@@ -25,17 +25,14 @@ def text(shape: Equation) -> str:
         f"({', '.join(symbol.name for symbol in shape.coordinates)})",
     ]
     if shape.letters:
-        given.append(f"letters={{{', '.join(within(_letters(shape), 600))}}}")
+        letters = [f"{name}: {float(letter.default):g}" for name, letter in shape.letters.items()]
+        given.append(f"letters={{{', '.join(within(letters, 600))}}}")
     if shape.bounds:
         given.append(f"bounds={shape.bounds}")
     if shape.parts:
         given.append(f"parts: {', '.join(within([name for name, _ in shape.parts], 300))}")
     given += [f"{part.name}: {part.words}" for part in named]
     return f"Shape({', '.join(given)})"
-
-
-def _letters(shape: Equation) -> list[str]:
-    return [f"{name}: {float(letter.default):g}" for name, letter in shape.letters.items()]
 
 
 def latex(shape: Equation) -> str:

@@ -6,7 +6,7 @@ R-operations, or a definition used in twenty places, must cost what it is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 import sympy as sp
@@ -99,8 +99,4 @@ def substitute(expression: sp.Basic, values: Mapping[sp.Basic, sp.Basic]) -> sp.
 
 def symbols_of(*expressions: sp.Basic) -> tuple[sp.Symbol, ...]:
     """The distinct symbols, sorted by name."""
-    return tuple(sorted(_distinct_symbols(expressions), key=lambda symbol: symbol.name))
-
-
-def _distinct_symbols(expressions: Iterable[sp.Basic]) -> set[sp.Symbol]:
-    return {part for part in postorder(*expressions) if part.is_Symbol}
+    return tuple(sorted({part for part in postorder(*expressions) if part.is_Symbol}, key=lambda symbol: symbol.name))

@@ -150,9 +150,6 @@ class TaylorSeries:
                     result[i + j] = self.tower.add(result[i + j], self.tower.multiply(u, v))
         return result
 
-    def _scaled(self, factor: Element, f: Series) -> Series:
-        return [self.tower.multiply(factor, u) for u in f]
-
     def inverse(self, f: Series) -> Series:
         """Return 1/f."""
         first = self.tower.inverse(f[0])

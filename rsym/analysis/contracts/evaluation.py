@@ -54,7 +54,7 @@ class Evaluation:
         if part.is_Add:
             return _folded(self.algebra.add, inner)
         if part.is_Mul:
-            return self._product(part, inner)
+            return _folded(self.algebra.multiply, inner)
         if isinstance(part, sp.exp):
             return self._exponential(part.args[0])
         if part.is_Pow:
@@ -89,9 +89,6 @@ class Evaluation:
 
     def _over(self, f: Value, g: Value) -> Value:
         return self.algebra.multiply(f, self.algebra.inverse(g))
-
-    def _product(self, part: sp.Expr, inner: list[Value]) -> Value:
-        return _folded(self.algebra.multiply, inner)
 
     def _raised(self, base: Value, exponent: int) -> Value:
         if exponent < 0:

@@ -215,13 +215,10 @@ def _order(promises: Promises, orders: Mapping[sp.Expr, Order]) -> Order:
 def _exceptions(promises: Promises, orders: Mapping[sp.Expr, Order]) -> tuple[str, ...]:
     parts = [part for part in logical_parts(promises.root, promises) if is_logical(part)]
     texts = [text for part in parts if (text := promises[part].exception)]
-    if any(order and boundary_of(leaf) != leaf for leaf, order in _without_zeros(orders).items()):
+    bare = {without_zeros(leaf): order for leaf, order in orders.items()}
+    if any(order and boundary_of(leaf) != leaf for leaf, order in bare.items()):
         texts.append("it holds where the common factor of the terms of a leaf is zero, not where the other factor is")
     return tuple(dict.fromkeys(texts))
-
-
-def _without_zeros(orders: Mapping[sp.Expr, Order]) -> dict[sp.Expr, Order]:
-    return {without_zeros(leaf): order for leaf, order in orders.items()}
 
 
 @dataclass(frozen=True)

@@ -22,16 +22,13 @@ class _Bump(Composition):
     scale_count: ClassVar[int]
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:
-        scales, operands = (", ".join(map(printer._print, part)) for part in self._parts)
+        parts = self.args[: self.scale_count], self.args[self.scale_count :]
+        scales, operands = (", ".join(map(printer._print, part)) for part in parts)
         text = rf"\operatorname{{disp}}_{{{scales}}}\left({operands}\right)"
         return text if exp is None else f"{text}^{{{exp}}}"
 
     def _sympystr(self, printer: Any) -> str:
         return f"{self.name}({', '.join(map(printer._print, self.args))})"
-
-    @property
-    def _parts(self) -> tuple[tuple[sp.Expr, ...], tuple[sp.Expr, ...]]:
-        return self.args[: self.scale_count], self.args[self.scale_count :]
 
 
 class Displacement(_Bump):
