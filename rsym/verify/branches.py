@@ -10,7 +10,7 @@ from typing import Any
 import mpmath as mp
 from mpmath import mpf
 
-from rsym.verify.circles import Circle
+from rsym.verify.circles import CircleZeros
 from rsym.verify.extrapolation import Limit, limit
 
 
@@ -49,7 +49,7 @@ class _Place:
     slope: mpf
 
 
-def one_sided(circles: Sequence[Circle], ends: Ends) -> list[Branch]:
+def one_sided(circles: Sequence[CircleZeros], ends: Ends) -> list[Branch]:
     """The branches that cross all circles, in the order of their angles on the last.
 
     Examples
@@ -70,7 +70,7 @@ def one_sided(circles: Sequence[Circle], ends: Ends) -> list[Branch]:
     return [_branch(track, rising, circles, ends) for track, rising in _tracks(circles)]
 
 
-def _tracks(circles: Sequence[Circle]) -> list[tuple[list[mpf], bool]]:
+def _tracks(circles: Sequence[CircleZeros]) -> list[tuple[list[mpf], bool]]:
     """Angles of each branch on all circles: the cyclic order of branches never changes, only where it starts."""
     tracks = [[angle] for angle, _ in circles[-1].crossings]
     rising = [up for _, up in circles[-1].crossings]
@@ -90,11 +90,11 @@ def _near(angle: mpf, other: mpf) -> mpf:
     return angle - 2 * mp.pi * mp.nint((angle - other) / (2 * mp.pi))
 
 
-def _distance(angles: list[mpf], circle: Circle, shift: int) -> mpf:
+def _distance(angles: list[mpf], circle: CircleZeros, shift: int) -> mpf:
     return sum(abs(_near(circle.crossings[i - shift][0], angle) - angle) for i, angle in enumerate(angles))
 
 
-def _branch(track: list[mpf], leaving: bool, circles: Sequence[Circle], ends: Ends) -> Branch:
+def _branch(track: list[mpf], leaving: bool, circles: Sequence[CircleZeros], ends: Ends) -> Branch:
     """Extrapolate one branch; w rises through a leaving one in the sense of growing angles."""
     places = [_place(circle.radius, angle, leaving, ends) for circle, angle in zip(circles, track, strict=True)]
     noise = mpf(10) ** (-mpf("0.6") * ends.digits)

@@ -28,7 +28,7 @@ MOST_STEPS = 600
 
 
 @dataclass(frozen=True)
-class Circle:
+class CircleZeros:
     """Zeros of w on a circle: (angle, rising) with a change of sign, angles of touches, number of edges.
 
     An edge is where the function is cut off: its domain ends there, or it jumps over zero. `least` is the smallest
@@ -44,7 +44,7 @@ class Circle:
     vanishing: bool = False
 
 
-def zeros_on_circle(value: Callable[[mpf, mpf], mpf], centre: tuple[mpf, mpf], radius: mpf, digits: int) -> Circle:
+def zeros_on_circle(value: Callable[[mpf, mpf], mpf], centre: tuple[mpf, mpf], radius: mpf, digits: int) -> CircleZeros:
     """All zeros of `value` on a circle that dips and slopes of its samples give away.
 
     Examples
@@ -61,7 +61,7 @@ def zeros_on_circle(value: Callable[[mpf, mpf], mpf], centre: tuple[mpf, mpf], r
     points = [(angle, along(angle)) for angle in start]
     finite = [abs(height) for _, height in points if mp.isfinite(height)]
     if not finite or sum(height == 0 for height in finite) > 1:
-        return Circle(radius, (), edges=0 if finite else 1, vanishing=bool(finite))
+        return CircleZeros(radius, (), edges=0 if finite else 1, vanishing=bool(finite))
     # No dip of |w| straddles the seam if the circle is opened where |w| is largest.
     top = max(range(SAMPLES), key=lambda index: abs(points[index][1]) if mp.isfinite(points[index][1]) else -1)
     turned = [*points[top:], *((angle + 2 * mp.pi, height) for angle, height in points[: top + 1])]
@@ -69,7 +69,7 @@ def zeros_on_circle(value: Callable[[mpf, mpf], mpf], centre: tuple[mpf, mpf], r
     search.resolve([point for point in turned if point[1] != 0], 0)
     crossings = sorted((angle % (2 * mp.pi), rising) for angle, rising in search.crossings)
     touches = tuple(sorted(angle % (2 * mp.pi) for angle in search.touches))
-    return Circle(radius, tuple(crossings), touches, search.edges, min(finite), turned[0][1] > 0)
+    return CircleZeros(radius, tuple(crossings), touches, search.edges, min(finite), turned[0][1] > 0)
 
 
 def _real(value: Callable[[mpf, mpf], mpf], x: mpf, y: mpf) -> mpf:

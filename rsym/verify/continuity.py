@@ -16,7 +16,7 @@ from rsym.model.requirements import several
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.reports.numbers import number
 from rsym.verify.constants import enclosed, measured, norm, precise
-from rsym.verify.curve_interiors import Arc, arcs_of
+from rsym.verify.curve_interiors import CurveArc, arcs_of
 from rsym.verify.curves import Curve, End, Vector, all_vanish, dot, end_of, minors
 from rsym.verify.jumps import bend, curvature, distance, slope, torsion, turn
 from rsym.verify.report import CONTINUITIES, Joint
@@ -175,7 +175,7 @@ def _is_point(curve: Curve) -> bool:
     return all(sp.expand(sp.diff(one, curve.parameter)) == 0 for one in curve.expressions)
 
 
-def _uncovered(curves: Sequence[Curve], arcs: Sequence[Sequence[Arc]]) -> Iterator[str]:
+def _uncovered(curves: Sequence[Curve], arcs: Sequence[Sequence[CurveArc]]) -> Iterator[str]:
     """The parts of curves that are not proved to be regular."""
     for index, (curve, own) in enumerate(zip(curves, arcs, strict=True)):
         for arc in own:
@@ -199,7 +199,7 @@ def _free_ends(curves: Sequence[Curve], wanted: int) -> Iterator[str]:
 _WITHOUT = {2: "the curvature is unbounded", 3: "no rate of change of the curvature is proved to exist"}
 
 
-def _unaccounted(expected: int, found: int, arcs: Sequence[Sequence[Arc]], within: int) -> Iterator[str]:
+def _unaccounted(expected: int, found: int, arcs: Sequence[Sequence[CurveArc]], within: int) -> Iterator[str]:
     """What was asked and has no answer: every joint, every place inside, and every part of every curve counts once."""
     if found != expected:
         yield f"{expected} joints, of which {found} were examined; {BUG}"

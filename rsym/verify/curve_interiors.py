@@ -40,7 +40,7 @@ MOST_ZEROS = 24
 
 
 @dataclass(frozen=True)
-class Arc:
+class CurveArc:
     """A part of a curve between two places where its velocity may vanish, and what of it is proved to be regular.
 
     proved : the shares of its interval on which it is a regular analytic arc; open : all others.
@@ -69,7 +69,7 @@ class Arc:
         return ends and all(before[1] == after[0] for before, after in pairwise(parts))
 
 
-def arcs_of(curve: Curve) -> list[Arc]:
+def arcs_of(curve: Curve) -> list[CurveArc]:
     """The curve divided where its velocity vanishes, and what is proved of each part.
 
     Examples
@@ -159,7 +159,7 @@ def _order_at(curve: Curve, place: sp.Expr) -> int:
     return end.order
 
 
-def _examined(curve: Curve) -> Arc:
+def _examined(curve: Curve) -> CurveArc:
     """The curve on ever smaller parts, those that are not proved regular divided."""
     with truncated(ORDER, BITS):
         motion = _Motion(curve)
@@ -175,7 +175,7 @@ def _examined(curve: Curve) -> Arc:
             else:
                 middle = (part[0] + part[1]) / 2
                 waiting += [((middle, part[1]), depth + 1), ((part[0], middle), depth + 1)]
-    return Arc(curve, tuple(sorted(proved)), tuple(_merged(left)))
+    return CurveArc(curve, tuple(sorted(proved)), tuple(_merged(left)))
 
 
 def _merged(parts: Sequence[Part]) -> Iterator[Part]:
@@ -192,7 +192,7 @@ def _merged(parts: Sequence[Part]) -> Iterator[Part]:
         yield last
 
 
-def _zeros(arc: Arc) -> Iterator[sp.Expr]:
+def _zeros(arc: CurveArc) -> Iterator[sp.Expr]:
     """The places inside the open parts at which the velocity vanishes, exactly."""
     curve = arc.curve
     roots = list(_roots(curve))

@@ -11,7 +11,7 @@ import mpmath as mp
 from mpmath import mpf
 
 from rsym.verify.branches import Branch, Ends, one_sided
-from rsym.verify.circles import Circle, zeros_on_circle
+from rsym.verify.circles import CircleZeros, zeros_on_circle
 from rsym.verify.extrapolation import Limit
 from rsym.verify.report import Joint
 
@@ -87,12 +87,12 @@ def classify(
         return _judged(joint, steady, Ends(field, centre, mpf(radius), digits))
 
 
-def _signature(circle: Circle) -> tuple[int, int, int, int, bool]:
+def _signature(circle: CircleZeros) -> tuple[int, int, int, int, bool]:
     rising = sum(up for _, up in circle.crossings)
     return len(circle.crossings), rising, len(circle.touches), circle.edges, circle.vanishing
 
 
-def _steady(circles: list[Circle]) -> list[Circle]:
+def _steady(circles: list[CircleZeros]) -> list[CircleZeros]:
     """The smallest circles, as far out as they agree in number and kind of their zeros."""
     steady = circles[-1:]
     for circle in reversed(circles[:-1]):
@@ -102,7 +102,7 @@ def _steady(circles: list[Circle]) -> list[Circle]:
     return steady
 
 
-def _judged(joint: Joint, circles: list[Circle], ends: Ends) -> Joint:
+def _judged(joint: Joint, circles: list[CircleZeros], ends: Ends) -> Joint:
     """The kind of point, by the number of branches."""
     last, doubt = circles[-1], joint
     joint = replace(joint, continuity="broken")
@@ -128,7 +128,7 @@ def _judged(joint: Joint, circles: list[Circle], ends: Ends) -> Joint:
     return _joined(joint, arriving, leaving)
 
 
-def _vanishes(circles: list[Circle]) -> bool:
+def _vanishes(circles: list[CircleZeros]) -> bool:
     """Whether w tends to zero at the centre: like a power of the radius, or as good as that."""
     rates = [mp.log(before.least / after.least, 2) for before, after in pairwise(circles) if after.least > 0]
     return not rates or bool(rates[-1] > mpf("0.05"))

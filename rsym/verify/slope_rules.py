@@ -66,7 +66,7 @@ class Size:
 
 
 @dataclass(frozen=True)
-class Choice:
+class Tie:
     """The larger or the smaller of two arguments that are equal at the point."""
 
     arguments: tuple[int, ...]
@@ -162,4 +162,4 @@ class End:
         return _combined([f / length, -(-t).max(arb(0)) * share / length], gradients)
 
 
-Rule: TypeAlias = Linear | Size | Choice | Homogeneous | Length | End
+Rule: TypeAlias = Linear | Size | Tie | Homogeneous | Length | End

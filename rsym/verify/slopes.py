@@ -22,7 +22,7 @@ from rsym.verify.domains import is_defined, is_legal
 from rsym.verify.generators import BRANCHING, is_analytic_at
 from rsym.verify.local import Local
 from rsym.verify.locus import chosen
-from rsym.verify.slope_rules import Choice, End, Homogeneous, Length, Linear, Rule, Size, Vector
+from rsym.verify.slope_rules import End, Homogeneous, Length, Linear, Rule, Size, Tie, Vector
 from rsym.verify.vanishing import Exact
 
 HOMOGENEOUS = frozenset(
@@ -107,7 +107,7 @@ def _rule(local: Local, known: Exact, part: int) -> Rule | None:
         return Homogeneous(arguments[:2], local, part)
     if operation in {"min", "max"}:
         tie = known.vanishes(*arguments) or known.vanishes(builder.sub(*arguments))
-        return Choice(arguments, operation) if tie else None
+        return Tie(arguments, operation) if tie else None
     if operation == "abs":
         return Size(arguments) if known.vanishes(*arguments) else None
     if operation in {"r0m_conjunction", "r0m_disjunction"}:

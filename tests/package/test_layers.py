@@ -101,8 +101,6 @@ NAMED_TWICE = """\
     Bounds
     Boxes
     Branch
-    Choice
-    Circle
     Component
     Condition
     Corners
@@ -115,13 +113,11 @@ NAMED_TWICE = """\
     Finding
     Frame
     Gate
-    Held
     Jet
     Judge
     Judgement
     Jumps
     Known
-    Leaf
     Leaves
     Literal
     Local
@@ -129,7 +125,6 @@ NAMED_TWICE = """\
     Look
     Meeting
     Operation
-    Piece
     Place
     Rays
     Samples

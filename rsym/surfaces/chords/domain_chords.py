@@ -44,7 +44,7 @@ SHORTEST = 1e-14
 
 
 @dataclass(frozen=True)
-class Leaf:
+class LineLeaf:
     """A leaf along a line: its roots, and its sign at a number."""
 
     roots: list[sp.Expr]
@@ -122,7 +122,7 @@ def chord_of(domain: Shape, line: Line, where: str) -> Chord:
     low, high = -math.inf, math.inf
     if not _by_algebra(domain.expression, whole):
         low, high = _range_in_box(domain, whole)
-    leaves: dict[sp.Expr, Leaf] = {}
+    leaves: dict[sp.Expr, LineLeaf] = {}
     for leaf in _leaves(domain.expression):
         leaves[leaf] = _leaf_along(whole.along(leaf), low, high)
     cuts = _distinct([root for leaf in leaves.values() for root in leaf.roots])
@@ -140,7 +140,7 @@ def _leaves(expression: sp.Expr) -> list[sp.Expr]:
     return [expression] if factor == 1 else _leaves(rest)
 
 
-def _sign(expression: sp.Expr, leaves: dict[sp.Expr, Leaf], place: float) -> int:
+def _sign(expression: sp.Expr, leaves: dict[sp.Expr, LineLeaf], place: float) -> int:
     """The sign of an R-function from those of its leaves."""
     if isinstance(expression, ROperation):
         signs = [_sign(operand, leaves, place) for operand in expression.operands]
@@ -155,17 +155,17 @@ def _by_algebra(expression: sp.Expr, chord: Chord) -> bool:
     return all(chord.along(leaf).is_polynomial(t) for leaf in _leaves(expression))
 
 
-def _leaf_along(restricted: sp.Expr, low: float, high: float) -> Leaf:
+def _leaf_along(restricted: sp.Expr, low: float, high: float) -> LineLeaf:
     """A leaf as a function of t."""
     if not restricted.is_polynomial(t):
-        return Leaf(*roots_between(restricted, low, high))
+        return LineLeaf(*roots_between(restricted, low, high))
     polynomial = sp.Poly(sp.expand(restricted), t)
     if polynomial.is_zero:
-        return Leaf([], lambda place: 0)
+        return LineLeaf([], lambda place: 0)
     exact = polynomial.degree() <= 2
     roots = sp.roots(polynomial, multiple=True) if exact else _numeric_roots(polynomial)
     real = [sp.radsimp(root) for root in roots if abs(sp.im(sp.N(root, DIGITS))) < NEGLIGIBLE]
-    return Leaf(real, lambda place: int(sp.sign(polynomial.eval(sp.Rational(place)))))
+    return LineLeaf(real, lambda place: int(sp.sign(polynomial.eval(sp.Rational(place)))))
 
 
 def _numeric_roots(polynomial: sp.Poly) -> list[sp.Float]:
@@ -201,7 +201,7 @@ def _distinct(roots: list[sp.Expr]) -> list[sp.Expr]:
 
 def _piece(
     domain: Shape,
-    leaves: dict[sp.Expr, Leaf],
+    leaves: dict[sp.Expr, LineLeaf],
     cuts: list[sp.Expr],
     limits: tuple[float, float],
     line: Line,

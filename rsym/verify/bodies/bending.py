@@ -35,7 +35,7 @@ class Bending:
     attained: tuple[float, float]
 
 
-class Held(NamedTuple):
+class KeptBoxes(NamedTuple):
     """Boxes (n, k, 2) of one sheet, and for each where in it the sheet is the boundary.
 
     That is where the node `sides` (n,) is not negative, if it is not WHOLE or PART.
@@ -72,7 +72,7 @@ def bending(images: Images, found: Subdivision, effort: Effort | None = None) ->
     return Bending((low + 0.0, high + 0.0), (float(attained[0]), float(attained[1])))
 
 
-def held(found: Subdivision) -> Mapping[int, Held]:
+def held(found: Subdivision) -> Mapping[int, KeptBoxes]:
     """The boxes by the sheets that they hold."""
     listed: dict[int, list[tuple[Boxes, int]]] = {}
     for node, groups in found.regular.items():
@@ -84,7 +84,7 @@ def held(found: Subdivision) -> Mapping[int, Held]:
         for node in corner.sheets:
             listed.setdefault(node, []).append((np.array([box]), PART))
     return {
-        node: Held(
+        node: KeptBoxes(
             np.concatenate([boxes for boxes, _ in groups]),
             np.concatenate([np.full(len(boxes), side) for boxes, side in groups]),
         )
@@ -92,13 +92,13 @@ def held(found: Subdivision) -> Mapping[int, Held]:
     }
 
 
-def _simplest(images: Images, sheets: Mapping[int, Held]) -> Mapping[int, Held]:
+def _simplest(images: Images, sheets: Mapping[int, KeptBoxes]) -> Mapping[int, KeptBoxes]:
     """The boxes by the simplest functions that are zero on the sheets."""
-    listed: dict[int, list[Held]] = {}
+    listed: dict[int, list[KeptBoxes]] = {}
     for node, sheet in sheets.items():
         for simple, places in simplest(images, node, sheet.boxes):
-            listed.setdefault(simple, []).append(Held(sheet.boxes[places], sheet.sides[places]))
-    return {node: Held(*map(np.concatenate, zip(*parts, strict=True))) for node, parts in listed.items()}
+            listed.setdefault(simple, []).append(KeptBoxes(sheet.boxes[places], sheet.sides[places]))
+    return {node: KeptBoxes(*map(np.concatenate, zip(*parts, strict=True))) for node, parts in listed.items()}
 
 
 class _Search:
@@ -119,7 +119,7 @@ class _Search:
         result: Array = self.attained + [-1, 1] * slack
         return result
 
-    def bounded(self, node: int, sheet: Held) -> tuple[Held, Bent]:
+    def bounded(self, node: int, sheet: KeptBoxes) -> tuple[KeptBoxes, Bent]:
         """The boxes that the boundary may meet, and its curvatures there; what is attained at points is noted."""
         kept = self._meets(*sheet)
         boxes, sides = sheet.boxes[kept], sheet.sides[kept]
@@ -131,7 +131,7 @@ class _Search:
         new[new] = self._is_boundary(found.points[new], found.normals[new], sides[new])
         low, high = found.attained[new, 1], found.attained[new, 0]
         self.attained = np.array([low.min(initial=self.attained[0]), high.max(initial=self.attained[1])]) + 0.0
-        return Held(found.boxes, sides), found
+        return KeptBoxes(found.boxes, sides), found
 
     def _meets(self, boxes: Boxes, sides: NDArray[np.int64]) -> Flags:
         """Whether a sheet may be the boundary somewhere in boxes."""
@@ -162,7 +162,7 @@ class _Search:
 class _Sheet:
     """The boxes of one sheet, with bounds of its curvatures."""
 
-    def __init__(self, search: _Search, node: int, sheet: Held) -> None:
+    def __init__(self, search: _Search, node: int, sheet: KeptBoxes) -> None:
         self.search, self.node = search, node
         self.held, found = search.bounded(node, sheet)
         self.low, self.high, self.shares = found.low, found.high, found.shares
@@ -189,8 +189,8 @@ class _Sheet:
         shares = np.concatenate([shares, most * self.search.images.influence_on(self.node, boxes)], axis=1)
         across = shares >= MATTERS * shares.max(axis=1, keepdims=True)
         sides = np.repeat(self.held.sides[own], 2 ** across.sum(axis=1))
-        held, found = self.search.bounded(self.node, Held(cut(boxes, across), sides))
+        held, found = self.search.bounded(self.node, KeptBoxes(cut(boxes, across), sides))
         kept = *self.held, self.low, self.high, self.shares
         pairs = zip(kept, (*held, found.low, found.high, found.shares), strict=True)
         boxes, sides, self.low, self.high, self.shares = (np.concatenate([old[~own], new]) for old, new in pairs)
-        self.held = Held(boxes, sides)
+        self.held = KeptBoxes(boxes, sides)

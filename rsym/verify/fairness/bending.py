@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from rsym.bounds.balls import arb, ctx
 from rsym.verify.fairness.constancy import constant_curvatures
-from rsym.verify.fairness.pieces import POINT_BITS, Piece, lies_within, point_above
+from rsym.verify.fairness.pieces import POINT_BITS, ArcPiece, lies_within, point_above
 from rsym.verify.fairness.quantities import Frame, Quantity
 from rsym.verify.local import Local, Model, side
 
@@ -32,7 +32,7 @@ class Bent:
     `own` says that the point is proved to be one of the boundary: that of a joined arc may lie on its continuation.
     """
 
-    piece: Piece
+    piece: ArcPiece
     curvatures: tuple[Enclosed, ...]
     place: tuple[arb, ...] | None = None
     at: tuple[Enclosed, ...] = ()
@@ -75,7 +75,7 @@ class Arcs:
             found.append(Enclosed(_whole(local.value(quantity.value)), *slopes))
         return tuple(found)
 
-    def bent(self, piece: Piece) -> Bent:
+    def bent(self, piece: ArcPiece) -> Bent:
         """The curvatures of a piece."""
         function, local = piece.arc.function, self.model.over(piece.box)
         natural = self.enclosed(local, function)

@@ -17,7 +17,7 @@ from rsym.program.expansion import expand
 from rsym.program.precision import FLOAT64
 from rsym.sampling.combs import Comb
 from rsym.verify.fairness.bending import Arcs
-from rsym.verify.fairness.pieces import Piece
+from rsym.verify.fairness.pieces import ArcPiece
 from rsym.verify.fairness.report import Measure, Profile
 from rsym.verify.joints import Arc
 
@@ -32,7 +32,7 @@ ROUNDING = 1e-14  # of a measure, what float64 loses
 class Sampler:
     """Evaluates the curvatures of a boundary in float64, each point on the arc of the nearest piece."""
 
-    def __init__(self, arcs: Arcs, pieces: Sequence[Piece]) -> None:
+    def __init__(self, arcs: Arcs, pieces: Sequence[ArcPiece]) -> None:
         self.model = arcs.model
         groups: dict[tuple[Arc, bool], dict[tuple[tuple[float, float], ...], None]] = {}
         for piece in pieces:

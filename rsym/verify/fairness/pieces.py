@@ -28,7 +28,7 @@ POINT_BITS = 128  # of balls around single points of an arc, which then have 25 
 
 
 @dataclass(frozen=True)
-class Piece:
+class ArcPiece:
     """The part of an arc {function = 0}, or {function = 0, side >= 0} if `joined`, in a box.
 
     `whole` is the settled box that it was cut from; of the function the branches that are not taken on it are left
@@ -50,7 +50,7 @@ class Piece:
         return max(high - low for low, high in self.box)
 
 
-def pieces_of(model: Model, box: Box, extent: float) -> list[Piece] | None:
+def pieces_of(model: Model, box: Box, extent: float) -> list[ArcPiece] | None:
     """The arcs in a settled box; None where it holds no curve that is known to be regular.
 
     Of a body of revolution the half of the meridian with a positive radius counts.
@@ -69,12 +69,12 @@ def pieces_of(model: Model, box: Box, extent: float) -> list[Piece] | None:
     found = generators(local, locus.nodes[0]) if locus.kind == "leaf" else None
     if found is not None and found.analytic:
         function = plain(local, locus.nodes[0])
-        return [Piece(whole, whole, Arc(function, function), False, True)]
+        return [ArcPiece(whole, whole, Arc(function, function), False, True)]
     arcs = meeting(local, locus, found)
     if arcs is None:
         return None
     plainer = [Arc(plain(local, arc.function), arc.side) for arc in arcs.arcs]
-    return [Piece(whole, whole, arc, True, generators(local, arc.function).analytic) for arc in plainer]
+    return [ArcPiece(whole, whole, arc, True, generators(local, arc.function).analytic) for arc in plainer]
 
 
 def plain(local: Local, number: int) -> int:
@@ -82,7 +82,7 @@ def plain(local: Local, number: int) -> int:
     return resolve(local, number, -1, 1)
 
 
-def narrowed(model: Model, piece: Piece) -> Piece | None:
+def narrowed(model: Model, piece: ArcPiece) -> ArcPiece | None:
     """The piece in the smallest box around its arc; None where there is none."""
     local = model.over(piece.box)
     if piece.joined and local.sign(piece.arc.side) < 0:
@@ -102,7 +102,7 @@ def _touches(one: tuple[float, float], other: tuple[float, float]) -> bool:
     return one[0] <= other[1] and other[0] <= one[1]
 
 
-def _with_rim(model: Model, piece: Piece, across: int) -> Box:
+def _with_rim(model: Model, piece: ArcPiece, across: int) -> Box:
     """The box, wider across the arc where the arc goes on as it is."""
     box = grown(piece.box, across)
     steep = model.over(box).gradient(piece.arc.function)[across]
@@ -116,7 +116,7 @@ def grown(box: Box, axis: int, share: float = GROWN) -> Box:
     return (*box[:axis], (low - rim, high + rim), *box[axis + 1 :])
 
 
-def goes_on(model: Model, piece: Piece, box: Box) -> bool:
+def goes_on(model: Model, piece: ArcPiece, box: Box) -> bool:
     """Whether the boundary on another box is, as far as it is this arc, described by the same analytic function."""
     local = model.over(box)
     if not piece.joined:
@@ -172,7 +172,7 @@ def _newton(model: Model, function: int, sides: list[arb], across: int) -> arb |
     return image if image.is_finite() else None
 
 
-def point_above(model: Model, piece: Piece, place: arb) -> list[arb] | None:
+def point_above(model: Model, piece: ArcPiece, place: arb) -> list[arb] | None:
     """The point of an arc that crosses above a place of its free axis, in a narrow ball; None where it is not found."""
     assert piece.free is not None
     across = 1 - piece.free
@@ -189,7 +189,7 @@ def point_above(model: Model, piece: Piece, place: arb) -> list[arb] | None:
     return sides
 
 
-def divided(model: Model, piece: Piece) -> list[Piece]:
+def divided(model: Model, piece: ArcPiece) -> list[ArcPiece]:
     """The parts of a piece: across the axis over which it is a graph, else across both.
 
     A graph that is cut across the other axis as well would leave the parts by the cut.
@@ -207,7 +207,7 @@ def _set(box: Box, axis: int, ends: tuple[float, float]) -> Box:
     return (*box[:axis], ends, *box[axis + 1 :])
 
 
-def lies_within(point: list[arb], piece: Piece, local: Local) -> bool:
+def lies_within(point: list[arb], piece: ArcPiece, local: Local) -> bool:
     """Whether a point of the function's zero set is proved to be one of the piece's own part of the boundary."""
     inside = all(side(*ends).contains(ball) for ball, ends in zip(point, piece.whole, strict=True))
     return inside and is_within(local) is True and (not piece.joined or local.sign(piece.arc.side) > 0)

@@ -15,7 +15,7 @@ from rsym.bounds.balls import arb, ctx
 from rsym.sampling.effort import Effort
 from rsym.verify.covering import PRECISION, extent_of
 from rsym.verify.fairness.bending import Arcs, Bent
-from rsym.verify.fairness.pieces import Piece, divided, narrowed, pieces_of
+from rsym.verify.fairness.pieces import ArcPiece, divided, narrowed, pieces_of
 from rsym.verify.fairness.report import Peak
 from rsym.verify.fairness.zeros import Settled, Zero, settle
 from rsym.verify.local import Box, Model
@@ -45,7 +45,7 @@ def search(
 ) -> Found:
     """All pieces of the boundary in settled boxes, divided to the tolerance, or until budget or time end."""
     model, result, extent, effort = arcs.model, Found(), extent_of(bounds), effort or Effort()
-    todo: list[Piece] = []
+    todo: list[ArcPiece] = []
     with ctx.workprec(PRECISION):
         for box in boxes:
             pieces = pieces_of(model, box, extent)
@@ -66,7 +66,7 @@ def search(
     return result
 
 
-def _next(model: Model, result: Found, tolerance: float, budget: int, smallest: float) -> list[Piece]:
+def _next(model: Model, result: Found, tolerance: float, budget: int, smallest: float) -> list[ArcPiece]:
     """Take pieces that are not yet good enough out of those done, in parts.
 
     Once half the budget is spent, bounds come first. Narrow pieces come last: those next to a singular point would
@@ -79,7 +79,7 @@ def _next(model: Model, result: Found, tolerance: float, budget: int, smallest: 
     widths = [bent.piece.width for bent, _ in result.done]
     choices = ([n for n, width in enumerate(widths) if some[n] and width > smallest] for some in flags)
     wanted = sorted(next(filter(None, choices), []), key=lambda number: -widths[number])
-    parts: dict[int, list[Piece]] = {}
+    parts: dict[int, list[ArcPiece]] = {}
     left = budget - result.examined
     for number in wanted:
         if left <= 0:

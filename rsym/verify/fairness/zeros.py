@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from rsym.bounds.balls import arb, ctx
 from rsym.verify.borders import is_within
 from rsym.verify.fairness.bending import Arcs, Bent, Enclosed
-from rsym.verify.fairness.pieces import GROWN, POINT_BITS, Piece, goes_on, grown, point_above
+from rsym.verify.fairness.pieces import GROWN, POINT_BITS, ArcPiece, goes_on, grown, point_above
 from rsym.verify.joints import PRECISE, Arc, locate
 from rsym.verify.local import Box, Model, side
 from rsym.verify.vanishing import vanishes_with
@@ -104,7 +104,7 @@ def _inflection(
     return (Zero(number, "inflection", found, arb(0)),)
 
 
-def _located(model: Model, piece: Piece, node: int) -> tuple[arb, ...] | None:
+def _located(model: Model, piece: ArcPiece, node: int) -> tuple[arb, ...] | None:
     """The zero of a node on the arc, empty if none is on this part of the boundary, None if that stays open."""
     box = _roomy(piece)
     if not goes_on(model, piece, box):
@@ -132,7 +132,7 @@ def _is_in(place: tuple[arb, ...], box: Box) -> bool:
     return all(ball.overlaps(side(*ends)) for ball, ends in zip(place, box, strict=True))
 
 
-def _roomy(piece: Piece) -> Box:
+def _roomy(piece: ArcPiece) -> Box:
     """The box of a piece as wide across the arc as half along it, and a rim: Krawczyk's image must lie inside."""
     box = piece.box
     if piece.free is not None:
