@@ -13,7 +13,7 @@ from rsym.analysis.curvature import curvature, gaussian_curvature, mean_curvatur
 from rsym.analysis.differential import gradient, hessian, laplacian
 from rsym.analysis.normalisation import normalise
 from rsym.errors import RsymError, RsymWarning
-from rsym.model import latex as in_latex
+from rsym.model import showing
 from rsym.model.nodes import without_zeros
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression
@@ -64,31 +64,31 @@ def latex(what: Any, field: str = "value") -> str:
     """
     if isinstance(what, Shape):
         if field == "value":
-            return in_latex.latex(what)
+            return showing.latex(what)
         sides, known = field_formulas(what, field)
-        return in_latex.written(sides, known, what.letters)
+        return showing.written(sides, known, what.letters)
     if field != "value":
         raise RsymError(f"only a Shape has the field {field!r}, got {type(what).__name__}", code="shape")
     if isinstance(what, sp.MatrixBase):
         rows, columns = what.shape
         entries = {rf"a_{{{i + 1},{j + 1}}}": what[i, j] for i in range(rows) for j in range(columns)}
-        return in_latex.written(entries)
-    return in_latex.written({"f": as_expression(what)})
+        return showing.written(entries)
+    return showing.written({"f": as_expression(what)})
 
 
 def field_lines(shape: Shape, field: str) -> list[str]:
     """A field of a shape in lines for an environment that breaks pages, which ``aligned`` does not."""
     sides, known = field_formulas(shape, field)
-    return in_latex.lines_of(sides, known, shape.letters)
+    return showing.lines_of(sides, known, shape.letters)
 
 
 def field_formulas(shape: Shape, field: Any) -> tuple[Mapping[str, sp.Expr], Mapping[str, sp.Expr]]:
     """What stands on the left and on the right of a field's equations, and the names of the model file."""
-    return _sides(shape, field), in_latex.known_parts(shape)
+    return _sides(shape, field), showing.known_parts(shape)
 
 
 def _sides(shape: Shape, field: Any) -> Mapping[str, sp.Expr]:
-    names = [in_latex.printed(symbol) for symbol in shape.coordinates]
+    names = [showing.printed(symbol) for symbol in shape.coordinates]
     if field == "gradient":
         left = r"\frac{{\partial \omega}}{{\partial {}}}"
         return {left.format(name): d for name, d in zip(names, gradient(shape), strict=True)}

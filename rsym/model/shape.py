@@ -239,7 +239,7 @@ class Shape(Movable):
         return showing.text(self)
 
     def _repr_latex_(self) -> str:
-        return showing.latex(self)
+        return showing.displayed(self)
 
     def _repr_html_(self) -> str:
         return showing.table(self)

@@ -12,10 +12,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
 
 from rsym.errors import RsymError
-from rsym.model.latex import latex
 from rsym.model.nodes import Composition
 from rsym.model.requirements import require_mapping, require_shape
 from rsym.model.shape import Bounds, Shape
+from rsym.model.showing import latex
 from rsym.model.traversal import rebuild
 from rsym.output.looks import Look
 from rsym.output.panels import named

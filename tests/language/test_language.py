@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 import rsym.paper
 from rsym.errors import RsymError
 from rsym.language.loading import load, loads
-from rsym.model.latex import latex
 from rsym.model.nodes import Held, expand_nodes
 from rsym.model.operations import difference, implication, joining
 from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction
 from rsym.model.shape import Shape
+from rsym.model.showing import latex
 from rsym.model.symbols import real_symbol, x, y, z
 from rsym.model.systems import Rp
 from rsym.model.traversal import postorder, symbols_of

@@ -11,7 +11,7 @@ import rsym
 from rsym import surfaces, x, y
 from rsym.analysis.latex import field_formulas
 from rsym.model.abridging import TOP, abridged, weight
-from rsym.model.latex import LONGEST, in_common_parts
+from rsym.model.showing import LONGEST, in_common_parts
 from rsym.model.traversal import substitute
 from rsym.surfaces import symbols
 

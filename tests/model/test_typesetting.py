@@ -5,9 +5,9 @@ from rsym import RsymError
 from rsym.language.listing import definitions
 from rsym.language.loading import loads
 from rsym.language.vocabulary import ARITIES
-from rsym.model.latex import latex
 from rsym.model.names import typeset_name
 from rsym.model.shape import Shape
+from rsym.model.showing import latex
 from rsym.model.symbols import x, y
 from rsym.output.equations import equation
 

@@ -8,10 +8,3 @@ A shape comes in; a `Contract` goes out: class, order of normalisation, singular
   `algebras` of fractions and series, over `towers` of roots and `polynomials` modulo a prime
 - `summary`: what all of it comes to; `display`: its words
 """
-
-from rsym.analysis.contracts.leaves import Leaf
-from rsym.analysis.contracts.promises import Promise, Singularity
-from rsym.analysis.contracts.summary import Contract, contract
-from rsym.analysis.contracts.table import promise
-
-__all__ = ["Contract", "Leaf", "Promise", "Singularity", "contract", "promise"]
