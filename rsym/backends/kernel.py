@@ -22,7 +22,8 @@ from rsym.model.letters import Letters
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol
-from rsym.model.wording import within
+from rsym.model.wording import documented, within
+from rsym.program.calculus import LISTED
 from rsym.program.expansion import expand
 from rsym.program.fields import checked_fields, gather, program_of
 from rsym.program.precision import FLOAT64, Precision, precision_named
@@ -146,6 +147,7 @@ def run_in_blocks(
             work(block)
 
 
+@documented(**LISTED)
 def compile(
     shape: Shape,
     fields: Sequence[str] = ("value",),
@@ -162,12 +164,12 @@ def compile(
     shape : Shape
         What to evaluate.
     fields : sequence of str
-        ``value, gradient, hessian, gradient_squared, laplacian, singular``; of omega normalised to order 1
-        ``normalised, normalised_gradient, normalised_gradient_squared, normalised_laplacian``, and likewise to orders 2
+        ``{plain}``; of omega normalised to order 1
+        ``{normalised}``, and likewise to orders 2
         and 3: ``normalised_2``, ``normalised_3_gradient``; ``normalised_2_keep_sign`` and so on are the form of
         `normalise` with `keep_sign`. They are 0 where omega is, at corners too, where their gradients are NaN.
-        ``curvature`` of level lines in the plane; in space ``mean_curvature, gaussian_curvature,
-        principal_curvatures`` (..., 2), the larger first, and ``principal_directions`` (..., 2, 3), orthogonal
+        {others}; in space also
+        ``principal_curvatures`` (..., 2), the larger first, and ``principal_directions`` (..., 2, 3), orthogonal
         unit tangent vectors. Curvatures are positive where the inside is convex.
     backend : {"llvm", "numpy"}, optional
         ``llvm`` where it can be imported, else ``numpy``. Both give the same bits for arithmetic. In sin, cos, exp,

@@ -20,25 +20,10 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError, RsymWarning, warn
 from rsym.output.looks import PLAIN, Look
+from rsym.program.calculus import SCALARS, title_of
 from rsym.sampling.plane import PlaneSampler
 
-TITLES = {
-    "value": r"$\omega$",
-    "normalised": r"$\omega_n$",
-    "gradient_squared": r"$(\nabla\omega)^2$",
-    "normalised_gradient_squared": r"$(\nabla\omega_n)^2$",
-    "laplacian": r"$\Delta\omega$",
-    "normalised_laplacian": r"$\Delta\omega_n$",
-    "normalised_2": r"$\omega_{n,2}$",
-    "normalised_2_gradient_squared": r"$(\nabla\omega_{n,2})^2$",
-    "normalised_2_laplacian": r"$\Delta\omega_{n,2}$",
-    "normalised_3": r"$\omega_{n,3}$",
-    "normalised_3_gradient_squared": r"$(\nabla\omega_{n,3})^2$",
-    "normalised_3_laplacian": r"$\Delta\omega_{n,3}$",
-    "curvature": r"curvature $\kappa$",
-    "mean_curvature": "mean curvature $H$",
-    "gaussian_curvature": "Gaussian curvature $K$",
-}
+TITLES = {field: title_of(field) for field in SCALARS}
 
 PLAIN_NUMBERS = StrMethodFormatter("{x:g}")
 # A line may be this share of a cell beside itself when it is drawn; matplotlib allows itself so many pixels.

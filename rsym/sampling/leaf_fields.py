@@ -20,7 +20,8 @@ from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import SignForm, has_kinks, shape_form
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.program.fields import Calculus, fields_program
+from rsym.program.calculus import Calculus
+from rsym.program.fields import fields_program
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.plane_leaves import active_leaf
 

@@ -15,7 +15,8 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
-from rsym.program.fields import SCALARS, program_of
+from rsym.program.calculus import SCALARS
+from rsym.program.fields import program_of
 from rsym.sampling.extent import extent
 from rsym.sampling.lattice import Lattice, lattice_over
 from rsym.sampling.memory import Demand

@@ -11,8 +11,8 @@ from rsym.bounds.balls import Step, arb, ball, ctx, exact, run, step
 from rsym.model.nodes import without_zeros
 from rsym.model.shape import Shape
 from rsym.program.builder import Builder
+from rsym.program.calculus import Calculus
 from rsym.program.differentiation import derivative
-from rsym.program.fields import Calculus
 from rsym.program.lowering import lower
 from rsym.program.program import live
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from rsym.bounds.balls import arb, ctx, root, square
 from rsym.model.vectors import cross
-from rsym.program.fields import Calculus
+from rsym.program.calculus import Calculus
 from rsym.verify.bodies.continuation import Curve, Knot, Tube, dot
 from rsym.verify.joints import PRECISE, Meeting, step_of
 from rsym.verify.local import Local

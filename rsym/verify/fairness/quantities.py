@@ -18,7 +18,7 @@ from functools import reduce
 from itertools import pairwise
 from typing import NamedTuple
 
-from rsym.program.fields import Calculus
+from rsym.program.calculus import Calculus
 from rsym.verify.fairness.even import derivative_in_square
 from rsym.verify.local import Model
 
