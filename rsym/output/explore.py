@@ -12,8 +12,7 @@ from rsym.model.shape import Shape
 from rsym.program.fields import SIX
 
 if TYPE_CHECKING:
-    from rsym.output.explorer import Explorer
-    from rsym.output.patch_explorer import PatchExplorer
+    from rsym.output.explorer import Explorer, PatchExplorer
     from rsym.output.patches import Lines, Patches
 
 
@@ -106,7 +105,7 @@ def explore_patches(
     2.02
     """
     with _widgets_needed():
-        from rsym.output.patch_explorer import PatchExplorer
+        from rsym.output.explorer import PatchExplorer
     return PatchExplorer(patches, colour_by=colour_by, lines=lines, resolution=resolution)
 
 

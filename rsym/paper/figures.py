@@ -10,10 +10,9 @@ from rsym.model.constructions import revolve
 from rsym.output.axes3d import add_axes
 from rsym.output.fields import plot_fields
 from rsym.output.surfaces import plot_mesh
-from rsym.paper import atlas, bodies, claims, poppet, studies, verdicts
+from rsym.paper import atlas, bodies, claims, coons, fitting, hull, joints, network, poppet, studies, tori, verdicts
 from rsym.paper.drawing import Drawing, Recipe, figure_of, letters_text, mesh_quietly
 from rsym.paper.models import BODIES, car, skeleton_body, streamlined
-from rsym.paper.patches import SURFACES
 from rsym.sampling.mesh import Mesh
 
 # 10 million samples; the source had 3.4 and 15.6 million (27 and 125 sub-boxes of 125 000 points).
@@ -95,6 +94,22 @@ def _draw_streamlined_triangulation() -> Drawing:
     return Drawing(figure, letters_text(shape.letters), body.status.triangles, f"ours; {body.status}")
 
 
+# Those of parametric surfaces.
+SURFACES: tuple[Recipe, ...] = (
+    Recipe(
+        "paraboloid",
+        "A bicubic Coons patch beside the plane of its corners",
+        "",
+        coons.draw_paraboloid,
+        equations=coons.EQUATIONS,
+    ),
+    Recipe("twists", "What the twists at the corners do", "", coons.draw_twists),
+    Recipe("torus", "The torus from exact patches", "", tori.draw_torus, equations=tori.EQUATIONS),
+    Recipe("joints", "Two patches that meet, joined G1, and joined G2", "", joints.draw_joints),
+    Recipe("hull", "A hull through sections", "", hull.draw_hull),
+    Recipe("network", "A surface through a network of curves", "", network.draw_network, equations=(network.EQUATION,)),
+    Recipe("fitting", "A B-spline surface with fewer vertices than data", "", fitting.draw_fitting),
+)
 RECIPES: tuple[Recipe, ...] = (
     Recipe("fig01", "A valve", "", poppet.draw_valve),
     Recipe("fig02", "The function of the valve", "", poppet.draw_listing, model=("valve", "omega")),

@@ -6,7 +6,7 @@ import pytest
 from oracles.closeness import assert_close
 
 from rsym.paper import coons, fitting, hull, joints, network, tori
-from rsym.paper.patches import SURFACES
+from rsym.paper.figures import SURFACES
 from rsym.surfaces.meshes import mesh_patches
 
 
