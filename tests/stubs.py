@@ -1,10 +1,12 @@
 """The names of the package, written from what they follow from: `python tests/stubs.py` after a change.
 
 A stub says where each name of a lazy facade stands; its `__all__` follows from its imports, and the imports of pieces
-from the table of pieces. So do `rsym.primitives` and the README's table.
+from the table of pieces. So do `rsym.primitives` and the README's table; its list of folders follows from the rooms.
 """
 
 import ast
+import re
+import textwrap
 from pathlib import Path
 
 import rsym
@@ -81,7 +83,24 @@ def readme():
     before, head, rest = README.read_text().partition(FAMILIES)
     assert head
     rows = "".join(f"| {family} | {', '.join(names)} |\n" for family, names in families.items())
-    return before + head + rows + rest[rest.index("\n\n") + 1 :]
+    return with_rooms(before + head + rows + rest[rest.index("\n\n") + 1 :])
+
+
+def with_rooms(text):
+    """The list of folders, each room with the first line of the map in its docstring, in the order of the README."""
+    entry = re.compile(r"^- `rsym/(\w+)/`: .*\n(?:  .*\n)*", re.MULTILINE)
+    listed = entry.findall(text)
+    rooms = [name for name in listed if (PACKAGE / name / "__init__.py").exists()]
+    rooms += sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py") if path.parent.name not in listed)
+    start, end = entry.search(text).start(), [*entry.finditer(text)][-1].end()
+    return text[:start] + "".join(map(told, rooms)) + text[end:]
+
+
+def told(room):
+    """What the README says of a room."""
+    first = ast.get_docstring(ast.parse((PACKAGE / room / "__init__.py").read_text())).partition("\n")[0]
+    line = f"- `rsym/{room}/`: {first[0].lower()}{first[1:].removesuffix('.')}"
+    return "\n".join(textwrap.wrap(line, 120, subsequent_indent="  ")) + "\n"
 
 
 def written():

@@ -1,1 +1,12 @@
-"""The commands of the command line, one module each: `add` describes it, `run` does it."""
+"""The commands of `rsym`, one module each: `add` describes it, `run` does it.
+
+In come words typed at a terminal; out go files, lines and an exit code. A module that names its `GROUP` is a command,
+under its own name; `run` imports what it needs, so that `rsym --help` answers at once.
+
+options.py                           what commands share: a model with letters, cells, sections, bars of progress
+letters.py, models.py, show.py       models
+fields.py, sections.py, sweep.py     pictures
+mesh.py, view.py                     meshes
+compare.py, lint.py, repair.py, verify.py  proofs
+reproduce.py                         the paper
+"""

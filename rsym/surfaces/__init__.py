@@ -1,10 +1,22 @@
-"""Parametric surfaces: patches over a rectangle of parameters, and their joining.
+"""Parametric surfaces: patches over a rectangle of parameters, how they are joined, proved and meshed.
 
-Edges, curves or data become functions of one parameter, these the Boolean sum
-p = P_u + P_v - P_u P_v, and that points, normals, curvatures and meshes.
+In come edges, curves, points or formulas. Edges, curves or data become functions of one parameter, these the Boolean
+sum p = P_u + P_v - P_u P_v, and that points, normals, curvatures and meshes. The way of `CoonsPatch(...).grid(u, v)`:
+whatever is a curve becomes one (functions/curves.py); ribbons across the edges (coons/ribbons.py); what both say at the
+corners (coons/corners.py); the Boolean sum (transfinite.py); parameters in its domain (patch.py, parameters.py); one
+kernel of the whole formula (functions/formulas.py), or its factors.
 
 The order of a spline is one more than its degree, and either may be given; that of a Coons patch, a transition or a
 blend is its class, the number of derivatives given across an edge, the position among them: degree 2 order - 1.
+
+symbols.py, parameters.py                          the parameters u, v, t; arrays of them in an interval
+functions/, blends/                                functions of one parameter; what weighs edges and ribbons
+corrections.py                                     what is meant to meet, and how far it may miss
+patch.py, forms.py                                 what every patch has; normals and curvatures, at poles too
+transfinite.py, parametric.py                      the Boolean sum; formulas in u and v
+coons/, networks/, bsplines/                       patches of edges, of networks of curves, of data
+splitting.py, joints/, proofs/, meshes.py          cut, joined, compared, proved; as triangles
+chords/, projections.py                            lines over a domain; operators that keep means along them
 """
 
 from lazy_loader import attach_stub

@@ -143,6 +143,31 @@ NAMED_TWICE = """\
     Walk
     Zero
 """
+# Rooms whose docstring does not name their files yet; none is added.
+WITHOUT_A_MAP = """\
+    analysis
+    analysis/contracts
+    backends
+    bounds
+    language
+    logic
+    model
+    model/blends
+    model/primitives
+    model/symmetry
+    program
+    sampling
+    sampling/kernels
+    sampling/sharp
+    surfaces/joints
+    surfaces/proofs
+    verify
+    verify/atlas
+    verify/bodies
+    verify/fairness
+    verify/lint
+    verify/repair
+"""
 FORBIDDEN_NAMES = {"utils", "helpers", "misc", "common", "core", "base", "tools"}
 ORDER = list(LAYERS)
 
@@ -356,3 +381,32 @@ def test_no_public_class_name_stands_for_two_ideas():
                 places[node.name].append(module_of(path))
     twice = {name for name, modules in places.items() if len(modules) > 1}
     assert twice == set(NAMED_TWICE.split()), {name: places[name] for name in twice ^ set(NAMED_TWICE.split())}
+
+
+def rooms():
+    return sorted(path.parent for path in PACKAGE.rglob("__init__.py") if path.parent != PACKAGE)
+
+
+def unmapped(room, text):
+    """What is in a room and not in its map, and what is in the map and not in the room."""
+    there = {path.name for path in room.glob("*.py")} - {"__init__.py"}
+    there |= {f"{path.parent.name}/" for path in room.glob("*/__init__.py")}
+    named = set(re.findall(r"(?<![\w/])\w+(?:\.py\b|/)", text.partition("\n\n")[2]))
+    return there - named, {one for one in named - there if one.endswith(".py")}
+
+
+@pytest.mark.parametrize("room", rooms(), ids=lambda room: room.relative_to(PACKAGE).as_posix())
+def test_a_room_has_a_map(room):
+    """In 4 to 22 lines its docstring says what comes in, what goes out, and the files in the order of the data."""
+    text = ast.get_docstring(ast.parse((room / "__init__.py").read_text()))
+    if room.relative_to(PACKAGE).as_posix() in WITHOUT_A_MAP.split():
+        assert unmapped(room, text) != (set(), set()), "take it off the list"
+        return
+    assert 4 <= len(text.splitlines()) <= 26
+    assert unmapped(room, text) == (set(), set())
+
+
+def test_what_a_map_leaves_out_is_seen(tmp_path):
+    """Red proof."""
+    (tmp_path / "here.py").touch()
+    assert unmapped(tmp_path, "A room.\n\ngone.py  what was here") == ({"here.py"}, {"gone.py"})
