@@ -306,15 +306,15 @@ def made_body(shape: Shape, options: argparse.Namespace) -> Shape:
 
 
 @contextmanager
-def progress_bar(unit: str, label: str) -> Iterator[Bar]:
+def progress_bar(unit: str, label: str) -> Iterator[ProgressBar]:
     """A bar on the terminal, none in a file; what it gives is a ``progress(done, total)``."""
     from tqdm import tqdm
 
     with tqdm(total=1, unit=unit, desc=label, disable=True if QUIET.get() else None, leave=False) as bar:
-        yield Bar(bar, label)
+        yield ProgressBar(bar, label)
 
 
-class Bar:
+class ProgressBar:
     """A progress as a bar that shows the stage at work and what is undecided so far."""
 
     def __init__(self, bar: tqdm[Any], label: str) -> None:

@@ -41,7 +41,7 @@ NEAR = 0.01  # of the extent
 
 
 @dataclass(frozen=True)
-class Subject:
+class JudgedShape:
     """The plane shape that a report is about, at which letters, and in which bounds.
 
     For a body of revolution it is the meridian, in (axis, radius), and the bounds hold its mirror image too.
@@ -57,14 +57,14 @@ class Subject:
         return list(level_lines(self.shape, resolution=resolution, bounds=tuple(bounds), letters=self.letters))
 
 
-def subject(report: SmoothnessReport, shape: Shape) -> Subject:
+def subject(report: SmoothnessReport, shape: Shape) -> JudgedShape:
     """What a report is about; letters that were intervals are taken in their middle."""
     letters = {name: (low + high) / 2 for name, (low, high) in report.letters.items() if name in shape.letters}
     along, across = report.cover.bounds[:2]
     if not report.body:
-        return Subject(shape, letters, (along, across), False)
+        return JudgedShape(shape, letters, (along, across), False)
     reach = max(map(abs, across))
-    return Subject(meridian(shape)[0], letters, (along, (-reach, reach)), True)
+    return JudgedShape(meridian(shape)[0], letters, (along, (-reach, reach)), True)
 
 
 def certificates_of(points: Floats, cover: Cover, *, body: bool = False) -> NDArray[np.str_]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats, Ints
-from rsym.output.rasteriser import Triangles
+from rsym.output.rasteriser import ScreenTriangles
 from rsym.output.shading import linear
 from rsym.sampling.sharp.features import Feature
 
@@ -45,7 +45,7 @@ class Stroke:
 def draw_lines(
     samples: NDArray[np.float32],
     nearest: Ints,
-    triangles: Triangles,
+    triangles: ScreenTriangles,
     lines: Floats,
     width: float,
     colour: str | Floats = INK,
@@ -102,7 +102,7 @@ def _dots(lines: Floats, step: float) -> tuple[Floats, Ints]:
     return dots, which
 
 
-def _is_visible(dots: Floats, nearest: Ints, triangles: Triangles) -> NDArray[np.bool_]:
+def _is_visible(dots: Floats, nearest: Ints, triangles: ScreenTriangles) -> NDArray[np.bool_]:
     """Whether a triangle beside a dot, extended to it, does not hide it; a line is on such a triangle if it is seen."""
     height, width = nearest.shape
     row, column = np.floor(dots[:, 1]).astype(np.int64), np.floor(dots[:, 0]).astype(np.int64)

@@ -12,7 +12,7 @@ from matplotlib.patches import Arc
 from matplotlib.ticker import MaxNLocator
 
 from rsym.arrays import Floats
-from rsym.output.certificates import DEFECT, Subject, draw_boundary
+from rsym.output.certificates import DEFECT, JudgedShape, draw_boundary
 from rsym.reports.numbers import measured
 from rsym.verify.report import Joint, SmoothnessReport
 
@@ -30,7 +30,7 @@ APART = 0.7  # a window ends before the next defect, at this share of the way
 
 
 @dataclass(frozen=True)
-class Branch:
+class LeavingArc:
     """An arc that leaves a point: its direction in radians, and how fast it turns to the left."""
 
     direction: float
@@ -44,7 +44,7 @@ class Branch:
         return np.stack([chord * np.cos(angle), chord * np.sin(angle)], axis=1)
 
 
-def branches_at(lines: Sequence[Floats], point: Sequence[float], size: float) -> list[Branch]:
+def branches_at(lines: Sequence[Floats], point: Sequence[float], size: float) -> list[LeavingArc]:
     """The arcs that leave a point, read from polylines in a window of half-width `size` about it.
 
     Along an arc the direction of the chord grows as half its curvature times the distance, so a straight fit gives
@@ -74,9 +74,9 @@ def branches_at(lines: Sequence[Floats], point: Sequence[float], size: float) ->
     return [_fitted(angle[group], distance[group]) for group in groups if len(group) > 3]
 
 
-def _fitted(angle: Floats, distance: Floats) -> Branch:
+def _fitted(angle: Floats, distance: Floats) -> LeavingArc:
     slope, direction = np.polyfit(distance, angle, 1)
-    return Branch(float(np.mod(direction + np.pi, 2 * np.pi) - np.pi), 2 * float(slope))
+    return LeavingArc(float(np.mod(direction + np.pi, 2 * np.pi) - np.pi), 2 * float(slope))
 
 
 def window_size(report: SmoothnessReport, joint: Joint, extent: float) -> float:
@@ -90,7 +90,7 @@ def window_size(report: SmoothnessReport, joint: Joint, extent: float) -> float:
 
 
 def draw_magnified(
-    ax: Axes, report: SmoothnessReport, about: Subject, joint: Joint, *, label: str, extent: float
+    ax: Axes, report: SmoothnessReport, about: JudgedShape, joint: Joint, *, label: str, extent: float
 ) -> None:
     """A window about one defect with its labels; `extent` is the width of the picture that it magnifies."""
     size = window_size(report, joint, extent)
@@ -101,7 +101,7 @@ def draw_magnified(
     ax.set_ylabel(f"${v} - {v}_{{{label}}}$", fontsize=8)
 
 
-def draw_window(ax: Axes, report: SmoothnessReport, about: Subject, joint: Joint, size: float) -> None:
+def draw_window(ax: Axes, report: SmoothnessReport, about: JudgedShape, joint: Joint, size: float) -> None:
     """The arcs that meet in a defect, their turn or their circles of curvature; coordinates are counted from it."""
     window = [(middle - size, middle + size) for middle in joint.point]
     lines = about.lines(window, RESOLUTION)
@@ -140,7 +140,7 @@ def caption(joint: Joint) -> str:
     return f"{first}\ncurvatures {joint.curvatures[0]:.6g} | {joint.curvatures[1]:.6g}" if known else first
 
 
-def _draw_turn(ax: Axes, branches: Sequence[Branch], joint: Joint, size: float) -> None:
+def _draw_turn(ax: Axes, branches: Sequence[LeavingArc], joint: Joint, size: float) -> None:
     """The tangent of one arc carried on beyond the corner, and its angle with the other arc."""
     came = branches[0].direction + math.pi
     turn = math.remainder(branches[1].direction - came, 2 * math.pi)

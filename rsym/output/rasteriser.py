@@ -25,7 +25,7 @@ EMPTY = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True)
-class Triangles:
+class ScreenTriangles:
     """Edge functions a*x + b*y + c of snapped triangles, positive inside, and the depths of their corners.
 
     Edge k runs from corner k to corner k + 1. `area` is twice the area, `facing`
@@ -42,8 +42,8 @@ class Triangles:
     top: Ints
     depth: Floats
 
-    def __getitem__(self, names: Ints) -> Triangles:
-        return Triangles(**{field.name: getattr(self, field.name)[names] for field in fields(self)})
+    def __getitem__(self, names: Ints) -> ScreenTriangles:
+        return ScreenTriangles(**{field.name: getattr(self, field.name)[names] for field in fields(self)})
 
     def values(self, faces: Ints, rows: Ints, columns: Ints) -> Ints:
         """Return the (n, 3) edge functions of `faces` at the middles of pixels."""
@@ -69,7 +69,7 @@ class Triangles:
         return nearest
 
 
-def snap(corners: NDArray[np.floating]) -> Triangles:
+def snap(corners: NDArray[np.floating]) -> ScreenTriangles:
     """Prepare triangles for drawing.
 
     Parameters
@@ -86,10 +86,10 @@ def snap(corners: NDArray[np.floating]) -> Triangles:
     a, b = a * facing[:, None], b * facing[:, None]
     half = SUBPIXELS // 2
     bottom, top = -((half - y.min(axis=1)) // SUBPIXELS), (y.max(axis=1) - half) // SUBPIXELS
-    return Triangles(a, b, -(a * x + b * y), np.abs(area), facing, bottom, top, clean[..., 2])
+    return ScreenTriangles(a, b, -(a * x + b * y), np.abs(area), facing, bottom, top, clean[..., 2])
 
 
-def rasterise(triangles: Triangles, size: tuple[int, int], *, budget: int = BUDGET) -> Ints:
+def rasterise(triangles: ScreenTriangles, size: tuple[int, int], *, budget: int = BUDGET) -> Ints:
     """Return the (h, w) index of the nearest triangle of each pixel, -1 where there is none.
 
     A pixel belongs to a triangle that holds its middle, edges included. The
@@ -138,7 +138,7 @@ def _unroll(names: Ints, first: Ints, counts: Ints) -> tuple[Ints, Ints]:
     return np.repeat(names, counts), numbers
 
 
-def _spans(triangles: Triangles, faces: Ints, rows: Ints, width: int) -> tuple[Ints, Ints]:
+def _spans(triangles: ScreenTriangles, faces: Ints, rows: Ints, width: int) -> tuple[Ints, Ints]:
     """Return the first and last covered column of each row of each triangle (last < first: none).
 
     A level edge sets no bound: the rows between bottom and top lie on its inner side.
@@ -154,7 +154,7 @@ def _spans(triangles: Triangles, faces: Ints, rows: Ints, width: int) -> tuple[I
     return left, right
 
 
-def _depth_planes(triangles: Triangles, bits: int) -> Floats:
+def _depth_planes(triangles: ScreenTriangles, bits: int) -> Floats:
     """Return (m, 5): depth = p0 + p1*column + p2*row, and its least and greatest value, scaled to whole levels."""
     used = triangles.depth[triangles.facing != 0]
     low, high = (used.min(), used.max()) if len(used) else (0.0, 0.0)

@@ -44,7 +44,7 @@ BEFORE, AFTER = DEFECT, CERTIFICATES["certified"].colour
 
 
 @dataclass(frozen=True)
-class View:
+class ShownPlane:
     """The plane in which shapes are shown, theirs, that of their meridians or a section, and the place to look at."""
 
     point: tuple[float, float]
@@ -128,7 +128,7 @@ def plot_repair(
     return whole(drawn)
 
 
-def view_of(report: RepairReport) -> View:
+def view_of(report: RepairReport) -> ShownPlane:
     """The plane in which the worst defect is seen: in space the section across its curve."""
     shape, before = report.shape, report.before
     body = isinstance(before, SmoothnessReport) and before.body
@@ -136,7 +136,7 @@ def view_of(report: RepairReport) -> View:
     point, axis = _worst(before)
     free = [k for k in range(plane.dimension) if plane.dimension == 2 or k != axis]
     box = bounds_of(plane, None)
-    return View(
+    return ShownPlane(
         point=(point[free[0]], point[free[1]]),
         names=(plane.coordinates[free[0]].name, plane.coordinates[free[1]].name),
         bounds=(box[free[0]], box[free[1]]),
@@ -158,7 +158,7 @@ def _worst(before: Verdict) -> tuple[Sequence[float], int]:
     return [float(c) for c in worst.points[middle]], int(np.argmax(along))
 
 
-def _draw_whole(ax: Axes, report: RepairReport, view: View, before: Boundary) -> None:
+def _draw_whole(ax: Axes, report: RepairReport, view: ShownPlane, before: Boundary) -> None:
     if isinstance(report.before, SmoothnessReport):
         plot_verdict(report.before, report.shape, ax=ax, comb=False)
         return
@@ -169,7 +169,7 @@ def _draw_whole(ax: Axes, report: RepairReport, view: View, before: Boundary) ->
     ax.set_title(f"{report.before.verdict}: {report.before.continuity}, the section {cut}", fontsize=10)
 
 
-def _draw_window(ax: Axes, shape: Shape, candidate: Candidate, view: View) -> None:
+def _draw_window(ax: Axes, shape: Shape, candidate: Candidate, view: ShownPlane) -> None:
     """Both boundaries about the worst defect; coordinates are counted from it."""
     extent = max(high - low for low, high in view.bounds)
     whole = view.boundary(candidate.shape, view.bounds, WHOLE)

@@ -41,7 +41,7 @@ UNDECIDED = CERTIFICATES["undecided"].colour
 
 
 @dataclass(frozen=True)
-class Look:
+class EdgeLook:
     """How curves of one kind are drawn: by the colours of a scale, or in one."""
 
     width: float
@@ -50,13 +50,13 @@ class Look:
     colour: str = INK
 
 
-LOOKS: Mapping[str, Look] = MappingProxyType(
+LOOKS: Mapping[str, EdgeLook] = MappingProxyType(
     {
-        "smooth joint": Look(0.8, colour="#5b6470"),
-        "curvature jump": Look(2.4, DASH, "jump"),
-        "unbounded curvature": Look(2.4, DASH / 2, colour=INK),
-        "unresolved": Look(2.4, DASH / 2, colour=UNDECIDED),
-        "edge": Look(2.8, scale="angle"),
+        "smooth joint": EdgeLook(0.8, colour="#5b6470"),
+        "curvature jump": EdgeLook(2.4, DASH, "jump"),
+        "unbounded curvature": EdgeLook(2.4, DASH / 2, colour=INK),
+        "unresolved": EdgeLook(2.4, DASH / 2, colour=UNDECIDED),
+        "edge": EdgeLook(2.8, scale="angle"),
     }
 )
 LABELS = 8  # more points than these are told apart by their dots alone
@@ -121,7 +121,7 @@ def _open_places(curves: Sequence[SingularCurve]) -> Marks:
     return Marks(tuple(dots(places, UNDECIDED, CORNER, HIDDEN)), (), (handle,))
 
 
-def _handle(label: str, look: Look) -> Artist:
+def _handle(label: str, look: EdgeLook) -> Artist:
     style = (0, (1.2, 0.8)) if look.dash else "solid"
     return Line2D([], [], color=look.colour, linewidth=look.width, linestyle=style, label=label)
 
@@ -186,7 +186,7 @@ def _edges(curves: Sequence[SingularCurve | Feature]) -> list[SingularCurve]:
 
 
 def _coloured(
-    curves: Sequence[SingularCurve], look: Look, bar: Bar | None, size: float
+    curves: Sequence[SingularCurve], look: EdgeLook, bar: Bar | None, size: float
 ) -> tuple[Floats, Floats | None]:
     """Pieces of all curves of one kind, and their light if it follows from a scale."""
     found = [_pieces(curve.points, _values(curve, look.scale), size, look.dash) for curve in curves]

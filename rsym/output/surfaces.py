@@ -21,7 +21,7 @@ from rsym.model.wording import documented
 from rsym.output import axes3d
 from rsym.output.ink import SMOOTH, Stroke, draw_lines, visible
 from rsym.output.paints import NAMES_OF_MAPS, Coat, Spots, coat_of
-from rsym.output.rasteriser import Triangles, rasterise, snap
+from rsym.output.rasteriser import ScreenTriangles, rasterise, snap
 from rsym.output.shading import AZIMUTH, BODY, ELEVATION, hollows, mean_depth, reduce, shade, unit
 from rsym.output.singular import mark_curves
 from rsym.sampling.mesh import Mesh
@@ -245,7 +245,7 @@ class ShadedMesh(Artist):
         return low, reduce(samples, SAMPLES)
 
     def _samples(
-        self, triangles: Triangles, names: Ints, nearest: Ints, turn: Floats, mirrored: int, line: float
+        self, triangles: ScreenTriangles, names: Ints, nearest: Ints, turn: Floats, mirrored: int, line: float
     ) -> NDArray[np.float32]:
         """Return linear light and coverage of samples, (h, w, 4)."""
         size = nearest.shape
@@ -275,7 +275,7 @@ class ShadedMesh(Artist):
         towards = mirrored * axes3d.turning(axes, points, self.beside.reshape(-1, 3))
         return np.asarray(towards.reshape(len(self.lines), -1).max(axis=1) > 0)
 
-    def _facing_triangles(self, corners: Floats, mirrored: int) -> tuple[Triangles, Ints]:
+    def _facing_triangles(self, corners: Floats, mirrored: int) -> tuple[ScreenTriangles, Ints]:
         """Return the triangles to draw and their names in the mesh: those that face the eye if no inside can show."""
         triangles = snap(corners)
         if not self.mesh.status.closed:
@@ -304,7 +304,9 @@ def _on_screen(axes: Axes3D, points: Floats, scale: float) -> Floats:
     return screen
 
 
-def _shifted_weights(triangles: Triangles, faces: Ints, row: Ints, column: Ints, rows: int, columns: int) -> Floats:
+def _shifted_weights(
+    triangles: ScreenTriangles, faces: Ints, row: Ints, column: Ints, rows: int, columns: int
+) -> Floats:
     return triangles.weights(faces, row + rows, column + columns)
 
 

@@ -20,7 +20,7 @@ from rsym.output.body_verdicts import draw_body_verdict
 from rsym.output.certificates import (
     CERTIFICATES,
     DEFECT,
-    Subject,
+    JudgedShape,
     both_sides,
     certificates_of,
     draw_boundary,
@@ -146,7 +146,7 @@ def _page(lines: Sequence[Floats], report: SmoothnessReport, windows: int) -> tu
 
 
 def _draw_main(
-    ax: Axes, report: SmoothnessReport, about: Subject, lines: Sequence[Floats], numbered: int, comb: bool
+    ax: Axes, report: SmoothnessReport, about: JudgedShape, lines: Sequence[Floats], numbered: int, comb: bool
 ) -> list[Artist]:
     """The whole boundary; what a legend needs."""
     draw_cover(ax, report)
@@ -165,7 +165,7 @@ def _draw_main(
     return handles
 
 
-def _dress(ax: Axes, report: SmoothnessReport, about: Subject, shown: Floats) -> None:
+def _dress(ax: Axes, report: SmoothnessReport, about: JudgedShape, shown: Floats) -> None:
     if len(shown) < 2:
         shown = np.array(about.bounds).T
     low, high = shown.min(axis=0), shown.max(axis=0)
@@ -177,7 +177,7 @@ def _dress(ax: Axes, report: SmoothnessReport, about: Subject, shown: Floats) ->
     ax.tick_params(labelsize=8)
 
 
-def _draw_comb(ax: Axes, about: Subject) -> tuple[list[Floats], float]:
+def _draw_comb(ax: Axes, about: JudgedShape) -> tuple[list[Floats], float]:
     """Grey, so that colours belong to the verdict; the envelopes and the largest curvature."""
     teeth = plot_curvature_comb(about.shape, ax=ax, teeth=TEETH, bounds=about.bounds, letters=about.letters)
     largest = float(np.abs(np.asarray(teeth.get_array())).max(initial=0.0))
@@ -188,7 +188,7 @@ def _draw_comb(ax: Axes, about: Subject) -> tuple[list[Floats], float]:
     return [np.asarray(run) for run in teeth.envelopes.get_segments()], largest
 
 
-def _mark_undecided(ax: Axes, report: SmoothnessReport, about: Subject) -> None:
+def _mark_undecided(ax: Axes, report: SmoothnessReport, about: JudgedShape) -> None:
     """A hollow square wherever nothing is proved: the boxes themselves may be too small to see."""
     boxes = both_sides(report.undecided, body=report.body)
     if len(boxes):

@@ -35,7 +35,7 @@ COLOURS = {"value": "#c2571a", "normalised": "#2a6fa8"}
 
 
 @dataclass(frozen=True)
-class Spread:
+class Quartiles:
     """Least value, quartiles and greatest value of one quantity for one function of one body."""
 
     body: str
@@ -59,7 +59,7 @@ class Band:
 
 
 @lru_cache(maxsize=1)
-def measure() -> tuple[tuple[Spread, ...], tuple[Band, ...]]:
+def measure() -> tuple[tuple[Quartiles, ...], tuple[Band, ...]]:
     """Both bodies: the body of Fig. 11 in the plane and the whole car in space."""
     body, whole = skeleton_body(), car()
     lines = level_lines(body, resolution=800)
@@ -75,7 +75,7 @@ def measure() -> tuple[tuple[Spread, ...], tuple[Band, ...]]:
 
 def _study(
     name: str, shape: Shape, boundary: Floats, distance: Callable[[Floats], Floats]
-) -> tuple[list[Spread], Band]:
+) -> tuple[list[Quartiles], Band]:
     """Measure on the boundary, in the band and in the bounds."""
     assert shape.bounds is not None
     kernel = compile(shape, FIELDS)
@@ -94,7 +94,7 @@ def _study(
             f"|{symbol}|/distance − 1 in the band": band.error(field),
             f"the same up to {WIDE:g} from the boundary": wide.error(field),
         }
-        spreads += [Spread(name, title, symbol, _quantiles(values)) for title, values in quantities.items()]
+        spreads += [Quartiles(name, title, symbol, _quantiles(values)) for title, values in quantities.items()]
     return spreads, band
 
 

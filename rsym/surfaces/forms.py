@@ -41,7 +41,7 @@ SECOND = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 POLE = ((1, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 1), (2, 2))
 
 
-class Surface(Protocol):
+class HasDerivatives(Protocol):
     """What has derivatives over a rectangle."""
 
     @property
@@ -69,7 +69,7 @@ def dot(a: Floats, b: Floats) -> Floats:
     return np.asarray(np.einsum("...i,...i->...", a, b))
 
 
-def normals(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Floats:
+def normals(surface: HasDerivatives, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Floats:
     """Unit normals (..., 3); NaN where the surface has none."""
     p_u, p_v, p_uv = surface.derivatives(u, v, ((1, 0), (0, 1), (1, 1)), letters=letters)
     result = _unit(np.cross(p_u, p_v))
@@ -81,20 +81,22 @@ def normals(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues 
     return result
 
 
-def first_form(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Floats:
+def first_form(surface: HasDerivatives, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Floats:
     """[[E, F], [F, G]], (..., 2, 2)."""
     p_u, p_v = surface.derivatives(u, v, ((1, 0), (0, 1)), letters=letters)
     return _matrix(dot(p_u, p_u), dot(p_u, p_v), dot(p_v, p_v))
 
 
-def second_form(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Floats:
+def second_form(surface: HasDerivatives, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Floats:
     """[[L, M], [M, N]], (..., 2, 2)."""
     n = normals(surface, u, v, letters)
     p_uu, p_uv, p_vv = surface.derivatives(u, v, ((2, 0), (1, 1), (0, 2)), letters=letters)
     return _matrix(dot(n, p_uu), dot(n, p_uv), dot(n, p_vv))
 
 
-def curvatures(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> tuple[Floats, Floats]:
+def curvatures(
+    surface: HasDerivatives, u: ArrayLike, v: ArrayLike, letters: LetterValues = None
+) -> tuple[Floats, Floats]:
     """The Gaussian and the mean curvature; NaN where the surface has none."""
     one = limit_forms(surface, u, v, letters)
     with np.errstate(all="ignore"):
@@ -110,7 +112,7 @@ def principal(gaussian: Floats, mean: Floats) -> Floats:
     return np.stack([mean + root, mean - root], axis=-1)
 
 
-def limit_forms(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Forms:
+def limit_forms(surface: HasDerivatives, u: ArrayLike, v: ArrayLike, letters: LetterValues = None) -> Forms:
     """Both forms in the basis (p_u, p_v); at a pole in the basis that p_u over the distance to it tends to."""
     p_u, p_v, p_uu, p_uv, p_vv = surface.derivatives(u, v, SECOND, letters=letters)
     n = _unit(np.cross(p_u, p_v))
@@ -131,7 +133,13 @@ def limit_forms(surface: Surface, u: ArrayLike, v: ArrayLike, letters: LetterVal
 
 
 def _pole_forms(
-    surface: Surface, places: list[Floats], axis: int, gone: Floats, p_uv: Floats, inner: Floats, letters: LetterValues
+    surface: HasDerivatives,
+    places: list[Floats],
+    axis: int,
+    gone: Floats,
+    p_uv: Floats,
+    inner: Floats,
+    letters: LetterValues,
 ) -> tuple[tuple[Flags, Flags], Floats, list[Floats]]:
     """Where normal and forms near poles hold, and what they are; `gone` is the derivative that vanishes."""
     low, high = surface.domain[1 - axis]
@@ -187,7 +195,7 @@ def _poles(tangents: tuple[Floats, Floats], p_uv: Floats, near: Sequence[Any]) -
     return at_u & ~at_v, at_v & ~at_u
 
 
-def _lengths(surface: Surface) -> list[float]:
+def _lengths(surface: HasDerivatives) -> list[float]:
     """The lengths of both intervals."""
     return [high - low for low, high in surface.domain]
 
@@ -203,7 +211,7 @@ def _places(u: ArrayLike, v: ArrayLike, where: Flags) -> list[Floats]:
     return [np.broadcast_to(np.asarray(one, np.float64), where.shape)[where] for one in (u, v)]
 
 
-def _at_pole(surface: Surface, values: Floats, axis: int, gone: Floats, p_uv: Floats) -> Floats:
+def _at_pole(surface: HasDerivatives, values: Floats, axis: int, gone: Floats, p_uv: Floats) -> Floats:
     """The parameter of the pole near each place, where `gone`, the derivative along the axis, vanishes."""
     low, high = surface.domain[1 - axis]
     room = AT_END * (high - low)
@@ -211,7 +219,7 @@ def _at_pole(surface: Surface, values: Floats, axis: int, gone: Floats, p_uv: Fl
     return np.where(moved < low + room, low, np.where(moved > high - room, high, moved))
 
 
-def _side(surface: Surface, values: Floats, axis: int, gone: Floats, p_uv: Floats) -> Floats:
+def _side(surface: HasDerivatives, values: Floats, axis: int, gone: Floats, p_uv: Floats) -> Floats:
     """1 where the place is above its pole and -1 where it is below: the sign of the way inwards at an end."""
     low, high = surface.domain[1 - axis]
     pole = _at_pole(surface, values, axis, gone, p_uv)

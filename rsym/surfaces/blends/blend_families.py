@@ -61,7 +61,7 @@ QUINTIC: Functions = (
 )
 
 
-class Family(NamedTuple):
+class BlendFamily(NamedTuple):
     """Where blending functions come from: the name of a family, its shape parameter, the angle of its arcs."""
 
     name: str

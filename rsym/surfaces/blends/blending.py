@@ -19,7 +19,7 @@ from rsym.model.letters import Letter, Letters, as_letters
 from rsym.model.symbols import as_expression, real_symbol
 from rsym.surfaces.blends import blend_families as families
 from rsym.surfaces.blends import blending_checks as checks
-from rsym.surfaces.blends.blend_families import Family, Functions
+from rsym.surfaces.blends.blend_families import BlendFamily, Functions
 from rsym.surfaces.blends.blend_latex import blend_latex
 from rsym.surfaces.blends.blending_checks import Answer
 from rsym.surfaces.functions.entries import exact
@@ -76,7 +76,7 @@ class HermiteBlend:
 
     functions: Functions
     letters: Letters
-    family: Family | None
+    family: BlendFamily | None
     formulas: Functions = field(compare=False)
 
     def __init__(
@@ -84,7 +84,7 @@ class HermiteBlend:
         functions: Sequence[Any],
         letters: Mapping[Any, Letter | float] | None = None,
         *,
-        family: Family | None = None,
+        family: BlendFamily | None = None,
         formulas: Sequence[sp.Expr] | None = None,
     ) -> None:
         given = [as_expression(one) for one in functions] if isinstance(functions, Iterable) else []
@@ -160,7 +160,7 @@ class HermiteBlend:
         """Class 2, ours: F1 = (1-nu) sin(pi t/2)**2 + nu (t - sin(2 pi t)/(2 pi)); quarters of circles are exact."""
         parameter = _parameter(nu)
         functions, formulas = families.trigonometric(parameter)
-        family = Family("trigonometric", parameter, sp.pi / 2)
+        family = BlendFamily("trigonometric", parameter, sp.pi / 2)
         return HermiteBlend(functions, letters, family=family, formulas=formulas)
 
     @staticmethod
@@ -175,7 +175,7 @@ class HermiteBlend:
         (step,), _ = real_expressions([as_expression(f1)], t, PARAMETERS, as_letters(letters), "a smoothstep")
         angle = _angle(alpha, as_letters(letters), "class II")
         functions, formulas = families.completed(step, angle)
-        return HermiteBlend(functions, letters, family=Family("smoothstep", step, angle), formulas=formulas)
+        return HermiteBlend(functions, letters, family=BlendFamily("smoothstep", step, angle), formulas=formulas)
 
     @property
     def exact_angle(self) -> sp.Expr | None:
@@ -256,7 +256,7 @@ def _of_family(name: str, formulas: Any, parameter: Any, alpha: Any, letters: Ma
     shape = _parameter(parameter)
     angle = _angle(alpha, as_letters(letters), name)
     functions, written = formulas(shape, angle)
-    return HermiteBlend(functions, letters, family=Family(name, shape, angle), formulas=written)
+    return HermiteBlend(functions, letters, family=BlendFamily(name, shape, angle), formulas=written)
 
 
 def _parameter(value: Any) -> sp.Expr:

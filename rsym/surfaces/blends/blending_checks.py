@@ -17,7 +17,7 @@ from rsym.backends.interpreter import interpret
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.model.symbols import as_expression, real_symbol
-from rsym.surfaces.blends.blend_families import Family, Functions, resolved
+from rsym.surfaces.blends.blend_families import BlendFamily, Functions, resolved
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.functions.formulas import CompiledFormulas
 from rsym.surfaces.symbols import t
@@ -45,7 +45,7 @@ class Blend(Protocol):
         """The named parameters."""
 
     @property
-    def family(self) -> Family | None:
+    def family(self) -> BlendFamily | None:
         """Where they come from."""
 
 

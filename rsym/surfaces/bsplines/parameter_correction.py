@@ -153,7 +153,7 @@ class Frames(NamedTuple):
     ends: Floats
 
 
-class Locus(Protocol):
+class Guide(Protocol):
     """Where vertices may lie."""
 
     def frames(self, points: Floats) -> Frames:
@@ -234,7 +234,7 @@ class Kept:
     """Vertices and the locus that they are kept on, by numbers i*(m+1) + j."""
 
     vertices: NDArray[np.intp]
-    locus: Locus
+    locus: Guide
 
 
 def kept_vertices(given: Sequence[tuple[Any, Any]], shape: tuple[int, int]) -> list[Kept]:

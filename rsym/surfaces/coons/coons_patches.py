@@ -10,7 +10,7 @@ import sympy as sp
 
 from rsym.arrays import Floats
 from rsym.surfaces.blends.blending import HermiteBlend, blend_of_class
-from rsym.surfaces.coons.corners import Corners
+from rsym.surfaces.coons.corners import CornerData
 from rsym.surfaces.coons.gregory import gregory_of
 from rsym.surfaces.coons.patch_latex import coons_latex
 from rsym.surfaces.coons.ribbons import EDGES, ribbons_of, unit_curve
@@ -98,7 +98,7 @@ class CoonsPatch(BooleanSum):
         edges = {name: unit_curve(curve, letters, f"the curve of the edge {name}") for name, curve in given.items()}
         across = ribbons_of(edges, ribbons, order, letters)
         across_u, across_v = (Stack([row[name + end] for row in across for end in "01"]) for name in "uv")
-        data = Corners(across_u, across_v)
+        data = CornerData(across_u, across_v)
         data.check(tolerance)
         super().__init__(Loft(self.blend_u.curve, across_u), Loft(self.blend_v.curve, across_v), data)
         self.data = data

@@ -26,7 +26,7 @@ def ends(order: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
     return (0, 1) * order, tuple(k for k in range(order) for _ in (0, 1))
 
 
-class Corners(Unvarying):
+class CornerData(Unvarying):
     """The corner data (n, n, 3) of ribbons C (n, 3) of v and E (n, 3) of u; twists are the mean of what both say."""
 
     def __init__(self, across_u: Curve, across_v: Curve) -> None:

@@ -17,7 +17,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces import symbols
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.corners import Corners
+from rsym.surfaces.coons.corners import CornerData
 from rsym.surfaces.corrections import MEETING
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.formulas import CompiledFormulas
@@ -27,7 +27,7 @@ from rsym.surfaces.patch import LetterValues, Orders
 class Gregory:
     """What has to be added to a patch with mean twists: -sum_ij G_i(u) G_j(v) (T_ij - mean)."""
 
-    def __init__(self, blend_u: HermiteBlend, blend_v: HermiteBlend, corners: Corners) -> None:
+    def __init__(self, blend_u: HermiteBlend, blend_v: HermiteBlend, corners: CornerData) -> None:
         self.corners = corners
         self.letters: Letters = blend_u.letters.merge(blend_v.letters)
         self.weights = [_weight(blend_u, blend_v, i, j) for i in (0, 1) for j in (0, 1)]
@@ -55,7 +55,7 @@ class Gregory:
 
 
 def gregory_of(
-    corners: str, data: Corners, blends: tuple[HermiteBlend, HermiteBlend], tolerance: float
+    corners: str, data: CornerData, blends: tuple[HermiteBlend, HermiteBlend], tolerance: float
 ) -> Gregory | None:
     """The correction for twists on which the edges disagree, if there is one."""
     if corners not in ("mean", "gregory", "refuse"):
