@@ -115,8 +115,8 @@ def test_what_is_told_works(section, copy, tmp_path):
     assert all(map(all, answers)), answers
 
 
-def test_every_section_is_tried_and_is_short():
-    assert set(SEEN) <= set(SECTIONS)
+def test_every_section_with_code_is_tried_and_all_are_short():
+    assert set(SEEN) == {section for section, blocks in SECTIONS.items() if blocks}
     for part in HOWTO.split("\n## ")[1:]:
         assert len(re.sub(r"```python.*?```", "", part, flags=re.DOTALL).strip().splitlines()) <= 10
 
