@@ -34,7 +34,7 @@ _FROM_THE_MODEL = ("letters", "system", "bounds", "coordinates")
 
 
 @dataclass(frozen=True)
-class Piece:
+class PieceRow:
     """A function that makes a shape, or an expression.
 
     home: its module in the package, where `Shape` stands for methods. family: what it is listed under.
@@ -83,15 +83,15 @@ class Piece:
         return name in inspect.signature(self.function).parameters
 
 
-def _row(family: str, home: str, names: str, **more: Any) -> Iterator[tuple[str, Piece]]:
-    return ((name, Piece(name, home, family, **more)) for name in names.split())
+def _row(family: str, home: str, names: str, **more: Any) -> Iterator[tuple[str, PieceRow]]:
+    return ((name, PieceRow(name, home, family, **more)) for name in names.split())
 
 
 _PLANE, _CURVES, _SPACE = "in the plane", "curves, zero on them", "in space"
 _PERIODIC, _ANY, _MOVED = "along a screw, in all directions", "any expression", "moved"
 _SWEPT, _REPEATED, _BLENDED = "of another dimension or thickness", "repeated", "blended"
 # Families and homes may stand in several rows; a piece stands in one.
-PIECES: Mapping[str, Piece] = dict(
+PIECES: Mapping[str, PieceRow] = dict(
     (
         *_row(_PLANE, "model.primitives.plane", "half_plane strip line disc ellipse superellipse rectangle"),
         *_row(_PLANE, "model.primitives.polygons", "polygon regular_polygon"),
@@ -168,7 +168,7 @@ class Calls:
         expression = substitute(expression, self._names(back=True))
         return expression
 
-    def _made(self, piece: Piece, bound: inspect.BoundArguments) -> Shape | sp.Expr:
+    def _made(self, piece: PieceRow, bound: inspect.BoundArguments) -> Shape | sp.Expr:
         """The shape; formulas without the third coordinate may be plane shapes, if they do not fit as bodies."""
         rest, named = _given(piece, bound)
         letters = {_apart(name): letter for name, letter in self.letters.items()}
@@ -211,7 +211,7 @@ def _apart(letter: str) -> str:
     return f"{letter} (letter)" if letter in ("x", "y", "z") else letter
 
 
-def _bound(piece: Piece, node: Call, given: list[Any], named: dict[str, Any]) -> inspect.BoundArguments:
+def _bound(piece: PieceRow, node: Call, given: list[Any], named: dict[str, Any]) -> inspect.BoundArguments:
     twice = [name for k, name in enumerate(node.keywords) if name in node.keywords[:k]]
     if twice:
         raise node.place.refuse(f"{node.function}: {twice[0]} is given twice", "arity", "remove one of the two")
@@ -221,7 +221,7 @@ def _bound(piece: Piece, node: Call, given: list[Any], named: dict[str, Any]) ->
         raise node.place.refuse(f"{node.function}: {error}", "arity", _takes(piece)) from None
 
 
-def _check_switches(piece: Piece, node: Call, bound: inspect.BoundArguments) -> None:
+def _check_switches(piece: PieceRow, node: Call, bound: inspect.BoundArguments) -> None:
     """Refuse what Python would take for true, such as "no"."""
     for name, value in bound.arguments.items():
         switch = piece.signature.parameters[name].annotation in (bool, "bool")
@@ -229,7 +229,7 @@ def _check_switches(piece: Piece, node: Call, bound: inspect.BoundArguments) -> 
             raise node.place.refuse(f"{node.function}: {name} must be 0 or 1, got {value}", "switch", "1 means yes")
 
 
-def _check_counts(piece: Piece, node: Call, bound: inspect.BoundArguments) -> None:
+def _check_counts(piece: PieceRow, node: Call, bound: inspect.BoundArguments) -> None:
     """Refuse what would make a formula without end."""
     for name, most in piece.most.items():
         given = bound.arguments.get(name)
@@ -239,7 +239,7 @@ def _check_counts(piece: Piece, node: Call, bound: inspect.BoundArguments) -> No
                 raise node.place.refuse(f"{node.function}: {name} is {count}; {most} is the most", "too-large", remedy)
 
 
-def _given(piece: Piece, bound: inspect.BoundArguments) -> tuple[tuple[Any, ...], dict[str, Any]]:
+def _given(piece: PieceRow, bound: inspect.BoundArguments) -> tuple[tuple[Any, ...], dict[str, Any]]:
     """What follows the shapes, by name where it has one: the model's own arguments may stand between."""
     kinds = {parameter.kind for parameter in piece.signature.parameters.values()}
     if inspect.Parameter.VAR_POSITIONAL in kinds:
@@ -248,7 +248,7 @@ def _given(piece: Piece, bound: inspect.BoundArguments) -> tuple[tuple[Any, ...]
     return (), {name: bound.arguments[name] for name in names if name in bound.arguments}
 
 
-def _takes(piece: Piece) -> str:
+def _takes(piece: PieceRow) -> str:
     """The parameters, for a message."""
     parameters = piece.signature.parameters.values()
     return f"it takes {', '.join(str(one.replace(annotation=one.empty)) for one in parameters)}"

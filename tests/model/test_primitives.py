@@ -5,7 +5,7 @@ import inspect
 import pytest
 
 import rsym
-from rsym.language.pieces import PIECES, Piece
+from rsym.language.pieces import PIECES, PieceRow
 
 PRIMITIVES = rsym.primitives.__all__
 
@@ -31,7 +31,7 @@ def test_a_piece_is_at_home_where_its_row_says(name):
 def test_a_row_that_names_nothing_is_seen(home, name):
     """Red proof."""
     with pytest.raises((AttributeError, AssertionError)):
-        assert Piece(name, home, "in the plane").function.__module__ == f"rsym.{home}"
+        assert PieceRow(name, home, "in the plane").function.__module__ == f"rsym.{home}"
 
 
 @pytest.mark.parametrize("name", PRIMITIVES)

@@ -27,7 +27,7 @@ from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.assembly import USUAL_BYTES, assemble, claim_only
 from rsym.sampling.sharp.octree import BLOCK, Blocks, find_blocks
 from rsym.sampling.sharp.spread import spread
-from rsym.sampling.sharp.welding import Surface, SurfacePiece, inside, own_piece, weld
+from rsym.sampling.sharp.welding import Piece, Surface, inside, own_piece, weld
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
@@ -110,7 +110,7 @@ class Task:
     box: Ints
 
 
-def compute(task: Task) -> SurfacePiece:
+def compute(task: Task) -> Piece:
     """The piece of a task; run by whatever executor, in whatever process."""
     job, crew = task.job, Crew()
     budget = Budget(free_memory())
@@ -125,7 +125,7 @@ def in_pieces(job: Job, executor: Executor, crew: Crew, budget: Budget) -> Surfa
     tasks = [Task(job, box) for box in cut(job.blocks(crew, budget).corner)]
     crew.stage(880)
 
-    def arrived(pieces: Sequence[SurfacePiece]) -> None:
+    def arrived(pieces: Sequence[Piece]) -> None:
         # Once as pieces, once as a whole.
         need = 2 * sum(piece.size for piece in pieces)
         if pieces:

@@ -73,7 +73,7 @@ class Surface:
 
 
 @dataclass(frozen=True)
-class SurfacePiece:
+class Piece:
     """The part of a surface that belongs to the blocks of a box.
 
     Blocks: ``corner`` (3, n), in lexicographic order; ``vertices`` (n,) and ``crossings`` (3, n) tell how many each
@@ -98,7 +98,7 @@ class SurfacePiece:
 
 def own_piece(
     made: Assembly, box: NDArray[np.int64], extent: tuple[int, int, int], notes: tuple[Any, ...] = ()
-) -> SurfacePiece:
+) -> Piece:
     """What belongs to a box, from the surface of its blocks and their neighbours.
 
     `box` (2, 3): its first cells, and those past its last.
@@ -122,7 +122,7 @@ def own_piece(
     n = surface.corner.shape[1]
     per_axis = np.bincount((axis * n + block)[crossed], minlength=3 * n).reshape(3, n)[:, own]
     points = np.ascontiguousarray(made.points[:, : len(mine)][:, mine])
-    return SurfacePiece(
+    return Piece(
         np.ascontiguousarray(surface.corner[:, own]),
         np.bincount(place[mine] >> 9, minlength=n)[own].astype(np.int32),
         per_axis.astype(np.int32),
@@ -138,7 +138,7 @@ def inside(corner: NDArray[np.int64], box: NDArray[np.int64]) -> NDArray[np.bool
     return np.asarray(((corner >= box[0, :, None]) & (corner < box[1, :, None])).all(axis=0))
 
 
-def weld(pieces: list[SurfacePiece]) -> Surface:
+def weld(pieces: list[Piece]) -> Surface:
     """The whole surface, as if it had never been cut; pieces leave the list as they are used up."""
     order = np.lexsort(np.concatenate([piece.corner for piece in pieces], axis=1)[::-1])
     first = _ranks([piece.vertices[None] for piece in pieces], order)
