@@ -109,7 +109,8 @@ class LlvmFunction:
         if whole:
             self._call(coordinates, values, outputs, whole)
         if whole < count:
-            padded = [np.pad(array[whole:], (0, lanes - count + whole), mode="edge") for array in coordinates]
+            last = np.minimum(np.arange(whole, whole + lanes), count - 1)
+            padded = [array[last] for array in coordinates]
             results = [np.empty(lanes, self.precision.dtype) for _ in outputs]
             self._call(padded, values, results, lanes)
             for output, result in zip(outputs, results, strict=True):

@@ -10,6 +10,7 @@ import itertools
 import math
 import time
 import tracemalloc
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,7 @@ from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
 from rsym.paper.drawing import mesh_quietly
 from rsym.paper.models import valve
+from rsym.sampling.mesh import Mesh
 
 # Along each axis: 0.125, 1, 3.375 and 15.625 million points; the source has 27 and 125 boxes of 50 points cubed.
 POINTS = (50, 100, 150, 250)
@@ -38,49 +40,53 @@ class Cost:
 def measure() -> tuple[Cost, ...]:
     """Every combination once: first for the seconds, then again for the memory, since watching memory takes time.
 
+    Then boxes that hold no surface are left out: they take less than those that do.
+
     The memory is the peak of what Python and NumPy hold, the triangles of all boxes included, as tracemalloc
     counts it; what the interpreter and compiled code take for themselves is not in it.
     """
     shape = valve()
-    draw(shape, 20, 1)  # compiles
+    meshes(shape, 20, 1)  # compiles
     return tuple(_cost(shape, points, boxes) for points in POINTS for boxes in BOXES)
 
 
 def _cost(shape: Shape, points: int, boxes: int) -> Cost:
     start = time.perf_counter()
-    triangles = draw(shape, points, boxes)
+    pieces = meshes(shape, points, boxes)
     seconds = time.perf_counter() - start
+    triangles, held = sum(piece.status.triangles for piece in pieces.values()), list(pieces)
+    del pieces
     tracemalloc.start()
     before, _ = tracemalloc.get_traced_memory()
-    draw(shape, points, boxes)
+    meshes(shape, points, boxes, held)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     return Cost(points**3, boxes**3, seconds, (peak - before) / 1e6, triangles)
 
 
-def draw(shape: Shape, points: int, boxes: int) -> int:
-    """Mesh the shape box by box, `points` and `boxes` along each axis; return the number of triangles.
+def meshes(shape: Shape, points: int, boxes: int, only: Iterable[Bounds] = ()) -> dict[Bounds, Mesh]:
+    """The surface in each box that holds some, `points` and `boxes` along each axis; `only` in these, if any are given.
 
     Examples
     --------
     >>> import rsym
     >>> from rsym import x, y, z
     >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
-    >>> draw(ball, 30, 1) <= draw(ball, 30, 3)
-    True
+    >>> len(meshes(ball, 30, 1)), len(meshes(ball, 30, 3))
+    (1, 26)
     """
     assert shape.bounds is not None
     # The mesher adds a layer of points on either side, so that neighbouring boxes overlap instead of leaving gaps.
     cells = max(2, math.ceil(points / boxes) - 2)
-    pieces = []
-    for box in _sub_boxes(shape.bounds, boxes):
+    pieces = {}
+    for box in only or _sub_boxes(shape.bounds, boxes):
         try:
             # All points of a box are sampled, as in the source.
-            pieces.append(mesh_quietly(shape, (cells,) * len(box), method="smooth", bounds=box))
+            pieces[box] = mesh_quietly(shape, (cells,) * len(box), method="smooth", bounds=box)
         except RsymError as error:
             if error.code != "no-surface":
                 raise
-    return sum(piece.status.triangles for piece in pieces)
+    return pieces
 
 
 def _sub_boxes(bounds: Bounds, boxes: int) -> list[Bounds]:

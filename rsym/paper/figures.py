@@ -15,13 +15,13 @@ from rsym.paper.drawing import Drawing, Recipe, figure_of, letters_text, mesh_qu
 from rsym.paper.models import BODIES, car, skeleton_body, streamlined
 from rsym.sampling.mesh import Mesh
 
-# 10 million samples; the source had 3.4 and 15.6 million (27 and 125 sub-boxes of 125 000 points).
-RESOLUTION = 360
+# 3.4 million samples, as the source in 27 sub-boxes of 125 000 points; in 125 it had 15.6 million.
+RESOLUTION = 252
 FRONT, REAR = 48.0, -52.0
 SHEET = (12.0, 4.4)
 BODY_BOX = ((-6.0, 8.0), (-2.4, 2.4), (-2.4, 2.4))
 COARSE = (35, 73, 43)  # 37*75*45 points, 125 000 as in Fig. 10, more along the car than across it
-STREAMLINED_RESOLUTION = (315, 660, 405)
+STREAMLINED_RESOLUTION = (160, 330, 205)
 NORMALISED = r"\omega_{n} = \frac{\omega}{\sqrt{\omega^{2} + \left(\nabla\omega\right)^{2}}}"
 REVOLVED = r"\omega_{n}\left(x,\, \sqrt{y^{2} + z^{2}}\right) = 0"
 

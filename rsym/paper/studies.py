@@ -19,7 +19,7 @@ HEIGHTS = tuple(0.25 + 0.5 * k for k in range(-6, 16))  # z = -2.75, -2.25, ...,
 LAYERS = "car-sections.svg"
 APART = {"h5": 5.1, "ho2": 5.1}  # the lower edges of the windows, out of the plane of the boot's lid
 # The headlights of the whole car cut the bonnet at a grazing angle: more samples, most along z, keep their rims clean.
-FINE = (240, 480, 420)
+FINE = (140, 280, 245)
 MILLIMETRES = 10.0  # of the layers, for one unit of the model: a car 14.6 cm wide
 REVOLUTION_EQUATIONS = (
     r"\left|\nabla f\left(x,\, \rho\right)\right|^{2} = f_{x}^{2} + f_{\rho}^{2}",

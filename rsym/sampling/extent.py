@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.logic.sign_form import surface_form
+from rsym.model.equation import checked_bounds
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.boxes import Boxes, Floats, cube, grid, halves, points, slabs
@@ -88,7 +89,7 @@ def bounds_or_extent(shape: Shape, bounds: Any, letters: Mapping[Any, float] | N
     >>> bounds_or_extent(rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-2, 2), (-2, 2))), None)
     ((-2.0, 2.0), (-2.0, 2.0))
     """
-    chosen = shape.replace(bounds=bounds).bounds
+    chosen = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
     return extent(shape, letters) if chosen is None else chosen
 
 

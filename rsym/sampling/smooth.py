@@ -34,6 +34,7 @@ Array = NDArray[np.float64]
 SLAB_POINTS = 2_000_000
 # Vertices are moved onto the surface in so many blocks, so that a cancel waits a fraction of a second.
 VERTEX_BLOCKS = 8
+TOGETHER = 50_000  # so few vertices take a fraction of a second all together
 # Scaled samples near the surface are about this large: far above the 1e-7 below which marching cubes takes
 # its ambiguity tests for undecided, and far enough below the end of float32 for a range of 1e32.
 NEAR_SURFACE = 1e3
@@ -194,8 +195,11 @@ def _on_surface(
     end = samples[tuple(upper.T)]
 
     roots = np.empty(len(which))
-    for block in np.array_split(np.arange(len(which)), VERTEX_BLOCKS):
+    parts = np.array_split(np.arange(len(which)), 1 if len(which) <= TOGETHER else VERTEX_BLOCKS)
+    for block in parts:
         roots[block] = _edge_roots(kernel, letters, lattice, corner[block], along[block], start[block], end[block])
+        steps.advance()
+    for _ in range(VERTEX_BLOCKS - len(parts)):
         steps.advance()
     roots = np.clip(roots, FROM_LATTICE_POINT, 1 - FROM_LATTICE_POINT)
     place = index.copy()

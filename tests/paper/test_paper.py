@@ -4,10 +4,10 @@ import multiprocessing
 import re
 import threading
 
-import dying
 import matplotlib.pyplot
 import numpy as np
 import pytest
+from oracles import dying
 from oracles.closeness import assert_close
 
 import rsym

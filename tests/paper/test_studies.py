@@ -79,7 +79,7 @@ def test_sub_boxes_cover_the_body(boxes):
     """A plane across the box is drawn in every sub-box that it meets: its area is that of its triangles."""
     wall = Shape(x - 0.1, (x, y, z), bounds=((-1, 1),) * 3)
     per_box = 2 * (12 // boxes - 2 + 1) ** 2
-    assert cost.draw(wall, 12, boxes) == per_box * boxes**2
+    assert sum(piece.status.triangles for piece in cost.meshes(wall, 12, boxes).values()) == per_box * boxes**2
 
 
 def test_the_cost_counts_what_it_is_asked_for(monkeypatch):
@@ -95,7 +95,7 @@ def test_the_cost_counts_what_it_is_asked_for(monkeypatch):
 
 def test_an_undefined_value_in_a_sub_box_is_not_passed_over():
     with pytest.raises(RsymError, match="undefined"):
-        cost.draw(Shape(sp.sqrt(x) - 1, (x, y, z), bounds=((-2, 2),) * 3), 20, 2)
+        cost.meshes(Shape(sp.sqrt(x) - 1, (x, y, z), bounds=((-2, 2),) * 3), 20, 2)
 
 
 def test_the_stack_of_sections_comes_with_its_layers():
