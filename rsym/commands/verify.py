@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Collection, Mapping
 
 from rsym.commands.options import (
@@ -87,8 +86,6 @@ def run(options: argparse.Namespace) -> int:
 
 def _threshold(options: argparse.Namespace, intervals: Mapping[str, tuple[float, float]]) -> int:
     """Bracket a letter; the exit code is 0, for both ends are proved."""
-    from dataclasses import asdict
-
     from rsym.verify.threshold import smoothness_threshold
 
     name = options.threshold
@@ -98,7 +95,7 @@ def _threshold(options: argparse.Namespace, intervals: Mapping[str, tuple[float,
         found = smoothness_threshold(
             shape, name, between=intervals.get(name), timeout=options.timeout, progress=progress
         )
-    print(json.dumps(asdict(found), indent=2) if options.json else found)
+    print(found.to_json() if options.json else found)
     return 0
 
 

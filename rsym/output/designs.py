@@ -12,9 +12,8 @@ from rsym.errors import RsymError
 from rsym.model.names import typeset_name
 from rsym.output.fairness import colour_bar, curvature_label, curvature_norm, draw_curvature
 from rsym.output.pictures import checked_titles, page, require_report, whole
-from rsym.reports.numbers import number
+from rsym.reports.numbers import at_most, number
 from rsym.verify.fairness.designs import Design, DesignTable
-from rsym.verify.fairness.wording import directed
 
 PANEL = 4.2  # inches, the width of a panel
 SHORTEST, TALLEST = 1.0, 4.2
@@ -98,5 +97,5 @@ def plot_designs(
 def _title(table: DesignTable, design: Design) -> str:
     letters = ", ".join(f"${typeset_name(name)} = {number(design.letters[name])}$" for name in table.differing)
     bound = design.peak("size").bound
-    size = rf", $|\kappa| \leq {directed(bound, 4, up=True)}$" if math.isfinite(bound) else ""
+    size = rf", $|\kappa| \leq {at_most(bound)}$" if math.isfinite(bound) else ""
     return f"{design.name}: {letters + ', ' if letters else ''}{design.report.verdict}{size}"

@@ -16,9 +16,9 @@ from rsym.output.patches import Lines, coat_of_patches, shaded, tessellations
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import pieces
+from rsym.reports.render import COLOURS
 from rsym.surfaces.joints.continuity import continuity_report
-from rsym.surfaces.joints.edge_report import EdgeReport, Meeting, is_settled
-from rsym.surfaces.joints.edge_wording import COLOURS
+from rsym.surfaces.joints.edge_report import EdgeReport, PatchMeeting, is_settled
 from rsym.surfaces.patch import Patch, patches_of
 
 PALE = "#d5d9e0"  # of the surface: the colours of the edges are what is to be seen
@@ -111,5 +111,5 @@ def _strokes(report: EdgeReport) -> list[Stroke]:
     return drawn
 
 
-def _rank(meeting: Meeting) -> int:
+def _rank(meeting: PatchMeeting) -> int:
     return list(COLOURS).index(meeting.continuity)

@@ -25,7 +25,6 @@ from rsym.sampling.lattice import bounds_of
 from rsym.sampling.plane import plane_section
 from rsym.verify.bodies.singular import SingularCurve
 from rsym.verify.repair.anatomy import Verdict
-from rsym.verify.repair.prices import price_words
 from rsym.verify.repair.report import Candidate, RepairReport
 from rsym.verify.report import SmoothnessReport
 from rsym.verify.revolution import meridian
@@ -183,7 +182,7 @@ def _draw_window(ax: Axes, shape: Shape, candidate: Candidate, view: ShownPlane)
         ticks.set_major_locator(MaxNLocator(3, symmetric=True, prune="both"))
     ax.tick_params(labelsize=7)
     u, v = view.names
-    distance, volume, curvature, normalisation = price_words(candidate.price)
+    distance, volume, curvature, normalisation = candidate.price.words
     price = f"{distance}, {volume}\n{curvature}, proved\n{normalisation}"
     ax.set_xlabel(f"${u} - {u}_1$\n{price}", fontsize=8)
     ax.set_ylabel(f"${v} - {v}_1$", fontsize=8)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import warnings
 from collections.abc import Iterable, Mapping
@@ -20,13 +19,13 @@ from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.systems import R0, R1, R0m, Rp, RSystem
 from rsym.program.fields import program_of
+from rsym.reports.document import Document, Sentence, Tabular
+from rsym.reports.render import Report
 from rsym.sampling.boundaries import boundary
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.meshing import mesh
 from rsym.sampling.progress import Progress, report
 from rsym.sampling.triangles import middles
-from rsym.verify.fairness.markup import table
-from rsym.verify.fairness.wording import aligned
 
 SYSTEMS: tuple[RSystem, ...] = (R0, R1, Rp(4), R0m(2))
 HEADING = (
@@ -38,6 +37,7 @@ HEADING = (
     "with gradient",
     "| |grad| - 1 | found",
 )
+NOTE = "  class and order are promised by the formula; the slope on the boundary, off corners, is measured"
 RESOLUTION = 32  # of the mesh on which slopes are taken in space
 STEPS = 8  # of Newton's method from a triangle to the surface
 NEAR = 1e-9  # |omega|/|grad omega| over the extent: the point lies on the boundary
@@ -81,7 +81,7 @@ class SystemRow:
 
 
 @dataclass(frozen=True, repr=False)
-class SystemTable:
+class SystemTable(Report):
     r"""R-systems in the order given, one row each.
 
     Class and order are promised by the contract; the slope is measured, at points of the boundary.
@@ -100,32 +100,31 @@ class SystemTable:
 
     rows: tuple[SystemRow, ...]
 
-    def __str__(self) -> str:
-        note = "class and order are promised by the formula; the slope on the boundary, off corners, is measured"
-        return "\n".join([*aligned([HEADING, *(row.cells() for row in self.rows)]), f"  {note}"])
-
     def __repr__(self) -> str:
         return f"<SystemTable of {', '.join(row.name for row in self.rows)}>"
 
-    def _repr_html_(self) -> str:
-        return table(HEADING, [row.cells() for row in self.rows])
-
-    def to_json(self) -> str:
-        """The table for programs; null says infinity of a class, and of a slope that there is no boundary."""
+    def document(self) -> Document:
+        """The table; for programs null says infinity of a class, and of a slope that there is no boundary."""
         rows = [
             {
                 "system": row.name,
-                "continuity": _finite(row.continuity),
-                "order": _finite(row.order),
+                "continuity": row.continuity,
+                "order": row.order,
                 "exact_distance": row.order == math.inf,
                 "singular_sets": row.corners,
                 "operations": row.operations,
                 "gradient_operations": row.gradient_operations,
-                "slope_error": _finite(row.slope_error),
+                "slope_error": row.slope_error,
             }
             for row in self.rows
         ]
-        return json.dumps({"format": "rsym-system-table", "version": 1, "systems": rows}, indent=2, allow_nan=False)
+        return Document(
+            "system-table",
+            Sentence("", True),
+            tables=(Tabular(HEADING, tuple(row.cells() for row in self.rows)),),
+            remarks=(Sentence(NOTE, False),),
+            data={"systems": rows},
+        )
 
 
 def compare_systems(
@@ -226,7 +225,3 @@ def _error_in_space(shape: Shape, bounds: Any) -> float:
         slope = np.linalg.norm(gradient, axis=1)
         known = slope[np.isfinite(slope) & (np.abs(value) <= reach * slope)]
     return float(np.abs(known - 1).max()) if len(known) else math.nan
-
-
-def _finite(value: float | None) -> float | None:
-    return None if value is None or not math.isfinite(value) else value

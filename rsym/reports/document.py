@@ -19,12 +19,13 @@ class Sentence(NamedTuple):
 
 @dataclass(frozen=True)
 class Tabular:
-    """Rows of text under a header; the cells (row, column) of `best` are marked."""
+    """Rows of text under a header; the cells (row, column) of `best` are marked; told: whether the text has it too."""
 
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     best: frozenset[tuple[int, int]] = frozenset()
     title: str = ""
+    told: bool = True
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ class Document:
     tables : beside that of the entries.
     entries : what is listed; columns : the header of their table, without the column of their numbers; most : how
         many of them the text tells.
-    notes : last lines.
+    remarks : last lines.
     data : what programs read of it, by the name of the field.
 
     Examples
@@ -74,7 +75,7 @@ class Document:
     entries: tuple[Entry, ...] = ()
     columns: tuple[str, ...] = ()
     most: int | None = None
-    notes: tuple[Sentence, ...] = ()
+    remarks: tuple[Sentence, ...] = ()
     data: Mapping[str, Any] = field(default_factory=dict)
 
     @property

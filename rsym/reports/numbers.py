@@ -146,6 +146,22 @@ def _beyond(end: Decimal, nothing: Decimal) -> Decimal:
     return end if abs(end) >= nothing else nothing if end > 0 else Decimal(0)
 
 
+def enclosing(low: float, high: float, digits: int) -> tuple[str, str]:
+    """The ends of a bracket: each reads back as the float that it is, or lies outside.
+
+    Examples
+    --------
+    >>> enclosing(5.3, 5.3076923, 6)
+    ('5.3', '5.3077')
+    """
+    exact = [number(end, digits) for end in (low, high)]
+    outside = at_least(low, digits), at_most(high, digits)
+    first, last = (
+        text if float(text) == end else other for text, end, other in zip(exact, (low, high), outside, strict=True)
+    )
+    return first, last
+
+
 def extents(low: Sequence[float], high: Sequence[float]) -> str:
     """A box, rounded outward to a hundredth of its size.
 
@@ -174,3 +190,15 @@ def share(part: float) -> str:
     if 100 * part < LEAST_SHARE:
         return f"less than {LEAST_SHARE} %"
     return f"{at_most(100 * part, 3 if 100 * part > 99 else 2)} %"
+
+
+def tenths(part: float, *, up: bool) -> str:
+    """A share in tenths of a per cent, rounded up or down; what is a ten-millionth of one off is that tenth.
+
+    Examples
+    --------
+    >>> tenths(0.99999, up=False), tenths(1e-6, up=True), tenths(0.3, up=True)
+    ('99.9 %', '0.1 %', '30.0 %')
+    """
+    tenth = math.ceil(1000 * part - SLACK) if up else math.floor(1000 * part + SLACK)
+    return f"{tenth / 10:.1f} %"

@@ -12,7 +12,7 @@ sentences      a list of {"text", "proved"}: those after it
 statements     a list of {"text", "proved"}: clauses without a full stop
 tables         a list of {"title", "header", "rows"}, all cells text
 entries        a list of {"text", "proved", "defect"}: what the report lists
-notes          a list of {"text", "proved"}: remarks at the end
+remarks        a list of {"text", "proved"}: remarks at the end
 =============  =========================================================================================
 
 Further keys are those of the report. `proved` is true or false, which says numerical. Every number is finite: null says
@@ -83,19 +83,20 @@ def as_text(document: Document) -> str:
     for known, word in ((True, PROVED), (False, NUMERICAL)):
         said = [text.rstrip(".") for text, is_proved in document.statements if is_proved == known]
         paragraph += [f"{word}: {'; '.join(said)}."] if said else []
-    lines = [" ".join(filter(None, paragraph))]
+    lines = [" ".join(filter(None, paragraph))] if any(paragraph) else []
     for table in document.tables:
-        lines += aligned(table)
+        lines += aligned(table) if table.told else []
     lines += _entry_lines(document)
-    return "\n".join([*lines, *(note.text for note in document.notes)])
+    return "\n".join([*lines, *(remark.text for remark in document.remarks)])
 
 
-def _entry_lines(document: Document) -> Iterator[str]:
-    told = [(label, entry) for label, entry in _labelled(document) if entry.told]
+def _entry_lines(document: Document, *, with_cells: bool = True) -> Iterator[str]:
+    told = [(label, entry) for label, entry in _labelled(document) if entry.told and (with_cells or not entry.cells)]
     shown = told if document.most is None else told[: document.most]
     for label, entry in shown:
         text = entry.text.replace("\n", "\n  ")
-        yield f"  {entry.label or f'{label}.'} {text}"
+        mark = f"{label}." if entry.label is None else entry.label
+        yield f"  {f'{mark} ' if mark else ''}{text}"
     if len(told) > len(shown):
         yield f"  and {len(told) - len(shown)} more"
 
@@ -133,11 +134,14 @@ def as_html(document: Document) -> str:
     '<div><p><b style="color: #d55e00">✗ REFUTED</b>: 1 &lt; 2.</p></div>'
     """
     tables = [html_table(table) for table in document.tables]
-    rows = tuple((label, *entry.cells) for label, entry in _labelled(document) if entry.cells)
-    tables += [html_table(Tabular(("", *document.columns), rows))] if rows else []
+    shown = [(label, entry) for label, entry in _labelled(document) if entry.cells]
+    numbered = any(label for label, _ in shown)
+    rows = tuple((label, *entry.cells) if numbered else entry.cells for label, entry in shown)
+    tables += [html_table(Tabular(("", *document.columns) if numbered else document.columns, rows))] if rows else []
     notes = [one.text for one in document.sentences]
     notes += [f"{PROVED if known else NUMERICAL}: {text.rstrip('.')}." for text, known in document.statements]
-    notes += [one.text for one in document.notes]
+    notes += [line.strip() for line in _entry_lines(document, with_cells=False)]
+    notes += [one.text.strip() for one in document.remarks]
     small = f'<p style="font-size: smaller">{"<br>".join(map(escape, notes))}</p>' if notes else ""
     return f"<div>{_title(document)}{''.join(tables)}{small}</div>"
 
@@ -147,8 +151,9 @@ def _title(document: Document) -> str:
     if verdict is not None and text.startswith(verdict):
         sign, colour = SIGNS[verdict]
         return f'<p><b style="color: {colour}">{sign} {verdict}</b>{escape(text.removeprefix(verdict))}</p>'
-    colour = COLOURS.get(document.continuity or "", "inherit")
-    return f'<p><b style="color: {colour}">{escape(text)}</b></p>' if text else ""
+    own = COLOURS.get(document.continuity or "")
+    style = f' style="color: {own}"' if own else ""
+    return f"<p><b{style}>{escape(text)}</b></p>" if text else ""
 
 
 def html_table(table: Tabular) -> str:
@@ -174,7 +179,8 @@ def html_table(table: Tabular) -> str:
 
 def _cell(tag: str, text: str, colour: str = "", *, bold: bool = False) -> str:
     border = f"; border-left: 4px solid {colour}" if colour else ""
-    inner = f"<b>{escape(text)}</b>" if bold else escape(text)
+    inner = "<br>".join(map(escape, text.split("\n")))
+    inner = f"<b>{inner}</b>" if bold else inner
     return f'<{tag} style="text-align: left{border}">{inner}</{tag}>'
 
 
@@ -203,7 +209,7 @@ def as_record(document: Document) -> dict[str, Any]:
         "statements": [_sentence(one) for one in document.statements],
         "tables": plain(tables),
         "entries": [{"text": one.text, "proved": one.proved, "defect": one.defect} for one in document.entries],
-        "notes": [_sentence(one) for one in document.notes],
+        "remarks": [_sentence(one) for one in document.remarks],
         **plain(document.data),
     }
 

@@ -17,7 +17,7 @@ from rsym.reports.numbers import point
 from rsym.verify.report import BROKEN, CONTINUITIES, is_defect, level_of
 
 
-class Place(Protocol):
+class Located(Protocol):
     """A place known to within a radius, what the boundary is there at most, and whether that is proved."""
 
     @property
@@ -37,10 +37,10 @@ class Place(Protocol):
         """Whether it is."""
 
 
-P = TypeVar("P", bound=Place)
+P = TypeVar("P", bound=Located)
 
 
-def answers(said: Place, found: Place, near: float = 0.0) -> bool:
+def answers(said: Located, found: Located, near: float = 0.0) -> bool:
     """Whether what is said of one place makes what was found at another one superfluous for the verdict.
 
     They may be one place, nothing better is said than was found, and no doubt is silenced: what was found without a
@@ -74,7 +74,7 @@ class Balance:
 
 
 def missing(
-    found: Iterable[Place], said: Sequence[Place], balance: Balance, *, near: float = 0.0, boxes: int = 0
+    found: Iterable[Located], said: Sequence[Located], balance: Balance, *, near: float = 0.0, boxes: int = 0
 ) -> list[str]:
     """What is wrong with an account, in words; nothing if it balances.
 

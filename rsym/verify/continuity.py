@@ -13,13 +13,14 @@ import sympy as sp
 from rsym.bounds.balls import arb
 from rsym.errors import RsymError
 from rsym.model.requirements import several
-from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED, Document, Entry, Sentence
 from rsym.reports.numbers import number
+from rsym.reports.render import Report
 from rsym.verify.constants import enclosed, measured, norm, precise
 from rsym.verify.curve_interiors import CurveArc, arcs_of
 from rsym.verify.curves import Curve, End, Vector, all_vanish, dot, end_of, minors
 from rsym.verify.jumps import bend, curvature, distance, slope, torsion, turn
-from rsym.verify.report import CONTINUITIES, Joint
+from rsym.verify.report import COLUMNS, CONTINUITIES, Joint
 
 GRADES = CONTINUITIES[CONTINUITIES.index("broken") : -1]
 KINDS = ("end", "corner", "curvature jump", "smooth joint")
@@ -46,7 +47,7 @@ class CurveJoint(Joint):
 
 
 @dataclass(frozen=True)
-class ContinuityReport:
+class ContinuityReport(Report):
     """Whether a path is as smooth as `claim` says: where its curves are joined, and between.
 
     verdict : "CERTIFIED", every joint is proved to be that smooth, and every curve between its ends; "REFUTED", one
@@ -77,11 +78,30 @@ class ContinuityReport:
         places = (*self.joints, *self.inside)
         return tuple(joint for joint in places if GRADES.index(joint.continuity) < GRADES.index(self.claim))
 
-    def __str__(self) -> str:
-        answer = f"{self.verdict}: the joints are {self.continuity}, {self.claim} was claimed"
-        joints = [f"  {joint.index + 1}. {joint}" for joint in self.joints]
-        inside = [f"  inside {joint.index + 1}. {joint}" for joint in self.inside]
-        return "\n".join([answer, *joints, *inside, *(f"  not proved: {doubt}" for doubt in self.doubts)])
+    def document(self) -> Document:
+        """All that the report says."""
+        below = self.defects
+        entries = [joint.entry(defect=joint in below, label=None) for joint in self.joints]
+        entries += [joint.entry(defect=joint in below, label=f"inside {joint.index + 1}.") for joint in self.inside]
+        entries += [Entry(doubt, False, label="not proved:") for doubt in self.doubts]
+        return Document(
+            "continuity-report",
+            Sentence(
+                f"{self.verdict}: the joints are {self.continuity}, {self.claim} was claimed.",
+                self.verdict in {CERTIFIED, REFUTED},
+            ),
+            self.verdict,
+            self.continuity,
+            entries=tuple(entries),
+            columns=COLUMNS,
+            data={
+                "claim": self.claim,
+                "proved": self.proved,
+                "joints": self.joints,
+                "inside": self.inside,
+                "doubts": self.doubts,
+            },
+        )
 
 
 def continuity(curves: Sequence[Curve], *, closed: bool = False, claim: str = "G2") -> ContinuityReport:

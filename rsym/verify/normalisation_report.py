@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.reports.numbers import at_most, measured, number
-from rsym.reports.render import SIGNS, plain
-from rsym.reports.words import letters_text, plural, within
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, Document, Sentence, Tabular
+from rsym.reports.numbers import at_most, measured, number, point
+from rsym.reports.render import Report, as_json
+from rsym.reports.words import first_of, letters_text, plural, within
 
-FORMAT = "rsym-normalisation-report"
-VERSION = 1
 LISTED = 3  # singular places named in the text
+COLUMNS = ("derivative", "worst deviation found", "at", "proved there", "proved bound")
 
 
 @dataclass(frozen=True)
@@ -36,7 +34,7 @@ class NormalDerivative:
 
 
 @dataclass(frozen=True, eq=False)
-class NormalisationReport:
+class NormalisationReport(Report):
     """The answer to the question whether a function is normalised to an order on its boundary.
 
     verdict : "CERTIFIED", the deviations of all orders are proved to be at most `tolerance` in size all along the
@@ -74,94 +72,76 @@ class NormalisationReport:
     examined: int
     statements: tuple[tuple[str, bool], ...] = field(default=())
 
-    def __str__(self) -> str:
-        return " ".join(_sentences(self))
+    def document(self) -> Document:
+        """All that the report says."""
+        boxes = {"covered": len(self.covered), "uncovered": len(self.uncovered)}
+        return Document(
+            "normalisation-report",
+            self._headline(),
+            self.verdict,
+            sentences=(*self._worst_found(), *self._boxes(), *self._places()),
+            statements=tuple(Sentence(*statement) for statement in self.statements),
+            tables=(Tabular(COLUMNS, tuple(self._rows()), told=False),) if self.worst else (),
+            data={
+                "order": self.order,
+                "tolerance": self.tolerance,
+                "letters": self.letters,
+                "bounds": self.bounds,
+                "worst": self.worst,
+                "proved_bounds": self.proved_bounds,
+                "singular": self.singular,
+                "samples": self.samples,
+                "boxes_examined": self.examined,
+                "boxes_counted": boxes,
+            },
+        )
 
     def to_json(self, *, boxes: bool = False) -> str:
-        """The report for programs: JSON with stable keys, null where a number is unknown or has no bound."""
-        record = {
-            "format": FORMAT,
-            "version": VERSION,
-            "verdict": self.verdict,
-            "order": self.order,
-            "tolerance": self.tolerance,
-            "letters": {name: plain(ends) for name, ends in self.letters.items()},
-            "bounds": plain(self.bounds),
-            "worst": [{name: plain(value) for name, value in vars(place).items()} for place in self.worst],
-            "proved_bounds": plain(self.proved_bounds),
-            "singular": plain(self.singular),
-            "samples": self.samples,
-            "statements": [{"text": text, "proved": proved} for text, proved in self.statements],
-            "boxes_examined": self.examined,
-            "boxes_counted": {"covered": len(self.covered), "uncovered": len(self.uncovered)},
-        }
-        lists = {"covered": plain(self.covered), "uncovered": plain(self.uncovered)} if boxes else {}
-        return json.dumps(record | lists, indent=2, allow_nan=False)
+        """The report for programs, null where a number is unknown or has no bound; `boxes` lists all of the proof."""
+        lists = {"covered": self.covered, "uncovered": self.uncovered} if boxes else {}
+        return as_json(self.document(), **lists)
 
-    def _repr_html_(self) -> str:
-        sign, colour = SIGNS[self.verdict]
-        word, _, rest = _headline(self).partition(": ")
-        title = f'<p><b style="color: {colour}">{sign} {word}</b>: {escape(rest)}.</p>'
-        rows = [("derivative", "worst deviation found", "at", "proved there", "proved bound")]
+    def _headline(self) -> Sentence:
+        what = within("omega", self.bounds, letters_text(self.letters))
+        limit = f"to order {self.order} within {number(self.tolerance)}"
+        answers = {
+            CERTIFIED: f"{what} is normalised {limit} all along its boundary; this is proved",
+            REFUTED: f"{what} is not normalised {limit}; this is proved",
+            DEGENERATE: f"{what} has no boundary; this is proved",
+        }
+        undecided = f"whether {what} is normalised {limit} is neither proved nor refuted"
+        return Sentence(f"{self.verdict}: {answers.get(self.verdict, undecided)}.", self.verdict in answers)
+
+    def _worst_found(self) -> Iterator[Sentence]:
+        for place in self.worst:
+            how = "proved at a point enclosed" if place.proved else "numerical, not proved,"
+            found = f"found at {plural(self.samples, 'point')} of the boundary"
+            size = measured(place.deviation, place.error)
+            text = f"The largest {_name(place.order)} {found} is {size}, {how} near {point(place.point)}."
+            yield Sentence(text, place.proved)
+
+    def _rows(self) -> Iterator[tuple[str, ...]]:
         for place, bound in zip(self.worst, self.proved_bounds, strict=True):
             size = measured(place.deviation, place.error)
             limit = at_most(bound) if math.isfinite(bound) else "none"
-            rows.append((_name(place.order), size, _point(place.point), "yes" if place.proved else "no", limit))
-        cells = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
-        table = f"<table>{''.join(f'<tr>{row}</tr>' for row in cells)}</table>" if self.worst else ""
-        notes = "<br>".join(escape(sentence) for sentence in [*_boxes(self), *_remarks(self)])
-        return f'<div>{title}{table}<p style="font-size: smaller">{notes}</p></div>'
+            yield _name(place.order), size, point(place.point), "yes" if place.proved else "no", limit
 
+    def _boxes(self) -> Iterator[Sentence]:
+        """What the boxes prove, and where they do not."""
+        if self.examined and len(self.covered):
+            bounds = zip(range(1, self.order + 1), self.proved_bounds, strict=True)
+            limits = " and ".join(f"|{_name(k)}| <= {at_most(bound)}" for k, bound in bounds if math.isfinite(bound))
+            boxes = plural(len(self.covered), "box", "boxes")
+            yield Sentence(f"Proved: {limits} at all of the boundary in {boxes}.", True)
+        if self.examined and len(self.uncovered):
+            boxes = plural(len(self.uncovered), "other box", "other boxes")
+            yield Sentence(f"Nothing is proved in {boxes}.", False)
 
-def _sentences(report: NormalisationReport) -> Iterator[str]:
-    yield f"{_headline(report)}."
-    for place in report.worst:
-        how = "proved at a point enclosed" if place.proved else "numerical, not proved,"
-        yield (
-            f"The largest {_name(place.order)} found at {plural(report.samples, 'point', 'points')} of the boundary is "
-            f"{measured(place.deviation, place.error)}, {how} near {_point(place.point)}."
-        )
-    yield from _boxes(report)
-    yield from _remarks(report)
-
-
-def _headline(report: NormalisationReport) -> str:
-    what = within("omega", report.bounds, letters_text(report.letters))
-    limit = f"to order {report.order} within {number(report.tolerance)}"
-    answers = {
-        "CERTIFIED": f"{what} is normalised {limit} all along its boundary; this is proved",
-        "REFUTED": f"{what} is not normalised {limit}; this is proved",
-        "DEGENERATE": f"{what} has no boundary; this is proved",
-    }
-    undecided = f"whether {what} is normalised {limit} is neither proved nor refuted"
-    return f"{report.verdict}: {answers.get(report.verdict, undecided)}"
-
-
-def _boxes(report: NormalisationReport) -> Iterator[str]:
-    """What the boxes prove, and where they do not."""
-    if not report.examined:
-        return
-    if len(report.covered):
-        bounds = zip(range(1, report.order + 1), report.proved_bounds, strict=True)
-        limits = " and ".join(f"|{_name(k)}| <= {at_most(bound)}" for k, bound in bounds if math.isfinite(bound))
-        yield f"Proved: {limits} at all of the boundary in {plural(len(report.covered), 'box', 'boxes')}."
-    if len(report.uncovered):
-        yield f"Nothing is proved in {plural(len(report.uncovered), 'other box', 'other boxes')}."
-
-
-def _remarks(report: NormalisationReport) -> Iterator[str]:
-    if len(report.singular):
-        places = ", ".join(_point(point) for point in report.singular[:LISTED])
-        more = f" and {len(report.singular) - LISTED} more" if len(report.singular) > LISTED else ""
-        yield f"Places without a derivative or without a bound, numerical: {places}{more}."
-    for sentence, proved in report.statements:
-        text = sentence.rstrip(".")
-        yield f"Proved: {text}." if proved else f"{text[0].upper()}{text[1:]}."
+    def _places(self) -> Iterator[Sentence]:
+        if len(self.singular):
+            places = first_of([point(one) for one in self.singular], LISTED)
+            yield Sentence(f"Places without a derivative or without a bound, numerical: {places}.", False)
 
 
 def _name(order: int) -> str:
     return "d omega/d nu - 1" if order == 1 else f"d^{order} omega/d nu^{order}"
-
-
-def _point(point: NDArray[np.float64] | tuple[float, ...]) -> str:
-    return f"({', '.join(number(float(c)) for c in point)})"

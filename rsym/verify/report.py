@@ -123,12 +123,12 @@ class Joint:
         first, second = map(number, self.curvatures)
         return f"the curvature is {first} on both sides" if first == second else f"curvatures {first} and {second}"
 
-    def entry(self, *, defect: bool) -> Entry:
-        """The place in a report; only defects have numbers."""
+    def entry(self, *, defect: bool, label: str | None) -> Entry:
+        """The place in a report, with a number or a label."""
         turn = f"{measured(self.tangent_jump, self.tangent_jump_error)}°" if self.tangent_jump > 0 else ""
         sides = [number(value) for value in self.curvatures if not math.isnan(value)]
         seen = (point(self.point), self.kind, self.continuity, turn, " | ".join(sides), yes_or_no(self.proved))
-        return Entry(str(self), self.proved, seen, defect, None if defect else "also")
+        return Entry(str(self), self.proved, seen, defect, label)
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,8 +236,8 @@ class SmoothnessReport(Verdict):
     def document(self) -> Document:
         """All that the report says."""
         what = "the surface of revolution with the meridian" if self.body else "the boundary"
-        entries = [joint.entry(defect=True) for joint in self.defects]
-        entries += [joint.entry(defect=False) for joint in self.joints]
+        entries = [joint.entry(defect=True, label=None) for joint in self.defects]
+        entries += [joint.entry(defect=False, label="also") for joint in self.joints]
         data = {
             "body_of_revolution": self.body,
             "letters": self.letters,

@@ -13,7 +13,9 @@ from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
+from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED, Document, Sentence, Tabular
+from rsym.reports.numbers import enclosing, number
+from rsym.reports.render import Report
 from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress, report
 from rsym.verify.smoothness import verdict_of
@@ -24,7 +26,7 @@ TRIED = (Fraction(1, 2), Fraction(3, 8), Fraction(5, 8))  # where a bracket is c
 
 
 @dataclass(frozen=True)
-class Threshold:
+class Threshold(Report):
     """The bracket: the verdict is REFUTED at `refuted` and CERTIFIED at `certified`, both proved.
 
     Between them nothing is said; `trials` are the values tried, with their verdicts, in order. All are floats, and the
@@ -46,12 +48,23 @@ class Threshold:
         """Half way between the two."""
         return (self.refuted + self.certified) / 2
 
-    def __str__(self) -> str:
+    def document(self) -> Document:
+        """The bracket, rounded outwards, and what was tried."""
         low, high = sorted((self.refuted, self.certified))
+        first, last = enclosing(low, high, 9)
         side = "above" if self.certified > self.refuted else "below"
-        return (
-            f"{self.letter} = {self.middle:.6g} (between {low:.9g} and {high:.9g}): certified {side}, refuted on the "
-            f"other side; {len(self.trials)} values tried"
+        tried = Tabular((self.letter, "verdict"), tuple((number(k), word) for k, word in self.trials), told=False)
+        found = f"{self.letter} = {number(self.middle, 6)} (between {first} and {last})"
+        return Document(
+            "threshold",
+            Sentence(f"{found}: certified {side}, refuted on the other side; {len(self.trials)} values tried", True),
+            tables=(tried,),
+            data={
+                "letter": self.letter,
+                "refuted": self.refuted,
+                "certified": self.certified,
+                "trials": self.trials,
+            },
         )
 
 

@@ -14,7 +14,7 @@ SCHEMA = {
     "statements": [SENTENCE],
     "tables": [{"title": str, "header": [str], "rows": [[str]]}],
     "entries": [SENTENCE | {"defect": bool}],
-    "notes": [SENTENCE],
+    "remarks": [SENTENCE],
 }
 
 

@@ -52,7 +52,7 @@ def test_text_html_and_json_say_the_same(table):
     assert lines[0].split()[0] == "system"
     assert "C^2" in lines[4]
     html = table._repr_html_()
-    assert html.startswith("<table>")
+    assert html.startswith("<div><table>")
     assert "Rp 4" in html
     record = json.loads(table.to_json())
     assert [row["system"] for row in record["systems"]] == ["R0", "R1", "Rp 4", "R0m 2"]

@@ -11,10 +11,10 @@ from rsym import x, y, z
 from rsym.bounds.balls import arb
 from rsym.verify import account, smoothness
 from rsym.verify.atlas.dividing import accounted
-from rsym.verify.atlas.judging import Judgement
+from rsym.verify.atlas.judging import RectangleJudgement
 from rsym.verify.bodies import octree, verdict
 from rsym.verify.fairness.search import distinct
-from rsym.verify.fairness.zeros import Zero
+from rsym.verify.fairness.zeros import CurvatureZero
 from rsym.verify.report import Joint
 
 CUBE = ((-1, 1),) * 3
@@ -199,7 +199,7 @@ LEFT, RIGHT, REGION = ((0.0, 1.0), (0.0, 2.0)), ((1.0, 3.0), (0.0, 2.0)), ((0.0,
 
 
 def test_an_atlas_whose_rectangles_contradict_a_value_or_leave_a_gap_is_undecided():
-    both = [Judgement(LEFT, "CERTIFIED", "CERTIFIED"), Judgement(RIGHT, "REFUTED", "REFUTED")]
+    both = [RectangleJudgement(LEFT, "CERTIFIED", "CERTIFIED"), RectangleJudgement(RIGHT, "REFUTED", "REFUTED")]
     assert accounted(both, {(0.5, 1.0): 1.0, (2.0, 1.0): -1.0}, REGION) == both
     with pytest.warns(rsym.RsymWarning, match="1 of 2 rectangles"):
         found = accounted(both, {(0.5, 1.0): -1.0}, REGION)
@@ -211,7 +211,7 @@ def test_an_atlas_whose_rectangles_contradict_a_value_or_leave_a_gap_is_undecide
 
 def test_a_doubtful_extremum_is_not_silenced_by_a_proved_one():
     place = (arb(0, 1e-9), arb(1))
-    sure, doubtful = Zero(0, "maximum", place, arb(1)), Zero(0, "maximum", place, arb(0), flat=True)
+    sure, doubtful = CurvatureZero(0, "maximum", place, arb(1)), CurvatureZero(0, "maximum", place, arb(0), flat=True)
     assert distinct([sure, doubtful]) == [doubtful, sure]
     assert distinct([sure, sure]) == [sure]
 

@@ -317,5 +317,5 @@ def test_bad_input_is_refused_with_a_remedy(given):
 
 def test_the_report_in_words():
     text = str(continuity([Curve((t, 0), t, -1, 0), arc(2, (0, 2), -sp.pi / 2, 0)]))
-    assert text.startswith("REFUTED: the joints are G1, G2 was claimed\n  1. curvature jump at (0, 0): ")
+    assert text.startswith("REFUTED: the joints are G1, G2 was claimed.\n  1. curvature jump at (0, 0): ")
     assert rsym.Curve is Curve

@@ -7,7 +7,7 @@ from oracles.closeness import assert_close
 import rsym
 from rsym import x, y, z
 from rsym.verify.fairness.fairness import fairness
-from rsym.verify.fairness.surfaces import Surface
+from rsym.verify.fairness.surfaces import CurvedSurface
 from rsym.verify.local import Model
 
 TORUS = rsym.Shape(
@@ -19,7 +19,7 @@ def test_gradients_of_principal_curvatures_on_a_torus():
     # Radii 2 and 1: k1 = 1; k2 = cos t/(2 + cos t) with dk2/dt = -2 sin t/(2 + cos t)**2, t also the arc length.
     t, u = np.random.default_rng(7).uniform(-3, 3, (2, 40))
     ring = 2 + np.cos(t)
-    found = Surface(Model(TORUS, {}))(np.stack([ring * np.cos(u), ring * np.sin(u), np.sin(t)], axis=1))
+    found = CurvedSurface(Model(TORUS, {}))(np.stack([ring * np.cos(u), ring * np.sin(u), np.sin(t)], axis=1))
     assert_close(found.offset, np.zeros(40), atol=1e-13)
     assert_close(found.values, np.stack([np.cos(t) / ring, 1 + 0 * t, (1 + np.cos(t) / ring) / 2], axis=1), atol=1e-12)
     along = np.stack([-np.sin(t) * np.cos(u), -np.sin(t) * np.sin(u), np.cos(t)], axis=1)

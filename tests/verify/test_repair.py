@@ -18,7 +18,7 @@ from rsym.cli import main
 from rsym.output.repairs import plot_repair
 from rsym.sampling.boundaries import boundary, distance
 from rsym.verify.bodies.report import BodyReport
-from rsym.verify.repair.moves import Family, Move
+from rsym.verify.repair.moves import Move, MoveFamily
 from rsym.verify.repair.repairing import repair
 
 BOX = ((-2, 2), (-2, 2))
@@ -279,7 +279,7 @@ class Shrink(Move):
         def step(shape, _, size):
             return shape.replace(expression=shape.expression - sp.Rational(size)), f"level {float(size):g}"
 
-        return [Family(self.name, "another level", (Fraction(1, 10), Fraction(1, 5)), step)]
+        return [MoveFamily(self.name, "another level", (Fraction(1, 10), Fraction(1, 5)), step)]
 
 
 def test_a_move_of_ones_own():

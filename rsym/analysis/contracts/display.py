@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from html import escape
 from itertools import accumulate
+from typing import Any
 
 import sympy as sp
 
@@ -15,7 +15,7 @@ from rsym.model.abridging import weight
 from rsym.model.names import symbol_names
 from rsym.model.symbols import real_symbol
 from rsym.model.traversal import symbols_of
-from rsym.model.wording import within
+from rsym.reports.document import Document, Entry, Sentence
 
 _SHOWN = 6  # singular sets of one kind, leaves of one order: a car has 38 and 31
 _IN_A_TABLE = 4  # of them: LaTeX takes longer than text
@@ -77,8 +77,8 @@ def kinds(singular: Sequence[Singularity]) -> dict[tuple[int, str], list[Singula
     return groups
 
 
-def _counted(shown: Sequence[str], count: int, between: str) -> str:
-    kept = [text for text, room in zip(shown, accumulate(map(len, shown)), strict=True) if room <= CELL] or shown[:1]
+def _counted(shown: Sequence[str], count: int, between: str, room: int) -> str:
+    kept = [text for text, used in zip(shown, accumulate(map(len, shown)), strict=True) if used <= room] or shown[:1]
     more = [f"and {count - len(kept)} more"] if count > len(kept) else []
     return between.join([*kept, *more])
 
@@ -96,29 +96,32 @@ def by_order(leaves: Sequence[Leaf]) -> dict[Order, list[Leaf]]:
     return groups
 
 
-def paragraph(
-    continuity: float, order: str, singular: Sequence[Singularity], leaves: Sequence[Leaf], names: Names
-) -> str:
-    """The contract as lines of text."""
-    lines = [f"omega is {smoothness(continuity)}; {order}"]
-    for (rank, operation), group in kinds(singular).items():
-        shown = [_text(item, names) for item in group[:_SHOWN]]
-        lines.append(f"  {smoothness(rank)} ({operation}) where {_counted(shown, len(group), '; ')}")
-    for kind, alike in by_order(leaves).items():
-        shown = [_called(leaf) for leaf in alike[:_SHOWN]]
-        lines.append(f"  leaves, {normalisation(kind)}: {_counted(shown, len(alike), '; ')}")
-    return "\n".join(lines)
-
-
-def table(continuity: float, order: str, singular: Sequence[Singularity], leaves: Sequence[Leaf], names: Names) -> str:
-    """The contract as an HTML table, equations in LaTeX."""
-    rows = [("class", escape(smoothness(continuity))), ("normalisation", escape(order))]
-    for (rank, operation), group in kinds(singular).items():
-        shown = [f"${_latex(item, names)}$" for item in group[:_IN_A_TABLE]]
-        rows.append((escape(f"{smoothness(rank)}: {operation}"), _counted(shown, len(group), "<br>")))
-    for kind, alike in by_order(leaves).items():
-        shown = [escape(_called(leaf)) for leaf in alike[:_IN_A_TABLE]]
-        rows.append((f"leaves: {escape(normalisation(kind))}", _counted(shown, len(alike), "<br>")))
-    cell = '<td style="text-align: left">{}</td>'
-    lines = [f"<tr>{cell.format(a)}{cell.format(b)}</tr>" for a, b in rows]
-    return f"<table>{''.join(within(lines, ROOM, '<tr><td colspan=2>and {} more</td></tr>'))}</table>"
+def contract_document(
+    continuity: float,
+    order: str,
+    singular: Sequence[Singularity],
+    leaves: Sequence[Leaf],
+    names: Names,
+    data: Mapping[str, Any],
+) -> Document:
+    """The contract in sentences, all of them proved by the formula alone; in a notebook equations are LaTeX."""
+    sets, orders = kinds(singular), by_order(leaves)
+    room = ROOM // max(1, len(sets) + len(orders))
+    entries = []
+    for (rank, operation), group in sets.items():
+        told = _counted([_text(item, names) for item in group[:_SHOWN]], len(group), "; ", CELL)
+        shown = _counted([f"${_latex(item, names)}$" for item in group[:_IN_A_TABLE]], len(group), "\n", room)
+        title = smoothness(rank)
+        entries.append(Entry(f"{title} ({operation}) where {told}", True, (f"{title}: {operation}", shown), label=""))
+    for kind, alike in orders.items():
+        told = _counted([_called(leaf) for leaf in alike[:_SHOWN]], len(alike), "; ", CELL)
+        shown = _counted([_called(leaf) for leaf in alike[:_IN_A_TABLE]], len(alike), "\n", room)
+        title = normalisation(kind)
+        entries.append(Entry(f"leaves, {title}: {told}", True, (f"leaves: {title}", shown), label=""))
+    return Document(
+        "contract",
+        Sentence(f"omega is {smoothness(continuity)}; {order}", True),
+        entries=tuple(entries),
+        columns=("what", "where"),
+        data=data,
+    )

@@ -9,7 +9,7 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.analysis.contracts.display import normalisation, paragraph, smoothness, table
+from rsym.analysis.contracts.display import contract_document, normalisation, smoothness
 from rsym.analysis.contracts.leaves import Leaf, decided_by, is_logical, leaves, logical_parts, names_of, parts_around
 from rsym.analysis.contracts.orders import boundary_of, leaf_order
 from rsym.analysis.contracts.promises import Ends, Order, Singularity
@@ -22,12 +22,14 @@ from rsym.model.nodes import without_zeros
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression, real_symbol
 from rsym.model.traversal import substitute
+from rsym.reports.document import Document
+from rsym.reports.render import Report
 
 NO_LETTERS = Letters({})
 
 
 @dataclass(frozen=True, repr=False)
-class Contract:
+class Contract(Report):
     """What a shape promises, by its formula alone.
 
     continuity : infinity where omega is analytic everywhere, else k: it is at least of class C^k, -1: it may jump
@@ -54,11 +56,17 @@ class Contract:
     def __repr__(self) -> str:
         return f"Contract({smoothness(self.continuity)}; {self._normalisation})"
 
-    def __str__(self) -> str:
-        return paragraph(self.continuity, self._normalisation, self.singular, self.leaves, self._names)
-
-    def _repr_html_(self) -> str:
-        return table(self.continuity, self._normalisation, self.singular, self.leaves, self._names)
+    def document(self) -> Document:
+        """All that is promised."""
+        data = {
+            "class": self.continuity,
+            "order": self.order,
+            "exact_distance": self.order == math.inf,
+            "exceptions": self.exceptions,
+            "singular_sets": len(self.singular),
+            "leaves": [{"name": leaf.name, "part": leaf.part, "order": leaf.order} for leaf in self.leaves],
+        }
+        return contract_document(self.continuity, self._normalisation, self.singular, self.leaves, self._names, data)
 
     @property
     def _normalisation(self) -> str:

@@ -90,7 +90,7 @@ def golden_samples(count: int, low: float, high: float) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Survey:
+class EdgeSurvey:
     """All that was measured, and how much the three greatest values moved when more was."""
 
     samples: Comparison
@@ -102,7 +102,7 @@ class Survey:
         return [int(np.argmax(row)) for row in _known(self.samples.values)]
 
 
-def survey(stretch: Stretch, tolerances: Callable[[Comparison], Array]) -> Survey:
+def survey(stretch: Stretch, tolerances: Callable[[Comparison], Array]) -> EdgeSurvey:
     """Measure along a stretch until the greatest values stay; they are looked for between the samples too."""
     low, high = stretch.interval
     found, before = compare(stretch, np.array([low, high])), np.full(3, np.inf)
@@ -116,7 +116,7 @@ def survey(stretch: Stretch, tolerances: Callable[[Comparison], Array]) -> Surve
         moved, before = np.abs(now - before), now
         if (moved <= np.maximum(SETTLED * now, NEGLIGIBLE * tolerated)).all():
             break
-    return Survey(found, moved)
+    return EdgeSurvey(found, moved)
 
 
 def _climbed(stretch: Stretch, found: Comparison, tolerated: Array) -> Comparison:

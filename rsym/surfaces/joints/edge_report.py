@@ -3,20 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-from rsym.surfaces.joints.edge_wording import report_html, report_text
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED, Document, Entry, Sentence
+from rsym.reports.numbers import at_most, measured, number, point
+from rsym.reports.render import Report, plain
+from rsym.reports.words import first_of, plural
 from rsym.surfaces.proofs.edge_proof import EdgeProof
 
 Array = NDArray[np.float64]
 
 # From the weakest to the strongest; the words are those of `verify_smoothness`.
 CONTINUITIES: tuple[str, ...] = ("broken", "G0", "G1", "G2")
+NUMERICAL = "Numerical: decided by samples, not proved"
+COLUMNS = ("patches", "class", "gap", "angle", "curvature jump", "worst at", "parameters")
+# Lines and names beyond these are counted, not shown: the report has them all.
+LINES, NAMES = 20, 12
+# Digits of a place that a reader looks up; the report has them all.
+DIGITS = 6
 
 
 @dataclass(frozen=True)
@@ -40,6 +50,20 @@ class Extreme:
     def at_most(self) -> float:
         """The value and its error."""
         return self.value + self.error
+
+    def told(self, room: float) -> str:
+        """The value with its error; in two digits where it is far below what counts."""
+        if math.isnan(self.value):
+            return "unknown"
+        if self.at_most < 1e-2 * room:
+            return f"{self.value:.1e}" if self.value else "0"
+        exact = self.error < 10.0**-DIGITS * self.value
+        return number(self.value, DIGITS) if exact else measured(self.value, self.error)
+
+    @property
+    def where(self) -> str:
+        """The parameters on all patches."""
+        return f"(u, v) = {' and '.join(point(pair, DIGITS) for pair in self.parameters)}"
 
 
 @dataclass(frozen=True)
@@ -76,7 +100,7 @@ class Greatest:
 
 
 @dataclass(frozen=True)
-class Meeting:
+class PatchMeeting:
     """A place where patches meet; `patches` are their places in the list given, `edges` the names of their edges.
 
     gap (length), angle (degrees, between the normals) and curvature_jump (one over length) are the greatest found.
@@ -130,9 +154,57 @@ class Meeting:
         """That which keeps the place from being smoother; the jump of curvature of what is G2."""
         return (self.gap, self.angle, self.curvature_jump, self.curvature_jump)[CONTINUITIES.index(self.continuity)]
 
+    @property
+    def title(self) -> str:
+        """Which edges meet."""
+        return " - ".join(self._sides)
+
+    @property
+    def _sides(self) -> list[str]:
+        return [f"{index} {edge}" for index, edge in zip(self.patches, self.edges, strict=True)]
+
+    @property
+    def remarks(self) -> list[str]:
+        """What else there is to say."""
+        flipped = ["normals to different sides"] if getattr(self, "flipped", False) else []
+        undefined = [f"{plural(self.undefined, 'sample')} without a normal"] if self.undefined else []
+        return [*undefined, *flipped, *([str(self.proof)] if self.proof else [])]
+
+    def __str__(self) -> str:
+        jump = self.curvature_jump.told(self.tolerances.curvature)
+        effect = {
+            "broken": f"gap {self.gap.told(self.tolerances.gap)}",
+            "G0": f"the normals differ by {self.angle.told(self.tolerances.angle)} degrees",
+            "G1": f"the curvature across jumps by {jump}",
+            "G2": f"curvature continuous within {jump}",
+        }[self.continuity]
+        if math.isnan(self.worst.value):
+            effect = f"nothing is known of the {'normals' if self.continuity == 'G0' else 'curvatures'}"
+        at = f"worst at {point(self.worst.point, DIGITS)}, {self.worst.where}"
+        return "; ".join([f"{self.title}: {self.continuity}", effect, at, *self.remarks])
+
+    def entry(self, *, asked: bool) -> Entry:
+        """The place in a report; asked: whether proofs were asked for."""
+        amounts = (
+            self.gap.told(self.tolerances.gap),
+            f"{self.angle.told(self.tolerances.angle)}°",
+            self.curvature_jump.told(self.tolerances.curvature),
+        )
+        row = self.title, self.continuity, *amounts, point(self.worst.point, DIGITS), self.worst.where
+        proof = (f"{self.verdict}: {self.proof}" if self.proof else "",) if asked else ()
+        defect = self.continuity != "G2"
+        return Entry(str(self), is_settled(self), (*row, *proof), defect, told=defect)
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """What programs read of it."""
+        greatest = {name: plain(getattr(self, name)) for name in ("gap", "angle", "curvature_jump", "tolerances")}
+        known = {"patches": self.patches, "edges": self.edges, "continuity": self.continuity, **greatest}
+        return {**known, "verdict": self.verdict, "proved": self.proved, "proof": self.proof}
+
 
 @dataclass(frozen=True, eq=False)
-class CommonEdge(Meeting):
+class CommonEdge(PatchMeeting):
     """A stretch on which two edges run together.
 
     intervals : of the parameter along each edge; the second is (high, low) if it runs against the first.
@@ -158,10 +230,15 @@ class CommonEdge(Meeting):
 
 
 @dataclass(frozen=True, eq=False)
-class Pole(Meeting):
+class Pole(PatchMeeting):
     """A point to which whole edges shrink; the curvatures of all patches are compared in all directions."""
 
     point: tuple[float, ...]
+
+    @property
+    def title(self) -> str:
+        """Which edges shrink to it."""
+        return f"pole of {', '.join(self._sides)}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +252,7 @@ class FreeEdge:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class EdgeReport:
+class EdgeReport(Report):
     """Where patches meet and how smoothly: common edges and poles, the worst first, then what is free.
 
     `continuity` is numerical, decided by samples with the errors told; `verdict` is proved, if proofs were asked for.
@@ -186,6 +263,9 @@ class EdgeReport:
     >>> report = continuity_report(sphere(1)[:2])
     >>> report.continuity, len(report.edges), len(report.poles), len(report.free)
     ('G2', 1, 2, 4)
+    >>> from rsym.surfaces import torus
+    >>> continuity_report(torus(3, 1)[:2], prove=True).document().sentences[-1].text
+    'Proofs: CERTIFIED (1 of 1 edge CERTIFIED, 1 exactly).'
     """
 
     edges: tuple[CommonEdge, ...]
@@ -195,7 +275,7 @@ class EdgeReport:
     size: float
 
     @property
-    def meetings(self) -> tuple[Meeting, ...]:
+    def meetings(self) -> tuple[PatchMeeting, ...]:
         """Edges and poles, the worst first."""
         return tuple(sorted((*self.edges, *self.poles), key=badness))
 
@@ -223,28 +303,78 @@ class EdgeReport:
         return None if None in held else min((one for one in held if one), key=CONTINUITIES.index, default=None)
 
     @property
-    def defects(self) -> tuple[Meeting, ...]:
+    def defects(self) -> tuple[PatchMeeting, ...]:
         """What is less smooth than G2, the worst first."""
         return tuple(one for one in self.meetings if one.continuity != "G2")
-
-    def __str__(self) -> str:
-        return report_text(self)
 
     def __repr__(self) -> str:
         counts = f"{len(self.edges)} edges, {len(self.poles)} poles, {len(self.free)} free"
         return f"<EdgeReport {self.continuity}: {counts}>"
 
-    def _repr_html_(self) -> str:
-        return report_html(self)
+    def document(self) -> Document:
+        """All that the report says."""
+        asked = self.verdict is not None
+        headline, *sentences = self._sentences()
+        free = [{"patch": one.patch, "edge": one.edge, "interval": one.interval} for one in self.free]
+        return Document(
+            "edge-report",
+            headline,
+            self.verdict,
+            self.continuity,
+            sentences=tuple(sentences),
+            entries=tuple(one.entry(asked=asked) for one in self.meetings),
+            columns=(*COLUMNS, *(["proof"] if asked else [])),
+            most=LINES,
+            data={
+                "patches": self.patches,
+                "size": self.size,
+                "proved": self.proved,
+                "edges": [one.data for one in self.edges],
+                "poles": [one.data for one in self.poles],
+                "free": free,
+            },
+        )
+
+    def _sentences(self) -> Iterator[Sentence]:
+        patches = plural(self.patches, "patch", "patches")
+        if self.continuity is None:
+            yield Sentence(f"{patches}: nothing meets.", False)
+        else:
+            kinds = Counter(one.continuity for one in self.meetings)
+            classes = ", ".join(f"{kinds[name]} {name}" for name in CONTINUITIES if kinds[name])
+            poles = f" and {plural(len(self.poles), 'pole')}" if self.poles else ""
+            edges = plural(len(self.edges), "common edge")
+            yield Sentence(f"{patches}, {edges}{poles}: {self.continuity} ({classes}).", False)
+            smooth = [one for one in self.meetings if one.continuity == "G2"]
+            if smooth:
+                names = ("gap", "angle", "curvature_jump")
+                gap, angle, jump = (at_most(max(getattr(one, name).at_most for one in smooth), 2) for name in names)
+                most = f"gaps are at most {gap}, angles {angle} degrees, jumps of curvature {jump}"
+                yield Sentence(f"Where G2, {most}.", False)
+        free = [f"{one.patch} {one.edge}" for one in self.free]
+        yield Sentence(f"Free: {first_of(free, NAMES)}." if free else "No edge is free.", False)
+        yield Sentence(f"{NUMERICAL}; size {number(self.size, 4)}.", False)
+        if self.verdict:
+            yield Sentence(self._proofs(), self.verdict in {CERTIFIED, REFUTED})
+
+    def _proofs(self) -> str:
+        """The verdict on all meetings, and how many of each are proved."""
+        parts = []
+        for meetings, noun in ((self.edges, "edge"), (self.poles, "pole")):
+            counts = Counter(one.verdict for one in meetings)
+            parts += [f"{counts[word]} of {plural(len(meetings), noun)} {word}" for word in sorted(counts)]
+        exactly = sum(one.proof.exact for one in self.meetings if one.proof)
+        parts += [f"{exactly} exactly"] if exactly else []
+        return f"Proofs: {self.verdict} ({', '.join(parts)})."
 
 
-def is_settled(meeting: Meeting) -> bool:
+def is_settled(meeting: PatchMeeting) -> bool:
     """Whether the class that samples show is proved: all of it, and that it is no more if it is less than G2."""
     held = meeting.proved or "broken"
     return held == meeting.continuity and meeting.verdict == (CERTIFIED if held == "G2" else REFUTED)
 
 
-def badness(meeting: Meeting) -> tuple[int, float]:
+def badness(meeting: PatchMeeting) -> tuple[int, float]:
     """A key that sorts the worst first: the class, then by how many tolerances it is missed."""
     place = CONTINUITIES.index(meeting.continuity)
     room = (meeting.tolerances.gap, meeting.tolerances.angle, meeting.tolerances.curvature)[min(place, 2)]

@@ -181,7 +181,7 @@ class Fading(Curve):
         return sp.ImmutableDenseNDimArray(terms, self.shape)
 
 
-class Component(Curve):
+class ScalarFunction(Curve):
     """A scalar function that Python gives."""
 
     def __init__(self, function: Any, domain: tuple[float, float]) -> None:
@@ -200,7 +200,7 @@ def _factor(given: Any, domain: tuple[float, float], name: str) -> Curve:
     if isinstance(given, sp.Expr):
         return Formula(given, domain=domain, what=f"the factor {name}")
     if callable(given):
-        return Component(given, domain)
+        return ScalarFunction(given, domain)
     if isinstance(given, int | float | np.number) and np.isfinite(given):
         return Constant(float(given), domain)
     raise RsymError(f"{name} is a number, an expression or a function of t, got {given!r}", code="k")

@@ -36,34 +36,34 @@ TWELFTH = 12
 
 
 @dataclass(frozen=True)
-class Value:
+class Quotient:
     """A quotient: a polynomial over powers of others, none of which is zero."""
 
-    field: Field
+    field: EdgeField
     above: Polynomial
     below: Mapping[Polynomial, int]
 
-    def __add__(self, other: Value) -> Value:
+    def __add__(self, other: Quotient) -> Quotient:
         if self.below == other.below:
             return self.field.value(self.above + other.above, self.below)
         whole = {one: max(self.below.get(one, 0), other.below.get(one, 0)) for one in {**self.below, **other.below}}
         parts = [self.field.raised(one, whole) for one in (self, other)]
         return self.field.value(parts[0] + parts[1], whole)
 
-    def __neg__(self) -> Value:
-        return Value(self.field, -self.above, self.below)
+    def __neg__(self) -> Quotient:
+        return Quotient(self.field, -self.above, self.below)
 
-    def __sub__(self, other: Value) -> Value:
+    def __sub__(self, other: Quotient) -> Quotient:
         return self + -other
 
-    def __mul__(self, other: Value) -> Value:
+    def __mul__(self, other: Quotient) -> Quotient:
         whole = {one: self.below.get(one, 0) + other.below.get(one, 0) for one in {**self.below, **other.below}}
         return self.field.value(self.above * other.above, whole)
 
-    def __truediv__(self, other: Value) -> Value:
+    def __truediv__(self, other: Quotient) -> Quotient:
         return self * self.field.inverse(other)
 
-    def __pow__(self, exponent: int) -> Value:
+    def __pow__(self, exponent: int) -> Quotient:
         total = self.field.rational(Fraction(1))
         for _ in range(exponent):
             total = total * self
@@ -75,12 +75,12 @@ class Value:
         return not self.above
 
 
-class Field:
+class EdgeField:
     """The field of one edge; generators are made as they are needed.
 
     Examples
     --------
-    >>> field = Field()
+    >>> field = EdgeField()
     >>> root = field.root(field.rational(Fraction(2)))
     >>> (root * root - field.rational(Fraction(2))).is_zero
     True
@@ -90,19 +90,19 @@ class Field:
         self.ring = PolyRing([f"g{k}" for k in range(GENERATORS)], sp.QQ, lex)
         self._free = E - 1
         self._squares: dict[int, Polynomial] = {}
-        self._known: dict[Any, Value] = {}
+        self._known: dict[Any, Quotient] = {}
         # The primes whose roots generators are.
         self.primes: dict[int, int] = {}
         self.measures: list[Fraction] = [Fraction(0)] * 4
 
-    def value(self, above: Polynomial, below: Mapping[Polynomial, int]) -> Value:
+    def value(self, above: Polynomial, below: Mapping[Polynomial, int]) -> Quotient:
         """A quotient, reduced by the relations."""
         reduced = self._reduced(above)
         if len(reduced) > MOST_TERMS:
             raise NoProof("the formulas are too long for exact arithmetic")
-        return Value(self, reduced, below if reduced else {})
+        return Quotient(self, reduced, below if reduced else {})
 
-    def cancelled(self, value: Value) -> Value:
+    def cancelled(self, value: Quotient) -> Quotient:
         """The same without the denominators that divide the numerator."""
         above, left = value.above, dict(value.below)
         for one in value.below:
@@ -111,17 +111,17 @@ class Field:
                 if rest:
                     break
                 above, left[one] = quotient, left[one] - 1
-        return Value(self, above, {one: exponent for one, exponent in left.items() if exponent})
+        return Quotient(self, above, {one: exponent for one, exponent in left.items() if exponent})
 
-    def rational(self, number: Fraction) -> Value:
+    def rational(self, number: Fraction) -> Quotient:
         """A number."""
-        return Value(self, self.ring.ground_new(sp.QQ(number.numerator, number.denominator)), {})
+        return Quotient(self, self.ring.ground_new(sp.QQ(number.numerator, number.denominator)), {})
 
-    def generator(self, number: int) -> Value:
+    def generator(self, number: int) -> Quotient:
         """A generator."""
-        return Value(self, self.ring.gens[number], {})
+        return Quotient(self, self.ring.gens[number], {})
 
-    def raised(self, value: Value, below: Mapping[Polynomial, int]) -> Polynomial:
+    def raised(self, value: Quotient, below: Mapping[Polynomial, int]) -> Polynomial:
         """The numerator over a greater denominator."""
         total = value.above
         for one, exponent in below.items():
@@ -129,19 +129,19 @@ class Field:
                 total = self._reduced(total * one)
         return total
 
-    def inverse(self, value: Value) -> Value:
+    def inverse(self, value: Quotient) -> Quotient:
         """One over a value."""
         if value.is_zero:
             raise NoProof("a denominator vanishes on the edge")
         total = self.rational(Fraction(1))
         for one, exponent in value.below.items():
-            total = total * Value(self, one, {}) ** exponent
+            total = total * Quotient(self, one, {}) ** exponent
         if value.above.is_ground:
-            return total * Value(self, self.ring.ground_new(1 / value.above.LC), {})
+            return total * Quotient(self, self.ring.ground_new(1 / value.above.LC), {})
         leading = value.above.LC
         return self.value(total.above * (1 / leading), {value.above * (1 / leading): 1})
 
-    def root(self, value: Value) -> Value:
+    def root(self, value: Quotient) -> Quotient:
         """A square root: of a rational number by those of primes, of others a generator of its own."""
         if value.below:
             raise NoProof("a root of a quotient has no place in exact arithmetic here")
@@ -160,7 +160,7 @@ class Field:
                 total = total * root
         return total if whole else self.rational(Fraction())
 
-    def named(self, key: Any, square: Polynomial | None = None) -> Value:
+    def named(self, key: Any, square: Polynomial | None = None) -> Quotient:
         """The generator of this name, with the polynomial that its square is, if it is one."""
         if key not in self._known:
             if self._free < 0:
@@ -183,7 +183,7 @@ class Field:
         """The generators that are not known to be constant."""
         return frozenset(range(GENERATORS)) - {PI, E, *self.primes}
 
-    def turned(self, value: Value) -> tuple[Value, Value]:
+    def turned(self, value: Quotient) -> tuple[Quotient, Quotient]:
         """The cosine and the sine of a value."""
         angle = angle_of(value)
         if angle is None:
@@ -195,7 +195,7 @@ class Field:
                 cosine, sine = cosine * c - sine * s, sine * c + cosine * s
         return cosine, sine
 
-    def _multiple(self, kind: int, part: Fraction, measure: Fraction) -> tuple[Value, Value]:
+    def _multiple(self, kind: int, part: Fraction, measure: Fraction) -> tuple[Quotient, Quotient]:
         """The cosine and sine of an angle of one kind by those of its measure."""
         if kind == 3 and (part * TWELFTH).denominator == 1:
             return tuple(self._constant(one(sp.pi * sp.Rational(part))) for one in (sp.cos, sp.sin))  # type: ignore[return-value]
@@ -208,12 +208,12 @@ class Field:
             cosine, sine = cosine * c - sine * s, sine * c + cosine * s
         return cosine, sine if times > 0 else -sine
 
-    def _pair(self, key: Any) -> tuple[Value, Value]:
+    def _pair(self, key: Any) -> tuple[Quotient, Quotient]:
         """Generators of a cosine and a sine."""
         cosine = self.named(("cos", key))
         return cosine, self.named(("sin", key), self.ring.one - cosine.above**2)
 
-    def _constant(self, number: sp.Expr) -> Value:
+    def _constant(self, number: sp.Expr) -> Quotient:
         """A number of square roots, as SymPy writes sines of twelfths of pi."""
         if number.is_Rational:
             return self.rational(Fraction(int(number.p), int(number.q)))
@@ -249,7 +249,7 @@ class Field:
         return total
 
 
-def angle_of(value: Value) -> Angle | None:
+def angle_of(value: Quotient) -> Angle | None:
     """(a, b, c, d) if the value is a t + b pi t + c + d pi with rational numbers."""
     found = [Fraction(0)] * 4
     if value.below:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import sympy as sp
 
@@ -12,20 +12,20 @@ from rsym.errors import RsymError
 from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative
 from rsym.program.lowering import lower_all
+from rsym.surfaces.bsplines.spline_spaces import SplineSpace
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.joints.edges import Edge
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import Patch
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part, Specialised
-from rsym.surfaces.proofs.spline_edges import spline_jet
 from rsym.surfaces.splitting import PatchPiece
 
 # Position and derivatives (i, j): i times along the edge, j times out of the patch.
 ORDERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 
 
-class Walk(NamedTuple):
+class EdgeWalk(NamedTuple):
     """The parameter of an edge as a function of the common one: start + speed t."""
 
     start: Fraction
@@ -41,10 +41,10 @@ class Walk(NamedTuple):
 
 
 # The edge as it is.
-ALONG = Walk(Fraction(0), Fraction(1))
+ALONG = EdgeWalk(Fraction(0), Fraction(1))
 
 
-class Jet(NamedTuple):
+class EdgeJet(NamedTuple):
     """Nodes of the target, three for each of `ORDERS`, and where on the part other formulas begin.
 
     joins : where a comparison of the formula has equal sides; lies_on_border : whether one has so all along.
@@ -68,7 +68,7 @@ class PatchFormula:
     >>> from rsym.surfaces.symbols import u, v
     >>> edge = Edge(ParametricSurface((u, v, u * v)), "u1")
     >>> target = Builder(("t",), ())
-    >>> jet = PatchFormula(edge.patch, {}).jet(edge, target, (Fraction(0), Fraction(1)), Walk(Fraction(0), Fraction(1)))
+    >>> jet = PatchFormula(edge.patch, {}).jet(edge, target, (Fraction(0), Fraction(1)), EdgeWalk(0, 1))
     >>> [target.nodes[number].operation for number in jet.nodes[:3]]
     ['const', 'input', 'input']
     """
@@ -82,11 +82,11 @@ class PatchFormula:
         edge: Edge,
         target: Builder,
         part: Part,
-        walk: Walk,
+        walk: EdgeWalk,
         orders: Sequence[tuple[int, int]] = ORDERS,
         *,
         literal: bool = False,
-    ) -> Jet:
+    ) -> EdgeJet:
         """The derivatives along t and outwards on a part of the edge, by the common parameter; of other orders zero.
 
         Where pieces of a formula meet, those that hold inside the part and the patch are taken, or what is `literal`.
@@ -98,7 +98,7 @@ class PatchFormula:
         flat = [target.mul(scale, one) for order, scale in scales.items() for one in known.get(order, zero)]
         return notes._replace(nodes=tuple(flat))
 
-    def third(self, edge: Edge, target: Builder, part: Part, walk: Walk) -> list[int]:
+    def third(self, edge: Edge, target: Builder, part: Part, walk: EdgeWalk) -> list[int]:
         """The third derivative across the edge, by the patch's own parameter."""
         if isinstance(self.patch, BSplineSurface):
             raise NoProof("the third derivatives of splines are not asked for")
@@ -109,7 +109,7 @@ class PatchFormula:
         copy = self._copy(edge, target, part, walk, literal=False)
         return [copy.node(one) for one in known[order]]
 
-    def _copy(self, edge: Edge, target: Builder, part: Part, walk: Walk, *, literal: bool) -> Specialised:
+    def _copy(self, edge: Edge, target: Builder, part: Part, walk: EdgeWalk, *, literal: bool) -> Specialised:
         """What copies nodes of the whole patch to the edge."""
         builder, _ = self._formulas()
         names = ("u", "v") if edge.across == 0 else ("v", "u")
@@ -118,20 +118,27 @@ class PatchFormula:
         return Specialised(builder, target, inputs, part, (names[0], -1 if edge.upper else 1), literal=literal)
 
     def _vectors(
-        self, edge: Edge, target: Builder, part: Part, walk: Walk, orders: Sequence[tuple[int, int]], *, literal: bool
-    ) -> tuple[dict[tuple[int, int], list[int]], Jet]:
+        self,
+        edge: Edge,
+        target: Builder,
+        part: Part,
+        walk: EdgeWalk,
+        orders: Sequence[tuple[int, int]],
+        *,
+        literal: bool,
+    ) -> tuple[dict[tuple[int, int], list[int]], EdgeJet]:
         """The derivatives by the patch's own parameters, and the borders of pieces."""
         if isinstance(self.patch, BSplineSurface):
             place = _place(target, walk)
             ends = sorted([walk(part[0]), walk(part[1])])
             vectors, knots = spline_jet(self.patch, edge, (ends[0], ends[1]))
             found = {order: [_horner(target, one, place) for one in vectors[order]] for order in orders}
-            return found, Jet((), frozenset(map(walk.inverse, knots)))
+            return found, EdgeJet((), frozenset(map(walk.inverse, knots)))
         _, known = self._formulas()
         copy = self._copy(edge, target, part, walk, literal=literal)
         turned = {order: known[order[::-1] if edge.across == 0 else order] for order in orders}
         found = {order: [copy.node(one) for one in vector] for order, vector in turned.items()}
-        return found, Jet((), frozenset(copy.borders), frozenset(copy.joins), copy.lies_on_border)
+        return found, EdgeJet((), frozenset(copy.borders), frozenset(copy.joins), copy.lies_on_border)
 
     def _formulas(self) -> tuple[Builder, dict[tuple[int, int], list[int]]]:
         """The program of the whole patch and the nodes of its derivatives."""
@@ -171,7 +178,7 @@ def constant_parameter(edge: Edge) -> sp.Expr:
     return exact(patch.domain[edge.across][side])
 
 
-def _place(target: Builder, walk: Walk) -> int:
+def _place(target: Builder, walk: EdgeWalk) -> int:
     parameter = target.input(PARAMETER)
     return target.add(target.const(walk.start), target.mul(target.const(walk.speed), parameter))
 
@@ -182,3 +189,100 @@ def _horner(target: Builder, coefficients: list[Fraction], place: int) -> int:
     for coefficient in reversed(coefficients):
         total = target.add(target.mul(total, place), target.const(coefficient))
     return total
+
+
+# Edges of B-spline surfaces as polynomials with rational coefficients, span by span.
+# Coefficients of the powers of the parameter, the lowest first.
+Polynomial: TypeAlias = list[Fraction]
+ONE, NONE = Fraction(1), Fraction(0)
+
+
+def spline_jet(
+    surface: BSplineSurface, edge: Edge, part: Part
+) -> tuple[dict[tuple[int, int], list[Polynomial]], list[Fraction]]:
+    """Three polynomials of the parameter along the edge for each order (along, across), and the knots inside the part.
+
+    The polynomials are those of the span in the middle of the part. Derivatives across are towards growing u or v.
+
+    Examples
+    --------
+    >>> net = [[[i, j, i * j] for j in range(3)] for i in range(3)]
+    >>> surface = BSplineSurface(net, order=(3, 3))
+    >>> vectors, knots = spline_jet(surface, Edge(surface, "u1"), (NONE, ONE))
+    >>> [[str(c) for c in one] for one in vectors[0, 0]], knots
+    ([['2', '0', '0'], ['0', '2', '0'], ['0', '4', '0']], [])
+    """
+    spaces = surface.spaces if edge.across == 0 else surface.spaces[::-1]
+    net = surface.net if edge.across == 0 else surface.net.swapaxes(0, 1)
+    knots = [_knots(space) for space in spaces]
+    end = _fraction(edge.patch.domain[edge.across][int(edge.upper)])
+    first, fixed = _pieces(knots[0], spaces[0].degree, end, edge.upper)
+    second, moving = _pieces(knots[1], spaces[1].degree, (part[0] + part[1]) / 2, False)
+    used = [[[_fraction(x) for x in net[i % len(net), j % net.shape[1]]] for j in second] for i in first]
+    vectors = {}
+    for i, j in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)):
+        across = [_at(_differentiated(one, j), end) for one in fixed]
+        along = [_differentiated(one, i) for one in moving]
+        vectors[i, j] = [_combined(across, along, [[cell[axis] for cell in row] for row in used]) for axis in range(3)]
+    inner = sorted({one for one in knots[1] if part[0] < one < part[1]})
+    return vectors, inner
+
+
+def _fraction(value: float) -> Fraction:
+    return Fraction(str(exact(value)))
+
+
+def _knots(space: SplineSpace) -> list[Fraction]:
+    return [_fraction(one) for one in space.knots]
+
+
+def _pieces(knots: list[Fraction], degree: int, place: Fraction, before: bool) -> tuple[range, list[Polynomial]]:
+    """Numbers and polynomials of the basis functions on the span round a place, or before it."""
+    spans = [k for k in range(len(knots) - 1) if knots[k] < knots[k + 1]]
+    before = before or place == knots[-degree - 1]
+    inside = [k for k in spans if (knots[k] < place <= knots[k + 1] if before else knots[k] <= place < knots[k + 1])]
+    span = inside[0]
+    known: dict[int, Polynomial] = {span: [ONE]}
+    for k in range(1, degree + 1):
+        raised: dict[int, Polynomial] = {}
+        for i in range(span - k, span + 1):
+            rising = _ramp(known.get(i), knots[i], knots[i + k])
+            falling = _ramp(known.get(i + 1), knots[i + k + 1], knots[i + 1])
+            raised[i] = [a + b for a, b in zip(_padded(rising, k + 1), _padded(falling, k + 1), strict=True)]
+        known = raised
+    numbers = range(span - degree, span + 1)
+    return numbers, [known[i] for i in numbers]
+
+
+def _ramp(function: Polynomial | None, zero: Fraction, end: Fraction) -> Polynomial:
+    """A function times (t - zero)/(end - zero), none where the knots coincide."""
+    if function is None or end == zero:
+        return []
+    scale = ONE / (end - zero)
+    shifted = [NONE, *function]
+    return [scale * (a - zero * b) for a, b in zip(shifted, _padded(function, len(shifted)), strict=True)]
+
+
+def _padded(coefficients: Polynomial, length: int) -> Polynomial:
+    return [*coefficients, *[NONE] * (length - len(coefficients))]
+
+
+def _differentiated(coefficients: Polynomial, times: int) -> Polynomial:
+    for _ in range(times):
+        coefficients = [k * c for k, c in enumerate(coefficients)][1:] or [NONE]
+    return coefficients
+
+
+def _at(coefficients: Polynomial, place: Fraction) -> Fraction:
+    total = NONE
+    for coefficient in reversed(coefficients):
+        total = total * place + coefficient
+    return total
+
+
+def _combined(across: list[Fraction], along: list[Polynomial], vertices: list[list[Fraction]]) -> Polynomial:
+    """The sum of vertices times numbers times polynomials."""
+    weights = [sum((a * row[j] for a, row in zip(across, vertices, strict=True)), NONE) for j in range(len(along))]
+    length = max(map(len, along))
+    rows = [_padded(one, length) for one in along]
+    return [sum((w * row[k] for w, row in zip(weights, rows, strict=True)), NONE) for k in range(length)]

@@ -5,9 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from rsym.reports.numbers import at_least, at_most, number
+from rsym.reports.words import box_text
+
 # What may be proved of each of G0, G1, G2, from the strongest.
 EQUAL, WITHIN, DIFFERENT, NUMERICAL = "equal", "within", "different", "numerical"
 LEVELS = ("G0", "G1", "G2")
+# What each level is about, and its unit.
+AMOUNTS = {"G0": ("the gap", ""), "G1": ("the angle", " degrees"), "G2": ("the jump of curvature", "")}
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,14 @@ class Level:
         """Whether it is proved."""
         return self.status in (EQUAL, WITHIN)
 
+    def __str__(self) -> str:
+        what, unit = AMOUNTS[self.name]
+        if self.status == EQUAL:
+            return f"{what} is 0"
+        if self.status == WITHIN:
+            return f"{what} is at most {at_most(self.most)}{unit}"
+        return f"{what} is at least {at_least(self.least)}{unit} at t = {number(self.place)}"
+
 
 @dataclass(frozen=True)
 class EdgeProof:
@@ -52,6 +65,9 @@ class EdgeProof:
     >>> within = [Level(name, "equal", most=0.0) for name in ("G0", "G1", "G2")]
     >>> EdgeProof("CERTIFIED", tuple(within)).proved
     'G2'
+    >>> equal, within = Level("G0", EQUAL, most=0.0), Level("G1", WITHIN, most=2.1e-13)
+    >>> print(EdgeProof("REFUTED", (equal, within, Level("G2", DIFFERENT, least=2.0, place=0.5))))
+    proved: the gap is 0; the angle is at most 2.1e-13 degrees; the jump of curvature is at least 2 at t = 0.5
     """
 
     verdict: str
@@ -65,6 +81,20 @@ class EdgeProof:
         """The highest class that is proved all along the edge, up to `open`."""
         held = [one.holds for one in self.levels]
         return ([None, *LEVELS])[[*held, False].index(False)]
+
+    @property
+    def exact(self) -> bool:
+        """Whether all differences vanish identically."""
+        return all(one.status == EQUAL for one in self.levels)
+
+    def __str__(self) -> str:
+        said = [str(one) for one in self.levels if one.holds or one.status == DIFFERENT]
+        text = f"proved: {'; '.join(said)}" if said else "not proved"
+        if self.open:
+            text += f", but for t in {' and '.join(box_text([part]) for part in self.open)}"
+        if self.removed:
+            text += f", at t = {' and '.join(map(number, self.removed))} of the normals over the distance to the pole"
+        return f"{text}; {self.reason}" if self.reason else text
 
 
 def nothing(reason: str) -> EdgeProof:

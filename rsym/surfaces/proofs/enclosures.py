@@ -35,7 +35,7 @@ MOST_FAILED = 4
 
 
 @dataclass
-class Bounds:
+class DifferenceBounds:
     """The greatest gap, sine of the angle and jump of curvature: no more than `most` everywhere, `least` at `places`.
 
     `open` are intervals of t on which a normal, or a bound that was asked for, is not enclosed. On all others |N|**2 of
@@ -75,7 +75,7 @@ class Pair:
         return sides(values) if whole else None
 
 
-def survey(pair: Pair, wanted: Sequence[bool], bounds: Bounds) -> None:
+def survey(pair: Pair, wanted: Sequence[bool], bounds: DifferenceBounds) -> None:
     """Cover a part of the edge, enclose the normals there and bound the levels that are wanted.
 
     A part is divided until what is asked for is below its room, or proved to be above it.
@@ -92,14 +92,14 @@ def survey(pair: Pair, wanted: Sequence[bool], bounds: Bounds) -> None:
         _leave(bounds, (start, stop))
 
 
-def _leave(bounds: Bounds, part: Part) -> None:
+def _leave(bounds: DifferenceBounds, part: Part) -> None:
     """Add an interval on which nothing is known, to the last one if it goes on there."""
     if bounds.open and bounds.open[-1][1] == part[0]:
         part = (bounds.open.pop()[0], part[1])
     bounds.open.append(part)
 
 
-def look(pair: Pair, place: Fraction, bounds: Bounds) -> None:
+def look(pair: Pair, place: Fraction, bounds: DifferenceBounds) -> None:
     """Bound all levels from below at one place."""
     with truncated(0, BITS):
         values = [one for one in pair.function(exact(place)) if one is not None]
@@ -107,7 +107,7 @@ def look(pair: Pair, place: Fraction, bounds: Bounds) -> None:
             _from_below(*sides(values), place, bounds)
 
 
-def _examined(pair: Pair, part: Part, wanted: Sequence[bool], bounds: Bounds) -> bool:
+def _examined(pair: Pair, part: Part, wanted: Sequence[bool], bounds: DifferenceBounds) -> bool:
     """Whether everything is enclosed on an interval; of edges with a kink that is the gap alone."""
     middle, radius = (part[0] + part[1]) / 2, (part[1] - part[0]) / 2
     with truncated(ORDER, BITS):
@@ -125,7 +125,7 @@ def _examined(pair: Pair, part: Part, wanted: Sequence[bool], bounds: Bounds) ->
     return True
 
 
-def _bounded(model: _Model, least: Sequence[Any], wanted: Sequence[bool], bounds: Bounds) -> bool:
+def _bounded(model: _Model, least: Sequence[Any], wanted: Sequence[bool], bounds: DifferenceBounds) -> bool:
     """Whether what is wanted is no greater than its room, or proved to be greater; the bounds grow."""
     most = [0.0] * 3
     for level, asked in enumerate(wanted):
@@ -137,7 +137,7 @@ def _bounded(model: _Model, least: Sequence[Any], wanted: Sequence[bool], bounds
     return True
 
 
-def _from_below(first: Side, second: Side, place: Fraction, bounds: Bounds) -> None:
+def _from_below(first: Side, second: Side, place: Fraction, bounds: DifferenceBounds) -> None:
     """All levels at one place, from series there: the angle where the points agree, the jump where planes do."""
     first, second = (Side(*([one[0] for one in vector] for vector in side)) for side in (first, second))
     gap = _length(difference(first.point, second.point))
@@ -156,7 +156,7 @@ def _from_below(first: Side, second: Side, place: Fraction, bounds: Bounds) -> N
         _raise(bounds, 2, abs(one + other), place)
 
 
-def _raise(bounds: Bounds, level: int, value: Any, place: Fraction) -> None:
+def _raise(bounds: DifferenceBounds, level: int, value: Any, place: Fraction) -> None:
     least = _down(value)
     if least > bounds.least[level]:
         bounds.least[level], bounds.places[level] = least, place

@@ -7,10 +7,10 @@ from fractions import Fraction
 from math import gcd, lcm
 
 from rsym.program.program import Data, Node, live
-from rsym.surfaces.proofs.algebra import PI, Angle, E, Field, T, Value, angle_of
+from rsym.surfaces.proofs.algebra import PI, Angle, E, EdgeField, Quotient, T, angle_of
 
 
-def exact_values(nodes: Sequence[Node], outputs: Sequence[int], at: Fraction | None = None) -> list[Value]:
+def exact_values(nodes: Sequence[Node], outputs: Sequence[int], at: Fraction | None = None) -> list[Quotient]:
     """The values of some nodes as functions of t, or at one place.
 
     Raises
@@ -28,7 +28,7 @@ def exact_values(nodes: Sequence[Node], outputs: Sequence[int], at: Fraction | N
     >>> [one.is_zero for one in exact_values(builder.nodes, [builder.sub(double, product), double])]
     [True, False]
     """
-    field, order = Field(), live(nodes, outputs)
+    field, order = EdgeField(), live(nodes, outputs)
     parameter = field.generator(T) if at is None else field.rational(at)
     angles: list[Angle] = []
     _evaluated(field, nodes, order, parameter, angles)
@@ -47,10 +47,10 @@ def _measure(parts: Sequence[Fraction]) -> Fraction:
 
 
 def _evaluated(
-    field: Field, nodes: Sequence[Node], order: Sequence[int], parameter: Value, angles: list[Angle] | None
-) -> dict[int, Value | None]:
+    field: EdgeField, nodes: Sequence[Node], order: Sequence[int], parameter: Quotient, angles: list[Angle] | None
+) -> dict[int, Quotient | None]:
     """All values; with a list for angles only those that need no sines, and the angles are collected."""
-    known: dict[int, Value | None] = {}
+    known: dict[int, Quotient | None] = {}
     for number in order:
         operation, arguments, data = nodes[number]
         inner = [known[one] for one in arguments]
@@ -68,7 +68,7 @@ def _evaluated(
     return known
 
 
-def _image(field: Field, operation: str, values: Sequence[Value], data: Data) -> Value:
+def _image(field: EdgeField, operation: str, values: Sequence[Quotient], data: Data) -> Quotient:
     if operation == "const":
         if isinstance(data, Fraction):
             return field.rational(data)
@@ -85,7 +85,7 @@ def _image(field: Field, operation: str, values: Sequence[Value], data: Data) ->
     return field.named((operation, data, *((one.above, frozenset(one.below.items())) for one in values)))
 
 
-_FIELD: Mapping[str, Callable[..., Value]] = {
+_FIELD: Mapping[str, Callable[..., Quotient]] = {
     "add": lambda a, b: a + b,
     "mul": lambda a, b: a * b,
     "neg": lambda a: -a,

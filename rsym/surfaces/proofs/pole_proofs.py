@@ -31,7 +31,7 @@ from rsym.program.program import Node
 from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
 from rsym.surfaces.functions.entries import exact as decimal
 from rsym.surfaces.joints.edges import Edge
-from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, PatchFormula, Walk
+from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, EdgeWalk, PatchFormula
 from rsym.surfaces.proofs.edge_proof import DIFFERENT, EQUAL, LEVELS, EdgeProof, Level, nothing
 from rsym.surfaces.proofs.enclosures import BITS
 from rsym.surfaces.proofs.exact_values import exact_values
@@ -127,7 +127,7 @@ def _program(asked: Sequence[tuple[Spoke, Fraction | None]]) -> tuple[Sequence[N
     target = Builder((PARAMETER,), ())
     outputs: list[int] = []
     for spoke, place in asked:
-        walk, part = (ALONG, spoke.part) if place is None else (Walk(place, Fraction(0)), (place, place))
+        walk, part = (ALONG, spoke.part) if place is None else (EdgeWalk(place, Fraction(0)), (place, place))
         jet = spoke.formula.jet(spoke.edge, target, part, walk, DIRECTIONS if place is not None else ORDERS)
         if jet.borders:
             raise NoProof("the formulas have pieces round the pole")

@@ -7,23 +7,25 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
 import sympy as sp
 
-from rsym.bounds.ball_series import SeriesFunction, truncated
-from rsym.bounds.balls import exact
+from rsym.bounds.ball_series import SeriesFunction, arb, truncated
+from rsym.bounds.balls import ball, exact
 from rsym.errors import RsymError
+from rsym.model.vectors import cross
 from rsym.program.builder import Builder
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.surfaces.proofs.apart import distance_from
-from rsym.surfaces.proofs.deflation import is_cuspidal, regular_end
-from rsym.surfaces.proofs.edge_formulas import ORDERS, Walk
+from rsym.surfaces.proofs.edge_formulas import ORDERS, EdgeWalk
 from rsym.surfaces.proofs.edge_proof import DIFFERENT, EQUAL, LEVELS, NUMERICAL, WITHIN, EdgeProof, Level, nothing
-from rsym.surfaces.proofs.enclosures import BITS, Bounds, Pair, look, survey
+from rsym.surfaces.proofs.enclosures import BITS, ORDER, DifferenceBounds, Pair, look, survey
+from rsym.surfaces.proofs.exact_values import exact_values
 from rsym.surfaces.proofs.exactly import Facts, facts
-from rsym.surfaces.proofs.sides import COUNT
+from rsym.surfaces.proofs.sides import COUNT, Side, Vector, dot, sides
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
-from rsym.surfaces.proofs.stretches import Task, pairs, walks
+from rsym.surfaces.proofs.stretches import ProofTask, pairs, walks
 from rsym.surfaces.proofs.uneven import evened, place_of
 
 # The share of a measured gap that is to be proved.
@@ -37,7 +39,7 @@ SPEEDS = "the edges run at different speeds"
 NEIGHBOURHOODS = (Fraction(1, 4), Fraction(1, 16), Fraction(1, 256))
 
 
-def prove(task: Task) -> EdgeProof:
+def prove(task: ProofTask) -> EdgeProof:
     """What is proved of a common edge.
 
     First the places where samples were worst are looked at: what is refuted there need not be proved elsewhere. Then
@@ -65,10 +67,10 @@ def _by_first(proof: EdgeProof, function: sp.Expr) -> EdgeProof:
     return replace(proof, levels=(first, second, third), open=tuple((a, b) for a, b in ends), removed=removed)
 
 
-def _prove(task: Task) -> EdgeProof:
+def _prove(task: ProofTask) -> EdgeProof:
     try:
         both, whole = walks(task)
-        bounds = Bounds(task.rooms)
+        bounds = DifferenceBounds(task.rooms)
         _look_at_worst(task, both, bounds)
     except RsymError as error:  # of a formula that no program can hold, too
         return nothing(error.message)
@@ -78,14 +80,14 @@ def _prove(task: Task) -> EdgeProof:
         return _answer(Facts(), bounds, (whole,), (), whole, error.message)
 
 
-def _look_at_worst(task: Task, both: tuple[Walk, Walk], bounds: Bounds) -> None:
+def _look_at_worst(task: ProofTask, both: tuple[EdgeWalk, EdgeWalk], bounds: DifferenceBounds) -> None:
     for t in sorted(set(task.worst)):
         place = Fraction(t)
         for pair in pairs(task, both, (place, place)):
             look(pair, place, bounds)
 
 
-def _proved(task: Task, both: tuple[Walk, Walk], whole: Part, bounds: Bounds) -> EdgeProof:
+def _proved(task: ProofTask, both: tuple[EdgeWalk, EdgeWalk], whole: Part, bounds: DifferenceBounds) -> EdgeProof:
     alive = bounds.alive
     if alive == 0:
         return _apart(task)
@@ -112,7 +114,9 @@ def _proved(task: Task, both: tuple[Walk, Walk], whole: Part, bounds: Bounds) ->
     return _answer(Facts(vanishing), bounds, bounds.open, removed, whole, "")
 
 
-def _without_normals(task: Task, both: tuple[Walk, Walk], parts: Sequence[Pair], found: Sequence[Facts]) -> EdgeProof:
+def _without_normals(
+    task: ProofTask, both: tuple[EdgeWalk, EdgeWalk], parts: Sequence[Pair], found: Sequence[Facts]
+) -> EdgeProof:
     """What is said of patches whose parameters leave no normal: only an edge of regression is proved to be degenerate.
 
     Of others the surface may be smooth, and another parameter show it, as v of (u, v**2, 0) does not.
@@ -131,7 +135,7 @@ def _without_normals(task: Task, both: tuple[Walk, Walk], parts: Sequence[Pair],
     return EdgeProof(verdict, nothing("").levels, reason="a patch has no normal along the edge")
 
 
-def _apart(task: Task) -> EdgeProof:
+def _apart(task: ProofTask) -> EdgeProof:
     """What is proved where points with equal parameters differ: that one is away from all of the other edge."""
     least, place = 0.0, math.nan
     # Edges written with one parameter are not there beyond their stretch.
@@ -145,21 +149,21 @@ def _apart(task: Task) -> EdgeProof:
     return EdgeProof(REFUTED, (gap, Level(LEVELS[1]), Level(LEVELS[2])))
 
 
-def _cover(parts: Sequence[Pair], wanted: Sequence[bool], bounds: Bounds) -> None:
+def _cover(parts: Sequence[Pair], wanted: Sequence[bool], bounds: DifferenceBounds) -> None:
     """Enclose all parts; of an edge with a kink there is nothing to enclose if its points agree exactly."""
     for pair in parts:
         if bounds.alive > 1 or wanted[0]:
             survey(pair, wanted, bounds)
 
 
-def _jump(linkage: float, bounds: Bounds) -> float:
+def _jump(linkage: float, bounds: DifferenceBounds) -> float:
     """The jump of curvature where tangent planes agree: linkage |T|**2/(|N1|**3 |N2|**2), rounded up."""
     first, second = bounds.squares
     below = first * math.sqrt(first) * second
     return linkage * bounds.speed / below * (1 + ROUNDING) if 0 < below < math.inf else math.inf
 
 
-def _without_poles(task: Task, parts: Sequence[Pair], whole: Part) -> tuple[list[Pair], list[Fraction]]:
+def _without_poles(task: ProofTask, parts: Sequence[Pair], whole: Part) -> tuple[list[Pair], list[Fraction]]:
     """The parts without neighbourhoods of the ends at which normals vanish, but not over the distance to them.
 
     What is known to vanish elsewhere does at such an end too, of the limits of the normals.
@@ -180,7 +184,7 @@ def _without_poles(task: Task, parts: Sequence[Pair], whole: Part) -> tuple[list
 
 
 def _answer(
-    known: Facts, bounds: Bounds, left: Sequence[Part], removed: Sequence[Fraction], whole: Part, reason: str
+    known: Facts, bounds: DifferenceBounds, left: Sequence[Part], removed: Sequence[Fraction], whole: Part, reason: str
 ) -> EdgeProof:
     """The levels and the verdict; `left` are intervals of which nothing is said."""
     narrow = BESIDE * (whole[1] - whole[0])
@@ -194,7 +198,7 @@ def _answer(
     return EdgeProof(verdict, (levels[0], levels[1], levels[2]), beside, tuple(map(float, removed)), reason)
 
 
-def _level(number: int, vanishes: bool, bounds: Bounds, covered: bool) -> Level:
+def _level(number: int, vanishes: bool, bounds: DifferenceBounds, covered: bool) -> Level:
     """One level; where normals fade inside the edge only the gap is proved."""
     least, most, room = bounds.least[number], bounds.most[number], bounds.rooms[number]
     place = float(bounds.places[number])
@@ -216,3 +220,56 @@ def _level(number: int, vanishes: bool, bounds: Bounds, covered: bool) -> Level:
 def _angle(sine: float, *, down: bool = False) -> float:
     """An angle in degrees from its sine, rounded up or down."""
     return math.degrees(math.asin(min(sine, 1.0))) * (1 - ROUNDING if down else 1 + ROUNDING)
+
+
+# Normals beside a pole: they vanish there exactly, and over the distance to it they do not.
+AXES = 3
+
+
+def regular_end(pair: Pair, end: Fraction, part: Part) -> bool:
+    """Whether both normals on a part that begins or stops at a pole are their distance to it times what is not zero.
+
+    N(end + h) = h (c_1 + c_2 h + ... + R_n h**(n-1)) if N(end) = 0 exactly, by the arithmetic of `algebra`.
+    """
+    try:
+        values = sides(exact_values(pair.nodes, pair.outputs, end))
+    except NoProof:
+        return False
+    gone = [all(one.is_zero for one in side.normal) for side in values]
+    sign = 1 if end == part[0] else -1
+    with truncated(ORDER, BITS):
+        here, all_over = pair.sides(exact(end)), pair.sides(ball(exact(part[0]), exact(part[1])))
+        if here is None or all_over is None:
+            return False
+        ways = _powers(exact(part[1] - part[0]), sign)
+        normals = [(one.normal, other.normal) for one, other in zip(here, all_over, strict=True)]
+        return all(dot(*[_over(*pairs, ways, int(zero))] * 2) > 0 for pairs, zero in zip(normals, gone, strict=True))
+
+
+def is_cuspidal(values: Sequence[Any], third: Sequence[Any]) -> bool:
+    """Whether a patch ends in an edge of regression, of which curvatures are unbounded, by balls at one place.
+
+    values: the eighteen of a jet, of which the derivative D across the edge vanishes all along, by exact arithmetic;
+    third: the third derivative across. With d the distance to the edge in the parameter p = P(t) + d**2 B/2 + d**3
+    C/6 + ...; in the plane across the edge the sheet is a curve with the tangent B, and C across it: like y = x**(3/2).
+    """
+    side = Side(*(values[k : k + AXES] for k in range(0, len(values), AXES)))
+    volume = dot(cross(side.along, side.out_out), third)
+    return bool(volume > 0 or volume < 0)
+
+
+def _powers(step: Any, sign: int) -> list[Any]:
+    """Balls for the powers of all numbers from 0 to a step, or to minus it."""
+    powers = [arb(1)]
+    for _ in range(ORDER):
+        powers.append(powers[-1] * step * sign)
+    return [powers[0], *(ball(arb(0), one) if one > 0 else ball(one, arb(0)) for one in powers[1:])]
+
+
+def _over(middle: Vector, whole: Vector, ways: Sequence[Any], order: int) -> Sequence[Any]:
+    """Balls for a vector over a power of the distance to where its series begin."""
+    pairs = zip(middle, whole, strict=True)
+    return [
+        sum((one[k] * ways[k - order] for k in range(order, ORDER)), rest[ORDER] * ways[ORDER - order])
+        for one, rest in pairs
+    ]

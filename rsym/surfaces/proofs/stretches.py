@@ -11,7 +11,7 @@ from rsym.program.builder import Builder
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.joints.edge_matching import Stretch
 from rsym.surfaces.joints.edges import Edge
-from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, PatchFormula, Walk
+from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, EdgeWalk, PatchFormula
 from rsym.surfaces.proofs.enclosures import Pair
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
 from rsym.surfaces.proofs.unbroken import check_unbroken
@@ -24,7 +24,7 @@ MOST_PARTS = 64
 
 
 @dataclass(frozen=True)
-class Task:
+class ProofTask:
     """A stretch, the formulas of its patches, what counts as none, and where the samples were worst.
 
     rooms: a gap (length), the sine of an angle, a jump of curvature. worst: parameters of the first edge at which the
@@ -58,13 +58,13 @@ def ends_of(stretch: Stretch) -> tuple[Part, Part]:
     return (low, high), (start, stop)
 
 
-def walks(task: Task) -> tuple[tuple[Walk, Walk], Part]:
+def walks(task: ProofTask) -> tuple[tuple[EdgeWalk, EdgeWalk], Part]:
     """Both parameters by that of the first edge, if they run at one speed, and the interval of it."""
     if task.even is not None:
         return (ALONG, ALONG), task.even[1]
     (low, high), (start, stop) = ends_of(task.stretch)
     speed = (stop - start) / (high - low)
-    return (ALONG, Walk(start - speed * low, speed)), (low, high)
+    return (ALONG, EdgeWalk(start - speed * low, speed)), (low, high)
 
 
 def _simple(value: float, interval: tuple[float, float]) -> Fraction:
@@ -75,7 +75,9 @@ def _simple(value: float, interval: tuple[float, float]) -> Fraction:
     return near if abs(float(near) - value) <= SNAP * (interval[1] - interval[0]) else Fraction(value)
 
 
-def pairs(task: Task, both: tuple[Walk, Walk], whole: Part, orders: Sequence[tuple[int, int]] = ORDERS) -> list[Pair]:
+def pairs(
+    task: ProofTask, both: tuple[EdgeWalk, EdgeWalk], whole: Part, orders: Sequence[tuple[int, int]] = ORDERS
+) -> list[Pair]:
     """Both patches on each part between the borders of their pieces; derivatives of other orders are taken as zero."""
     waiting = [whole]
     found: list[Pair] = []

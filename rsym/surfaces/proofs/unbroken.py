@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from rsym.program.builder import Builder
-from rsym.surfaces.proofs.edge_formulas import ORDERS, Jet, PatchFormula, Walk
+from rsym.surfaces.proofs.edge_formulas import ORDERS, EdgeJet, EdgeWalk, PatchFormula
 from rsym.surfaces.proofs.exact_values import exact_values
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
 
@@ -26,7 +26,7 @@ ACROSS = tuple(order for order in ORDERS if order[0] == 0)
 AXES = 3
 
 
-def check_unbroken(formula: PatchFormula, edge: Edge, part: Part, walk: Walk, jet: Jet) -> None:
+def check_unbroken(formula: PatchFormula, edge: Edge, part: Part, walk: EdgeWalk, jet: EdgeJet) -> None:
     """Compare an edge with what its formula says where pieces meet on a part, which has none of its own.
 
     Raises
@@ -50,7 +50,7 @@ def check_unbroken(formula: PatchFormula, edge: Edge, part: Part, walk: Walk, je
     """
     for place in sorted(jet.joins):
         target = Builder((PARAMETER,), ())
-        still = Walk(walk(place), Fraction(0))
+        still = EdgeWalk(walk(place), Fraction(0))
         said = formula.jet(edge, target, (place, place), still, ACROSS, literal=True).nodes
         _compare(target, formula.jet(edge, target, part, walk, ACROSS).nodes, said, place)
     if jet.lies_on_border:

@@ -31,7 +31,7 @@ from rsym.surfaces.proofs.edge_formulas import PatchFormula, constant_parameter,
 from rsym.surfaces.proofs.enclosures import BITS
 from rsym.surfaces.proofs.exact_values import exact_values
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
-from rsym.surfaces.proofs.stretches import Task, ends_of
+from rsym.surfaces.proofs.stretches import ProofTask, ends_of
 from rsym.surfaces.symbols import u, v
 
 # Curves of a higher degree are not inverted.
@@ -45,7 +45,7 @@ OUTER = (sp.sin, sp.cos, sp.exp, sp.tan, sp.sinh, sp.tanh, sp.log, sp.atan)
 ALONG = sp.Symbol(PARAMETER, real=True)
 
 
-def evened(task: Task) -> Iterator[tuple[Task, bool, sp.Expr]]:
+def evened(task: ProofTask) -> Iterator[tuple[ProofTask, bool, sp.Expr]]:
     """The same edges with one parameter, for each way that is found; whether they change places; and t of the new one.
 
     Raises
@@ -171,7 +171,7 @@ def _is_monotone(function: SeriesFunction, part: Part) -> bool:
     return True
 
 
-def _rewritten(task: Task, guess: sp.Expr, part: Part, *, swapped: bool) -> Task:
+def _rewritten(task: ProofTask, guess: sp.Expr, part: Part, *, swapped: bool) -> ProofTask:
     """The task with the second patch written by the parameter of the first, or the other way round."""
     formulas, edges = task.formulas, task.edges
     (kept, formula), (stays, edge) = (formulas[::-1], edges[::-1]) if swapped else (formulas, edges)

@@ -16,7 +16,7 @@ from rsym.sampling.progress import Progress
 from rsym.verify.atlas.dividing import divide
 from rsym.verify.atlas.greatest import greatest_curvatures
 from rsym.verify.atlas.grid import Floats
-from rsym.verify.atlas.judging import Judge, Judgement, Rectangle
+from rsym.verify.atlas.judging import Rectangle, RectangleJudge, RectangleJudgement
 from rsym.verify.atlas.levels import CurvatureMap
 from rsym.verify.atlas.report import SmoothnessAtlas
 from rsym.verify.atlas.strips import thresholds_of
@@ -104,7 +104,7 @@ def smoothness_atlas(
     for name, (low, high) in zip(names, region, strict=True):
         if not low < high:
             raise RsymError(f"the range of {name} is empty or one value", code="number", remedy="(low, high)")
-    judge = Judge(shape, names, region, bounds=bounds, letters=letters, sharpening=sharpening)
+    judge = RectangleJudge(shape, names, region, bounds=bounds, letters=letters, sharpening=sharpening)
     judged: list[int] = []
 
     def counted(done: int, total: int) -> Any:
@@ -164,7 +164,7 @@ def _check(tolerance: float, budget: int, between: Any) -> None:
 
 
 def _curvatures(
-    judge: Judge, region: Rectangle, parts: Sequence[Judgement], ranges: Mapping[str, Range]
+    judge: RectangleJudge, region: Rectangle, parts: Sequence[RectangleJudgement], ranges: Mapping[str, Range]
 ) -> CurvatureMap:
     """Sampled at corners and middles of certified rectangles, which crowd at a threshold, and on a lattice."""
     kept = [part for part in parts if part.verdict == CERTIFIED]

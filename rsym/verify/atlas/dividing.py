@@ -14,7 +14,7 @@ from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
 from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress, report
 from rsym.verify.atlas.grid import KINDS, Floats, grid_of, run_through, too_wide
-from rsym.verify.atlas.judging import Judge, Judgement, Point, Rectangle, middle_of
+from rsym.verify.atlas.judging import Point, Rectangle, RectangleJudge, RectangleJudgement, middle_of
 
 LABELS = {CERTIFIED: 1.0, REFUTED: -1.0}
 # Off the middle, so that no line of rectangles follows a threshold that is as simple as the ranges, such as a = b.
@@ -27,7 +27,7 @@ STEEPEST = 8.0  # a side is cut at the latest when it is so many times the other
 
 @dataclass(frozen=True)
 class _Part:
-    judgement: Judgement
+    judgement: RectangleJudgement
     silent: int  # how many of its ancestors, without a gap, had no verdict in their middle
 
 
@@ -35,7 +35,7 @@ class _Part:
 class _Known:
     """The verdicts at single values: 1 certified, -1 refuted; distances are shares of the region."""
 
-    judge: Judge
+    judge: RectangleJudge
     region: Rectangle
     labels: dict[Point, float] = field(default_factory=dict)
 
@@ -85,14 +85,14 @@ class _Known:
 
 
 def divide(
-    judge: Judge,
+    judge: RectangleJudge,
     region: Rectangle,
     *,
     tolerance: float,
     budget: int,
     progress: Progress | None = None,
     effort: Effort | None = None,
-) -> list[Judgement]:
+) -> list[RectangleJudgement]:
     """Rectangles that tile the region, each with its verdict, breadth first.
 
     Undecided ones are cut until through each of their points a line along one of the letters crosses no more than the
@@ -119,7 +119,9 @@ def divide(
     return accounted([part.judgement for part in parts], known.labels, region)
 
 
-def accounted(found: Sequence[Judgement], labels: Mapping[Point, float], region: Rectangle) -> list[Judgement]:
+def accounted(
+    found: Sequence[RectangleJudgement], labels: Mapping[Point, float], region: Rectangle
+) -> list[RectangleJudgement]:
     """The rectangles, if they make up the region and contradict none of the single values judged on the way.
 
     Those that do contradict one are undecided, all of them where the rectangles do not make up the region: a verdict
@@ -139,7 +141,8 @@ def accounted(found: Sequence[Judgement], labels: Mapping[Point, float], region:
             "undecided now: this is a defect of rsym to report"
         )
     return [
-        Judgement(one.rectangle, UNDECIDED, one.middle) if number in wrong else one for number, one in enumerate(found)
+        RectangleJudgement(one.rectangle, UNDECIDED, one.middle) if number in wrong else one
+        for number, one in enumerate(found)
     ]
 
 
@@ -154,9 +157,9 @@ def _area(rectangle: Rectangle) -> Fraction:
     return (Fraction(b) - Fraction(a)) * (Fraction(d) - Fraction(c))
 
 
-def _judged(judge: Judge, rectangle: Rectangle, silent: int, known: _Known) -> _Part:
+def _judged(judge: RectangleJudge, rectangle: Rectangle, silent: int, known: _Known) -> _Part:
     if known.is_mixed(rectangle):
-        return _Part(Judgement(rectangle, UNDECIDED, UNDECIDED), 0)
+        return _Part(RectangleJudgement(rectangle, UNDECIDED, UNDECIDED), 0)
     judgement = judge.judged(rectangle, lambda: known.is_refuted_at_a_corner(rectangle))
     known.add(middle_of(rectangle), judgement.middle)
     return _Part(judgement, silent + 1 if judgement.middle == UNDECIDED else 0)

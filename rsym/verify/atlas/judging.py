@@ -15,7 +15,7 @@ from rsym.bounds.balls import arb, ball, ctx, exact
 from rsym.bounds.enclosures import Range, ranges_of
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-from rsym.verify.atlas.subjects import Spread, Subject, subject_of
+from rsym.verify.atlas.subjects import AnswerOverRanges, AtlasSubject, subject_of
 from rsym.verify.covering import PRECISION
 
 Point: TypeAlias = tuple[float, float]
@@ -31,7 +31,7 @@ def middle_of(rectangle: Rectangle) -> Point:
 
 
 @dataclass(frozen=True)
-class Judgement:
+class RectangleJudgement:
     """What is proved of every value in a rectangle, and the verdict in its middle.
 
     `verdict` is CERTIFIED, REFUTED, DEGENERATE (no boundary within the bounds) or UNDECIDED; no curvature on the
@@ -45,13 +45,13 @@ class Judgement:
     greatest: float = math.nan
 
 
-class Judge:
+class RectangleJudge:
     """Judges rectangles of two letters of one shape.
 
     Examples
     --------
     >>> import rsym
-    >>> judge = Judge(rsym.paper.skeleton_body(), ("a2", "p1"), ((5, 6), (20, 80)))
+    >>> judge = RectangleJudge(rsym.paper.skeleton_body(), ("a2", "p1"), ((5, 6), (20, 80)))
     >>> [judge.judged(((a, a + 0.05), (40, 41))).verdict for a in (5.2, 5.28, 5.4)]
     ['REFUTED', 'UNDECIDED', 'CERTIFIED']
     """
@@ -77,7 +77,7 @@ class Judge:
         verdict: str = self.subject.at(_middles(self._ranges(((point[0],) * 2, (point[1],) * 2)))).verdict
         return verdict
 
-    def judged(self, rectangle: Rectangle, suspect: Callable[[], bool] = lambda: False) -> Judgement:
+    def judged(self, rectangle: Rectangle, suspect: Callable[[], bool] = lambda: False) -> RectangleJudgement:
         """The verdict for every value in a rectangle: first that of its middle, then whether it spreads.
 
         `suspect` is asked before the costly proof that a rectangle with a smooth middle is smooth throughout; where
@@ -86,14 +86,14 @@ class Judge:
         ranges = self._ranges(rectangle)
         middle = _middles(ranges)
         report = self.subject.at(middle)
-        found = Spread(UNDECIDED)
+        found = AnswerOverRanges(UNDECIDED)
         if report.verdict == REFUTED and self.subject.is_refuted(ranges, report):
-            found = Spread(REFUTED)
+            found = AnswerOverRanges(REFUTED)
         elif report.verdict in {CERTIFIED, DEGENERATE} and not suspect():
             found = self.subject.spread(ranges, report, self.sharpening)
             if found.verdict == CERTIFIED and not self.samples.has_boundary(middle, ranges):
-                found = Spread(UNDECIDED)
-        return Judgement(rectangle, found.verdict, report.verdict, found.bound, found.greatest)
+                found = AnswerOverRanges(UNDECIDED)
+        return RectangleJudgement(rectangle, found.verdict, report.verdict, found.bound, found.greatest)
 
     def _ranges(self, rectangle: Rectangle) -> dict[str, Range]:
         return ranges_of(self.shape.letters, {**self.letters, **dict(zip(self.names, rectangle, strict=True))})
@@ -106,7 +106,7 @@ def _middles(ranges: Mapping[str, Range]) -> dict[str, Fraction]:
 class _Samples:
     """Proves that there is a boundary for every value of letters: one point always inside, another always outside."""
 
-    def __init__(self, subject: Subject[Any]) -> None:
+    def __init__(self, subject: AtlasSubject[Any]) -> None:
         self.model = subject.model
         self.grid = np.meshgrid(*(np.linspace(low, high, SAMPLES) for low, high in subject.bounds), indexing="ij")
         self.kernel = compile(subject.shape, threads=1)

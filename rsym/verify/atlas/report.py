@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,16 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
-from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-from rsym.reports.render import plain
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED, Document, Sentence, Tabular
+from rsym.reports.numbers import number, tenths
+from rsym.reports.render import Report
 from rsym.reports.words import plural
 from rsym.verify.atlas.grid import Floats
 from rsym.verify.atlas.levels import CurvatureMap
 from rsym.verify.atlas.threshold_curve import ThresholdCurve
 
-FORMAT = "rsym-smoothness-atlas"
-# Raised when a key changes its meaning or goes; a key may be added without.
-VERSION = 1
 MEANINGS = {
     CERTIFIED: "certified",
     REFUTED: "refuted",
@@ -30,7 +27,7 @@ MEANINGS = {
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SmoothnessAtlas:
+class SmoothnessAtlas(Report):
     """A rectangle of two letters in rectangles, each with what is proved of every value in it.
 
     Attributes
@@ -111,58 +108,67 @@ class SmoothnessAtlas:
     def _which(self, verdict: str) -> NDArray[np.bool_]:
         return np.array([word == verdict for word in self.verdicts])
 
-    def __str__(self) -> str:
-        ranges = " and ".join(
-            f"{name} in [{a:g}, {b:g}]" for name, (a, b) in zip(self.letters, self.region, strict=True)
-        )
-        shares = [f"{100 * part:.1f} % {MEANINGS[word]}" for word, part in self.share.items() if part > 0]
-        text = f"Atlas of {ranges}, {plural(len(self.rectangles), 'rectangle', 'rectangles')}: {', '.join(shares)}."
-        if self.thresholds:
-            text += f" {plural(len(self.thresholds), 'threshold', 'thresholds')}: "
-            text += "; ".join(map(str, self.thresholds)) + "."
-        if len(self.curvature.values):
-            low, high = self.curvature.values.min(), self.curvature.values.max()
-            text += f" Where it is smooth the greatest curvature found is {low:.3g} to {high:.3g}; this is no proof."
-        return text
-
     def __repr__(self) -> str:
         first, second = self.letters
         return f"<SmoothnessAtlas of {first}, {second}: {len(self.rectangles)} rectangles>"
 
-    def to_json(self) -> str:
-        """The atlas for programs: JSON with stable keys, null where a number has no bound."""
+    def document(self) -> Document:
+        """All that the atlas says."""
         parts = zip(self.rectangles, self.verdicts, self.curvature_bounds, strict=True)
-        record: dict[str, Any] = {
-            "format": FORMAT,
-            "version": VERSION,
-            "letters": list(self.letters),
-            "region": plain(self.region),
-            "defaults": plain(self.defaults),
-            "fixed": {name: plain(ends) for name, ends in self.fixed.items()},
+        rectangles = [
+            {"sides": sides, "verdict": verdict, "curvature_bound": float(bound)} for sides, verdict, bound in parts
+        ]
+        greatest = {"proved": False, "points": self.curvature.points, "values": self.curvature.values}
+        data = {
+            "letters": self.letters,
+            "region": self.region,
+            "defaults": self.defaults,
+            "fixed": self.fixed,
             "share": self.share,
-            "rectangles": [
-                {"sides": plain(sides), "verdict": verdict, "curvature_bound": plain(float(bound))}
-                for sides, verdict, bound in parts
-            ],
+            "rectangles": rectangles,
             "thresholds": [_threshold(curve) for curve in self.thresholds],
-            "greatest_curvature": {
-                "proved": False,
-                "points": plain(self.curvature.points),
-                "values": plain(self.curvature.values),
-            },
+            "greatest_curvature": greatest,
             "judged": self.judged,
         }
-        return json.dumps(record, indent=2, allow_nan=False)
+        return Document(
+            "smoothness-atlas",
+            self._headline(),
+            sentences=tuple(self._sentences()),
+            tables=(self._shares(),),
+            data=data,
+        )
+
+    def _headline(self) -> Sentence:
+        ranges = " and ".join(
+            f"{name} in [{number(a)}, {number(b)}]" for name, (a, b) in zip(self.letters, self.region, strict=True)
+        )
+        shares = [f"{tenths(part, up=word == UNDECIDED)} {MEANINGS[word]}" for word, part in self.share.items() if part]
+        count = plural(len(self.rectangles), "rectangle")
+        return Sentence(f"Atlas of {ranges}, {count}: {', '.join(shares)}.", True)
+
+    def _sentences(self) -> Iterator[Sentence]:
+        if self.thresholds:
+            count = plural(len(self.thresholds), "threshold")
+            yield Sentence(f"{count}: {'; '.join(map(str, self.thresholds))}.", True)
+        if len(self.curvature.values):
+            low, high = (number(end, 3) for end in (self.curvature.values.min(), self.curvature.values.max()))
+            found = f"the greatest curvature found is {low} to {high}"
+            yield Sentence(f"Where it is smooth {found}; this is no proof.", False)
+
+    def _shares(self) -> Tabular:
+        counts = [(word, sum(one == word for one in self.verdicts), part) for word, part in self.share.items()]
+        rows = [(word, str(count), tenths(part, up=word == UNDECIDED)) for word, count, part in counts if count]
+        return Tabular(("verdict", "rectangles", "share"), tuple(rows), told=False)
 
 
 def _threshold(curve: ThresholdCurve) -> dict[str, Any]:
     return {
         "letter": curve.graph,
-        "span": plain(curve.span),
+        "span": curve.span,
         "share": curve.share,
-        "relative_width": plain(curve.relative_width),
-        "strip": plain(curve.strip),
-        "certified_side": [plain(line) for line in curve.certified_side],
-        "refuted_side": [plain(line) for line in curve.refuted_side],
-        "middle": {"proved": False, "lines": [plain(line) for line in curve.middle]},
+        "relative_width": curve.relative_width,
+        "strip": curve.strip,
+        "certified_side": curve.certified_side,
+        "refuted_side": curve.refuted_side,
+        "middle": {"proved": False, "lines": curve.middle},
     }

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, label
+from scipy.ndimage import binary_dilation, gaussian_filter1d, label
+from scipy.sparse import coo_array
+from scipy.sparse.linalg import spsolve
 
 from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
+from rsym.sampling.isolines import isolines
 from rsym.verify.atlas.grid import KINDS, Floats, Grid, Ints, grid_of, narrowest
-from rsym.verify.atlas.medial import middle_lines
-from rsym.verify.atlas.outlines import chains
 from rsym.verify.atlas.threshold_curve import ThresholdCurve
 
 Marks = NDArray[np.bool_]
@@ -80,3 +82,168 @@ def _side(grid: Grid, strip: Marks, beside: Marks) -> Iterator[Floats]:
     for chain in chains(edges):
         corners: Ints = np.array(chain)
         yield np.column_stack([grid.lines[k][corners[:, k]] for k in (0, 1)])
+
+
+# The middle of a strip: where a harmonic function with 1 on one bank and -1 on the other is zero.
+# Pixels across the narrowest strip, and along each side of the picture at least and at most.
+ACROSS, FEWEST, MOST = 6, 240, 1200
+SMOOTHING = (3.0, 1.5, 0.75)  # standard deviations tried, in widths of the strip
+
+
+def middle_lines(grid: Grid, kinds: Ints, strips: Sequence[Marks]) -> list[tuple[Floats, ...]]:
+    """For each strip, given by cells of the grid, the lines in its middle; numerical, to about a pixel.
+
+    Examples
+    --------
+    >>> from rsym.verify.atlas.grid import grid_of
+    >>> grid = grid_of(np.array([[[0, 1], [0, 1]], [[1, 2], [0, 1]], [[2, 4], [0, 1]]], dtype=float))
+    >>> kinds = np.array([[1], [0], [-1]])
+    >>> ((line,),) = middle_lines(grid, kinds, [kinds == 0])
+    >>> bool(abs(line[:, 0] - 1.5).max() < 0.01)
+    True
+    """
+    if not strips:
+        return []
+    finest = min(share.min() for share in grid.shares)
+    size = int(np.clip(ACROSS / finest, FEWEST, MOST))
+    axes = [line[0] + (line[-1] - line[0]) * (np.arange(size) + 0.5) / size for line in grid.lines]
+    places = np.ix_(*(np.searchsorted(line, axis) - 1 for line, axis in zip(grid.lines, axes, strict=True)))
+    banks = np.where(np.abs(kinds) == 1, kinds, 0).astype(np.float64)
+    height = _harmonic(banks[places], np.any(strips, axis=0)[places])
+    result = []
+    for strip in strips:
+        near = strip[places]
+        near[1:] |= near[:-1]
+        near[:-1] |= near[1:]
+        near[:, 1:] |= near[:, :-1]
+        near[:, :-1] |= near[:, 1:]
+        width = float(np.median(narrowest(np.where(strip, 0, kinds), grid.shares)[strip])) * size
+        lines = isolines(np.where(near, height, np.nan), 0.0, axes)
+        result.append(tuple(_smoothed(line, width, grid, strip) for line in lines if len(line) > width))
+    return result
+
+
+def _smoothed(line: Floats, width: float, grid: Grid, strip: Marks) -> Floats:
+    """The line without its waves, which are those of the steps of the strip, as far as that keeps it in the strip."""
+    closed = bool((line[0] == line[-1]).all())
+    for share in SMOOTHING:
+        reach = max(1, min(round(3 * share * width), len(line) - 2))
+        before, after = line[-1 - reach : -1], line[1 : reach + 1]
+        if not closed:
+            before, after = 2 * line[0] - line[reach:0:-1], 2 * line[-1] - line[-2 : -2 - reach : -1]
+        padded = np.concatenate([before, line, after])
+        smooth: Floats = gaussian_filter1d(padded, share * width, axis=0, truncate=3.0)[reach:-reach]
+        if strip[_cells(grid, smooth)].all():
+            line = smooth
+            break
+    return line if closed else _straight_ends(line, round(width), grid, strip)
+
+
+def _straight_ends(line: Floats, length: int, grid: Grid, strip: Marks) -> Floats:
+    """The line with both ends drawn straight on: harmonic functions have level lines at right angles to the border."""
+    for _ in range(2):
+        line = line[::-1]
+        if len(line) > 3 * length:
+            kept = line[length:]
+            slope = (kept[0] - kept[length]) / length
+            drawn = kept[0] + np.arange(3 * length, 0, -1)[:, None] * slope
+            low, high = np.array([side[[0, -1]] for side in grid.lines]).T
+            inside = ((low <= drawn) & (drawn <= high)).all(axis=1) & strip[_cells(grid, drawn)]
+            outside = np.flatnonzero(~inside)
+            line = np.concatenate([drawn[outside[-1] + 1 if len(outside) else 0 :], kept])
+    return line
+
+
+def _cells(grid: Grid, points: Floats) -> tuple[Ints, Ints]:
+    """Rows and columns of the cells of points."""
+    first, second = (
+        np.clip(np.searchsorted(side, column) - 1, 0, len(side) - 2)
+        for side, column in zip(grid.lines, points.T, strict=True)
+    )
+    return first, second
+
+
+def _harmonic(values: Floats, free: Marks) -> Floats:
+    """The array with its free entries replaced by the mean of their neighbours; those that are 0 have no say."""
+    number = np.full(values.shape, -1, np.int64)
+    number[free] = np.arange(np.count_nonzero(free))
+    rows: list[Ints] = []
+    columns: list[Ints] = []
+    right = np.zeros(np.count_nonzero(free))
+    degree = np.zeros(len(right))
+    for axis in (0, 1):
+        for way in (slice(None, -1), slice(1, None)):
+            here, there = ((way, slice(None)), (_other(way), slice(None)))
+            if axis:
+                here, there = here[::-1], there[::-1]
+            inner = free[here] & (free[there] | (values[there] != 0))
+            one, other = number[here][inner], number[there][inner]
+            degree += np.bincount(one, minlength=len(right))
+            right += np.bincount(one, np.where(other < 0, values[there][inner], 0.0), minlength=len(right))
+            rows.append(one[other >= 0])
+            columns.append(other[other >= 0])
+    row, column = np.concatenate(rows), np.concatenate(columns)
+    everything = np.arange(len(right))
+    system = coo_array(
+        (
+            np.concatenate([degree, -np.ones(len(row))]),
+            (np.concatenate([everything, row]), np.concatenate([everything, column])),
+        )
+    )
+    result = values.copy()
+    result[free] = spsolve(system.tocsc(), right)
+    return result
+
+
+def _other(way: slice) -> slice:
+    return slice(1, None) if way == slice(None, -1) else slice(None, -1)
+
+
+# Edges of a lattice, joined to lines.
+Node: TypeAlias = tuple[int, int]
+
+
+def chains(edges: Iterable[tuple[Node, Node]]) -> list[list[Node]]:
+    """The lines that edges make, each edge once: open ones first, a closed one ends where it begins.
+
+    Nodes at which a line goes straight on are left out.
+
+    Examples
+    --------
+    >>> chains([((0, 1), (0, 2)), ((0, 0), (0, 1)), ((0, 2), (1, 2))])
+    [[(0, 0), (0, 2), (1, 2)]]
+    """
+    ends: dict[Node, list[Node]] = {}
+    for first, second in sorted(edges):
+        ends.setdefault(first, []).append(second)
+        ends.setdefault(second, []).append(first)
+    starts = [node for node in sorted(ends) if len(ends[node]) % 2] + sorted(ends)
+    found = (_walk(ends, start) for start in starts)
+    return [_straightened(line) for line in found if len(line) > 1]
+
+
+def _walk(ends: dict[Node, list[Node]], start: Node) -> list[Node]:
+    """A line from a node along edges that are taken away."""
+    line = [start]
+    while ends[line[-1]]:
+        here = line[-1]
+        there = min(ends[here], key=lambda node: _bend(line, node))
+        ends[here].remove(there)
+        ends[there].remove(here)
+        line.append(there)
+    return line
+
+
+def _bend(line: list[Node], node: Node) -> tuple[bool, Node]:
+    """Where lines cross one turns: two strips that touch in a corner have borders that do."""
+    straight = len(line) > 1 and _is_straight(line[-2], line[-1], node)
+    return straight, node
+
+
+def _is_straight(a: Node, b: Node, c: Node) -> bool:
+    return (b[0] - a[0]) * (c[1] - b[1]) == (b[1] - a[1]) * (c[0] - b[0])
+
+
+def _straightened(line: list[Node]) -> list[Node]:
+    inner = [b for a, b, c in zip(line, line[1:], line[2:], strict=False) if not _is_straight(a, b, c)]
+    return [line[0], *inner, line[-1]]

@@ -39,7 +39,7 @@ R = TypeVar("R", SmoothnessReport, BodyReport)
 
 
 @dataclass(frozen=True)
-class Spread:
+class AnswerOverRanges:
     """What is proved for all values in ranges: CERTIFIED, DEGENERATE, which is without a boundary, or UNDECIDED.
 
     No curvature is larger in size than `bound`; `greatest` was found somewhere, NaN where none was sought.
@@ -50,7 +50,7 @@ class Spread:
     greatest: float = math.nan
 
 
-class Subject(ABC, Generic[R]):
+class AtlasSubject(ABC, Generic[R]):
     """A shape whose letters take single values and ranges; its `model` has those that range as axes."""
 
     def __init__(self, shape: Shape, values: Mapping[str, Range], *, body: bool = False) -> None:
@@ -63,7 +63,7 @@ class Subject(ABC, Generic[R]):
         """The report at single values."""
 
     @abstractmethod
-    def spread(self, ranges: Mapping[str, Range], report: R, sharpening: int) -> Spread:
+    def spread(self, ranges: Mapping[str, Range], report: R, sharpening: int) -> AnswerOverRanges:
         """What is proved for every value in ranges, from the report on the middle."""
 
     @abstractmethod
@@ -71,7 +71,7 @@ class Subject(ABC, Generic[R]):
         """Whether the boundary is proved to be no curve or surface of continuous curvature for every value."""
 
 
-class PlaneSubject(Subject[SmoothnessReport]):
+class PlaneSubject(AtlasSubject[SmoothnessReport]):
     """A shape in the plane, or a body of revolution by its meridian."""
 
     def __init__(self, shape: Shape, values: Mapping[str, Range]) -> None:
@@ -84,13 +84,13 @@ class PlaneSubject(Subject[SmoothnessReport]):
         """The report at single values."""
         return self._report(values, POINT_BUDGET, 0)
 
-    def spread(self, ranges: Mapping[str, Range], report: SmoothnessReport, sharpening: int) -> Spread:
+    def spread(self, ranges: Mapping[str, Range], report: SmoothnessReport, sharpening: int) -> AnswerOverRanges:
         """By `verify_smoothness` with letters as intervals."""
         found = self._report(ranges, WIDER * report.cover.examined + MORE, sharpening)
         if found.verdict == CERTIFIED:
-            return Spread(CERTIFIED, found.curvature_bound)
+            return AnswerOverRanges(CERTIFIED, found.curvature_bound)
         boxes = (found.cover.certified, found.cover.joined, found.cover.undecided)
-        return Spread(DEGENERATE if found.verdict == DEGENERATE and not any(map(len, boxes)) else UNDECIDED)
+        return AnswerOverRanges(DEGENERATE if found.verdict == DEGENERATE and not any(map(len, boxes)) else UNDECIDED)
 
     def is_refuted(self, ranges: Mapping[str, Range], report: SmoothnessReport) -> bool:
         """By a joint that is followed over the ranges."""
@@ -102,7 +102,7 @@ class PlaneSubject(Subject[SmoothnessReport]):
         return found
 
 
-class BodySubject(Subject[BodyReport]):
+class BodySubject(AtlasSubject[BodyReport]):
     """Any body in space.
 
     It is refuted by a plane that cuts it: where one joint of the section jumps for every value, and the plane touches
@@ -114,17 +114,17 @@ class BodySubject(Subject[BodyReport]):
         points = {name: (Fraction(value), Fraction(value)) for name, value in values.items()}
         return report_body(study_body(self.shape, self.bounds, points), sharpened=False)
 
-    def spread(self, ranges: Mapping[str, Range], report: BodyReport, sharpening: int) -> Spread:
+    def spread(self, ranges: Mapping[str, Range], report: BodyReport, sharpening: int) -> AnswerOverRanges:
         """By boxes in space with letters as intervals."""
         study = study_body(self.shape, self.bounds, ranges, budget=WIDER * report.cover.examined + MORE_IN_SPACE)
         met = sum(len(boxes) for groups in study.found.joined.values() for boxes in groups)
         if study.found.left or study.found.corners or (met > FEW and not report.curves):
-            return Spread(UNDECIDED)
+            return AnswerOverRanges(UNDECIDED)
         found = report_body(study, sharpened=sharpening > 0)
         if found.verdict == CERTIFIED:
-            return Spread(CERTIFIED, found.curvature_bound, max(map(abs, found.attained)))
+            return AnswerOverRanges(CERTIFIED, found.curvature_bound, max(map(abs, found.attained)))
         boxes = (found.cover.certified, found.cover.joined, found.cover.undecided)
-        return Spread(DEGENERATE if found.verdict == DEGENERATE and not any(map(len, boxes)) else UNDECIDED)
+        return AnswerOverRanges(DEGENERATE if found.verdict == DEGENERATE and not any(map(len, boxes)) else UNDECIDED)
 
     def is_refuted(self, ranges: Mapping[str, Range], report: BodyReport) -> bool:
         """By a section across the worst curve."""
@@ -146,7 +146,7 @@ def _evenly(count: int) -> list[int]:
     return sorted({(2 * k + 1) * count // (2 * CUT) for k in range(CUT)})
 
 
-def subject_of(shape: Shape, values: Mapping[str, Range]) -> Subject[Any]:
+def subject_of(shape: Shape, values: Mapping[str, Range]) -> AtlasSubject[Any]:
     """The subject of a shape; `values` tells which letters range at all."""
     general = shape.dimension == 3 and find_meridian(shape) is None
     return BodySubject(shape, values) if general else PlaneSubject(shape, values)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rsym.errors import RsymError
+from rsym.reports.numbers import number, share
 from rsym.verify.atlas.grid import Floats
 
 
@@ -40,7 +41,7 @@ class ThresholdCurve:
     >>> curve.between(1), curve.between(2)
     ((1.0, 1.5), (1.0, 2.0))
     >>> print(curve)
-    a at its threshold for each b in [0, 4], enclosed in 2 rectangles, known to 33 % at worst
+    a at its threshold for each b in [0, 4], enclosed in 2 rectangles, known to 34 % at worst
     """
 
     letters: tuple[str, str]
@@ -90,11 +91,12 @@ class ThresholdCurve:
     def __str__(self) -> str:
         count = f"enclosed in {len(self.strip)} rectangles"
         if self.graph is None:
-            wide = f"{100 * self.share:.2g} % of a range wide"
+            wide = f"{share(self.share)} of a range wide"
             return f"a line in the plane of {' and '.join(self.letters)}, {count}, {wide}"
         other, (low, high) = 1 - self.letters.index(self.graph), self.span
-        known = f"known to {100 * self.relative_width:.2g} % at worst"
-        return f"{self.graph} at its threshold for each {self.letters[other]} in [{low:g}, {high:g}], {count}, {known}"
+        ends = f"[{number(low, 6)}, {number(high, 6)}]"
+        known = f"known to {share(self.relative_width)} at worst"
+        return f"{self.graph} at its threshold for each {self.letters[other]} in {ends}, {count}, {known}"
 
     def __repr__(self) -> str:
         return f"<ThresholdCurve of {', '.join(self.letters)}: {len(self.strip)} rectangles>"

@@ -9,15 +9,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import sympy as sp
+
 from rsym.bounds.balls import arb, ctx
-from rsym.verify.fairness.constancy import constant_curvatures
 from rsym.verify.fairness.pieces import POINT_BITS, ArcPiece, lies_within, point_above
 from rsym.verify.fairness.quantities import Frame, Quantity
 from rsym.verify.local import Local, Model, side
+from rsym.verify.polynomials import polynomial_of
 
 
 @dataclass(frozen=True)
-class Enclosed:
+class BendingBalls:
     """Balls around a curvature and its first two derivatives along the arc."""
 
     value: arb
@@ -26,16 +28,16 @@ class Enclosed:
 
 
 @dataclass(frozen=True)
-class Bent:
+class ArcBending:
     """A piece with its curvatures: all over it and at one point of it, if one was found.
 
     `own` says that the point is proved to be one of the boundary: that of a joined arc may lie on its continuation.
     """
 
     piece: ArcPiece
-    curvatures: tuple[Enclosed, ...]
+    curvatures: tuple[BendingBalls, ...]
     place: tuple[arb, ...] | None = None
-    at: tuple[Enclosed, ...] = ()
+    at: tuple[BendingBalls, ...] = ()
     own: bool = False
 
 
@@ -63,7 +65,7 @@ class Arcs:
             self._constant[function] = constant_curvatures(self.model, function)
         return self._constant[function]
 
-    def enclosed(self, local: Local, function: int, orders: int = 2) -> tuple[Enclosed, ...]:
+    def enclosed(self, local: Local, function: int, orders: int = 2) -> tuple[BendingBalls, ...]:
         """Balls around the quantities on a box, and around so many derivatives: the second is the dearest."""
         found = []
         for quantity, constant in zip(self.quantities(function), self.constant(function), strict=True):
@@ -72,19 +74,19 @@ class Arcs:
                 arb(0) if constant else _whole(local.value(node) if order < orders else None)
                 for order, node in enumerate(nodes)
             ]
-            found.append(Enclosed(_whole(local.value(quantity.value)), *slopes))
+            found.append(BendingBalls(_whole(local.value(quantity.value)), *slopes))
         return tuple(found)
 
-    def bent(self, piece: ArcPiece) -> Bent:
+    def bent(self, piece: ArcPiece) -> ArcBending:
         """The curvatures of a piece."""
         function, local = piece.arc.function, self.model.over(piece.box)
         natural = self.enclosed(local, function)
         if not piece.crosses or piece.free is None:
-            return Bent(piece, natural)
+            return ArcBending(piece, natural)
         axis = side(*piece.box[piece.free])
         place = point_above(self.model, piece, axis.mid())
         if place is None:
-            return Bent(piece, natural)
+            return ArcBending(piece, natural)
         with ctx.workprec(POINT_BITS):
             there = self.model.on(place)
             at = self.enclosed(there, function, 1)
@@ -92,12 +94,12 @@ class Arcs:
         speed = _whole(local.value(self._tangents[function][piece.free]))
         arc = (axis - axis.mid()) / speed
         sharper = tuple(_sharper(whole, point, arc) for whole, point in zip(natural, at, strict=True))
-        return Bent(piece, sharper, tuple(place), at, own)
+        return ArcBending(piece, sharper, tuple(place), at, own)
 
 
-def _sharper(whole: Enclosed, at: Enclosed, arc: arb) -> Enclosed:
+def _sharper(whole: BendingBalls, at: BendingBalls, arc: arb) -> BendingBalls:
     first = _both(whole.first, at.first + whole.second * arc)
-    return Enclosed(_both(whole.value, at.value + first * arc), first, whole.second)
+    return BendingBalls(_both(whole.value, at.value + first * arc), first, whole.second)
 
 
 def _both(one: arb, other: arb) -> arb:
@@ -109,3 +111,30 @@ def _both(one: arb, other: arb) -> arb:
 
 def _whole(value: arb | None) -> arb:
     return arb(0, math.inf) if value is None or not value.is_finite() else value
+
+
+# Arcs of constant curvature, lines and circles: proved where the arc is that of a polynomial.
+HIGHEST = 12  # degree of F, beyond which dividing takes longer than it is worth
+
+
+def constant_curvatures(model: Model, function: int) -> tuple[bool, ...]:
+    """Which curvatures of an arc are proved to be constant: along it and, for a body of revolution, across."""
+    count = 2 if model.body else 1
+    expression = polynomial_of(model, function)
+    symbols = [sp.Symbol(name, real=True) for name in model.builder.coordinates]
+    if expression is None or sp.Poly(expression, *symbols).total_degree() > HIGHEST:
+        return (False,) * count
+    f = sp.Poly(expression, *symbols, domain=sp.QQ)
+    fx, fy = f.diff(symbols[0]), f.diff(symbols[1])
+    square = fx**2 + fy**2
+    bent = fx.diff(symbols[0]) * fy**2 - 2 * fx.diff(symbols[1]) * fx * fy + fy.diff(symbols[1]) * fx**2
+    forms = [(bent, 3)]
+    if model.body:
+        ratio, rest = sp.div(fy, sp.Poly(symbols[1], *symbols, domain=sp.QQ))
+        forms.append((ratio, 1) if rest.is_zero else (sp.Poly(symbols[0], *symbols, domain=sp.QQ), 0))
+
+    def along(p: sp.Poly) -> sp.Poly:
+        return fy * p.diff(symbols[0]) - fx * p.diff(symbols[1])
+
+    changes = [2 * square * along(top) - power * top * along(square) for top, power in forms]
+    return tuple(bool(sp.div(change, f)[1].is_zero) for change in changes)

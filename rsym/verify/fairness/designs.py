@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -12,17 +11,15 @@ from typing import Any
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
+from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED, Document, Sentence, Tabular
 from rsym.reports.numbers import number
+from rsym.reports.render import BEST, Report, as_record
 from rsym.sampling.progress import Progress, report
 from rsym.verify.fairness.fairness import BUDGET, fairness
-from rsym.verify.fairness.markup import table
-from rsym.verify.fairness.records import fairness_record
-from rsym.verify.fairness.report import Extremum, FairnessReport, Peak
-from rsym.verify.fairness.wording import MEASURES, aligned, directed
+from rsym.verify.fairness.report import MEASURES, Extremum, FairnessReport, Peak
 from rsym.verify.report import CONTINUITIES
 
-BEST = "*"  # marks the best value of a column in plain text
+NOTE = f"  {BEST} the best of its column. Curvature 1/length, variation 1/length**2: proved; measures: numerical."
 VERDICTS = (DEGENERATE, REFUTED, UNDECIDED, CERTIFIED)  # from the worst to the best
 DIGITS = 5
 
@@ -52,7 +49,7 @@ class Column:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DesignTable:
+class DesignTable(Report):
     """Designs in the order given, one row each; the best value of each column is marked.
 
     A bound of the curvature is proved; measures are numerical. Sizes (length, area, volume) have no best.
@@ -109,28 +106,23 @@ class DesignTable:
                 found |= {(i, j) for i, merit in enumerate(merits) if merit == max(known)}
         return frozenset(found)
 
-    def __str__(self) -> str:
-        best, header = self.best(), ("design", *(column.heading for column in self.columns))
-        cells = [
-            tuple(cell + BEST * ((i, j) in best) for j, cell in enumerate(row)) for i, row in enumerate(self.rows())
-        ]
-        note = f"{BEST} the best of its column. Curvature 1/length, variation 1/length**2: proved; measures: numerical."
-        return "\n".join([*aligned([header, *cells]), f"  {note}"])
-
     def __repr__(self) -> str:
         return f"<DesignTable of {', '.join(design.name for design in self.designs)}>"
 
-    def _repr_html_(self) -> str:
-        return table(("design", *(column.heading for column in self.columns)), self.rows(), self.best())
-
-    def to_json(self) -> str:
-        """The table for programs: each design with its letters and its report."""
+    def document(self) -> Document:
+        """The table, and each design with its letters and its report."""
+        header = ("design", *(column.heading for column in self.columns))
         rows = [
-            {"name": design.name, "letters": dict(design.letters), "report": fairness_record(design.report)}
+            {"name": design.name, "letters": design.letters, "report": as_record(design.report.document())}
             for design in self.designs
         ]
-        record = {"format": "rsym-design-table", "version": 1, "differing": list(self.differing), "designs": rows}
-        return json.dumps(record, indent=2, allow_nan=False)
+        return Document(
+            "design-table",
+            Sentence("", True),
+            tables=(Tabular(header, tuple(self.rows()), self.best()),),
+            remarks=(Sentence(NOTE, True),),
+            data={"differing": self.differing, "designs": rows},
+        )
 
 
 def compare_designs(
@@ -203,8 +195,7 @@ def _bound(heading: str, which: str) -> Column:
     up = which != "least"
 
     def text(design: Design) -> str:
-        peak = design.peak(which)
-        return directed(peak.bound, DIGITS, up=up) if peak.proved and math.isfinite(peak.bound) else "none"
+        return design.peak(which).told(up=up)
 
     def merit(design: Design) -> float:
         return -design.peak(which).bound if up else design.peak(which).bound

@@ -26,7 +26,7 @@ from rsym.verify.fairness.measuring import Sampler, measures
 from rsym.verify.fairness.pieces import outward
 from rsym.verify.fairness.report import Bands, CurvatureBounds, Extremum, FairnessReport, Measure, Profile
 from rsym.verify.fairness.search import Found, distinct, peaks, search
-from rsym.verify.fairness.zeros import Zero
+from rsym.verify.fairness.zeros import CurvatureZero
 from rsym.verify.local import Box, Interval, Model
 from rsym.verify.report import SmoothnessReport
 from rsym.verify.revolution import meridian
@@ -190,7 +190,7 @@ def _constant(found: Found, arcs: Arcs) -> tuple[bool, ...]:
     return tuple(map(all, zip(*flags, strict=True)))
 
 
-def _extremum(names: Sequence[str], zero: Zero) -> Extremum:
+def _extremum(names: Sequence[str], zero: CurvatureZero) -> Extremum:
     radius = max(float(ball.rad()) for ball in zero.place)
     point = tuple(float(ball.mid()) for ball in zero.place)
     rounding = max(math.ulp(value) for value in point)

@@ -3,20 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.reports.document import Document, Entry, Sentence, Tabular
+from rsym.reports.numbers import at_least, at_most, measured, number, point
+from rsym.reports.render import Report
+from rsym.reports.words import letters_text, listed, plural, within
 from rsym.verify.bodies.report import BodyReport
-from rsym.verify.fairness.markup import fairness_html
-from rsym.verify.fairness.records import fairness_json
-from rsym.verify.fairness.wording import extremum_text, fairness_text
-from rsym.verify.report import SmoothnessReport
+from rsym.verify.report import UNKNOWN, SmoothnessReport, yes_or_no
 
 Floats: TypeAlias = NDArray[np.float64]
+MEASURES: Mapping[str, str] = {
+    "length": "length",
+    "area": "area",
+    "volume": "volume",
+    "bending_energy": "bending energy",
+    "variation_energy": "variation energy",
+}
+KINDS: Mapping[str, str] = {"maximum": "maxima", "minimum": "minima"}
+HEADER = ("", "proved", "attained", "at")
+COLUMNS = ("place", "kind", "of", "value", "proved")
+LISTED = 24  # places; the report has them all
+SHOWN = 5  # digits of a bound, and more of what is attained
 
 
 @dataclass(frozen=True)
@@ -30,6 +44,23 @@ class Peak:
     attained: float
     point: tuple[float, ...]
     proved: bool = True
+
+    def row(self, name: str, *, up: bool = True) -> tuple[str, ...]:
+        """Name, bound, value attained, place."""
+        attained = "unknown" if math.isnan(self.attained) else number(self.attained, SHOWN + 3)
+        sign = "" if not self.bounded else "<= " if up else ">= "
+        return name, sign + self.told(up=up), attained, point(self.point)
+
+    def told(self, *, up: bool) -> str:
+        """The bound, from above or below, rounded to the safe side."""
+        if not self.bounded:
+            return "none"
+        return at_most(self.bound, SHOWN) if up else at_least(self.bound, SHOWN)
+
+    @property
+    def bounded(self) -> bool:
+        """Whether a bound is proved."""
+        return self.proved and math.isfinite(self.bound)
 
 
 @dataclass(frozen=True)
@@ -59,6 +90,14 @@ class CurvatureBounds:
         best = max((high, low), key=lambda peak: -1.0 if math.isnan(peak.attained) else abs(peak.attained))
         return Peak(bound, abs(best.attained), best.point, low.proved and high.proved)
 
+    def rows(self) -> tuple[tuple[str, ...], ...]:
+        """Of a table under `HEADER`."""
+        return (
+            self.least.row(f"least {self.name}", up=False),
+            self.greatest.row(f"greatest {self.name}"),
+            self.variation.row(f"variation of the {self.name}"),
+        )
+
 
 @dataclass(frozen=True)
 class Extremum:
@@ -84,7 +123,18 @@ class Extremum:
     flat: bool = False
 
     def __str__(self) -> str:
-        return extremum_text(self)
+        proved = "proved" if self.proved else "numerical"
+        if self.kind == "inflection":
+            return f"inflection, the {self.quantity} changes its sign, at {point(self.point)}; {proved}"
+        flat = " without changing its sign" if self.flat else ""
+        value = f"{measured(self.curvature, self.error)}{flat}"
+        return f"{self.kind} of the {self.quantity} at {point(self.point)}: {value}; {proved}"
+
+    def entry(self) -> Entry:
+        """The place in a report."""
+        value = "" if self.kind == "inflection" else measured(self.curvature, self.error)
+        row = point(self.point), self.kind, self.quantity, value, yes_or_no(self.proved)
+        return Entry(str(self), self.proved, row)
 
 
 @dataclass(frozen=True)
@@ -122,7 +172,7 @@ class Bands:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FairnessReport:
+class FairnessReport(Report):
     """How fair a boundary is, beyond its continuity.
 
     Attributes
@@ -187,15 +237,71 @@ class FairnessReport:
         """What the boundary is everywhere."""
         return self.smoothness.continuity
 
-    def __str__(self) -> str:
-        return fairness_text(self)
-
     def __repr__(self) -> str:
         return f"<FairnessReport of a {self.kind}, {self.verdict}, {len(self.extrema)} extrema>"
 
-    def to_json(self) -> str:
-        """The report for programs: JSON with stable keys, null where a number is unknown or has no bound."""
-        return fairness_json(self)
+    def document(self) -> Document:
+        """All that the report says."""
+        rows = [row for bounds in self.curvatures for row in bounds.rows()]
+        measures = {
+            name: {"value": measure.value, "estimated_error": measure.error} for name, measure in self.measures.items()
+        }
+        data = {
+            "kind": self.kind,
+            "coordinates": self.coordinates,
+            "letters": self.smoothness.letters,
+            "curvatures": self.curvatures,
+            "extrema": self.extrema,
+            "inflections": self.inflections,
+            "complete": self.complete,
+            "constant": self.constant,
+            "measures": measures,
+        }
+        return Document(
+            "fairness-report",
+            self._headline(),
+            self.verdict,
+            self.continuity,
+            sentences=tuple(self._sentences()),
+            statements=tuple(Sentence(*statement) for statement in self.statements),
+            tables=(Tabular(HEADER, tuple(rows)),),
+            entries=tuple(one.entry() for one in (*self.extrema, *self.inflections)),
+            columns=COLUMNS,
+            most=LISTED,
+            data=data,
+        )
 
-    def _repr_html_(self) -> str:
-        return fairness_html(self)
+    def _headline(self) -> Sentence:
+        """The verdict on smoothness, and of what."""
+        smoothness = self.smoothness
+        what = {"curve": "the boundary", "body": "the surface"}.get(self.kind, "the surface of revolution")
+        subject = within(what, smoothness.cover.bounds, letters_text(smoothness.letters))
+        known = self.continuity != UNKNOWN
+        count = plural(len(smoothness.defects), "place")
+        places = f", {'broken' if known else 'in doubt'} at {count}" if smoothness.defects else ""
+        is_known = f"{subject} is {self.continuity}" if known else f"how smooth {subject} is, is not known"
+        return Sentence(f"{self.verdict}: {is_known}{places}.", smoothness.document().headline.proved)
+
+    def _sentences(self) -> Iterator[Sentence]:
+        between = " between the defects" if self.smoothness.defects else ""
+        for bounds, constant in zip(self.curvatures, self.constant, strict=True):
+            if constant:
+                yield Sentence(f"The {bounds.name} is constant{between}; this is proved.", True)
+        yield self._extrema_sentence()
+        if self.measures:
+            told = [f"{MEASURES[name]} {measured(one.value, one.error)}" for name, one in self.measures.items()]
+            yield Sentence(f"Numerically: {', '.join(told)}.", False)
+
+    def _extrema_sentence(self) -> Sentence:
+        """How many there are, and whether these are all."""
+        if all(self.constant):
+            return Sentence("Every point is an extremum of the curvature.", True)
+        counts = Counter(one.kind for one in self.extrema)
+        words = [plural(counts[kind], kind, many) for kind, many in KINDS.items() if counts[kind]]
+        if self.kind != "body":
+            words.append(plural(len(self.inflections), "inflection") if self.inflections else "no inflection")
+        what = "curvature has" if len(self.curvatures) == 1 else "curvatures have"
+        all_of_them = "these are all, which is proved" if self.complete else "there may be more"
+        smooth = not (self.smoothness.defects or getattr(self.smoothness, "joints", ()))
+        start = "The" if smooth else "Between joints the"
+        return Sentence(f"{start} {what} {listed(words or ['no isolated extremum'])}; {all_of_them}.", self.complete)

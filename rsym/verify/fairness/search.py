@@ -14,10 +14,10 @@ from typing import Any
 from rsym.bounds.balls import arb, ctx
 from rsym.sampling.effort import Effort
 from rsym.verify.covering import PRECISION, extent_of
-from rsym.verify.fairness.bending import Arcs, Bent
+from rsym.verify.fairness.bending import ArcBending, Arcs
 from rsym.verify.fairness.pieces import ArcPiece, divided, narrowed, pieces_of
 from rsym.verify.fairness.report import Peak
-from rsym.verify.fairness.zeros import Settled, Zero, settle
+from rsym.verify.fairness.zeros import CurvatureZero, Settled, settle
 from rsym.verify.local import Box, Model
 
 SMALLEST = 2.0**-24  # of the extent: pieces so narrow are not divided
@@ -29,7 +29,7 @@ VARIATION = 1e-3
 class Found:
     """The pieces with their curvatures, what is settled of their zeros, and boxes of which nothing is known."""
 
-    done: list[tuple[Bent, Settled]] = field(default_factory=list)
+    done: list[tuple[ArcBending, Settled]] = field(default_factory=list)
     lost: list[Box] = field(default_factory=list)
     examined: int = 0
 
@@ -90,7 +90,7 @@ def _next(model: Model, result: Found, tolerance: float, budget: int, smallest: 
     return [piece for some in parts.values() for piece in some]
 
 
-def _too_wide(done: Sequence[tuple[Bent, Settled]], tolerance: float) -> list[bool]:
+def _too_wide(done: Sequence[tuple[ArcBending, Settled]], tolerance: float) -> list[bool]:
     """Which pieces have a bound that exceeds what is attained by more than the tolerance."""
     result = [False] * len(done)
     for number in range(len(done[0][0].curvatures) if done else 0):
@@ -107,7 +107,7 @@ def _too_wide(done: Sequence[tuple[Bent, Settled]], tolerance: float) -> list[bo
     return result
 
 
-def peaks(done: Sequence[tuple[Bent, Settled]], number: int) -> tuple[Peak, Peak, Peak]:
+def peaks(done: Sequence[tuple[ArcBending, Settled]], number: int) -> tuple[Peak, Peak, Peak]:
     """The least and the greatest value of a curvature, and the greatest size of its derivative along the arc."""
     values = [bent.curvatures[number].value for bent, _ in done]
     slopes = [abs(bent.curvatures[number].first) for bent, _ in done]
@@ -131,9 +131,9 @@ def _peak(bound: float, best: tuple[arb, Sequence[arb] | None] | None) -> Peak:
     return Peak(bound, float(best[0].mid()), tuple(float(ball.mid()) for ball in best[1]))
 
 
-def distinct(zeros: Iterable[Zero]) -> list[Zero]:
+def distinct(zeros: Iterable[CurvatureZero]) -> list[CurvatureZero]:
     """Neighbouring pieces may find the same zero; of one that is proved here and doubted there the doubt stays."""
-    result: list[Zero] = []
+    result: list[CurvatureZero] = []
     for zero in sorted(zeros, key=lambda zero: zero.proved):
         same = (
             other.number == zero.number

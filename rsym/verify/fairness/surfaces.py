@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 QUANTITIES = ("smaller principal curvature", "larger principal curvature", "mean curvature")
 
 
-class Surface:
+class CurvedSurface:
     """The surface omega = 0 with what bends it, at any points near it."""
 
     def __init__(self, model: Model) -> None:
@@ -42,15 +42,15 @@ class Surface:
         self._function = make_function(expand(program), "numpy", FLOAT64)
         self._letters = [float(model.letters[name][0]) for name in program.letters]
 
-    def __call__(self, points: Floats) -> Bent:
+    def __call__(self, points: Floats) -> SurfaceBending:
         """What is known at points (n, 3)."""
         out = np.empty((len(self._places), len(points)))
         with np.errstate(all="ignore"):
             run_in_blocks(self._function, list(points.T), self._letters, out, 1)
-            return Bent(dict(zip(self._places, out, strict=True)), len(points))
+            return SurfaceBending(dict(zip(self._places, out, strict=True)), len(points))
 
 
-class Bent:
+class SurfaceBending:
     """Offset from the surface, normal, the three `QUANTITIES` (n, 3) and their gradients along it (n, 3, 3)."""
 
     def __init__(self, partials: dict[tuple[int, ...], Floats], count: int) -> None:

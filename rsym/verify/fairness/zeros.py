@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from rsym.bounds.balls import arb, ctx
 from rsym.verify.borders import is_within
-from rsym.verify.fairness.bending import Arcs, Bent, Enclosed
+from rsym.verify.fairness.bending import ArcBending, Arcs, BendingBalls
 from rsym.verify.fairness.pieces import GROWN, POINT_BITS, ArcPiece, goes_on, grown, point_above
 from rsym.verify.joints import PRECISE, Arc, locate
 from rsym.verify.local import Box, Model, side
@@ -20,7 +20,7 @@ ZERO = 2.0**-80  # a ball of `POINT_BITS` around 0 narrower than this is called 
 
 
 @dataclass(frozen=True)
-class Zero:
+class CurvatureZero:
     """A zero of the first derivative of a curvature, kind "maximum" or "minimum", or of it, kind "inflection".
 
     `number` says of which curvature; `value` and `place` are balls. `flat`: the curvature vanishes at its extremum,
@@ -44,14 +44,14 @@ class Zero:
 class Settled:
     """What is known of the zeros on a piece: those located, and what stays open or looks constant, unproved."""
 
-    zeros: tuple[Zero, ...] = ()
+    zeros: tuple[CurvatureZero, ...] = ()
     open: bool = False
     alike: bool = False
 
 
-def settle(arcs: Arcs, bent: Bent) -> Settled:
+def settle(arcs: Arcs, bent: ArcBending) -> Settled:
     """The zeros of all curvatures of a piece and of their derivatives."""
-    zeros: list[Zero] = []
+    zeros: list[CurvatureZero] = []
     is_open = alike = False
     constant = arcs.constant(bent.piece.arc.function)
     for number, enclosed in enumerate(bent.curvatures):
@@ -67,7 +67,7 @@ def settle(arcs: Arcs, bent: Bent) -> Settled:
     return Settled(tuple(zeros), is_open, alike)
 
 
-def _extremum(arcs: Arcs, bent: Bent, number: int, enclosed: Enclosed) -> tuple[Zero, ...] | None:
+def _extremum(arcs: Arcs, bent: ArcBending, number: int, enclosed: BendingBalls) -> tuple[CurvatureZero, ...] | None:
     """The extremum on the piece, if there is one; None where that stays open."""
     if not enclosed.first.contains(0):
         return ()
@@ -83,12 +83,12 @@ def _extremum(arcs: Arcs, bent: Bent, number: int, enclosed: Enclosed) -> tuple[
         flat = _is_zero(there.value)
         proved = flat and vanishes_with(at, (bent.piece.arc.function, quantity.first), quantity.value)
     kind = "maximum" if there.second < 0 else "minimum"
-    return (Zero(number, kind, found, there.value, flat, proved),)
+    return (CurvatureZero(number, kind, found, there.value, flat, proved),)
 
 
 def _inflection(
-    arcs: Arcs, bent: Bent, number: int, enclosed: Enclosed, extremum: tuple[Zero, ...] | None
-) -> tuple[Zero, ...] | None:
+    arcs: Arcs, bent: ArcBending, number: int, enclosed: BendingBalls, extremum: tuple[CurvatureZero, ...] | None
+) -> tuple[CurvatureZero, ...] | None:
     """The change of sign on the piece, if there is one; None where that stays open."""
     if not enclosed.value.contains(0):
         return ()
@@ -101,7 +101,7 @@ def _inflection(
     found = _located(arcs.model, bent.piece, arcs.quantities(bent.piece.arc.function)[number].value)
     if not found:
         return None if found is None else ()
-    return (Zero(number, "inflection", found, arb(0)),)
+    return (CurvatureZero(number, "inflection", found, arb(0)),)
 
 
 def _located(model: Model, piece: ArcPiece, node: int) -> tuple[arb, ...] | None:
@@ -145,7 +145,7 @@ def _roomy(piece: ArcPiece) -> Box:
     return grown(grown(box, 0, GROWN), 1, GROWN)
 
 
-def _looks_constant(arcs: Arcs, bent: Bent, number: int) -> bool:
+def _looks_constant(arcs: Arcs, bent: ArcBending, number: int) -> bool:
     """Whether the derivative vanishes to the working precision at two points of the piece."""
     piece = bent.piece
     if not bent.at or piece.free is None or not _is_zero(bent.at[number].first):

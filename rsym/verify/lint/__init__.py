@@ -1,1 +1,16 @@
-"""What keeps a shape from being normalised, and other faults of its formula, each with its remedy."""
+"""What keeps a shape from being normalised, and other faults of its formula, each with its remedy.
+
+In comes a shape; out goes a `LintReport` of findings, each with its formula, part, definition and line in the model.
+
+linting.py          the call, and the words for slopes, faces and saturation
+survey.py           the shape, its logic, its leaves and terms at points of its bounds
+logic.py            gates that join leaves
+functions.py        leaves and terms compiled together
+zeros.py            points on their zero sets
+slopes.py           gradients on them, and what to divide by
+sheets.py           faces that two operands share
+saturation.py       terms that are nearly constant
+letter_findings.py  letters whose values or ranges the formula does not bear
+places.py           where a formula stands in its model
+report.py           what it answers
+"""

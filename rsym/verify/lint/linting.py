@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,12 +11,11 @@ from rsym.errors import RsymError
 from rsym.model.nodes import without_zeros
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.verify.lint.faces import face_findings
 from rsym.verify.lint.letter_findings import letter_findings
 from rsym.verify.lint.places import places_of
-from rsym.verify.lint.report import NOT_NORMALISED, SATURATES, Finding, LintReport
+from rsym.verify.lint.report import COINCIDENT, LONE_SHEET, NOT_NORMALISED, SATURATES, ZERO_SHEET, Finding, LintReport
 from rsym.verify.lint.saturation import MUCH, level
-from rsym.verify.lint.sheets import common_faces
+from rsym.verify.lint.sheets import CommonFace, common_faces
 from rsym.verify.lint.slopes import CONSTANT, breaks_normalisation, message_of, remedy_of
 from rsym.verify.lint.survey import Survey, survey_of
 from rsym.verify.lint.zeros import Progress
@@ -152,3 +151,35 @@ def _notes(survey: Survey) -> Iterator[str]:
     for leaf, order in survey.orders.items():
         if not order and not len(survey.slopes(leaf)):
             yield f"no regular zero within the bounds, so nothing is said of {survey.place(leaf)}"
+
+
+# Common faces in words.
+_MESSAGES = {
+    ZERO_SHEET: "the sets that this disjunction joins share a face: omega is zero there, inside the shape",
+    LONE_SHEET: "the sets of this conjunction have only a face in common: a shape without thickness, omega <= 0",
+}
+_REMEDIES = {
+    ZERO_SHEET: "let the sets overlap, or join them before they are cut: build both from one common primitive",
+    LONE_SHEET: "let the sets overlap, or leave the conjunction out",
+    COINCIDENT: "leave one of the two out, move one face off the other, or normalise the result",
+}
+
+
+def face_findings(survey: Survey, faces: Sequence[CommonFace]) -> Iterator[Finding]:
+    """A finding for each common face."""
+    for kind in (COINCIDENT, ZERO_SHEET, LONE_SHEET):
+        for face in faces:
+            if face.kind == kind:
+                point = face.points[len(face.points) // 2]
+                where = dict.fromkeys((survey.places[face.first], survey.places[face.second]))
+                yield Finding(kind, tuple(where), _message(face), _REMEDIES[kind], tuple(point.tolist()))
+
+
+def _message(face: CommonFace) -> str:
+    if face.kind != COINCIDENT:
+        return _MESSAGES[face.kind]
+    word, sign = ("conjunction", "-") if face.conjunction else ("disjunction", "+")
+    return (
+        f"the operands of this {word} are zero on the same face, which loses normalisation: "
+        f"in R_0, f with itself gives (2 {sign} sqrt(2))*f"
+    )

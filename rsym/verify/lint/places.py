@@ -16,14 +16,14 @@ MOST_PIECES = 60  # a formula of more is not written out: its text may be expone
 
 
 @dataclass(frozen=True)
-class Place:
+class ModelPlace:
     """A formula of a model: its text, the part that it belongs to, the definition that writes it, and the line of that.
 
     What there is not is empty, or line 0; a letter is its own definition.
 
     Examples
     --------
-    >>> str(Place("z - h5", "side windows", "fo1"))
+    >>> str(ModelPlace("z - h5", "side windows", "fo1"))
     'side windows, fo1: z - h5'
     """
 
@@ -38,7 +38,7 @@ class Place:
         return f"{line}{names}: {self.formula}" if names else self.formula
 
 
-def places_of(shape: Shape, wanted: Sequence[sp.Expr]) -> tuple[Place, ...]:
+def places_of(shape: Shape, wanted: Sequence[sp.Expr]) -> tuple[ModelPlace, ...]:
     """Where each formula, or its negation, stands in a shape: the smallest part and the first definition with it.
 
     Examples
@@ -55,7 +55,8 @@ def places_of(shape: Shape, wanted: Sequence[sp.Expr]) -> tuple[Place, ...]:
     parts = _smallest(wanted, shape.parts)
     definitions = _first(wanted, [(set(postorder(value)), symbol.name) for symbol, value in resolved.items()])
     return tuple(
-        Place(shortened(one), *names) for one, names in zip(wanted, zip(parts, definitions, strict=True), strict=True)
+        ModelPlace(shortened(one), *names)
+        for one, names in zip(wanted, zip(parts, definitions, strict=True), strict=True)
     )
 
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from html import escape
 
-from rsym.reports.render import plain
+from rsym.reports.document import Document, Entry, Sentence
+from rsym.reports.numbers import SHORT, point
+from rsym.reports.render import Report
 from rsym.reports.words import plural
-from rsym.verify.lint.places import Place
-
-FORMAT = "rsym-lint-report"
-VERSION = 1
+from rsym.verify.lint.places import ModelPlace
 
 NOT_NORMALISED = "not normalised"
 COINCIDENT = "coincident faces"
@@ -32,14 +29,14 @@ class Finding:
 
     Examples
     --------
-    >>> print(Finding("not normalised", (Place("2*x"),), "|grad| on its zero set is 2, not 1", "divide by 2"))
+    >>> print(Finding("not normalised", (ModelPlace("2*x"),), "|grad| on its zero set is 2, not 1", "divide by 2"))
     not normalised: 2*x
       |grad| on its zero set is 2, not 1
       remedy: divide by 2
     """
 
     kind: str
-    places: tuple[Place, ...]
+    places: tuple[ModelPlace, ...]
     message: str
     remedy: str
     point: tuple[float, ...] = ()
@@ -51,12 +48,12 @@ class Finding:
         return " and ".join(map(str, self.places))
 
     def __str__(self) -> str:
-        at = f"; at ({', '.join(f'{value:.4g}' for value in self.point)})" if self.point else ""
+        at = f"; at {point(self.point, SHORT)}" if self.point else ""
         return f"{self.kind}: {self.where}\n  {self.message}{at}\n  remedy: {self.remedy}"
 
 
 @dataclass(frozen=True)
-class LintReport:
+class LintReport(Report):
     """The findings of `rsym.lint`, in the order of `KINDS`.
 
     findings : what was found; notes : what could not be looked at; leaves : how many leaves the shape has;
@@ -88,44 +85,29 @@ class LintReport:
         """The findings of one kind."""
         return tuple(finding for finding in self.findings if finding.kind == kind)
 
-    def __str__(self) -> str:
-        lines = [f"{number}. {finding}" for number, finding in enumerate(self.findings, 1)]
-        return "\n".join([self._headline(), *lines, *(f"Note: {note}." for note in self.notes)])
-
-    def _headline(self) -> str:
-        of = f"in {plural(self.leaves, 'leaf', 'leaves')}"
-        return f"{plural(len(self.findings), 'finding')} {of}." if self.findings else f"Clean: no finding {of}."
-
-    def to_json(self) -> str:
-        """The report for programs: JSON with stable keys, null where there is no number."""
-        record = {
-            "format": FORMAT,
-            "version": VERSION,
+    def document(self) -> Document:
+        """All that the lint says."""
+        entries = [
+            Entry(str(one), False, (one.kind, one.where, one.message, one.remedy), defect=True) for one in self.findings
+        ]
+        data = {
             "clean": self.clean,
             "leaves": self.leaves,
-            "bounds": plain(self.bounds),
-            "letters": {name: plain(value) for name, value in self.letters.items()},
-            "findings": [
-                {
-                    "kind": finding.kind,
-                    "places": [vars(place) for place in finding.places],
-                    "message": finding.message,
-                    "remedy": finding.remedy,
-                    "point": plain(finding.point),
-                    "range": plain(finding.range),
-                }
-                for finding in self.findings
-            ],
-            "notes": list(self.notes),
+            "bounds": self.bounds,
+            "letters": self.letters,
+            "findings": self.findings,
+            "notes": self.notes,
         }
-        return json.dumps(record, indent=2, allow_nan=False)
-
-    def _repr_html_(self) -> str:
-        head = "".join(f"<th>{name}</th>" for name in ("", "kind", "place", "what", "remedy"))
-        rows = "".join(_row(number, finding) for number, finding in enumerate(self.findings, 1))
-        table = f"<table><tr>{head}</tr>{rows}</table>" if self.findings else ""
-        notes = "".join(f'<p style="font-size: smaller">{escape(note)}.</p>' for note in self.notes)
-        return f"<div><p><b>{escape(self._headline())}</b></p>{table}{notes}</div>"
+        of = f"in {plural(self.leaves, 'leaf', 'leaves')}."
+        found = f"{plural(len(self.findings), 'finding')} {of}" if self.findings else f"Clean: no finding {of}"
+        return Document(
+            "lint-report",
+            Sentence(found, False),
+            entries=tuple(entries),
+            columns=("kind", "place", "what", "remedy"),
+            remarks=tuple(Sentence(f"Note: {note}.", False) for note in self.notes),
+            data=data,
+        )
 
 
 def located(report: LintReport, lines: Mapping[str, int]) -> LintReport:
@@ -133,19 +115,13 @@ def located(report: LintReport, lines: Mapping[str, int]) -> LintReport:
 
     Examples
     --------
-    >>> report = LintReport((Finding("saturates", (Place("f", "", "g"),), "flat", "no"),), 1, ((0, 1), (0, 1)), {})
+    >>> report = LintReport((Finding("saturates", (ModelPlace("f", "", "g"),), "flat", "no"),), 1, ((0, 1), (0, 1)), {})
     >>> located(report, {"g": 7}).findings[0].where
     'line 7, g: f'
     """
 
-    def found(place: Place) -> Place:
+    def found(place: ModelPlace) -> ModelPlace:
         return replace(place, line=lines.get(place.definition, 0))
 
     findings = (replace(one, places=tuple(map(found, one.places))) for one in report.findings)
     return replace(report, findings=tuple(findings))
-
-
-def _row(number: int, finding: Finding) -> str:
-    texts = (str(number), finding.kind, finding.where, finding.message, finding.remedy)
-    cells = "".join(f'<td style="text-align: left">{escape(text)}</td>' for text in texts)
-    return f"<tr>{cells}</tr>"

@@ -14,7 +14,7 @@ from rsym.model.shape import Shape
 from rsym.sampling.extent import bounds_or_extent
 from rsym.verify.lint.functions import Array, Functions, functions_of
 from rsym.verify.lint.logic import Logic, logic_of
-from rsym.verify.lint.places import Place, places_of
+from rsym.verify.lint.places import ModelPlace, places_of
 from rsym.verify.lint.saturation import terms_of
 from rsym.verify.lint.slopes import logical_parts
 from rsym.verify.lint.zeros import SCATTERED, Box, Progress, Zeros, diagonal, scattered, zeros_of
@@ -38,7 +38,7 @@ class Survey:
     operations: tuple[sp.Expr, ...]
     orders: dict[sp.Expr, Order]
     expressions: tuple[sp.Expr, ...]
-    places: tuple[Place, ...]
+    places: tuple[ModelPlace, ...]
     functions: Functions
     cloud: Array
     zeros: Zeros
@@ -59,7 +59,7 @@ class Survey:
         groups = (self.logic.leaves, tuple(self.orders))
         return next((leaves for leaves in groups if expression in leaves), ())
 
-    def place(self, expression: sp.Expr) -> Place:
+    def place(self, expression: sp.Expr) -> ModelPlace:
         """Where an expression stands in the model."""
         return self.places[self.expressions.index(expression)]
 

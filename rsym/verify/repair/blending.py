@@ -18,8 +18,8 @@ from rsym.model.systems import R0
 from rsym.verify.repair.anatomy import Anatomy, Culprit, Point, Verdict, anatomy, troubles
 from rsym.verify.repair.moves import (
     ROUNDS,
-    Family,
     Move,
+    MoveFamily,
     Operation,
     Request,
     changed,
@@ -62,9 +62,9 @@ class RhoBlend(Move):
 
     name = "rho"
 
-    def families(self, request: Request) -> list[Family]:
+    def families(self, request: Request) -> list[MoveFamily]:
         """One family: all edges among the defects."""
-        return [Family(self.name, "cubic rho-blends at the edges", request.scale(), rho_blended, ROUNDS, rounded)]
+        return [MoveFamily(self.name, "cubic rho-blends at the edges", request.scale(), rho_blended, ROUNDS, rounded)]
 
 
 class PaskoBlend(Move):
@@ -75,9 +75,11 @@ class PaskoBlend(Move):
 
     name = "pasko"
 
-    def families(self, request: Request) -> list[Family]:
+    def families(self, request: Request) -> list[MoveFamily]:
         """One family: all edges among the defects."""
-        return [Family(self.name, "displacement blends at the edges", request.scale(), pasko_blended, ROUNDS, rounded)]
+        return [
+            MoveFamily(self.name, "displacement blends at the edges", request.scale(), pasko_blended, ROUNDS, rounded)
+        ]
 
 
 def rho_blended(shape: Shape, report: Verdict, size: Fraction) -> tuple[Shape, str] | None:

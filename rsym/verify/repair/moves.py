@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 from fractions import Fraction
@@ -11,9 +11,10 @@ from typing import TypeAlias
 
 import sympy as sp
 
+from rsym.model.letters import Letter
 from rsym.model.rnodes import ROperation
 from rsym.model.shape import Shape
-from rsym.model.traversal import postorder, with_arguments
+from rsym.model.traversal import postorder, symbols_of, with_arguments
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.repair.anatomy import Verdict
 
@@ -29,7 +30,7 @@ ROUNDS = 4  # a change may uncover what lay hidden, max(|x| - 1, 0) the |x|
 
 
 @dataclass(frozen=True)
-class Family:
+class MoveFamily:
     """One way to change a shape, by more and more.
 
     Attributes
@@ -88,7 +89,7 @@ class Move(ABC):
     Examples
     --------
     >>> import rsym
-    >>> from rsym.verify.repair.registry import MOVES
+    >>> from rsym.verify.repair.repairing import MOVES
     >>> sorted(MOVES)
     ['letter', 'pasko', 'rho', 'round']
     """
@@ -96,7 +97,7 @@ class Move(ABC):
     name: str
 
     @abstractmethod
-    def families(self, request: Request) -> list[Family]:
+    def families(self, request: Request) -> list[MoveFamily]:
         """The ways in which this move may change a shape."""
 
 
@@ -156,3 +157,56 @@ def name_of(shape: Shape, part: sp.Expr, longest: int = 40) -> str:
 def number_text(value: Fraction) -> str:
     """A short number as a decimal."""
     return f"{float(value):.12g}"
+
+
+# The move "letter": a letter goes to the nearest value that certifies.
+# Shares of the way from a letter's value to the end of its range, of which the smallest that helps is narrowed down.
+WAY = (Fraction(1, 64), Fraction(1, 32), Fraction(1, 16), Fraction(1, 8), Fraction(1, 4), Fraction(1, 2), Fraction(1))
+
+
+class LetterMove(Move):
+    """One letter is moved, up or down, within its range (half to twice its value if it has none)."""
+
+    name = "letter"
+
+    def families(self, request: Request) -> list[MoveFamily]:
+        """Two for each letter that is in the expression."""
+        return list(_families(self.name, request))
+
+
+def _families(move: str, request: Request) -> Iterator[MoveFamily]:
+    shape = request.shape
+    used = {symbol.name for symbol in symbols_of(shape.expression)}
+    for name, letter in shape.letters.items():
+        if name not in used or (request.vary is not None and name not in request.vary):
+            continue
+        value = Fraction(letter.default)
+        for end, sign, word in zip(ends(letter), (-1, 1), ("down", "up"), strict=True):
+            room = abs(end - value)
+            if room > 0:
+                sizes = tuple(room * share for share in WAY)
+                what = f"{name} from {number_text(value)} {word} to {number_text(end)}"
+                yield MoveFamily(move, what, sizes, _to(name, value, sign), unit=abs(value) or room)
+
+
+def ends(letter: Letter) -> tuple[Fraction, Fraction]:
+    """The range of a letter; where it is open, half and twice its value.
+
+    Examples
+    --------
+    >>> ends(Letter(4, minimum=1))
+    (Fraction(1, 1), Fraction(8, 1))
+    """
+    value = Fraction(letter.default)
+    half, double = sorted((value / 2, value * 2))
+    low = half if letter.minimum is None else Fraction(letter.minimum)
+    high = double if letter.maximum is None else Fraction(letter.maximum)
+    return min(low, value), max(high, value)
+
+
+def _to(name: str, value: Fraction, sign: int) -> Step:
+    def step(shape: Shape, _: Verdict, size: Fraction) -> tuple[Shape, str]:
+        new = value + sign * size
+        return shape.with_letters({name: new}), f"{name} from {number_text(value)} to {number_text(new)}"
+
+    return step

@@ -10,7 +10,7 @@ import numpy as np
 from rsym.backends.kernel import compile as compile_shape
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
-from rsym.reports.numbers import at_most
+from rsym.reports.numbers import at_most, number
 from rsym.sampling.boundaries import Boundary, boundary, distance
 from rsym.sampling.distances import distance_to_mesh
 from rsym.sampling.lattice import bounds_of
@@ -57,19 +57,19 @@ class Price:
     dimension: int
 
     def __str__(self) -> str:
-        return ", ".join(price_words(self))
+        return ", ".join(self.words)
 
-
-def price_words(price: Price) -> tuple[str, str, str, str]:
-    """Distance, volume, curvature and normalisation in words."""
-    what = "area" if price.dimension == 2 else "volume"
-    normalised = {"none": "not normalised before or after"}.get(price.normalisation, "")
-    return (
-        "nothing to measure from" if math.isinf(price.distance) else f"moved by up to {price.distance:.3g}",
-        f"{what} unknown" if math.isnan(price.volume) else f"{what} {100 * price.volume:+.2g} %",
-        f"curvature at most {at_most(price.curvature_bound)}",
-        normalised or f"normalisation {price.normalisation}",
-    )
+    @property
+    def words(self) -> tuple[str, str, str, str]:
+        """Distance, volume, curvature and normalisation."""
+        what = "area" if self.dimension == 2 else "volume"
+        normalised = {"none": "not normalised before or after"}.get(self.normalisation, "")
+        return (
+            "nothing to measure from" if math.isinf(self.distance) else f"moved by up to {number(self.distance, 3)}",
+            f"{what} unknown" if math.isnan(self.volume) else f"{what} {100 * self.volume:+.2g} %",
+            f"curvature at most {at_most(self.curvature_bound)}",
+            normalised or f"normalisation {self.normalisation}",
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,20 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from types import MappingProxyType
 from typing import Any
 
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.requirements import require_positive, require_shape
 from rsym.model.shape import Shape
+from rsym.model.wording import listing, proposal
 from rsym.sampling.effort import Effort
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
-from rsym.verify.repair.moves import Move, Request
+from rsym.verify.repair.blending import PaskoBlend, RhoBlend
+from rsym.verify.repair.moves import LetterMove, Move, Request
 from rsym.verify.repair.prices import measured, price
-from rsym.verify.repair.registry import chosen_moves
 from rsym.verify.repair.report import Candidate, Rejected, RepairReport
-from rsym.verify.repair.search import Judge, Outcome, outcomes, within
+from rsym.verify.repair.rounding import Round
+from rsym.verify.repair.search import Outcome, RepairJudge, outcomes, within
 from rsym.verify.smoothness import verify_smoothness
 
 NARROWED = 12  # verdicts that narrow a letter down
@@ -104,7 +107,7 @@ def repair(
     chosen = chosen_moves(moves)
     effort = Effort(timeout=timeout)
     before = verify_smoothness(shape, method=method, timeout=timeout, progress=within(progress, 0, 1))
-    judge = Judge(before, curvature, method, progress, effort=effort)
+    judge = RepairJudge(before, curvature, method, progress, effort=effort)
     if not judge.failure(before):
         return RepairReport(shape, before, (), (), needed=False)
     families = [family for move in chosen for family in move.families(Request(shape, before, *request))]
@@ -161,3 +164,30 @@ def _priced(shape: Shape, before: Any, good: list[Outcome], bad: list[Rejected])
         candidates.append(Candidate(one.shape, one.move, one.text, one.report, cost, one.note))
     candidates.sort(key=lambda one: (one.price.distance, one.price.curvature_bound))
     return RepairReport(shape, before, tuple(candidates), tuple(bad))
+
+
+# The moves that are known by name.
+MOVES: Mapping[str, Move] = MappingProxyType(
+    {move.name: move for move in (LetterMove(), Round(), RhoBlend(), PaskoBlend())}
+)
+
+
+def chosen_moves(moves: Sequence[str | Move] | None) -> list[Move]:
+    """The moves that are asked for, by name or as they are; all that are known for None.
+
+    Examples
+    --------
+    >>> [move.name for move in chosen_moves(["round"])]
+    ['round']
+    """
+    names = list(MOVES) if moves is None else moves
+    if isinstance(names, str) or not isinstance(names, Sequence):
+        raise RsymError(f"moves must be a list, got {moves!r}", code="move", remedy=f"such as {list(MOVES)[:2]}")
+    for name in names:
+        if not isinstance(name, Move) and name not in MOVES:
+            raise RsymError(
+                f"no move {name!r}; the moves are: {listing(MOVES)}",
+                code="move",
+                remedy=proposal(name, MOVES, "use one of these, or a Move of your own"),
+            )
+    return [name if isinstance(name, Move) else MOVES[name] for name in names]

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from rsym.model.shape import Shape
+from rsym.reports.document import CERTIFIED, Document, Entry, Sentence
+from rsym.reports.numbers import at_most
+from rsym.reports.render import Report
+from rsym.reports.words import plural
 from rsym.verify.repair.anatomy import Verdict
 from rsym.verify.repair.prices import Price
-from rsym.verify.repair.wording import repair_html, repair_json, repair_text
+
+COLUMNS = ("change", "verdict, proved", "boundary", "content", "curvature, proved", "normalisation", "note, proved")
+NUMERICAL = "Distances, areas, volumes and normalisation are numerical, verdicts and bounds of curvature proved."
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +47,27 @@ class Candidate:
     def __repr__(self) -> str:
         return f"<Candidate: {self.change}>"
 
+    def entry(self) -> Entry:
+        """The candidate in a report."""
+        note = f" Proved: {self.note}." if self.note else ""
+        verdict = f"CERTIFIED, {self.report.continuity}"
+        row = self.change, verdict, *self.price.words, self.note
+        return Entry(f"{self.change}: {verdict}; {self.price}.{note}", True, row)
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """What programs read of it."""
+        return {
+            "move": self.move,
+            "change": self.change,
+            "verdict": self.report.verdict,
+            "continuity": self.report.continuity,
+            "expression": str(self.shape.expression),
+            "letters": {name: float(letter.default) for name, letter in self.shape.letters.items()},
+            "price": self.price,
+            "note": self.note,
+        }
+
 
 @dataclass(frozen=True)
 class Rejected:
@@ -51,7 +79,7 @@ class Rejected:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RepairReport:
+class RepairReport(Report):
     """Candidates for the repair of a shape, those that move the boundary least first. The shape itself is not changed.
 
     Attributes
@@ -71,6 +99,9 @@ class RepairReport:
     --------
     >>> import rsym
     >>> from rsym import x, y
+    >>> disc = rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-2, 2), (-2, 2)))
+    >>> print(rsym.repair(disc))
+    CERTIFIED, analytic, as it is: nothing to repair.
     >>> roof = rsym.Shape(1 - abs(x) - y, (x, y), bounds=((-2, 2), (-2, 2)))
     >>> report = rsym.repair(roof, moves=["round"], radius=0.1)
     >>> report.candidates
@@ -83,15 +114,37 @@ class RepairReport:
     rejected: tuple[Rejected, ...]
     needed: bool = True
 
-    def __str__(self) -> str:
-        return repair_text(self)
-
     def __repr__(self) -> str:
         return f"<RepairReport of a shape {self.before.verdict}: {len(self.candidates)} candidates>"
 
-    def to_json(self) -> str:
-        """The report for programs: JSON with stable keys, null where a number is unknown."""
-        return repair_json(self)
+    def document(self) -> Document:
+        """All that the report says: the candidates, the smallest change first, and what was rejected."""
+        entries = [one.entry() for one in self.candidates]
+        entries += [Entry(f"{one.change}: {one.reason}", False, label="rejected:") for one in self.rejected]
+        return Document(
+            "repair-report",
+            Sentence(self._headline(), True),
+            self.before.verdict,
+            self.before.continuity,
+            entries=tuple(entries),
+            columns=COLUMNS,
+            remarks=(Sentence(NUMERICAL, True),) if self.candidates else (),
+            data={
+                "before": {"verdict": self.before.verdict, "continuity": self.before.continuity},
+                "needed": self.needed,
+                "candidates": [one.data for one in self.candidates],
+                "rejected": self.rejected,
+            },
+        )
 
-    def _repr_html_(self) -> str:
-        return repair_html(self)
+    def _headline(self) -> str:
+        before = self.before
+        if not self.needed:
+            return f"CERTIFIED, {before.continuity}, as it is: nothing to repair."
+        lack = f"with {plural(len(before.defects), 'defect')}"
+        if before.verdict == CERTIFIED:
+            lack = f"its curvature only bounded by {at_most(before.curvature_bound)}"
+        found = f"{before.verdict}, {before.continuity}, {lack}"
+        if not self.candidates:
+            return f"{found}; no candidate was found."
+        return f"{found}; {plural(len(self.candidates), 'certified candidate')}, the least moved first."

@@ -14,8 +14,8 @@ from rsym.model.shape import Shape
 from rsym.verify.repair.anatomy import Anatomy, Culprit, Verdict, anatomy, troubles
 from rsym.verify.repair.moves import (
     ROUNDS,
-    Family,
     Move,
+    MoveFamily,
     Operation,
     Request,
     changed,
@@ -36,9 +36,9 @@ class Round(Move):
 
     name = "round"
 
-    def families(self, request: Request) -> list[Family]:
+    def families(self, request: Request) -> list[MoveFamily]:
         """One family: all roots that vanish at the defects."""
-        return [Family(self.name, "rounding of roots", request.scale(), rounded, ROUNDS)]
+        return [MoveFamily(self.name, "rounding of roots", request.scale(), rounded, ROUNDS)]
 
 
 def rounded(shape: Shape, report: Verdict, size: Fraction) -> tuple[Shape, str] | None:

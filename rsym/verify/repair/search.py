@@ -14,7 +14,7 @@ from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress, report
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.repair.anatomy import Verdict
-from rsym.verify.repair.moves import Family, short
+from rsym.verify.repair.moves import MoveFamily, short
 from rsym.verify.smoothness import verdict_of, verify_smoothness
 
 GENTLER = 10  # the second size that is offered is at least so many times the first
@@ -36,7 +36,7 @@ class Outcome:
 
 
 @dataclass
-class Judge:
+class RepairJudge:
     """Asks for verdicts, counts them, and says whether they are good enough."""
 
     before: Verdict
@@ -100,7 +100,7 @@ def within(progress: Progress | None, done: int, total: int) -> Progress | None:
     return None if progress is None else lambda *_: progress(done, total)
 
 
-def outcomes(family: Family, shape: Shape, judge: Judge, tolerance: float) -> list[Outcome]:
+def outcomes(family: MoveFamily, shape: Shape, judge: RepairJudge, tolerance: float) -> list[Outcome]:
     """The smallest changes of a family that are good enough; else one outcome that says why there are none."""
     tried: list[Outcome] = []
     for position, size in enumerate(family.sizes):
@@ -121,7 +121,7 @@ def outcomes(family: Family, shape: Shape, judge: Judge, tolerance: float) -> li
     return [Outcome(family.move, family.what, shape, last.report, f"{len(tried)} tried, the last {last.failure}")]
 
 
-def attempt(family: Family, shape: Shape, size: Fraction, judge: Judge) -> Outcome | None:
+def attempt(family: MoveFamily, shape: Shape, size: Fraction, judge: RepairJudge) -> Outcome | None:
     """A change of this size, applied until it helps; None if there is nothing to change."""
     verdict: Verdict | None = judge.before
     current, words, failure = shape, list[str](), ""
@@ -144,7 +144,7 @@ def attempt(family: Family, shape: Shape, size: Fraction, judge: Judge) -> Outco
     return Outcome(family.move, "; then ".join(words), current, verdict, failure) if words or failure else None
 
 
-def _gentler(family: Family, shape: Shape, position: int, judge: Judge) -> list[Outcome]:
+def _gentler(family: MoveFamily, shape: Shape, position: int, judge: RepairJudge) -> list[Outcome]:
     """A much larger size that is good too, the smallest tried."""
     first = family.sizes[position]
     for size in family.sizes[position + 1 :]:
@@ -156,7 +156,7 @@ def _gentler(family: Family, shape: Shape, position: int, judge: Judge) -> list[
 
 
 def _narrowed(
-    family: Family, shape: Shape, bracket: tuple[Fraction, Fraction], judge: Judge, tolerance: float
+    family: MoveFamily, shape: Shape, bracket: tuple[Fraction, Fraction], judge: RepairJudge, tolerance: float
 ) -> Outcome:
     """The smallest good size within the tolerance, in few digits, and what is known of a smaller one."""
     assert family.unit is not None
