@@ -84,6 +84,7 @@ def test_plane_curvature_is_the_bending_of_the_level_line(expression):
         assert_close(found["curvature"], expected, atol=1e-11)
 
 
+@pytest.mark.slow
 def test_plane_curvature_in_closed_form_keeps_r_nodes_and_is_minus_the_divergence_of_the_normal():
     closed = rsym.curvature(Shape(ROUNDED, (x, y)))
     assert closed.has(type(conjunction(x, y)))
@@ -145,6 +146,7 @@ NAMED = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", NAMED)
 def test_principal_curvatures_at_named_points(name):
     shape, point, expected = NAMED[name]
@@ -200,6 +202,7 @@ def test_directions_are_eigenvectors_wherever_the_normal_points():
     check_directions(REVOLVED, np.array([[1.0, 1.0, s] for s in (0.0, -0.0, 1e-300, -1e-300, 1e-12, -1e-12)]))
 
 
+@pytest.mark.slow
 def test_principal_curvatures_of_r_nodes_are_the_bending_along_the_principal_directions():
     expression = conjunction(1 - x**2 - y**2, z + x / 2, 1 - z) - sp.Rational(1, 10)
     point = [0.3, 0.2, 0.4]
@@ -212,6 +215,7 @@ def test_principal_curvatures_of_r_nodes_are_the_bending_along_the_principal_dir
     assert_close(exactly(closed, *point), found["principal_curvatures"], atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("expression", [ELLIPSOID.expression, TRIMMED])
 def test_both_backends_give_the_same_bits_and_plain_sympy_the_same_values(expression):
     shape = Shape(expression, (x, y, z))

@@ -20,6 +20,7 @@ def test_against_sympy_on_smooth_functions():
         assert abs((ours - theirs).subs({x: sp.Rational(17, 10), y: sp.Rational(2, 5)}).evalf(30)) < 1e-20
 
 
+@pytest.mark.slow
 def test_the_hessian_is_that_of_the_square_roots():
     shape = Shape(conjunction(x - 1, trimming(y, x)), (x, y))
     ours = rsym.hessian(shape)

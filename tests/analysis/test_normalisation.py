@@ -104,6 +104,7 @@ def along(function, point, normal):
 CASES = [(name, order) for name in (*PLANE, *SPACE) for order in (1, 2, 3) if (name, order) != ("skeleton", 3)]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("keep_sign", [False, True])
 @pytest.mark.parametrize(("name", "order"), CASES)
 def test_the_derivatives_along_the_normal(name, order, keep_sign):
@@ -134,6 +135,7 @@ def test_the_second_order_needs_the_derivatives_of_the_tensor_alone():
 ANGLES = np.linspace(0.1, 6.2, 40)
 
 
+@pytest.mark.slow
 def test_minus_the_laplacian_of_order_2_is_the_curvature():
     cosine, sine = np.cos(ANGLES), np.sin(ANGLES)
     for order in (2, 3):
@@ -153,6 +155,7 @@ def test_minus_the_laplacian_of_order_2_is_twice_the_mean_curvature():
     assert_close(-found, (14 - (points**2).sum(axis=0)) / (36 * weight**1.5), rtol=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_the_closed_form_is_the_field(order):
     shape = Shape(ELLIPSE - x * y / 2, (x, y))
@@ -166,6 +169,7 @@ def test_the_closed_form_is_the_field(order):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_a_length_makes_it_covariant_to_scale(order):
     small, large = Shape(ELLIPSE, (x, y)), Shape(ELLIPSE.subs({x: x / 10, y: y / 10}, simultaneous=True), (x, y))
@@ -205,6 +209,7 @@ def over_a_grid(shape, half, count=401):
     return np.meshgrid(*lines)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", CORNERED)
 def test_the_sign_of_omega_is_kept(name):
     shape, half = CORNERED[name]
@@ -287,6 +292,7 @@ CORNERS = {
 VALUES = ("normalised", "normalised_2", "normalised_2_keep_sign")
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("name", "backend"), [*((name, "numpy") for name in CORNERS), ("square", "llvm"), ("square", "lambdify")]
 )
@@ -322,6 +328,7 @@ def test_where_omega_itself_jumps_what_is_normalised_is_not_0():
 BOXES = [[[1, 1], [1, 1]], [[0.9, 1], [1, 1.1]], [[-2, 2], [-2, 2]], [[1, 1], [0.5, 0.75]]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["interval", "ball"])
 def test_bounds_around_a_corner_hold_its_value(backend):
     unit = rsym.normalise(SQUARE, order=2)
@@ -333,6 +340,7 @@ def test_bounds_around_a_corner_hold_its_value(backend):
         assert (rsym.enclose(SQUARE, BOXES[:1], VALUES, backend="ball")["normalised_2"] == 0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("field", ["normalised", "normalised_2", "normalised_3", "normalised_2_keep_sign"])
 def test_the_gradient_of_what_is_normalised_is_that_of_the_closed_form(field):
     order = int(field.split("_")[1]) if "_" in field else 1
@@ -345,6 +353,7 @@ def test_the_gradient_of_what_is_normalised_is_that_of_the_closed_form(field):
     assert_close(found[f"{field}_gradient_squared"], (expected**2).sum(axis=-1), rtol=1e-8, atol=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["square", "an L with a hole"])
 def test_the_sign_is_kept_to_order_3(name):
     shape, half = CORNERED[name]

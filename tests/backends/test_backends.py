@@ -112,6 +112,7 @@ def test_an_operation_in_float32(operation, backend):
     assert (np.abs(got[fair] - expected[fair]) <= 4e-7 * np.abs(expected[fair]) + 1e-45).all()
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("letter", [False, True])
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(("operation", "parameter"), PARAMETRISED)

@@ -6,6 +6,7 @@ import pytest
 import sympy as sp
 from hypothesis import given, settings
 from oracles.closeness import assert_close
+from oracles.tiers import examples
 from oracles.trees import trees
 
 import rsym
@@ -42,6 +43,7 @@ def test_letters_change_the_result_and_never_recompile():
     assert len(kernel_module._CACHE) == count
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 @pytest.mark.parametrize("backend", ["numpy", "llvm"])
 def test_the_same_bits_for_any_threads_blocks_and_neighbours(backend, dtype, monkeypatch):
@@ -69,13 +71,15 @@ def shares_of_the_largest_node(shape, points):
     return np.abs(kernel(*points)["value"] - nodes[-1]) / largest
 
 
+@pytest.mark.slow
 def test_the_error_of_float32_on_the_car():
     car = rsym.paper.car()
     points = [np.random.default_rng(5).uniform(*side, 50_000).astype(np.float32) for side in car.bounds]
     assert shares_of_the_largest_node(car, points).max() <= 2.0**-24
 
 
-@settings(max_examples=60, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=examples(60), deadline=None)
 @given(tree=trees())
 def test_the_error_of_float32_on_random_trees(tree):
     points = np.random.default_rng(6).uniform(-1.5, 1.5, (3, 300)).astype(np.float32)

@@ -80,6 +80,7 @@ def errors_in_ulp(operation, arguments, precision=FLOAT64):
     return np.array(errors)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("operation", "case"), [(name, k) for name in TRUTH for k in range(len(ARGUMENTS[name]))])
 def test_against_fifty_digits(operation, case):
     assert errors_in_ulp(operation, ARGUMENTS[operation][case]).max() <= ULPS[operation]
@@ -112,6 +113,7 @@ def test_special_values_and_the_signs_of_zeros(operation):
     assert (np.abs(got - expected) <= 3 * np.spacing(np.abs(expected))).all()
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("precision", [FLOAT64, FLOAT32], ids=["float64", "float32"])
 @pytest.mark.parametrize("operation", TRUTH)
 def test_the_same_bits_beside_any_neighbours(operation, precision):

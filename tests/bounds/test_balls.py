@@ -15,6 +15,7 @@ from flint import arb, ctx
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
+from oracles.tiers import examples
 from oracles.trees import trees, x, y
 
 from rsym.backends.interpreter import interpret
@@ -278,6 +279,7 @@ def candidates(box):
     return [low, high, *beside, *(k * math.pi / 2 for k in peaks)]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("operation", "parameter"), [case for case in CASES if case[0] not in COMPOSED])
 def test_an_image_is_no_wider_than_the_range(operation, parameter):
     """The extremes of every such operation lie at ends and beside zeros, of sine and cosine at their peaks."""
@@ -342,7 +344,7 @@ def tree_violations(rng, nodes, boxes, points):
 
 
 @settings(
-    max_examples=24,
+    max_examples=examples(24),
     deadline=None,
     derandomize=True,
     database=None,
@@ -531,6 +533,7 @@ def test_helpers():
     assert ball(arb(3), arb(-1)).contains(ball(arb(-1), arb(3)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "proof",
     [

@@ -12,6 +12,7 @@ from hypothesis import Phase, given, seed, settings
 from hypothesis import strategies as st
 from oracles import sixty_digits
 from oracles.closeness import assert_close
+from oracles.tiers import examples
 from oracles.trees import trees, x, y, z
 
 import rsym
@@ -93,6 +94,7 @@ def test_the_shared_suite_lies_within_the_bounds(operation, backend):
     assert_within(program, columns, dict(zip(program.coordinates, columns, strict=True)), backend)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(("operation", "parameter"), PARAMETRISED)
 def test_the_shared_suite_with_a_parameter_lies_within_the_bounds(operation, parameter, backend):
@@ -103,6 +105,7 @@ def test_the_shared_suite_with_a_parameter_lies_within_the_bounds(operation, par
     assert_within(program, columns, inputs, backend, [float(parameter)] * letter)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("operation", OPERATION_NAMES)
 def test_containment_of_an_operation(operation):
     program, _ = single(operation)
@@ -111,6 +114,7 @@ def test_containment_of_an_operation(operation):
     assert seen or operation == "undefined"
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("operation", "parameter"), PARAMETRISED)
 def test_containment_of_an_operation_with_a_parameter(operation, parameter):
     """The parameter a number, and any number of an interval around it."""
@@ -138,6 +142,7 @@ LEAVES = (
 SYSTEMS = (R0, R1, RAlpha(sp.Rational(1, 2)), RAlpha(a), R0m(2), Rp(4), Rp(3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fields", [("value",), ("value", "gradient", "hessian")], ids=["values", "derivatives"])
 def test_containment_of_trees(fields):
     """Random R-trees over all systems and leaves, their derivatives, a letter that is a number or an interval."""
@@ -145,7 +150,7 @@ def test_containment_of_trees(fields):
 
     @seed(7)
     @given(trees(SYSTEMS, 4 if len(fields) > 1 else 9, LEAVES), st.integers(0, 2**20))
-    @settings(max_examples=25, deadline=None, database=None, phases=[Phase.generate])
+    @settings(max_examples=examples(25), deadline=None, database=None, phases=[Phase.generate])
     def check(tree, number):
         generator = np.random.default_rng(number)
         shape = rsym.Shape(tree, (x, y, z), letters={a: 1} if tree.has(a) else None)
@@ -183,6 +188,7 @@ MONOTONE = [
 ]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("operation", "parameter"), MONOTONE)
 def test_images_are_exact_where_an_operation_is_monotone(operation, parameter):
     """No wider than the values at corners, zeros and middles by more than 1e-13 of the largest number about."""

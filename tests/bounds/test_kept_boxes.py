@@ -1,6 +1,7 @@
 """The bounds of the sign form discard all cells of the car but those that its surface cuts."""
 
 import numpy as np
+import pytest
 
 import rsym
 from rsym.bounds.intervals import IntervalFunction
@@ -31,6 +32,7 @@ def cut_cells(values):
     return (sum(corners) % 8) > 0
 
 
+@pytest.mark.slow
 def test_no_more_cells_of_the_car_are_kept_than_its_surface_cuts():
     """1.0074 cells for each cell cut, and none of those is lost; 1.0022 at 256 cells along each axis."""
     car = rsym.paper.car()

@@ -46,6 +46,7 @@ def test_a_hundred_thousand_points_lie_within_the_bounds(expression):
         assert (values <= high + slack).all()
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("expression", [SADDLE, TORUS, GYROID, BLEND, ROOTS, KINKS], ids=str)
 @pytest.mark.parametrize("size", [1e-8, 1.0])
 def test_sixty_digits_lie_within_the_bounds(expression, size):

@@ -40,6 +40,7 @@ def model(tmp_path):
     return str(path)
 
 
+@pytest.mark.slow
 def test_fields_of_a_shipped_model(tmp_path, capsys):
     path = tmp_path / "sheet.png"
     assert main(["fields", "skeleton", "-o", str(path), "--resolution", "60", "--set", "a2=6"]) == 0
@@ -47,6 +48,7 @@ def test_fields_of_a_shipped_model(tmp_path, capsys):
     assert "sheet.png" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_section_and_another_format(tmp_path, model):
     path = tmp_path / "sheet.svg"
     assert main(["fields", model, "-o", str(path), "--resolution", "40", "--section", "z=0.5"]) == 0
@@ -163,6 +165,7 @@ def test_a_preset_sets_letters_and_a_single_value_beats_it(tmp_path, model, caps
     assert abs(trimesh.load_mesh(path).extents.max() - 2) < 0.05
 
 
+@pytest.mark.slow
 def test_a_strip_of_small_multiples(tmp_path, model):
     sweep = ["sweep", model, "--letter", "r", "--values", "1,1.5", "--resolution", "24"]
     assert main([*sweep, "-o", str(tmp_path / "bodies.png"), "--shape", "ball"]) == 0
@@ -197,6 +200,7 @@ def test_sections_are_layers_or_a_stack(tmp_path, model):
     assert (tmp_path / "stack.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_a_warning_is_one_line(tmp_path, model, capsys):
     sweep = ["sweep", model, "--letter", "r", "--values", "2.5", "--resolution", "24", "--shape", "ball"]
     assert main([*sweep, "-o", str(tmp_path / "bodies.png")]) == 0
@@ -211,6 +215,7 @@ omega = conjunction(1 - x, 1 + x, 1 - y, 1 + y)
 """
 
 
+@pytest.mark.slow
 def test_the_logic_in_another_system(tmp_path, capsys):
     """In R_0 the half-planes of a square are of order 1, in R_4 of order 3."""
     path = tmp_path / "square.rf"
@@ -235,6 +240,7 @@ def test_a_mesh_is_coloured_by_part(tmp_path, model):
     assert len(trimesh.load_scene(path).geometry) > 1
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -333,6 +339,7 @@ def test_an_interrupt_leaves_nothing(arguments, tmp_path, monkeypatch, capsys):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="pipes of POSIX")
 def test_a_reader_that_leaves():
     reader, writer = os.pipe()

@@ -85,6 +85,7 @@ def test_unknown_fields_are_answered_with_the_nearest():
         rsym.level_lines(rsym.disc(1), field="laplacien")
 
 
+@pytest.mark.slow
 def test_quiet_shows_no_bar_and_no_notice(flat, tmp_path, monkeypatch, capsys):
     shown = []
 

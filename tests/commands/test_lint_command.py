@@ -31,6 +31,7 @@ def test_findings_are_code_1_with_line_and_remedy(model, capsys):
     assert "the divisor a must not be zero" in text
 
 
+@pytest.mark.slow
 def test_a_clean_model_is_code_0(model, capsys):
     assert main(["lint", model, "--shape", "sound"]) == 0
     assert capsys.readouterr().out == "Clean: no finding in 2 leaves.\n"

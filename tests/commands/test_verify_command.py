@@ -90,6 +90,7 @@ def test_a_body_in_space_has_its_verdict(arguments, verdict, code, told, tmp_pat
     assert told in text
 
 
+@pytest.mark.slow
 def test_a_body_has_its_picture_and_its_record(tmp_path, monkeypatch, capsys):
     asked = []
     report = body_reports.box()
@@ -102,6 +103,7 @@ def test_a_body_has_its_picture_and_its_record(tmp_path, monkeypatch, capsys):
     assert picture.stat().st_size > 20_000
 
 
+@pytest.mark.slow
 def test_the_corner_of_the_paper(capsys):
     assert main(["verify", "skeleton"]) == 1
     text = capsys.readouterr().out
@@ -111,6 +113,7 @@ def test_the_corner_of_the_paper(capsys):
     assert "a2 = 6" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_letter_may_be_a_range(capsys):
     assert main(["verify", "skeleton", "--set", "a2=5.32:8", "--set", "p1=40"]) == 0
     assert "for every a2 in [5.32, 8] with a = 5" in capsys.readouterr().out
@@ -134,6 +137,7 @@ def test_the_same_picture_twice(model, tmp_path):
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_threshold_is_a_bracket(model, tmp_path, capsys):
     corner = tmp_path / "corner.rf"
     corner.write_text("letter t = 1 in [0.2, 3]\nbounds x [-2, 2] y [-2, 2]\nomega = rfOR(1 - x^2 - y^2, y - t)")
@@ -161,6 +165,7 @@ def test_normalisation_has_its_own_verdict(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out)["order"] == 2
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "arguments",
     [

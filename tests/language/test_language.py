@@ -11,6 +11,7 @@ import pytest
 import sympy as sp
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from oracles.tiers import examples
 
 import rsym.paper
 from rsym.errors import RsymError
@@ -500,6 +501,7 @@ HOSTILE = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", HOSTILE)
 def test_hostile_texts_are_refused(name):
     text, code = HOSTILE[name]
@@ -513,6 +515,7 @@ def test_algebraic_zeros_are_not_decided():
     assert shape.expression.free_symbols == {x, y}
 
 
+@pytest.mark.slow
 def test_long_flat_formulas_are_read():
     assert formula("+".join(["x"] * 5_000)) == 5_000 * x
     assert formula("*".join(["x"] * 900)) == x**900
@@ -522,6 +525,7 @@ def test_long_flat_formulas_are_read():
     assert set(symbols_of(deep.expression)) == {x, y}
 
 
+@pytest.mark.slow
 def test_conjunctions_written_out_in_roots_are_read():
     lines = [f"f{i + 1} = f{i} + (y - {i}*x) - sqrt(f{i}^2 + (y - {i}*x)^2)" for i in range(9)]
     shape = loads("f0 = x\n" + "\n".join(lines))
@@ -594,7 +598,7 @@ TEXTS = st.one_of(
 )
 
 
-@settings(max_examples=2_000, deadline=1_000, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=examples(2_000), deadline=1_000, suppress_health_check=[HealthCheck.too_slow])
 @given(TEXTS)
 def test_any_text_gives_a_shape_or_an_error_of_ours(text):
     try:
@@ -653,6 +657,7 @@ def points():
     return low + (high - low) * np.random.default_rng(5).random((3, 2_000))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("variant", ["a", "b"])
 def test_the_car_is_the_formula_of_the_figures(points, variant):
     body, wheels = car_oracle(points, variant)
@@ -666,6 +671,7 @@ def test_the_car_is_the_formula_of_the_figures(points, variant):
     np.testing.assert_allclose(with_wheels, disjunction(sides, wheels), rtol=0, atol=1e-12 * scale)
 
 
+@pytest.mark.slow
 def test_the_car_has_what_the_figures_show():
     places = {
         **{"middle": (0, 0, 1), "arch": (5, 7, 1), "corner": (5.9, 15.5, 1), "side window": (5.5, 4, 6)},

@@ -194,6 +194,7 @@ def program(shape):
     return rsym.compile(whole, ("value", "gradient")).program
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("text", "make"), ROWS, ids=[text for text, _ in ROWS])
 def test_a_model_file_and_python_give_the_same_program(text, make):
     loaded, made = rsym.loads(f"{HEAD} omega = {text}"), make()

@@ -7,6 +7,7 @@ import pytest
 import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from oracles.tiers import examples
 
 import rsym
 from rsym import Letter, R0m, RAlpha, Rho, Rp, RsymError, Sardf, Shape, x, y
@@ -39,6 +40,7 @@ def same(shape):
     return text
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", rsym.paper.MODELS)
 def test_every_model_loads_as_it_was(name):
     same(rsym.load(name))
@@ -125,6 +127,7 @@ def _nest(depth):
 MADE = dict(made())
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", MADE)
 def test_shapes_made_in_python_load_as_they_were(name):
     shape = MADE[name]
@@ -157,7 +160,7 @@ def grown(inner):
     )
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=examples(150), deadline=None, derandomize=True)
 @given(st.recursive(ATOMS, grown, max_leaves=12))
 def test_random_formulas_load_as_they_were_or_are_refused(expression):
     try:
@@ -173,6 +176,7 @@ def test_random_formulas_load_as_they_were_or_are_refused(expression):
     assert program_of(rsym.loads(text), ("value",)).digest == program_of(shape, ("value",)).digest
 
 
+@pytest.mark.slow
 def test_few_random_formulas_are_refused():
     """The property above would hold of a writer that refuses all."""
     import random

@@ -18,6 +18,7 @@ def operands():
     return R0.conjunction(x + 1, HALF - y), R0.disjunction(y - 1, -x - z - 1), z - 1 - x * y / 2
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("system", SYSTEMS, ids=str)
 @pytest.mark.parametrize("name", ["conjunction", "disjunction"])
 def test_taken_apart_a_blend_has_the_same_sign(system, name):
@@ -49,6 +50,7 @@ def test_a_letter_that_is_no_radius_is_refused():
         rsym.mesh(body, 24, letters={"rho": -1})
 
 
+@pytest.mark.slow
 def test_edges_of_filleted_bodies_are_exact():
     pipes = [rsym.cylinder(1, 4), rsym.cylinder(1, 4).rotate(sp.pi / 2, x)]
     mesh = rsym.mesh(rsym.fillet(*pipes, sp.Rational(3, 10)), 48)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from hypothesis import given, settings
+from oracles.tiers import examples
 from oracles.trees import trees
 
 import rsym
@@ -26,7 +27,7 @@ def signs_of_omega(shape):
     return np.sign(rsym.compile(shape, backend="numpy")(*POINTS)["value"])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(trees(systems=SYSTEMS, more=(abs(x) - y, sp.Min(x, y) + z)))
 def test_keeps_the_sign_of_omega_and_joins_nothing_else(expression):
     shape = rsym.Shape(expression, (x, y, z))
@@ -76,6 +77,7 @@ def test_caps_are_the_sides_of_the_bounds():
     assert np.array_equal(signs_of(capped, ends) > 0, (signs_of(form) > 0) & inside)
 
 
+@pytest.mark.slow
 def test_nests_of_five_hundred():
     nest = x
     for k in range(500):

@@ -58,6 +58,7 @@ def random():
     return np.random.default_rng(20)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("system", SYSTEMS, ids=str)
 @pytest.mark.parametrize(("operation", "sign"), [(conjunction, -1), (disjunction, 1)])
 def test_every_route_gives_the_formula(system, operation, sign, random):
@@ -75,6 +76,7 @@ def test_every_route_gives_the_formula(system, operation, sign, random):
     assert float(exact) == expected[0]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("system", SYSTEMS, ids=str)
 def test_derivatives_are_those_of_the_formula_at_the_edge_too(system):
     shape = Shape(conjunction(x, y, system=system), (x, y))
@@ -145,6 +147,7 @@ def test_the_fillet_is_a_circle_whatever_the_angle():
     assert sp.simplify(rest) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("angle", "operation", "sign"), [(sp.pi / 2, disjunction, -1), (sp.pi / 3, conjunction, 1), (2, disjunction, -1)]
 )
@@ -162,6 +165,7 @@ def test_planes_at_any_angle_get_the_radius_and_the_field_stays_normalised(angle
     assert_close(fields["curvature"], 5 * sign, rtol=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("cosine", "operation"), [(0, conjunction), (THIRD, disjunction)])
 def test_the_cubic_is_proved_to_have_continuous_curvature(cosine, operation):
     system = Rho(FIFTH, "G2", cosine=cosine)

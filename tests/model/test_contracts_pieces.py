@@ -74,6 +74,7 @@ def stated(documentation):
     return 2 if order == "m" else int(order)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", sorted(set(rsym.primitives.__all__) - NO_DISTANCE))
 def test_a_primitive_has_the_order_that_its_documentation_states(name):
     make = getattr(rsym, name)

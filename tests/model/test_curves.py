@@ -184,6 +184,7 @@ class Along:
         return math.prod([base] * (abs(int(exponent.p)) - 1), start=base)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", CASES)
 def test_a_curve_is_normalised_to_its_order_on_every_side_and_not_beyond(name):
     """One-sided limits of gradients and of higher derivatives along normals, at 200 places in two motions."""
@@ -216,6 +217,7 @@ def test_an_exact_circle_is_a_distance(exact):
     assert_close(rsym.compile(shape)(*points)["value"], truth, atol=1e-13)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", CASES)
 def test_a_curve_is_positive_off_itself(name):
     """Also where what was trimmed off would go on; never less than a tenth of the distance, near it about as much."""
@@ -264,6 +266,7 @@ def test_an_arc_of_a_large_circle_is_a_segment():
     assert_close(rsym.compile(bow)(*points)["value"], rsym.compile(rod)(*points)["value"], atol=1e-3)
 
 
+@pytest.mark.slow
 def test_trimming_begins_with_f_and_its_seventh_power():
     """f + f**7/(32 t**2) + ...; for a segment with the t of its disc, t_0 - f**2/L, too."""
     f, t, length = sp.symbols("f t L", positive=True)

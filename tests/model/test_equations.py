@@ -9,6 +9,7 @@ from rsym.output.equations import _for_mathtext, equation
 from rsym.paper import MODELS, model_path
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("model", MODELS)
 def test_every_definition_of_the_shipped_models_can_be_drawn(model):
     for definition in definitions(model_path(model)):

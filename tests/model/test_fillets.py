@@ -32,6 +32,7 @@ def bracket(continuity):
     return rounded & Shape(around, (x, y, z))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("continuity", ["G1", "G2"])
 def test_a_filleted_bracket_is_a_closed_body_with_its_parts(continuity):
     shape = bracket(continuity)

@@ -148,6 +148,7 @@ def test_what_was_made_of_derivatives_keeps_those_of_the_old_part_and_is_refused
 MOVED = {("lattice", "struts", "part"), ("lattice", "joints", "part")}
 
 
+@pytest.mark.slow
 def test_every_part_of_every_model_can_be_taken_and_replaced_by_itself():
     moved = set()
     for name in rsym.paper.MODELS:

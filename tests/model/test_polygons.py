@@ -72,6 +72,7 @@ def half_planes(expression):
     return list(chain.from_iterable(map(half_planes, expression.operands)))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("kind", "size"), OUTLINES)
 def test_the_formula_is_the_polygon_and_has_every_edge_once(kind, size):
     for seed in range(30):
@@ -85,6 +86,7 @@ def test_the_formula_is_the_polygon_and_has_every_edge_once(kind, size):
             assert not dropped
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("kind", "size"), OUTLINES)
 def test_omega_is_positive_inside_and_normalised_along_every_edge(kind, size):
     corners = drawn(kind, size, 4)
@@ -100,6 +102,7 @@ def test_omega_is_positive_inside_and_normalised_along_every_edge(kind, size):
     assert_close(np.hypot(*gradient.T), np.ones(len(edges)), atol=1e-10)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("corners", [ELL, DOVETAIL, DOVETAIL[::-1]], ids=["ell", "dovetail", "clockwise"])
 @pytest.mark.parametrize(("system", "order"), [(rsym.R0, 1), (R1, 4), (Rp(4), 3)])
 def test_normalised_to_the_order_of_the_system(corners, system, order):

@@ -85,6 +85,7 @@ PIECES = {
 BOUNDED = [name for name, (shape, *_) in PIECES.items() if shape.bounds]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", PIECES)
 def test_normalised_to_the_order_it_states(name):
     shape, order, _ = PIECES[name]

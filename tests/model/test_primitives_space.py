@@ -82,6 +82,7 @@ PRIMITIVES = [
 ]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("name", "shape", "order", "bounds"), PRIMITIVES, ids=[row[0] for row in PRIMITIVES])
 def test_every_primitive_is_normalised_to_the_order_it_states(name, shape, order, bounds):
     assert_normalised(random_motion(shape, seed=len(name), bounds=bounds), order, seed=len(name))
@@ -119,6 +120,7 @@ IN_LETTERS = [
 ]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("build", IN_LETTERS)
 def test_letters_stand_for_numbers_everywhere(build):
     first = {A: sp.Rational(3, 4), B: sp.Rational(1, 2), C: sp.Rational(5, 4)}
@@ -211,6 +213,7 @@ SOLIDS = [
 ]
 
 
+@pytest.mark.random
 @pytest.mark.filterwarnings("ignore::rsym.RsymWarning")  # slivers where a plane cuts a tube, the axis of a helix
 @pytest.mark.parametrize(("shape", "volume", "euler"), SOLIDS)
 def test_solids_mesh_closed_with_their_volume_inside_their_bounds(shape, volume, euler):
@@ -266,6 +269,7 @@ SHEETS = [
 ]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("surface", "thickness", "low", "high"), SHEETS)
 def test_a_sheet_is_as_thick_as_it_says(surface, thickness, low, high):
     """Measured along normals of the surface in its middle."""

@@ -36,6 +36,7 @@ PIECES = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", PIECES)
 def test_no_sign_depends_on_the_unit_of_length(name):
     signs = []

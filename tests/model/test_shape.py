@@ -117,6 +117,7 @@ def test_latex_of_a_shape():
     assert r"\\ & x \in [-1, 1],\quad y \in [0, 2.5] \\ & a = 0.5 \end{aligned}$" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("system", "depth"), [(rsym.R0, 500), (rsym.R1, 250)])
 def test_a_deep_nest(system, depth):
     nest = x

@@ -87,6 +87,7 @@ def shown(what):
         yield name, text, calls
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("make", SHOWN.values(), ids=SHOWN)
 def test_whatever_a_notebook_shows_is_short_and_quick(make):
     for name, text, calls in shown(make()):

@@ -66,6 +66,7 @@ def test_the_condition_of_the_paper_s_body_is_the_one_known():
     assert set(analytic_condition(*shipped).args) == set(condition.args)
 
 
+@pytest.mark.slow
 def test_the_condition_of_the_paper_s_body_is_where_proofs_turn():
     body = blend_on_skeleton(ROD, SEED, letters=SEED_LETTERS)
     found = rsym.smoothness_threshold(body, "a2", between=(5.3, 5.35), tolerance=1e-3)
@@ -78,6 +79,7 @@ def test_the_condition_of_the_paper_s_body_is_where_proofs_turn():
         assert verdict == ("CERTIFIED" if holds else "REFUTED")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("skeleton", "profile", "limit"),
     [
@@ -129,6 +131,7 @@ PATHS = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", PATHS)
 def test_the_condition_is_that_the_profile_is_positive_all_along_the_curve(name):
     """Against the least of many values, at random letters; often true and often false."""

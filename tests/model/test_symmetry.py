@@ -153,6 +153,7 @@ def test_grids():
     assert_close(rsym.compile(endless)(u, v, w)["value"], again, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_gear_is_closed():
     flank = sp.Rational(6, 5) - x / 3
     tooth = Shape(conjunction(flank - y, flank + y, 2 - x), (x, y, z), bounds=((-3, 3), (-2, 2), (-1.5, 1.5)))

@@ -112,6 +112,7 @@ def test_a_coil_ends_flat_and_normalised():
     assert kernel(4.0, 0.1, 3.0)["value"] < 0 < kernel(4.0, -0.1, 3.0)["value"]
 
 
+@pytest.mark.slow
 def test_a_spring_meshes_closed_and_holds_what_pappus_says():
     spring = coil(4, 1, 3, turns=sp.Rational(7, 2))
     with pytest.warns(rsym.RsymWarning):

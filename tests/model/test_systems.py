@@ -75,6 +75,7 @@ def test_rp_keeps_order_p_minus_one_and_no_more(order, kind):
     assert derivatives[-1] != 0
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_r0m_is_of_class_m_at_the_corner_and_no_more(order, kind):
@@ -211,6 +212,7 @@ NODES = [
 ]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("node", NODES)
 def test_fdiff_is_the_derivative_of_the_plain_formula_to_second_order(node):
     place = (0.5, -0.375, 1.125)

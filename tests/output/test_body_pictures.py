@@ -80,6 +80,7 @@ def angle_colour(angle, low, high):
     return np.array(colormaps["plasma"](0.87 * (angle - low) / (high - low))[:3])
 
 
+@pytest.mark.slow
 def test_visible_edges_have_the_colour_of_their_angle_and_hidden_ones_do_not_shine_through():
     at = verdict(body_reports.box(), body_reports.BOX)
     wanted = angle_colour(90, 60, 120)
@@ -95,12 +96,14 @@ def test_visible_edges_have_the_colour_of_their_angle_and_hidden_ones_do_not_shi
     assert hidden == 3
 
 
+@pytest.mark.slow
 def test_convex_and_concave_edges_have_the_ends_of_the_scale():
     at = verdict(body_reports.notched(), body_reports.NOTCHED)
     for point, angle in (((0, 0.3, 1), 90), ((0, -0.4, 0), 270)):
         assert off(at(point), angle_colour(angle, 90, 270)) < 0.03, angle
 
 
+@pytest.mark.slow
 def test_colours_follow_the_angle_along_an_edge():
     plain = body_reports.edge(np.linspace((0, -1, 1), (0, 1, 1), 3), [0, 0, 1], [1, 0, 0], ("top", "wall"))
     varying = dataclasses.replace(plain, tangent_jumps=np.array([150.0, 90.0, 30.0]))
@@ -135,6 +138,7 @@ def test_a_figure_has_a_colour_bar_with_its_limits(make, shape, label, limits):
     assert figure.get_suptitle().startswith("REFUTED: ")
 
 
+@pytest.mark.slow
 def test_several_bars_stand_side_by_side():
     report = dataclasses.replace(
         body_reports.box(), curves=(*body_reports.box().curves, *body_reports.capsule().curves)
@@ -193,6 +197,7 @@ def test_many_small_boxes_become_a_few_marks_that_can_be_seen():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("colour_by", ["zebra", "mean_curvature"])
 def test_maps_have_the_singular_curves_on_them(colour_by):
     at, artist = shown(
@@ -236,6 +241,7 @@ def test_without_a_surface_the_bounds_and_the_points_are_shown(tmp_path):
     assert path.stat().st_size > 3000
 
 
+@pytest.mark.slow
 def test_the_same_report_gives_the_same_bytes(tmp_path):
     first, second = (
         write_picture(

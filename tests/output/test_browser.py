@@ -137,6 +137,7 @@ def test_the_inside_of_an_open_surface_is_warm(browser, tmp_path):
     assert 0.2 < (red > blue).mean() < 0.8
 
 
+@pytest.mark.slow
 def test_parts_and_features_show_on_the_page(browser, tmp_path):
     vertices, faces, leaf = cube(3)
     names = ("left", "right", "front", "back", "bottom", "top")

@@ -76,6 +76,7 @@ def test_the_table_as_a_record(table):
     assert [row["report"]["verdict"] for row in record["designs"]] == ["CERTIFIED"] * 2
 
 
+@pytest.mark.slow
 def test_the_command_end_to_end(folder, capsys):
     picture = folder / "designs.png"
     files = [str(folder / "sharp.json"), str(folder / "blunt.json")]

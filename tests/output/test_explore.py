@@ -87,6 +87,7 @@ def mesh_of(figure):
     return body.mesh
 
 
+@pytest.mark.slow
 def test_the_sheet_follows_the_letters():
     widget = rsym.explore(EGG)
     assert_sheet_shows(widget.figure, 1.0, 0.25)
@@ -100,6 +101,7 @@ def test_the_sheet_follows_the_letters():
     assert widget.message.value == ""
 
 
+@pytest.mark.slow
 def test_nothing_is_compiled_for_another_letter(monkeypatch):
     widget = rsym.explore(EGG, ("value",), resolution=40)
     widget.view.value = "body"
@@ -115,6 +117,7 @@ def test_nothing_is_compiled_for_another_letter(monkeypatch):
     assert widget.message.value == ""
 
 
+@pytest.mark.slow
 def test_panels_and_colour_bars_keep_their_places():
     widget = rsym.explore(EGG, ("value",), resolution=40)
     before = [ax.get_position().bounds for ax in widget.figure.axes]
@@ -131,6 +134,7 @@ def test_sliders_show_range_unit_and_meaning():
     assert (free.min, free.max) == (0, 0.5)
 
 
+@pytest.mark.slow
 def test_the_body_of_a_plane_shape():
     disc = Shape((r**2 - x**2 - y**2) / (2 * r), (x, y), letters={r: 1}, bounds=((-2, 2), (-2, 2)))
     widget = rsym.explore(disc, ["value"], axis=y, resolution=40)
@@ -143,6 +147,7 @@ def test_the_body_of_a_plane_shape():
     assert widget.fields.layout.display == "none"
 
 
+@pytest.mark.slow
 def test_a_shape_in_space_and_its_sections():
     widget = rsym.explore(BALL, ("normalised",), resolution=40)
     assert_close(mesh_of(widget.figure).status.volume, 4 / 3 * np.pi, rtol=9e-3)
@@ -156,6 +161,7 @@ def test_a_shape_in_space_and_its_sections():
     assert widget.figure.axes[0].get_xlabel() == "$y$"
 
 
+@pytest.mark.slow
 def test_a_bad_letter_is_said_and_the_picture_stays():
     ball = Shape(BALL.expression - 0.5, (x, y, z), letters=BALL.letters, bounds=BALL.bounds)
     widget = rsym.explore(ball, ("normalised",), resolution=40)
@@ -191,12 +197,14 @@ def test_reset_and_presets(tmp_path):
         widget.set_letters({"q": 1})
 
 
+@pytest.mark.slow
 def test_pyplot_is_left_alone():
     before = matplotlib.pyplot.get_fignums()
     rsym.explore(EGG, ("value",), resolution=40).view.value = "body"
     assert matplotlib.pyplot.get_fignums() == before
 
 
+@pytest.mark.slow
 def test_bounds_that_are_found():
     disc = Shape(r - x**2 - y**2, (x, y), letters={r: LETTERS[r]})
     for shape, other in ((disc, "body"), (rsym.revolve(disc), "sheet")):

@@ -40,6 +40,7 @@ def test_the_sheet_has_six_panels_with_titles_labels_and_the_boundary():
     assert panels[0].get_ylabel() == "$y$"
 
 
+@pytest.mark.slow
 def test_tall_bounds_take_three_columns_and_colour_bars_are_as_tall_as_panels():
     tall = DISC.replace(bounds=((-1.5, 1.5), (-4, 4)))
     figure = rsym.plot_fields(tall, resolution=48)

@@ -102,6 +102,7 @@ def test_the_table_has_every_plot_and_every_word_it_takes():
         assert getattr(rsym, name).__doc__.count("Returns\n") == 1, name
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", TABLE)
 def test_a_picture_is_drawn_where_it_is_told_and_pyplot_is_left_alone(name, pictures):
     place, kind, _ = TABLE[name]
@@ -128,6 +129,7 @@ def test_figures_that_are_none(name, pictures):
         pictures[name](figure=3)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", [name for name, (_, _, words) in TABLE.items() if "colour_map" in words])
 def test_colour_maps_and_limits_are_taken_and_refused(name, pictures):
     options = {"colour_by": "mean_curvature"} if name == "plot_patches" else {}
@@ -202,6 +204,7 @@ def test_titles_levels_and_limits_of_a_sheet_go_by_field():
     assert (fills[1].levels[0], fills[1].levels[-1]) == (-3, -1)
 
 
+@pytest.mark.slow
 def test_a_sheet_is_less_than_a_megabyte_as_lines_and_the_same_bytes_again(tmp_path):
     figure, again = (rsym.plot_fields(rsym.paper.skeleton_body()) for _ in range(2))
     for suffix, least, most in ((".svg", 2e5, 7e5), (".pdf", 1e5, 4e5), (".eps", 3e5, 1.5e6)):
@@ -213,6 +216,7 @@ def test_a_sheet_is_less_than_a_megabyte_as_lines_and_the_same_bytes_again(tmp_p
     assert (tmp_path / "sheet.eps").read_bytes().startswith(b"%!PS-Adobe-3.0 EPSF")
 
 
+@pytest.mark.slow
 def test_a_body_in_a_format_without_transparency_stands_on_white(tmp_path):
     image = rsym.plot_mesh(rsym.mesh(BALL, 16)).get_figure()
     assert write_picture(image, tmp_path / "ball.eps").stat().st_size > 1e5

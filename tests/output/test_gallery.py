@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from oracles import notebooks
 from oracles.closeness import assert_close
 
 import rsym
@@ -19,9 +20,8 @@ from rsym.paper.bodies import BODIES
 from rsym.paper.drawing import mesh_quietly
 from rsym.paper.models import GALLERY, model_path
 
-nbformat = pytest.importorskip("nbformat")
-NOTEBOOK = nbformat.read(Path(__file__).parents[2] / "notebooks" / "04_gallery.ipynb", as_version=4)
-CODE = [cell for cell in NOTEBOOK.cells if cell.cell_type == "code"]
+NOTEBOOK = notebooks.read(Path(__file__).parents[2] / "notebooks" / "04_gallery.ipynb")
+CODE = [cell for cell in NOTEBOOK["cells"] if cell["cell_type"] == "code"]
 DISC = rsym.Shape((1 - x**2 - y**2) / 2, (x, y), bounds=((-1, 1), (-1, 1)))
 # Cells along the longest side, and the Euler characteristic that counts the holes: 2 - 2 for each.
 CHARACTERISTICS = {
@@ -57,11 +57,13 @@ def test_every_piece_of_the_language_is_called_and_has_a_card():
     called = {
         node.func.attr
         for cell in CODE
-        for node in ast.walk(ast.parse(cell.source))
+        for node in ast.walk(ast.parse(cell["source"]))
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
     }
     assert set(PIECES) - called == set()
-    pages = [output.data.get("text/html", "") for cell in CODE for output in cell.outputs if "data" in output]
+    pages = [
+        "".join(output["data"].get("text/html", "")) for cell in CODE for output in cell["outputs"] if "data" in output
+    ]
     titles = re.findall(r"<b>(.*?)</b>", "".join(pages))
     assert set(PIECES) - {title.split(",")[0] for title in titles} == set()
     assert len(titles) == len(set(titles)) == "".join(pages).count("data:image/webp;base64,")
@@ -72,6 +74,7 @@ def test_the_page_of_bodies_shows_every_model_and_the_test_below_all_of_its_bodi
     assert {(model, shape) for _, model, shape, _ in BODIES} == set(CHARACTERISTICS)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("body", CHARACTERISTICS, ids="-".join)
 def test_a_model_is_closed_in_one_piece_with_the_holes_it_should_have(body):
     model, name = body
@@ -86,6 +89,7 @@ def test_a_model_is_closed_in_one_piece_with_the_holes_it_should_have(body):
         assert letter.minimum < letter.default < letter.maximum
 
 
+@pytest.mark.slow
 def test_volumes_of_bodies_that_are_known():
     """Pappus for torus and coil, whose ends are cut across; the cone."""
 
@@ -113,6 +117,7 @@ def test_the_flank_of_the_gear_is_the_involute_and_its_field_the_distance_from_i
         assert_close(rsym.compile(gear)(*place, 0.0)["value"], -beyond * np.ones(7), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_shipped_name_serves_the_command_line(tmp_path, capsys):
     path = tmp_path / "bone.stl"
     assert main(["mesh", "bone", "-o", str(path), "--resolution", "40"]) == 0
@@ -137,6 +142,7 @@ def test_a_curve_without_inside_is_drawn_as_a_stroke():
     assert np.ptp(rows) < 8
 
 
+@pytest.mark.slow
 def test_a_body_fills_its_place_and_a_curve_in_space_is_a_thin_tube():
     seen = (drawn(rsym.sphere(2), resolution=30) < 250).any(axis=2)
     assert np.ptp(np.nonzero(seen)[0]) > 220

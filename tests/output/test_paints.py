@@ -183,6 +183,7 @@ def test_the_inside_of_an_open_surface_keeps_its_colour_only_without_a_map(coars
     assert plain.scale is None
 
 
+@pytest.mark.slow
 def test_a_figure_with_its_colour_bar_and_colours_in_the_picture():
     mesh = rsym.mesh(CAPSULE, 40)
     artist = rsym.plot_mesh(mesh, colour_by="k2", shape=CAPSULE, azimuth=-90.0, elevation=0.0)

@@ -63,6 +63,7 @@ def test_a_part_is_painted_outside_in_its_colour_and_inside_like_any_surface():
     assert_close(coat.paint(spots), [*colours, linear(INSIDE)], atol=1e-15)
 
 
+@pytest.mark.slow
 def test_a_new_figure_lists_the_parts_and_given_axes_stay_as_they_are():
     vertices, faces, leaf = cube(1)
     mesh = Mesh(vertices, faces, leaf=leaf, leaves=SIDES)

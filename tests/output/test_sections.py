@@ -96,6 +96,7 @@ def test_a_gap_thinner_than_a_cell_is_told():
     assert "unresolved" in str(section.lines.status)
 
 
+@pytest.mark.slow
 def test_every_vertex_of_the_car_lies_on_it():
     car = rsym.paper.car()
     kernel = rsym.compile(car, ("value", "gradient"))

@@ -106,6 +106,7 @@ class Turned(Patch):
 EYE = np.array([np.cos(np.pi / 6) / 2, -np.cos(np.pi / 6) * np.sqrt(0.75), 0.5])
 
 
+@pytest.mark.slow
 def test_parameter_lines_are_drawn_where_asked_and_hidden_behind_the_surface():
     dome = Dome()
     places = [(u, v) for u in (1.6, 2.6, 4.4, 5.2) for v in (0.2, 0.5)]
@@ -181,6 +182,7 @@ def test_values_at_corners_of_faces_may_jump_where_vertices_are_shared():
     assert len(flat) == 3  # the paper and one colour for each face
 
 
+@pytest.mark.slow
 def test_what_hides_a_net_leaves_it_pale():
     net = np.array([[[x, y, z] for y in (0.5, 0.8)] for x, z in ((0.2, 0.2), (0.5, -0.1), (0.8, 0.2))])
     _, at, artist = picture(Parabola(), net=net, lines=0, edges=False)
@@ -212,6 +214,7 @@ def test_curves_are_polylines_or_curves_over_their_interval():
         assert_close(at(point), rgb(CURVE), atol=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("colour_by", [None, "patch", "zebra", "gaussian_curvature"])
 def test_both_sides_look_alike(colour_by):
     bent = Parabola(0, 2, 0.4)
@@ -259,6 +262,7 @@ def test_the_worst_place_of_a_broken_edge_is_marked_and_an_alien_report_is_drawn
     assert_close(dots[-1][0, 0], [1.0, 1.0, 0.0005], atol=6e-4)
 
 
+@pytest.mark.slow
 def test_an_exploration_follows_the_letters_of_all_patches_in_one_box():
     pytest.importorskip("ipywidgets")
     u, v, k, m = sp.symbols("u v k m", real=True)

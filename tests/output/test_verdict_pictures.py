@@ -47,6 +47,7 @@ def numbers(figure):
     return [text.get_text() for text in figure.axes[0].texts if isinstance(text, Annotation)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "windows"), [(0, 0), (4, 4), (12, 4)])
 def test_the_worst_defects_have_windows_and_all_have_marks(count, windows):
     shape, report = (DISC, reports.undecided_disc()) if not count else polygon(count)

@@ -67,19 +67,23 @@ def test_importing_rsym_loads_nothing_heavy():
     assert not loaded_after("import rsym") & {"sympy", "numpy", "matplotlib", "skimage", "scipy", "llvmlite", "numba"}
 
 
+@pytest.mark.slow
 def test_using_symbols_does_not_load_pictures():
     assert not loaded_after("from rsym import x, Shape, compile") & {"matplotlib", "skimage", "trimesh", "numba"}
 
 
+@pytest.mark.slow
 def test_a_model_of_the_paper_does_not_load_pictures():
     assert not loaded_after("import rsym\nrsym.paper.car()") & {"matplotlib", "skimage", "scipy", "trimesh", "numba"}
 
 
+@pytest.mark.slow
 def test_help_loads_no_sympy():
     code = "import rsym.cli\ntry:\n    rsym.cli.main(['--help'])\nexcept SystemExit:\n    pass"
     assert not loaded_after(code) & {"sympy", "numpy", "matplotlib"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("package", ["numba", "llvmlite"])
 def test_without_numba_all_but_sharp_meshes_works(package, tmp_path):
     code = f"""

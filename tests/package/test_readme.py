@@ -33,6 +33,7 @@ def _own_folder(tmp_path, monkeypatch):
     matplotlib.pyplot.close("all")
 
 
+@pytest.mark.slow
 def test_the_first_lines():
     assert len(PYTHON[0].splitlines()) <= 12
     space = {}
@@ -96,6 +97,7 @@ def test_the_call_of_pieces_in_a_model_file():
     assert loaded.dimension == 3
 
 
+@pytest.mark.slow
 def test_the_lines_about_meshes():
     (code,) = [code for code in PYTHON if "Mesher" in code]
     space = {"rsym": rsym, "x": rsym.x, "y": rsym.y}
@@ -111,6 +113,7 @@ def test_the_lines_about_meshes():
     assert space["points"].shape == (1000, 3)
 
 
+@pytest.mark.slow
 def test_the_lines_about_figures():
     (code,) = [code for code in PYTHON if "subfigures" in code]
     space = {"rsym": rsym, "plt": matplotlib.pyplot, "body": rsym.paper.skeleton_body()}
@@ -138,6 +141,7 @@ def test_the_lines_about_curvature():
     assert eval(answer, space) == said.split("'")[1]
 
 
+@pytest.mark.slow
 def test_the_lines_about_smoothness():
     space = {"rsym": rsym}
     (code,) = [code for code in PYTHON if "smoothness_threshold" in code]
@@ -159,6 +163,7 @@ def test_the_lines_about_smoothness():
     assert Path("verdict.png").stat().st_size > 20_000
 
 
+@pytest.mark.slow
 def test_the_lines_about_bodies(monkeypatch):
     (code,) = [code for code in PYTHON if "smoothness_atlas" in code]
     space = {"rsym": rsym, "sp": sp, **{name: getattr(rsym, name) for name in "xyz"}}
@@ -181,6 +186,7 @@ def test_the_lines_about_bodies(monkeypatch):
     assert {"CERTIFIED", "REFUTED"} <= set(space["atlas"].verdicts)
 
 
+@pytest.mark.slow
 def test_the_commands_about_bodies(monkeypatch):
     (commands,) = [code for code in PLAIN if code.startswith("rsym verify car")]
     skeleton = rsym.paper.skeleton_body()
@@ -199,6 +205,7 @@ def test_the_commands_about_bodies(monkeypatch):
         assert Path(f"{name}.png").stat().st_size > 20_000
 
 
+@pytest.mark.slow
 def test_the_commands_about_smoothness(capsys, monkeypatch):
     # Found for the lines above; a dozen verdicts once more would take as long as all the rest.
     bracket = Threshold("a2", 5.3076, 5.3078, ())
@@ -211,6 +218,7 @@ def test_the_commands_about_smoothness(capsys, monkeypatch):
     assert {name: int(code) for name, code in codes.items()} == CODES
 
 
+@pytest.mark.slow
 def test_the_lines_about_patches():
     (code,) = [code for code in PYTHON if "CoonsPatch" in code]
     space = {"rsym": rsym, "x": rsym.x, "y": rsym.y, "sp": sp}
@@ -241,6 +249,7 @@ def test_the_table_of_patches_names_them():
     assert patches <= named | {"Patch"}
 
 
+@pytest.mark.slow
 def test_the_model_file_and_the_commands(capsys, monkeypatch, tmp_path):
     opened = []
     monkeypatch.setattr("webbrowser.open", lambda url: opened.append(url) or True)

@@ -43,6 +43,7 @@ def test_the_verdicts_are_found_in_the_run_by_boxes_in_space(small):
     assert capsule.summary == "2 curvature jumps"
 
 
+@pytest.mark.slow
 def test_the_page_shows_the_bodies_and_lists_what_was_found(small, tmp_path):
     (result,) = rsym.paper.reproduce(tmp_path, only=["verdicts"])
     rows = result.table.rows

@@ -85,6 +85,7 @@ def test_figure_12_has_the_printed_letters():
     assert [text.get_text() for text in drawing.figure.texts][5] == "$a_1 = 12$, $p_1 = 80$"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("model", "pieces"), [("valve", 1), ("streamlined", 5)])
 def test_our_own_models_are_closed_and_inside_their_bounds(model, pieces):
     shape = getattr(rsym.paper, model)()
@@ -131,6 +132,7 @@ def test_the_fillet_touches_stem_and_back_whatever_the_letters():
         assert_close(normals, np.stack([across, 0 * up, up], axis=1), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_one_figure_is_drawn_with_its_page(tmp_path):
     seen = []
     results = rsym.paper.reproduce(tmp_path, only=["fig11"], progress=lambda *state: seen.append(state))
@@ -145,6 +147,7 @@ def test_one_figure_is_drawn_with_its_page(tmp_path):
     assert not re.search(r"<script|src=.https?:|href=.https?:", text)
 
 
+@pytest.mark.slow
 def test_the_same_picture_has_the_same_bytes(tmp_path):
     first = rsym.paper.reproduce(tmp_path / "a", only=["fig10"])[0]
     second = rsym.paper.reproduce(tmp_path / "b", only=["fig10"])[0]
@@ -260,6 +263,7 @@ def test_the_page_shows_published_seconds_and_escapes_text(tmp_path):
     assert 'href="layers.svg"' in text
 
 
+@pytest.mark.slow
 def test_the_whole_page_has_every_definition_once_and_the_lost_figures_in_their_places(tmp_path):
     rows = [
         Reproduced(one.name, one.title, tmp_path, "", 0, 1.0, one.published, "", None, (), one.model, one.equations)

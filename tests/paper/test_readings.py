@@ -60,6 +60,7 @@ def test_as_printed_all_outer_space_is_inside():
     assert ((printed < 0) == ((test5 < 0) & (far > 0))).all()
 
 
+@pytest.mark.slow
 def test_z_b_agrees_at_the_letters_b_and_not_at_a():
     standard, text = rsym.paper.car("b"), rsym.paper.car("b", reading="text-zb")
     assert standard == text

@@ -50,6 +50,7 @@ def test_the_laplacian_of_the_revolved_body_of_figure_11():
     assert_close(revolved, plane + slope / points[:, 1], atol=1e-5)
 
 
+@pytest.mark.slow
 def test_the_preference_is_measured():
     spreads, bands = preference.measure()
     by_name = {(one.body, one.quantity): one.quantiles for one in spreads}
@@ -82,6 +83,7 @@ def test_sub_boxes_cover_the_body(boxes):
     assert sum(piece.status.triangles for piece in cost.meshes(wall, 12, boxes).values()) == per_box * boxes**2
 
 
+@pytest.mark.slow
 def test_the_cost_counts_what_it_is_asked_for(monkeypatch):
     monkeypatch.setattr(cost, "POINTS", (20, 30))
     monkeypatch.setattr(cost, "BOXES", (1, 2))
@@ -98,6 +100,7 @@ def test_an_undefined_value_in_a_sub_box_is_not_passed_over():
         cost.meshes(Shape(sp.sqrt(x) - 1, (x, y, z), bounds=((-2, 2),) * 3), 20, 2)
 
 
+@pytest.mark.slow
 def test_the_stack_of_sections_comes_with_its_layers():
     drawing = studies.draw_sections()
     (layers,) = drawing.files.values()

@@ -115,6 +115,7 @@ def test_the_joined_pairs_are_what_they_are_called():
         assert same == (kind == "joined G2")
 
 
+@pytest.mark.slow
 def test_every_figure_says_what_it_shows():
     assert [recipe.name for recipe in SURFACES] == "paraboloid twists torus joints hull network fitting".split()
     drawing = joints.draw_joints()

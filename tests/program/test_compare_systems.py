@@ -22,6 +22,7 @@ def table():
     return rsym.compare_systems(square(), systems=(R0, R1, Rp(4), R0m(2)))
 
 
+@pytest.mark.slow
 def test_classes_and_orders_are_those_of_the_contract(table):
     assert [row.name for row in table.rows] == ["R0", "R1", "Rp 4", "R0m 2"]
     assert [row.continuity for row in table.rows] == [0, 0, 0, 2]
@@ -83,6 +84,7 @@ def test_a_letter_of_a_system_gets_its_value():
     assert math.isfinite(found.rows[0].slope_error)
 
 
+@pytest.mark.slow
 def test_the_command_prints_the_table(tmp_path, capsys):
     (tmp_path / "square.rf").write_text("bounds x [-2, 2] y [-2, 2]\nomega = rfAND(1 - x, 1 + x, 1 - y, 1 + y)\n")
     assert main(["compare", str(tmp_path / "square.rf"), "--systems", "R0", "Rp 4"]) == 0

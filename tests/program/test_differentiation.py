@@ -46,6 +46,7 @@ CASES = {
 POINTS = np.random.default_rng(11).uniform((0.2, 0.3), (1.9, 1.7), (6, 2)).T * np.array([[1], [-1]])
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", CASES)
 def test_a_rule(name):
     expression = CASES[name]

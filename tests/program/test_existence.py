@@ -104,6 +104,7 @@ def check(values, gradient, hessian, tolerance):
         assert_close(values["hessian"], np.array(hessian, float), atol=tolerance)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", CASES)
 def test_derivatives_are_there_where_they_exist(name):
     expression, point = CASES[name]
@@ -120,6 +121,7 @@ def test_derivatives_are_there_where_they_exist(name):
     check(rsym.lambdify(shape, FIELDS)(*place), gradient, hessian, 1e-12)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", CASES)
 def test_enclosures_hold_both_sides_of_a_border(name):
     """They stay those of the sides: a box is none the worse for a border in it."""

@@ -17,6 +17,7 @@ def at(expression, *point, at_corners="one-sided", coordinates=(x, y), **options
     return rsym.compile(rsym.Shape(expression, coordinates), FIELDS, at_corners=at_corners, **options)(*point)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("system", SYSTEMS, ids=repr)
 @pytest.mark.parametrize("operation", ["conjunction", "disjunction"])
 @pytest.mark.parametrize("backend", ["llvm", "numpy"])
@@ -64,6 +65,7 @@ def test_a_corner_of_three_planes_has_a_gradient_into_the_solid():
     assert_close(np.linalg.norm(found["normalised_gradient"]), 1, rtol=1e-14)
 
 
+@pytest.mark.slow
 def test_away_from_corners_nothing_changes_not_a_bit():
     shape = rsym.load("car").shape if hasattr(rsym.load("car"), "shape") else rsym.load("car")
     rng = np.random.default_rng(7)

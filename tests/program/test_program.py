@@ -7,6 +7,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.closeness import assert_close
+from oracles.tiers import examples
 from oracles.trees import LEAVES, formulas, trees, x, y, z
 
 import rsym
@@ -41,7 +42,7 @@ def numerical(expression, point, orders):
         return np.array([float(mpmath.diff(function, place, tuple(map(int, order)))) for order in orders])
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=examples(40), deadline=None, derandomize=True)
 @given(tree=trees(), seed=st.integers(0, 2**32 - 1))
 def test_derivatives_of_random_trees(tree, seed):
     shape = Shape(tree, (x, y, z))
@@ -61,7 +62,7 @@ def test_derivatives_of_random_trees(tree, seed):
     assert_close(got["laplacian"][0], numerical(tree, points.T[0], 2 * steps).sum(), atol=allowed[0])
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=examples(40), deadline=None, derandomize=True)
 @given(tree=trees(systems=SYSTEMS, max_leaves=5), seed=st.integers(0, 2**32 - 1))
 def test_derivatives_in_every_system(tree, seed):
     """By differences with 50 digits; ties of R_1 have no derivative and are left out."""
@@ -128,7 +129,7 @@ sizes = st.sampled_from([1.0, 1e-20, 1e20, 1e-150, 1e-300, 5e-324, 1e200, 1e308,
 inputs = st.tuples(*[st.tuples(st.sampled_from([-1, 1]), sizes).map(lambda p: p[0] * p[1])] * 3)
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=examples(40), deadline=None, derandomize=True)
 @given(formula=formulas(3), points=st.lists(inputs, min_size=4, max_size=12), system=st.sampled_from(SYSTEMS))
 def test_the_sign_is_the_boolean_truth(formula, points, system):
     shape = Shape(formula((x, y, z), system), (x, y, z))
@@ -158,6 +159,7 @@ def test_the_program_reads_as_a_listing_and_has_a_digest():
     assert first.digest == program_of(Shape(x * 2 + y, (x, y)), ("value",)).digest
 
 
+@pytest.mark.slow
 def test_size_grows_linearly_with_depth():
     sizes_at = []
     for depth in (10, 20, 40):

@@ -40,6 +40,7 @@ GROWING_BALL = Shape(LETTER - x**2 - y**2 - z**2, (x, y, z), letters={LETTER: 1}
 GROWING = Shape(LETTER**2 - (x - 9) ** 2 - y**2, (x, y), letters={LETTER: 1}, bounds=((-2, 2), (-2, 2)))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("call", "seen", "remedy"),
     [
@@ -117,6 +118,7 @@ def test_a_mesh_of_nothing_names_the_bounds_of_something():
     assert caught.value.remedy == "bounds=((-1.02, 1.02), (-1.02, 1.02), (-1.02, 1.02))"
 
 
+@pytest.mark.slow
 def test_the_command_line_says_it_beside_its_answer(tmp_path, capsys):
     assert cli.main(["fields", "car", "--section", "z=9", "--resolution", "16", "-o", str(tmp_path / "sheet.png")]) == 0
     out, err = capsys.readouterr()
@@ -197,6 +199,7 @@ def test_the_estimate_of_a_picture_is_what_it_takes():
     assert 0.3 < peak / (600**2 * plane.SAMPLES.memory) < 1.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["fields", "mesh"])
 def test_the_command_line_refuses_and_force_goes_on(command, tmp_path, capsys, monkeypatch):
     for module in (memory, mesher):

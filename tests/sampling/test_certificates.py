@@ -8,6 +8,7 @@ import sympy as sp
 from hypothesis import given, settings
 from oracles.closeness import assert_close
 from oracles.leaf_kernels import LeafKernels
+from oracles.tiers import examples
 from oracles.trees import trees
 from scipy import ndimage, optimize
 
@@ -94,6 +95,7 @@ def test_cells_whose_bounds_are_too_wide_are_simple_after_all():
     assert left[1] == 0
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("resolution", [16, 32])
 @pytest.mark.parametrize("thickness", [0.01, 0.001])
 @pytest.mark.parametrize("single", [False, True])
@@ -214,6 +216,7 @@ def compiled(shape, resolution):
     return Form(CompiledLeaves(kernels), len(form.leaves), gate_table(form)), lattice, blocks, kernels
 
 
+@pytest.mark.slow
 def test_the_gap_about_the_wheels_of_the_car():
     shape = rsym.paper.car()
     form, lattice, blocks, kernels = compiled(shape, 128)
@@ -267,7 +270,8 @@ CELLS = 6
 PLATE, GRAIN = sp.Rational(1, 200) - (x - y / 3) ** 2, sp.Rational(1, 40) - x**2 - y**2 - z**2
 
 
-@settings(max_examples=12, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=examples(12), deadline=None)
 @given(trees(more=(PLATE, GRAIN, abs(x) - z / 3, sp.Max(x, y) + z)))
 def test_random_trees_against_dense_samples(expression):
     """No piece of either sign is lost without a word, and in a cell that is simple one direction serves the surface."""

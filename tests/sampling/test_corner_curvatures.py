@@ -154,6 +154,7 @@ def test_a_mesh_that_does_not_know_its_leaves_takes_those_that_are_active():
         assert np.isfinite(found).mean() > 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::rsym.RsymWarning")
 @pytest.mark.parametrize("name", ["car", "valve", "gear", "snowflake"])
 def test_no_corner_of_a_shipped_model_has_the_curvature_of_a_rounding_error(name):
@@ -167,6 +168,7 @@ def test_no_corner_of_a_shipped_model_has_the_curvature_of_a_rounding_error(name
     assert np.isin(on_edges(mesh), np.flatnonzero(np.isnan(vertices["mean_curvature"]))).mean() > 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::rsym.RsymWarning")
 def test_a_corner_that_is_not_on_the_leaf_of_its_face_has_the_curvature_of_the_nearest_point_that_is():
     """Balls so close to each other that three meet within a cell: some faces have a corner beside their leaf."""

@@ -63,6 +63,7 @@ UNBOUNDED = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", BODIES)
 def test_the_true_extent_lies_inside_and_little_is_added(name):
     expression, lower, upper = BODIES[name]
@@ -73,6 +74,7 @@ def test_the_true_extent_lies_inside_and_little_is_added(name):
     assert (found[:, 1] - found[:, 0] < 1.04 * sides).all()
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", UNBOUNDED)
 def test_what_has_no_end_is_refused_with_its_directions(name):
     expression, directions = UNBOUNDED[name]
@@ -127,6 +129,7 @@ def test_letters_decide_whether_there_is_an_end():
         extent(shape, {"a": -1})
 
 
+@pytest.mark.slow
 def test_the_car_fits_and_its_printed_reading_does_not():
     """Beyond the box no sample of the car is inside; the headlights of the printed formula go on to the front."""
     car = rsym.paper.car()
@@ -166,6 +169,7 @@ def outcome(shape):
         return np.zeros((3, 2)), error.code
 
 
+@pytest.mark.slow
 def test_random_bodies_have_one_sign_outside_or_do_not_end():
     generator, outcomes = np.random.default_rng(1), []
     for seed in range(16):

@@ -49,6 +49,7 @@ HIDDEN = np.array([0.0, 1.0, 0.0])  # the corner that is farthest from the eye a
 DARK = BODY = 1.1  # the sum of the three colours: a line is darker, the darkest side lighter
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dpi", [90, 220])
 def test_visible_edges_are_dark_and_hidden_ones_are_not(dpi):
     _, at, _ = pixels(box(), dpi)
@@ -60,6 +61,7 @@ def test_visible_edges_are_dark_and_hidden_ones_are_not(dpi):
             assert light > BODY if hidden else light < DARK, (a, b, share)
 
 
+@pytest.mark.slow
 def test_without_features_no_line_is_drawn_and_the_angle_selects():
     plain, at, _ = pixels(box(), features=False)
     assert plain.sum(axis=2).min() > DARK
@@ -68,11 +70,13 @@ def test_without_features_no_line_is_drawn_and_the_angle_selects():
     assert (pixels(box(), features=91.0)[0] == plain).all()
 
 
+@pytest.mark.slow
 def test_an_open_box_shows_the_edges_inside():
     _, at, _ = pixels(box(without=5))
     assert at((0.0, 1.0, 0.9)) < DARK
 
 
+@pytest.mark.slow
 def test_a_mesh_without_leaves_has_no_lines():
     known = box()
     unknown = Mesh(known.vertices, known.faces, known.shading)

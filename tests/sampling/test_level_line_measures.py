@@ -134,6 +134,7 @@ def random_region(generator):
     return shape
 
 
+@pytest.mark.slow
 def test_random_regions_are_valid_polygons_whatever_the_lattice_misses():
     shapely = pytest.importorskip("shapely")
     generator = np.random.default_rng(4)

@@ -41,6 +41,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path / "rsym" / "loops"
 
 
+@pytest.mark.slow
 def test_a_loop_is_compiled_once_and_kept_in_a_private_folder(folder, caplog):
     cache._announce.cache_clear()
     with caplog.at_level(logging.WARNING, "rsym"):

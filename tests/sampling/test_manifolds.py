@@ -178,6 +178,7 @@ def test_manifold3d_accepts_what_is_closed():
     assert_close([mesh.status.volume, mesh.status.area], [judged.volume(), judged.surface_area()], rtol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::rsym.RsymWarning")  # the gap between wheels and arches is thin
 def test_the_judges_agree_on_the_car():
     mesh = rsym.Mesher(rsym.paper.car())(200)
@@ -195,6 +196,7 @@ def test_the_judges_agree_on_the_car():
     assert_close(status.worst_angle, np.degrees(other.face_angles.min()), atol=1e-5)
 
 
+@pytest.mark.slow
 def test_without_numba_the_measures_are_the_same():
     program = (
         "import sys; sys.modules['numba'] = None\n"

@@ -99,6 +99,7 @@ def test_the_body_has_what_is_hard(body, whole):
     assert len(set(whole.leaf[whole.leaf < first_cap])) > 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("most", [1, 5, 40, 1000])
 def test_any_cut_gives_the_same_bits(body, whole, monkeypatch, most):
     monkeypatch.setattr(pieces, "LEAST", most)
@@ -117,6 +118,7 @@ def assert_dead(caught, how):
     assert re.search(how + r".* cells \[\d+, \d+, \d+\] to .*coordinates", str(caught.value))
 
 
+@pytest.mark.slow
 def test_processes_give_the_same_bits_and_their_death_is_told(body, whole, cell):
     with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
         assert_same(run(job_of(body), pool), whole)
@@ -125,6 +127,7 @@ def test_processes_give_the_same_bits_and_their_death_is_told(body, whole, cell)
     assert_dead(caught, "BrokenProcessPool")
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_bits_whoever_dies(body, whole, cut_cube, cell, tmp_path):
     local = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}
     with (
@@ -284,6 +287,7 @@ class Recorded:
         self.largest = max(self.largest, need)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [(100,) * 3, (160,) * 3])
 def test_what_is_claimed_is_what_is_taken(body, cells):
     job, budget = job_of(body, cells), Recorded()
@@ -300,6 +304,7 @@ def advised(error):
     return int(error.remedy.split()[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("free", [4e6, 3e7])
 def test_what_cannot_fit_is_refused_with_a_resolution_that_fits(body, monkeypatch, free):
     monkeypatch.setattr(mesher, "free_memory", lambda: mesher.RESERVE + free)
@@ -316,6 +321,7 @@ def test_what_cannot_fit_is_refused_with_a_resolution_that_fits(body, monkeypatc
         body(4 * fits)
 
 
+@pytest.mark.slow
 def test_the_octree_is_refused_before_it_is_taken(monkeypatch):
     """A surface everywhere: nothing can be discarded."""
     everywhere = mesher.SharpMesher(rsym.Shape(sp.sin(1e7 * x * y) - z / 9, (x, y, z), bounds=((1, 2),) * 3))

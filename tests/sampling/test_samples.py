@@ -65,6 +65,7 @@ def test_bounds_clip_what_goes_on():
     assert uniform(points[:, 1], 0, 2) > LIKELY
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("shape", "said"),
     [
@@ -98,6 +99,7 @@ def test_letters():
 # the boundary in the plane
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("resolution", [8, 512])
 def test_an_ellipse_by_arc_length_on_coarse_lattices_too(resolution):
     ellipse = rsym.Shape(1 - x**2 / 9 - y**2, (x, y))
@@ -193,6 +195,7 @@ def test_the_same_seed_gives_the_same_points(shape, over):
     assert len(np.unique(rsym.sample(shape, 5, over=over, resolution=16).points, axis=0)) == 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "over"), [(RING, "inside"), (RING, "boundary"), (rsym.sphere(1), "inside")])
 def test_stratified_points_have_the_same_density_and_vary_less(shape, over):
     means, plain = (

@@ -126,6 +126,7 @@ def wedges():
     return [rsym.Mesher(rsym.Shape(body, AXES, **given)) for body in (rsym.conjunction(*planes), either)]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("angle", [30, 45, 60, 90, 135, 170, 179, 181, 190, 225, 270, 285])
 def test_wedges_of_any_angle_are_exact(wedges, angle):
     turn, radians = rotation(angle), np.radians(angle)
@@ -199,6 +200,7 @@ TOPOLOGY = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", TOPOLOGY)
 def test_the_euler_characteristic_is_exact(name):
     expression, expected = TOPOLOGY[name]
@@ -240,6 +242,7 @@ OTHERS = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", OTHERS)
 def test_leaves_that_are_no_sign_form_keep_the_promises(name):
     expression, expected = OTHERS[name]
@@ -251,6 +254,7 @@ def test_leaves_that_are_no_sign_form_keep_the_promises(name):
     assert np.abs(rsym.compile(shape)(*mesh.vertices.T)["value"]).max() < 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("system", [rsym.R1, rsym.RAlpha(sp.Rational(1, 3)), rsym.R0m(2), rsym.Rp(3)], ids=str)
 def test_all_systems_give_the_same_bits(system):
     def body(s):
@@ -368,6 +372,7 @@ def off_is_told(status, bounds, kernel, mesh, chosen=None):
     assert status.off_surface is not None or not value.size or np.abs(value).max() < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [2, 3, 5, 8])
 def test_random_trees_of_quadrics_are_manifolds(count):
     """25 each. Coarse: edges as sharp as knives, tips, touching bodies; what is off the surface is told."""
@@ -390,6 +395,7 @@ def test_random_trees_of_quadrics_are_manifolds(count):
     assert meshes > 15
 
 
+@pytest.mark.slow
 def test_random_trees_of_all_kinds_are_manifolds():
     generator = np.random.default_rng(1)
     for count in (3, 6, 12, 24):
@@ -402,6 +408,7 @@ def test_random_trees_of_all_kinds_are_manifolds():
             off_is_told(status, shape.bounds, rsym.compile(shape), mesh)
 
 
+@pytest.mark.slow
 def test_exact_zeros_on_lattice_points():
     """Integer polynomials on a lattice of integers, which these bounds undo the shift of."""
     generator = np.random.default_rng(2)
@@ -422,6 +429,7 @@ def test_exact_zeros_on_lattice_points():
     assert meshes > 15
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [256, (256, 300, 200)])
 def test_the_car_has_five_parts_without_a_flaw(car, cells):
     status = accepted(car(cells), 0)

@@ -58,6 +58,7 @@ def test_faces_are_neither_repeated_nor_degenerate():
 THIN = pytest.mark.filterwarnings("ignore:.*(thinner|smaller) than:rsym.errors.RsymWarning")
 
 
+@pytest.mark.slow
 @THIN
 @pytest.mark.parametrize("variant", ["a", "b"])
 def test_the_car_is_closed_and_its_vertices_are_on_omega(variant):
@@ -82,6 +83,7 @@ def test_a_normalised_shape_is_meshed_through_its_omega(length):
         assert np.array_equal(other.faces, reference.faces)
 
 
+@pytest.mark.slow
 @THIN
 def test_the_gradient_of_the_normalised_car_is_one_away_from_its_edges():
     shape = rsym.paper.car()
@@ -103,6 +105,7 @@ def test_a_body_that_leaves_the_bounds_is_said_to_be_clipped():
     assert "clipped" in str(mesh.status)
 
 
+@pytest.mark.slow
 def test_the_same_bits_for_any_block_slab_executor_and_thread(monkeypatch):
     shape = disjunction(BALL, Shape(conjunction(x, 0.3 - y**2 - z**2, 1.2 - x), (x, y, z)))
     reference = mesh_smoothly(shape, 40)
@@ -130,6 +133,7 @@ def test_exact_zeros_on_the_lattice_are_handled():
     assert_close(mesh.status.volume, 4 / 3 * 8, atol=1e-4)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("seed", range(25))
 def test_random_integer_volumes_give_manifolds(seed, monkeypatch):
     """Integers put exact zeros everywhere; scikit-image alone fails on most of these."""

@@ -7,6 +7,7 @@ import pytest
 import sympy as sp
 from hypothesis import given, settings
 from oracles.closeness import assert_close
+from oracles.tiers import examples
 from oracles.trees import trees
 
 import rsym
@@ -44,7 +45,8 @@ def unpacked(bits):
     return np.unpackbits(bits, axis=1, count=729, bitorder="little").astype(bool)
 
 
-@settings(max_examples=12, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=examples(12), deadline=None)
 @given(trees(max_leaves=7, more=(abs(x) - y, sp.sin(3 * x) * y + z / 4, sp.exp(x) - y**2 - z)))
 def test_signs_of_all_lattice_points(expression):
     """Kept blocks have the signs of omega; in blocks that are not kept omega has one sign."""
@@ -61,7 +63,8 @@ def test_signs_of_all_lattice_points(expression):
             assert inside.all() or not inside.any()
 
 
-@settings(max_examples=8, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=examples(8), deadline=None)
 @given(trees(max_leaves=5))
 def test_crossings_are_zeros_on_their_leaf(expression):
     kernels = kernels_of(expression)
@@ -161,6 +164,7 @@ def test_where_the_boundary_may_be_undefined_the_place_is_told(expression):
     assert caught.value.code == "undefined"
 
 
+@pytest.mark.slow
 def test_more_gates_than_bits_of_a_word():
     """Forty balls: the flags of their gates fill two words."""
     centres = np.random.default_rng(3).integers(-10, 10, (40, 3))

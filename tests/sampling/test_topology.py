@@ -111,6 +111,7 @@ def test_every_mask_alone():
     assert surface.flips == 0
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("shift", [0, 1])
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_every_mask_beside_every_mask(axis, shift):
@@ -121,6 +122,7 @@ def test_every_mask_beside_every_mask(axis, shift):
     judge(np.pad(volume, [(shift, 8 - shift)] * 3))
 
 
+@pytest.mark.slow
 def test_random_volumes():
     volume = random_volume(5)
     surface, points, faces = judge(volume)

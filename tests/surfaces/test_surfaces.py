@@ -141,6 +141,7 @@ def test_one_unit_is_as_long_on_every_axis(extents):
     assert (limits[:, 1] >= np.array(extents) / 2).all()
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("extents", [(16, 33.5, 13), (11, 2, 2), (2, 2, 11), (1, 1, 1)])
 @pytest.mark.parametrize(("elevation", "azimuth"), [(22, -55), (22, 55), (35, 200), (-25, 20)])
 def test_labels_stay_inside_the_figure_clear_of_each_other(extents, elevation, azimuth):
@@ -195,6 +196,7 @@ def test_a_turned_camera_gives_a_new_picture_and_the_old_view_the_old_one():
     np.testing.assert_array_equal(pixels(artist), first)
 
 
+@pytest.mark.slow
 def test_edges_are_dark_lines_and_those_behind_are_hidden():
     axes = bare_axes()
     axes.set_proj_type("ortho")

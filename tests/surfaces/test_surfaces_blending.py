@@ -63,6 +63,7 @@ def test_class_one_against_120_digits_for_every_angle(order):
         assert_close(found, basis_by_solving(angle, order), atol=allowed)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("angle", [1e-9, 0.05, 1.01, math.pi / 2, 4.0])
 def test_numbers_are_as_good_as_letters(angle):
     blend = HermiteBlend.class1(1, angle)
@@ -148,6 +149,7 @@ def test_the_movement_at_a_quarter_is_as_small_as_the_theory_says():
     assert_close(moved, [0.0023, 0.0023, 0.0071, 0.0071], atol=6e-5)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("angle", [1e-6, 0.3, 1.0, 1.5707963267948966, 2.5])
 def test_arcs_of_the_angle_are_kept_for_every_shape_parameter(angle):
     step = t**2 * (3 - 2 * t) + t**3 * (1 - t) ** 2

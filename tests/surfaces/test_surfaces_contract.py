@@ -117,6 +117,7 @@ def places(patch, count=9):
     return [low + (high - low) * one for one, (low, high) in zip(shares, patch.domain, strict=True)]
 
 
+@pytest.mark.random
 def test_shapes(patch):
     (u0, u1), (v0, v1) = patch.domain
     assert patch(u0, v1).shape == (3,)
@@ -132,6 +133,7 @@ def test_shapes(patch):
     assert patch.principal_curvatures(rows, v1).shape == (4, 2)
 
 
+@pytest.mark.random
 def test_a_point_is_the_same_alone_and_among_many(patch):
     """To the last bit; but SciPy's B-splines go another way for scattered points than for one or for a grid."""
     at_u, at_v = places(patch, 4000)
@@ -142,6 +144,7 @@ def test_a_point_is_the_same_alone_and_among_many(patch):
         assert np.array_equal(patch.derivative(at_u[3000:], at_v[3000:], order), many[3000:])
 
 
+@pytest.mark.random
 def test_derivatives_are_those_of_the_points(patch):
     """Central differences of the order below, Richardson's extrapolation of two steps: error h**4."""
     at = places(patch)
@@ -159,6 +162,7 @@ def test_derivatives_are_those_of_the_points(patch):
         assert_close((4 * difference(0.5) - difference(1.0)) / 3, every[higher], atol=2e-6 * size)
 
 
+@pytest.mark.random
 def test_the_formula_is_the_surface(patch):
     try:
         formula = patch.expression()

@@ -101,6 +101,7 @@ def test_the_hermite_basis_of_arcs_is_least_in_the_functional_it_belongs_to():
     )
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("weights", [STRETCH, BENDING, JERK])
 @pytest.mark.parametrize("make", [class1, class2, lambda: HermiteBlend.trigonometric(NU, letters={NU: 0.2})])
 def test_one_direction_against_a_minimiser(make, weights):

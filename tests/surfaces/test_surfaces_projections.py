@@ -71,6 +71,7 @@ def f(px, py):
     return np.exp(px / 3) * np.cos(py) + px * py
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("kind", ["auto", "squared"])
 @pytest.mark.parametrize("count", [2, 3, 4, 5])
 @pytest.mark.parametrize("name", DOMAINS)

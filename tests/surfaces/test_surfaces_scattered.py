@@ -289,6 +289,7 @@ def test_kinks_at_repeated_knots_are_not_smoothed_away():
     assert surface.residual.maximum < 1e-10
 
 
+@pytest.mark.slow
 def test_systems_are_refused_only_where_they_must_be():
     """Against singular values."""
     generator = np.random.default_rng(4)

@@ -68,6 +68,7 @@ def test_normals_coincide_along_curved_lines_and_curvatures_too_in_class_3(order
             assert np.abs(bends[0] - bends[1]).max() > 0.1
 
 
+@pytest.mark.slow
 def test_derivatives_along_lines_are_those_of_the_formulas():
     patch = ParametricSurface(ONE)
     for line in ((t / 2 + sp.sin(t) / 3, t**2 / 2), LINE):

@@ -181,6 +181,7 @@ def test_an_edge_counts_within_the_bounds_alone(low, verdict):
     assert rsym.verify_smoothness(half, method="space").verdict == verdict
 
 
+@pytest.mark.slow
 def test_edges_and_corners_on_the_border_itself_are_within():
     report = rsym.verify_smoothness(rsym.box(2, 2, 2).replace(bounds=((-1, 1),) * 3), method="space")
     assert report.verdict == "REFUTED"

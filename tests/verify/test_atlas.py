@@ -102,6 +102,7 @@ def test_the_figure(nose):
     assert rsym.plot_atlas(nose, ax=panel, rectangles=False) is panel.figure
 
 
+@pytest.mark.slow
 def test_the_same_bits_again():
     arguments = (rsym.paper.skeleton_body(), "a2", "p1")
     changes = {"between": ((5.2, 5.4), (38, 42)), "budget": 8, "sharpening": 0}
@@ -110,6 +111,7 @@ def test_the_same_bits_again():
     assert first.judged == 7
 
 
+@pytest.mark.slow
 def test_a_threshold_that_is_no_graph():
     """A roof whose ridge at x = 4 - a**2 - b**2 is within the bounds where a**2 + b**2 > 1."""
     roof = 1 - y - sp.Abs(x - 4 + a**2 + b**2)

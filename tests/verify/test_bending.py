@@ -117,6 +117,7 @@ def skeleton_curvatures(letters):
     return -(uu * v**2 - 2 * uv * u * v + vv * u**2) / length**3, -v / (length * points[:, 1])
 
 
+@pytest.mark.slow
 def test_body_of_revolution():
     plane = rsym.paper.skeleton_body().with_letters({"a2": 6})
     found = bending_of(rsym.revolve(plane))
@@ -133,6 +134,7 @@ def random_polynomial(rng, degree):
     return sum(sp.Rational(int(n), 16) * x**i * y**j * z**k for n, (i, j, k) in zip(numbers, powers, strict=True))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("seed", "degree"), [(1, 2), (2, 2), (3, 2), (4, 3), (5, 4)])
 def test_no_point_of_a_sheet_is_out_of_bounds(seed, degree):
     rng = np.random.default_rng(seed)

@@ -47,6 +47,7 @@ REGULAR = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REGULAR)
 def test_smooth_bodies_are_certified_and_their_curvatures_enclosed(name):
     expression, bounds, least, greatest = REGULAR[name]
@@ -74,6 +75,7 @@ def _greatest_of_quartic():
     return float(largest[near].max())
 
 
+@pytest.mark.slow
 def test_the_body_of_the_paper_is_certified_as_a_general_body():
     plane = rsym.paper.skeleton_body().with_letters({"a2": 6})
     report = judged(rsym.revolve(plane))
@@ -92,6 +94,7 @@ def test_kinks_away_from_the_boundary_do_not_count():
 # Edges, jumps, corners.
 
 
+@pytest.mark.slow
 def test_a_capsule_has_two_circles_of_jumping_curvature():
     report = body(Q(1, 4) - y**2 - z**2 - sp.Max(sp.Abs(x) - 1, 0) ** 2, ((-2.1, 2.05),) * 3)
     assert (report.verdict, report.continuity) == ("REFUTED", "G1")
@@ -148,6 +151,7 @@ def steps(gap):
     return rsym.disjunction(rsym.conjunction(z * (1 - z), x - gap), rsym.conjunction(1 - z, z + Q(1, 2), -x - gap))
 
 
+@pytest.mark.slow
 def test_faces_in_one_plane_are_one_face():
     # Without exact common factors no box, however small, tells the two faces apart.
     bounds = ((-1, 1.1), (-1.2, 1), (0.4, 1.6))
@@ -169,6 +173,7 @@ def test_balls_that_touch():
     assert_close(report.points[0].point, (0, 0, 0), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_double_cone_and_a_cone():
     report = body(z**2 - x**2 - y**2)
     assert report.verdict == "DEGENERATE"
@@ -189,6 +194,7 @@ def test_no_boundary_and_no_change_of_sign():
 # The car.
 
 
+@pytest.mark.slow
 def test_the_car_of_the_paper():
     report = rsym.verify_smoothness(rsym.paper.car())
     assert (report.verdict, report.continuity) == ("REFUTED", "G0")
@@ -215,6 +221,7 @@ def test_a_range_of_letters():
     assert 1 <= report.curvatures[1]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("number", range(50))
 def test_regular_bodies_are_never_refuted(number):
     expression = random_bodies.numbered(random_bodies.regular, number)
@@ -222,6 +229,7 @@ def test_regular_bodies_are_never_refuted(number):
     assert report.verdict == "CERTIFIED"
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("number", range(50))
 def test_planted_defects_are_never_certified(number):
     _, expression = random_bodies.numbered(random_bodies.planted, number)

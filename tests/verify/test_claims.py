@@ -58,6 +58,7 @@ def test_omega_n_is_normalised_to_order_1_and_no_further(found):
     assert 0 < float(rows[2][3].split()[-2]) <= claims.TOLERANCE
 
 
+@pytest.mark.slow
 def test_the_claims_stand_on_the_page(found, tmp_path, monkeypatch):
     for name, part in zip(("profiles", "bodies", "normalisations"), found, strict=True):
         monkeypatch.setattr(claims, name, lambda part=part: part)

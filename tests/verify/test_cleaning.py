@@ -94,6 +94,7 @@ def test_random_formulas_written_out_in_roots_are_found_again():
             assert abs(sp.N((raw(found) - raw(expression)).subs(point), 45)) < 1e-40
 
 
+@pytest.mark.slow
 def test_the_published_body_in_roots_has_the_verdict_of_the_published_body():
     body = rsym.paper.skeleton_body()
     written = body.replace(expression=raw(body.expression))

@@ -13,6 +13,7 @@ def body(expression):
     return rsym.Shape(expression, (x, y, z), bounds=((-1, 1.25),) * 3)
 
 
+@pytest.mark.slow
 def test_taubins_heart_has_two_cusps():
     """Near (0, 0, 1), with u = z - 1, it is 8 u**3 = x**2 + 9/80 y**2 + ...: u grows like the 2/3rd power."""
     heart = (x**2 + Q(9, 4) * y**2 + z**2 - 1) ** 3 - (x**2 + Q(9, 80) * y**2) * z**3
@@ -23,6 +24,7 @@ def test_taubins_heart_has_two_cusps():
     assert all(point.proved for point in cusps)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("expression", "kind"),
     [

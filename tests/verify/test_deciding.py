@@ -98,6 +98,7 @@ def test_a_sign_that_is_not_known_counts_as_none() -> None:
     assert Signs(model, {}).sign(model.builder.const(-3)) == -1
 
 
+@pytest.mark.slow
 def test_a_fillet_takes_few_balls(monkeypatch: pytest.MonkeyPatch) -> None:
     """It took 4 200 of them: more than are allowed here leave boxes undecided."""
     monkeypatch.setattr(verdict, "INSPECTIONS", 1_000)
@@ -107,6 +108,7 @@ def test_a_fillet_takes_few_balls(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not len(report.cover.undecided)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("between", [z, z * x])
 def test_a_value_of_its_own_on_the_switch_is_not_passed_over(between):
     """|x| - 1/2 off x = 0, and there z or 0: both sides agree on x = 0, the value between them is another one."""

@@ -143,6 +143,7 @@ def sign_changes(omega, radius):
     return angles[np.sign(values) != np.sign(np.roll(values, 1))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bend", [False, True], ids=["plane", "bent"])
 def test_random_trees_of_lines_have_the_directions_that_sampling_finds(bend):
     rng = random.Random(7 + bend)

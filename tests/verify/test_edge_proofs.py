@@ -119,6 +119,7 @@ def test_a_surface_that_turns_back_on_itself_is_refuted():
     assert edge.proof.levels[1].least == 90
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pieces", [lambda: sphere(1)[:4], lambda: ellipsoid(3, 2, 1)[4:8], lambda: torus(3, 1)[:5]])
 def test_exact_quadrics_and_tori_are_g2_identically(pieces):
     report = continuity_report(pieces(), prove=True)
@@ -129,6 +130,7 @@ def test_exact_quadrics_and_tori_are_g2_identically(pieces):
     assert all(edge.proof.open == () for edge in report.edges)
 
 
+@pytest.mark.slow
 def test_arcs_of_any_blend_that_keeps_circles():
     blend = HermiteBlend.class2(R(3, 2), sp.pi / 2)
     report = continuity_report(sphere(2, blend_u=blend, blend_v=blend)[:3], prove=True)
@@ -305,6 +307,7 @@ HURRIED = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", sorted(HURRIED))
 def test_edges_that_run_at_other_speeds_are_proved_by_one_parameter(name):
     """One surface on both sides of v = 0, cut and run at two speeds, then with a kink and a jump of curvature."""
@@ -428,6 +431,7 @@ def test_the_report_says_what_is_proved():
     assert "proved:" not in str(silent)
 
 
+@pytest.mark.slow
 def test_no_random_join_is_judged_wrongly():
     """Planted jumps of the second derivative from none to large: what is said must be true of each."""
     rng = np.random.default_rng(7)
@@ -476,6 +480,7 @@ def test_on_a_line_between_pieces_the_side_of_the_patch_counts():
     assert (only_edge(first, flat).verdict, only_edge(first, second).verdict) == ("CERTIFIED", "REFUTED")
 
 
+@pytest.mark.slow
 def test_gordon_surfaces():
     """A network of a polynomial surface goes on as it does; cardinal functions of Hermite are C1 at their knots."""
 

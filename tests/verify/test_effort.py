@@ -45,6 +45,7 @@ def shape_of(name):
     return rsym.Shape((PLANE | SPACE)[name], (x, y) if plane else (x, y, z), bounds=SQUARE if plane else CUBE)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", [*PLANE, *SPACE])
 def test_whenever_the_time_ends_what_is_said_is_true(clock, name):
     shape, method = shape_of(name), "auto" if name in PLANE else "space"
@@ -68,6 +69,7 @@ def test_with_no_time_nothing_is_certified():
         assert len(report.cover.undecided)
 
 
+@pytest.mark.slow
 def test_letters_that_range_have_a_limit_too(clock):
     shape = rsym.Shape(c - x**2 - y**2 - z**2, (x, y, z), letters={c: 1}, bounds=CUBE)
     verdicts = {rsym.verify_smoothness(shape, letters={"c": (1, 2)}, method="space", timeout=t).verdict for t in TIMES}

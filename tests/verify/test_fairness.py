@@ -28,6 +28,7 @@ def variation(t):
     return 3 * A * B * (B**2 - A**2) * mp.sin(t) * mp.cos(t) / speed(t) ** 6
 
 
+@pytest.mark.slow
 def test_an_ellipse_has_four_vertices_and_textbook_measures():
     report = fairness(ELLIPSE, tolerance=1e-3)
     (bounds,) = report.curvatures
@@ -63,6 +64,7 @@ def test_an_ellipse_has_four_vertices_and_textbook_measures():
         assert measure.error < 1e-9
 
 
+@pytest.mark.slow
 def test_a_circle_has_constant_curvature():
     report = fairness(DISC)
     assert report.constant == (True,)
@@ -72,6 +74,7 @@ def test_a_circle_has_constant_curvature():
     assert "constant" in str(report)
 
 
+@pytest.mark.slow
 def test_a_circle_by_a_root_looks_constant_and_is_not_called_proved():
     report = fairness(rsym.Shape(1 - sp.sqrt(x**2 + y**2), (x, y), bounds=((-2, 2), (-2, 2))), tolerance=0.2)
     assert report.constant == (False,)
@@ -79,6 +82,7 @@ def test_a_circle_by_a_root_looks_constant_and_is_not_called_proved():
     assert any("constant" in sentence and not proved for sentence, proved in report.statements)
 
 
+@pytest.mark.slow
 def test_inflections_of_a_cassini_oval():
     # r1 r2 = b**2 with foci at +-1: for 1 < b < sqrt(2) it has four inflections, at r**2 = sqrt((b**4 - 1)/3).
     b4 = sp.Rational(6, 5)
@@ -92,6 +96,7 @@ def test_inflections_of_a_cassini_oval():
     assert sorted(one.kind for one in report.extrema) == ["maximum"] * 2 + ["minimum"] * 2
 
 
+@pytest.mark.slow
 def test_flat_points_are_no_inflections():
     report = fairness(rsym.Shape(1 - x**4 - y**4, (x, y), bounds=((-2, 2), (-2, 2))))
     flat = [one for one in report.extrema if one.flat]
@@ -123,6 +128,7 @@ def bend_of_the_meridian(point):
     return -mp.diff(radius, x0, 2) / (1 + mp.diff(radius, x0) ** 2) ** mp.mpf("1.5")
 
 
+@pytest.mark.slow
 def test_the_body_of_the_paper_as_a_body_of_revolution():
     report = fairness(rsym.revolve(rsym.paper.skeleton_body()), letters={"a2": 6})
     along, across = report.curvatures
@@ -158,6 +164,7 @@ def test_a_stadium_is_broken_at_its_joints_and_constant_between():
     assert_close(report.measures["bending_energy"].value, 2 * math.pi, rtol=1e-13)
 
 
+@pytest.mark.slow
 def test_a_torus_and_an_ellipsoid():
     # A torus of radii 2 and 1: k1 = 1, k2 = cos/(2 + cos), between -1 and 1/3; (k2)' = -2 sin/(2 + cos)**2.
     ring = rsym.Shape(16 * y**2 - (x**2 + y**2 + 3) ** 2, (x, y), bounds=((-2, 2), (-4, 4)))

@@ -2,6 +2,7 @@ import math
 
 import mpmath as mp
 import numpy as np
+import pytest
 from oracles.closeness import assert_close
 
 import rsym
@@ -64,6 +65,7 @@ def test_an_ellipsoid_with_three_axes():
     assert "none" in str(report)
 
 
+@pytest.mark.slow
 def test_edges_have_no_part_in_what_is_sampled():
     block = rsym.conjunction(1 - x**2, 1 - y**2, 1 - z**2)
     report = fairness(rsym.Shape(block, (x, y, z), bounds=((-1.5, 1.5),) * 3))

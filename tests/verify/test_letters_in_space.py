@@ -44,6 +44,7 @@ REGULAR = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", REGULAR)
 def test_what_is_regular_for_every_value_is_certified(name):
     expression, letters = REGULAR[name]
@@ -81,6 +82,7 @@ DEFECTS = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", DEFECTS)
 def test_what_is_singular_at_a_single_value_is_never_certified(name):
     expression, letters, verdict = DEFECTS[name]

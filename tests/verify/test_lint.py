@@ -110,6 +110,7 @@ OPERATIONS = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("operation", OPERATIONS)
 def test_common_faces_of_boxes_at_random(operation, dimension):
@@ -220,6 +221,7 @@ def test_the_curves_of_a_joining_are_leaves():
     assert str(finding.places[0]) == "2*x"
 
 
+@pytest.mark.slow
 def test_what_is_normalised_is_left_alone():
     ellipse = rsym.Shape(1 - x**2 / 4 - y**2, (x, y), bounds=((-2.5, 2.5), (-1.5, 1.5)))
     assert kinds(rsym.lint(ellipse)) == ["not normalised"]

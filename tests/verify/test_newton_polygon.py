@@ -66,6 +66,7 @@ def numerically(form, point):
     return classify(field, centre, 0.0, digits=40, value=value)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", NORMAL_FORMS)
 @pytest.mark.parametrize("motion", ["as it stands", "exchanged", "moved"])
 def test_normal_forms(name, motion):
@@ -81,6 +82,7 @@ def test_normal_forms(name, motion):
         assert joint.tangent_jump == (180 if kind == "cusp" else 0)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", ["A2", "A1*", "E8", "rhamphoid", "one squared"])
 def test_the_numerical_classification_agrees(name):
     form, point = moved(NORMAL_FORMS[name][0]), (R(1, 3), -2)

@@ -1,25 +1,24 @@
 """The opponent: shapes whose truth is known by construction; of no verdict may anything be false.
 
-A fixed seed and that of the day; `OPPONENT_SEED=738000 pytest tests/test_opponent.py` repeats those of another day.
+A fixed seed and that of the run; `pytest --seed 738000 tests/verify/test_opponent.py` repeats those of another day.
 Many more: `python tests/opponent/hunt.py plane --count 2000`.
 """
 
-import datetime
 import importlib
-import os
 
 import pytest
 from opponent import natural
 from opponent.mutations import AIMS, MUTATIONS, UNNOTICED, catcher
+from oracles.tiers import SEED
 
 import rsym
 
 # How many of each kind for each of the two seeds: a minute in all.
 COUNTS = {"plane": 24, "space": 8, "turned": 12, "made": 7, "lettered": 9, "questions": 3}
-DAY = int(os.environ.get("OPPONENT_SEED", datetime.date.today().toordinal()))
 
 
-@pytest.mark.parametrize("start", [0, 1000 * DAY], ids=["fixed", f"seed {DAY}"])
+@pytest.mark.random
+@pytest.mark.parametrize("start", [0, 1000 * SEED], ids=["fixed", f"seed {SEED}"])
 @pytest.mark.parametrize("kind", COUNTS)
 def test_nothing_false_is_said(kind, start):
     family = importlib.import_module(f"opponent.{kind}")
@@ -45,6 +44,7 @@ def test_a_proof_obligation_that_is_dropped_is_noticed(mutation):
     assert catcher(mutation) is not None
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", natural.QUICK)
 def test_natural_bodies_are_decided(name):
     """Some of those that `python tests/opponent/natural.py` asks for all."""

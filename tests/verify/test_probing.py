@@ -81,6 +81,7 @@ def test_the_stadium_jumps_by_the_curvature_of_its_ends():
     assert_close([joint.curvature_jump, *joint.curvatures], [1, 1, 0], atol=1e-14)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("exponent", "continuity", "jumps"), [(2, "G1", (2, 0)), (3, "G2", (0, 6)), (4, "G3", (0, 0))])
 @pytest.mark.parametrize("third", [False, True])
 def test_the_order_of_contact_of_two_arcs(exponent, continuity, jumps, third):
@@ -109,6 +110,7 @@ def test_a_curvature_that_grows_without_bound(n):
     assert joint.tangent_jump < 1e-9
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("w", "kind", "branches"),
     [

@@ -112,6 +112,7 @@ def test_the_price_of_the_nose_by_hand(nose):
     assert rounding.price.curvature_bound < letter.price.curvature_bound
 
 
+@pytest.mark.slow
 def test_a_bound_of_the_curvature_is_kept_and_so_are_the_bounds():
     """The largest curvature of an ellipse is a/b**2 for a > b: at most 2 from b = 1 on for a = 2."""
     a, b = sp.symbols("a b", real=True)
@@ -128,6 +129,7 @@ def test_a_bound_of_the_curvature_is_kept_and_so_are_the_bounds():
     assert "leaves the bounds" in found.rejected[-1].reason
 
 
+@pytest.mark.slow
 def test_a_body_is_repaired_through_its_meridian_and_comes_back_as_a_body():
     found = repair(rsym.revolve(STADIUM), moves=["round"], radius=0.1)
     (one,) = found.candidates
@@ -153,6 +155,7 @@ def test_the_tips_of_a_spindle_are_rounded():
     assert_close(one.price.distance, 1 - np.sqrt(1 - 0.1), rtol=2e-3)
 
 
+@pytest.mark.slow
 def test_the_jumps_of_a_stadium_are_rounded_and_with_them_the_kink_that_comes_to_light():
     found = repair(STADIUM, radius=0.1)
     (one,) = found.candidates
@@ -181,6 +184,7 @@ def taken(inner, outer, reach):
     return quad(sector, 1e-4, 1 - 1e-4, epsabs=1e-10, limit=200)[0]
 
 
+@pytest.mark.slow
 def test_the_corners_of_a_box_are_blended():
     square = rsym.Shape(rsym.conjunction(1 - x, 1 + x, 1 - y, 1 + y), (x, y), bounds=BOX)
     found = repair(square, moves=["rho"], radius=0.1)
@@ -199,6 +203,7 @@ def test_the_corners_of_a_box_are_blended():
     assert one.price.deviations[0] < 1e-6
 
 
+@pytest.mark.slow
 def test_only_the_faces_that_meet_are_blended_and_parts_keep_their_names():
     disc = rsym.Shape(4 - x**2 - y**2, (x, y), bounds=((-3, 3), (-3, 3))).named("disc")
     half = disc & rsym.Shape(2 * x - y, (x, y)).named("cut")
@@ -215,6 +220,7 @@ def test_only_the_faces_that_meet_are_blended_and_parts_keep_their_names():
     assert_close(found.candidates[0].price.distance, depth(0.05), rtol=0.007)
 
 
+@pytest.mark.slow
 def test_a_circular_fillet_becomes_cubic_and_keeps_its_radius():
     round_corner = rsym.Shape(rsym.conjunction(x, y, system=rsym.Rho(1)), (x, y), bounds=BOX)
     found = repair(round_corner, moves=["rho", "pasko"])
@@ -328,6 +334,7 @@ def test_the_report_for_people_and_for_programs(nose):
     assert nose._repr_html_().count("<tr>") == 3
 
 
+@pytest.mark.slow
 def test_the_picture_shows_every_candidate_at_the_worst_defect(nose):
     figure = plot_repair(nose)
     titles = [ax.get_title() for ax in figure.axes]
@@ -341,6 +348,7 @@ def test_the_picture_shows_every_candidate_at_the_worst_defect(nose):
         assert_close(abs(ends[1]), one.price.distance, rtol=5e-3)
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path, capsys):
     picture = tmp_path / "nose.png"
     arguments = ["repair", "skeleton", "--move", "round", "--radius", "0.05", "-o", str(picture)]
@@ -352,6 +360,7 @@ def test_the_command(tmp_path, capsys):
     assert main(["repair", "skeleton", "--move", "rond"]) == 1
 
 
+@pytest.mark.slow
 def test_boundaries_follow_tips_holes_and_ends():
     """A disc with a square hole, and a wedge of 20 degrees: areas and the distance of parallel lines, exactly."""
     hole = rsym.conjunction(4 - x**2 - y**2, -rsym.conjunction(1 - x, 1 + x, 1 - y, 1 + y))
@@ -369,6 +378,7 @@ def test_boundaries_follow_tips_holes_and_ends():
     assert_close(distance(*strips), 0.3, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_any_body_in_space_is_repaired():
     """Half a ball, its rim rounded: 2*f*g = e**2 with f = 1 - x**2 - r**2 and g = 2*x, slopes 2 at the rim."""
     ball = rsym.Shape(1 - x**2 - y**2 - rsym.z**2, (x, y, rsym.z), bounds=((-2, 2),) * 3).named("ball")

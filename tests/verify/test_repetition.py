@@ -56,6 +56,7 @@ class TestReflections:
         inside = [found.meets(np.stack([image, image], axis=-1)) for image in images]
         assert np.any(inside, axis=0).all()
 
+    @pytest.mark.slow
     def test_the_boundary_lies_in_the_boxes_and_their_images(self):
         shape = rsym.mirror_group(body(ball((Rational(1, 2),) * 3, Rational(3, 10))), "octahedral")
         report = rsym.verify_smoothness(shape)
@@ -68,6 +69,7 @@ class TestReflections:
         outside = np.maximum(low - points[:, None], points[:, None] - high).max(axis=2).min(axis=1)
         assert outside.max() < 1e-12
 
+    @pytest.mark.slow
     def test_a_motif_within_one_chamber(self):
         motif = body(ball((Rational(9, 10), Rational(1, 2), Rational(1, 5)), Rational(1, 10)))
         report = rsym.verify_smoothness(rsym.mirror_group(motif, "octahedral"))
@@ -111,6 +113,7 @@ class TestShiftsAndScrews:
         boxes = np.concatenate([cover.certified, cover.joined])
         assert ((boxes[..., 0] <= point) & (point <= boxes[..., 1])).all(axis=1).any()
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("pitch", [4, -3])
     @pytest.mark.parametrize("axis", ["x", "z"])
     def test_a_twisted_bar(self, pitch, axis):
@@ -137,12 +140,14 @@ class TestShiftsAndScrews:
     def test_what_only_looks_like_a_screw(self, expression):
         assert turning(body(expression), CUBE) is None
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("make", [rsym.coil, rsym.helix_tube])
     def test_springs(self, make):
         report = rsym.verify_smoothness(make(), bounds=((-5, 5),) * 3)
         assert (report.verdict, report.continuity) == ("CERTIFIED", "analytic")
         assert was_searched_in_one_piece(report)
 
+    @pytest.mark.slow
     def test_a_twisted_bar_with_edges_is_searched_as_a_whole(self):
         bar = rsym.screw(rsym.Shape(rsym.conjunction(1 - x**2 - y**2, Rational(1, 2) - y), (x, y)), 8)
         report = rsym.verify_smoothness(bar, bounds=CUBE)

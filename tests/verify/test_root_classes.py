@@ -18,6 +18,7 @@ def plane(expression):
     return rsym.Shape(expression, (x, y), bounds=((-1, 1),) * 2)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "second",
     [
@@ -37,6 +38,7 @@ def test_a_graph_with_a_homogeneous_term_of_degree_above_two_is_g2(second):
     assert (report.verdict, report.continuity) == ("CERTIFIED", "G2")
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("second", "point", "jump"),
     [
@@ -68,6 +70,7 @@ def test_the_same_in_the_plane(second, expected):
     assert (report.verdict, report.continuity) == expected
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "expression",
     [
@@ -83,6 +86,7 @@ def test_less_is_never_certified(expression):
     assert rsym.verify_smoothness(body(expression), method="space").verdict != "CERTIFIED"
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "second", [x * y * sp.cos(R), R * sp.sin(R), (x**2 + y**2) ** 2, x * R - (x - y) * R - y * R, z * R / 2, z * x * R]
 )

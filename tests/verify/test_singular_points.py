@@ -166,6 +166,7 @@ def random_body(random):
     )
 
 
+@pytest.mark.slow
 def test_the_formula_of_sheets_has_the_sign_of_omega():
     random = Random(2)
     for _ in range(25):
@@ -260,6 +261,7 @@ IRRATIONAL = (sp.sqrt(2), sp.sqrt(3), sp.sqrt(5))
 SHIFTED = sp.sqrt((x - sp.sqrt(2)) ** 2 + (y - sp.sqrt(3)) ** 2)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("expression", "point", "turn"),
     [
@@ -348,6 +350,7 @@ def test_what_no_proof_settles_is_called_numerical():
 THIN = rsym.disjunction(z - 3 * RADIUS, -z - 3 * RADIUS, sp.sqrt(x**2 + z**2) / 1000 - abs(y))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "expression",
     [

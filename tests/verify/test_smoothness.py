@@ -60,12 +60,14 @@ def test_longer_bodies_are_certified_with_a_bound(a2, sampled):
     assert seen <= report.curvature_bound
 
 
+@pytest.mark.slow
 def test_the_literal_reading_is_certified():
     report = rsym.verify_smoothness(rsym.paper.skeleton_body("literal"))
     assert (report.verdict, report.continuity) == ("CERTIFIED", "analytic")
     assert 6.31 < report.curvature_bound < 12
 
 
+@pytest.mark.slow
 def test_a_range_of_letters_is_certified_for_every_value():
     report = rsym.verify_smoothness(PAPER, letters={"a2": (Fraction(532, 100), 8)})
     assert (report.verdict, report.continuity) == ("CERTIFIED", "analytic")
@@ -73,6 +75,7 @@ def test_a_range_of_letters_is_certified_for_every_value():
     assert "for every a2 in [5.32, 8]" in str(report)
 
 
+@pytest.mark.slow
 def test_a_range_across_the_threshold_is_refuted():
     report = rsym.verify_smoothness(PAPER, letters={"a2": (5.25, 5.35)}, budget=3000)
     assert report.verdict == "REFUTED"
@@ -175,6 +178,7 @@ def test_a_smooth_function_with_a_zero_gradient_is_not_a_smooth_curve():
     assert verdict(y**2 - abs(x) ** Q(5, 2)).verdict == "UNDECIDED"
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("system", [rsym.R0, rsym.R1, rsym.RAlpha(Q(1, 2)), rsym.R0m(2), rsym.Rp(4)])
 def test_corners_of_every_system(system):
     """Two discs of radius 1 at distance 1 meet in (0, +-sqrt(3)/2) at 60 degrees."""
@@ -318,6 +322,7 @@ def test_bad_input_is_refused():
         rsym.verify_smoothness(DISC)
 
 
+@pytest.mark.slow
 def test_the_report_is_the_same_every_time():
     first, second = (rsym.verify_smoothness(PAPER) for _ in range(2))
     assert first.to_json(boxes=True) == second.to_json(boxes=True)

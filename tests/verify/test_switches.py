@@ -43,6 +43,7 @@ NORMS = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", NORMS)
 def test_a_sum_of_powers_is_as_smooth_as_its_worst(name):
     expression, continuity = NORMS[name]
@@ -50,6 +51,7 @@ def test_a_sum_of_powers_is_as_smooth_as_its_worst(name):
     assert (report.verdict, report.continuity) == ("CERTIFIED", continuity)
 
 
+@pytest.mark.slow
 def test_motions_change_nothing():
     body = _shape(_norm(3)).rotate(R(1, 2), axis=z).translate(R(1, 3), R(1, 7), R(1, 11))
     report = rsym.verify_smoothness(body, method="space")
@@ -69,6 +71,7 @@ ROUGH = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", ROUGH)
 def test_what_is_not_curved_continuously_is_not_certified(name):
     report = rsym.verify_smoothness(_shape(ROUGH[name]), method="space", budget=8_000)
@@ -136,6 +139,7 @@ def _jumps(expression, order, form, chance):
         return abs(sides[0] - sides[1]) > mpmath.mpf(10) ** -6
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("seed", range(12))
 def test_no_derivative_below_the_order_jumps(seed):
     chance = random.Random(seed)
@@ -176,6 +180,7 @@ def _ball(centre, radius):
 FIFTH = rsym.Sardf(R(1, 5))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("expression", "verdict", "curves"),
     [
@@ -235,6 +240,7 @@ def test_folds_that_cancel_leave_a_polynomial(expression, polynomial):
         assert sp.expand(found.as_expr() - polynomial) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_what_folds_to_a_polynomial_has_its_values(seed):
     chance = random.Random(seed)

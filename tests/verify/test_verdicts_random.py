@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from oracles.closeness import assert_close
 from oracles.planted import Field, largest_curvature, planted, regular
+from oracles.tiers import some
 
 import rsym
 from rsym.verify import smoothness
@@ -13,6 +14,7 @@ from rsym.verify import smoothness
 SEEDS = 50
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("seed", range(SEEDS))
 def test_a_planted_defect_is_not_certified_and_what_is_proved_of_it_is_true(seed):
     case = planted(seed)
@@ -34,14 +36,14 @@ def verdicts():
     """Reports of regular shapes; the bound of the curvature is as the cover gives it, not sharpened, to save time."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(smoothness, "SHARPENING", 0)
-        cases = [regular(seed, leaves=2, reach=0.5) for seed in range(SEEDS)]
+        cases = [regular(seed, leaves=2, reach=0.5) for seed in some(range(SEEDS), 6)]
         return [(case, rsym.verify_smoothness(case.shape, budget=4000)) for case in cases]
 
 
 def test_no_regular_boundary_is_refuted_and_few_are_undecided(verdicts):
     found = [report.verdict for _, report in verdicts]
     assert set(found) <= {"CERTIFIED", "UNDECIDED"}
-    assert found.count("UNDECIDED") <= 0.05 * SEEDS
+    assert found.count("UNDECIDED") <= max(1, 0.05 * len(found))
 
 
 def test_no_sampled_curvature_exceeds_the_bound(verdicts):

@@ -1,0 +1,47 @@
+"""The two tiers of the suite: nothing is lost between them, and a battery rotates."""
+
+import pytest
+
+pytest_plugins = ["pytester"]
+SUITE = """
+import pytest
+
+@pytest.mark.random
+@pytest.mark.parametrize("seed", range(40))
+def test_battery(seed):
+    pass
+
+@pytest.mark.slow
+def test_slow():
+    pass
+
+def test_always():
+    pass
+"""
+
+
+@pytest.fixture
+def collected(pytester, request):
+    pytester.makeconftest((request.config.rootpath / "tests" / "conftest.py").read_text())
+    pytester.makeini("[pytest]\nmarkers =\n    slow\n    random\n")
+    pytester.makepyfile(SUITE)
+
+    def collect(*options):
+        result = pytester.runpytest_inprocess("--collect-only", "-q", "-p", "no:xdist", *options)
+        return {line.partition("::")[2] for line in result.outlines if "::" in line}
+
+    return collect
+
+
+def test_the_tiers_share_nothing_and_lose_nothing(collected):
+    quick, rest, everything = collected("--seed", "7"), collected("--seed", "7", "--rest"), collected("--everything")
+    assert len(everything) == 42
+    assert quick | rest == everything
+    assert not quick & rest
+    assert len(quick) == 4
+    assert "test_always" in quick
+    assert "test_slow" in rest
+
+
+def test_a_seed_repeats_and_another_rotates(collected):
+    assert collected("--seed", "7") == collected("--seed", "7") != collected("--seed", "8")
