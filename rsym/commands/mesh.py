@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import math
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from rsym.commands.options import (
@@ -55,6 +56,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--unit", help="of lengths in the file: mm, cm, m or in; .3mf states it, .glb is converted to metres"
     )
+    parser.add_argument("--verbose", action="store_true", help="every place that is unresolved, not the worst alone")
     colours = parser.add_argument("--colour-by", choices=["part"])
     explain(colours, "a colour for each part of the model: %(known)s", _coloured_formats)
 
@@ -93,14 +95,14 @@ def run(options: argparse.Namespace) -> None:
     if options.features:
         print(write_features(result, options.features, unit=unit or "mm"))
     print(write(result, options.output, unit=unit, colour_by=options.colour_by))
-    print(*told(result.status), sep="\n")
+    print(*told(result.status, options.resolution, verbose=options.verbose), sep="\n")
     if (options.size, options.scale, options.unit) != (None, None, None):
         sides = " x ".join(f"{high - low:.6g}" for low, high in result.bounds)
         print(f"size {sides} {unit or ''}".rstrip())
 
 
-def told(status: MeshStatus) -> Iterator[str]:
-    """The status, its remarks one to a line.
+def told(status: MeshStatus, resolution: int | Sequence[int], *, verbose: bool = False) -> Iterator[str]:
+    """The status, its remarks one to a line; unless `verbose` in three lines at most, with the resolution to take.
 
     Examples
     --------
@@ -108,8 +110,18 @@ def told(status: MeshStatus) -> Iterator[str]:
     >>> from rsym import x, y, z
     >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2), (-2, 2), (-2, 0.5)))
     >>> with warnings.catch_warnings(action="ignore"):
-    ...     print(*list(told(rsym.mesh(ball, 8).status))[1:])
+    ...     print(*list(told(rsym.mesh(ball, 8).status, 8))[1:])
     - The body leaves the bounds and is clipped at the upper end of z; flat caps close it there.
     """
-    yield str(status).removesuffix("".join(f" {remark}" for remark in status.remarks))
-    yield from (f"- {remark}" for remark in status.remarks)
+    yield str(status).removesuffix("".join(f" {line}" for line in status.brief))
+    lines = list(status.remarks if verbose else status.brief)
+    hints = []
+    if status.finer is not None and not verbose:
+        cells = resolution if isinstance(resolution, Sequence) else [resolution]
+        finer = ",".join(str(math.ceil(status.finer * count)) for count in cells)
+        hints.append(f"--resolution {finer} puts 2 cells across every wall and gap")
+    if len(status.unresolved) > 1 and not verbose:
+        hints.append(f"--verbose tells all {len(status.unresolved)} places")
+    if hints:
+        lines.insert(2, " ".join([*lines[2:], f"{'; '.join(hints)}."]))
+    yield from (f"- {line}" for line in lines[: None if verbose else 3])

@@ -31,6 +31,7 @@ def add(commands: Commands) -> None:
     add_resolution(parser, 128)
     parser.add_argument("--colour-by", choices=["part"], help="a colour for each part of the model")
     parser.add_argument("-o", "--output", metavar="FILE", help="keep the page: a name that ends in .html")
+    parser.add_argument("--verbose", action="store_true", help="every place that is unresolved, not the worst alone")
     parser.add_argument("--no-open", action="store_true", help="only write the page, and print where it is")
 
 
@@ -45,4 +46,4 @@ def run(options: argparse.Namespace) -> None:
         warnings.simplefilter("ignore", RsymWarning)  # the status, printed below, says the same
         result = mesh(shape, options.resolution, progress=progress, force=options.force)
     print(view(result, colour_by=options.colour_by, path=options.output, browser=not options.no_open))
-    print(*told(result.status), sep="\n")
+    print(*told(result.status, options.resolution, verbose=options.verbose), sep="\n")

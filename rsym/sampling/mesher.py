@@ -36,9 +36,9 @@ from rsym.sampling.sharp.leaves import CompiledLeaves
 from rsym.sampling.sharp.octree import Blocks
 from rsym.sampling.sharp.pieces import Job, in_pieces
 from rsym.sampling.sharp.strays import stray_vertices
-from rsym.sampling.sharp.suspects import Suspect, suspects
+from rsym.sampling.sharp.suspects import suspects
 from rsym.sampling.sharp.welding import Surface
-from rsym.sampling.status import Findings
+from rsym.sampling.status import Findings, Suspect
 
 Floats: TypeAlias = NDArray[np.float64]
 Resolution: TypeAlias = int | Sequence[int]

@@ -83,8 +83,8 @@ def mesh(
     Warns
     -----
     RsymWarning
-        For a surface that the bounds clip, samples exactly on it, walls and gaps thinner than a cell, and
-        pieces of less than three cells. ``.status`` keeps the facts.
+        Once, for a surface that the bounds clip, samples exactly on it, walls and gaps thinner than a cell, and
+        pieces of less than three cells: in brief. ``.status`` keeps the facts, ``.status.remarks`` tells each.
 
     Examples
     --------
@@ -104,8 +104,9 @@ def mesh(
     elapsed = time.perf_counter() - start
     if logger.isEnabledFor(logging.INFO):
         logger.info("mesh in %.2f s: %s", elapsed, result.status)
-    if remarks := result.findings.remarks:
-        warn("\n".join(remarks))
+    if brief := result.findings.brief:
+        more = " `.status.remarks` tells all." if len(result.findings.unresolved) > 1 else ""
+        warn(" ".join(brief) + more)
     return result
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import collections
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, NamedTuple
 
 from rsym.sampling.detail import Detail
 from rsym.sampling.manifolds import Measures, Point, Side
@@ -13,20 +15,100 @@ from rsym.sampling.manifolds import Measures, Point, Side
 KNIFE_EDGE = 0.1
 # A fold that covers less than this share of the area is a speck between two faces; the status counts it all the same.
 NOTABLE_FOLD = 1e-6
-# So many suspects of one kind are told in full; the others are counted.
-TOLD = 3
 
 
-class Suspect(Protocol):
-    """A place where the mesh may not show what the equation says."""
+class Wording(NamedTuple):
+    """What a suspect is called, alone and among several, and the sentence that describes it."""
 
-    @property
-    def kind(self) -> str:
-        """One word, the same for all suspects that one sentence describes."""
+    one: str
+    many: str
+    sentence: str
+
+
+_THIN = "{self.thickness:.2g} cells {wide} {near}; {self.finer:.2g} times the resolution puts 2 cells across it"
+UNRESOLVED = "Unresolved: "
+KINDS = {
+    "wall": Wording("wall", "walls", "a wall{of}, " + _THIN.replace("{wide}", "thick")),
+    "gap": Wording("gap", "gaps", "a gap{of}, " + _THIN.replace("{wide}", "wide")),
+    "sheet": Wording(
+        "sheet without a change of sign",
+        "sheets without a change of sign",
+        "the equation is zero without a change of sign{of}, in {cells} {near}; a mesh cannot show that",
+    ),
+    "touch": Wording(
+        "contact of bodies",
+        "contacts of bodies",
+        "bodies touch{of} {near}; at no resolution is the surface a manifold there",
+    ),
+    "knife": Wording(
+        "edge that tapers to nothing",
+        "edges that taper to nothing",
+        "an edge{of} tapers to nothing, in {cells} {near}; no resolution resolves all of it",
+    ),
+    "apex": Wording(
+        "tip", "tips", "the gradient{of} vanishes on the surface {near}, as at a tip; no resolution resolves that"
+    ),
+    "unresolved": Wording(
+        "place of which nothing is proved",
+        "places of which nothing is proved",
+        "nothing is proved of the surface{of} in {cells} {near}, where it may turn too sharply",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """Something that a lattice may have missed.
+
+    Attributes
+    ----------
+    kind : {"wall", "gap", "sheet", "touch", "knife", "apex", "unresolved"}
+        A wall or a gap that is thin; a zero set where the sign does not change; bodies that touch; an edge that
+        tapers to nothing; a point of the surface where the gradient vanishes; none of these.
+    place : (x, y, z)
+        Where it is thinnest.
+    thickness : float
+        Across it, in cells; 0 but for walls and gaps.
+    cells : int
+        How many cells without a certificate belong to it.
+    leaves : tuple of int
+        The leaves that meet there.
+    names : tuple of str
+        What they are called.
+
+    Examples
+    --------
+    >>> print(Suspect("gap", (0.0, 1.0, 2.0), 0.5, 12, (0, 3), ("arch", "wheel")).remark)
+    Unresolved: a gap between arch and wheel, 0.5 cells wide near (0, 1, 2); 4 times the resolution puts 2 cells \
+across it.
+    """
+
+    kind: str
+    place: tuple[float, float, float]
+    thickness: float
+    cells: int
+    leaves: tuple[int, ...]
+    names: tuple[str, ...] = ()
 
     @property
     def remark(self) -> str:
         """A sentence that says what is there, and where."""
+        size = max(abs(value) for value in self.place)
+        near = ", ".join(f"{value if abs(value) > 1e-9 * size else 0:.4g}" for value in self.place)
+        cells = f"{self.cells} {'cell' if self.cells == 1 else 'cells'}"
+        sentence = KINDS[self.kind].sentence.format(self=self, of=self._of, near=f"near ({near})", cells=cells)
+        return f"{UNRESOLVED}{sentence}."
+
+    @property
+    def _of(self) -> str:
+        if not self.names:
+            return ""
+        return f" {'of' if len(self.names) == 1 else 'between'} {' and '.join(self.names)}"
+
+    @property
+    def finer(self) -> float:
+        """How many times the resolution puts two cells across it; infinite where none resolves it."""
+        return 2 / self.thickness if self.thickness else math.inf
 
 
 @dataclass(frozen=True)
@@ -107,21 +189,49 @@ class Findings:
         return tuple(suspect for suspect in self.unresolved if suspect.kind == "touch")
 
     @property
+    def finer(self) -> float | None:
+        """How many times the resolution puts two cells across every unresolved wall and gap; None if there is none."""
+        return max((suspect.finer for suspect in self.unresolved if suspect.thickness), default=None)
+
+    @property
     def remarks(self) -> tuple[str, ...]:
-        """What one should know before using the mesh, a sentence each; `rsym.mesh` warns of them."""
-        remarks = [*_of_clipping(self), *_of_suspects(self.unresolved)]
+        """All that one should know before using the mesh, a sentence each."""
+        return (*self._of_clipping(), *(suspect.remark for suspect in self.unresolved), *self._of_the_rest())
+
+    @property
+    def brief(self) -> tuple[str, ...]:
+        """The same in three lines at most: what is unresolved is counted, and its worst place told."""
+        lines = (*self._of_clipping(), *_in_brief(self.unresolved), " ".join(self._of_the_rest()))
+        return tuple(line for line in lines if line)
+
+    def _of_clipping(self) -> Iterable[str]:
+        if self.clipped_at:
+            sides = ", ".join(self.clipped_at)
+            if self.capped:
+                yield f"The body leaves the bounds and is clipped at {sides}; flat caps close it there."
+            else:
+                yield f"The surface leaves the bounds at {sides}; wider bounds close it."
+
+    def _of_the_rest(self) -> Iterable[str]:
         if self.off_surface is not None:
             off = self.off_surface
-            remarks.append(
+            yield (
                 f"{_plural(off.vertices, 'vertex is', 'vertices are')} off the surface,"
                 f" at worst by {off.cells:.2g} cells near {off.worst_at}."
             )
         if self.nudged_zeros:
             samples = _plural(self.nudged_zeros, "sample", "samples")
-            remarks.append(
-                f"{samples} lay exactly on the surface and were counted as inside; another resolution may avoid them."
+            yield f"{samples} lay exactly on the surface and were counted as inside; another resolution may avoid them."
+        if self.thin is not None:
+            yield (
+                f"At {_plural(self.thin.places, 'place', 'places')} a wall or a gap is thinner than a cell, at worst"
+                f" {self.thin.cells:.2g} cells near {self.thin.finest}; {_finer(2, self.thin)}."
             )
-        return (*remarks, *_of_detail(self.thin, self.small))
+        if self.small is not None:
+            yield (
+                f"{_plural(self.small.places, 'piece is', 'pieces are')} smaller than three cells, the smallest"
+                f" {self.small.cells:.2g} cells near {self.small.finest}; {_finer(6, self.small)}."
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,7 +251,7 @@ class MeshStatus(Measures, Findings):
         if self.kept:
             # No remark: float32 put them on a lattice point, so they are off by a ten-thousandth of a cell.
             text += f" Vertices unresolved, kept where linear interpolation put them: {self.kept}."
-        return " ".join([text, *self.remarks])
+        return " ".join([text, *self.brief])
 
     @property
     def _state(self) -> str:
@@ -152,50 +262,29 @@ class MeshStatus(Measures, Findings):
             return f"clipped: {self.boundary_edges} open edges in {chains} on the sides of the bounds"
         return f"open: {self.boundary_edges} edges have one triangle, {self.repeated_edges} more than two"
 
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """The remarks of the findings, and what is wrong with the triangles."""
+    def _of_the_rest(self) -> Iterable[str]:
+        """What the findings say, and what is wrong with the triangles."""
+        yield from super()._of_the_rest()
         notable = self.folded if self.folded_share > NOTABLE_FOLD else 0
         faults = [
             (notable, f"facing inwards, {self.folded_share:.1e} of the area"),
             (self.degenerate, "without area"),
             (self.duplicates, "with the vertices of another"),
         ]
-        remarks = [f"{_plural(count, 'triangle', 'triangles')} {what}." for count, what in faults if count]
+        yield from (f"{_plural(count, 'triangle', 'triangles')} {what}." for count, what in faults if count)
         if self.pinched:
-            remarks.append(f"At {_plural(self.pinched, 'vertex', 'vertices')} the surface touches itself.")
-        return (*super().remarks, *remarks)
+            yield f"At {_plural(self.pinched, 'vertex', 'vertices')} the surface touches itself."
 
 
-def _of_clipping(found: Findings) -> Iterable[str]:
-    if found.clipped_at:
-        sides = ", ".join(found.clipped_at)
-        if found.capped:
-            yield f"The body leaves the bounds and is clipped at {sides}; flat caps close it there."
-        else:
-            yield f"The surface leaves the bounds at {sides}; wider bounds close it."
-
-
-def _of_suspects(suspects: tuple[Suspect, ...]) -> Iterable[str]:
-    """The first suspects of each kind in their own words, the others counted."""
-    for kind in dict.fromkeys(suspect.kind for suspect in suspects):
-        alike = [suspect.remark for suspect in suspects if suspect.kind == kind]
-        yield from alike[:TOLD]
-        if len(alike) > TOLD:
-            yield f"{_plural(len(alike) - TOLD, 'more place', 'more places')} like these."
-
-
-def _of_detail(thin: Detail | None, small: Detail | None) -> Iterable[str]:
-    if thin is not None:
-        yield (
-            f"At {_plural(thin.places, 'place', 'places')} a wall or a gap is thinner than a cell, at worst"
-            f" {thin.cells:.2g} cells near {thin.finest}; {_finer(2, thin)}."
-        )
-    if small is not None:
-        yield (
-            f"{_plural(small.places, 'piece is', 'pieces are')} smaller than three cells, the smallest"
-            f" {small.cells:.2g} cells near {small.finest}; {_finer(6, small)}."
-        )
+def _in_brief(suspects: tuple[Suspect, ...]) -> Iterable[str]:
+    """How many of each kind there are, and the worst of them: the thinnest, or the first."""
+    if len(suspects) > 1:
+        kinds = collections.Counter(suspect.kind for suspect in suspects)
+        *some, last = (_plural(count, KINDS[kind].one, KINDS[kind].many) for kind, count in kinds.items())
+        worst = min(suspects, key=lambda suspect: suspect.thickness or math.inf).remark.removeprefix(UNRESOLVED)
+        yield f"{UNRESOLVED}{', '.join(some)}{' and ' if some else ''}{last}; at worst {worst}"
+    else:
+        yield from (suspect.remark for suspect in suspects)
 
 
 def _plural(count: int, one: str, many: str) -> str:

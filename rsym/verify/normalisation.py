@@ -182,7 +182,7 @@ def _boundary(
         return none, (none, none), max(lattice.spacing), ()
     first, second = np.unique(np.sort(surface.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0).T
     ends = surface.vertices[first], surface.vertices[second]
-    return surface.vertices, ends, max(lattice.spacing), surface.status.remarks
+    return surface.vertices, ends, max(lattice.spacing), surface.status.brief
 
 
 def _worst(

@@ -87,6 +87,19 @@ def test_a_mesh_that_is_cut_is_capped_or_open_in_either_method(tmp_path, model, 
     assert abs(volumes["capped"] - np.pi * (4 / 3 * 2.5**3 - 6 * 0.25 * (3 * 2.5 - 0.5) / 3)) < 0.3
 
 
+def test_the_essential_is_said_in_three_lines(tmp_path, capsys):
+    common = ["mesh", "car", "-q", "-o", str(tmp_path / "car.stl")]
+    assert main(common) == 0
+    _, first, *caveats = capsys.readouterr().out.splitlines()
+    assert "closed" in first
+    assert len(caveats) <= 3
+    assert "24 gaps" in caveats[0]
+    assert "0.74 cells wide near (4.001, -8.754, 0.9074)" in caveats[0]
+    assert "--resolution 346 puts 2 cells across every wall and gap; --verbose tells all 30 places" in caveats[-1]
+    assert main([*common, "--verbose"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 2 + 30
+
+
 def test_features_and_a_model_without_bounds(tmp_path, capsys):
     path, edges = tmp_path / "lens.rf", tmp_path / "edges.dxf"
     path.write_text("coordinates x y z; a = 1 - (x - 9)^2 - y^2 - z^2; b = x - 9; omega = rfAND(a, b)")

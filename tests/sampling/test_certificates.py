@@ -118,6 +118,15 @@ def test_the_mesh_of_a_thin_shell_comes_with_a_word(thickness):
     assert "Unresolved: a wall" in str(mesh.status)
 
 
+def test_what_is_unresolved_is_one_warning_of_one_paragraph():
+    with pytest.warns(rsym.RsymWarning) as caught:
+        status = rsym.mesh(rsym.paper.car(), 64).status
+    (warning,) = caught
+    assert str(warning.message) == " ".join(status.brief) + " `.status.remarks` tells all."
+    assert "\n" not in str(warning.message)
+    assert len(status.brief) <= 3 < len(status.remarks)
+
+
 def test_a_gap_is_found_where_it_is_narrowest():
     (gap,), lattice = suspected(moved(rsym.disjunction(ball(-0.505, 0.5), ball(0.405, 0.4))))
     assert (gap.kind, gap.leaves) == ("gap", (0, 1))

@@ -92,7 +92,7 @@ def test_a_clipped_surface_names_the_sides():
     slab = shape(0.25 - (z - 1) ** 2)
     with pytest.warns(RsymWarning) as caught:
         status = mesh_smoothly(slab, 12).status
-    assert [str(warning.message) for warning in caught] == ["\n".join(status.remarks)]
+    assert [str(warning.message) for warning in caught] == [" ".join(status.remarks)]
     x_and_y = tuple(f"the {end} end of {axis}" for axis in "xy" for end in ("lower", "upper"))
     assert status.clipped_at == x_and_y
     assert "the upper end of y; wider bounds close it" in str(status)

@@ -1,5 +1,4 @@
 import pickle
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -8,16 +7,10 @@ from oracles.closeness import assert_close
 from rsym import RsymError
 from rsym.sampling.manifolds import sides_of
 from rsym.sampling.mesh import Mesh
-from rsym.sampling.status import Findings, OffSurface
+from rsym.sampling.status import Findings, OffSurface, Suspect
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-
-
-@dataclass(frozen=True)
-class Spot:
-    kind: str
-    remark: str
 
 
 def status(corners, faces, **findings):
@@ -67,15 +60,21 @@ def test_unresolved_and_zeros_are_told():
     assert status(CORNERS, FACES, nudged_zeros=1).remarks[0].startswith("1 sample lay")
 
 
-def test_suspects_of_a_kind_are_told_and_then_counted():
-    spots = tuple(Spot("sheet", f"A sheet without change of sign near {k}.") for k in range(5))
-    found = status(CORNERS, FACES, unresolved=(*spots, Spot("touch", "Bodies touch at 7.")))
-    assert found.remarks[2:] == (
-        "A sheet without change of sign near 2.",
-        "2 more places like these.",
-        "Bodies touch at 7.",
+def test_each_suspect_is_told_and_in_brief_they_are_counted():
+    thin = tuple(Suspect("gap", (k, 0.0, 0.0), 1.5 - 0.5 * k, 4, (0, 1), ("arch", "wheel")) for k in range(3))
+    sheet, touch = (Suspect(kind, (7.0, 0.0, 0.0), 0.0, 5, (1,)) for kind in ("sheet", "touch"))
+    found = status(CORNERS, FACES, unresolved=(*thin, sheet, touch), nudged_zeros=1)
+    assert (found.sheets, found.touches, found.finer) == ((sheet,), (touch,), 4)
+    assert found.remarks[:5] == tuple(one.remark for one in found.unresolved)
+    assert found.brief == (
+        "Unresolved: 3 gaps, 1 sheet without a change of sign and 1 contact of bodies; at worst a gap between arch and"
+        " wheel, 0.5 cells wide near (2, 0, 0); 4 times the resolution puts 2 cells across it.",
+        found.remarks[5],
     )
-    assert (found.sheets, found.touches) == (spots, found.unresolved[5:])
+    assert str(found).endswith(" ".join(found.brief))
+    alone = status(CORNERS, FACES, unresolved=(sheet,))
+    assert alone.brief == alone.remarks == (sheet.remark,)
+    assert alone.finer is None
 
 
 def test_vertices_off_the_surface_and_caps_are_told():

@@ -10,7 +10,7 @@ suspect; without such a pair a cluster is a tip, or stays unresolved.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -21,6 +21,7 @@ from rsym.sampling.sharp.certificates import STEEPEST, Unresolved
 from rsym.sampling.sharp.clusters import clusters
 from rsym.sampling.sharp.leaves import Leaves, Numbers
 from rsym.sampling.sharp.thickness import FIRST, Rays, across, closest, common, level
+from rsym.sampling.status import KINDS, Suspect
 
 # Two directions that no third serves with the cosine c have a cosine below 2*c**2 - 1.
 OPPOSED = 2 * STEEPEST**2 - 1
@@ -28,70 +29,6 @@ OPPOSED = 2 * STEEPEST**2 - 1
 MEASURED = 12
 # Four corners of the middle half of a box, no two on one side of it: a wall through its middle has some on both sides.
 _ABOUT = np.array([[1, 1, 3, 3], [1, 3, 1, 3], [1, 3, 3, 1]]) / 4
-_THIN = "{self.thickness:.2g} cells {wide} {near}; {self.finer:.2g} times the resolution puts 2 cells across it"
-SENTENCES = {
-    "wall": "a wall{of}, " + _THIN.replace("{wide}", "thick"),
-    "gap": "a gap{of}, " + _THIN.replace("{wide}", "wide"),
-    "sheet": "the equation is zero without a change of sign{of}, in {cells} {near}; a mesh cannot show that",
-    "touch": "bodies touch{of} {near}; at no resolution is the surface a manifold there",
-    "knife": "an edge{of} tapers to nothing, in {cells} {near}; no resolution resolves all of it",
-    "apex": "the gradient{of} vanishes on the surface {near}, as at a tip; no resolution resolves that",
-    "unresolved": "nothing is proved of the surface{of} in {cells} {near}, where it may turn too sharply",
-}
-
-
-@dataclass(frozen=True)
-class Suspect:
-    """Something that a lattice may have missed.
-
-    Attributes
-    ----------
-    kind : {"wall", "gap", "sheet", "touch", "knife", "apex", "unresolved"}
-        A wall or a gap that is thin; a zero set where the sign does not change; bodies that touch; an edge that
-        tapers to nothing; a point of the surface where the gradient vanishes; none of these.
-    place : (x, y, z)
-        Where it is thinnest.
-    thickness : float
-        Across it, in cells; 0 but for walls and gaps.
-    cells : int
-        How many cells without a certificate belong to it.
-    leaves : tuple of int
-        The leaves that meet there.
-    names : tuple of str
-        What they are called.
-
-    Examples
-    --------
-    >>> print(Suspect("gap", (0.0, 1.0, 2.0), 0.5, 12, (0, 3), ("arch", "wheel")).remark)
-    Unresolved: a gap between arch and wheel, 0.5 cells wide near (0, 1, 2); 4 times the resolution puts 2 cells \
-across it.
-    """
-
-    kind: str
-    place: tuple[float, float, float]
-    thickness: float
-    cells: int
-    leaves: tuple[int, ...]
-    names: tuple[str, ...] = ()
-
-    @property
-    def remark(self) -> str:
-        """A sentence that says what is there, and where."""
-        size = max(abs(value) for value in self.place)
-        near = ", ".join(f"{value if abs(value) > 1e-9 * size else 0:.4g}" for value in self.place)
-        cells = f"{self.cells} {'cell' if self.cells == 1 else 'cells'}"
-        return f"Unresolved: {SENTENCES[self.kind].format(self=self, of=self._of, near=f'near ({near})', cells=cells)}."
-
-    @property
-    def _of(self) -> str:
-        if not self.names:
-            return ""
-        return f" {'of' if len(self.names) == 1 else 'between'} {' and '.join(self.names)}"
-
-    @property
-    def finer(self) -> float:
-        """How many times the resolution puts two cells across it."""
-        return 2 / self.thickness
 
 
 def suspects(leaves: Leaves, lattice: Array, unresolved: Unresolved, names: Sequence[str] = ()) -> tuple[Suspect, ...]:
@@ -124,7 +61,7 @@ def suspects(leaves: Leaves, lattice: Array, unresolved: Unresolved, names: Sequ
     found = _facing(leaves, space, pairs) + _alone(leaves, space, pairs.cluster)
     if names:
         found = [replace(one, names=tuple(names[leaf] for leaf in one.leaves)) for one in found]
-    return tuple(sorted(found, key=lambda one: (list(SENTENCES).index(one.kind), one.thickness, -one.cells)))
+    return tuple(sorted(found, key=lambda one: (list(KINDS).index(one.kind), one.thickness, -one.cells)))
 
 
 class _Clusters:
