@@ -106,3 +106,27 @@ def checked_cells(cells: Any) -> int:
     if isinstance(cells, bool) or not isinstance(cells, int | np.integer) or cells < 2:
         raise RsymError(f"resolution must be an integer of at least 2, got {cells!r}", code="resolution")
     return int(cells)
+
+
+@dataclass(frozen=True)
+class BoundsSide:
+    """A side of the bounds: its name, as "the upper end of x", the axis across it and the coordinate there."""
+
+    name: str
+    axis: int
+    value: float
+
+
+def sides_of(names: Sequence[str], bounds: Sequence[Sequence[float]]) -> tuple[BoundsSide, ...]:
+    """The sides of bounds ((low, high), ...), in the order of the coordinates.
+
+    Examples
+    --------
+    >>> [side.name for side in sides_of("xyz", ((0, 1),) * 3)][:2]
+    ['the lower end of x', 'the upper end of x']
+    """
+    return tuple(
+        BoundsSide(f"the {word} end of {name}", axis, float(value))
+        for axis, (name, ends) in enumerate(zip(names, bounds, strict=True))
+        for word, value in zip(("lower", "upper"), ends, strict=True)
+    )

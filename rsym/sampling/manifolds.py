@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
+from rsym.sampling.lattice import BoundsSide
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.integer[Any]]
@@ -18,30 +19,6 @@ Point = tuple[float, float, float]
 
 # An open edge this close to a side, against the length of the loop, lies on it: rounding of the lattice is below 1e-14.
 ON_SIDE = 1e-9
-
-
-@dataclass(frozen=True)
-class Side:
-    """A side of the bounds: its name, as "the upper end of x", the axis across it and the coordinate there."""
-
-    name: str
-    axis: int
-    value: float
-
-
-def sides_of(names: Sequence[str], bounds: Sequence[Sequence[float]]) -> tuple[Side, ...]:
-    """The sides of bounds ((low, high), ...), in the order of the coordinates.
-
-    Examples
-    --------
-    >>> [side.name for side in sides_of("xyz", ((0, 1),) * 3)][:2]
-    ['the lower end of x', 'the upper end of x']
-    """
-    return tuple(
-        Side(f"the {word} end of {name}", axis, float(value))
-        for axis, (name, ends) in enumerate(zip(names, bounds, strict=True))
-        for word, value in zip(("lower", "upper"), ends, strict=True)
-    )
 
 
 @dataclass(frozen=True)
@@ -56,7 +33,7 @@ class Loop:
 
 
 @dataclass(frozen=True)
-class Enclosed:
+class EnclosedSolid:
     """What closed triangles enclose, of density 1: the volume, its centroid (3,), and the inertia (3, 3) about that."""
 
     volume: float
@@ -111,7 +88,7 @@ class Measures:
     loops: tuple[Loop, ...]
 
 
-def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: Sequence[Side] = ()) -> Measures:
+def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: Sequence[BoundsSide] = ()) -> Measures:
     """Count, add up and look for the worst.
 
     Parameters
@@ -121,7 +98,7 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
     outward : (m, 3) array, optional
         A direction of any length for each triangle that it ought to face; NaN or zero where it is unknown.
         Without it triangles are compared with their neighbours.
-    sides : sequence of Side
+    sides : sequence of BoundsSide
         Where open edges are looked for.
 
     Examples
@@ -182,7 +159,7 @@ def area_of(vertices: Array, faces: Ints) -> float:
     return float(np.sqrt(np.einsum("ij,ij->i", normals, normals)).sum()) / 2
 
 
-def enclosed(vertices: Array, faces: Ints) -> Enclosed:
+def enclosed(vertices: Array, faces: Ints) -> EnclosedSolid:
     """The volume, centroid and inertia of a closed polyhedron, exact but for rounding.
 
     By the divergence theorem each is the sum over the triangles (a, b, c) of that of the tetrahedron (o, a, b, c), with
@@ -212,7 +189,7 @@ def enclosed(vertices: Array, faces: Ints) -> Enclosed:
     with np.errstate(all="ignore"):
         centroid = np.asarray(det @ whole / 24 / np.float64(volume))
     about = squares / 120 - volume * np.outer(centroid, centroid)
-    return Enclosed(volume, middle + centroid, np.trace(about) * np.eye(3) - about)
+    return EnclosedSolid(volume, middle + centroid, np.trace(about) * np.eye(3) - about)
 
 
 def _require_closed(vertices: Array, faces: Ints) -> None:
@@ -265,7 +242,7 @@ def _genera(label: Ints, faces: Ints, mates: Ints, heads: Ints) -> tuple[int, ..
     return tuple(genus[np.argsort(-f, kind="stable")].tolist())
 
 
-def _loops(vertices: Array, chains: Sequence[Ints], sides: Sequence[Side]) -> tuple[Loop, ...]:
+def _loops(vertices: Array, chains: Sequence[Ints], sides: Sequence[BoundsSide]) -> tuple[Loop, ...]:
     found = []
     for chain in chains:
         places = vertices[chain]

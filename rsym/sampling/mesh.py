@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
@@ -14,7 +15,9 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds
-from rsym.sampling.manifolds import Enclosed, Side, area_of, checked, enclosed, measure, point
+from rsym.sampling.lattice import BoundsSide
+from rsym.sampling.manifolds import EnclosedSolid, area_of, checked, enclosed, measure, point
+from rsym.sampling.progress import Progress
 from rsym.sampling.sharp.features import Feature, features_of
 from rsym.sampling.status import Findings, MeshStatus
 from rsym.sampling.stills import surface_picture
@@ -23,6 +26,19 @@ Array: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.integer[Any]]
 # Leaves (k,) and points (k, 3) to outward directions (k, 3) of any length: -grad of the leaf there.
 Outward: TypeAlias = Callable[[Ints, Array], Array]
+
+
+@dataclass(frozen=True)
+class MeshRequest:
+    """What is asked of a mesher: the arguments of `rsym.mesh`, but for the shape and the method."""
+
+    resolution: int | Sequence[int] = 128
+    bounds: Any = None
+    letters: Mapping[Any, float] | None = None
+    cap: bool = True
+    executor: Executor | None = None
+    progress: Progress | None = None
+    force: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -113,7 +129,7 @@ class Mesh:
         return MeshStatus(**vars(measures), **vars(self.findings))
 
     @cached_property
-    def _enclosed(self) -> Enclosed:
+    def _enclosed(self) -> EnclosedSolid:
         return enclosed(self.vertices, self.faces)
 
     @property
@@ -285,13 +301,13 @@ def _numbers(given: Any) -> Array | None:
     return numbers if np.isfinite(numbers).all() else None
 
 
-def _image(side: Side, matrix: Array, shift: Array) -> Side | None:
+def _image(side: BoundsSide, matrix: Array, shift: Array) -> BoundsSide | None:
     """A side of the bounds where it has moved to, if it is square to an axis still."""
     row = np.linalg.inv(matrix)[side.axis]  # its points q have row . (q - shift) = value
     (axes,) = np.nonzero(row)
     if len(axes) > 1:
         return None
-    return Side(side.name, int(axes[0]), float(side.value / row[axes[0]] + shift[axes[0]]))
+    return BoundsSide(side.name, int(axes[0]), float(side.value / row[axes[0]] + shift[axes[0]]))
 
 
 def _bent(curvatures: Callable[[str], Array] | None, matrix: Array, turned: slice) -> Callable[[str], Array] | None:

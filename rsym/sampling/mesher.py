@@ -18,26 +18,25 @@ from rsym.backends.kernel import checked_threads
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import has_kinks, surface_form
+from rsym.model.equation import checked_bounds
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.blanks import where_it_lies
 from rsym.sampling.extent import extent_of
 from rsym.sampling.form_signs import FormBounds, FormSigns
-from rsym.sampling.kernels.surface_kernels import SurfaceKernels, surface_kernels
-from rsym.sampling.lattice import lattice_over
-from rsym.sampling.manifolds import sides_of
+from rsym.sampling.kernels.mesher_kernels import MesherKernels, mesher_kernels
+from rsym.sampling.lattice import lattice_over, sides_of
 from rsym.sampling.memory import SURE, Budget, TooLarge, free_memory, refusal, scaled
-from rsym.sampling.mesh import Ints, Mesh
-from rsym.sampling.progress import Crew, Progress
-from rsym.sampling.sharp.assembly import MOST_BLOCKS, USUAL_BYTES
+from rsym.sampling.mesh import Ints, Mesh, MeshRequest
+from rsym.sampling.progress import Crew
+from rsym.sampling.sharp.assembly import MOST_BLOCKS, USUAL_BYTES, Job, Unfinished, claim_whole, whole
 from rsym.sampling.sharp.certificates import Form, Unresolved, certify, joined
-from rsym.sampling.sharp.finishing import finish
+from rsym.sampling.sharp.corners import stray_vertices
+from rsym.sampling.sharp.finishing import Finished, finish
 from rsym.sampling.sharp.gates import gate_table
 from rsym.sampling.sharp.leaves import CompiledLeaves
 from rsym.sampling.sharp.octree import Blocks
-from rsym.sampling.sharp.pieces import Job, in_pieces
-from rsym.sampling.sharp.strays import stray_vertices
+from rsym.sampling.sharp.pieces import in_pieces
 from rsym.sampling.sharp.suspects import suspects
-from rsym.sampling.sharp.welding import Surface
 from rsym.sampling.status import Findings, Suspect
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -59,7 +58,8 @@ class SharpMesher:
     def __init__(self, shape: Shape) -> None:
         self.shape = shape
         self.form = surface_form(shape).capped()
-        self._kernels = surface_kernels(self.form)
+        self._kernels = mesher_kernels(self.form)
+        self._gates = gate_table(self.form)
         self._smooth = np.array([not has_kinks(self.form.builder, leaf) for leaf in self.form.leaves])
 
     @cached_property
@@ -67,39 +67,19 @@ class SharpMesher:
         """The names of the leaves, the sides of the bounds last."""
         return leaf_names(self.form, self.shape)
 
-    def __call__(
-        self,
-        resolution: Resolution = 128,
-        *,
-        bounds: Any = None,
-        letters: Mapping[Any, float] | None = None,
-        cap: bool = True,
-        executor: Executor | None = None,
-        progress: Progress | None = None,
-        force: bool = False,
-    ) -> Mesh:
+    def __call__(self, request: MeshRequest) -> Mesh:
         """The surface for some letters."""
-        box = self._box(bounds, letters)
-        crew = Crew(_threads(), progress)
-        budget = Budget() if force else Budget(max(0.0, free_memory() - RESERVE))
-        job = self._job(resolution, box, letters)
-        try:
-            surface = job.whole(crew, budget) if executor is None else in_pieces(job, executor, crew, budget)
-        except TooLarge as error:
-            made = partial(self._job, box=box, letters=letters)
-            raise refusal(
-                resolution,
-                _fitting(made, resolution, error, budget.free),
-                error.need,
-                _seconds(made(PACE), error.need),
-                error.free,
-            ) from None
+        box = self._box(request)
+        job = self._job(request.resolution, box, request.letters)
+        crew = Crew(_threads(), request.progress)
+        surface = self._surface(job, request, crew)
         if not len(surface.faces):
             missed = self._suspects(surface.notes, surface.blocks, job)
-            raise _no_surface(missed, "" if missed else where_it_lies(self.shape, letters))
+            raise _no_surface(missed, "" if missed else where_it_lies(self.shape, request.letters))
         crew.stage(50, loops=20)
-        mesh = self._mesh(surface, job, box, cap, crew)
-        if progress is not None:
+        triangles = finish(job.kernels, surface, job.lattice, crew)
+        mesh = self._mesh(triangles, surface, job, box, cap=request.cap)
+        if request.progress is not None:
             crew.stage(250, loops=1)
             mesh.findings  # noqa: B018 - who watches the progress waits for these too
         crew.stages.finish()
@@ -109,10 +89,12 @@ class SharpMesher:
     def _form_bounds(self) -> FormBounds:
         return FormBounds(surface_form(self.shape))
 
-    def _box(self, bounds: Any, letters: Mapping[Any, float] | None) -> Bounds:
+    def _box(self, request: MeshRequest) -> Bounds:
         """The bounds given, else the shape's own, else its extent at these letters."""
-        chosen = self.shape.replace(bounds=bounds).bounds
-        return chosen or extent_of(FormSigns(self._form_bounds, self.shape.letters.values_with(letters)))
+        if request.bounds is not None:
+            return checked_bounds(request.bounds, 3)
+        letters = self.shape.letters.values_with(request.letters)
+        return self.shape.bounds or extent_of(FormSigns(self._form_bounds, letters))
 
     def _job(self, resolution: Resolution, box: Bounds, letters: Mapping[Any, float] | None) -> Job:
         lattice = lattice_over(box, resolution, math.inf)
@@ -125,20 +107,32 @@ class SharpMesher:
             )
         kernels = self._kernels.copy()
         kernels.set(self.shape.letters.values_with(letters), box)
-        return Job(kernels, self._smooth, np.array([*lattice.origin, *lattice.spacing]), cells, _unresolved)
+        corner = np.array([*lattice.origin, *lattice.spacing])
+        return Job(kernels, self._smooth, corner, cells, partial(_unresolved, self._gates))
 
-    def _mesh(self, made: Surface, job: Job, box: Bounds, cap: bool, crew: Crew) -> Mesh:
-        arrays = (made.points, made.vertices, made.faces, made.leaf, made.flaws)
-        triangles = finish(job.kernels, *arrays, job.lattice, crew)
+    def _surface(self, job: Job, request: MeshRequest, crew: Crew) -> Unfinished:
+        """The surface of a job, here or by an executor; what has no memory is refused, and what fits is named."""
+        budget = Budget() if request.force else Budget(max(0.0, free_memory() - RESERVE))
+        try:
+            return (
+                whole(job, crew, budget) if request.executor is None else in_pieces(job, request.executor, crew, budget)
+            )
+        except TooLarge as error:
+            made = partial(self._job, box=self._box(request), letters=request.letters)
+            fits = _fitting(made, request.resolution, error, budget.free)
+            seconds = _seconds(made(PACE), error.need)
+            raise refusal(request.resolution, fits, error.need, seconds, error.free) from None
+
+    def _mesh(self, triangles: Finished, surface: Unfinished, job: Job, box: Bounds, *, cap: bool) -> Mesh:
+        """The triangles with what is known of them; what takes a second look at the lattice waits until it is asked."""
         sides = sides_of([symbol.name for symbol in self.shape.coordinates], box)
         first = len(self.form.leaves) - self.form.caps
         clipped = tuple(side.name for k, side in enumerate(sides) if (triangles.leaf == first + k).any())
         if clipped and not cap:
             triangles = triangles.some(triangles.leaf < first)
         known = Findings(clipped_at=clipped, capped=cap, sides=sides)
-        find = partial(self._findings, known, triangles.vertices, made.notes, made.blocks, job)
-        outward = _Outward(job.kernels)
-        return Mesh(triangles.vertices, triangles.faces, outward, find, triangles.leaf, self.leaves)
+        find = partial(self._findings, known, triangles.vertices, surface.notes, surface.blocks, job)
+        return Mesh(triangles.vertices, triangles.faces, _Outward(job.kernels), find, triangles.leaf, self.leaves)
 
     def _findings(
         self, known: Findings, vertices: Floats, notes: tuple[Unresolved, ...], blocks: Blocks | None, job: Job
@@ -153,16 +147,18 @@ class SharpMesher:
         return suspects(CompiledLeaves(job.kernels), job.lattice, unresolved, self.leaves if len(unresolved) else ())
 
 
-def _unresolved(kernels: SurfaceKernels, blocks: Blocks, lattice: Floats, pool: Executor) -> Unresolved:
+def _unresolved(
+    gates: NDArray[np.int64], kernels: MesherKernels, blocks: Blocks, lattice: Floats, pool: Executor
+) -> Unresolved:
     """The cells of blocks that have no certificate."""
-    form = Form(CompiledLeaves(kernels), len(kernels.form.leaves), gate_table(kernels.form))
+    form = Form(CompiledLeaves(kernels), len(kernels.form.leaves), gates)
     return certify(form, lattice, blocks.corner, blocks.words, pool=pool)
 
 
 class _Outward:
     """Minus the gradients of leaves at points, with the letters of one mesh."""
 
-    def __init__(self, kernels: SurfaceKernels) -> None:
+    def __init__(self, kernels: MesherKernels) -> None:
         self._kernels = kernels
 
     def __call__(self, leaf: Ints, points: Floats) -> Floats:
@@ -179,7 +175,7 @@ def _fitting(job: Callable[[Resolution], Job], resolution: Resolution, refused: 
     while True:
         resolution = scaled(resolution, min(share, SURE))
         try:
-            job(resolution).claim(Budget(SURE * free))
+            claim_whole(job(resolution), Budget(SURE * free))
         except TooLarge as error:
             if np.max(resolution) <= 2:
                 raise
@@ -192,7 +188,7 @@ def _seconds(small: Job, need: float) -> float:
     """How long a surface of so many bytes takes, as a small one tells."""
     for _ in range(2):  # the first loads the loops
         start = time.perf_counter()
-        blocks = small.whole(Crew(_threads()), Budget()).blocks
+        blocks = whole(small, Crew(_threads()), Budget()).blocks
         elapsed = time.perf_counter() - start
     return elapsed * need / (USUAL_BYTES * max(1, 0 if blocks is None else blocks.corner.shape[1]))
 

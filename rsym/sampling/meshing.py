@@ -18,7 +18,7 @@ from rsym.model.shape import Shape
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import check_in_space, lattice_over
 from rsym.sampling.memory import Demand
-from rsym.sampling.mesh import Mesh
+from rsym.sampling.mesh import Mesh, MeshRequest
 from rsym.sampling.progress import Progress
 from rsym.sampling.smooth import smooth_mesh
 
@@ -100,7 +100,7 @@ def mesh(
     if method not in _METHODS:
         raise RsymError(f"no method {method!r}", code="unknown-method", remedy=f"choose from {', '.join(_METHODS)}")
     check_in_space(shape)
-    result = _METHODS[method](shape, resolution, bounds, letters, cap, executor, progress, force)
+    result = _METHODS[method](shape, MeshRequest(resolution, bounds, letters, cap, executor, progress, force))
     elapsed = time.perf_counter() - start
     if logger.isEnabledFor(logging.INFO):
         logger.info("mesh in %.2f s: %s", elapsed, result.status)
@@ -110,41 +110,24 @@ def mesh(
     return result
 
 
-def _smoothly(
-    shape: Shape,
-    resolution: int | Sequence[int],
-    bounds: Any,
-    letters: Mapping[Any, float] | None,
-    cap: bool,
-    executor: Executor | None,
-    progress: Progress | None,
-    force: bool,
-) -> Mesh:
-    lattice = lattice_over(bounds_or_extent(shape, bounds, letters), resolution, math.inf)
-    SAMPLES.check(resolution, lattice.counts, force=force)
-    return smooth_mesh(shape, lattice, letters, executor, progress)
+def _smoothly(shape: Shape, request: MeshRequest) -> Mesh:
+    """Marching cubes on samples of omega."""
+    box = bounds_or_extent(shape, request.bounds, request.letters)
+    lattice = lattice_over(box, request.resolution, math.inf)
+    SAMPLES.check(request.resolution, lattice.counts, force=request.force)
+    return smooth_mesh(shape, lattice, request.letters, request.executor, request.progress)
 
 
-def _sharply(
-    shape: Shape,
-    resolution: int | Sequence[int],
-    bounds: Any,
-    letters: Mapping[Any, float] | None,
-    cap: bool,
-    executor: Executor | None,
-    progress: Progress | None,
-    force: bool,
-) -> Mesh:
+def _sharply(shape: Shape, request: MeshRequest) -> Mesh:
+    """What the mesher of the shape makes of the request; marching cubes where numba is missing."""
     try:
         mesher = _mesher(shape, shape.parts)
     except RsymError as error:
         if error.code != "missing-package":
             raise
         warn(f"edges are not sharp: {error}")
-        return _smoothly(shape, resolution, bounds, letters, cap, executor, progress, force)
-    return mesher(
-        resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress, force=force
-    )
+        return _smoothly(shape, request)
+    return mesher._sharp(request)
 
 
 _METHODS = MappingProxyType({"sharp": _sharply, "smooth": _smoothly})
@@ -201,9 +184,7 @@ class Mesher:
         What the lattice may have missed is looked for when ``.findings`` or ``.status`` are asked for, which takes
         half as long again; `rsym.mesh` asks at once, and warns.
         """
-        return self._sharp(
-            resolution, bounds=bounds, letters=letters, cap=cap, executor=executor, progress=progress, force=force
-        )
+        return self._sharp(MeshRequest(resolution, bounds, letters, cap, executor, progress, force))
 
 
 def _sharp(shape: Shape) -> SharpMesher:
@@ -211,7 +192,7 @@ def _sharp(shape: Shape) -> SharpMesher:
         if "rsym.sampling.mesher" not in sys.modules:
             # The compiler takes as long as importing the mesher, and numba above all.
             from rsym.logic.sign_form import surface_form
-            from rsym.sampling.kernels.surface_kernels import compile_ahead
+            from rsym.sampling.kernels.mesher_kernels import compile_ahead
 
             compile_ahead(surface_form(shape).capped())
         from rsym.sampling.mesher import SharpMesher

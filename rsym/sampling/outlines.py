@@ -83,7 +83,7 @@ class Joints(NamedTuple):
         return Joints(self.before[which], self.after[which], self.one[which], self.other[which])
 
 
-class Corners(NamedTuple):
+class _Corners(NamedTuple):
     """Which joint each corner belongs to, in order; where it is; and how many joints have none that holds."""
 
     joint: Ints
@@ -91,7 +91,7 @@ class Corners(NamedTuple):
     missed: int
 
 
-def _corners(leaves: PlaneLeaves, joints: Joints, cell: float) -> Corners:
+def _corners(leaves: PlaneLeaves, joints: Joints, cell: float) -> _Corners:
     """The common zero of both leaves of a joint, or those of both with a third leaf.
 
     A corner holds if each leaf is the boundary all the way to it.
@@ -107,7 +107,7 @@ def _corners(leaves: PlaneLeaves, joints: Joints, cell: float) -> Corners:
     points = np.concatenate([points, pair[holds][first].reshape(-1, 2)])
     order = np.argsort(joint, kind="stable")
     missed = joints.take(np.setdiff1d(rest, found))
-    return Corners(joint[order], points[order], int(np.count_nonzero(_turn(leaves, missed) > SMOOTH_JOINT)))
+    return _Corners(joint[order], points[order], int(np.count_nonzero(_turn(leaves, missed) > SMOOTH_JOINT)))
 
 
 def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Array, Flags]:

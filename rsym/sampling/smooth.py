@@ -22,8 +22,7 @@ from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.program.fields import surface_program
 from rsym.sampling.detail import small_pieces, thin_walls
-from rsym.sampling.lattice import Lattice
-from rsym.sampling.manifolds import sides_of
+from rsym.sampling.lattice import Lattice, sides_of
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.progress import Progress, Steps
 from rsym.sampling.roots import bracketed_roots

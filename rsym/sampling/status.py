@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from rsym.sampling.detail import Detail
-from rsym.sampling.manifolds import Measures, Point, Side
+from rsym.sampling.lattice import BoundsSide
+from rsym.sampling.manifolds import Measures, Point
 
 # Walls of constant thickness below this share of a cell leave crumbs, which are told as small pieces anyway.
 KNIFE_EDGE = 0.1
@@ -130,7 +131,7 @@ class Findings:
         The sides of the bounds through which the surface leaves, as ``"the upper end of x"``.
     capped : bool
         Whether flat caps close it there.
-    sides : tuple of Side
+    sides : tuple of BoundsSide
         The sides of the bounds, all of them.
     nudged_zeros : int
         Samples exactly on the surface, counted as inside.
@@ -146,7 +147,7 @@ class Findings:
 
     clipped_at: tuple[str, ...] = ()
     capped: bool = False
-    sides: tuple[Side, ...] = ()
+    sides: tuple[BoundsSide, ...] = ()
     nudged_zeros: int = 0
     kept: int = 0
     off_surface: OffSurface | None = None
@@ -154,7 +155,7 @@ class Findings:
     thin: Detail | None = None
     small: Detail | None = None
 
-    def moved(self, image: Callable[[Point], Point], sides: tuple[Side, ...]) -> Findings:
+    def moved(self, image: Callable[[Point], Point], sides: tuple[BoundsSide, ...]) -> Findings:
         """The same of a mesh whose points have moved; `sides` are the images of the sides, those that are sides still.
 
         Sizes in cells are those of the lattice that the mesh comes from.

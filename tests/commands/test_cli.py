@@ -115,7 +115,7 @@ def test_features_and_a_model_without_bounds(tmp_path, capsys):
 
 def test_a_notice_is_one_line_beside_the_output(monkeypatch, capsys):
     def slow(options):
-        logging.getLogger("rsym.sampling.sharp.cache").warning("this takes a while")
+        logging.getLogger("rsym.sampling.sharp.loops").warning("this takes a while")
         print("done")
 
     monkeypatch.setattr(rsym.commands.letters, "run", slow)

@@ -55,7 +55,7 @@ DEFERRED = {
 OPTIONAL = {
     "rsym.bounds.balls": "python-flint may be missing",
     "rsym.backends.llvm_backend": "llvmlite may be missing",
-    "rsym.sampling.kernels.surface_kernels": "llvmlite may be missing",
+    "rsym.sampling.kernels.mesher_kernels": "llvmlite may be missing",
     "rsym.sampling.mesher": "numba may be missing",
     "rsym.sampling.triangles": "numba may be missing",
     "rsym.output.explorer": "ipywidgets may be missing",
@@ -80,7 +80,6 @@ STILL_DEFERRED = """\
 # Names that two public classes have today; none is added.
 NAMED_TWICE = """\
     Arc
-    Boxes
     Curve
     Edge
     End
@@ -91,18 +90,14 @@ NAMED_TWICE = """\
     Judgement
     Jumps
     Known
-    Leaves
     Literal
     Local
     Operation
     Place
-    Rays
     Samples
     Segment
     Sheets
-    Side
     Signed
-    Suspect
 """
 # Rooms whose docstring does not name their files yet; none is added.
 WITHOUT_A_MAP = """\
@@ -110,9 +105,6 @@ WITHOUT_A_MAP = """\
     bounds
     logic
     program
-    sampling
-    sampling/kernels
-    sampling/sharp
     verify
     verify/bodies
 """

@@ -16,7 +16,7 @@ import rsym
 from rsym import x, y, z
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import cap_letters, surface_form
-from rsym.sampling.kernels.surface_kernels import surface_kernels
+from rsym.sampling.kernels.mesher_kernels import mesher_kernels
 from rsym.sampling.sharp import certificates
 from rsym.sampling.sharp.certificates import STEEPEST, Form, certify
 from rsym.sampling.sharp.clusters import clusters
@@ -216,7 +216,7 @@ def test_where_a_leaf_is_undefined_no_cell_is_passed_over():
 
 def compiled(shape, resolution):
     form = surface_form(shape).capped()
-    kernels = surface_kernels(form)
+    kernels = mesher_kernels(form)
     kernels.set({name: float(letter.default) for name, letter in shape.letters.items()}, shape.bounds)
     lower, upper = np.array([[float(end) for end in side] for side in shape.bounds]).T
     spacing = (upper - lower) / resolution

@@ -8,7 +8,7 @@ from oracles.closeness import assert_close
 
 from rsym.sampling.manifolds import measure
 from rsym.sampling.sharp.edits import edit
-from rsym.sampling.sharp.flaws import Adjacency
+from rsym.sampling.sharp.faces import Adjacency
 
 SOLIDS = {
     "ball": trimesh.creation.icosphere(subdivisions=3),

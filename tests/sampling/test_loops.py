@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from rsym.sampling.sharp import cache
+from rsym.sampling.sharp import loops
 from rsym.sampling.sharp.loops import in_threads, loop, lowest, popcount, step
 
 SCALE = 3
@@ -37,17 +37,17 @@ def run(values=(1, 2, 4)):
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path / "rsym" / "loops")
+    monkeypatch.setattr(loops, "cache_folder", lambda: tmp_path / "rsym" / "loops")
     return tmp_path / "rsym" / "loops"
 
 
 @pytest.mark.slow
 def test_a_loop_is_compiled_once_and_kept_in_a_private_folder(folder, caplog):
-    cache._announce.cache_clear()
+    loops._announce.cache_clear()
     with caplog.at_level(logging.WARNING, "rsym"):
         assert run() == (42, 0)
         assert run() == (42, 1)
-    assert [record.message for record in caplog.records] == [cache.NOTICE]
+    assert [record.message for record in caplog.records] == [loops.NOTICE]
     assert stat.S_IMODE(folder.stat().st_mode) == 0o700
     assert len(list(folder.iterdir())) == 1
 
@@ -97,9 +97,9 @@ def test_without_a_folder_the_process_compiles(folder):
     ],
 )
 def test_the_folder_follows_the_custom_of_the_system(tmp_path, monkeypatch, platform, variable, expected):
-    monkeypatch.setattr(cache.sys, "platform", platform)
+    monkeypatch.setattr(loops.sys, "platform", platform)
     monkeypatch.setenv(variable, str(tmp_path))
-    assert cache.cache_folder() == tmp_path / expected
+    assert loops.cache_folder() == tmp_path / expected
 
 
 def test_words(folder):

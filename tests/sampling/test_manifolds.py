@@ -12,7 +12,8 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import x, y, z
-from rsym.sampling.manifolds import measure, sides_of
+from rsym.sampling.lattice import sides_of
+from rsym.sampling.manifolds import measure
 from rsym.sampling.mesh import Mesh
 
 

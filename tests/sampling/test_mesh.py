@@ -5,7 +5,7 @@ import pytest
 from oracles.closeness import assert_close
 
 from rsym import RsymError
-from rsym.sampling.manifolds import sides_of
+from rsym.sampling.lattice import sides_of
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.status import Findings, OffSurface, Suspect
 

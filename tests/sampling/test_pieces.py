@@ -23,9 +23,9 @@ import rsym
 from rsym import RsymError, x, y, z
 from rsym.sampling import mesher
 from rsym.sampling.memory import Budget, free_memory
+from rsym.sampling.mesh import MeshRequest
 from rsym.sampling.progress import Crew
-from rsym.sampling.sharp import pieces
-from rsym.sampling.sharp.assembly import assemble
+from rsym.sampling.sharp import assembly, pieces
 
 CELLS = (52, 44, 37)
 PLENTY = Budget()
@@ -68,7 +68,7 @@ def job_of(body, cells=CELLS, letters=None, inspect=None):
 
 
 def uncut(job):
-    return job.whole(Crew(), PLENTY)
+    return assembly.whole(job, Crew(), PLENTY)
 
 
 def run(job, executor, progress=None):
@@ -91,7 +91,7 @@ def assert_same(result, expected):
 
 def test_the_body_has_what_is_hard(body, whole):
     job = job_of(body)
-    made = assemble(job.kernels, job.smooth, job.lattice, job.blocks(Crew(), PLENTY), Crew(), PLENTY)
+    made = assembly.assemble(job, job.blocks(Crew(), PLENTY), Crew(), PLENTY)
     assert made.surface.flips > 0
     assert whole.flaws.any()
     first_cap = len(body.form.leaves) - 6
@@ -136,7 +136,10 @@ def test_a_cluster_gives_the_same_bits_whoever_dies(body, whole, cut_cube, cell,
         Client(workers) as client,
     ):
         executor = client.get_executor()
-        assert_same(cut_cube(70, letters={"a": 0.45}, executor=executor), cut_cube(70, letters={"a": 0.45}))
+        assert_same(
+            cut_cube(MeshRequest(70, letters={"a": 0.45}, executor=executor)),
+            cut_cube(MeshRequest(70, letters={"a": 0.45})),
+        )
 
         mark = tmp_path / "mark"
         surface = run(job_of(body, inspect=partial(dying.kill_once, str(mark))), executor)
@@ -154,34 +157,34 @@ def test_a_cluster_gives_the_same_bits_whoever_dies(body, whole, cut_cube, cell,
 @pytest.mark.parametrize("count", [1, 5])
 def test_the_number_of_threads_changes_nothing(body, whole, count):
     with ThreadPoolExecutor(count) as threads:
-        assert_same(job_of(body).whole(Crew(threads), PLENTY), whole)
+        assert_same(assembly.whole(job_of(body), Crew(threads), PLENTY), whole)
 
 
 def test_a_halo_is_needed(body, whole, monkeypatch):
     """Red proof."""
-    monkeypatch.setattr(pieces, "HALO", 0)
+    monkeypatch.setattr(assembly, "HALO", 0)
     with ThreadPoolExecutor(2) as threads, pytest.raises((AssertionError, IndexError)):
         assert_same(run(job_of(body), threads), whole)
 
 
 def test_one_mesher_in_many_threads(cut_cube):
     sizes = [0.35, 0.6, 0.5, 0.6]
-    alone = [cut_cube(40, letters={"a": size}) for size in sizes]
+    alone = [cut_cube(MeshRequest(40, letters={"a": size})) for size in sizes]
     with ThreadPoolExecutor(4) as threads:
-        together = list(threads.map(lambda size: cut_cube(40, letters={"a": size}), sizes))
+        together = list(threads.map(lambda size: cut_cube(MeshRequest(40, letters={"a": size})), sizes))
     for one, other in zip(together, alone, strict=True):
         assert_same(one, other)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_a_forked_process_has_threads_of_its_own(cut_cube):
-    cut_cube(40)
+    cut_cube(MeshRequest(40))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # from Python 3.12 on, where there are threads
         child = os.fork()
     if not child:
         try:
-            cut_cube(40)
+            cut_cube(MeshRequest(40))
         except BaseException:
             os._exit(1)
         os._exit(0)
@@ -214,10 +217,13 @@ class Stop(BaseException):
 @pytest.mark.parametrize("cut", [False, True])
 def test_progress_and_cancel(cut_cube, monkeypatch, cut):
     monkeypatch.setattr(pieces, "LEAST", 4)
-    heard, whole = [], cut_cube(40)
+    heard, whole = [], cut_cube(MeshRequest(40))
     with ThreadPoolExecutor(1) as threads:
         executor = threads if cut else None
-        assert_same(cut_cube(40, executor=executor, progress=lambda done, total: heard.append((done, total))), whole)
+        assert_same(
+            cut_cube(MeshRequest(40, executor=executor, progress=lambda done, total: heard.append((done, total)))),
+            whole,
+        )
         done, total = np.transpose(heard)
         assert (np.diff(done) >= 0).all()
         assert set(total) == {done[-1]}
@@ -230,7 +236,7 @@ def test_progress_and_cancel(cut_cube, monkeypatch, cut):
                 return done < stop
 
             with pytest.raises(RsymError) as caught:
-                cut_cube(40, executor=executor, progress=until)
+                cut_cube(MeshRequest(40, executor=executor, progress=until))
             assert caught.value.code == "cancelled"
             assert sum(done >= stop for done in heard) == 1
 
@@ -239,7 +245,7 @@ def test_progress_and_cancel(cut_cube, monkeypatch, cut):
                 raise Stop
 
         with pytest.raises(Stop):
-            cut_cube(40, executor=executor, progress=interrupt)
+            cut_cube(MeshRequest(40, executor=executor, progress=interrupt))
         assert threads._work_queue.empty()
         assert mesher._threads()._work_queue.empty()
 
@@ -291,9 +297,9 @@ class Recorded:
 @pytest.mark.parametrize("cells", [(100,) * 3, (160,) * 3])
 def test_what_is_claimed_is_what_is_taken(body, cells):
     job, budget = job_of(body, cells), Recorded()
-    job.whole(Crew(), budget)
+    assembly.whole(job, Crew(), budget)
     tracemalloc.start()
-    job.whole(Crew(), budget)
+    assembly.whole(job, Crew(), budget)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert 0.4 * budget.largest < peak < budget.largest
@@ -309,16 +315,16 @@ def advised(error):
 def test_what_cannot_fit_is_refused_with_a_resolution_that_fits(body, monkeypatch, free):
     monkeypatch.setattr(mesher, "free_memory", lambda: mesher.RESERVE + free)
     with pytest.raises(RsymError, match="of memory") as caught:
-        body(400)
+        body(MeshRequest(400))
     fits = advised(caught.value)
     assert fits > 10
-    body(8)  # loads the loops
+    body(MeshRequest(8))  # loads the loops
     tracemalloc.start()
-    assert len(job_of(body, fits).whole(Crew(), Budget(free)).faces)
+    assert len(assembly.whole(job_of(body, fits), Crew(), Budget(free)).faces)
     assert tracemalloc.get_traced_memory()[1] < free
     tracemalloc.stop()
     with pytest.raises(RsymError):
-        body(4 * fits)
+        body(MeshRequest(4 * fits))
 
 
 @pytest.mark.slow
@@ -327,13 +333,13 @@ def test_the_octree_is_refused_before_it_is_taken(monkeypatch):
     everywhere = mesher.SharpMesher(rsym.Shape(sp.sin(1e7 * x * y) - z / 9, (x, y, z), bounds=((1, 2),) * 3))
     monkeypatch.setattr(mesher, "free_memory", lambda: mesher.RESERVE + 2e7)
     with pytest.raises(RsymError) as caught:
-        everywhere(20_000)
-    assert len(job_of(everywhere, advised(caught.value)).whole(Crew(), Budget(2e7)).faces)
+        everywhere(MeshRequest(20_000))
+    assert len(assembly.whole(job_of(everywhere, advised(caught.value)), Crew(), Budget(2e7)).faces)
 
 
 def test_a_resolution_without_end_is_refused(body):
     with pytest.raises(RsymError) as caught:
-        body(10**8)
+        body(MeshRequest(10**8))
     assert caught.value.code == "resolution"
 
 

@@ -11,11 +11,11 @@ import trimesh
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from rsym.sampling.sharp import patches
+import rsym.sampling.sharp.topology
 from rsym.sampling.sharp.faces import connect
-from rsym.sampling.sharp.patches import topology
 from rsym.sampling.sharp.signs import list_edges
 from rsym.sampling.sharp.tables import face_edges, patch_table
+from rsym.sampling.sharp.topology import topology
 from rsym.sampling.sharp.welding import crossing_names, crossing_places, vertex_names, vertex_places
 
 
@@ -136,7 +136,7 @@ def test_random_volumes():
 
 def test_without_separation_random_volumes_are_not_manifold(monkeypatch):
     """Red proof."""
-    monkeypatch.setattr(patches, "separate", lambda *_: 0)
+    monkeypatch.setattr(rsym.sampling.sharp.topology, "separate", lambda *_: 0)
     assert not is_manifold(triangles(topology(*blocks_of(random_volume(5, 8, 8, (2, 2, 2)))))[1])
 
 

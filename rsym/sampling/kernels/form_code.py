@@ -8,8 +8,8 @@ from functools import partial
 
 from rsym.backends.vector_code import Value
 from rsym.program.program import live
+from rsym.sampling.kernels.leaf_formulas import AXES, WORD, LeafFormulas
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
-from rsym.sampling.kernels.surface_formulas import AXES, WORD, SurfaceFormulas
 
 # Operations. Mostly one leaf or two matter in a block: what only others need is lost, and what waits takes registers.
 # With everything shared, signs of the car took three times as long.
@@ -17,7 +17,7 @@ MUCH = 50
 NAMED = f"{{ {DOUBLES}, {SHORTS} }}"
 
 
-def form(s: SurfaceFormulas) -> Routine:
+def form(s: LeafFormulas) -> Routine:
     """The form at points of one block, its idle operands left out."""
     r = Routine("form", dict.fromkeys(AXES, DOUBLES) | {"constants": "ptr", "words": "ptr"}, DOUBLES, True)
     value, _ = ReducedForm(s, r, named=False).emit()
@@ -25,7 +25,7 @@ def form(s: SurfaceFormulas) -> Routine:
     return r
 
 
-def named(s: SurfaceFormulas) -> Routine:
+def named(s: LeafFormulas) -> Routine:
     """The same, and the number of the leaf that is active."""
     r = Routine("named", dict.fromkeys(AXES, DOUBLES) | {"constants": "ptr", "words": "ptr"}, NAMED, True)
     value, leaf = ReducedForm(s, r, named=True).emit()
@@ -34,7 +34,7 @@ def named(s: SurfaceFormulas) -> Routine:
     return r
 
 
-def value(s: SurfaceFormulas) -> Routine:
+def value(s: LeafFormulas) -> Routine:
     """The form at any points, and the number of the leaf that is active."""
     r = Routine(
         "value",
@@ -62,7 +62,7 @@ class ReducedForm:
 
     def __init__(
         self,
-        formulas: SurfaceFormulas,
+        formulas: LeafFormulas,
         r: Routine,
         named: bool,
     ) -> None:

@@ -19,7 +19,7 @@ NO_BOUNDS = np.empty((2, 0)), np.empty((3, 2, 0))
 
 
 @dataclass(frozen=True)
-class Boxes:
+class CellBoxes:
     """Boxes, and for each the leaves that may matter in it.
 
     Attributes
@@ -57,12 +57,12 @@ class Boxes:
         _place(lattice, self.corner, self.size, self.start, lower, upper)
         return lower, upper
 
-    def chosen(self, which: Flags, kept: Flags) -> Boxes:
+    def chosen(self, which: Flags, kept: Flags) -> CellBoxes:
         """Some of the boxes, with those of their leaves that are kept."""
         start = np.empty(int(which.sum()) + 1, np.int64)
         some = np.empty(_count(which, kept, self.start, start), np.int64)
         _gather(which, kept, self.start, some)
-        return Boxes(
+        return CellBoxes(
             self.corner[:, which],
             self.size[which],
             self.owner[which],
@@ -77,7 +77,7 @@ class Boxes:
         """That each leaf is kept."""
         return np.ones(len(self.leaf), np.bool_)
 
-    def halved(self) -> Boxes:
+    def halved(self) -> CellBoxes:
         """The eight halves of each box, without bounds."""
         size = self.size // 2
         corner = (self.corner[:, :, None] + size[None, :, None] * _CORNERS).reshape(3, -1)
@@ -85,13 +85,13 @@ class Boxes:
         leaf = np.empty(start[-1], np.int16)
         _spread(self.start, self.leaf, start, leaf)
         owner, skip = np.repeat(self.owner, 8), np.repeat(self.skip, 8, axis=0)
-        return Boxes(corner, np.repeat(size, 8), owner, start, leaf, skip, *NO_BOUNDS)
+        return CellBoxes(corner, np.repeat(size, 8), owner, start, leaf, skip, *NO_BOUNDS)
 
-    def renumbered(self) -> Boxes:
+    def renumbered(self) -> CellBoxes:
         """The same boxes, each its own owner."""
         return replace(self, owner=np.arange(len(self)))
 
-    def having(self, value: Array, gradient: Array) -> Boxes:
+    def having(self, value: Array, gradient: Array) -> CellBoxes:
         """The same boxes with these bounds."""
         return replace(self, value=value, gradient=gradient)
 

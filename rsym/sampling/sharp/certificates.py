@@ -43,7 +43,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.sharp.boxes import NO_BOUNDS, Array, Boxes, Ints
+from rsym.sampling.sharp.boxes import NO_BOUNDS, Array, CellBoxes, Ints
 from rsym.sampling.sharp.gates import OPEN, UNRESOLVED, judge, judge_groups, reach
 from rsym.sampling.sharp.leaves import Leaves
 
@@ -136,17 +136,17 @@ def certify(
     return joined([_nothing((0,) * 5), *run(part, range(0, corner.shape[1], BLOCKS))])
 
 
-def _blocks(form: Form, corner: Ints, skip: NDArray[np.uint64], depth: int) -> Boxes:
+def _blocks(form: Form, corner: Ints, skip: NDArray[np.uint64], depth: int) -> CellBoxes:
     count = corner.shape[1]
     reached = np.zeros((count, form.count), np.bool_)
     reach(form.gates, skip, reached)
     start = np.concatenate([[0], np.cumsum(reached.sum(axis=1))])
     leaf = np.nonzero(reached)[1].astype(np.int16)
     size = np.full(count, 8 << depth)
-    return Boxes(corner << depth, size, np.arange(count), start, leaf, skip.copy(), *NO_BOUNDS)
+    return CellBoxes(corner << depth, size, np.arange(count), start, leaf, skip.copy(), *NO_BOUNDS)
 
 
-def _part(form: Form, fine: Array, boxes: Boxes, depth: int) -> Unresolved:
+def _part(form: Form, fine: Array, boxes: CellBoxes, depth: int) -> Unresolved:
     """From blocks to cells, and into those that are not simple."""
     tested = []
     for level in range(4):
@@ -172,7 +172,7 @@ def _whole_blocks(block: Ints) -> Iterator[tuple[int, int]]:
         first = last
 
 
-def _left(form: Form, fine: Array, boxes: Boxes, cosine: float) -> Boxes:
+def _left(form: Form, fine: Array, boxes: CellBoxes, cosine: float) -> CellBoxes:
     """The boxes that are neither discarded nor simple, the leaves that matter in them, and their gradients."""
     value, gradient = form.leaves.enclose(boxes.leaf, *boxes.ends(fine))
     verdict, kept = np.empty(len(boxes), np.uint8), np.zeros(len(boxes.leaf), np.bool_)
@@ -180,13 +180,13 @@ def _left(form: Form, fine: Array, boxes: Boxes, cosine: float) -> Boxes:
     return boxes.having(value, gradient).chosen(verdict == OPEN, kept)
 
 
-def _conflicts(form: Form, fine: Array, boxes: Boxes, depth: int) -> Unresolved:
+def _conflicts(form: Form, fine: Array, boxes: CellBoxes, depth: int) -> Unresolved:
     """Cells that are split until one direction serves all that is left of each, or surely none, or depth ends."""
     cells, tested = boxes.corner >> depth, 0
     _, block = np.unique(boxes.owner, return_inverse=True)
     boxes = boxes.renumbered()
     before = np.bincount(block)
-    found: list[Boxes] = []
+    found: list[CellBoxes] = []
     for level in range(depth + 1):
         if level:
             halves = boxes.halved()
@@ -205,7 +205,7 @@ def _conflicts(form: Form, fine: Array, boxes: Boxes, depth: int) -> Unresolved:
     return _unresolved(fine, cells, found, tested)
 
 
-def _unresolved(fine: Array, cells: Ints, found: list[Boxes], tested: int) -> Unresolved:
+def _unresolved(fine: Array, cells: Ints, found: list[CellBoxes], tested: int) -> Unresolved:
     owner = np.concatenate([np.repeat(boxes.owner, np.diff(boxes.start)) for boxes in found])
     leaf = np.concatenate([boxes.leaf for boxes in found])
     lower, upper = (np.concatenate(end, axis=1) for end in zip(*(boxes.ends(fine) for boxes in found), strict=True))

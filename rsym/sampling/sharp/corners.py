@@ -1,7 +1,8 @@
 """Vertices on edges and corners: Newton's method on two or three leaves at once, without thresholds.
 
 Which leaves meet in a patch is known from its crossings. A solution counts if it lies on the surface and within
-reach: a feature may pass beside the cell whose crossings show it.
+reach: a feature may pass beside the cell whose crossings show it. Vertices that are not on the surface in the end, the
+strays, are found with the same measure.
 """
 
 from __future__ import annotations
@@ -13,11 +14,12 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.kernels.surface_kernels import SurfaceKernels, columns, padded
+from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
 from rsym.sampling.sharp.crossings import Crossings, evaluate
-from rsym.sampling.sharp.flaws import smallest
+from rsym.sampling.sharp.faces import smallest
 from rsym.sampling.sharp.loops import in_threads, loop
-from rsym.sampling.sharp.patches import Topology
+from rsym.sampling.sharp.topology import Topology
+from rsym.sampling.status import OffSurface
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
@@ -33,9 +35,13 @@ ASIDE = 1e-7 * np.array([[3.0], [4.0], [5.0]])
 MOST_LEAVES = 6  # of a patch that are told apart
 GRAIN = 1024
 
+# Leaves have gradients of length 1 to 2, by and large: a value below this share of what counts needs no second look.
+CLEARLY = 1e-3
+MOST_AT_ONCE = 4096
+
 
 def settle(
-    kernels: SurfaceKernels,
+    kernels: MesherKernels,
     which: Ints,
     start: Floats,
     surface: Topology,
@@ -89,7 +95,7 @@ def _subsets(leaves: Shorts, kinds: NDArray[np.int8], size: int, open_: NDArray[
     return np.concatenate(owners), np.concatenate(chosen, axis=1)
 
 
-def solve(kernels: SurfaceKernels, leaves: Shorts, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
+def solve(kernels: MesherKernels, leaves: Shorts, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
     """Newton's method on up to three leaves for each point, least norm."""
     count = start.shape[1]
     points, ids = columns(start), np.full((3, padded(count)), -1, np.int16)
@@ -137,7 +143,7 @@ def newton_step(
 
 
 def _best(
-    kernels: SurfaceKernels, owner: Ints, points: Floats, start: Floats, lattice: Floats, pool: Executor | None
+    kernels: MesherKernels, owner: Ints, points: Floats, start: Floats, lattice: Floats, pool: Executor | None
 ) -> Ints:
     """Which solution each owner takes, if any: on the surface, within reach, and the nearest of those."""
     away = ((points - start[:, owner]) / lattice[3:].max()) ** 2
@@ -149,7 +155,7 @@ def _best(
     return order[np.flatnonzero(np.diff(owner[order], prepend=-1))]
 
 
-def off_surface(kernels: SurfaceKernels, points: Floats, lattice: Floats, pool: Executor | None) -> Floats:
+def off_surface(kernels: MesherKernels, points: Floats, lattice: Floats, pool: Executor | None) -> Floats:
     """How far points are from the surface, to first order, in cells; NaN where that cannot be said."""
     count = points.shape[1]
     places = columns(points)
@@ -167,7 +173,7 @@ def on_surface(cells: Floats, lattice: Floats) -> NDArray[np.bool_]:
     return np.asarray(cells * lattice[3:].min() < smallest(lattice))
 
 
-def on_active_leaf(kernels: SurfaceKernels, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
+def on_active_leaf(kernels: MesherKernels, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
     """Newton's method on the leaf that is active where a point is.
 
     What does not end on the surface starts once more, from a little beside a kink; where leaves take turns, as beside
@@ -185,13 +191,13 @@ def on_active_leaf(kernels: SurfaceKernels, start: Floats, lattice: Floats, pool
 
 
 def _from_beside(
-    kernels: SurfaceKernels, start: Floats, points: Floats, lattice: Floats, pool: Executor | None
+    kernels: MesherKernels, start: Floats, points: Floats, lattice: Floats, pool: Executor | None
 ) -> Floats:
     return _slid(kernels, start + ASIDE * lattice[3:, None], pool)
 
 
 def _on_all_active(
-    kernels: SurfaceKernels, start: Floats, points: Floats, lattice: Floats, pool: Executor | None
+    kernels: MesherKernels, start: Floats, points: Floats, lattice: Floats, pool: Executor | None
 ) -> Floats:
     """Newton's method on the three leaves that are active first, from where points came to."""
     count = points.shape[1]
@@ -208,7 +214,7 @@ def _on_all_active(
     return solve(kernels, leaves, points, lattice, pool)
 
 
-def _is_zero(kernels: SurfaceKernels, points: Floats, lattice: Floats) -> NDArray[np.bool_]:
+def _is_zero(kernels: MesherKernels, points: Floats, lattice: Floats) -> NDArray[np.bool_]:
     """Whether the form is zero, to rounding: also on kinks. Leaves have gradients of length 1 or so."""
     count = points.shape[1]
     places, value = np.zeros((3, padded(count))), np.empty(padded(count))
@@ -217,7 +223,7 @@ def _is_zero(kernels: SurfaceKernels, points: Floats, lattice: Floats) -> NDArra
     return np.asarray(np.abs(value[:count]) < smallest(lattice))
 
 
-def _slid(kernels: SurfaceKernels, start: Floats, pool: Executor | None) -> Floats:
+def _slid(kernels: MesherKernels, start: Floats, pool: Executor | None) -> Floats:
     """Newton steps; a point that comes to a kink, where there is no gradient, stays there."""
     count = start.shape[1]
     points, value = columns(start), np.empty(padded(count))
@@ -233,3 +239,23 @@ def _slid(kernels: SurfaceKernels, start: Floats, pool: Executor | None) -> Floa
 
     in_threads(piece, count, GRAIN, pool)
     return points[:, :count]
+
+
+def stray_vertices(
+    kernels: MesherKernels, vertices: Floats, lattice: Floats, pool: Executor | None
+) -> OffSurface | None:
+    """How many of the vertices (n, 3) are off the surface, and the worst of them."""
+    count = len(vertices)
+    points = columns(vertices.T)
+    value, leaf = np.empty(padded(count)), np.empty(padded(count), np.int16)
+    in_threads(lambda a, b: kernels.value(b - a, points, value, leaf, first=a), count, MOST_AT_ONCE, pool)
+    doubtful = np.flatnonzero(~(np.abs(value[:count]) < CLEARLY * smallest(lattice)))
+    if not len(doubtful):
+        return None
+    cells = np.nan_to_num(off_surface(kernels, points[:, doubtful], lattice, pool), nan=np.inf)
+    strays = ~on_surface(cells, lattice)
+    if not strays.any():
+        return None
+    worst = int(cells.argmax())
+    x, y, z = (float(f"{coordinate:.4g}") for coordinate in points[:, doubtful[worst]])
+    return OffSurface(int(strays.sum()), float(cells[worst]), (x, y, z))

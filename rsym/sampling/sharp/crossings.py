@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
-from rsym.sampling.kernels.surface_kernels import SurfaceKernels, padded
+from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.sharp.loops import in_threads
 from rsym.sampling.sharp.octree import BLOCK, Blocks
-from rsym.sampling.sharp.patches import GRAIN, Topology
 from rsym.sampling.sharp.signs import list_edges
+from rsym.sampling.sharp.topology import GRAIN, Topology
 
 Floats: TypeAlias = NDArray[np.float64]
 BYTES = 96  # for the bits of 9x9x9 points, whole words
@@ -35,7 +35,7 @@ class Crossings:
     count: int
 
 
-def sample_signs(kernels: SurfaceKernels, blocks: Blocks, lattice: Floats, pool: Executor | None) -> NDArray[np.uint8]:
+def sample_signs(kernels: MesherKernels, blocks: Blocks, lattice: Floats, pool: Executor | None) -> NDArray[np.uint8]:
     """A bit for each point of each block, 1 where the form is not negative.
 
     Raises
@@ -68,7 +68,7 @@ def _offsets() -> Floats:
 
 
 def find_crossings(
-    kernels: SurfaceKernels, blocks: Blocks, surface: Topology, lattice: Floats, pool: Executor | None
+    kernels: MesherKernels, blocks: Blocks, surface: Topology, lattice: Floats, pool: Executor | None
 ) -> Crossings:
     """Every crossing of the surface, and what it lies on."""
     points, leaf = _on_edges(kernels, blocks, surface, lattice, pool)
@@ -78,7 +78,7 @@ def find_crossings(
 
 
 def _on_edges(
-    kernels: SurfaceKernels, blocks: Blocks, surface: Topology, lattice: Floats, pool: Executor | None
+    kernels: MesherKernels, blocks: Blocks, surface: Topology, lattice: Floats, pool: Executor | None
 ) -> tuple[Floats, NDArray[np.int16]]:
     """Point and leaf of each crossing."""
     edges = np.empty((3, padded(surface.crossings)), np.float32)
@@ -97,7 +97,7 @@ def _on_edges(
 
 
 def evaluate(
-    kernels: SurfaceKernels,
+    kernels: MesherKernels,
     leaf: NDArray[np.int16],
     points: Floats,
     value: Floats,

@@ -1,16 +1,47 @@
-"""Triangles of the quads around crossings."""
+"""Triangles of the quads around crossings: their diagonals, and the flaws that are left.
+
+The better shape chooses the diagonal; at features the one whose triangles lie along the surface beneath them. Flaws are
+triangles that face inwards or have no area, and edges without length.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from concurrent.futures import Executor
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.sharp.loops import loop, step
+from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
+from rsym.sampling.sharp.crossings import evaluate
+from rsym.sampling.sharp.leaves import CompiledLeaves
+from rsym.sampling.sharp.loops import in_threads, loop, step
 from rsym.sampling.sharp.signs import ABSENT, Bytes, Numbers
 
-Floats = NDArray[np.float64]
+Floats: TypeAlias = NDArray[np.float64]
+Faces: TypeAlias = NDArray[np.int32]
+
+# Costs this close, as a share of both, say nothing: then the better shape decides.
+EVEN = 1e-3
+GRAIN = 1024
+# The triangles of a quad a, b, c, d: on the diagonal a-c, then on b-d.
+TRIANGLES = np.array([[0, 1, 2], [0, 2, 3], [1, 2, 3], [1, 3, 0]])
+
+Ints: TypeAlias = NDArray[np.int64]
+Marks: TypeAlias = NDArray[np.uint8]
+
+FOLDED, FLAT, SHORT, TURNED = 1, 2, 4, 8
+# The cosine of the angle between a triangle and its leaf at the crossing, beyond which the leaf is asked at its middle.
+ASKED = 0.7
+# A fold turns more than this share of a triangle's longest side squared against the surface; less is rounding.
+FOLD = 1e-9
+# Twice the area of a triangle over its longest side squared, below which it has none.
+FLATNESS = 1e-9
+# In cells. Newton's method puts two vertices on one corner to 1e-14, and what it leaves is far larger.
+NO_LENGTH = 1e-9
+# Of coordinates, in units of their last place.
+ROUNDING = 16
+FLAW_GRAIN = 8192
 
 
 @loop
@@ -59,3 +90,178 @@ def merit(a: Any, b: Any, c: Any, g: Any) -> Any:
     if g[0] == 0 and g[1] == 0 and g[2] == 0:
         return np.sqrt(nx * nx + ny * ny + nz * nz) / side
     return -(nx * g[0] + ny * g[1] + nz * g[2]) / side
+
+
+def turn_diagonals(
+    kernels: MesherKernels, sharp: NDArray[np.uint8], points: Floats, faces: Faces, pool: Executor | None
+) -> None:
+    """Choose, in place, the diagonal of each quad marked in `sharp`; triangles 2*e and 2*e + 1 are quad e.
+
+    A triangle costs what it turns away from the surface: its area minus that of its projection along the gradient of
+    the leaf that is active at its middle.
+    """
+    which = np.flatnonzero(sharp)
+    count = 4 * len(which)
+    if not count:
+        return
+    middle, gradient = np.zeros((3, padded(count))), np.zeros((3, padded(count)))
+    value, leaf = np.empty(middle.shape[1]), np.full(middle.shape[1], -1, np.int16)
+    in_threads(lambda a, b: middles(a, b, which, faces, points, middle), len(which), GRAIN, pool)
+    in_threads(lambda a, b: kernels.value(b - a, middle, value, leaf, first=a), count, GRAIN, pool)
+    evaluate(kernels, leaf, middle, value, gradient, count, pool)
+    in_threads(lambda a, b: choose(a, b, which, gradient, points, faces), len(which), GRAIN, pool)
+
+
+@loop
+def middles(first: int, last: int, which: Any, faces: Faces, points: Floats, middle: Floats) -> None:
+    """The middles of the four possible triangles of each quad."""
+    quad = np.empty(4, np.int64)
+    for w in range(first, last):
+        corners_of(faces, which[w], quad)
+        for t in range(4):
+            for axis in range(3):
+                total = 0.0
+                for k in range(3):
+                    total += points[axis, quad[TRIANGLES[t, k]]]
+                middle[axis, 4 * w + t] = total / 3
+
+
+@step
+def corners_of(faces: Faces, quad: int, corners: Any) -> None:
+    """The corners of a quad in their order, whichever its diagonal is."""
+    for k in range(3):
+        corners[k] = faces[2 * quad, k]
+    corners[3] = faces[2 * quad + 1, 2]
+
+
+@loop
+def choose(first: int, last: int, which: Any, gradient: Floats, points: Floats, faces: Faces) -> None:
+    """Take the diagonal that costs less; of even ones that with the better worst triangle."""
+    quad = np.empty(4, np.int64)
+    cost, shape = np.empty(2), np.empty(2)
+    for w in range(first, last):
+        corners_of(faces, which[w], quad)
+        area = 0.0
+        for diagonal in range(2):
+            cost[diagonal], shape[diagonal] = 0.0, np.inf
+            for t in (2 * diagonal, 2 * diagonal + 1):
+                a, b, c = quad[TRIANGLES[t, 0]], quad[TRIANGLES[t, 1]], quad[TRIANGLES[t, 2]]
+                size, along, longest = triangle(points, a, b, c, gradient, 4 * w + t)
+                cost[diagonal] += size - along
+                shape[diagonal] = min(shape[diagonal], size / (longest + 1e-300))
+                area += size
+        even = abs(cost[0] - cost[1]) < EVEN * (cost[0] + cost[1]) + 1e-9 * area
+        if shape[1] > shape[0] if even else cost[1] < cost[0]:
+            for k in range(3):
+                faces[2 * which[w], k] = quad[1 + k]
+            faces[2 * which[w] + 1, 0], faces[2 * which[w] + 1, 1], faces[2 * which[w] + 1, 2] = (
+                quad[1],
+                quad[3],
+                quad[0],
+            )
+
+
+@step
+def triangle(points: Floats, a: int, b: int, c: int, gradient: Floats, at: int) -> Any:
+    """Twice the area of a triangle, twice that of its projection along the gradient, and its longest side squared."""
+    ux, uy, uz = points[0, b] - points[0, a], points[1, b] - points[1, a], points[2, b] - points[2, a]
+    vx, vy, vz = points[0, c] - points[0, a], points[1, c] - points[1, a], points[2, c] - points[2, a]
+    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    gx, gy, gz = gradient[0, at], gradient[1, at], gradient[2, at]
+    steep = np.sqrt(gx * gx + gy * gy + gz * gz)
+    wx, wy, wz = vx - ux, vy - uy, vz - uz
+    longest = max(ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz, wx * wx + wy * wy + wz * wz)
+    along = -(nx * gx + ny * gy + nz * gz) / steep if steep > 0 else 0.0
+    return np.sqrt(nx * nx + ny * ny + nz * nz), along, longest
+
+
+def smallest(lattice: Floats) -> float:
+    """A length that says nothing: far below a cell, and not below the rounding of coordinates far from the origin."""
+    return max(NO_LENGTH * float(lattice[3:].min()), ROUNDING * float(np.spacing(np.abs(lattice[:3]).max())))
+
+
+def find_flaws(faces: Faces, points: Floats, gradients: Floats, lattice: Floats, pool: Executor | None) -> Marks:
+    """FOLDED, FLAT, SHORT and TURNED for each quad; `gradients` (3, quads) of the leaf of the quad, inwards."""
+    flaws = np.zeros(len(faces) // 2, np.uint8)
+    shortest = smallest(lattice) ** 2
+    in_threads(lambda a, b: _inspect(a, b, faces, points, gradients, shortest, flaws), len(flaws), FLAW_GRAIN, pool)
+    return flaws
+
+
+@loop
+def _inspect(
+    first: int, last: int, faces: Faces, points: Floats, gradients: Floats, shortest: float, flaws: Any
+) -> None:
+    u, v, n = np.empty(3), np.empty(3), np.empty(3)
+    for e in range(first, last):
+        for f in (2 * e, 2 * e + 1):
+            a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+            if a < 0:
+                continue
+            uu = vv = ww = along = steep = 0.0
+            for k in range(3):
+                u[k], v[k] = points[k, b] - points[k, a], points[k, c] - points[k, a]
+                uu += u[k] * u[k]
+                vv += v[k] * v[k]
+                ww += (v[k] - u[k]) ** 2
+            n[0], n[1], n[2] = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+            for k in range(3):
+                along += n[k] * gradients[k, e]
+                steep += gradients[k, e] ** 2
+            longest = max(uu, vv, ww)
+            if longest > shortest and along > FOLD * longest * np.sqrt(steep):
+                flaws[e] |= FOLDED
+            nn = n[0] ** 2 + n[1] ** 2 + n[2] ** 2
+            if along > -ASKED * np.sqrt(nn * steep):
+                flaws[e] |= TURNED
+            if nn < (FLATNESS * longest) ** 2:
+                flaws[e] |= FLAT
+            if min(uu, vv, ww) < shortest:
+                flaws[e] |= SHORT
+
+
+def facing_inwards(
+    leaves: CompiledLeaves, corners: Floats, leaf: NDArray[np.int16]
+) -> tuple[NDArray[np.bool_], Floats]:
+    """Which triangles (n, 3, 3) face inwards or have no area, and how far each turns away from its leaf."""
+    a, b, c = corners.transpose(1, 0, 2)
+    normal = np.cross(b - a, c - a)
+    _, gradient = leaves.evaluate(leaf, (a + b + c).T / 3)
+    with np.errstate(all="ignore"):
+        along = -np.einsum("ij,ji->i", normal, gradient) / np.linalg.norm(gradient, axis=0)
+    size = np.linalg.norm(normal, axis=1)
+    longest = np.maximum.reduce([((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))])
+    return (along < 0) | (size <= FLATNESS * longest), size - np.nan_to_num(along)
+
+
+class Adjacency:
+    """The quads around each vertex; turned diagonals change nothing, for a quad keeps its corners."""
+
+    def __init__(self, faces: Faces, vertices: int) -> None:
+        self._faces = faces
+        self._start, self._quads = np.zeros(vertices + 2, np.int32), np.empty(2 * len(faces), np.int32)
+        _list_quads(faces, self._start, self._quads)
+
+    def around(self, quads: Ints, rings: int) -> tuple[Ints, Marks]:
+        """The quads within some rings around others, and marks for the vertices all of whose quads are among them."""
+        inner = np.zeros(len(self._start) - 2, np.uint8)
+        for _ in range(rings):
+            vertices = np.unique(self._faces.reshape(-1, 6)[quads])
+            inner[vertices] = 1
+            count = self._start[vertices + 1] - self._start[vertices]
+            place = np.arange(count.sum()) + np.repeat(self._start[vertices] - np.cumsum(count) + count, count)
+            quads = np.unique(self._quads[place]).astype(np.int64)
+        return quads, inner
+
+
+@loop
+def _list_quads(faces: Faces, start: Any, quads: Any) -> None:
+    for e in range(len(faces) // 2):
+        for corner in (faces[2 * e, 0], faces[2 * e, 1], faces[2 * e, 2], faces[2 * e + 1, 2]):
+            start[corner + 2] += 1
+    for v in range(2, len(start)):
+        start[v] += start[v - 1]
+    for e in range(len(faces) // 2):
+        for corner in (faces[2 * e, 0], faces[2 * e, 1], faces[2 * e, 2], faces[2 * e + 1, 2]):
+            quads[start[corner + 1]] = e
+            start[corner + 1] += 1

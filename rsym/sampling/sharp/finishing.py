@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
-from rsym.sampling.kernels.surface_kernels import SurfaceKernels
+from rsym.sampling.kernels.mesher_kernels import MesherKernels
+from rsym.sampling.sharp.assembly import Unfinished
 from rsym.sampling.sharp.edits import edit
-from rsym.sampling.sharp.flaws import FLAT, FOLDED, SHORT, TURNED, Adjacency
+from rsym.sampling.sharp.faces import FLAT, FOLDED, SHORT, TURNED, Adjacency, facing_inwards
+from rsym.sampling.sharp.leaves import CompiledLeaves
 from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.unfolding import unfold
 from rsym.sampling.sharp.untangling import untangle
@@ -25,25 +27,25 @@ GRAIN = 16384
 
 
 @dataclass(frozen=True)
-class Triangles:
+class Finished:
     """Vertices (n, 3), faces (m, 3), and the leaf of each face."""
 
     vertices: Floats
     faces: Faces
     leaf: NDArray[np.int16]
 
-    def some(self, which: NDArray[np.bool_]) -> Triangles:
+    def some(self, which: NDArray[np.bool_]) -> Finished:
         """Some of the faces, and their vertices."""
-        return Triangles(self.vertices, self.faces[which], self.leaf[which]).renumbered()
+        return Finished(self.vertices, self.faces[which], self.leaf[which]).renumbered()
 
-    def renumbered(self) -> Triangles:
+    def renumbered(self) -> Finished:
         """Without the vertices that no face has; the faces change in place."""
         used = np.zeros(len(self.vertices), np.bool_)
         _mark(self.faces, used)
         if used.all():
             return self
         _renumber(self.faces, np.cumsum(used, dtype=np.int32) - np.int32(1))
-        return Triangles(self.vertices[used], self.faces, self.leaf)
+        return Finished(self.vertices[used], self.faces, self.leaf)
 
 
 @loop
@@ -67,20 +69,9 @@ def _rows(first: int, last: int, points: Floats, vertices: Floats) -> None:
             vertices[v, axis] = points[axis, v]
 
 
-def finish(
-    kernels: SurfaceKernels,
-    points: Floats,
-    count: int,
-    faces: Faces,
-    leaf: NDArray[np.int16],
-    flaws: NDArray[Any],
-    lattice: Floats,
-    pool: Executor | None,
-) -> Triangles:
-    """The triangles of quads: points (3, m) of which `count` are vertices, faces 2*e and 2*e + 1 of quad e on leaf e.
-
-    `flaws` (quads,) as `find_flaws` tells them; points and faces are changed in place.
-    """
+def finish(kernels: MesherKernels, surface: Unfinished, lattice: Floats, pool: Executor | None) -> Finished:
+    """The triangles of quads: 2*e and 2*e + 1 of quad e, on leaf e; points and faces are changed in place."""
+    points, count, faces, leaf, flaws = surface.points, surface.vertices, surface.faces, surface.leaf, surface.flaws
     flawed, suspects = np.flatnonzero(flaws & (FOLDED | FLAT | SHORT)), np.repeat(flaws & (FOLDED | TURNED) > 0, 2)
     adjacency = Adjacency(faces, points.shape[1]) if len(flawed) else None
     if adjacency is not None and (flaws & (FOLDED | FLAT)).any():
@@ -89,21 +80,24 @@ def finish(
         suspects.reshape(-1, 2)[moved] = True
     vertices = np.empty((count, 3))
     in_threads(lambda a, b: _rows(a, b, points, vertices), count, GRAIN, pool)
-    whole = Triangles(vertices, faces, np.repeat(leaf[: len(flaws)], 2))
+    whole = Finished(vertices, faces, np.repeat(leaf[: len(flaws)], 2))
     if adjacency is not None:
         whole, suspects = _edited(whole, adjacency, flawed, points[:, :count], suspects, lattice)
-    remain = unfold(kernels, whole.vertices, whole.faces, whole.leaf, suspects, lattice, pool)
-    return whole if remain is None else whole.some(remain)
+    some = np.flatnonzero(suspects)
+    folded, _ = facing_inwards(CompiledLeaves(kernels), whole.vertices[whole.faces[some]], whole.leaf[some])
+    if not folded.any():
+        return whole
+    return whole.some(unfold(kernels, whole.vertices, whole.faces, whole.leaf, some[folded], lattice, pool))
 
 
 def _edited(
-    whole: Triangles,
+    whole: Finished,
     adjacency: Adjacency,
     flawed: Ints,
     points: Floats,
     suspects: NDArray[np.bool_],
     lattice: Floats,
-) -> tuple[Triangles, NDArray[np.bool_]]:
+) -> tuple[Finished, NDArray[np.bool_]]:
     """The triangles edited around their flaws, and which of them may face inwards."""
     found = edit(adjacency, flawed, points, whole.faces, whole.leaf, lattice)
     suspects[found.changed] = True
@@ -115,7 +109,7 @@ def _edited(
             code="no-surface",
             remedy="check bounds and letters; take a higher resolution if the body is thin",
         )
-    edited = Triangles(
+    edited = Finished(
         np.concatenate([whole.vertices, found.points.T]),
         np.concatenate([whole.faces[found.remain], found.faces]),
         np.concatenate([whole.leaf[found.remain], found.leaf]),

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.kernels.surface_kernels import SurfaceKernels, columns, padded
+from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int16]
@@ -29,7 +29,7 @@ class Leaves(Protocol):
 class CompiledLeaves:
     """The leaves of compiled kernels."""
 
-    def __init__(self, kernels: SurfaceKernels) -> None:
+    def __init__(self, kernels: MesherKernels) -> None:
         self._kernels = kernels
 
     def enclose(self, leaf: Numbers, lower: Array, upper: Array) -> tuple[Array, Array]:

@@ -1,18 +1,42 @@
-"""Index loops of the mesher: compiled once on a machine, kept in the user's cache folder, run in threads."""
+"""Index loops of the mesher: compiled once on a machine, kept in the user's cache folder, run in threads.
+
+numba's own cache writes beside the source file, trusts what it reads and looks only at the date of one file.
+Here the name of an entry is a digest of the byte code of the loop and of everything it calls, of the types of its
+arguments, of the processor and of the versions of Python and numba; so nothing old is ever run, and nothing is
+compiled again because a file has moved. An entry that cannot be read or written, or is damaged, is compiled again;
+the folder is private, and may be deleted at any time.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import hashlib
+import io
+import logging
+import os
+import pickle
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
+from functools import cache
+from pathlib import Path
+from types import CodeType
 from typing import Any, TypeVar, cast
 
+import numba
+import numpy as np
 from numba import njit, types
+from numba.core.compiler import CompileResult
+from numba.core.runtime import rtsys
+from numba.core.serialize import dumps
 from numba.extending import intrinsic
-
-from rsym.sampling.sharp.cache import LoopCache
 
 F = TypeVar("F", bound=Callable[..., Any])
 R = TypeVar("R")
+
+logger = logging.getLogger(__name__)
+NOTICE = "compiling the mesher's loops, once on this machine: about ten seconds"
+DIGEST = hashlib.sha256().digest_size
 
 
 def loop(function: F) -> F:
@@ -59,3 +83,113 @@ def in_threads(call: Callable[[int, int], R], count: int, grain: int, pool: Exec
     if pool is None or count <= size:
         return [call(0, count)] if count else []
     return list(pool.map(lambda first: call(first, min(first + size, count)), range(0, count, size)))
+
+
+def cache_folder() -> Path:
+    """Where this user's caches are kept, by the custom of the system."""
+    if sys.platform == "win32":
+        place = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
+    elif sys.platform == "darwin":
+        place = Path.home() / "Library" / "Caches"
+    else:
+        place = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(place) / "rsym" / "loops"
+
+
+class LoopCache:
+    """What numba asks for compiled code of one function (the protocol of numba.core.caching._Cache)."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function = function
+
+    @property
+    def cache_path(self) -> str:
+        """The folder of the entries."""
+        return str(cache_folder())
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """Give the compiled loop for these types, or None."""
+        # Enough for code that is compiled already; `target.refresh()`, for compiling, would load SciPy too: 0.25 s.
+        rtsys.initialize(target)
+        payload = _read(self._entry(signature, target.codegen()))
+        if payload is None:
+            _announce()
+            return None
+        return CompileResult._rebuild(target, *_Entry(io.BytesIO(payload)).load())
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Keep a compiled loop; a folder that cannot be written is no error."""
+        if not compiled.library.has_dynamic_globals:
+            _write(self._entry(signature, compiled.codegen), dumps(compiled._reduce()))
+
+    def _entry(self, signature: Any, codegen: Any) -> str:
+        machine = (numba.__version__, sys.version, *codegen.magic_tuple())
+        digest = hashlib.sha256(repr((machine, str(signature), *_content(self._function, set()))).encode())
+        return f"{self._function.__name__}-{digest.hexdigest()[:32]}"
+
+
+class _Entry(pickle.Unpickler):
+    """Without the modules that compiled code came from, which only uncompiled code looks into: 0.06 s for arrays."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        found = super().find_class(module, name)
+        return (lambda _, *rest: found(__name__, *rest)) if name == "_rebuild_env" else found
+
+
+def _content(function: Any, seen: set[int]) -> Iterator[object]:
+    """Everything that decides what a function compiles to: its byte code, constants, globals, and theirs."""
+    plain = getattr(function, "py_func", None) or getattr(function, "_defn", None) or function
+    if id(plain) in seen:
+        return
+    seen.add(id(plain))
+    # Compiled code remembers the module that it came from.
+    yield plain.__module__
+    codes = [plain.__code__]
+    for code in codes:
+        codes += [constant for constant in code.co_consts if isinstance(constant, CodeType)]
+        yield code.co_code, code.co_names, code.co_varnames
+        yield [constant for constant in code.co_consts if not isinstance(constant, CodeType)]
+        for name in code.co_names:
+            value = plain.__globals__.get(name)
+            if isinstance(value, np.ndarray):
+                yield name, value.dtype.str, value.shape, value.tobytes()
+            elif hasattr(value, "py_func") or hasattr(value, "_defn"):
+                yield from _content(value, seen)
+            elif isinstance(value, (bool, int, float, tuple, np.generic)):
+                yield name, repr(value)
+
+
+def _read(name: str) -> bytes | None:
+    """Read an entry that is whole and that nobody else can have written."""
+    try:
+        entry = cache_folder() / name
+        stored = entry.read_bytes() if _is_ours(entry.parent) and _is_ours(entry) else b""
+    except (OSError, RuntimeError):  # Path.home() raises RuntimeError where there is no home
+        return None
+    payload = stored[DIGEST:]
+    return payload if payload and stored[:DIGEST] == hashlib.sha256(payload).digest() else None
+
+
+def _write(name: str, payload: bytes) -> None:
+    """Keep an entry, whole or not at all: another process may be reading or writing the same one."""
+    try:
+        folder = cache_folder()
+        folder.mkdir(parents=True, exist_ok=True)
+        folder.chmod(0o700)
+        with tempfile.TemporaryDirectory(dir=folder) as aside:
+            whole = Path(aside) / name
+            whole.write_bytes(hashlib.sha256(payload).digest() + payload)
+            os.replace(whole, folder / name)
+    except (OSError, RuntimeError) as reason:
+        logger.info("the mesher's loops are not kept: %s", reason)
+
+
+def _is_ours(path: Path) -> bool:
+    """Entries are code: nobody else may own or write them, or the folder that holds them."""
+    state = path.stat()
+    return not hasattr(os, "getuid") or (state.st_uid == os.getuid() and not state.st_mode & 0o022)
+
+
+@cache
+def _announce() -> None:
+    logger.warning(NOTICE)

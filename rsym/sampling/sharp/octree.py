@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.kernels.surface_kernels import SurfaceKernels, columns
+from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns
 from rsym.sampling.sharp.loops import in_threads
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -36,7 +36,7 @@ class Blocks:
 
 
 def find_blocks(
-    kernels: SurfaceKernels,
+    kernels: MesherKernels,
     lattice: Floats,
     cells: Sequence[int],
     pool: Executor | None = None,
@@ -71,7 +71,7 @@ def find_blocks(
 
 
 def _kept(
-    kernels: SurfaceKernels, corner: Floats, size: int, lattice: Floats, pool: Executor | None
+    kernels: MesherKernels, corner: Floats, size: int, lattice: Floats, pool: Executor | None
 ) -> tuple[NDArray[np.bool_], NDArray[Any]]:
     count = corner.shape[1]
     places = columns(corner)

@@ -13,116 +13,59 @@ piece gets the bits of the uncut run.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.kernels.surface_kernels import SurfaceKernels
+from rsym.errors import RsymError
 from rsym.sampling.memory import Budget, free_memory
 from rsym.sampling.progress import Crew
-from rsym.sampling.sharp.assembly import USUAL_BYTES, assemble, claim_only
-from rsym.sampling.sharp.octree import BLOCK, Blocks, find_blocks
-from rsym.sampling.sharp.spread import spread
-from rsym.sampling.sharp.welding import Piece, Surface, inside, own_piece, weld
+from rsym.sampling.sharp.assembly import Job, Unfinished, assemble
+from rsym.sampling.sharp.octree import BLOCK, Blocks
+from rsym.sampling.sharp.welding import Piece, inside, own_piece, weld
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
-# What else to find out about blocks: a module's function, so that a process can be told its name.
-Inspect: TypeAlias = Callable[[SurfaceKernels, Blocks, Floats, Executor], Any]
-
-HALO = 1  # blocks
 # Enough pieces to share among a few workers; the halo of a piece of 90x90 blocks costs 5 %, and such a piece of the
 # car takes a fifth of a second, which is what a cancel waits for. Pieces below 64 blocks cost more than they share.
 PIECES, LEAST, MOST = 16, 64, 8192
-# Of boxes of the octree: corners, twice, words and what is kept.
-BOX_BYTES = 100
-# So many boxes of a level of the octree, not much more than four times those before it, foretell those of the last
-# within a tenth on the paper's models, and those of one where little could be discarded yet within some tens: where
-# they would need this many times what is free nobody need wait for them.
-SETTLED, GROWTH, DOUBT, GREAT_DOUBT = 1000, 4.6, 2.0, 64.0
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+TICK = 0.1  # seconds between looks at the executor
+# What still runs after a cancel or an error is waited for so long; pieces take a fraction of it.
+LAST = 1.0
+# A scheduler that has no workers waits for new ones for ever; one that is replaced takes a few seconds.
+WITHOUT_WORKERS = 15.0
 
 
 @dataclass(frozen=True)
-class Job:
-    """A surface to compute: kernels with their letters, which leaves are smooth, lattice, and cells along each axis."""
-
-    kernels: SurfaceKernels
-    smooth: NDArray[np.bool_]
-    lattice: Floats
-    cells: tuple[int, ...]
-    inspect: Inspect | None = None
-
-    @property
-    def extent(self) -> tuple[int, int, int]:
-        """Blocks along each axis."""
-        i, j, k = (-(-count // BLOCK) for count in self.cells)
-        return i, j, k
-
-    def blocks(self, crew: Crew, budget: Budget, box: Ints | None = None) -> Blocks:
-        """The blocks that the surface may meet, or those of a box and beside it."""
-        region = None
-        if box is not None:
-            region = np.maximum(box[0] - HALO * BLOCK, 0), np.minimum(box[1] + HALO * BLOCK, self.cells)
-
-        before = 0
-
-        def claim(kept: int, size: int) -> None:
-            nonlocal before
-            expected = kept * (size // BLOCK) ** 2 * USUAL_BYTES
-            budget.claim(8 * kept * BOX_BYTES, expected)
-            if kept >= SETTLED:
-                budget.claim(expected / (DOUBT if kept < GROWTH * before else GREAT_DOUBT), expected)
-            before = kept
-
-        return find_blocks(self.kernels, self.lattice, self.cells, crew, region, claim)
-
-    def claim(self, budget: Budget) -> None:
-        """Claim what `whole` would take."""
-        claim_only(self.kernels, self.lattice, self.blocks(Crew(), budget), Crew(), budget)
-
-    def whole(self, crew: Crew, budget: Budget) -> Surface:
-        """The surface in one piece; its blocks are not inspected yet."""
-        crew.stage(20, loops=6)
-        blocks = self.blocks(crew, budget)
-        made = assemble(self.kernels, self.smooth, self.lattice, blocks, crew, budget)
-        return Surface(made.points, made.surface.vertices, made.faces, made.leaf, made.flaws, blocks=blocks)
-
-    def notes(self, blocks: Blocks, crew: Crew) -> tuple[Any, ...]:
-        """What `inspect` says of blocks."""
-        return () if self.inspect is None else (self.inspect(self.kernels, blocks, self.lattice, crew),)
-
-    def place(self, box: Ints) -> str:
-        """The words for a box, its cells and coordinates."""
-        low, high = self.lattice[:3] + self.lattice[3:] * box
-        ends = ", ".join(f"{a:.4g}..{b:.4g}" for a, b in zip(low, high, strict=True))
-        return f"cells {box[0].tolist()} to {(box[1] - 1).tolist()}, coordinates {ends}"
-
-
-@dataclass(frozen=True)
-class Task:
+class PieceTask:
     """A piece to compute: (2, 3) the first cells of its box, and those past its last."""
 
     job: Job
     box: Ints
 
 
-def compute(task: Task) -> Piece:
+def compute(task: PieceTask) -> Piece:
     """The piece of a task; run by whatever executor, in whatever process."""
     job, crew = task.job, Crew()
     budget = Budget(free_memory())
     blocks = job.blocks(crew, budget, task.box)
-    made = assemble(job.kernels, job.smooth, job.lattice, blocks, crew, budget)
+    made = assemble(job, blocks, crew, budget)
     return own_piece(made, task.box, job.extent, job.notes(_of(task.box, blocks), crew))
 
 
-def in_pieces(job: Job, executor: Executor, crew: Crew, budget: Budget) -> Surface:
-    """The surface, its pieces computed by an executor; the same bits as `Job.whole`."""
+def in_pieces(job: Job, executor: Executor, crew: Crew, budget: Budget) -> Unfinished:
+    """The surface, its pieces computed by an executor; the same bits as `whole`."""
     crew.stage(20, loops=6)
-    tasks = [Task(job, box) for box in cut(job.blocks(crew, budget).corner)]
+    tasks = [PieceTask(job, box) for box in cut(job.blocks(crew, budget).corner)]
     crew.stage(880)
 
     def arrived(pieces: Sequence[Piece]) -> None:
@@ -165,3 +108,74 @@ def _cut(corner: Ints, most: int) -> Iterator[Ints]:
 def _of(box: Ints, blocks: Blocks) -> Blocks:
     own = inside(blocks.corner, box)
     return Blocks(np.ascontiguousarray(blocks.corner[:, own]), blocks.words[own], blocks.visited)
+
+
+def spread(
+    call: Callable[[T], R],
+    tasks: Sequence[T],
+    executor: Executor,
+    place: Callable[[T], str],
+    arrived: Callable[[Sequence[R]], None],
+) -> list[R]:
+    """The answers to all tasks, in order.
+
+    `arrived` is told the answers so far, a few times a second, and may raise; `place` says what a task is, for the
+    error when its worker dies. Exceptions of a task arrive as they are. Whatever is raised, tasks that still wait are
+    cancelled.
+    """
+    futures: list[Future[R]] = []
+    try:
+        for task in tasks:
+            futures.append(executor.submit(call, task))
+        _wait_for(futures, executor, arrived)
+        return [future.result() for future in futures]
+    except (BrokenExecutor, CancelledError, NoWorkers) as error:
+        raise _died(error, tasks, futures, place) from error
+    except Exception as error:
+        # What dask raises when workers have died of a task, again and again.
+        if type(error).__name__ == "KilledWorker":
+            raise _died(error, tasks, futures, place) from error
+        raise
+    finally:
+        for future in futures:
+            future.cancel()
+        wait(futures, timeout=LAST)
+
+
+def _wait_for(futures: list[Future[R]], executor: Executor, arrived: Callable[[Sequence[R]], None]) -> None:
+    waiting, deadline = set(futures), time.monotonic() + WITHOUT_WORKERS
+    while waiting:
+        done, waiting = wait(waiting, timeout=TICK, return_when=FIRST_COMPLETED)
+        arrived([future.result() for future in futures if future not in waiting])
+        now = time.monotonic()
+        if done or now > deadline:
+            deadline = now + WITHOUT_WORKERS
+            if not done and _has_no_workers(executor):
+                raise NoWorkers
+
+
+class NoWorkers(Exception):
+    """Nobody is left to compute anything."""
+
+
+def _has_no_workers(executor: Executor) -> bool:
+    """Whether dask says so; other executors say that they are broken."""
+    count = getattr(getattr(executor, "_client", None), "nthreads", None)
+    return count is not None and not count()
+
+
+def _died(
+    error: BaseException, tasks: Sequence[T], futures: Sequence[Future[R]], place: Callable[[T], str]
+) -> RsymError:
+    """Name the first task without an answer: executors start them in order."""
+    lost = [k for k in range(len(tasks)) if k >= len(futures) or not _answered(futures[k])]
+    return RsymError(
+        f"a worker died ({type(error).__name__}) and {len(lost)} of {len(tasks)} pieces are lost, the first of them"
+        f" {place(tasks[lost[0]])}",
+        code="worker-died",
+        remedy="start the executor again; give its workers more memory if they ran out of it",
+    )
+
+
+def _answered(future: Future[R]) -> bool:
+    return future.done() and not future.cancelled() and future.exception() is None

@@ -20,7 +20,7 @@ from rsym.sampling.sharp.boxes import Array, Flags, Ints
 from rsym.sampling.sharp.certificates import STEEPEST, Unresolved
 from rsym.sampling.sharp.clusters import clusters
 from rsym.sampling.sharp.leaves import Leaves, Numbers
-from rsym.sampling.sharp.thickness import FIRST, Rays, across, closest, common, level
+from rsym.sampling.sharp.thickness import FIRST, ThinRays, across, closest, common, level
 from rsym.sampling.status import KINDS, Suspect
 
 # Two directions that no third serves with the cosine c have a cosine below 2*c**2 - 1.
@@ -39,12 +39,12 @@ def suspects(leaves: Leaves, lattice: Array, unresolved: Unresolved, names: Sequ
     >>> import numpy as np, rsym
     >>> from rsym import x, y, z
     >>> from rsym.logic.sign_form import surface_form
-    >>> from rsym.sampling.kernels.surface_kernels import surface_kernels
+    >>> from rsym.sampling.kernels.mesher_kernels import mesher_kernels
     >>> from rsym.sampling.sharp.certificates import Form, certify
     >>> from rsym.sampling.sharp.gates import gate_table
     >>> from rsym.sampling.sharp.leaves import CompiledLeaves
     >>> form = surface_form(rsym.Shape(rsym.conjunction(x, 0.02 - x), (x, y, z)))
-    >>> kernels = surface_kernels(form)
+    >>> kernels = mesher_kernels(form)
     >>> kernels.set({})
     >>> leaves, lattice = CompiledLeaves(kernels), np.array([-0.36, 0, 0, 0.1, 0.1, 0.1])
     >>> unresolved = certify(Form(leaves, 2, gate_table(form)), lattice, np.zeros((3, 1), np.int64))
@@ -120,7 +120,7 @@ class _Pairs(NamedTuple):
     sheet: Flags
 
 
-def _pairs(rays: Rays, cluster: Ints) -> _Pairs:
+def _pairs(rays: ThinRays, cluster: Ints) -> _Pairs:
     """One for all rays of a cluster that join the same leaves in the same sense; a sheet if most have no length."""
     keys = np.concatenate([cluster[None], rays.leaves, rays.inward[None]]).astype(np.int64)
     kinds, kind = np.unique(keys, axis=1, return_inverse=True)

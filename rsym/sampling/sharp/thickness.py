@@ -27,7 +27,7 @@ CURVED, STRAIGHT = 1e-6, 1e-9
 
 
 @dataclass(frozen=True)
-class Rays:
+class ThinRays:
     """What lies across from points of the surface.
 
     Attributes
@@ -76,7 +76,7 @@ def project(leaves: Leaves, ids: Numbers, points: Array, spacing: Array) -> tupl
     return points, normal, (moved < FIRST) & np.isfinite(normal).all(axis=0)
 
 
-def across(leaves: Leaves, ids: Numbers, seeds: Array, spacing: Array, opposed: float) -> Rays:
+def across(leaves: Leaves, ids: Numbers, seeds: Array, spacing: Array, opposed: float) -> ThinRays:
     """From each seed to the surface on its leaf, and from there straight through the body and away from it.
 
     Kept are sides that face each other, the cosine of their normals below `opposed`.
@@ -99,7 +99,7 @@ def across(leaves: Leaves, ids: Numbers, seeds: Array, spacing: Array, opposed: 
     facing = cosine < opposed * np.linalg.norm(gradient, axis=0)
     pair = np.sort(np.stack([ids[source], other]), axis=0)
     place = start + cells / 2 * ray
-    return Rays(source[facing], inward[facing], place[:, facing], cells[facing], pair[:, facing])
+    return ThinRays(source[facing], inward[facing], place[:, facing], cells[facing], pair[:, facing])
 
 
 def _on_surface(leaves: Leaves, ids: Numbers, points: Array, spacing: Array) -> Flags:

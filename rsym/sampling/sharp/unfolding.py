@@ -19,9 +19,9 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.kernels.surface_kernels import SurfaceKernels
+from rsym.sampling.kernels.mesher_kernels import MesherKernels
 from rsym.sampling.sharp.corners import off_surface, on_active_leaf, on_surface, solve
-from rsym.sampling.sharp.flaws import FLATNESS
+from rsym.sampling.sharp.faces import facing_inwards
 from rsym.sampling.sharp.leaves import CompiledLeaves
 from rsym.sampling.sharp.loops import loop
 
@@ -46,32 +46,25 @@ class Change(NamedTuple):
 
 
 def unfold(
-    kernels: SurfaceKernels,
+    kernels: MesherKernels,
     vertices: Floats,
     faces: Faces,
     leaf: NDArray[np.int16],
-    suspects: NDArray[np.bool_],
+    folded: NDArray[np.int64],
     lattice: Floats,
     pool: Executor | None,
-) -> NDArray[np.bool_] | None:
-    """Turn outwards what can be of the suspects among the faces, in place; which faces remain, if any had to go."""
-    some = np.flatnonzero(suspects)
-    folded, _ = judged(CompiledLeaves(kernels), vertices[faces[some]], leaf[some])
-    if not folded.any():
-        return None
+) -> NDArray[np.bool_]:
+    """Turn folded faces outwards where that can be done, in place; which faces remain."""
     around = np.zeros(len(faces), np.bool_)
-    around[some[folded]] = True
+    around[folded] = True
     for _ in range(RINGS):
         _mark_faces(faces, _corners(faces, around, len(vertices)), around)
     near, remain = np.flatnonzero(around), ~around
     region = _Region(kernels, vertices, faces[near], leaf[near], lattice, pool)
     beyond = _corners(faces, remain, len(vertices))
     region.free -= {corner for corner in region.at if beyond[corner]}
-    steps = 0
     while region.improve(keep=True) or region.improve(keep=False):
-        steps += 1
-    if not steps:
-        return None
+        pass
     for face, number in enumerate(near.tolist()):
         if face in region.corners:
             faces[number] = [region.home[corner] for corner in region.corners[face]]
@@ -79,18 +72,6 @@ def unfold(
     for corner in region.at:
         vertices[region.home[corner]] = region.points[corner]
     return remain
-
-
-def judged(leaves: CompiledLeaves, corners: Floats, leaf: NDArray[np.int16]) -> tuple[NDArray[np.bool_], Floats]:
-    """Which triangles (n, 3, 3) face inwards or have no area, and how far each turns away from its leaf."""
-    a, b, c = corners.transpose(1, 0, 2)
-    normal = np.cross(b - a, c - a)
-    _, gradient = leaves.evaluate(leaf, (a + b + c).T / 3)
-    with np.errstate(all="ignore"):
-        along = -np.einsum("ij,ji->i", normal, gradient) / np.linalg.norm(gradient, axis=0)
-    size = np.linalg.norm(normal, axis=1)
-    longest = np.maximum.reduce([((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))])
-    return (along < 0) | (size <= FLATNESS * longest), size - np.nan_to_num(along)
 
 
 @loop
@@ -115,7 +96,7 @@ class _Region:
 
     def __init__(
         self,
-        kernels: SurfaceKernels,
+        kernels: MesherKernels,
         vertices: Floats,
         faces: Faces,
         leaf: NDArray[np.int16],
@@ -238,7 +219,7 @@ class _Region:
         if new:
             corners = np.array([[self.points[corner] for corner in corners] for corners, _ in new])
             leaf = np.array([leaf for _, leaf in new], np.int16)
-            folded, turned = judged(CompiledLeaves(self.kernels), corners, leaf)
+            folded, turned = facing_inwards(CompiledLeaves(self.kernels), corners, leaf)
             self._known.update(zip(new, zip(folded.tolist(), turned.tolist(), strict=True), strict=True))
 
     def _before(self, step: Change) -> Iterator[tuple[Corners, int]]:

@@ -14,12 +14,11 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.kernels.surface_kernels import SurfaceKernels, padded
+from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.sharp.clusters import components
 from rsym.sampling.sharp.corners import off_surface, on_surface, solve
 from rsym.sampling.sharp.crossings import evaluate
-from rsym.sampling.sharp.diagonals import turn_diagonals
-from rsym.sampling.sharp.flaws import FOLDED, Adjacency, find_flaws
+from rsym.sampling.sharp.faces import FOLDED, Adjacency, find_flaws, turn_diagonals
 from rsym.sampling.sharp.loops import loop
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -36,7 +35,7 @@ FURTHER, SWEEPS = 1.5, 80
 
 
 def untangle(
-    kernels: SurfaceKernels,
+    kernels: MesherKernels,
     adjacency: Adjacency,
     folded: Ints,
     leaf: NDArray[np.int16],
@@ -67,7 +66,7 @@ class _Patch:
 
     def __init__(
         self,
-        kernels: SurfaceKernels,
+        kernels: MesherKernels,
         adjacency: Adjacency,
         folded: Ints,
         leaf: NDArray[np.int16],

@@ -14,11 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.kernels.surface_kernels import padded
-from rsym.sampling.sharp.assembly import Assembly
-from rsym.sampling.sharp.octree import Blocks
-from rsym.sampling.sharp.patches import Topology
+from rsym.sampling.kernels.mesher_kernels import padded
+from rsym.sampling.sharp.assembly import Assembly, Unfinished
 from rsym.sampling.sharp.signs import Numbers, list_places
+from rsym.sampling.sharp.topology import Topology
 
 CELLS = 512  # of a block
 PATCHES = 4  # of a cell, at most
@@ -56,23 +55,6 @@ def _names(surface: Topology, extent: tuple[int, int, int], place: Numbers) -> N
 
 
 @dataclass(frozen=True)
-class Surface:
-    """Triangles 2*e and 2*e + 1 of each crossing e, and the leaf of the crossing; what was noted beside them.
-
-    ``points`` (3, m), of which the first `vertices` count; ``faces`` (2*crossings, 3); ``leaf`` and ``flaws``
-    (crossings,). ``blocks`` are there if they have not been inspected yet, else ``notes``.
-    """
-
-    points: NDArray[np.float64]
-    vertices: int
-    faces: NDArray[np.int32]
-    leaf: NDArray[np.int16]
-    flaws: NDArray[np.uint8]
-    notes: tuple[Any, ...] = ()
-    blocks: Blocks | None = None
-
-
-@dataclass(frozen=True)
 class Piece:
     """The part of a surface that belongs to the blocks of a box.
 
@@ -85,7 +67,7 @@ class Piece:
     corner: NDArray[np.int64]
     vertices: Numbers
     crossings: Numbers
-    surface: Surface
+    surface: Unfinished
     strangers: NDArray[np.int64]
     rim: NDArray[np.int64]
     rim_number: Numbers
@@ -126,7 +108,7 @@ def own_piece(
         np.ascontiguousarray(surface.corner[:, own]),
         np.bincount(place[mine] >> 9, minlength=n)[own].astype(np.int32),
         per_axis.astype(np.int32),
-        Surface(points, count, number[faces], made.leaf[crossed], made.flaws[crossed], notes),
+        Unfinished(points, count, number[faces], made.leaf[crossed], made.flaws[crossed], notes),
         names[strange],
         names[rim],
         number[rim],
@@ -138,7 +120,7 @@ def inside(corner: NDArray[np.int64], box: NDArray[np.int64]) -> NDArray[np.bool
     return np.asarray(((corner >= box[0, :, None]) & (corner < box[1, :, None])).all(axis=0))
 
 
-def weld(pieces: list[Piece]) -> Surface:
+def weld(pieces: list[Piece]) -> Unfinished:
     """The whole surface, as if it had never been cut; pieces leave the list as they are used up."""
     order = np.lexsort(np.concatenate([piece.corner for piece in pieces], axis=1)[::-1])
     first = _ranks([piece.vertices[None] for piece in pieces], order)
@@ -162,7 +144,7 @@ def weld(pieces: list[Piece]) -> Surface:
         leaf[place], flaws[place] = piece.surface.leaf, piece.surface.flaws
         faces[place] = np.concatenate([number, strangers])[piece.surface.faces].reshape(-1, 6)
         notes += piece.surface.notes
-    return Surface(points, total, faces.reshape(-1, 3), leaf, flaws, tuple(notes))
+    return Unfinished(points, total, faces.reshape(-1, 3), leaf, flaws, tuple(notes))
 
 
 def _ranks(counts: list[Numbers], order: NDArray[np.int64]) -> list[NDArray[np.int64]]:

@@ -11,22 +11,23 @@ import ctypes
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.backends.checking import CHECK_POINTS
+from rsym.backends.checking import CHECK_POINTS, check_at
 from rsym.backends.interpreter import interpret
 from rsym.backends.llvm_code import machine_code
 from rsym.errors import RsymError
 from rsym.logic.sign_form import SignForm, cap_letters
 from rsym.model.shape import Bounds
 from rsym.program.operations import OPERATIONS
-from rsym.sampling.kernels.leaf_check import check_leaves
+from rsym.program.precision import FLOAT64
+from rsym.program.program import Program
+from rsym.sampling.kernels.leaf_formulas import LeafFormulas
+from rsym.sampling.kernels.mesher_code import mesher_code
 from rsym.sampling.kernels.routines import LANES
-from rsym.sampling.kernels.surface_code import surface_code
-from rsym.sampling.kernels.surface_formulas import SurfaceFormulas
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -62,16 +63,16 @@ def columns(points: NDArray[Any]) -> Floats:
     return array
 
 
-class SurfaceKernels:
+class MesherKernels:
     """Compiled once for a sign form; `set` chooses letters and bounds.
 
     ``words``: 64-bit words that tell, for each block, which operands of gates do not matter there.
     """
 
     def __init__(self, form: SignForm) -> None:
-        formulas = SurfaceFormulas(form)
+        formulas = LeafFormulas(form)
         self.form, self.words, self.program = form, formulas.words, formulas.scaled_program
-        constants, *routines, self._enclose_source = surface_code(formulas)
+        constants, *routines, self._enclose_source = mesher_code(formulas)
         self.source = "\n".join([constants, *routines, self._enclose_source])
         self._engines: list[Any] = []
         self._functions: dict[str, Callable[..., None]] = {}
@@ -94,9 +95,9 @@ class SurfaceKernels:
             if "enclose" not in self._functions:
                 self._load(machine_code(self._enclose_source))
 
-    def copy(self) -> SurfaceKernels:
+    def copy(self) -> MesherKernels:
         """The same code with letters of its own."""
-        twin = object.__new__(SurfaceKernels)
+        twin = object.__new__(MesherKernels)
         twin.__dict__.update(self.__dict__, _constants=self._constants.copy())
         return twin
 
@@ -147,8 +148,10 @@ class SurfaceKernels:
     def _check_parameters(self, letters: Mapping[str, float]) -> None:
         """An R-operation with an illegal parameter has no value, so its sign says nothing."""
         form = self.form
+        if not form.parameters:
+            return
         program = form.builder.program({f"{k}": node for k, (_, node) in enumerate(form.parameters)})
-        values = interpret(program, letters) if form.parameters else {}
+        values = interpret(program, letters)
         for k, (operation, _) in enumerate(form.parameters):
             if np.isnan(OPERATIONS[operation].meaning(1.0, 2.0, values[f"{k}"])):
                 raise RsymError(
@@ -241,13 +244,13 @@ def _from(array: NDArray[Any], first: int) -> int:
     return array.ctypes.data + first * array.itemsize
 
 
-_kernels: dict[str, SurfaceKernels] = {}
+_kernels: dict[str, MesherKernels] = {}
 _making, _finishing = threading.Lock(), threading.Lock()
 # A megabyte each; a notebook has a few models open.
 _MOST_KERNELS = 32
 
 
-def surface_kernels(form: SignForm) -> SurfaceKernels:
+def mesher_kernels(form: SignForm) -> MesherKernels:
     """Compiled once in a process; each caller has letters of its own."""
     key = f"{form.leaves}{form.gates}{form.builder.program({'value': form.value}).digest}"
     with _making:
@@ -255,12 +258,12 @@ def surface_kernels(form: SignForm) -> SurfaceKernels:
         if kernels is None:
             while len(_kernels) >= _MOST_KERNELS:
                 _kernels.pop(next(iter(_kernels)))
-            kernels = _kernels[key] = SurfaceKernels(form)
+            kernels = _kernels[key] = MesherKernels(form)
     return kernels.copy()
 
 
-def _revived(form: SignForm, constants: Floats) -> SurfaceKernels:
-    kernels = surface_kernels(form)
+def _revived(form: SignForm, constants: Floats) -> MesherKernels:
+    kernels = mesher_kernels(form)
     kernels._constants[:] = constants
     return kernels
 
@@ -273,6 +276,47 @@ def compile_ahead(form: SignForm) -> None:
 
     def work() -> None:
         with suppress(RsymError):  # raised again for those who ask
-            surface_kernels(form).load_enclose()
+            mesher_kernels(form).load_enclose()
 
     threading.Thread(target=work, name="rsym-compiler").start()
+
+
+class CheckedLeaves(Protocol):
+    """What is checked of kernels: `program` has value and derivatives of one leaf after the other."""
+
+    program: Program
+
+    def set_points(self, letters: Sequence[float]) -> None:
+        """Take letters."""
+
+    def leaf(self, count: int, leaf: NDArray[np.int16], points: Floats, value: Floats, gradient: Floats) -> None:
+        """Value and gradient of the leaf of each point."""
+
+
+def check_leaves(kernels: CheckedLeaves) -> None:
+    """Compare all leaves with the interpreter: a miscompiled formula must never get any further."""
+    generator = np.random.default_rng(20130605)
+    points = [generator.uniform(-1, 1, CHECK_POINTS) for _ in range(3)]
+    letters = [1.0 + k / 8 for k in range(len(kernels.program.letters))]
+    check_at(kernels.program, _AllLeaves(kernels), FLOAT64, points, letters)
+
+
+class _AllLeaves:
+    """Values and gradients of all leaves, as a backend computes outputs."""
+
+    block_size = CHECK_POINTS
+    source = ""
+
+    def __init__(self, kernels: Any) -> None:
+        self.kernels = kernels
+
+    def run(self, coordinates: Sequence[Floats], letters: Sequence[float], outputs: Sequence[Floats]) -> None:
+        count = len(coordinates[0])
+        self.kernels.set_points(letters)
+        points = np.zeros((3, count + LANES))
+        points[:, :count] = coordinates
+        value, gradient = np.zeros(points.shape[1]), np.zeros(points.shape)
+        for number in range(len(outputs) // 4):
+            self.kernels.leaf(count, np.full(points.shape[1], number, np.int16), points, value, gradient)
+            for row, output in zip((value, *gradient), outputs[4 * number : 4 * number + 4], strict=True):
+                output[:] = row[:count]

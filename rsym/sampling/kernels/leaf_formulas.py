@@ -16,7 +16,7 @@ ENDS = ("lower", "upper")
 WORD = 64  # bits
 
 
-class SurfaceFormulas:
+class LeafFormulas:
     """A sign form as its routines need it."""
 
     def __init__(self, form: SignForm) -> None:

@@ -14,12 +14,12 @@ import rsym
 from rsym import x, y, z
 from rsym.errors import RsymError
 from rsym.logic.sign_form import surface_form
-from rsym.sampling.kernels import surface_kernels as module
-from rsym.sampling.kernels.surface_kernels import SurfaceKernels, padded, surface_kernels
+from rsym.sampling.kernels import mesher_kernels as module
+from rsym.sampling.kernels.mesher_kernels import MesherKernels, mesher_kernels, padded
 from rsym.sampling.lattice import SHIFTS
 from rsym.sampling.sharp.crossings import _offsets, find_crossings, sample_signs
 from rsym.sampling.sharp.octree import find_blocks
-from rsym.sampling.sharp.patches import topology
+from rsym.sampling.sharp.topology import topology
 
 r, alpha = sp.symbols("r alpha", real=True)
 BOUNDS = ((-1.5, 1.5),) * 3
@@ -30,7 +30,7 @@ BLOCK = np.indices((9, 9, 9)).reshape(3, -1)
 
 def kernels_of(expression, letters=None):
     shape = rsym.Shape(expression, (x, y, z), letters=letters, bounds=BOUNDS)
-    kernels = surface_kernels(surface_form(shape).capped())
+    kernels = mesher_kernels(surface_form(shape).capped())
     kernels.set(shape.letters.values_with(None), BOUNDS)
     return kernels
 
@@ -128,16 +128,16 @@ def test_letters_change_nothing_but_constants():
 
 
 def test_what_a_thread_compiles_ahead_is_not_compiled_again(monkeypatch):
-    made, code = [], module.surface_code
-    monkeypatch.setattr(module, "surface_code", lambda formulas: made.append(formulas) or code(formulas))
+    made, code = [], module.mesher_code
+    monkeypatch.setattr(module, "mesher_code", lambda formulas: made.append(formulas) or code(formulas))
     ellipsoid = rsym.Shape(sp.Rational(7, 9) - x**2 - 3 * y**2 - z**2, (x, y, z))
     module.compile_ahead(surface_form(ellipsoid))
-    kernels = surface_kernels(surface_form(ellipsoid))
+    kernels = mesher_kernels(surface_form(ellipsoid))
     for thread in threading.enumerate():
         if thread.name == "rsym-compiler":
             thread.join()
     assert len(made) == 1
-    assert surface_kernels(surface_form(ellipsoid)).source is kernels.source
+    assert mesher_kernels(surface_form(ellipsoid)).source is kernels.source
 
 
 @pytest.mark.parametrize("value", [-1, 2])
@@ -185,7 +185,7 @@ def test_more_gates_than_bits_of_a_word():
 
 def test_points_of_a_block_are_in_the_order_of_its_bits():
     assert np.array_equal(_offsets()[:, :729], BLOCK)
-    assert isinstance(kernels_of(x), SurfaceKernels)
+    assert isinstance(kernels_of(x), MesherKernels)
 
 
 @pytest.mark.parametrize("expression", [abs(x), x**2, rsym.disjunction(x, -x)])
