@@ -9,25 +9,8 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 
+from rsym.program.operations import OPERATIONS
 from rsym.program.program import Node, Program, constant_value
-
-_TEXTS = {
-    "add": "{} + {}",
-    "mul": "{} * {}",
-    "div": "{} / {}",
-    "neg": "-{}",
-    "sqrt": "sqrt({})",
-    "abs": "fabs({})",
-    "min": "(({0} < {1}) | ({0} != {0})) ? {0} : {1}",
-    "max": "(({0} > {1}) | ({0} != {0})) ? {0} : {1}",
-    "select": "{0} > {1} ? {2} : {3}",
-    "pow": "pow({}, {})",
-    "sin": "sin({})",
-    "cos": "cos({})",
-    "exp": "exp({})",
-    "log": "log({})",
-    "atan2": "atan2({}, {})",
-}
 
 _UNSAFE = re.compile(r"[^A-Za-z0-9_ =.+-]")  # what could end a comment, or hide in one
 
@@ -105,7 +88,7 @@ def _statements(program: Program) -> tuple[list[str], list[str], list[str]]:
 
 def _value(program: Program, node: Node, names: Sequence[str]) -> str:
     if node.operation != "input":
-        return _TEXTS[node.operation].format(*(names[argument] for argument in node.arguments))
+        return OPERATIONS[node.operation].texts["c"].format(*(names[argument] for argument in node.arguments))
     name = str(node.data)
     if name in program.coordinates:
         return f"c{program.coordinates.index(name)}[i]"

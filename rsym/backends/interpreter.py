@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,10 +31,8 @@ def interpret_nodes(
                 value = constant_value(data)
             elif operation == "input":
                 value = inputs[str(data)]
-            elif operation == "powi":
-                value = OPERATIONS[operation].meaning(values[arguments[0]], float(cast(int, data)))
             else:
                 exponents = () if data is None else (data,)
-                value = OPERATIONS[operation].meaning(*(values[argument] for argument in arguments), *exponents)
+                value = OPERATIONS[operation].meaning(np, *(values[argument] for argument in arguments), *exponents)
             values.append(np.asarray(value, precision.dtype))
     return values

@@ -16,13 +16,13 @@ import numpy as np
 
 from rsym.backends.vector_code import number_text
 from rsym.backends.vector_functions import ARITIES, definitions
+from rsym.program.operations import OPERATIONS
 from rsym.program.precision import FLOAT64, Precision
 from rsym.program.program import Node, Program, constant_value
 
 _COMPILING = threading.Lock()  # LLVM's global context is not safe against two compilations at once
 
-INTRINSICS = {"sqrt": "sqrt", "abs": "fabs"}
-_ARITHMETIC = {"add": "fadd", "mul": "fmul", "div": "fdiv"}
+INTRINSICS = ("sqrt", "fabs")  # that the texts of rows call
 
 
 @dataclass(frozen=True)
@@ -75,12 +75,9 @@ class Emitter:
     def operation(self, node: Node, a: Sequence[str]) -> str:
         """A primitive operation of a program."""
         operation, kind = node.operation, self.kind.type
-        if operation in _ARITHMETIC:
-            return self.emit(f"{_ARITHMETIC[operation]} {kind} {a[0]}, {a[1]}")
-        if operation == "neg":
-            return self.emit(f"fneg {kind} {a[0]}")
-        if operation in INTRINSICS:
-            return self.emit(f"call {kind} @llvm.{INTRINSICS[operation]}.{self.kind.suffix}({kind} {a[0]})")
+        text = OPERATIONS[operation].texts["llvm"]
+        if text not in {"choice", "function"}:
+            return self.emit(text.format(*a, type=kind, suffix=self.kind.suffix))
         if operation == "select":
             return self.choose(f"fcmp ogt {kind} {a[0]}, {a[1]}", a[2], a[3])
         if operation in ("min", "max"):
@@ -131,7 +128,7 @@ def declarations(kind: Kind, nodes: Iterable[Node]) -> list[str]:
     libm = [f"declare double @{name}({', '.join(['double'] * count)})" for name, count in ARITIES.items()]
     intrinsics = [
         f"declare {each.type} @llvm.{intrinsic}.{each.suffix}({each.type})"
-        for intrinsic in INTRINSICS.values()
+        for intrinsic in INTRINSICS
         for each in (kind, SCALAR)
     ]
     return [*libm, *intrinsics, *definitions(sorted({node.operation for node in nodes} & ARITIES.keys()), kind.lanes)]

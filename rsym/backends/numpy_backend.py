@@ -14,26 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.program.operations import OPERATIONS
 from rsym.program.precision import FLOAT64, Precision
 from rsym.program.program import Node, Program, constant_value
-
-_TEXTS = {
-    "add": "{} + {}",
-    "mul": "{} * {}",
-    "div": "{} / {}",
-    "neg": "-{}",
-    "sqrt": "numpy.sqrt({})",
-    "abs": "numpy.abs({})",
-    "min": "numpy.where(({0} < {1}) | ({0} != {0}), {0}, {1})",
-    "max": "numpy.where(({0} > {1}) | ({0} != {0}), {0}, {1})",
-    "select": "numpy.where({0} > {1}, {2}, {3})",
-    "pow": "numpy.power({}, {})",
-    "sin": "numpy.sin({})",
-    "cos": "numpy.cos({})",
-    "exp": "numpy.exp({})",
-    "log": "numpy.log({})",
-    "atan2": "numpy.arctan2({}, {})",
-}
 
 
 def numpy_source(program: Program, precision: Precision = FLOAT64) -> str:
@@ -63,10 +46,14 @@ def _in_slots(program: Program, input_name: dict[str, str], precision: Precision
             result.append(("", leaf))
             continue
         rounded = precision is not FLOAT64 and not program.uniform[number]
-        text = _TEXTS[node.operation].format(
-            *(
-                f"numpy.{precision.name}({result[a][1]})" if rounded and program.uniform[a] else result[a][1]
-                for a in node.arguments
+        text = (
+            OPERATIONS[node.operation]
+            .texts["numpy"]
+            .format(
+                *(
+                    f"numpy.{precision.name}({result[a][1]})" if rounded and program.uniform[a] else result[a][1]
+                    for a in node.arguments
+                )
             )
         )
         for argument in sorted(set(node.arguments)):

@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from rsym.program.operations import OPERATIONS
+
 
 class _Scalars:
     """mpmath numbers: no arrays, so a choice is a branch."""
@@ -191,3 +193,19 @@ def trimming(f: Any, t: Any) -> Any:
     positive = t > 0
     gap = package.where(positive, s * s / package.where(positive, 2 * (root + t), 1.0), (root - t) / 2)
     return package.sqrt(s + gap * gap)
+
+
+def __getattr__(name: str) -> Any:
+    """The plain meaning, on NumPy arrays, of an operation that has no function of its own here: a left fold."""
+    row = OPERATIONS.get(name)
+    if row is None:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    count = int(row.parameter is not None)
+
+    def function(*arguments: Any) -> Any:
+        parameters, operands = arguments[:count], arguments[count:]
+        if row.arity == 1:
+            return row.meaning(np, *operands)
+        return reduce(lambda f, g: row.meaning(np, f, g, *parameters), operands)
+
+    return function

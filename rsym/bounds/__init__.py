@@ -1,1 +1,13 @@
-"""What a program can be on a box: intervals, balls, mean values, far forms, enclosures."""
+"""What a program can be on a box: intervals, balls, mean values, far forms, enclosures.
+
+A program not expanded comes in, each R-operation with its exact image; programs of bounds, or balls, go out. In the
+order of the data:
+
+- `relations`: operands that have something in common
+- `interval_arithmetic`, `interval_roots`, `interval_monotone`, `interval_systems`, `interval_images`: images in
+  float64, outward, of monotone operations by their rows; `box_images`: of all nodes; `mean_values` sharpen them;
+  `intervals`: bounds as a compiled function
+- `ball_arithmetic`, `ball_functions`, `ball_systems`, `ball_parameters`, `ball_relations`: the same in balls, for
+  proofs; `ball_domains`: where operations are defined; `balls`: of all nodes; `ball_series`: Taylor series
+- `far_forms`: signs far away; `enclosures`: ranges of expressions
+"""

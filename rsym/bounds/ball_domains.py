@@ -3,57 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TypeAlias
 
-from rsym.bounds.ball_arithmetic import ONE, ZERO, arb
+from rsym.bounds.ball_arithmetic import ZERO, arb
+from rsym.program.operations import OPERATIONS, PARTIAL
 from rsym.program.program import Node, live
+from rsym.program.row import Test as Condition
 
 Test: TypeAlias = Callable[..., bool]
 
 
-def _nonzero(*operands: arb) -> bool:
-    return any(operand > ZERO or operand < ZERO for operand in operands)
+def holds(condition: Condition, *operands: arb) -> bool:
+    """Whether a condition holds all over the balls of the arguments."""
+    kind, place = condition
+    operand = operands[place]
+    if kind == "nonnegative":
+        return bool(operand >= ZERO)
+    return bool(operand > ZERO) or (kind != "positive" and bool(operand < ZERO))
 
 
-def _order(f: arb, g: arb, m: arb) -> bool:
-    return m >= ONE
-
-
-def _alpha(f: arb, g: arb, alpha: arb) -> bool:
-    return alpha > -ONE and alpha <= ONE
-
-
-def _degree(f: arb, g: arb, p: arb) -> bool:
-    return p > ONE
-
-
-# What is not here is defined wherever its arguments are. A test may be too strict, never too lax.
-TESTS: dict[str, Test] = {
-    "undefined": lambda: False,
-    "sqrt": lambda a: a >= ZERO,
-    "div": lambda a, b: _nonzero(b),
-    "log": lambda a: a > ZERO,
-    "pow": lambda a, b: a > ZERO,
-    "versine": _nonzero,
-    "normalised": _nonzero,
-    "r_alpha_conjunction": _alpha,
-    "r_alpha_disjunction": _alpha,
-    "r0m_conjunction": _order,
-    "r0m_disjunction": _order,
-    "r0m_partial": _order,
-    "joining": _order,
-    "equivalence": _order,
-    "norm": _degree,
-    "rp_conjunction": _degree,
-    "rp_disjunction": _degree,
-    "rp_versine": lambda f, g, p: p > ONE and _nonzero(f, g),
-    "monomial": lambda f, g, m: _nonzero(f, g),
-    "absolute_power": lambda a, b: b >= ZERO or _nonzero(a),
-    "signed_power": lambda a, b: b > ZERO or _nonzero(a),
-}
+def is_defined(operation: str, *operands: arb) -> bool:
+    """Whether an operation is certainly defined wherever its arguments are. It may be too strict, never too lax."""
+    row = OPERATIONS[operation]
+    legal = row.parameter is None or row.parameter.holds(operands[-1])
+    return legal and all(any(holds(condition, *operands) for condition in clause) for clause in row.domain)
 
 
 def doubts(nodes: Sequence[Node], numbers: Sequence[int]) -> list[tuple[Test, tuple[int, ...]]]:
     """The tests, with the nodes they take, that make these nodes defined all over a box."""
-    partial = [nodes[number] for number in live(nodes, numbers) if nodes[number].operation in TESTS]
-    return [(TESTS[node.operation], node.arguments) for node in partial]
+    partial_nodes = [nodes[number] for number in live(nodes, numbers) if nodes[number].operation in PARTIAL]
+    return [(partial(is_defined, node.operation), node.arguments) for node in partial_nodes]

@@ -10,9 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rsym.bounds.ball_arithmetic import ONE, TWO, UNIT, WHOLE, ZERO, arb, ball, hypotenuse, product, square
+from rsym.bounds.ball_arithmetic import ONE, TWO, UNIT, WHOLE, ZERO, arb, ball, hypotenuse, product
 from rsym.bounds.ball_functions import hull, power_of_size, whole_power
-from rsym.bounds.ball_systems import FROM_0_TO_2, r0_conjunction, r0_disjunction, share, versine
+from rsym.bounds.ball_systems import FROM_0_TO_2, monotone, share, versine
+from rsym.program.operations import OPERATIONS
+
+_r0_conjunction = monotone(OPERATIONS["r0_conjunction"])
+_r0_disjunction = monotone(OPERATIONS["r0_disjunction"])
 
 
 def _above(parameter: arb, low: arb) -> arb | None:
@@ -22,36 +26,7 @@ def _above(parameter: arb, low: arb) -> arb | None:
     return None if parameter < low else ball(low, parameter.upper())
 
 
-def r_alpha_conjunction(f: arb, g: arb, alpha: arb) -> arb | None:
-    """(f + g - r)/(1 + alpha), r**2 = f**2 + g**2 - 2 alpha f g, for -1 < alpha <= 1: increasing in f, g and alpha.
-
-    r**2 = (f - alpha g)**2 + (1 - alpha**2) g**2, so the derivative (1 - (f - alpha g)/r)/(1 + alpha) is not
-    negative. The value is 2 f g/(f + g + r); where f g > 0 the root falls as alpha grows, where f g < 0 it grows,
-    and in each of the three cases (f, g > 0; f, g < 0; f g < 0) the quotient rises.
-    """
-    if alpha <= -ONE or alpha > ONE:
-        return None
-    low, high = alpha.lower(), alpha.upper().min(ONE)
-    if low <= -ONE:
-        if not (f > ZERO and g > ZERO):
-            return WHOLE
-        low = -ONE
-    return ball(_r_alpha_at(f.lower(), g.lower(), low), _r_alpha_at(f.upper(), g.upper(), high))
-
-
-def _r_alpha_at(f: arb, g: arb, alpha: arb) -> arb:
-    total = f + g
-    radius = (square(f - alpha * g) + (ONE - alpha) * (ONE + alpha) * g * g).sqrt()
-    return TWO * f * g / (total + radius) if total > ZERO else (total - radius) / (ONE + alpha)
-
-
-def r_alpha_disjunction(f: arb, g: arb, alpha: arb) -> arb | None:
-    """(f + g + r)/(1 + alpha), the dual of the conjunction."""
-    value = r_alpha_conjunction(-f, -g, alpha)
-    return None if value is None else -value
-
-
-def _r0m(plain: Callable[[arb, arb], arb]) -> Callable[[arb, arb, arb], arb | None]:
+def _r0m(plain: Callable[..., arb]) -> Callable[[arb, arb, arb], arb | None]:
     """The image of the operation of R_0 times that of r**m; for m >= 1."""
 
     def image(f: arb, g: arb, m: arb) -> arb | None:
@@ -70,7 +45,7 @@ def r0m_partial(f: arb, g: arb, m: arb) -> arb | None:
     if first is None or cosine is None:
         return ZERO
     radius = hypotenuse(f, g)
-    second = product(product(cosine, r0_conjunction(f, g)), power_of_size(radius, _less_one(order)))
+    second = product(product(cosine, _r0_conjunction(f, g)), power_of_size(radius, _less_one(order)))
     return product(first, power_of_size(radius, order)) + product(order, second)
 
 
@@ -112,26 +87,6 @@ def _norm_at(f: arb, g: arb, p: arb) -> arb:
 def _stretch(ratio: arb, p: arb) -> arb:
     """log((1 + ratio**p)**(1/p))."""
     return (ratio**p).log1p() / p
-
-
-def rp_conjunction(f: arb, g: arb, p: arb) -> arb | None:
-    """The image of f + g - (|f|**p + |g|**p)**(1/p), p > 1: increasing in f and g, and in p, as the norm decreases."""
-    if p <= ONE:
-        return None
-    return ball(_rp_at(f.lower(), g.lower(), p.lower().max(ONE)), _rp_at(f.upper(), g.upper(), p.upper()))
-
-
-def _rp_at(f: arb, g: arb, p: arb) -> arb:
-    """At a point, b the larger in size and a the other: a - b e or a + b (2 + e) with norm = |b| (1 + e)."""
-    small, large = (f, g) if abs(f) <= abs(g) else (g, f)
-    excess = ZERO if small.is_zero() else _stretch(abs(small / large), p).expm1()
-    return small - large * excess if large > ZERO else small + large * (TWO + excess)
-
-
-def rp_disjunction(f: arb, g: arb, p: arb) -> arb | None:
-    """The image of f + g + (|f|**p + |g|**p)**(1/p), the dual of the conjunction."""
-    value = rp_conjunction(-f, -g, p)
-    return None if value is None else -value
 
 
 def rp_versine(f: arb, g: arb, p: arb) -> arb | None:
@@ -216,5 +171,5 @@ def _norm_share_at(f: arb, g: arb, p: arb) -> arb:
     return f / _norm_at(abs(f), g, p)
 
 
-r0m_conjunction = _r0m(r0_conjunction)
-r0m_disjunction = _r0m(r0_disjunction)
+r0m_conjunction = _r0m(_r0_conjunction)
+r0m_disjunction = _r0m(_r0_disjunction)

@@ -1,4 +1,4 @@
-"""Balls for R_0, trimming and normalisation: the exact image of each operation as a whole.
+"""Balls of monotone operations, of R_0, trimming and normalisation: the exact image of each operation as a whole.
 
 Every operation here is monotone in each argument, or in its size, so its range over a box is spanned by two
 corners. The values at corners are those of points, in forms that keep the sign where a sum would cancel.
@@ -7,25 +7,51 @@ At infinite corners, those of the whole line, they are limits or NaN, which stan
 
 from __future__ import annotations
 
-from rsym.bounds.ball_arithmetic import ONE, TWO, UNIT, WHOLE, ZERO, arb, ball, square
+from collections.abc import Callable
+from typing import Any
+
+from rsym.bounds.ball_arithmetic import ONE, TWO, UNIT, ZERO, arb, ball, square
+from rsym.program.row import DOWN, UP_IN_SIZE, Admissible, Operation
 
 FROM_0_TO_2 = ball(ZERO, TWO)
 
 
-def r0_conjunction(f: arb, g: arb) -> arb:
-    """The image of f + g - sqrt(f**2 + g**2): increasing in f and g, for |f| and |g| are at most the root."""
-    return ball(_r0_at(f.lower(), g.lower()), _r0_at(f.upper(), g.upper()))
+def monotone(row: Operation) -> Callable[..., Any]:
+    """The image of an operation by its row: its values at the two corners that span the range.
+
+    Where the whole ball of a parameter is inadmissible there is none; where it straddles the edge of the admissible
+    range, the closure of that range counts. What must not be negative counts from 0 on.
+    """
+    at, ways, legal = row.at, row.grows, row.parameter
+    assert at is not None
+    ends = [(arb.lower, arb.upper) if way != UP_IN_SIZE else (arb.abs_lower, arb.abs_upper) for way in ways]
+    lows = [pair[way == DOWN] for pair, way in zip(ends, ways, strict=True)]
+    highs = [pair[way != DOWN] for pair, way in zip(ends, ways, strict=True)]
+    floored = [place for clause in row.domain for kind, place in clause if kind == "nonnegative"]
+
+    def image(*operands: arb) -> arb:
+        return ball(
+            at(*[end(operand) for end, operand in zip(lows, operands, strict=True)]),
+            at(*[end(operand) for end, operand in zip(highs, operands, strict=True)]),
+        )
+
+    def restricted(*operands: arb) -> arb | None:
+        low = [end(operand) for end, operand in zip(lows, operands, strict=True)]
+        high = [end(operand) for end, operand in zip(highs, operands, strict=True)]
+        for place in floored:
+            low[place] = low[place].max(ZERO)
+        if legal is not None:
+            if legal.excludes(operands[-1]):
+                return None
+            low[-1], high[-1] = (_clipped(end, legal) for end in (low[-1], high[-1]))
+        return ball(at(*low), at(*high))
+
+    return restricted if floored or legal is not None else image
 
 
-def _r0_at(f: arb, g: arb) -> arb:
-    """At a point; 2 f g/(f + g + r) does not cancel where f + g > 0."""
-    total, radius = f + g, (f * f + g * g).sqrt()
-    return TWO * f * g / (total + radius) if total > ZERO else total - radius
-
-
-def r0_disjunction(f: arb, g: arb) -> arb:
-    """The image of f + g + sqrt(f**2 + g**2), the dual of the conjunction."""
-    return -r0_conjunction(-f, -g)
+def _clipped(end: arb, legal: Admissible) -> arb:
+    raised = end.max(arb(legal.low))
+    return raised if legal.high is None else raised.min(arb(legal.high))
 
 
 def versine(f: arb, g: arb) -> arb | None:
@@ -55,28 +81,6 @@ def gap_share(s: arb, t: arb) -> arb | None:
     """The gap over sqrt(t**2 + s**2): half the versine of (t, s)."""
     value = versine(t, s)
     return None if value is None else value / TWO
-
-
-def gap(s: arb, t: arb) -> arb:
-    """(sqrt(t**2 + s**2) - t)/2: increasing in |s|, decreasing in t."""
-    return ball(_gap_at(s.abs_lower(), t.upper()), _gap_at(s.abs_upper(), t.lower()))
-
-
-def _gap_at(s: arb, t: arb) -> arb:
-    radius = (t * t + s * s).sqrt()
-    return s * s / (TWO * (radius + t)) if t > ZERO else (radius - t) / TWO
-
-
-def trimming(s: arb, t: arb) -> arb:
-    """sqrt(s + gap(s, t)**2) for s >= 0, the square of a function: increasing in s, decreasing in t, as the gap is."""
-    if s < ZERO:
-        return WHOLE
-    return ball(_trimming_at(s.lower().max(ZERO), t.upper()), _trimming_at(s.upper(), t.lower()))
-
-
-def _trimming_at(s: arb, t: arb) -> arb:
-    excess = _gap_at(s, t)
-    return (s + excess * excess).sqrt()
 
 
 def normalised(f: arb, q: arb) -> arb | None:

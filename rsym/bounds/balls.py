@@ -31,6 +31,7 @@ from rsym.bounds.ball_arithmetic import (
 )
 from rsym.bounds.ball_domains import doubts
 from rsym.bounds.ball_relations import related
+from rsym.program.operations import OPERATIONS
 from rsym.program.program import Data, Node, live
 
 __all__ = ["IMAGES", "BallFunction", "arb", "ball", "ctx", "enclose_nodes", "exact", "hypotenuse", "root", "square"]
@@ -46,50 +47,49 @@ def _nowhere() -> None:
     return None
 
 
-# By operation: balls of the arguments, then the data of the node, if any.
-IMAGES: dict[str, Image] = {
-    "const": constant,
-    "input": _given,
-    "undefined": _nowhere,
-    "add": operator.add,
-    "mul": ball_arithmetic.product,
-    "div": ball_arithmetic.quotient,
-    "neg": operator.neg,
-    "powi": ball_functions.whole_power,
-    "pow": ball_functions.power,
-    "sqrt": root,
-    "abs": ball_arithmetic.size,
-    "sign": ball_arithmetic.sign,
-    "min": ball_arithmetic.smaller,
-    "max": ball_arithmetic.larger,
-    "select": chosen,
-    "sin": ball_functions.sine,
-    "cos": ball_functions.cosine,
-    "exp": ball_functions.exponential,
-    "log": ball_functions.logarithm,
-    "atan2": ball_functions.angle,
-    "r0_conjunction": ball_systems.r0_conjunction,
-    "r0_disjunction": ball_systems.r0_disjunction,
-    "versine": ball_systems.versine,
-    "r_alpha_conjunction": ball_parameters.r_alpha_conjunction,
-    "r_alpha_disjunction": ball_parameters.r_alpha_disjunction,
-    "r0m_conjunction": ball_parameters.r0m_conjunction,
-    "r0m_disjunction": ball_parameters.r0m_disjunction,
-    "r0m_partial": ball_parameters.r0m_partial,
-    "monomial": ball_parameters.monomial,
-    "norm": ball_parameters.norm,
-    "rp_conjunction": ball_parameters.rp_conjunction,
-    "rp_disjunction": ball_parameters.rp_disjunction,
-    "rp_versine": ball_parameters.rp_versine,
-    "equivalence": ball_parameters.equivalence,
-    "joining": ball_parameters.joining,
-    "absolute_power": ball_functions.power_of_size,
-    "signed_power": ball_functions.signed_power,
-    "gap": ball_systems.gap,
-    "trimming": ball_systems.trimming,
-    "normalised": ball_systems.normalised,
-    "zero_with": ball_systems.zero_with,
-}
+class BallImages(dict[str, Image]):
+    """By operation: balls of the arguments, then the data of the node, if any. What is monotone is left to its row."""
+
+    def __missing__(self, name: str) -> Image:
+        return ball_systems.monotone(OPERATIONS[name])
+
+
+IMAGES = BallImages(
+    {
+        "const": constant,
+        "input": _given,
+        "undefined": _nowhere,
+        "add": operator.add,
+        "mul": ball_arithmetic.product,
+        "div": ball_arithmetic.quotient,
+        "neg": operator.neg,
+        "powi": ball_functions.whole_power,
+        "pow": ball_functions.power,
+        "sqrt": root,
+        "abs": ball_arithmetic.size,
+        "sign": ball_arithmetic.sign,
+        "min": ball_arithmetic.smaller,
+        "max": ball_arithmetic.larger,
+        "select": chosen,
+        "sin": ball_functions.sine,
+        "cos": ball_functions.cosine,
+        "exp": ball_functions.exponential,
+        "log": ball_functions.logarithm,
+        "atan2": ball_functions.angle,
+        "versine": ball_systems.versine,
+        "r0m_conjunction": ball_parameters.r0m_conjunction,
+        "r0m_disjunction": ball_parameters.r0m_disjunction,
+        "r0m_partial": ball_parameters.r0m_partial,
+        "monomial": ball_parameters.monomial,
+        "norm": ball_parameters.norm,
+        "rp_versine": ball_parameters.rp_versine,
+        "equivalence": ball_parameters.equivalence,
+        "absolute_power": ball_functions.power_of_size,
+        "signed_power": ball_functions.signed_power,
+        "normalised": ball_systems.normalised,
+        "zero_with": ball_systems.zero_with,
+    }
+)
 
 
 class Step(NamedTuple):

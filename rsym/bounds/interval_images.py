@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
+from functools import partial
 
 from rsym.bounds.interval_arithmetic import (
     ELEMENTARY,
@@ -11,9 +12,7 @@ from rsym.bounds.interval_arithmetic import (
     clipped,
     constant,
     corners,
-    greatest,
     hull,
-    least,
     negative,
     nothing,
     only_nonnegative,
@@ -28,9 +27,11 @@ from rsym.bounds.interval_arithmetic import (
     whole_power,
     within_domain,
 )
+from rsym.bounds.interval_monotone import monotone
 from rsym.bounds.interval_roots import ROOT_IMAGES, Rule, cosine, versine
 from rsym.bounds.interval_systems import SYSTEM_IMAGES, norm_share
 from rsym.program.builder import HALF, Builder
+from rsym.program.operations import OPERATIONS
 from rsym.program.program import Node
 
 # Below this a constant that float64 does not hold loses more than a share of 2**-53 when it is rounded.
@@ -59,14 +60,6 @@ def _pow(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
     if exponent.lower == exponent.upper and value is not None and value.denominator > 1:
         return size_power(b, within_domain(b, base), exponent)
     return size_power(b, only_nonnegative(b, base), exponent)
-
-
-def _sign(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
-    return operands[0].each(lambda end: b.make("sign", end))
-
-
-def _exp(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
-    return outward(b, operands[0].each(lambda end: b.make("exp", end)), ELEMENTARY)
 
 
 def _log(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
@@ -147,40 +140,39 @@ def _gap_share(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval
     return scaled(b, HALF, versine(b, node, operands[::-1]))
 
 
-def _extremum(function: Callable[..., int]) -> Rule:
-    def rule(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
-        u, v = operands
-        return Interval(function(b, u.lower, v.lower), function(b, u.upper, v.upper))
+class IntervalImages(dict[str, Rule]):
+    """By operation, or by the name of a relation; what is monotone is left to its row."""
 
-    return rule
+    def __missing__(self, name: str) -> Rule:
+        if not OPERATIONS[name].grows:
+            raise KeyError(name)
+        return partial(monotone, name)
 
 
-IMAGES: dict[str, Rule] = {
-    "const": lambda b, node, operands: constant(b, node.data),
-    "undefined": lambda b, node, operands: nothing(b),
-    "add": lambda b, node, operands: total(b, *operands),
-    "mul": lambda b, node, operands: product(b, *operands),
-    "div": lambda b, node, operands: quotient(b, *operands),
-    "neg": lambda b, node, operands: negative(b, *operands),
-    "powi": _powi,
-    "pow": _pow,
-    "sqrt": lambda b, node, operands: root(b, *operands),
-    "abs": lambda b, node, operands: sizes(b, *operands),
-    "sign": _sign,
-    "min": _extremum(least),
-    "max": _extremum(greatest),
-    "sin": _wave("sin"),
-    "cos": _wave("cos"),
-    "exp": _exp,
-    "log": _log,
-    "atan2": _atan2,
-    "zero_with": _zero_with,
-    **ROOT_IMAGES,
-    **SYSTEM_IMAGES,
-    # Products and quotients of related operands.
-    "square": lambda b, node, operands: square(b, *operands),
-    "direction": _sign,
-    "share": lambda b, node, operands: cosine(b, *operands),
-    "norm_share": norm_share,
-    "gap_share": _gap_share,
-}
+IMAGES = IntervalImages(
+    {
+        "const": lambda b, node, operands: constant(b, node.data),
+        "undefined": lambda b, node, operands: nothing(b),
+        "add": lambda b, node, operands: total(b, *operands),
+        "mul": lambda b, node, operands: product(b, *operands),
+        "div": lambda b, node, operands: quotient(b, *operands),
+        "neg": lambda b, node, operands: negative(b, *operands),
+        "powi": _powi,
+        "pow": _pow,
+        "sqrt": lambda b, node, operands: root(b, *operands),
+        "abs": lambda b, node, operands: sizes(b, *operands),
+        "sin": _wave("sin"),
+        "cos": _wave("cos"),
+        "log": _log,
+        "atan2": _atan2,
+        "zero_with": _zero_with,
+        **ROOT_IMAGES,
+        **SYSTEM_IMAGES,
+        # Products and quotients of related operands.
+        "square": lambda b, node, operands: square(b, *operands),
+        "direction": partial(monotone, "sign"),
+        "share": lambda b, node, operands: cosine(b, *operands),
+        "norm_share": norm_share,
+        "gap_share": _gap_share,
+    }
+)

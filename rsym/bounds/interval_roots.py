@@ -41,7 +41,8 @@ ROOT_TINY = Fraction(1, 2**530)  # 2.8e-160
 RANGE = Fraction(1, 2**960)
 
 
-def _squares(b: Builder, f: int, g: int) -> int:
+def squares(b: Builder, f: int, g: int) -> int:
+    """f**2 + g**2."""
     return b.add(b.square(f), b.square(g))
 
 
@@ -55,28 +56,14 @@ def where_in_range(b: Builder, value: int, radicand: int) -> int:
     return b.select(radicand, b.const(RANGE), value, b.undefined())
 
 
-def _below(b: Builder, value: int, radicand: int) -> int:
+def below(b: Builder, value: int, radicand: int) -> int:
+    """A value moved down by its margin."""
     return b.sub(value, margin(b, value, STABLE, guard(b, radicand)))
 
 
-def _above(b: Builder, value: int, radicand: int) -> int:
+def above(b: Builder, value: int, radicand: int) -> int:
+    """A value moved up by its margin."""
     return b.add(value, margin(b, value, STABLE, guard(b, radicand)))
-
-
-def r0(sign: int) -> Rule:
-    """The two operations of R_0."""
-    name = "r0_conjunction" if sign < 0 else "r0_disjunction"
-
-    def rule(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
-        f, g = operands[:2]
-        lower, upper = b.make(name, f.lower, g.lower), b.make(name, f.upper, g.upper)
-        if sign < 0:
-            lower = _below(b, lower, _squares(b, f.lower, g.lower))
-            return Interval(lower, b.add(upper, margin(b, upper, STABLE, b.const(ROOT_TINY))))
-        upper = _above(b, upper, _squares(b, f.upper, g.upper))
-        return Interval(b.sub(lower, margin(b, lower, STABLE, b.const(ROOT_TINY))), upper)
-
-    return rule
 
 
 def versine(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
@@ -85,8 +72,8 @@ def versine(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
     lower_g = b.select(f.upper, zero, g.lower, g.upper)
     upper_g = b.select(zero, f.lower, g.lower, g.upper)
     ends = []
-    for along, across, moved in ((f.upper, lower_g, _below), (f.lower, upper_g, _above)):
-        radicand = _squares(b, along, across)
+    for along, across, moved in ((f.upper, lower_g, below), (f.lower, upper_g, above)):
+        radicand = squares(b, along, across)
         ends.append(moved(b, where_in_range(b, b.make("versine", along, across), radicand), radicand))
     return clipped(b, Interval(ends[0], ends[1], True), 0, 2)
 
@@ -97,7 +84,7 @@ def _over_root(b: Builder, f: Interval, q: Interval) -> Interval:
     lower_q = b.select(zero, f.lower, q.lower, q.upper)
     upper_q = b.select(f.upper, zero, q.lower, q.upper)
     ends = []
-    for end, rest, moved in ((f.lower, lower_q, _below), (f.upper, upper_q, _above)):
+    for end, rest, moved in ((f.lower, lower_q, below), (f.upper, upper_q, above)):
         radicand = b.add(b.square(end), rest)
         ends.append(moved(b, where_in_range(b, b.make("normalised", end, rest), radicand), radicand))
     return clipped(b, Interval(ends[0], ends[1]), -1, 1)
@@ -117,22 +104,7 @@ def _normalised(b: Builder, node: Node, operands: Sequence[Interval]) -> Interva
     return _over_root(b, operands[0], only_nonnegative(b, operands[1]))
 
 
-def _trimmed(name: str) -> Rule:
-    def rule(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
-        s, t = operands
-        s = sizes(b, s) if name == "gap" else only_nonnegative(b, s)
-        lower = _below(b, b.make(name, s.lower, t.upper), _squares(b, t.upper, s.lower))
-        upper = _above(b, b.make(name, s.upper, t.lower), _squares(b, t.lower, s.upper))
-        return nonnegative(b, Interval(lower, upper))
-
-    return rule
-
-
 ROOT_IMAGES: dict[str, Rule] = {
-    "r0_conjunction": r0(-1),
-    "r0_disjunction": r0(1),
     "versine": versine,
-    "gap": _trimmed("gap"),
-    "trimming": _trimmed("trimming"),
     "normalised": _normalised,
 }

@@ -20,14 +20,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import partial
 
 from rsym.bounds.interval_arithmetic import (
     Interval,
     clipped,
     constant,
     corners,
-    greatest,
-    least,
     nonnegative,
     outward,
     product,
@@ -36,57 +35,20 @@ from rsym.bounds.interval_arithmetic import (
     total,
     whole_power,
 )
-from rsym.bounds.interval_roots import Rule, cosine, guard, r0, radius, versine, where_in_range
+from rsym.bounds.interval_monotone import POWERS, between, monotone
+from rsym.bounds.interval_roots import Rule, cosine, guard, radius, versine, where_in_range
 from rsym.program.builder import Builder
 from rsym.program.powers import power
 from rsym.program.program import Node
 
-POWERS = Fraction(1, 2**46)
+_r0_conjunction = partial(monotone, "r0_conjunction")
+_r0_disjunction = partial(monotone, "r0_disjunction")
 
 
-def _between(b: Builder, u: Interval, low: int, high: int | None = None) -> Interval:
-    """The part of a parameter within its range; nothing if there is none."""
-    floor = b.const(low)
-    part = Interval(greatest(b, u.lower, floor), u.upper, low >= 0)
-    outside = b.select(floor, u.upper, b.undefined(), b.const(0))
-    if high is not None:
-        ceiling = b.const(high)
-        part = Interval(part.lower, least(b, u.upper, ceiling), part.nonnegative)
-        outside = b.select(u.lower, ceiling, b.undefined(), outside)
-    return part.each(lambda end: b.add(end, outside), part.nonnegative)
-
-
-def _scaled_margin(b: Builder, f: int, g: int, divisor: int) -> int:
-    """2**-46 of |f| + |g| over the divisor, and infinite where squares are."""
-    scale = b.add(b.abs(f), b.abs(g))
-    share = b.mul(scale, b.make("div", b.const(1), divisor))
-    return b.add(b.mul(b.const(POWERS), share), guard(b, b.square(scale)))
-
-
-def _with_parameter(system: str, sign: int) -> Rule:
-    """The operations of R_alpha and R_p."""
-    name = f"{system}_{'conjunction' if sign < 0 else 'disjunction'}"
-    low, high = (-1, 1) if system == "r_alpha" else (1, None)
-
-    def rule(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
-        f, g, given = operands
-        parameter = _between(b, given, low, high)
-        first, last = (parameter.lower, parameter.upper)[::-sign]
-        one = b.const(1)
-        divisors = [b.add(one, end) if system == "r_alpha" else one for end in (first, last)]
-        lower, upper = b.make(name, f.lower, g.lower, first), b.make(name, f.upper, g.upper, last)
-        return Interval(
-            b.sub(lower, _scaled_margin(b, f.lower, g.lower, divisors[0])),
-            b.add(upper, _scaled_margin(b, f.upper, g.upper, divisors[1])),
-        )
-
-    return rule
-
-
-def _r0m(sign: int) -> Rule:
+def _r0m(plain: Rule) -> Rule:
     def rule(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
         f, g, m = operands
-        return product(b, r0(sign)(b, node, operands), size_power(b, radius(b, f, g), _between(b, m, 1)))
+        return product(b, plain(b, node, operands[:2]), size_power(b, radius(b, f, g), between(b, m, 1)))
 
     return rule
 
@@ -94,9 +56,9 @@ def _r0m(sign: int) -> Rule:
 def _r0m_partial(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
     """(1 - f/r) r**m + m (f/r) (f + g - r) r**(m - 1)."""
     f, g, order = operands
-    m, size = _between(b, order, 1), radius(b, f, g)
+    m, size = between(b, order, 1), radius(b, f, g)
     first = product(b, versine(b, node, operands), size_power(b, size, m))
-    second = product(b, r0(-1)(b, node, operands), size_power(b, size, _shifted(b, m, -1)))
+    second = product(b, _r0_conjunction(b, node, operands[:2]), size_power(b, size, _shifted(b, m, -1)))
     return total(b, first, product(b, m, product(b, cosine(b, f, g), second)))
 
 
@@ -126,7 +88,7 @@ def _norm(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
 
 def _rp_versine(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
     """1 - sign(f) share**(p - 1), share = |f|/n; its error is that of the share, p - 1 times."""
-    f, g, p = operands[0], sizes(b, operands[1]), _between(b, operands[2], 1)
+    f, g, p = operands[0], sizes(b, operands[1]), between(b, operands[2], 1)
     one, error = b.const(1), b.mul(b.const(POWERS), b.add(b.const(1), p.upper))
     less = p.each(lambda end: b.sub(end, one))
     longest, n = _signed_share(b, f.upper, (f.upper, b.const(0)), g, p, less)
@@ -138,7 +100,7 @@ def _rp_versine(b: Builder, node: Node, operands: Sequence[Interval]) -> Interva
 
 def norm_share(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
     """f/n, within [-1, 1]."""
-    f, g, p = operands[0], sizes(b, operands[1]), _between(b, operands[2], 1)
+    f, g, p = operands[0], sizes(b, operands[1]), between(b, operands[2], 1)
     error, exponent = b.const(POWERS), constant(b, Fraction(1))
     shortest, n = _signed_share(b, f.lower, (b.const(0), f.lower), g, p, exponent)
     lower = b.sub(shortest, b.add(error, guard(b, n)))
@@ -160,15 +122,9 @@ def _signed_share(
     return b.select(f, b.const(0), share, b.neg(share)), n
 
 
-def _joining(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
-    f, g, m = sizes(b, operands[0]), sizes(b, operands[1]), _between(b, operands[2], 1)
-    ends = Interval(b.make("joining", f.lower, g.lower, m.lower), b.make("joining", f.upper, g.upper, m.upper))
-    return nonnegative(b, outward(b, ends, POWERS))
-
-
 def _equivalence(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
     f, g, m = operands
-    return corners(b, lambda *ends: b.make("equivalence", *ends), f, g, _between(b, m, 1), error=POWERS)
+    return corners(b, lambda *ends: b.make("equivalence", *ends), f, g, between(b, m, 1), error=POWERS)
 
 
 def _absolute_power(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
@@ -186,18 +142,13 @@ def _signed_power(b: Builder, node: Node, operands: Sequence[Interval]) -> Inter
 
 
 SYSTEM_IMAGES: dict[str, Rule] = {
-    "r_alpha_conjunction": _with_parameter("r_alpha", -1),
-    "r_alpha_disjunction": _with_parameter("r_alpha", 1),
-    "r0m_conjunction": _r0m(-1),
-    "r0m_disjunction": _r0m(1),
+    "r0m_conjunction": _r0m(_r0_conjunction),
+    "r0m_disjunction": _r0m(_r0_disjunction),
     "r0m_partial": _r0m_partial,
     "monomial": _monomial,
     "norm": _norm,
-    "rp_conjunction": _with_parameter("rp", -1),
-    "rp_disjunction": _with_parameter("rp", 1),
     "rp_versine": _rp_versine,
     "equivalence": _equivalence,
-    "joining": _joining,
     "absolute_power": _absolute_power,
     "signed_power": _signed_power,
 }

@@ -31,12 +31,8 @@ from rsym.bounds.interval_arithmetic import Interval, greatest, least, negative,
 from rsym.bounds.relations import relation
 from rsym.program.builder import HALF, Builder
 from rsym.program.differentiation import derivative
+from rsym.program.operations import SMOOTH
 from rsym.program.program import Node, live
-
-SMOOTH = frozenset(
-    "const input add mul div neg powi sqrt abs min max sin cos exp log r0_conjunction r0_disjunction"
-    " trimming normalised zero_with".split()
-)
 
 
 def repeated(nodes: Sequence[Node], number: int, coordinates: Sequence[str]) -> tuple[str, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -13,6 +12,7 @@ import sympy as sp
 
 from rsym.model.blends.rho import Rho
 from rsym.model.blends.sardf import Sardf
+from rsym.model.functions import FUNCTIONS
 from rsym.model.nodes import Trimming
 from rsym.model.operations import difference, equivalence, exclusive_or, implication, joining
 from rsym.model.systems import R0, R1, R0m, RAlpha, Rp, RSystem
@@ -68,7 +68,7 @@ def operations(system: RSystem) -> dict[str, Operation]:
 
     both, either = logical(system.conjunction), logical(system.disjunction)
     return {
-        **_ELEMENTARY,
+        **{name: Operation(_held_back(row.kind), row.number, row.exact, row.sorts) for name, row in FUNCTIONS.items()},
         "rfAND": both,
         "conjunction": both,
         "rfOR": either,
@@ -90,24 +90,3 @@ def _node(build: Callable[..., sp.Expr]) -> Operation:
 def _held_back(function: Any) -> Callable[..., sp.Expr]:
     """A SymPy function that does not start to simplify itself, which could take for ever."""
     return lambda *arguments: function(*arguments, evaluate=False)
-
-
-_ELEMENTARY = {
-    "abs": Operation(_held_back(sp.Abs), abs, abs),
-    "min": Operation(_held_back(sp.Min), min, min, sorts=True),
-    "max": Operation(_held_back(sp.Max), max, max, sorts=True),
-    "sin": Operation(_held_back(sp.sin), math.sin),
-    "cos": Operation(_held_back(sp.cos), math.cos),
-    "tan": Operation(_held_back(sp.tan), math.tan),
-    "exp": Operation(_held_back(sp.exp), math.exp),
-    "log": Operation(_held_back(sp.log), math.log),
-    "atan2": Operation(_held_back(sp.atan2), math.atan2),
-    "cot": Operation(_held_back(sp.cot), lambda u: 1 / math.tan(u)),
-    "asin": Operation(_held_back(sp.asin), math.asin),
-    "acos": Operation(_held_back(sp.acos), math.acos),
-    "atan": Operation(_held_back(sp.atan), math.atan),
-    "sinh": Operation(_held_back(sp.sinh), math.sinh),
-    "cosh": Operation(_held_back(sp.cosh), math.cosh),
-    "tanh": Operation(_held_back(sp.tanh), math.tanh),
-    "sign": Operation(_held_back(sp.sign), lambda u: float((u > 0) - (u < 0)), lambda u: Fraction((u > 0) - (u < 0))),
-}

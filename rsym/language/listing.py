@@ -22,20 +22,13 @@ from rsym.language.nodes import PIECEWISE
 from rsym.language.parser import parse
 from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Quoted, Sum, Vector, postorder
 from rsym.language.vocabulary import ARITIES
+from rsym.model.functions import FUNCTIONS
 from rsym.model.names import typeset_name
 from rsym.model.systems import RSystem
 
 _LOGIC, _SUM, _PRODUCT, _POWER, _ATOM = range(5)  # how firmly the parts of a text hold together
 _ESCAPED = r"\\\1"
 _HALF = Fraction(1, 2)
-_FUNCTIONS = {
-    "log": r"\ln",
-    "atan2": r"\mathrm{atan2}",
-    "asin": r"\arcsin",
-    "acos": r"\arccos",
-    "atan": r"\arctan",
-    "sign": r"\operatorname{sign}",
-}
 _COMPARED = {"<": "<", ">": ">", "<=": r"\le", ">=": r"\ge", "and": r"\wedge", "or": r"\vee"}
 
 
@@ -226,7 +219,12 @@ def _call(node: Call, parts: list[_Typeset], signs: Mapping[str, str]) -> _Types
         return _Typeset(rf"{_upright(function)}\left({inner}\right)", _ATOM)
     if function == "trimming":
         return _Typeset(rf"\rho\left({parts[0].latex};\, {parts[1].latex}\right)", _ATOM)
-    return _Typeset(rf"{_FUNCTIONS.get(function, chr(92) + function)}\left({inner}\right)", _ATOM)
+    return _Typeset(rf"{_written(function)}\left({inner}\right)", _ATOM)
+
+
+def _written(function: str) -> str:
+    row = FUNCTIONS.get(function)
+    return row.latex if row is not None and row.latex else f"\\{function}"
 
 
 def _cases(texts: list[str]) -> _Typeset:

@@ -15,6 +15,7 @@ from sympy.logic.boolalg import BooleanAtom
 from rsym.errors import RsymError
 from rsym.language.functions import FAMILIES, SYSTEMS
 from rsym.language.nodes import NODES, PIECEWISE
+from rsym.model.functions import FUNCTIONS
 from rsym.model.letters import Number
 from rsym.model.nodes import Trimming
 from rsym.model.rnodes import ROperation
@@ -22,11 +23,7 @@ from rsym.model.systems import R0, RSystem
 
 _LOGIC, _SUM, _PRODUCT, _POWER, ATOM = range(5)
 _FUNCTIONS: Mapping[type[sp.Basic], str] = {
-    **{getattr(sp, name): name for name in ("sin", "cos", "tan", "cot", "asin", "acos", "atan", "atan2")},
-    **{getattr(sp, name): name for name in ("sinh", "cosh", "tanh", "exp", "log", "sign")},
-    sp.Abs: "abs",
-    sp.Min: "min",
-    sp.Max: "max",
+    **{row.kind: name for name, row in FUNCTIONS.items()},
     Trimming: "trimming",
     sp.And: "and",
     sp.Or: "or",

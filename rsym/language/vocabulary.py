@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from rsym.model.functions import FUNCTIONS
+
 KEYWORDS = ("letter", "variant", "coordinates", "bounds", "system", "in")
 
 # Fewest and most arguments; None: any number.
@@ -19,23 +21,7 @@ ARITIES: dict[str, tuple[int, int | None]] = {
     "joining": (2, None),
     "trimming": (2, 2),
     "sqrt": (1, 1),
-    "abs": (1, 1),
-    "sin": (1, 1),
-    "cos": (1, 1),
-    "tan": (1, 1),
-    "cot": (1, 1),
-    "asin": (1, 1),
-    "acos": (1, 1),
-    "atan": (1, 1),
-    "sinh": (1, 1),
-    "cosh": (1, 1),
-    "tanh": (1, 1),
-    "sign": (1, 1),
-    "exp": (1, 1),
-    "log": (1, 1),
-    "min": (2, None),
-    "max": (2, None),
-    "atan2": (2, 2),
+    **{name: row.arity for name, row in FUNCTIONS.items()},
 }
 
 RESERVED = frozenset((*KEYWORDS, *ARITIES, "pi"))

@@ -19,11 +19,8 @@ from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower
+from rsym.program.operations import CONJUNCTIONS, KINKED, LOGICAL
 from rsym.program.program import live
-
-CONJUNCTIONS = frozenset({"r0_conjunction", "r_alpha_conjunction", "r0m_conjunction", "rp_conjunction", "min"})
-DISJUNCTIONS = frozenset({"r0_disjunction", "r_alpha_disjunction", "r0m_disjunction", "rp_disjunction", "max"})
-_KINKED = frozenset("abs sign min max select joining equivalence absolute_power signed_power".split())
 
 
 class Gate(NamedTuple):
@@ -170,7 +167,7 @@ def postorder(
 
 def _operands(builder: Builder, part: Signed) -> Sequence[Signed]:
     operation, arguments, _ = builder.nodes[part.number]
-    joins = operation in CONJUNCTIONS or operation in DISJUNCTIONS
+    joins = operation in LOGICAL
     return [stripped(builder, argument, part.sign) for argument in arguments[:2]] if joins else ()
 
 
@@ -198,8 +195,7 @@ def stripped(builder: Builder, number: int, sign: int) -> Signed:
 
 def has_kinks(builder: Builder, leaf: int) -> bool:
     """Whether a leaf has an operation inside that may make a kink in its zero set."""
-    operations = {builder.nodes[number].operation for number in live(builder.nodes, [leaf])}
-    return bool(operations & _KINKED) or any("junction" in operation for operation in operations)
+    return any(builder.nodes[number].operation in KINKED for number in live(builder.nodes, [leaf]))
 
 
 def is_positive(builder: Builder, number: int) -> bool:

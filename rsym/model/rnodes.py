@@ -19,6 +19,8 @@ class ROperation(Fold):
     """A conjunction or disjunction: parameters of the system first, then two or more operands."""
 
     sign: ClassVar[int]  # -1 for conjunction, +1 for disjunction
+    # The order of normalisation that it keeps, of one that is analytic but where f = g = 0 and not promised otherwise.
+    kept: ClassVar[int | None] = None
 
     def infix(self, printer: Any) -> str:
         """A wedge or a vee with the indices of the system."""

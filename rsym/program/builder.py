@@ -12,11 +12,11 @@ from fractions import Fraction
 from functools import reduce
 
 from rsym.program.constant_ranges import CLEAR, Range, constant_range
+from rsym.program.operations import OPERATIONS
 from rsym.program.program import Data, Node, Program, assemble
+from rsym.program.row import HALF as HALF
 
-ONE, HALF = Fraction(1), Fraction(1, 2)
-
-_NONNEGATIVE = frozenset("sqrt abs exp trimming gap versine rp_versine norm joining absolute_power".split())
+ONE = Fraction(1)
 
 # Exact folding stops here: float64 ends at about 1100 bits, beyond that the numbers only cost time.
 _FOLDED_BITS = 4096
@@ -52,7 +52,9 @@ class Builder:
 
     def program(self, outputs: Mapping[str, int]) -> Program:
         """The frozen program with these outputs."""
-        return assemble(self.nodes, self.coordinates, self.letters, outputs)
+        program = assemble(self.nodes, self.coordinates, self.letters, outputs)
+        assert all(len(node.arguments) == OPERATIONS[node.operation].arity for node in program.nodes)
+        return program
 
     def value(self, number: int) -> Fraction | None:
         """The exact rational value of a constant node."""
@@ -65,7 +67,7 @@ class Builder:
             return isinstance(data, str) or (isinstance(data, Fraction) and data >= 0)
         if (known := self._ranges[-1]) is not None and known[0] > CLEAR:
             return True
-        if operation in _NONNEGATIVE:
+        if OPERATIONS[operation].nonnegative:
             return True
         if operation == "mul" and arguments[0] == arguments[1]:
             return True

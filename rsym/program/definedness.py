@@ -2,17 +2,8 @@
 
 from __future__ import annotations
 
+from rsym.program.operations import OPERATIONS
 from rsym.program.program import Node, live
-
-# Defined for all real arguments.
-_TOTAL = frozenset(
-    "const input add mul neg powi abs sign min max select sin cos exp r0_conjunction r0_disjunction".split()
-)
-# NaN if one argument is. (Powers are not: NaN**0 = 1.)
-_STRICT = frozenset(
-    "add mul div neg powi sqrt abs sign min max sin cos exp log atan2 r0_conjunction r0_disjunction"
-    " versine gap trimming normalised".split()
-)
 
 
 class Definedness:
@@ -23,7 +14,7 @@ class Definedness:
         self._nonnegative = nonnegative
         self._total: list[bool] = []
         for operation, arguments, _ in nodes:
-            defined = operation in _TOTAL or (operation == "sqrt" and nonnegative[arguments[0]])
+            defined = OPERATIONS[operation].total or (operation == "sqrt" and nonnegative[arguments[0]])
             self._total.append(defined and all(self._total[argument] for argument in arguments))
 
     def causes(self, number: int) -> tuple[int, ...]:
@@ -47,7 +38,8 @@ class Definedness:
         operation, arguments, _ = self._nodes[number]
         if operation == "sqrt":
             return self._nonnegative[arguments[0]]
-        return operation in _TOTAL & _STRICT
+        row = OPERATIONS[operation]
+        return row.total and row.strict
 
     def fails_with(self, number: int, cause: int) -> bool:
         """Undefined wherever the node `cause` is."""
@@ -60,7 +52,7 @@ class Definedness:
             elif operation == "select":
                 known[k] = fails[3] and any(fails[:3])
             else:
-                known[k] = operation in _STRICT and any(fails)
+                known[k] = OPERATIONS[operation].strict and any(fails)
         return known[number]
 
 

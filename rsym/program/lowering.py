@@ -15,12 +15,14 @@ from sympy.functions.elementary.piecewise import ExprCondPair
 from sympy.logic.boolalg import BooleanAtom, BooleanFunction
 
 from rsym.errors import RsymError
-from rsym.model import equivalences, powers, rnodes
+from rsym.model import powers, rnodes
 from rsym.model.choices import Choice
 from rsym.model.folds import Fold
-from rsym.model.nodes import Ahead, Composition, Held, Trimming, ZeroWith, written_out
+from rsym.model.functions import FUNCTIONS
+from rsym.model.nodes import Ahead, Composition, Held, RealNode, Trimming, ZeroWith, written_out
 from rsym.model.traversal import postorder
 from rsym.program.builder import HALF, Builder
+from rsym.program.operations import OPERATIONS
 from rsym.program.quadratics import sum_with_squares_completed, two_linear_factors
 
 Lowered = Sequence[int]
@@ -63,11 +65,12 @@ def _lower_part(b: Builder, part: sp.Basic, arguments: Lowered, done: dict[int, 
     for kind, function in LOWERINGS.items():
         if isinstance(part, kind):
             return function(b, part, arguments)
+    if isinstance(part, RealNode) and part.runtime_name in OPERATIONS:
+        return _fold(part.runtime_name)(b, part, arguments)  # the operation of that name, of folds one after the other
     raise RsymError(
         f"a program cannot hold {type(part).__name__}: {sp.sstr(part)[:80]}",
         code="unsupported-function",
-        remedy="write it with + - * / powers, sqrt, abs, min, max, Piecewise, sin, cos, tan, exp, log, atan2, "
-        "hyperbolic and inverse functions, and R-operations",
+        remedy=f"write it with + - * / powers, sqrt, Piecewise, {', '.join(FUNCTIONS)}, and R-operations",
     )
 
 
@@ -149,6 +152,8 @@ def _pow(b: Builder, part: sp.Pow, arguments: Lowered) -> int:
 
 def _fold(operation: str) -> Callable[[Builder, sp.Basic, Lowered], int]:
     def lowering(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
+        if OPERATIONS[operation].arity == 1:
+            return b.make(operation, *arguments)
         count = part.parameter_count if isinstance(part, Fold) else 0
         parameters, (result, *rest) = arguments[:count], arguments[count:]
         _check_parameters(b, part, parameters)
@@ -262,19 +267,9 @@ LOWERINGS: dict[type[sp.Basic], Callable[..., int]] = {
     sp.Add: _add,
     sp.Mul: _mul,
     sp.Pow: _pow,
-    sp.exp: _elementary("exp"),
-    rnodes.R0Conjunction: _fold("r0_conjunction"),
-    rnodes.R0Disjunction: _fold("r0_disjunction"),
+    **{row.kind: _elementary(row.operation) for row in FUNCTIONS.values() if row.operation},
     rnodes.R1Conjunction: _fold("min"),
     rnodes.R1Disjunction: _fold("max"),
-    rnodes.RAlphaConjunction: _fold("r_alpha_conjunction"),
-    rnodes.RAlphaDisjunction: _fold("r_alpha_disjunction"),
-    rnodes.R0mConjunction: _fold("r0m_conjunction"),
-    rnodes.R0mDisjunction: _fold("r0m_disjunction"),
-    rnodes.RpConjunction: _fold("rp_conjunction"),
-    rnodes.RpDisjunction: _fold("rp_disjunction"),
-    equivalences.Equivalence: _fold("equivalence"),
-    equivalences.Joining: _fold("joining"),
     powers.AbsolutePower: lambda b, part, arguments: b.absolute_power(*arguments),
     powers.SignedPower: lambda b, part, arguments: b.signed_power(*arguments),
     Trimming: _trimming,
@@ -285,13 +280,8 @@ LOWERINGS: dict[type[sp.Basic], Callable[..., int]] = {
     sp.Min: _fold("min"),
     sp.Max: _fold("max"),
     sp.Abs: lambda b, part, arguments: b.abs(arguments[0]),
-    sp.sign: _elementary("sign"),
-    sp.sin: _elementary("sin"),
-    sp.cos: _elementary("cos"),
     sp.tan: _tan,
     sp.cot: _cot,
-    sp.log: _elementary("log"),
-    sp.atan2: _elementary("atan2"),
     sp.atan: lambda b, part, arguments: b.make("atan2", arguments[0], b.const(1)),
     sp.asin: _asin,
     sp.acos: _acos,

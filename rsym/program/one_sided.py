@@ -14,9 +14,10 @@ from collections.abc import Sequence
 from functools import reduce
 
 from rsym.program.builder import Builder
-from rsym.program.differentiation import RULES, derivative
+from rsym.program.differentiation import derivative
+from rsym.program.operations import Cells
 from rsym.program.program import Node
-from rsym.program.system_rules import Rule
+from rsym.program.row import Nodes, Operation, Rule
 
 
 def gradient_of_one_side(builder: Builder, output: int) -> list[int]:
@@ -28,7 +29,7 @@ def gradient_of_one_side(builder: Builder, output: int) -> list[int]:
 def _aside(rule: Rule, operands: int) -> Rule:
     """The rule of an operation, its operands 1 where all of them are 0."""
 
-    def one_sided(b: Builder, number: int, node: Node, d: Sequence[int]) -> int:
+    def one_sided(b: Nodes, number: int, node: Node, d: Sequence[int]) -> int:
         own, rest = node.arguments[:operands], node.arguments[operands:]
         size = reduce(b.add, [b.abs(operand) for operand in own])
         # The sum keeps what is undefined, a choice between the operands and 1 would not.
@@ -42,25 +43,24 @@ def _aside(rule: Rule, operands: int) -> Rule:
 def _first_of_equals(rule: Rule) -> Rule:
     """The rule of min or max; where both operands are equal, the derivative of the first."""
 
-    def one_sided(b: Builder, number: int, node: Node, d: Sequence[int]) -> int:
+    def one_sided(b: Nodes, number: int, node: Node, d: Sequence[int]) -> int:
         gap = b.abs(b.sub(*node.arguments))
         return unless_equal(b, gap, rule(b, number, node, d), d[0])
 
     return one_sided
 
 
-def unless_equal(b: Builder, gap: int, value: int, equal: int) -> int:
+def unless_equal(b: Nodes, gap: int, value: int, equal: int) -> int:
     """The value; where a gap >= 0 is 0, the other; where it is undefined, the value."""
     return b.select(gap, b.const(0), value, b.select(b.const(1), gap, equal, value))
 
 
-_PAIRS = (
-    "r0_conjunction r0_disjunction r_alpha_conjunction r_alpha_disjunction "
-    "rp_conjunction rp_disjunction norm equivalence joining"
-)
-ONE_SIDED: dict[str, Rule] = {
-    **RULES,
-    "abs": _aside(RULES["abs"], 1),
-    **{name: _aside(RULES[name], 2) for name in _PAIRS.split()},
-    **{name: _first_of_equals(RULES[name]) for name in ("min", "max")},
-}
+def _one_sided(name: str, row: Operation) -> Rule | None:
+    if row.derivative is None or not row.homogeneous:
+        return row.derivative
+    if row.branching and row.arity == 2:
+        return _first_of_equals(row.derivative)
+    return _aside(row.derivative, min(row.arity, 2))
+
+
+ONE_SIDED: Cells[Rule] = Cells(_one_sided)

@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
-from rsym.program.builder import Builder
+from rsym.program.row import Nodes
 
 
-def largest(b: Builder) -> int:
+def largest(b: Nodes) -> int:
     """The largest finite number of the format that a backend computes in."""
     return b.make("const", data="largest")
 
 
-def smallest(b: Builder) -> int:
+def smallest(b: Nodes) -> int:
     """The smallest positive number of that format."""
     return b.make("const", data="smallest")
 
 
-def root(b: Builder, f: int, g: int) -> int:
+def root(b: Nodes, f: int, g: int) -> int:
     """sqrt(f**2 + g**2)."""
     return b.sqrt(b.add(b.square(f), b.square(g)))
 
 
-def where_fails(b: Builder, size: int, instead: int, value: int) -> int:
+def where_fails(b: Nodes, size: int, instead: int, value: int) -> int:
     """Take `instead` where the size is 0 or infinite: squares have left the range there. NaN stays."""
     return b.select(size, largest(b), instead, b.select(smallest(b), size, instead, value))
 
 
-def signed_like(b: Builder, near: int, value: int) -> int:
+def signed_like(b: Nodes, near: int, value: int) -> int:
     """The value, or `near` where the value has lost the sign of that: what rounds to 0 below the normal numbers."""
     zero, tiny = b.const(0), smallest(b)
     positive = b.select(tiny, value, near, value)
@@ -33,17 +33,37 @@ def signed_like(b: Builder, near: int, value: int) -> int:
     return b.select(near, zero, positive, b.select(zero, near, negative, value))
 
 
-def low(b: Builder, f: int, g: int) -> int:
+def where_above(b: Nodes, number: int, low: int, value: int) -> int:
+    """The value where the number is above `low`, else NaN."""
+    return b.select(number, b.const(low), value, b.undefined())
+
+
+def at_most(b: Nodes, number: int, high: int) -> int:
+    """The number, NaN above `high`."""
+    return b.select(number, b.const(high), b.undefined(), number)
+
+
+def at_least_one(b: Nodes, order: int, value: int) -> int:
+    """The value where the order is 1 or more, else NaN."""
+    return b.select(b.const(1), order, b.undefined(), value)
+
+
+def sizes(b: Nodes, f: int, g: int) -> tuple[int, int]:
+    """The smaller and the larger absolute value; both NaN if one is."""
+    return b.make("min", b.abs(f), b.abs(g)), b.make("max", b.abs(f), b.abs(g))
+
+
+def low(b: Nodes, f: int, g: int) -> int:
     """The smaller."""
     return b.select(g, f, f, g)
 
 
-def high(b: Builder, f: int, g: int) -> int:
+def high(b: Nodes, f: int, g: int) -> int:
     """The larger."""
     return b.select(f, g, f, g)
 
 
-def whole_power(b: Builder, base: int, exponent: int) -> int:
+def whole_power(b: Nodes, base: int, exponent: int) -> int:
     """Repeated squaring, in an order that depends on the exponent alone."""
     if exponent < 0:
         return b.make("div", b.const(1), whole_power(b, base, -exponent))
@@ -57,19 +77,19 @@ def whole_power(b: Builder, base: int, exponent: int) -> int:
     return b.const(1) if result is None else result
 
 
-def whole(b: Builder, number: int) -> int | None:
+def whole(b: Nodes, number: int) -> int | None:
     """The integer that a node is, if it is one that repeated squaring serves."""
     value = b.value(number)
     return int(value) if value is not None and value.denominator == 1 and abs(value) <= 64 else None
 
 
-def power(b: Builder, base: int, exponent: int) -> int:
+def power(b: Nodes, base: int, exponent: int) -> int:
     """base**exponent for a base that is not negative."""
     integer = whole(b, exponent)
     return b.make("pow", base, exponent) if integer is None else whole_power(b, base, integer)
 
 
-def radical(b: Builder, base: int, degree: int) -> int:
+def radical(b: Nodes, base: int, degree: int) -> int:
     """base**(1/degree) for a base that is not negative; square roots where the degree is a power of two."""
     integer = whole(b, degree)
     if integer is None or integer < 1 or integer & (integer - 1):
@@ -79,14 +99,14 @@ def radical(b: Builder, base: int, degree: int) -> int:
     return base
 
 
-def log1p(b: Builder, u: int) -> int:
+def log1p(b: Nodes, u: int) -> int:
     """log(1 + u) for u >= 0, exact to rounding: log(v) u/(v - 1) with v = 1 + u as rounded (Kahan)."""
     rounded = b.make("add", b.const(1), u)
     change = b.make("add", rounded, b.const(-1))
     return b.select(change, b.const(0), b.mul(b.make("log", rounded), b.make("div", u, change)), u)
 
 
-def expm1(b: Builder, u: int) -> int:
+def expm1(b: Nodes, u: int) -> int:
     """exp(u) - 1, exact to rounding: (w - 1) u/log(w) with w = exp(u) as rounded (Kahan)."""
     rounded = b.make("exp", u)
     logarithm = b.make("log", rounded)

@@ -15,7 +15,6 @@ from typing import NamedTuple, TypeAlias
 
 from rsym.errors import RsymError
 from rsym.model.wording import within
-from rsym.program.operations import OPERATIONS
 from rsym.program.precision import FLOAT64, Precision
 
 Data: TypeAlias = Fraction | str | int | tuple[int, int, int] | None
@@ -133,5 +132,4 @@ def assemble(
     renumbered = tuple(
         nodes[old]._replace(arguments=tuple(number_of[argument] for argument in nodes[old].arguments)) for old in kept
     )
-    assert all(len(node.arguments) == OPERATIONS[node.operation].arity for node in renumbered)
     return Program(renumbered, coordinates, letters, tuple((name, number_of[old]) for name, old in outputs.items()))

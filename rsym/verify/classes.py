@@ -17,20 +17,20 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from rsym.program.operations import JUMPING, POWERS
 from rsym.verify.domains import switch_of
 from rsym.verify.folding import CONTINUOUS, WHOLE, folded
 from rsym.verify.generators import Generators, bare, factor, generators
 from rsym.verify.joints import Arc, Meeting
 from rsym.verify.local import Local
 from rsym.verify.polynomials import multiplicity, ring_of
-from rsym.verify.resolution import JUMPING, contact, resolve
+from rsym.verify.resolution import contact, resolve
 
 MOST = 6  # switches that are resolved one after the other: 64 functions
 PARTED = 3  # switches of a function that is parted by one of them
 CURVED = 2  # a function of an order above that has second derivatives, which are continuous
-_POWERS = frozenset({"absolute_power", "signed_power"})
 TAKEN = {"sign": 0, "select": -1, "atan2": 1}  # on which side an operation has the value that it has on its switch
-_LIPSCHITZ = frozenset({"abs", "min", "max", "trimming"})
+_LIPSCHITZ = CONTINUOUS | {"trimming"}
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ def _tests(local: Local, found: Generators) -> set[int]:
 def _is_lipschitz(local: Local, part: int) -> bool:
     """Whether an operation is Lipschitz continuous in its arguments, as the rules of `contact` ask, or a choice."""
     operation, arguments, _ = local.model.builder.nodes[part]
-    if operation in _POWERS:
+    if operation in POWERS:
         exponent = local.model.builder.value(arguments[1])
         return exponent is not None and exponent >= 1
     return operation in _LIPSCHITZ or operation == "select"
@@ -181,6 +181,6 @@ def _of_powers(local: Local, found: Generators) -> float:
     """The order of a node without switches but the bases of fractional powers: the least of their exponents."""
     nodes, order = local.model.builder.nodes, math.inf
     for part in found.switched:
-        exponent = local.model.builder.value(nodes[part].arguments[1]) if nodes[part].operation in _POWERS else None
+        exponent = local.model.builder.value(nodes[part].arguments[1]) if nodes[part].operation in POWERS else None
         order = min(order, 0.0 if exponent is None else float(exponent))
     return order

@@ -10,12 +10,16 @@ from itertools import combinations
 import sympy as sp
 
 from rsym.errors import RsymError
+from rsym.model.functions import FUNCTIONS
 from rsym.model.symbols import as_expression
 from rsym.verify.constants import enclosed, exact, vanishes
 
-# Analytic wherever they are defined; where that is, is examined for powers, tan and log.
-FUNCTIONS = (sp.sin, sp.cos, sp.tan, sp.exp, sp.log, sp.sinh, sp.cosh, sp.tanh, sp.atan)
-ANALYTIC = (sp.Symbol, sp.Rational, sp.NumberSymbol, sp.Add, sp.Mul, sp.Pow, *FUNCTIONS)
+# Analytic wherever they are defined (asin is not: at 1 it ends, upright); where that is, is examined for powers, tan,
+# cot and log.
+ANALYTIC = (
+    *(sp.Symbol, sp.Rational, sp.NumberSymbol, sp.Add, sp.Mul, sp.Pow),
+    *(row.kind for row in FUNCTIONS.values() if row.analytic),
+)
 # A velocity that vanishes to a higher order than this is no longer examined.
 HIGHEST_ORDER = 4
 

@@ -25,7 +25,7 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from rsym.bounds.balls import arb, ctx, exact, hypotenuse
-from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.program.operations import CONJUNCTIONS, LOGICAL
 from rsym.verify.domains import is_defined, is_legal
 from rsym.verify.local import Local, Model
 from rsym.verify.report import Joint
@@ -113,7 +113,7 @@ def _positions(local: Local, known: Exact, number: int) -> set[int]:
 def _operands(local: Local, known: Exact, part: int) -> tuple[int, ...]:
     """The arguments whose signs make the sign of an operation."""
     operation, arguments, data = local.model.builder.nodes[part]
-    if operation in CONJUNCTIONS | DISJUNCTIONS | {"equivalence"}:
+    if operation in LOGICAL | {"equivalence"}:
         return arguments[:2] if is_legal(local, part) else ()
     if operation == "mul":
         return arguments
@@ -138,7 +138,7 @@ def _same_sign(local: Local, known: Exact, part: int, done: dict[int, int]) -> i
         is_sum_of_squares = operation == "add" and squares(local, known, part) is not None
         return builder.sqrt(part) if is_sum_of_squares else part
     first, last = operands[0], operands[-1]
-    if operation in CONJUNCTIONS | DISJUNCTIONS:
+    if operation in LOGICAL:
         return first if first == last else builder.make("min" if operation in CONJUNCTIONS else "max", first, last)
     if operation in {"neg", "abs"}:
         return builder.neg(first) if operation == "neg" else builder.abs(first)

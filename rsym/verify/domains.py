@@ -3,21 +3,9 @@
 from __future__ import annotations
 
 from rsym.program.builder import Builder
+from rsym.program.operations import OPERATIONS, PARTIAL, THICK
+from rsym.program.row import SELF, SWITCH, Clauses
 from rsym.verify.local import Local
-
-# Operations whose plain meaning is NaN for some real arguments.
-PARTIAL = frozenset(
-    "undefined div pow sqrt log select min max r_alpha_conjunction r_alpha_disjunction r0m_conjunction "
-    "r0m_disjunction rp_conjunction rp_disjunction versine rp_versine r0m_partial monomial norm joining equivalence "
-    "absolute_power signed_power normalised trimming".split()
-)
-
-
-# Those that are NaN on thin sets only, where a denominator or a root is zero.
-_THIN = frozenset(
-    "div versine rp_versine monomial norm joining equivalence absolute_power signed_power normalised".split()
-)
-_THICK = PARTIAL - _THIN
 
 
 def is_defined(local: Local, number: int, *, but_for_thin_sets: bool = False) -> bool:
@@ -25,30 +13,37 @@ def is_defined(local: Local, number: int, *, but_for_thin_sets: bool = False) ->
     key = (number, but_for_thin_sets)
     if key not in local.defined:
         local.value(number)
-        partial = local.model.parts(number, _THICK if but_for_thin_sets else PARTIAL)
+        partial = local.model.parts(number, THICK if but_for_thin_sets else PARTIAL)
         local.defined[key] = all(is_defined_itself(local, part) for part in partial)
     return local.defined[key]
 
 
 def is_defined_itself(local: Local, number: int) -> bool:
     """Whether the node is defined wherever its arguments are."""
+    return is_legal(local, number) and meets(local, number, OPERATIONS[_operation(local, number)].domain)
+
+
+def _operation(local: Local, number: int) -> str:
+    return local.model.builder.nodes[number].operation
+
+
+def meets(local: Local, number: int, clauses: Clauses) -> bool:
+    """Whether a node certainly meets conditions on its arguments, all over the box."""
+    return all(any(_holds(local, number, *test) for test in clause) for clause in clauses)
+
+
+def _holds(local: Local, number: int, kind: str, place: int) -> bool:
+    """One condition. What is defined on the box must be so around it: zero is enough only where a form shows it."""
     builder = local.model.builder
-    operation, arguments, _ = builder.nodes[number]
-    if operation in {"min", "max", "select"}:
-        return True
-    if operation == "undefined":
-        return False
-    if operation in {"sqrt", "trimming"}:  # not >= 0: what is defined on the box must be so around it
-        return builder.nonnegative[arguments[0]] or local.sign(arguments[0]) > 0
-    if operation in {"log", "pow"}:
-        return local.sign(arguments[0]) > 0
-    if operation == "div":
-        return local.nonzero(arguments[1])
-    if operation in {"normalised", "absolute_power", "signed_power"}:
-        return local.nonzero(arguments[0]) or local.sign(arguments[1]) > 0
-    if operation in {"versine", "rp_versine", "monomial"} and not any(local.nonzero(a) for a in arguments[:2]):
-        return False
-    return is_legal(local, number)
+    if place == SELF:
+        tested = number
+    elif place == SWITCH:
+        tested = switch_of(builder, number)
+    else:
+        tested = builder.nodes[number].arguments[place]
+    if kind in {"nonzero", "apart"}:
+        return local.nonzero(tested) and (kind == "nonzero" or is_defined(local, tested))
+    return (kind == "nonnegative" and builder.nonnegative[tested]) or local.sign(tested) > 0
 
 
 def switch_of(builder: Builder, number: int) -> int:
@@ -60,14 +55,13 @@ def switch_of(builder: Builder, number: int) -> int:
     return builder.switches[number]
 
 
-def is_legal(local: Local, number: int) -> bool:
-    """Whether the parameter of an R-operation, its last argument, is certainly in its range."""
-    operation, arguments, _ = local.model.builder.nodes[number]
-    if len(arguments) == 2:
+def is_legal(local: Local, number: int, *, analytic: bool = False) -> bool:
+    """Whether the parameter of an operation is certainly in its range, or in that where the operation is analytic."""
+    row = OPERATIONS[_operation(local, number)]
+    legal = row.parameter
+    if legal is None:
         return True
-    parameter = local.value(arguments[2])
-    if parameter is None:
-        return False
-    if operation.startswith("r_alpha"):
-        return bool(parameter > -1) and bool(parameter <= 1)
-    return bool(parameter > 1) if operation.startswith("rp") else bool(parameter >= 1)
+    if analytic and row.analytic_parameter is not None:
+        legal = row.analytic_parameter
+    parameter = local.value(local.model.builder.nodes[number].arguments[-1])
+    return parameter is not None and legal.holds(parameter)

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from itertools import combinations_with_replacement
 from typing import Any, NamedTuple, TypeAlias
 
+from rsym.program.operations import BRANCHING, JUMPING
 from rsym.verify.cyclotomic import Field
 from rsym.verify.generators import generators
 from rsym.verify.local import Local
@@ -20,7 +21,7 @@ from rsym.verify.resolution import resolve
 
 MOST = 128  # functions that are looked at: a fold of three coordinates takes a dozen
 Form: TypeAlias = Mapping[tuple[int, ...], Any]  # a polynomial, its coefficients by the powers
-CONTINUOUS = frozenset({"abs", "min", "max"})
+CONTINUOUS = BRANCHING - JUMPING
 WHOLE = -1  # no node: what the box decides is decided, nothing else
 
 

@@ -11,15 +11,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from rsym.program.builder import Builder
-from rsym.verify.domains import is_defined, is_legal, switch_of
+from rsym.program.operations import BRANCHING, CHOOSING, ENTIRE, OPERATIONS
+from rsym.program.row import Clauses
+from rsym.verify.domains import is_defined, is_legal, meets, switch_of
 from rsym.verify.local import Local
 from rsym.verify.locus import chosen
 
-BRANCHING = frozenset({"abs", "sign", "min", "max", "select"})
-JOINT = frozenset("r0_conjunction r0_disjunction versine gap r0m_conjunction r0m_disjunction r0m_partial".split())
-NORMS = frozenset("norm rp_conjunction rp_disjunction rp_versine joining equivalence".split())
 TERMS = 32  # parts of a sum that is compared with others
-ENTIRE = frozenset("const input add mul neg powi sin cos exp".split())
 
 
 @dataclass(frozen=True)
@@ -63,7 +61,7 @@ def generators(local: Local, number: int) -> Generators:
         if operation in ENTIRE:
             stack.extend(arguments)
             continue
-        if operation in BRANCHING - {"sign"} and (branch := chosen(local, part)) is not None:
+        if operation in CHOOSING and (branch := chosen(local, part)) is not None:
             stack.append(branch[0])
             continue
         stack.extend(arguments)
@@ -80,42 +78,18 @@ def generators(local: Local, number: int) -> Generators:
 
 def is_analytic_at(local: Local, number: int) -> bool:
     """Whether an operation is analytic at all arguments that it takes on the box."""
-    operation, arguments, _ = local.model.builder.nodes[number]
-    if operation in ENTIRE or operation == "undefined":
-        return operation != "undefined"
-    if operation in {"abs", "div", "min", "max", "select", "sign"}:
-        tested = arguments[1] if operation == "div" else switch_of(local.model.builder, number)
-        return local.nonzero(tested) and is_defined(local, tested)
-    if operation in {"sqrt", "log", "pow"}:
-        return local.sign(arguments[0]) > 0
-    if operation in {"absolute_power", "signed_power"}:
-        return local.nonzero(arguments[0])
-    if operation == "atan2":
-        return local.nonzero(arguments[0]) or local.sign(arguments[1]) > 0
-    return _is_analytic_pair(local, number)
+    clauses = analytic_clauses(local.model.builder, number)
+    return clauses is not None and meets(local, number, clauses) and is_legal(local, number, analytic=True)
 
 
-def _is_analytic_pair(local: Local, number: int) -> bool:
-    """R-operations and their kin, in their first two arguments."""
-    builder = local.model.builder
-    operation, arguments, _ = builder.nodes[number]
-    first, second = (local.nonzero(argument) for argument in arguments[:2])
-    if operation in JOINT or operation == "monomial":
-        return (first or second) and is_legal(local, number)
-    if operation == "trimming":
-        return local.sign(number) > 0  # then neither root is zero
-    if operation == "normalised":
-        return first or local.sign(arguments[1]) > 0
-    if operation in {"r_alpha_conjunction", "r_alpha_disjunction"}:
-        alpha = local.value(arguments[2])
-        return (first or second) and alpha is not None and bool(alpha > -1) and bool(alpha < 1)
-    if operation in NORMS:
-        order = builder.value(arguments[2])
-        even = order is not None and order > 0 and order.denominator == 1 and order % 2 == 0
-        if even and operation not in {"joining", "rp_versine"}:
-            return first or second
-        return first and second and is_legal(local, number)
-    return False
+def analytic_clauses(builder: Builder, number: int) -> Clauses | None:
+    """Where an operation is analytic in its arguments, by its parameter if that is an even number; None is nowhere."""
+    row = OPERATIONS[builder.nodes[number].operation]
+    if row.analytic_even is None:
+        return row.analytic
+    order = builder.value(builder.nodes[number].arguments[-1])
+    even = order is not None and order > 0 and order.denominator == 1 and order % 2 == 0
+    return row.analytic_even if even else row.analytic
 
 
 def _switch(local: Local, number: int) -> int | None:

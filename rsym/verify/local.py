@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from fractions import Fraction
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
@@ -68,8 +68,8 @@ class Model:
         self._gradients: dict[int, tuple[int, ...]] = {}
         self._curvatures: dict[int, int] = {}
         self._fixed: dict[int, dict[str, arb]] = {}
-        self._parts: dict[tuple[int, frozenset[str]], list[int]] = {}
-        self._made_of: dict[tuple[int, frozenset[str]], bool] = {}
+        self._parts: dict[tuple[int, Set[str]], list[int]] = {}
+        self._made_of: dict[tuple[int, Set[str]], bool] = {}
         self._plans: dict[tuple[int, ...], _Plan] = {}
 
     def remembered(self, maker: Callable[..., T], *arguments: Any) -> T:
@@ -112,7 +112,7 @@ class Model:
             self._plans[numbers] = _Plan(named, fixed, steps, {})
         return self._plans[numbers]
 
-    def parts(self, number: int, operations: frozenset[str]) -> list[int]:
+    def parts(self, number: int, operations: Set[str]) -> list[int]:
         """The nodes of some operations that a node needs, in evaluation order."""
         if (number, operations) not in self._parts:
             nodes = self.builder.nodes
@@ -120,7 +120,7 @@ class Model:
             self._parts[number, operations] = found
         return self._parts[number, operations]
 
-    def uses_only(self, number: int, operations: frozenset[str]) -> bool:
+    def uses_only(self, number: int, operations: Set[str]) -> bool:
         """Whether a node and all that it needs are of some operations."""
         if (number, operations) not in self._made_of:
             nodes = self.builder.nodes

@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 from rsym.bounds.balls import arb, ctx, exact
-from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.program.operations import LOGICAL
 from rsym.verify.covering import PRECISION
 from rsym.verify.examination import Finding, square_roots
 from rsym.verify.generators import generators
@@ -16,7 +16,7 @@ from rsym.verify.local import Box, Model
 from rsym.verify.resolution import resolve
 from rsym.verify.vanishing import SIMPLE, as_fraction
 
-PAIRS = CONJUNCTIONS | DISJUNCTIONS | {"trimming", "gap", "norm", "joining", "equivalence", "atan2", "normalised"}
+PAIRS = LOGICAL | {"trimming", "gap", "norm", "joining", "equivalence", "atan2", "normalised"}
 LOCATED = 320  # bits of the search
 STEPS = 300  # a multiple zero halves the error at each step
 CONVERGED = 2.0**-120

@@ -12,8 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
 from rsym.program.builder import Builder
+from rsym.program.operations import CONJUNCTIONS, LOGICAL
 from rsym.verify.domains import is_defined, is_legal, switch_of
 from rsym.verify.local import Local
 from rsym.verify.polynomials import same_zeros
@@ -58,7 +58,7 @@ def reduce(local: Local, number: int, depth: int = 0) -> Locus:
             number, sign = arguments[1 - known], sign * local.sign(arguments[known])
         elif operation in {"abs", "min", "max", "select"} and (branch := chosen(local, number)) is not None:
             number, sign = branch[0], sign * branch[1]
-        elif operation in CONJUNCTIONS | DISJUNCTIONS and (other := _beside_idle(local, number)) is not None:
+        elif operation in LOGICAL and (other := _beside_idle(local, number)) is not None:
             number = other
         else:
             break
@@ -123,7 +123,7 @@ def _taken(local: Local, number: int) -> int:
 def _reduced(local: Local, number: int, sign: int, depth: int) -> Locus:
     builder = local.model.builder
     operation, arguments, _ = builder.nodes[number]
-    if operation in CONJUNCTIONS | DISJUNCTIONS and is_legal(local, number):
+    if operation in LOGICAL and is_legal(local, number):
         return _combined(local, arguments[:2], sign, depth, conjunction=operation in CONJUNCTIONS)
     if operation == "mul" or operation == "equivalence":
         return _product(local, number, sign, depth)

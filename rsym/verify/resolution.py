@@ -14,15 +14,15 @@ from fractions import Fraction
 
 from rsym.program.builder import HALF, Builder
 from rsym.program.expansion import SIMPLE
+from rsym.program.operations import BRANCHING, CHOOSING, JUMPING
 from rsym.verify.domains import switch_of
-from rsym.verify.generators import BRANCHING, bare, factor, is_square, root_order
+from rsym.verify.generators import bare, factor, is_square, root_order
 from rsym.verify.local import Local, Model
 from rsym.verify.locus import chosen
 from rsym.verify.polynomials import multiplicity
 
-DECIDED = BRANCHING - {"sign"} | {"trimming", "atan2"}  # what a box may decide
+DECIDED = CHOOSING | {"trimming", "atan2"}  # what a box may decide
 OPEN = 2  # where it decides nothing: a choice of one function is decided though what it tests may be zero
-JUMPING = frozenset({"sign", "select", "atan2"})  # what may not be continuous from a side where the switch is zero
 
 
 @dataclass(frozen=True)
@@ -241,7 +241,7 @@ def _orders(local: Local, part: int, switch: int, orders: dict[int, tuple[float,
     if operation == "const":
         return math.inf, math.inf if builder.value(part) == 0 else 0
     inner = [orders[argument] for argument in arguments]
-    if operation in BRANCHING - {"sign"} and (branch := chosen(local, part)) is not None:
+    if operation in CHOOSING and (branch := chosen(local, part)) is not None:
         return orders[branch[0]]
     if _sign(local, part, switch, 1):
         return _switched(builder, part, inner, orders)

@@ -26,8 +26,9 @@ from rsym.bounds.balls import arb, root
 from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative
 from rsym.program.lowering import lower
+from rsym.program.operations import CHOOSING
 from rsym.verify.cleaning import diagonal
-from rsym.verify.generators import BRANCHING, bare, generators, is_square
+from rsym.verify.generators import bare, generators, is_square
 from rsym.verify.local import Local, Model
 from rsym.verify.locus import chosen
 from rsym.verify.polynomials import polynomial_of
@@ -170,7 +171,7 @@ def _orders(
     operation, arguments, data = builder.nodes[part]
     if part in exponents:
         return exponents[part], exponents[part]
-    if operation in BRANCHING - {"sign"} and (branch := chosen(local, part)) is not None:
+    if operation in CHOOSING and (branch := chosen(local, part)) is not None:
         return orders[branch[0]]
     inner = [orders[argument] for argument in arguments]
     own, zero = min((one for one, _ in inner), default=ANALYTIC), 0.0

@@ -18,19 +18,17 @@ from dataclasses import dataclass
 
 from rsym.bounds.balls import Step, arb, exact, run
 from rsym.program.differentiation import RULES
+from rsym.program.operations import BRANCHING, CHOOSING, HOMOGENEOUS, POWERS, those
 from rsym.verify.domains import is_defined, is_legal
-from rsym.verify.generators import BRANCHING, is_analytic_at
+from rsym.verify.generators import is_analytic_at
 from rsym.verify.local import Local
 from rsym.verify.locus import chosen
 from rsym.verify.slope_rules import End, Homogeneous, Length, Linear, Rule, Size, Tie, Vector
 from rsym.verify.vanishing import Exact
 
-HOMOGENEOUS = frozenset(
-    "r0_conjunction r0_disjunction r_alpha_conjunction r_alpha_disjunction rp_conjunction rp_disjunction norm joining "
-    "equivalence gap".split()
-)
-POWERS = frozenset({"absolute_power", "signed_power"})
-_P_SYSTEMS = frozenset({"rp_conjunction", "rp_disjunction", "norm"})
+# Of class C^1, for p > 1, where the operands are not both zero.
+_P_SYSTEMS = those(lambda row: row.analytic_even is not None and bool(row.grows))
+_CORNERED = HOMOGENEOUS - BRANCHING
 
 
 @dataclass(frozen=True)
@@ -96,14 +94,14 @@ def _rule(local: Local, known: Exact, part: int) -> Rule | None:
     operation, arguments, _ = builder.nodes[part]
     if builder.uniform[part]:
         return Linear((), ()) if is_defined(local, part) else None
-    if operation in BRANCHING - {"sign"} and (branch := chosen(local, part)) is not None:
+    if operation in CHOOSING and (branch := chosen(local, part)) is not None:
         return Linear((branch[0],), (arb(branch[1]),))
     fixed = arguments[1:] if operation in POWERS else arguments[2:]  # parameters, as which the rules take them
     if not all(builder.uniform[parameter] for parameter in fixed):
         return None
     if is_analytic_at(local, part) or (operation in _P_SYSTEMS and _is_apart(local, part)):
         return _linear(local, known, part)
-    if operation in HOMOGENEOUS and known.vanishes(*arguments[:2]) and is_legal(local, part):
+    if operation in _CORNERED and known.vanishes(*arguments[:2]) and is_legal(local, part):
         return Homogeneous(arguments[:2], local, part)
     if operation in {"min", "max"}:
         tie = known.vanishes(*arguments) or known.vanishes(builder.sub(*arguments))

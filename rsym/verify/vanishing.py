@@ -11,9 +11,9 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 from rsym.bounds.balls import arb, exact
-from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.program.operations import CHOOSING, OPERATIONS
 from rsym.verify.domains import is_legal
-from rsym.verify.generators import BRANCHING, bare
+from rsym.verify.generators import bare
 from rsym.verify.local import Local
 from rsym.verify.locus import chosen
 
@@ -75,7 +75,7 @@ class Exact:
         if operation == "input":
             return self.inputs[str(data)]
         inner = [self.values[argument] for argument in arguments]
-        if operation in BRANCHING - {"sign"} and (branch := chosen(self.local, part)) is not None:
+        if operation in CHOOSING and (branch := chosen(self.local, part)) is not None:
             taken = self.values[branch[0]]
             return None if taken is None else taken * branch[1]
         known = [value for value in inner if value is not None]
@@ -97,21 +97,14 @@ class Exact:
 
     def _is_zero(self, part: int, operation: str, arguments: tuple[int, ...]) -> bool:
         signs = [self.sign(argument) for argument in arguments]
-        first = signs[0] if signs else None
-        if operation in CONJUNCTIONS | DISJUNCTIONS:
-            idle = 1 if operation in CONJUNCTIONS else -1
-            return 0 in signs[:2] and set(signs[:2]) <= {0, idle} and is_legal(self.local, part)
-        if operation in {"mul", "equivalence", "joining"}:
-            return 0 in signs[:2] and is_legal(self.local, part)
-        if operation == "norm":
-            return signs[:2] == [0, 0] and is_legal(self.local, part)
-        if operation in {"trimming", "gap"}:
-            return first == 0 and signs[1] in (0, 1)
-        if operation in {"absolute_power", "signed_power", "atan2", "normalised"}:
-            return first == 0 and signs[1] == 1
-        if operation == "div":
-            return first == 0 and signs[1] in (1, -1)
-        return (operation == "sin" and first == 0) or (operation == "log" and self.values[arguments[0]] == 1)
+        if any(all(map(_fits, wanted, signs)) for wanted in OPERATIONS[operation].zeros):
+            return is_legal(self.local, part)
+        return operation == "log" and self.values[arguments[0]] == 1
+
+
+def _fits(wanted: str, sign: int | None) -> bool:
+    """Whether a sign is 0, + or - as a row of the table writes it, * for any."""
+    return wanted == "*" or sign == {"0": 0, "+": 1, "-": -1}[wanted]
 
 
 def _length(value: Fraction) -> int:

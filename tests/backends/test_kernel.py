@@ -1,5 +1,6 @@
 import sys
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from rsym import RsymError, Shape, conjunction, x, y, z
 from rsym.backends import kernel as kernel_module
 from rsym.backends.interpreter import interpret_nodes
 from rsym.backends.kernel import blocks_of, run_in_blocks
+from rsym.program.operations import OPERATIONS
 
 a = sp.Symbol("a", real=True)
 SHAPE = Shape(conjunction(a - x**2 - y**2, y, x + 1), (x, y), letters={a: 2}, bounds=((-2, 2), (-2, 2)))
@@ -157,10 +159,8 @@ def test_directions_of_a_plane_that_are_rounding_do_not_look_miscompiled():
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 def test_a_miscompiled_kernel_is_not_handed_out(monkeypatch, dtype):
     """Red proof of the check at 32 points."""
-    from rsym.program import expansion
-
-    wrong = dict(expansion.EXPANSIONS, versine=lambda b, node: b.const(0))
-    monkeypatch.setattr(expansion, "EXPANSIONS", wrong)
+    wrong = replace(OPERATIONS["versine"], expansion=lambda b, node: b.const(0))
+    monkeypatch.setitem(OPERATIONS, "versine", wrong)
     with pytest.raises(RsymError) as caught:
         rsym.compile(Shape(conjunction(x - 7, y - 9), (x, y)), ("gradient",), dtype=dtype)
     assert caught.value.code == "miscompiled"

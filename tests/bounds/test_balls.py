@@ -10,7 +10,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from backends.test_backends import OPERATION_NAMES, PARAMETERS, PARAMETRISED, single
+from backends.test_backends import OPERATION_NAMES, PARAMETRISED, single
 from flint import arb, ctx
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
@@ -121,6 +121,8 @@ TEXTBOOK = {
     "sin": mp.sin,
     "cos": mp.cos,
     "exp": mp.exp,
+    "erf": mp.erf,
+    "softplus": lambda a: max(a, 0) + mp.log1p(mp.exp(-abs(a))),
     "log": logarithm,
     "atan2": mp.atan2,
     "r0_conjunction": lambda f, g: f + g - length(f, g),
@@ -459,7 +461,7 @@ def test_a_part_that_is_undefined_makes_its_users_undefined():
 def test_a_power_may_be_one_where_its_operand_is_undefined(operation):
     """NaN**0 = 1**NaN = 1 in the plain meaning of a power."""
     nan = float("nan")
-    assert OPERATIONS[operation].meaning(nan, 0.0) == OPERATIONS[operation].meaning(1.0, nan) == 1
+    assert OPERATIONS[operation].meaning(np, nan, 0.0) == OPERATIONS[operation].meaning(np, 1.0, nan) == 1
     assert enclosed(lambda b, u, v: b.make(operation, b.sqrt(u), v), u=A, v=B).contains(arb(1))
     assert enclosed(lambda b, u, v: b.make(operation, v, b.sqrt(u)), u=A, v=B).contains(arb(1))
     assert enclosed(lambda b, u, v: b.make(operation, b.sqrt(u), v), u=A, v=arb(2)) is None
@@ -556,6 +558,5 @@ def test_without_python_flint_there_is_a_remedy(proof):
 
 
 def test_every_operation_has_an_image():
-    assert set(IMAGES) == set(OPERATIONS)
+    assert all(IMAGES[operation] for operation in OPERATIONS)
     assert {operation for operation, _ in CASES} | {"const", "input"} == set(OPERATIONS)
-    assert set(PARAMETERS) <= set(IMAGES)

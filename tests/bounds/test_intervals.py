@@ -18,7 +18,7 @@ from oracles.trees import trees, x, y, z
 import rsym
 from rsym.backends.interpreter import interpret
 from rsym.backends.llvm_backend import LlvmFunction
-from rsym.bounds import interval_arithmetic, interval_roots
+from rsym.bounds import interval_arithmetic, interval_monotone, interval_roots
 from rsym.bounds.interval_images import IMAGES
 from rsym.bounds.intervals import IntervalFunction
 from rsym.model.systems import R0, R1, R0m, RAlpha, Rp
@@ -74,7 +74,7 @@ def degenerate(program, columns, backend, letters=()):
 
 
 def test_every_operation_has_an_image():
-    assert set(IMAGES) | {"input", "select"} >= set(OPERATIONS)
+    assert all(IMAGES[operation] for operation in set(OPERATIONS) - {"input", "select"})
 
 
 def assert_within(program, columns, inputs, backend, letters=()):
@@ -333,7 +333,7 @@ def test_the_car_is_discarded_as_by_exact_images():
 @pytest.mark.parametrize("operation", ["add", "mul", "sqrt", "r0_conjunction", "trimming", "versine"])
 def test_without_its_margin_an_operation_escapes(operation, monkeypatch):
     """Red proof: rounding to nearest alone does not enclose."""
-    for module in (interval_arithmetic, interval_roots):
+    for module in (interval_arithmetic, interval_monotone, interval_roots):
         monkeypatch.setattr(module, "margin", lambda b, v, error, tiny: b.const(0))
     program, _ = single(operation)
     wrong, _ = escapes(program, np.random.default_rng(4), 120, size=1e-3, backend="numpy")

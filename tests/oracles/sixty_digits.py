@@ -111,6 +111,8 @@ MEANINGS = {
     "sin": mpmath.sin,
     "cos": mpmath.cos,
     "exp": mpmath.exp,
+    "erf": mpmath.erf,
+    "softplus": lambda u: max(u, 0) + mpmath.log1p(mpmath.exp(-abs(u))),
     "log": lambda u: mpmath.log(u) if u > 0 else None,
     "atan2": lambda u, v: mpmath.atan2(u, v) if u or v else mpf(0),
     "r0_conjunction": lambda f, g: f + g - _root(f, g),

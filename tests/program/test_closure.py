@@ -5,6 +5,7 @@ is red and not only slow or weak.
 """
 
 import itertools
+from dataclasses import MISSING, fields, replace
 from fractions import Fraction
 
 import numpy as np
@@ -23,14 +24,14 @@ from rsym.bounds import ball_domains, far_forms
 from rsym.bounds.ball_series import SeriesFunction, arb, truncated
 from rsym.bounds.balls import BallFunction
 from rsym.bounds.intervals import IntervalFunction
-from rsym.bounds.mean_values import SMOOTH
-from rsym.program import definedness, jumps
+from rsym.program import jumps
 from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative
 from rsym.program.expansion import expand
 from rsym.program.lowering import LOWERINGS
 from rsym.program.one_sided import gradient_of_one_side
-from rsym.program.operations import OPERATIONS
+from rsym.program.operations import OPERATIONS, SMOOTH
+from rsym.program.row import Operation
 from rsym.verify.domains import is_defined
 from rsym.verify.generators import is_analytic_at
 from rsym.verify.local import Model
@@ -49,17 +50,48 @@ SQUARES = {"trimming": 0, "normalised": 1}  # arguments that are sums of squares
 
 # Refusals.
 NO_SERIES = {
-    *("sign", "min", "max", "select", "undefined", "gap", "trimming"),  # not analytic, or never asked for
+    *(
+        "erf",
+        "softplus",
+        "sign",
+        "min",
+        "max",
+        "select",
+        "undefined",
+        "gap",
+        "trimming",
+    ),  # not analytic, or never asked for
     *("r0_conjunction", "r0_disjunction", "versine", "absolute_power", "signed_power"),
     *("r_alpha_conjunction", "r_alpha_disjunction", "r0m_conjunction", "r0m_disjunction", "r0m_partial", "monomial"),
     *("norm", "rp_conjunction", "rp_disjunction", "rp_versine", "equivalence", "joining"),
 }
-NO_MEAN_VALUE = {"sign", "select", "atan2", "undefined"}  # jumps
-NO_MEAN_VALUE |= {"pow", "versine", "gap", *PARAMETERS}  # left out: bounds are wider than they need be
-NEVER_ANALYTIC = {"undefined", "zero_with"}
-NO_DEGREE = {"const", "undefined", "sign", "sin", "cos", "exp", "log", "pow", "atan2", "versine", "r0m_partial"}
+JUMPS = {"sign", "select", "atan2"}
+SWITCHED = {"abs", "sign", "min", "max", "select"}
+NO_MEAN_VALUE = {*JUMPS, "undefined"}
+UNBOUNDED = {"trimming", "r0m_partial", "monomial", "rp_versine"}  # where a choice below them is on its border
+EVEN = {"norm", "rp_conjunction", "rp_disjunction", "equivalence"}
+FREE = {"monomial", "absolute_power", "signed_power"}  # the parameter may be any number
+LINEAR = {"add", "neg", "select", "zero_with"}
+SIGNED = {"mul", "div", "neg", "powi", "atan2", "monomial", "zero_with"}  # have rules of their own
+MONOTONE = {"min", "max", "sign", "exp", "erf", "softplus", "gap", "trimming", "norm", "joining"}
+MONOTONE |= {f"{system}_{word}" for system in ("r0", "r_alpha", "rp") for word in ("conjunction", "disjunction")}
+NEVER_ANALYTIC = {"undefined"}
+NO_DEGREE = {
+    "const",
+    "input",
+    "undefined",
+    "sign",
+    "sin",
+    "cos",
+    "exp",
+    "log",
+    "pow",
+    "atan2",
+    "versine",
+    "r0m_partial",
+}
 NO_DEGREE |= {"r0m_conjunction", "r0m_disjunction", "monomial", "rp_versine", "absolute_power", "signed_power"}
-NO_DEGREE |= {"trimming"}  # takes the square of the trimmed function, which has another degree
+NO_DEGREE |= {"erf", "softplus", "trimming"}  # takes the square of the trimmed function, which has another degree
 
 
 def single(operation, letter=False):
@@ -106,15 +138,15 @@ def backends(operation):
 
 def plain_route(operation):
     """What `rsym.lambdify` prints."""
-    if OPERATIONS[operation].arity == 0:
+    if operation in {"const", "input"}:
         return
     symbols = [sp.Symbol(name, real=True) for name in NAMES]
     _, _, count = single(operation)
     given = [*symbols[:count], *([sp.Rational(PARAMETERS[operation])] if operation in PARAMETERS else [])]
     formula = plain._formula(operation, given, DATA.get(operation))
     points = safe()
-    got = sp.lambdify(symbols, formula, "numpy")(*points.T)
-    assert np.allclose(got, values(operation, points), rtol=1e-9, atol=0)
+    got = sp.lambdify(symbols, formula, [plain._MISSING, "numpy"])(*points.T)
+    assert np.allclose(got, values(operation, points), rtol=1e-9, atol=0, equal_nan=True)
 
 
 def derivatives(operation):
@@ -173,19 +205,122 @@ def mean_values(operation):
     assert (operation in SMOOTH) != (operation in NO_MEAN_VALUE)
 
 
-def totality(operation):
-    """What is said to be defined everywhere is; what passes NaN on does."""
-    if operation in {"const", "input"}:
-        return
-    points = grid(operation)
-    undefined = bool(np.isnan(values(operation, points)).any())
-    assert not (operation in definedness._TOTAL and undefined)
+def strictness(operation):
+    """NaN is passed on, or it is not."""
     count = single(operation)[2]
-    for k in range(count):
-        spoilt = points.copy()
-        spoilt[:, k] = np.nan
-        passes = bool(np.isnan(values(operation, spoilt)).all())
-        assert passes or operation not in definedness._STRICT
+    spoilt = [grid(operation) for _ in range(count)]
+    for k, points in enumerate(spoilt):
+        points[:, k] = np.nan
+    passes = count > 0 and all(bool(np.isnan(values(operation, points)).all()) for points in spoilt)
+    assert OPERATIONS[operation].strict == (passes and operation not in {"monomial", "absolute_power"})  # NaN**0 is 1
+
+
+def signs_and_symmetries(operation):
+    """What a row says of signs, symmetries and degrees is true on a grid, and what is true is said."""
+    row, points, count = OPERATIONS[operation], grid(operation), single(operation)[2]
+    if count == 0:
+        return
+    known = values(operation, points)
+    assert row.nonnegative == bool((known[~np.isnan(known)] >= 0).all())
+    # Linear operations have rules of their own.
+    doubled = values(operation, points * 2)
+    assert row.homogeneous == (operation not in LINEAR and np.allclose(doubled, 2 * known, equal_nan=True))
+    mirrored = values(operation, points * [-1, 1, 1, 1])
+    if operation not in SIGNED and SQUARES.get(operation) != 0:
+        for sign, parity in ((1, "even"), (-1, "odd")):
+            assert (row.parity == parity) == np.allclose(mirrored, sign * known, equal_nan=True)
+    if count > 1:
+        exchanged = values(operation, points[:, [1, 0, 2, 3]]) if operation not in SQUARES else np.nan
+        assert row.symmetric == np.allclose(exchanged, known, equal_nan=True)
+        inside = {"and": points[:, :2].min(axis=1), "or": points[:, :2].max(axis=1)}
+        found = [word for word, truth in inside.items() if (np.sign(truth) == np.sign(known)).all()]
+        assert [row.logic] == (found or [""])
+
+
+def zeros(operation):
+    """By the signs of its arguments an operation is zero exactly where its row says."""
+    points, count = grid(operation), single(operation)[2]
+    if operation in {"monomial", "select"}:  # by its exponents; by what it chooses
+        return
+    known = values(operation, points)
+    said = OPERATIONS[operation].zeros
+    for signs in itertools.product((0, 1, -1), repeat=count):
+        here = (np.sign(points[:, :count]) == signs).all(axis=1)
+        if here.any() and not (operation == "atan2" and not any(signs)):  # its jump
+            fits = [
+                all(c == "*" or {"0": 0, "+": 1, "-": -1}[c] == s for c, s in zip(w, (*signs, 1), strict=False))
+                for w in said
+            ]
+            assert any(fits) == bool((known[here] == 0).all()), signs
+
+
+def growth(operation):
+    """What a row says of growth is true, and what is bounded by two corners is said."""
+    row, count = OPERATIONS[operation], single(operation)[2]
+    assert bool(row.grows) == (operation in MONOTONE)
+    points = grid(operation)
+    for k, way in enumerate(row.grows[:count]):
+        own = np.abs(points) if way == "|+|" else points
+        step = np.zeros(4)
+        step[k] = 0.125
+        if way == "|+|" or (operation in SQUARES and SQUARES[operation] == k):
+            step = step * np.where(points >= 0, 1, -1)
+        change = values(operation, points + step) - values(operation, points)
+        change = change[~np.isnan(change)]
+        assert own.shape == points.shape
+        assert (change <= 1e-12).all() if way == "-" else (change >= -1e-12).all()
+    if len(row.grows) > count:  # the parameter
+        builder, node, _ = made = single(operation, letter=True)
+        slope = [
+            np.broadcast_to(
+                interpret(
+                    builder.program({"value": node}),
+                    {**dict(zip(NAMES, points.T, strict=True)), "parameter": float(PARAMETERS[operation]) + shift},
+                )["value"],
+                len(points),
+            )
+            for shift in (0.0, 0.125)
+        ]
+        change = slope[1] - slope[0]
+        assert len(made) == 3
+        assert (change <= 1e-12).all() if row.grows[-1] == "-" else (change >= -1e-12).all()
+    if row.at is not None:
+        operands = [arb(value) for value in (1.0, 1.75, 2.5)[:count]]
+        operands += [arb(float(PARAMETERS[operation]))] if operation in PARAMETERS else []
+        assert float(row.at(*operands)) == pytest.approx(values(operation, np.array([[1.0, 1.75, 2.5, 1.0]]))[0])
+
+
+def parameters(operation):
+    """Where the meaning of a parameter ends; beyond it there is no value, and no claim."""
+    legal = OPERATIONS[operation].parameter
+    assert (legal is not None) == (operation in PARAMETERS and operation not in FREE)
+    if legal is None:
+        return
+    node = single(operation, letter=True)[:2]
+    for value in (-3.0, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0):
+        inputs = {"u0": 1.0, "u1": 1.75, "parameter": value}
+        undefined = np.isnan(interpret(node[0].program({"value": node[1]}), inputs)["value"])
+        assert not (undefined and legal.holds(value))
+        assert not (not undefined and legal.excludes(value) and operation not in {"norm", "rp_versine"})
+    if operation in ("r_alpha_conjunction", "r_alpha_disjunction"):  # min and max at the end of the range
+        assert not OPERATIONS[operation].analytic_parameter.holds(1)
+
+
+def edges_of_domains(operation):
+    """Poles of powers, kinks on the axes that an even parameter smooths, and what branches or jumps."""
+    row = OPERATIONS[operation]
+    assert (row.branching, row.jumping) == (operation in SWITCHED, operation in JUMPS)
+    assert (row.analytic_even is not None) == (operation in EVEN)
+    if operation in {"absolute_power", "signed_power"}:
+        assert not ball_domains.is_defined(operation, arb(0, 1), arb(-1))
+        assert ball_domains.is_defined(operation, arb(0, 1), arb(1))
+    if operation == "trimming":
+        assert not ball_domains.is_defined(operation, arb(-1), arb(1))
+    if operation == "monomial":
+        assert not ball_domains.is_defined(operation, arb(0), arb(0), arb(1))
+    if operation in EVEN:
+        clauses = [{(test.kind, test.place) for test in clause} for clause in row.analytic_even]
+        assert clauses == [{("nonzero", 0), ("nonzero", 1)}]
 
 
 def local_at(operation, low, high):
@@ -219,27 +354,28 @@ def domains(operation):
         if np.isnan(values_there[0]):
             operands = [arb(value) for value in point[: single(operation)[2]]]
             operands += [arb(float(PARAMETERS[operation]))] if operation in PARAMETERS else []
-            tests = ball_domains.TESTS
-            assert operation in tests
-            assert not tests[operation](*operands)
+            assert not ball_domains.is_defined(operation, *operands)
 
 
 def choices(operation):
     """The companion of a jumping argument is a bound; without one there is no jump but at choices."""
     builder, node, count = single(operation)
     smooth = jumps.Jumps(builder)[node]
-    assert (builder.value(smooth) == 0) == (operation not in jumps.SWITCHES)
+    assert (builder.value(smooth) == 0) == (operation not in JUMPS)
     if count == 0:
         return
     jumping = builder.make("sign", builder.add(builder.input("u0"), builder.const(-1)))  # 1 on one side of u0 = 1
     raised = builder.add(jumping, builder.const(3))
     arguments = [raised, *builder.nodes[node].arguments[1:]]
+    if operation == "pow":
+        arguments[1] = builder.const(Fraction(17, 10))
     other = builder.make(operation, *arguments, data=DATA.get(operation))
     companion = jumps.Jumps(builder)[other]
     ones = np.ones((1, 4)) * [1.0, 1.7, 2.4, 3.1]
     bound = values(operation, ones, companion, (builder, node, count))[0]
     sides = [values(operation, np.array([[value, 1.7, 2.4, 3.1]]))[0] for value in (2.0, 3.0, 4.0)]
     if operation != "undefined":
+        assert np.isfinite(bound) == (operation not in UNBOUNDED)
         assert bound >= max(abs(sides[0] - sides[1]), abs(sides[2] - sides[1])) * (1 - 1e-12)
 
 
@@ -250,7 +386,7 @@ def far_form(operation):
     builder, node, _count = single(operation)
     forms = far_forms.FarForms(builder)
     far = forms[node]
-    assert (far.degree == 0 and operation in NO_DEGREE) or operation not in NO_DEGREE
+    assert (OPERATIONS[operation].far is None) == (operation in NO_DEGREE)
     points, size = grid(operation), 8.0
     inputs = dict(zip(NAMES, size * points.T, strict=True))
     inputs |= {far_forms.direction_of(name): column for name, column in zip(NAMES, points.T, strict=True)}
@@ -263,9 +399,34 @@ def far_form(operation):
         assert np.allclose(got[known] * size**far.degree, expected[known], rtol=1e-9)
 
 
+CELLS = {
+    "expansion": backends,
+    "texts": backends,
+    "derivative": derivatives,
+    "jump": choices,
+    "far": far_form,
+    "formula": plain_route,
+    "grows": growth,
+    "at": balls,
+    "rounding": intervals,
+    "domain": domains,
+    "parameter": parameters,
+    "analytic_parameter": parameters,
+    "analytic": domains,
+    "analytic_even": edges_of_domains,
+    "strict": strictness,
+    "nonnegative": signs_and_symmetries,
+    "symmetric": signs_and_symmetries,
+    "homogeneous": signs_and_symmetries,
+    "parity": signs_and_symmetries,
+    "branching": edges_of_domains,
+    "jumping": edges_of_domains,
+    "logic": signs_and_symmetries,
+    "zeros": zeros,
+}
 CHECKS = (
     *(backends, plain_route, derivatives, intervals, balls, taylor_series, mean_values),
-    *(totality, domains, choices, far_form),
+    *(strictness, signs_and_symmetries, zeros, growth, parameters, edges_of_domains, domains, choices, far_form),
 )
 
 
@@ -278,3 +439,37 @@ def test_every_facility_answers_for_every_operation(operation, check):
 def test_a_form_without_promise_is_not_lowered():
     """What a program can hold, contracts know: and lint, which asks them."""
     assert set(LOWERINGS) <= set(PROMISES)
+
+
+def filled():
+    """The cells that say something."""
+    for name, row in OPERATIONS.items():
+        for cell in fields(row):
+            if cell.name in CELLS and getattr(row, cell.name) != default_of(cell):
+                yield name, cell.name
+
+
+def default_of(cell):
+    return cell.default if cell.default is not MISSING else cell.default_factory()
+
+
+def test_every_cell_has_a_check():
+    assert {cell.name for cell in fields(Operation)} == {"arity", "meaning", *CELLS}
+
+
+@pytest.mark.parametrize(("operation", "cell"), list(filled()))
+def test_a_cell_that_is_deleted_turns_the_closure_red(operation, cell, monkeypatch):
+    """Red proof."""
+    row = OPERATIONS[operation]
+    default = next(default_of(one) for one in fields(row) if one.name == cell)
+    monkeypatch.setitem(OPERATIONS, operation, replace(row, **{cell: default}))
+    checks = dict.fromkeys((CELLS[cell], edges_of_domains, signs_and_symmetries, domains))
+    assert any(fails(check, operation) for check in checks)
+
+
+def fails(check, operation):
+    try:
+        check(operation)
+    except (AssertionError, AttributeError, LookupError, TypeError):
+        return True
+    return False

@@ -8,6 +8,7 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import R0, R1, R0m, RAlpha, Rp, Shape, equivalence, joining, trimming, x, y
+from rsym.model.functions import Softplus
 from rsym.model.nodes import ZeroWith
 from rsym.program.differentiation import RULES
 from rsym.program.fields import program_of
@@ -26,6 +27,8 @@ CASES = {
     "select": sp.Piecewise((x**2 * y, x > y), (sp.sin(x) * y, x < -1), (x**3, True)),
     "sin cos": sp.sin(x * y) * sp.cos(x - y**2),
     "exp log": sp.exp(-x * y) * sp.log(x + y**2 + 3),
+    "erf": sp.erf(x * y - 1) * x,
+    "softplus r": Softplus(x * y - y),
     "atan2": sp.atan2(x * y + 3, x - y),
     "tan tanh": sp.tan(x / 3) * sp.tanh(y) + sp.sinh(x) * sp.cosh(y),
     "asin acos atan": sp.asin(x / 4) * sp.acos(y / 4) + sp.atan(x * y),

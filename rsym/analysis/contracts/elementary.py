@@ -13,6 +13,7 @@ from sympy.core.relational import Relational
 from rsym.analysis.contracts import ends
 from rsym.analysis.contracts.promises import Ends, Promise, Signs, Singularity, weakest
 from rsym.analysis.contracts.squares import squares_of
+from rsym.model.functions import FUNCTIONS, Function
 from rsym.model.nodes import Ahead, Held, ZeroWith
 from rsym.model.powers import AbsolutePower, SignedPower
 
@@ -236,7 +237,12 @@ def _plain(function: Callable[..., sp.Expr]) -> Callable[..., sp.Expr]:
     return partial(function, evaluate=False)
 
 
-_SIGN = "the sign of the operand"
+def growing(row: Function) -> Rule:
+    """An entire function that grows everywhere."""
+    law = "the sign of the operand" if row.sign == "odd" else row.sign
+    return _entire(ends.rising(_plain(row.kind)), row.grows, law, 1 if row.sign == "positive" else None)
+
+
 ELEMENTARY: dict[type[sp.Basic], Rule] = {
     sp.Add: _sum,
     sp.Mul: _product,
@@ -253,10 +259,8 @@ ELEMENTARY: dict[type[sp.Basic], Rule] = {
     ZeroWith: _zero_with,
     sp.sin: _entire(lambda u: ends.turned(u, -sp.pi / 2), None),
     sp.cos: _entire(lambda u: ends.turned(u, sp.S.Zero), None),
-    sp.sinh: _entire(ends.rising(_plain(sp.sinh)), 1, _SIGN),
-    sp.tanh: _entire(ends.rising(_plain(sp.tanh)), 1, _SIGN),
+    **{row.kind: growing(row) for row in FUNCTIONS.values() if row.entire and row.grows and row.kind is not sp.exp},
     sp.cosh: _entire(lambda u: ends.rising(_plain(sp.cosh))(ends.size(u)), None, "positive", 1),
-    sp.atan: _entire(ends.rising(_plain(sp.atan)), 1, _SIGN),
     sp.tan: _lost_where(lambda u: (sp.cos(u),), -1, ends.tangent),
     sp.cot: _lost_where(lambda u: (sp.sin(u),), -1, lambda u: (sp.nan, sp.nan)),
     sp.log: _lost_where(lambda u: (u,), -1, ends.rising(_plain(sp.log)), (1,), "logarithm"),

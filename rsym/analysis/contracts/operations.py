@@ -196,6 +196,12 @@ def _alpha_order(parameter: sp.Expr | None) -> Order:
     return math.inf if parameter == 1 else 1
 
 
+def declared(part: rnodes.ROperation, least: Least) -> Promise:
+    """The promise of an operation whose class says what order it keeps."""
+    kept = part.kept or 0
+    return _operation(lambda parameter: kept, _corner)(part, least)
+
+
 OPERATIONS: dict[type[sp.Basic], Rule] = {
     **dict.fromkeys((rnodes.R0Conjunction, rnodes.R0Disjunction), _operation(_first, _corner)),
     **dict.fromkeys((rnodes.R1Conjunction, rnodes.R1Disjunction), _operation(_exact, _tie)),

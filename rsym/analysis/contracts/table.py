@@ -11,7 +11,7 @@ import sympy as sp
 
 from rsym.analysis.contracts import ends
 from rsym.analysis.contracts.elementary import ELEMENTARY, Least, Rule
-from rsym.analysis.contracts.operations import OPERATIONS, pairs
+from rsym.analysis.contracts.operations import OPERATIONS, declared, pairs
 from rsym.analysis.contracts.promises import Ends, Promise, Signs, Singularity, weakest
 from rsym.errors import RsymError
 from rsym.model.blends.displacement import BoundedDisplacement
@@ -25,6 +25,7 @@ from rsym.model.blends.rho import (
 from rsym.model.blends.sardf import SardfConjunction, SardfDisjunction, SardfOperation
 from rsym.model.choices import Choice
 from rsym.model.nodes import written_out
+from rsym.model.rnodes import ROperation
 from rsym.model.symmetry.waves import SawtoothWave, TriangleWave, Wave
 from rsym.model.traversal import with_operands
 
@@ -161,6 +162,8 @@ def promise(part: sp.Expr, least: Least = number_itself) -> Promise:
     if not part.args:
         return Promise(())
     rule = PROMISES.get(type(part))
+    if rule is None and isinstance(part, ROperation) and part.kept is not None:
+        rule = declared
     if rule is not None:
         return rule(part, least)
     raise RsymError(

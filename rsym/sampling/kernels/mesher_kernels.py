@@ -153,7 +153,8 @@ class MesherKernels:
         program = form.builder.program({f"{k}": node for k, (_, node) in enumerate(form.parameters)})
         values = interpret(program, letters)
         for k, (operation, _) in enumerate(form.parameters):
-            if np.isnan(OPERATIONS[operation].meaning(1.0, 2.0, values[f"{k}"])):
+            legal = OPERATIONS[operation].parameter
+            if legal is not None and not legal.holds(values[f"{k}"]):
                 raise RsymError(
                     f"a parameter of {operation} is {float(values[f'{k}'])}, out of its range",
                     code="parameter",

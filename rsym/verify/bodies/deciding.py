@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 
 from rsym.bounds.balls import arb, exact
 from rsym.program.builder import Builder
+from rsym.program.operations import BRANCHING, ENTIRE
 from rsym.program.program import live
 from rsym.verify.bodies.boxes import at, grown, reach_from
 from rsym.verify.bodies.images import Boxes, Flags, Images
 from rsym.verify.bodies.independence import apart, independent
 from rsym.verify.classes import CURVED
 from rsym.verify.domains import switch_of
-from rsym.verify.generators import BRANCHING, ENTIRE, generators
+from rsym.verify.generators import generators
 from rsym.verify.joints import Meeting, meeting
 from rsym.verify.local import Local, Model
 from rsym.verify.locus import Locus

@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS, Signed, postorder, stripped
+from rsym.logic.sign_form import Signed, postorder, stripped
 from rsym.program.builder import Builder
+from rsym.program.operations import CONJUNCTIONS, LOGICAL
 from rsym.verify.bodies.formation import Formation, Gate
 from rsym.verify.bodies.relations import Relations
 from rsym.verify.local import Model
@@ -140,7 +141,7 @@ class _Place(NamedTuple):
 
 def _operands(builder: Builder, part: Signed, legal: Callable[[int], bool]) -> Sequence[Signed]:
     operation, arguments, _ = builder.nodes[part.number]
-    if operation in CONJUNCTIONS | DISJUNCTIONS and legal(part.number):
+    if operation in LOGICAL and legal(part.number):
         return [stripped(builder, argument, part.sign) for argument in arguments[:2]]
     if operation == "select":
         return [stripped(builder, argument, part.sign) for argument in arguments[2:]]

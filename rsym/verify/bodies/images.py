@@ -18,11 +18,13 @@ from rsym.bounds.interval_arithmetic import neighbours
 from rsym.bounds.intervals import IntervalFunction
 from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative
+from rsym.program.operations import OPERATIONS, POWERS
 from rsym.program.program import Node, assemble, live
+from rsym.program.row import SELF, SWITCH
 from rsym.verify.bodies.centred import Centred
 from rsym.verify.bodies.formation import Formation
 from rsym.verify.domains import switch_of
-from rsym.verify.generators import ENTIRE, JOINT, NORMS
+from rsym.verify.generators import analytic_clauses
 from rsym.verify.local import Interval, Model
 
 Array: TypeAlias = NDArray[np.float64]
@@ -69,32 +71,18 @@ def conditions(builder: Builder, number: int) -> list[tuple[Condition, ...]] | N
 
 
 def _tests(builder: Builder, part: int) -> list[tuple[Condition, ...]] | None:
+    clauses = analytic_clauses(builder, part)
+    if clauses is None or not is_legal(builder, part, analytic=True):
+        return None
+    return [tuple(_condition(builder, part, *test) for test in clause) for clause in clauses]
+
+
+def _condition(builder: Builder, part: int, kind: str, place: int) -> Condition:
     operation, arguments, _ = builder.nodes[part]
-    if operation in ENTIRE:
-        return []
-    if operation in {"abs", "sign", "min", "max", "select"}:
-        return [(Condition(switch_of(builder, part)),)]
-    if operation == "div":
-        return [(Condition(arguments[1]),)]
-    if operation in {"sqrt", "log", "pow"}:
-        return [(Condition(arguments[0], True),)]
-    if operation in {"absolute_power", "signed_power"}:
-        exponent = builder.value(arguments[1])
-        return [(Condition(arguments[0], order=0.0 if exponent is None else max(0.0, float(exponent))),)]
-    if operation == "trimming":
-        return [(Condition(part, True),)]
-    if operation in {"normalised", "atan2"}:
-        return [(Condition(arguments[0]), Condition(arguments[1], True))]
-    if operation in JOINT or operation == "monomial" or operation in {"r_alpha_conjunction", "r_alpha_disjunction"}:
-        either = (Condition(arguments[0]), Condition(arguments[1]))
-        return [either] if is_legal(builder, part) else None
-    if operation in NORMS and is_legal(builder, part):
-        order = builder.value(arguments[2])
-        even = order is not None and order.denominator == 1 and order % 2 == 0
-        if even and operation not in {"joining", "rp_versine"}:
-            return [(Condition(arguments[0]), Condition(arguments[1]))]
-        return [(Condition(arguments[0]),), (Condition(arguments[1]),)]
-    return None
+    node = part if place == SELF else switch_of(builder, part) if place == SWITCH else arguments[place]
+    exponent = builder.value(arguments[1]) if operation in POWERS else None
+    order = 0.0 if exponent is None else max(0.0, float(exponent))
+    return Condition(node, kind == "positive", order)
 
 
 def _is_root(builder: Builder, node: Node) -> bool:
@@ -103,17 +91,15 @@ def _is_root(builder: Builder, node: Node) -> bool:
     return node.operation in {"sqrt", "log"} or (exponent is not None and exponent.denominator > 1)
 
 
-def is_legal(builder: Builder, part: int) -> bool:
-    """Whether the parameter of an R-operation is a number in its range."""
+def is_legal(builder: Builder, part: int, *, analytic: bool = False) -> bool:
+    """Whether the parameter of an operation is a number in its range, or in that where the operation is analytic."""
     operation, arguments, _ = builder.nodes[part]
-    if len(arguments) == 2:
+    row = OPERATIONS[operation]
+    legal = row.analytic_parameter if analytic and row.analytic_parameter is not None else row.parameter
+    if legal is None:
         return True
-    value = builder.value(arguments[2])
-    if value is None:
-        return False
-    if operation.startswith("r_alpha"):
-        return -1 < value < 1
-    return value > 1 if operation.startswith("rp") else value >= 1
+    value = builder.value(arguments[-1])
+    return value is not None and legal.holds(value)
 
 
 class Images:

@@ -11,13 +11,13 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.program.operations import CONJUNCTIONS, LOGICAL, SYMMETRIC, those
 from rsym.verify.local import Model
 
 Signed = tuple[int, int]  # the number of a form and a sign
-_EVEN = frozenset({"abs", "cos", "absolute_power"})
-_ODD = frozenset({"sin", "sign", "signed_power"})
-_COMMUTATIVE = (CONJUNCTIONS | DISJUNCTIONS | {"norm"}) - {"min", "max"}
+_EVEN = those(lambda row: row.parity == "even" and not row.symmetric)
+_ODD = those(lambda row: row.parity == "odd" and not row.symmetric)
+_SIGNED = _EVEN | _ODD | {"mul", "div", "powi"}
 
 
 class Likeness:
@@ -62,7 +62,7 @@ class Likeness:
             operation, arguments, _ = model.builder.nodes[part]
             if operation == "neg":
                 inner = [(arguments[0], -sign)]
-            elif operation in CONJUNCTIONS | DISJUNCTIONS:
+            elif operation in LOGICAL:
                 inner = [(argument, sign) for argument in arguments[:2]]
             else:
                 inner = []
@@ -99,11 +99,11 @@ class Likeness:
             return inner[0][0], -inner[0][1]
         if operation == "add":
             return self._sum(inner)
-        if operation in {"mul", "div", "powi"} or operation in _EVEN | _ODD:
+        if operation in _SIGNED:
             return self._product(operation, data, inner)
         if operation in {"min", "max"}:
             return self._number((operation, frozenset(self._members(operation, inner)))), 1
-        if operation in _COMMUTATIVE:
+        if operation in SYMMETRIC:
             return self._number((operation, data, tuple(sorted(inner[:2])), tuple(inner[2:]))), 1
         return self._number((operation, data, tuple(inner))), 1
 

@@ -7,19 +7,18 @@ a - |u| = min(a - u, a + u).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from dataclasses import dataclass
 from functools import partial
 
-from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
+from rsym.program.operations import CONJUNCTIONS, DISJUNCTIONS, PARTIAL
 from rsym.verify.bodies.formulas import Formula, Gate, Literal, as_gate, essential, gate, leaves_of, replaced
-from rsym.verify.domains import PARTIAL, is_defined, is_defined_itself, is_legal
+from rsym.verify.domains import is_defined, is_defined_itself, is_legal
 from rsym.verify.generators import bare, factor, generators
 from rsym.verify.local import Local
 from rsym.verify.locus import NONE, Locus, chosen, reduce
 from rsym.verify.polynomials import same_zeros
 
-RESTRICTED = PARTIAL - {"min", "max", "select"}  # operations that are undefined for some arguments
 MOST = 12  # leaves: a box with more of them is divided
 FEW = 6  # leaves of which all 3^6 combinations of signs are tried
 
@@ -67,7 +66,7 @@ def sheets(local: Local, number: int) -> Sheets | None:
 def _drops_undefined(local: Local, number: int, leaves: tuple[int, ...]) -> bool:
     """Whether a part that no leaf keeps may be undefined on the box: there the node has no boundary either."""
     nodes = local.model.builder.nodes
-    if not any(nodes[part].operation in RESTRICTED for part in local.model.order(number)):
+    if not any(nodes[part].operation in PARTIAL for part in local.model.order(number)):
         return False
     kept = {part for leaf in leaves for part in local.model.order(leaf)}
     stack, seen = [number], set(kept)
@@ -161,7 +160,7 @@ def _drops(local: Local, number: int) -> bool:
     return local.nonzero(number) and is_defined(local, number)
 
 
-def _joined(local: Local, number: int, kind: frozenset[str], word: str, origins: dict[int, int]) -> Formula | None:
+def _joined(local: Local, number: int, kind: Set[str], word: str, origins: dict[int, int]) -> Formula | None:
     """The operands of a chain of one kind of operation; a known sign that absorbs the others settles it."""
     nodes, operands, stack = local.model.builder.nodes, [], [number]
     while stack:

@@ -11,14 +11,13 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.logic.sign_form import CONJUNCTIONS, DISJUNCTIONS
 from rsym.program.builder import Builder
+from rsym.program.operations import BRANCHING, CONJUNCTIONS, LOGICAL
 from rsym.program.program import live
 from rsym.verify.bodies.images import Boxes, Images, is_legal
 from rsym.verify.domains import switch_of
 from rsym.verify.resolution import remade
 
-BRANCHING = frozenset({"abs", "sign", "min", "max", "select"})
 RARE = 1 / 64  # of the boxes: for fewer another function is not worth its compilation
 
 
@@ -67,7 +66,7 @@ def _tests(builder: Builder, node: int) -> Iterator[int]:
         operation, arguments, _ = builder.nodes[part]
         if operation in BRANCHING:
             tests[switch_of(builder, part)] = None
-        elif operation in CONJUNCTIONS | DISJUNCTIONS and is_legal(builder, part):
+        elif operation in LOGICAL and is_legal(builder, part):
             tests |= dict.fromkeys(arguments[:2])
         if part not in outer or operation == "add":
             continue
@@ -95,7 +94,7 @@ def _simple(builder: Builder, node: int, known: Mapping[int, int]) -> int:
         elif operation == "mul" and (arguments[0] in signs or arguments[1] in signs):
             factor, other = arguments if arguments[0] in signs else arguments[::-1]
             number, sign = other, sign * signs[factor]
-        elif operation in CONJUNCTIONS | DISJUNCTIONS and is_legal(builder, number):
+        elif operation in LOGICAL and is_legal(builder, number):
             idle = 1 if operation in CONJUNCTIONS else -1
             left = [other for one, other in (arguments[:2], arguments[1::-1]) if signs.get(one) == idle]
             if not left:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import sympy as sp
 
+from rsym.model.functions import FUNCTIONS
 from rsym.model.traversal import postorder
 from rsym.verify.lint.functions import Array
 
@@ -17,7 +18,7 @@ FLAT = 0.1
 MUCH = 1 / 3  # of the bounds
 MOST_TERMS = 40
 
-_BOUNDED = (sp.exp, sp.tanh, sp.atan, sp.acot, sp.erf)
+_BOUNDED = tuple(row.kind for row in FUNCTIONS.values() if row.levels)
 
 
 def level(values: Array, slopes: Array, slope: float) -> tuple[float, float]:

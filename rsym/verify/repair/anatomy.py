@@ -18,11 +18,12 @@ from rsym.model.rnodes import ROperation
 from rsym.model.shape import Shape
 from rsym.model.traversal import postorder
 from rsym.program.lowering import lower
+from rsym.program.operations import CHOOSING
 from rsym.program.program import live
 from rsym.sampling.lattice import bounds_of
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.bodies.singular import SingularCurve, SingularPoint
-from rsym.verify.generators import BRANCHING, is_analytic_at
+from rsym.verify.generators import is_analytic_at
 from rsym.verify.local import Local, Model
 from rsym.verify.locus import chosen
 from rsym.verify.report import Joint, SmoothnessReport
@@ -90,7 +91,7 @@ class Anatomy:
                 continue
             seen.add(number)
             operation, arguments, _ = self.model.builder.nodes[number]
-            if operation in BRANCHING - {"sign"} and (branch := chosen(local, number)) is not None:
+            if operation in CHOOSING and (branch := chosen(local, number)) is not None:
                 stack.append(branch[0])
                 continue
             stack.extend(arguments)
