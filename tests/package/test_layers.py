@@ -101,10 +101,7 @@ NAMED_TWICE = """\
 """
 # Rooms whose docstring does not name their files yet; none is added.
 WITHOUT_A_MAP = """\
-    backends
-    bounds
     logic
-    program
     verify
     verify/bodies
 """
