@@ -55,12 +55,8 @@ def features_dxf(features: Sequence[Feature | SingularCurve], unit: str, scale: 
 
 
 def _layer_of(names: Sequence[str]) -> str:
-    return "-".join(_layer_part(name) for name in names if name) or "CURVES"
-
-
-def _layer_part(name: str) -> str:
-    """What release 12 allows, and short enough for two in the 31 characters of a layer."""
-    return re.sub(r"[^A-Z0-9]+", "_", name.upper())[:15]
+    """What release 12 allows in a name, and short enough for two in the 31 characters of a layer."""
+    return "-".join(re.sub(r"[^A-Z0-9]+", "_", name.upper())[:15] for name in names if name) or "CURVES"
 
 
 def _document(lines: Sequence[tuple[str, Floats]], unit: str, *, flat: bool) -> bytes:

@@ -143,7 +143,8 @@ def curvature_norm(reports: Sequence[FairnessReport], limits: tuple[float, float
 
 def draw_curvature(ax: Axes, report: FairnessReport, norm: Normalize, *, numbered: bool = True) -> LineCollection:
     """The boundary coloured by its curvature, extrema and inflections as marks; fit for a colour bar."""
-    points = [line for one in report.profiles for line in _both_halves(report, one.points)]
+    halves = ([1.0, 1.0],) if report.kind == "curve" else ([1.0, 1.0], [1.0, -1.0])
+    points = [one.points * half for one in report.profiles for half in halves]
     values = [one.curvature[:, 0] for one in report.profiles for _ in range(1 if report.kind == "curve" else 2)]
     segments = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in points])
     means = np.concatenate([(value[1:] + value[:-1]) / 2 for value in values])
@@ -156,10 +157,6 @@ def draw_curvature(ax: Axes, report: FairnessReport, norm: Normalize, *, numbere
     _mark_defects(ax, report)
     _dress(ax, report, low, high)
     return lines
-
-
-def _both_halves(report: FairnessReport, points: Floats) -> list[Floats]:
-    return [points] if report.kind == "curve" else [points, points * [1.0, -1.0]]
 
 
 def _mark_curve(ax: Axes, report: FairnessReport, reach: float, numbered: bool) -> None:

@@ -95,7 +95,10 @@ def mark_curves(
     [('dihedral angle in degrees', (60.0, 90.0, 120.0))]
     """
     known = [*(one for one in curves if isinstance(one, SingularCurve)), *_edges(curves)]
-    bars = {"angle": _angle_bar(angles or angle_limits(known)), "jump": _jump_bar(jumps or jump_limits(known))}
+    bars = {
+        "angle": _angle_bar(angles or angle_limits(known)),
+        "jump": Bar(_scale("jump", jumps or jump_limits(known)), "jump of normal curvature, dashed", "neither"),
+    }
     known, places = [one for one in known if len(one.points) > 1], [one for one in known if len(one.points) == 1]
     width, hidden = (THIN, 0.0) if len(known) > MANY else (1.0, HIDDEN)
     drawn, handles, used = [], list[Artist](), list[Bar]()
@@ -230,10 +233,6 @@ def _angle_bar(limits: Limits) -> Bar:
     low, high = (math.ceil(end / ROUND) for end in limits)
     ticks = tuple(ROUND * k for k in range(low, high + 1))
     return Bar(_scale("angle", limits), "dihedral angle in degrees", "neither", ticks)
-
-
-def _jump_bar(limits: Limits) -> Bar:
-    return Bar(_scale("jump", limits), "jump of normal curvature, dashed", "neither")
 
 
 def angle_limits(curves: Sequence[SingularCurve]) -> Limits:

@@ -183,7 +183,7 @@ def compare_systems(
         report(progress, done, len(chosen))
         promised = one.contract()
         small, large = _count(one, ("value",)), _count(one, ("value", "gradient"))
-        error = _slope_error(one, box)
+        error = boundary(one, box).deviation if one.dimension == 2 else _error_in_space(one, box)
         title, corners = written_system(system), len(promised.singular)
         rows.append(SystemRow(title, system, promised.continuity, promised.order, corners, small, large, error))
     report(progress, len(chosen), len(chosen))
@@ -201,12 +201,6 @@ def _needed(system: Any, letters: Mapping[str, Any]) -> dict[str, Any]:
 
 def _count(shape: Shape, fields: tuple[str, ...]) -> int:
     return sum(node.operation not in _INPUTS for node in program_of(shape, fields).nodes)
-
-
-def _slope_error(shape: Shape, bounds: Any) -> float:
-    if shape.dimension == 2:
-        return boundary(shape, bounds).deviation
-    return _error_in_space(shape, bounds)
 
 
 def _error_in_space(shape: Shape, bounds: Any) -> float:

@@ -120,7 +120,7 @@ def chord_of(domain: Shape, line: Line, where: str) -> Chord:
     foot, direction = line.foot, (-line.b, line.a)
     whole = Chord(foot, direction, sp.S.One)
     low, high = -math.inf, math.inf
-    if not _by_algebra(domain.expression, whole):
+    if not all(whole.along(leaf).is_polynomial(t) for leaf in _leaves(domain.expression)):
         low, high = _range_in_box(domain, whole)
     leaves: dict[sp.Expr, LineLeaf] = {}
     for leaf in _leaves(domain.expression):
@@ -149,10 +149,6 @@ def _sign(expression: sp.Expr, leaves: dict[sp.Expr, LineLeaf], place: float) ->
         return leaves[expression].sign(place)
     factor, rest = expression.as_coeff_Mul()
     return int(sp.sign(factor)) * _sign(rest, leaves, place)
-
-
-def _by_algebra(expression: sp.Expr, chord: Chord) -> bool:
-    return all(chord.along(leaf).is_polynomial(t) for leaf in _leaves(expression))
 
 
 def _leaf_along(restricted: sp.Expr, low: float, high: float) -> LineLeaf:
@@ -269,7 +265,9 @@ def roots_between(expression: sp.Expr, low: float, high: float) -> tuple[list[sp
         found += [root for a, b in zip(lower[monotone], upper[monotone], strict=True) for root in _single(value, a, b)]
         short = doubtful & (upper - lower <= SHORTEST * (high - low))
         found += ((lower[short] + upper[short]) / 2).tolist()
-        lower, upper = _halved(lower[doubtful & ~short], upper[doubtful & ~short])
+        lower, upper = lower[doubtful & ~short], upper[doubtful & ~short]
+        middle = (lower + upper) / 2
+        lower, upper = np.concatenate([lower, middle]), np.concatenate([middle, upper])
         if len(lower) > MOST:
             raise RsymError(
                 f"where {expression} vanishes along the line cannot be told",
@@ -293,8 +291,3 @@ def _single(value: Callable[[float], float], low: float, high: float) -> list[fl
     if first == 0 or last == 0:
         return [low if first == 0 else high]
     return [float(brentq(value, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps))] if first * last < 0 else []
-
-
-def _halved(lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
-    middle = (lower + upper) / 2
-    return np.concatenate([lower, middle]), np.concatenate([middle, upper])

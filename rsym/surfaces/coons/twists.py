@@ -106,10 +106,6 @@ def _both(rows: Floats, nodes: Floats, columns: Floats) -> Floats:
     return np.asarray(np.einsum("ai,ijc,bj->abc", rows, nodes, columns))
 
 
-def _zero(nodes: Floats, u: Floats, v: Floats, slopes: list[Floats | None]) -> Floats:
-    return np.zeros_like(nodes)
-
-
 def _bilinear(nodes: Floats, u: Floats, v: Floats, slopes: list[Floats | None]) -> Floats:
     inner = np.diff(np.diff(nodes, axis=0), axis=1) / (np.diff(u)[:, None] * np.diff(v))[..., None]
     total, cells = np.zeros_like(nodes), np.zeros((*nodes.shape[:2], 1))
@@ -132,16 +128,12 @@ def _adini(nodes: Floats, u: Floats, v: Floats, slopes: list[Floats | None]) -> 
     return np.asarray(across_u + across_v - _central(nodes, u, v, slopes))
 
 
-def _bessel(nodes: Floats, u: Floats, v: Floats, slopes: list[Floats | None]) -> Floats:
-    return _both(bessel_slopes(u), nodes, bessel_slopes(v))
-
-
 KINDS: dict[str, Callable[[Floats, Floats, Floats, list[Floats | None]], Floats]] = {
-    "zero": _zero,
+    "zero": lambda nodes, u, v, slopes: np.zeros_like(nodes),
     "bilinear": _bilinear,
     "central": _central,
     "adini": _adini,
-    "bessel": _bessel,
+    "bessel": lambda nodes, u, v, slopes: _both(bessel_slopes(u), nodes, bessel_slopes(v)),
 }
 
 
