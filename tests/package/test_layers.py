@@ -105,6 +105,7 @@ WITHOUT_A_MAP = """\
     verify
     verify/bodies
 """
+STILL_ALIASED = 97
 FORBIDDEN_NAMES = {"utils", "helpers", "misc", "common", "core", "base", "tools"}
 ORDER = list(LAYERS)
 
@@ -320,3 +321,10 @@ def test_what_a_map_leaves_out_is_seen(tmp_path):
     (tmp_path / "here.py").touch()
     assert unmapped(tmp_path, "A room.\n\ngone.py  what was here") == ({"here"}, {"gone"})
     assert unmapped(tmp_path, "A room.\n\n`here`: what is here") == (set(), set())
+
+
+def test_types_of_arrays_stand_once():
+    """Aliases of today that `rsym.arrays` has already; fewer are welcome."""
+    alias = re.compile(r"^\w+(?:: TypeAlias)? = NDArray\[np\.(?:float64|int64|bool_)\]", re.MULTILINE)
+    files = [path for path in PACKAGE.rglob("*.py") if path.name != "arrays.py"]
+    assert sum(len(alias.findall(path.read_text())) for path in files) <= STILL_ALIASED
