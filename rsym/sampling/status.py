@@ -5,9 +5,13 @@ from __future__ import annotations
 import collections
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
+from rsym.reports.document import Document, Entry, Sentence
+from rsym.reports.numbers import point
+from rsym.reports.render import Report
+from rsym.reports.words import plural
 from rsym.sampling.detail import Detail
 from rsym.sampling.lattice import BoundsSide
 from rsym.sampling.manifolds import Measures, Point
@@ -94,10 +98,9 @@ across it.
     @property
     def remark(self) -> str:
         """A sentence that says what is there, and where."""
-        size = max(abs(value) for value in self.place)
-        near = ", ".join(f"{value if abs(value) > 1e-9 * size else 0:.4g}" for value in self.place)
-        cells = f"{self.cells} {'cell' if self.cells == 1 else 'cells'}"
-        sentence = KINDS[self.kind].sentence.format(self=self, of=self._of, near=f"near ({near})", cells=cells)
+        cells = plural(self.cells, "cell")
+        near = f"near {point(self.place, 4)}"
+        sentence = KINDS[self.kind].sentence.format(self=self, of=self._of, near=near, cells=cells)
         return f"{UNRESOLVED}{sentence}."
 
     @property
@@ -217,26 +220,26 @@ class Findings:
         if self.off_surface is not None:
             off = self.off_surface
             yield (
-                f"{_plural(off.vertices, 'vertex is', 'vertices are')} off the surface,"
+                f"{plural(off.vertices, 'vertex is', 'vertices are')} off the surface,"
                 f" at worst by {off.cells:.2g} cells near {off.worst_at}."
             )
         if self.nudged_zeros:
-            samples = _plural(self.nudged_zeros, "sample", "samples")
+            samples = plural(self.nudged_zeros, "sample")
             yield f"{samples} lay exactly on the surface and were counted as inside; another resolution may avoid them."
         if self.thin is not None:
             yield (
-                f"At {_plural(self.thin.places, 'place', 'places')} a wall or a gap is thinner than a cell, at worst"
+                f"At {plural(self.thin.places, 'place')} a wall or a gap is thinner than a cell, at worst"
                 f" {self.thin.cells:.2g} cells near {self.thin.finest}; {_finer(2, self.thin)}."
             )
         if self.small is not None:
             yield (
-                f"{_plural(self.small.places, 'piece is', 'pieces are')} smaller than three cells, the smallest"
+                f"{plural(self.small.places, 'piece is', 'pieces are')} smaller than three cells, the smallest"
                 f" {self.small.cells:.2g} cells near {self.small.finest}; {_finer(6, self.small)}."
             )
 
 
 @dataclass(frozen=True, kw_only=True)
-class MeshStatus(Measures, Findings):
+class MeshStatus(Measures, Findings, Report):
     """The findings of the mesher and the measures of the triangles, in one record."""
 
     @property
@@ -244,22 +247,34 @@ class MeshStatus(Measures, Findings):
         """Whether every directed edge occurs once and its reverse once."""
         return self.boundary_edges == 0 and self.repeated_edges == 0
 
-    def __str__(self) -> str:
+    def document(self) -> Document:
+        """All that the status says; nothing of it is proved."""
         pieces = "one piece" if self.components == 1 else f"{self.components} pieces"
-        text = (
-            f"{self.triangles} triangles in {pieces}, {self._state}; Euler characteristic {self.euler_characteristic}."
+        shape = f"{self.triangles} triangles in {pieces}, {self._state}"
+        # No remark: float32 put them on a lattice point, so they are off by a ten-thousandth of a cell.
+        kept = [f"Vertices unresolved, kept where linear interpolation put them: {self.kept}."] if self.kept else []
+        places = tuple(Entry(suspect.remark, False, told=False) for suspect in self.unresolved)
+        return Document(
+            "mesh-status",
+            Sentence(f"{shape}; Euler characteristic {self.euler_characteristic}.", False),
+            sentences=tuple(Sentence(text, False) for text in (*kept, *self.brief)),
+            entries=places,
+            data={
+                "closed": self.closed,
+                "clipped_at": self.clipped_at,
+                "capped": self.capped,
+                "nudged_zeros": self.nudged_zeros,
+                "unresolved": self.unresolved,
+                **{part.name: getattr(self, part.name) for part in fields(Measures) if part.name != "loops"},
+            },
         )
-        if self.kept:
-            # No remark: float32 put them on a lattice point, so they are off by a ten-thousandth of a cell.
-            text += f" Vertices unresolved, kept where linear interpolation put them: {self.kept}."
-        return " ".join([text, *self.brief])
 
     @property
     def _state(self) -> str:
         if self.closed:
             return f"closed: every edge joins two of them, and they enclose a volume of {self.volume:.6g}"
         if self.clipped and not self.repeated_edges:
-            chains = _plural(len(self.loops), "loop", "loops")
+            chains = plural(len(self.loops), "loop")
             return f"clipped: {self.boundary_edges} open edges in {chains} on the sides of the bounds"
         return f"open: {self.boundary_edges} edges have one triangle, {self.repeated_edges} more than two"
 
@@ -272,24 +287,20 @@ class MeshStatus(Measures, Findings):
             (self.degenerate, "without area"),
             (self.duplicates, "with the vertices of another"),
         ]
-        yield from (f"{_plural(count, 'triangle', 'triangles')} {what}." for count, what in faults if count)
+        yield from (f"{plural(count, 'triangle')} {what}." for count, what in faults if count)
         if self.pinched:
-            yield f"At {_plural(self.pinched, 'vertex', 'vertices')} the surface touches itself."
+            yield f"At {plural(self.pinched, 'vertex', 'vertices')} the surface touches itself."
 
 
 def _in_brief(suspects: tuple[Suspect, ...]) -> Iterable[str]:
     """How many of each kind there are, and the worst of them: the thinnest, or the first."""
     if len(suspects) > 1:
         kinds = collections.Counter(suspect.kind for suspect in suspects)
-        *some, last = (_plural(count, KINDS[kind].one, KINDS[kind].many) for kind, count in kinds.items())
+        *some, last = (plural(count, KINDS[kind].one, KINDS[kind].many) for kind, count in kinds.items())
         worst = min(suspects, key=lambda suspect: suspect.thickness or math.inf).remark.removeprefix(UNRESOLVED)
         yield f"{UNRESOLVED}{', '.join(some)}{' and ' if some else ''}{last}; at worst {worst}"
     else:
         yield from (suspect.remark for suspect in suspects)
-
-
-def _plural(count: int, one: str, many: str) -> str:
-    return f"{count} {one if count == 1 else many}"
 
 
 def _finer(cells: int, detail: Detail) -> str:

@@ -16,7 +16,7 @@ from oracles.schema import SCHEMA, complaints, not_finite
 from verify.test_reports import Tags
 
 import rsym
-from rsym import x, y
+from rsym import x, y, z
 from rsym.reports import render
 from rsym.reports.document import Document, Entry, Sentence, Tabular
 from rsym.reports.numbers import at_least, at_most, extents, interval, measured, share
@@ -87,6 +87,14 @@ def systems():
     return rsym.compare_systems(quadrant, systems=(rsym.R0, rsym.Rp(4)))
 
 
+def mesh_status():
+    return rsym.mesh(rsym.sphere(), 8).status
+
+
+def clipped_mesh():
+    return rsym.mesh(rsym.Shape(1 - x**2 - y**2 + 0 * z, (x, y, z), bounds=((-2, 2), (-2, 2), (-1, 1))), 8).status
+
+
 def contract():
     return rsym.Shape(rsym.conjunction(x, 2 * y), (x, y)).contract()
 
@@ -104,7 +112,7 @@ REAL = [
     path,
     edges,
 ]
-REAL += [edges_by_samples, threshold, systems]
+REAL += [edges_by_samples, threshold, systems, mesh_status, clipped_mesh]
 MAKERS = [functools.cache(make) for make in (*reports.EVERY, *body_reports.EVERY, *REAL)]
 
 
@@ -165,6 +173,7 @@ def test_html_is_whole_and_runs_nothing(make):
 
 def test_every_public_report_has_a_document():
     """What is public and called a report, a table, an atlas, a threshold or a status is one, and is tested here."""
+    made = {type(make()) for make in MAKERS}
     words = ("Report", "Table", "Atlas", "Threshold", "Status")
     public = {getattr(room, name) for room in (rsym, rsym.surfaces) for name in room.__all__ if name.endswith(words)}
     public |= set(subclasses(Report)) - {Verdict}
@@ -173,7 +182,7 @@ def test_every_public_report_has_a_document():
         assert dataclasses.is_dataclass(kind)
         assert issubclass(kind, Report), kind
         assert {"__str__", "_repr_html_"}.isdisjoint(vars(kind)), f"{kind}: text and HTML come from the document"
-    assert public == {type(make()) for make in MAKERS}
+    assert public == made
 
 
 def subclasses(kind):
