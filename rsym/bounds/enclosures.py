@@ -8,8 +8,9 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats
 from rsym.bounds.intervals import Bounds, IntervalFunction
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, mapping_of, real_number
@@ -19,7 +20,6 @@ from rsym.program.fields import checked_fields, gather, program_of
 from rsym.program.program import Program
 
 Range: TypeAlias = tuple[Fraction, Fraction]
-Floats: TypeAlias = NDArray[np.float64]
 BITS = 64  # rounding then costs a thousandth of what the last place of float64 is worth
 
 

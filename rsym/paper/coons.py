@@ -7,8 +7,8 @@ from functools import cache
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.output.comparison import compare_patches
 from rsym.output.gallery import Gallery
 from rsym.output.patches import plot_patches
@@ -18,8 +18,6 @@ from rsym.surfaces.coons.coons_patches import CoonsPatch
 from rsym.surfaces.coons.twists import estimate_twists
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v
-
-Floats = NDArray[np.float64]
 
 CORNERS = ((0, 0), (0, 1), (1, 0), (1, 1))
 ARROW, BARB = 0.2, 0.14  # of a tangent vector that is drawn, and of that its barbs

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.output.gallery import Gallery
 from rsym.output.patches import plot_patches
 from rsym.paper.drawing import Drawing, Table, triangles_in
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
-
-Floats = NDArray[np.float64]
 
 COUNT = 24  # of data along each direction
 NOISE = 0.002  # standard deviation of each coordinate

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.output.gallery import Gallery
 from rsym.output.patches import map_range, plot_patches
 from rsym.paper.drawing import Drawing, Table, triangles_in
 from rsym.surfaces.networks.lofts import HermiteSurface, SplineLoft
 from rsym.surfaces.patch import Patch
-
-Floats = NDArray[np.float64]
 
 LENGTH = 40.0
 STATIONS = (0.0, 0.08, 0.2, 0.35, 0.5, 0.65, 0.78, 0.89)  # from the transom, shares of the length; the stem follows

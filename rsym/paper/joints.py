@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.output.gallery import Gallery
 from rsym.output.joins import plot_continuity
 from rsym.output.patches import plot_patches
@@ -16,8 +16,6 @@ from rsym.surfaces.joints.joining import join
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import Patch
 from rsym.surfaces.symbols import u, v
-
-Floats = NDArray[np.float64]
 
 K = 1.7  # how much faster the second patch leaves the edge than the first one comes to it
 ELEVATION, AZIMUTH = 34.0, -62.0

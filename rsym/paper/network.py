@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.output.gallery import Gallery
 from rsym.output.patches import plot_patches
 from rsym.paper.drawing import Drawing, Table, triangles_in
@@ -15,7 +15,6 @@ from rsym.surfaces.networks.gordon import GordonSurface
 from rsym.surfaces.patch import Patch
 from rsym.surfaces.transfinite import BooleanSum
 
-Floats = NDArray[np.float64]
 Function = Callable[[Floats], Floats]
 
 ALONG, ACROSS = (0.0, 0.45, 1.0, 1.4), (0.0, 0.5, 1.0, 1.55, 2.0)  # where the curves run, about

@@ -9,16 +9,14 @@ from functools import lru_cache
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.kernel import compile
 from rsym.model.shape import Shape
 from rsym.paper.drawing import mesh_quietly
 from rsym.paper.models import car, skeleton_body
 from rsym.sampling.contours import level_lines
 from rsym.sampling.distances import distance_to_lines, distance_to_mesh
-
-Floats = NDArray[np.float64]
 
 FIELDS = ("value", "gradient_squared", "normalised", "normalised_gradient_squared")
 NAMES = (("ω", "value"), ("ωₙ", "normalised"))

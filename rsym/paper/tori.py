@@ -7,16 +7,14 @@ from functools import cache
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.output.gallery import Gallery
 from rsym.output.patches import map_range, plot_patches
 from rsym.paper.drawing import Drawing, Table, triangles_in
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.coons.exact import torus
-
-Floats = NDArray[np.float64]
 
 R, TUBE = 3.0, 1.0
 PIECES, SPAN = 3, 2 * math.pi / 3  # around either circle

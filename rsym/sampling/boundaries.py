@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from skimage.measure import find_contours
 
+from rsym.arrays import Floats
 from rsym.model.shape import Shape
 from rsym.sampling.plane import PlaneSampler, plane_sampler
-
-Floats = NDArray[np.float64]
 
 RESOLUTION = 256
 BEND = 0.04  # radians: where a polyline turns more it is refined; the sagitta is a hundredth of the segment

@@ -7,16 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import Kernel, compile
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.sampling.contours import move_onto_level, trace
 from rsym.sampling.plane import PlaneSampler, plane_sampler, plane_section
-
-Floats = NDArray[np.float64]
-Marks = NDArray[np.bool_]
 
 FEWEST_TEETH = 12  # on a line, however short
 # Between neighbours the normal turns by the curvature times the distance; on a circle exactly so. What differs by more
@@ -43,8 +40,8 @@ class Comb:
     points: Floats
     normals: Floats
     curvature: Floats
-    teeth: Marks
-    breaks: Marks
+    teeth: Flags
+    breaks: Flags
 
 
 def combs(
@@ -107,7 +104,7 @@ class _Bearings:
     kernel: Kernel
     level: float
 
-    def at(self, points: Floats, teeth: Marks) -> Comb:
+    def at(self, points: Floats, teeth: Flags) -> Comb:
         points, _ = move_onto_level(self.sampler, points, self.level)
         fields = self.kernel(*points.T, letters=self.sampler.letters)
         with np.errstate(all="ignore"):
@@ -149,7 +146,7 @@ def _unexplained_turns(points: Floats, normals: Floats, curvature: Floats) -> Fl
     return turns
 
 
-def _large_steps(comb: Comb, least: float) -> Marks:
+def _large_steps(comb: Comb, least: float) -> Flags:
     """The steps in which normal or curvature change much."""
     sizes = np.maximum(np.abs(comb.curvature), least)
     changes = np.abs(np.diff(comb.curvature)) > LARGEST_CHANGE * np.maximum(sizes[1:], sizes[:-1])

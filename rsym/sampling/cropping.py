@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.model.shape import Bounds
-
-Array = NDArray[np.float64]
 
 # What is beyond the bounds by no more than this share of their size touches them.
 TOUCHING = 1e-9
 
 
-def cropped(lines: Iterable[Array], bounds: Bounds) -> tuple[list[Array], list[tuple[int, int, int]]]:
+def cropped(lines: Iterable[Floats], bounds: Bounds) -> tuple[list[Floats], list[tuple[int, int, int]]]:
     """What of lines (n, 2 and more columns) lies within the bounds, and the ends that this made.
 
     New ends are put where chords cross the border, their other columns in proportion; each is named by its line,
@@ -30,7 +28,7 @@ def cropped(lines: Iterable[Array], bounds: Bounds) -> tuple[list[Array], list[t
     low, high = np.array(bounds, float).T
     slack = TOUCHING * float((high - low).max())
     low, high = low - slack, high + slack
-    found: list[Array] = []
+    found: list[Floats] = []
     ends: list[tuple[int, int, int]] = []
     for line in lines:
         outside = ((line[:, :2] < low) | (line[:, :2] > high)).any(axis=1)
@@ -48,7 +46,7 @@ def cropped(lines: Iterable[Array], bounds: Bounds) -> tuple[list[Array], list[t
     return found, ends
 
 
-def _pieces(line: Array, low: Array, high: Array) -> Iterator[tuple[Array, list[tuple[int, int]]]]:
+def _pieces(line: Floats, low: Floats, high: Floats) -> Iterator[tuple[Floats, list[tuple[int, int]]]]:
     """The pieces of one line within a box, with the vertices on its border and the coordinate that is fixed there."""
     start, step = line[:-1], np.diff(line, axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):

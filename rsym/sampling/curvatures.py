@@ -9,13 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.leaf_fields import LeafFields, distances, longest_side, refuse_foreign
 from rsym.sampling.mesh import Mesh
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 CURVATURES = ("mean_curvature", "gaussian_curvature", "principal_curvatures", "principal_directions")
 # Farther from the leaf of its face, as a share of the size of the body, a vertex is moved onto it.

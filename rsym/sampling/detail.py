@@ -6,12 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.sampling.lattice import Lattice
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # The cosine below which two normals face away from each other: at a wedge of more than 25 degrees they do not,
 # for it is thinner than any cell near its edge, and no resolution changes that.
@@ -29,7 +26,7 @@ class Detail:
     cells: float
 
 
-def thin_walls(index: Array, vertices: Array, normals: Array, lattice: Lattice) -> Detail | None:
+def thin_walls(index: Floats, vertices: Floats, normals: Floats, lattice: Lattice) -> Detail | None:
     """Walls and gaps thinner than a cell: crossings on either side of one sample whose normals oppose each other.
 
     Parameters
@@ -65,7 +62,7 @@ def _pairs(lower: Ints, axis: Ints, k: int, counts: Sequence[int]) -> Ints:
     return which[np.stack([along[first], along[first + 1]], axis=1)]
 
 
-def small_pieces(vertices: Array, piece: Ints, spacing: Sequence[float]) -> Detail | None:
+def small_pieces(vertices: Floats, piece: Ints, spacing: Sequence[float]) -> Detail | None:
     """Pieces less than three cells long in every direction; `piece` numbers the piece of each vertex."""
     order = np.argsort(piece, kind="stable")
     starts = np.flatnonzero(np.diff(piece[order], prepend=-1))
@@ -78,6 +75,6 @@ def small_pieces(vertices: Array, piece: Ints, spacing: Sequence[float]) -> Deta
     return Detail(int(small.sum()), _point((low + high)[finest] / 2), float(cells[finest]))
 
 
-def _point(place: Array) -> tuple[float, float, float]:
+def _point(place: Floats) -> tuple[float, float, float]:
     x, y, z = (float(f"{value:.4g}") for value in place)
     return x, y, z

@@ -6,12 +6,11 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from rsym.arrays import Floats
 from rsym.sampling.mesh import Mesh
 
-Floats = NDArray[np.float64]
 Distances: TypeAlias = Callable[[Floats, Floats], Floats]
 
 NEAREST = 12  # elements whose middles are nearest to a point; the nearest element is among them on even meshes

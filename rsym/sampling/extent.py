@@ -16,12 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.logic.sign_form import surface_form
 from rsym.model.equation import checked_bounds
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.boxes import Boxes, Floats, cube, grid, halves, points, slabs
+from rsym.sampling.boxes import Boxes, cube, grid, halves, points, slabs
 from rsym.sampling.form_signs import FormBounds, FormSigns
 
 LARGEST, SMALLEST = 2.0**40, 2.0**-40  # 1e12, far beyond any model in any unit, and 1e-12

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from skimage.measure import find_contours
 
-Floats = NDArray[np.float64]
+from rsym.arrays import Floats
 
 
 def isolines(values: Floats, level: float, axes: Sequence[Floats]) -> list[Floats]:

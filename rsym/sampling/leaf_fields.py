@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
@@ -25,7 +26,6 @@ from rsym.program.fields import fields_program
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.plane_leaves import active_leaf
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.integer[Any]]
 
 NEWTON_STEPS = 3

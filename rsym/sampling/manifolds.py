@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.sampling.lattice import BoundsSide
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.integer[Any]]
 Point = tuple[float, float, float]
 
@@ -37,8 +37,8 @@ class EnclosedSolid:
     """What closed triangles enclose, of density 1: the volume, its centroid (3,), and the inertia (3, 3) about that."""
 
     volume: float
-    centroid: Array
-    inertia: Array
+    centroid: Floats
+    inertia: Floats
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +88,7 @@ class Measures:
     loops: tuple[Loop, ...]
 
 
-def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: Sequence[BoundsSide] = ()) -> Measures:
+def measure(vertices: Floats, faces: Ints, outward: Floats | None = None, sides: Sequence[BoundsSide] = ()) -> Measures:
     """Count, add up and look for the worst.
 
     Parameters
@@ -145,7 +145,7 @@ def measure(vertices: Array, faces: Ints, outward: Array | None = None, sides: S
     )
 
 
-def area_of(vertices: Array, faces: Ints) -> float:
+def area_of(vertices: Floats, faces: Ints) -> float:
     """The area of the triangles.
 
     Examples
@@ -159,7 +159,7 @@ def area_of(vertices: Array, faces: Ints) -> float:
     return float(np.sqrt(np.einsum("ij,ij->i", normals, normals)).sum()) / 2
 
 
-def enclosed(vertices: Array, faces: Ints) -> EnclosedSolid:
+def enclosed(vertices: Floats, faces: Ints) -> EnclosedSolid:
     """The volume, centroid and inertia of a closed polyhedron, exact but for rounding.
 
     By the divergence theorem each is the sum over the triangles (a, b, c) of that of the tetrahedron (o, a, b, c), with
@@ -192,7 +192,7 @@ def enclosed(vertices: Array, faces: Ints) -> EnclosedSolid:
     return EnclosedSolid(volume, middle + centroid, np.trace(about) * np.eye(3) - about)
 
 
-def _require_closed(vertices: Array, faces: Ints) -> None:
+def _require_closed(vertices: Floats, faces: Ints) -> None:
     """Refuse triangles that leave an edge open, and say how many and where the first is."""
     starts, ends = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
     keys = np.minimum(starts, ends) * len(vertices) + np.maximum(starts, ends)
@@ -210,11 +210,11 @@ def _require_closed(vertices: Array, faces: Ints) -> None:
         )
 
 
-def _place(vertex: Array) -> str:
+def _place(vertex: Floats) -> str:
     return "(" + ", ".join(f"{value:.4g}" for value in vertex) + ")"
 
 
-def checked(vertices: Array, faces: Ints) -> tuple[Array, NDArray[np.int32]]:
+def checked(vertices: Floats, faces: Ints) -> tuple[Floats, NDArray[np.int32]]:
     """Arrays as the loops want them, which look up what they are told to."""
     if not len(faces):
         raise RsymError("a mesh needs at least one triangle, got none", code="empty-mesh")
@@ -242,7 +242,7 @@ def _genera(label: Ints, faces: Ints, mates: Ints, heads: Ints) -> tuple[int, ..
     return tuple(genus[np.argsort(-f, kind="stable")].tolist())
 
 
-def _loops(vertices: Array, chains: Sequence[Ints], sides: Sequence[BoundsSide]) -> tuple[Loop, ...]:
+def _loops(vertices: Floats, chains: Sequence[Ints], sides: Sequence[BoundsSide]) -> tuple[Loop, ...]:
     found = []
     for chain in chains:
         places = vertices[chain]
@@ -259,7 +259,7 @@ def _duplicates(faces: Ints) -> int:
     return len(faces) - len(np.unique(np.sort(faces, axis=1), axis=0))
 
 
-def point(place: Sequence[float] | Array) -> Point:
+def point(place: Sequence[float] | Floats) -> Point:
     """A place to four digits, as one tells it."""
     x, y, z = (float(f"{value:.4g}") for value in place)
     return x, y, z

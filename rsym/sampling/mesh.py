@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds
 from rsym.sampling.lattice import BoundsSide
@@ -22,10 +23,9 @@ from rsym.sampling.sharp.features import Feature, features_of
 from rsym.sampling.status import Findings, MeshStatus
 from rsym.sampling.stills import surface_picture
 
-Array: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.integer[Any]]
 # Leaves (k,) and points (k, 3) to outward directions (k, 3) of any length: -grad of the leaf there.
-Outward: TypeAlias = Callable[[Ints, Array], Array]
+Outward: TypeAlias = Callable[[Ints, Floats], Floats]
 
 
 @dataclass(frozen=True)
@@ -74,20 +74,20 @@ class Mesh:
     (3, 3, (3, 3), True)
     """
 
-    vertices: Array
+    vertices: Floats
     faces: Ints
-    shading: Array | Outward | None = None
+    shading: Floats | Outward | None = None
     found: Findings | Callable[[], Findings] = field(default_factory=Findings)
     leaf: Ints | None = None
     leaves: tuple[str, ...] = ()
-    curvatures: Callable[[str], Array] | None = None
+    curvatures: Callable[[str], Floats] | None = None
 
     @cached_property
-    def normals(self) -> Array:
+    def normals(self) -> Floats:
         """The outward unit normal of each corner of each face, (m, 3, 3); that of the triangle where there is none."""
         return self.normals_of(np.arange(len(self.faces)))
 
-    def normals_of(self, which: Ints) -> Array:
+    def normals_of(self, which: Ints) -> Floats:
         """The normals (k, 3, 3) of a few faces (k,), for which those of all others need not be computed."""
         if self.shading is None:
             return np.repeat(self._flat(which)[:, None], 3, axis=1)
@@ -146,13 +146,13 @@ class Mesh:
         return area_of(self.vertices, self.faces)
 
     @property
-    def centroid(self) -> Array:
+    def centroid(self) -> Floats:
         """The centroid of the enclosed volume, (3,); RsymError for a mesh that is open or encloses nothing."""
         self._require_volume()
         return self._enclosed.centroid.copy()
 
     @property
-    def inertia(self) -> Array:
+    def inertia(self) -> Floats:
         """The inertia of the enclosed volume about its centroid m, of density 1, (3, 3).
 
         I = integral of |p - m|^2 1 - (p - m)(p - m)' over the volume: moments of inertia on the diagonal, the negative
@@ -241,14 +241,14 @@ class Mesh:
             )
         return self._moved(given[:, :3], given[:, 3] if given.shape == (3, 4) else np.zeros(3))
 
-    def _moved(self, matrix: Array, shift: Array) -> Mesh:
+    def _moved(self, matrix: Floats, shift: Floats) -> Mesh:
         back = np.linalg.inv(matrix)
         turned = slice(None, None, -1 if np.linalg.slogdet(matrix)[0] < 0 else 1)
         given, shading = self.shading, self.shading
         if callable(given):
             rule = given
 
-            def outward(leaf: Ints, points: Array) -> Array:
+            def outward(leaf: Ints, points: Floats) -> Floats:
                 return rule(leaf, (points - shift) @ back.T) @ back
 
             shading = outward
@@ -271,11 +271,11 @@ class Mesh:
             _bent(self.curvatures, matrix, turned),
         )
 
-    def _outward(self, rule: Outward, which: Ints, points: Array) -> Array:
+    def _outward(self, rule: Outward, which: Ints, points: Floats) -> Floats:
         """The rule at points (k, 3), each on one of the faces (k,)."""
         return rule(np.zeros(len(which), np.int16) if self.leaf is None else self.leaf[which], points)
 
-    def _flat(self, which: Ints) -> Array:
+    def _flat(self, which: Ints) -> Floats:
         """The normals of triangles; zero where they have none."""
         a, b, c = (self.vertices[self.faces[which, k]] for k in range(3))
         return np.nan_to_num(_unit(np.cross(b - a, c - a)))
@@ -291,7 +291,7 @@ class Mesh:
         return Mesh, (self.vertices, self.faces, self.normals, self.findings, self.leaf, self.leaves)
 
 
-def _numbers(given: Any) -> Array | None:
+def _numbers(given: Any) -> Floats | None:
     """Finite real numbers as an array, or None."""
     try:
         numbers = np.asarray(given)
@@ -301,7 +301,7 @@ def _numbers(given: Any) -> Array | None:
     return numbers if np.isfinite(numbers).all() else None
 
 
-def _image(side: BoundsSide, matrix: Array, shift: Array) -> BoundsSide | None:
+def _image(side: BoundsSide, matrix: Floats, shift: Floats) -> BoundsSide | None:
     """A side of the bounds where it has moved to, if it is square to an axis still."""
     row = np.linalg.inv(matrix)[side.axis]  # its points q have row . (q - shift) = value
     (axes,) = np.nonzero(row)
@@ -310,7 +310,7 @@ def _image(side: BoundsSide, matrix: Array, shift: Array) -> BoundsSide | None:
     return BoundsSide(side.name, int(axes[0]), float(side.value / row[axes[0]] + shift[axes[0]]))
 
 
-def _bent(curvatures: Callable[[str], Array] | None, matrix: Array, turned: slice) -> Callable[[str], Array] | None:
+def _bent(curvatures: Callable[[str], Floats] | None, matrix: Floats, turned: slice) -> Callable[[str], Floats] | None:
     """The curvatures of the image under a similarity of a factor k: 1/k times the old ones, Gauss's 1/k^2."""
     size = float(np.exp(np.linalg.slogdet(matrix)[1] / 3))
     if curvatures is None or not np.allclose(matrix @ matrix.T, size**2 * np.eye(3), rtol=0, atol=1e-12 * size**2):
@@ -318,8 +318,8 @@ def _bent(curvatures: Callable[[str], Array] | None, matrix: Array, turned: slic
     return lambda name: curvatures(name)[:, turned] / (size**2 if name == "gaussian_curvature" else size)
 
 
-def _unit(vectors: Array) -> Array:
+def _unit(vectors: Floats) -> Floats:
     """Vectors (..., 3) of length 1; NaN for those without direction."""
     with np.errstate(all="ignore"):
-        unit: Array = vectors / np.sqrt(np.einsum("...i,...i->...", vectors, vectors))[..., None]
+        unit: Floats = vectors / np.sqrt(np.einsum("...i,...i->...", vectors, vectors))[..., None]
     return unit

@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.kernel import checked_threads
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
@@ -39,7 +40,6 @@ from rsym.sampling.sharp.pieces import in_pieces
 from rsym.sampling.sharp.suspects import suspects
 from rsym.sampling.status import Findings, Suspect
 
-Floats: TypeAlias = NDArray[np.float64]
 Resolution: TypeAlias = int | Sequence[int]
 
 # Along a side: the names of vertices are 64-bit integers, and indices pass through float32.

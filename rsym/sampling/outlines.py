@@ -10,16 +10,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from skimage.measure import find_contours
 
+from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus
 from rsym.sampling.plane import PlaneSampler
-from rsym.sampling.plane_leaves import Array, Ints, PlaneLeaves
+from rsym.sampling.plane_leaves import PlaneLeaves
 from rsym.sampling.roots import bracketed_roots
-
-Flags = NDArray[np.bool_]
 
 # The tip of a wedge of four degrees sticks out of the cells whose edges it crosses by this many.
 REACH = 16.0
@@ -58,13 +56,13 @@ def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     return LevelLines(lines, 0.0, "value", status)
 
 
-def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Array) -> Array:
+def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> Floats:
     """The zero of the form on the edge of each vertex; `index` holds the middles of the edges."""
     low = np.floor(index)
     along = index - low > 0
     start, end = (leaves.form(sampler.lattice.points(low + k * along)) for k in (0, 1))
 
-    def at(t: Array, which: Ints) -> Array:
+    def at(t: Floats, which: Ints) -> Floats:
         return leaves.form(sampler.lattice.points(low[which] + t[:, None] * along[which]))
 
     return sampler.lattice.points(low + bracketed_roots(at, start, end)[:, None] * along)
@@ -73,8 +71,8 @@ def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Array) -> Array
 class Joints(NamedTuple):
     """Neighbours on different leaves: points (k, 2) before and after, and their leaves."""
 
-    before: Array
-    after: Array
+    before: Floats
+    after: Floats
     one: Ints
     other: Ints
 
@@ -87,7 +85,7 @@ class _Corners(NamedTuple):
     """Which joint each corner belongs to, in order; where it is; and how many joints have none that holds."""
 
     joint: Ints
-    points: Array
+    points: Floats
     missed: int
 
 
@@ -110,7 +108,7 @@ def _corners(leaves: PlaneLeaves, joints: Joints, cell: float) -> _Corners:
     return _Corners(joint[order], points[order], int(np.count_nonzero(_turn(leaves, missed) > SMOOTH_JOINT)))
 
 
-def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Array, Flags]:
+def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Floats, Flags]:
     corner = leaves.common((joints.before + joints.after) / 2, joints.one, joints.other)
     return corner, (
         _near(joints, corner, cell)
@@ -119,7 +117,7 @@ def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Array
     )
 
 
-def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) -> tuple[Array, Flags]:
+def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) -> tuple[Floats, Flags]:
     middle = (joints.before + joints.after) / 2
     first, second = leaves.common(middle, joints.one, third), leaves.common(middle, third, joints.other)
     return np.stack([first, second], axis=1), (
@@ -131,12 +129,12 @@ def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) 
     )
 
 
-def _near(joints: Joints, points: Array, cell: float) -> Flags:
+def _near(joints: Joints, points: Floats, cell: float) -> Flags:
     near: Flags = np.linalg.norm(points - joints.before, axis=1) <= REACH * cell
     return near
 
 
-def _bounds(leaves: PlaneLeaves, start: Array, end: Array, leaf: Ints, cell: float) -> Flags:
+def _bounds(leaves: PlaneLeaves, start: Floats, end: Floats, leaf: Ints, cell: float) -> Flags:
     """Whether the leaf is the boundary from start to end: at the end and at two places between."""
     holds = np.ones(len(start), np.bool_)
     for share in (1 / 3, 2 / 3, 1.0):
@@ -145,10 +143,10 @@ def _bounds(leaves: PlaneLeaves, start: Array, end: Array, leaf: Ints, cell: flo
     return holds
 
 
-def _turn(leaves: PlaneLeaves, joints: Joints) -> Array:
+def _turn(leaves: PlaneLeaves, joints: Joints) -> Floats:
     """The sine of the angle by which the boundary turns at a joint."""
     at = np.arange(len(joints.one))
     (p, q), (u, v) = leaves(joints.before)[1][joints.one, at].T, leaves(joints.after)[1][joints.other, at].T
     with np.errstate(all="ignore"):
-        turn: Array = np.abs(p * v - q * u) / np.hypot(p, q) / np.hypot(u, v)
+        turn: Floats = np.abs(p * v - q * u) / np.hypot(p, q) / np.hypot(u, v)
     return turn

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rsym.arrays import Floats
 
 # With a thousand cells along the box the ends of a lattice edge are themselves rounded to about this share of it.
 NEAR_ENOUGH = 1e-13
@@ -15,7 +15,7 @@ NEAR_ENOUGH = 1e-13
 MOST_STEPS = 60
 
 
-def bracketed_roots(function: Callable[[Array, NDArray[np.int64]], Array], low: Array, high: Array) -> Array:
+def bracketed_roots(function: Callable[[Floats, NDArray[np.int64]], Floats], low: Floats, high: Floats) -> Floats:
     """Roots t in [0, 1] of functions with values `low` at 0 and `high` at 1 of different sign.
 
     Chandrupatla's method (1997): inverse quadratic interpolation where it is safe,
@@ -52,7 +52,7 @@ def bracketed_roots(function: Callable[[Array, NDArray[np.int64]], Array], low: 
     return result
 
 
-def _interpolated(a: Array, b: Array, c: Array, fa: Array, fb: Array, fc: Array) -> Array:
+def _interpolated(a: Floats, b: Floats, c: Floats, fa: Floats, fb: Floats, fc: Floats) -> Floats:
     """The next relative position: inverse quadratic where Chandrupatla's criterion holds, else the middle."""
     with np.errstate(all="ignore"):
         xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError, warn
 from rsym.logic.leaf_names import leaf_names
@@ -31,7 +32,6 @@ from rsym.sampling.outlines import outline
 from rsym.sampling.plane import plane_sampler
 from rsym.sampling.plane_leaves import NEWTON_STEPS, leaves_of
 
-Floats: TypeAlias = NDArray[np.float64]
 Names: TypeAlias = NDArray[np.str_]
 
 INSIDE, BOUNDARY = "inside", "boundary"

@@ -10,12 +10,11 @@ import base64
 import struct
 import zlib
 from collections.abc import Sequence
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array: TypeAlias = NDArray[np.float64]
+from rsym.arrays import Floats
 
 WIDTH, HEIGHT = 112, 84  # pixels; 4 kB hold the page
 POINTS = 32_000  # each covers four pixels, and each pixel is covered some twenty times
@@ -27,7 +26,7 @@ VIEW = np.array([[0.82, 0.57, 0.0], [-0.21, 0.31, 0.93], [0.53, -0.76, 0.37]])
 LIGHT = np.array([0.3, 0.5, 0.8])
 
 
-def surface_picture(vertices: Array, faces: NDArray[np.integer]) -> str:
+def surface_picture(vertices: Floats, faces: NDArray[np.integer]) -> str:
     """A shaded surface as an HTML image.
 
     Examples
@@ -54,7 +53,7 @@ def surface_picture(vertices: Array, faces: NDArray[np.integer]) -> str:
     return f'<img alt="the surface" width="{2 * WIDTH}" height="{2 * HEIGHT}" src="data:image/png;base64,{data}">'
 
 
-def _spread(vertices: Array, faces: NDArray[np.integer]) -> tuple[Array, Array]:
+def _spread(vertices: Floats, faces: NDArray[np.integer]) -> tuple[Floats, Floats]:
     """Points evenly spread over triangles, and the unit normals there."""
     chosen = faces[:: -(-len(faces) // TRIANGLES) or 1]
     a, b, c = (vertices[chosen[:, k]] for k in range(3))
@@ -86,7 +85,7 @@ def _png(shades: NDArray[np.uint8]) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
 
 
-def line_picture(lines: Sequence[Array]) -> str:
+def line_picture(lines: Sequence[Floats]) -> str:
     """Lines in the plane as an SVG, y upwards.
 
     Examples

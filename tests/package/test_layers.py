@@ -105,7 +105,7 @@ WITHOUT_A_MAP = """\
     verify
     verify/bodies
 """
-STILL_ALIASED = 97
+STILL_ALIASED = 41
 FORBIDDEN_NAMES = {"utils", "helpers", "misc", "common", "core", "base", "tools"}
 ORDER = list(LAYERS)
 

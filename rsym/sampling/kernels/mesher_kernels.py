@@ -11,11 +11,12 @@ import ctypes
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.checking import CHECK_POINTS, check_at
 from rsym.backends.interpreter import interpret
 from rsym.backends.llvm_code import machine_code
@@ -28,8 +29,6 @@ from rsym.program.program import Program
 from rsym.sampling.kernels.leaf_formulas import LeafFormulas
 from rsym.sampling.kernels.mesher_code import mesher_code
 from rsym.sampling.kernels.routines import LANES
-
-Floats: TypeAlias = NDArray[np.float64]
 
 _POINTER, _INTEGER, _REAL = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
 _SIGNATURES: dict[str, Sequence[Any]] = {

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import MesherKernels
 from rsym.sampling.memory import Budget
@@ -21,8 +22,6 @@ from rsym.sampling.sharp.octree import BLOCK, Blocks, find_blocks
 from rsym.sampling.sharp.topology import Topology, scanned, topology
 from rsym.sampling.sharp.vertices import Vertices, place_vertices
 
-Floats: TypeAlias = NDArray[np.float64]
-Ints: TypeAlias = NDArray[np.int64]
 # What else to find out about blocks: a module's function, so that a process can be told its name.
 Inspect: TypeAlias = Callable[[MesherKernels, Blocks, Floats, Executor], Any]
 

@@ -8,11 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.sharp.loops import loop
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 _CORNERS = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")).reshape(3, 1, 8)
 NO_BOUNDS = np.empty((2, 0)), np.empty((3, 2, 0))
@@ -42,13 +39,13 @@ class CellBoxes:
     start: Ints
     leaf: NDArray[np.int16]
     skip: NDArray[np.uint64]
-    value: Array
-    gradient: Array
+    value: Floats
+    gradient: Floats
 
     def __len__(self) -> int:
         return len(self.size)
 
-    def ends(self, lattice: Array) -> tuple[Array, Array]:
+    def ends(self, lattice: Floats) -> tuple[Floats, Floats]:
         """Lower and upper ends of the box of each leaf, in the coordinates of a lattice (origin, spacing).
 
         Neighbours share their faces to the last bit.
@@ -91,7 +88,7 @@ class CellBoxes:
         """The same boxes, each its own owner."""
         return replace(self, owner=np.arange(len(self)))
 
-    def having(self, value: Array, gradient: Array) -> CellBoxes:
+    def having(self, value: Floats, gradient: Floats) -> CellBoxes:
         """The same boxes with these bounds."""
         return replace(self, value=value, gradient=gradient)
 

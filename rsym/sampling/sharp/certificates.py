@@ -43,7 +43,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.sharp.boxes import NO_BOUNDS, Array, CellBoxes, Ints
+from rsym.arrays import Floats, Ints
+from rsym.sampling.sharp.boxes import NO_BOUNDS, CellBoxes
 from rsym.sampling.sharp.gates import OPEN, UNRESOLVED, judge, judge_groups, reach
 from rsym.sampling.sharp.leaves import Leaves
 
@@ -90,8 +91,8 @@ class Unresolved:
     cells: Ints
     owner: Ints
     leaf: NDArray[np.int16]
-    lower: Array
-    upper: Array
+    lower: Floats
+    upper: Floats
     tested: tuple[int, ...]
 
     def __len__(self) -> int:
@@ -100,7 +101,7 @@ class Unresolved:
 
 def certify(
     form: Form,
-    lattice: Array,
+    lattice: Floats,
     corner: Ints,
     skip: NDArray[np.uint64] | None = None,
     *,
@@ -146,7 +147,7 @@ def _blocks(form: Form, corner: Ints, skip: NDArray[np.uint64], depth: int) -> C
     return CellBoxes(corner << depth, size, np.arange(count), start, leaf, skip.copy(), *NO_BOUNDS)
 
 
-def _part(form: Form, fine: Array, boxes: CellBoxes, depth: int) -> Unresolved:
+def _part(form: Form, fine: Floats, boxes: CellBoxes, depth: int) -> Unresolved:
     """From blocks to cells, and into those that are not simple."""
     tested = []
     for level in range(4):
@@ -172,7 +173,7 @@ def _whole_blocks(block: Ints) -> Iterator[tuple[int, int]]:
         first = last
 
 
-def _left(form: Form, fine: Array, boxes: CellBoxes, cosine: float) -> CellBoxes:
+def _left(form: Form, fine: Floats, boxes: CellBoxes, cosine: float) -> CellBoxes:
     """The boxes that are neither discarded nor simple, the leaves that matter in them, and their gradients."""
     value, gradient = form.leaves.enclose(boxes.leaf, *boxes.ends(fine))
     verdict, kept = np.empty(len(boxes), np.uint8), np.zeros(len(boxes.leaf), np.bool_)
@@ -180,7 +181,7 @@ def _left(form: Form, fine: Array, boxes: CellBoxes, cosine: float) -> CellBoxes
     return boxes.having(value, gradient).chosen(verdict == OPEN, kept)
 
 
-def _conflicts(form: Form, fine: Array, boxes: CellBoxes, depth: int) -> Unresolved:
+def _conflicts(form: Form, fine: Floats, boxes: CellBoxes, depth: int) -> Unresolved:
     """Cells that are split until one direction serves all that is left of each, or surely none, or depth ends."""
     cells, tested = boxes.corner >> depth, 0
     _, block = np.unique(boxes.owner, return_inverse=True)
@@ -205,7 +206,7 @@ def _conflicts(form: Form, fine: Array, boxes: CellBoxes, depth: int) -> Unresol
     return _unresolved(fine, cells, found, tested)
 
 
-def _unresolved(fine: Array, cells: Ints, found: list[CellBoxes], tested: int) -> Unresolved:
+def _unresolved(fine: Floats, cells: Ints, found: list[CellBoxes], tested: int) -> Unresolved:
     owner = np.concatenate([np.repeat(boxes.owner, np.diff(boxes.start)) for boxes in found])
     leaf = np.concatenate([boxes.leaf for boxes in found])
     lower, upper = (np.concatenate(end, axis=1) for end in zip(*(boxes.ends(fine) for boxes in found), strict=True))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.sampling.sharp.boxes import Ints
+from rsym.arrays import Ints
 
 
 def clusters(cells: Ints) -> Ints:

@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
 from rsym.sampling.sharp.crossings import Crossings, evaluate
 from rsym.sampling.sharp.faces import smallest
@@ -21,8 +22,6 @@ from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.topology import Topology
 from rsym.sampling.status import OffSurface
 
-Floats: TypeAlias = NDArray[np.float64]
-Ints: TypeAlias = NDArray[np.int64]
 Shorts: TypeAlias = NDArray[np.int16]
 
 # A fixed number, so that no point depends on the others. Planes take one step, the edges of the car at most five.

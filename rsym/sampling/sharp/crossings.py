@@ -5,11 +5,11 @@ from __future__ import annotations
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cache
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.sharp.loops import in_threads
@@ -17,7 +17,6 @@ from rsym.sampling.sharp.octree import BLOCK, Blocks
 from rsym.sampling.sharp.signs import list_edges
 from rsym.sampling.sharp.topology import GRAIN, Topology
 
-Floats: TypeAlias = NDArray[np.float64]
 BYTES = 96  # for the bits of 9x9x9 points, whole words
 LEAF_GRAIN = 4096
 

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.sampling.sharp.clusters import components
 from rsym.sampling.sharp.faces import FLATNESS, Adjacency, smallest
 
@@ -30,8 +31,6 @@ BESIDE = 2
 # Cutting may bring vertices on one point together, and joining may leave triangles without area.
 TURNS = 16
 
-Floats: TypeAlias = NDArray[np.float64]
-Ints: TypeAlias = NDArray[np.int64]
 Faces: TypeAlias = NDArray[np.int32]
 Corners: TypeAlias = tuple[int, int, int]
 Edge: TypeAlias = tuple[int, int]

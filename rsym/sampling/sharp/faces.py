@@ -12,13 +12,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.sharp.crossings import evaluate
 from rsym.sampling.sharp.leaves import CompiledLeaves
 from rsym.sampling.sharp.loops import in_threads, loop, step
 from rsym.sampling.sharp.signs import ABSENT, Bytes, Numbers
 
-Floats: TypeAlias = NDArray[np.float64]
 Faces: TypeAlias = NDArray[np.int32]
 
 # Costs this close, as a share of both, say nothing: then the better shape decides.
@@ -27,7 +27,6 @@ GRAIN = 1024
 # The triangles of a quad a, b, c, d: on the diagonal a-c, then on b-d.
 TRIANGLES = np.array([[0, 1, 2], [0, 2, 3], [1, 2, 3], [1, 3, 0]])
 
-Ints: TypeAlias = NDArray[np.int64]
 Marks: TypeAlias = NDArray[np.uint8]
 
 FOLDED, FLAT, SHORT, TURNED = 1, 2, 4, 8

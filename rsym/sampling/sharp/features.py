@@ -9,7 +9,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-Array: TypeAlias = NDArray[np.float64]
+from rsym.arrays import Floats
+
 Ints: TypeAlias = NDArray[np.integer[Any]]
 
 
@@ -39,17 +40,17 @@ class Feature:
     (('-x**2 - y**2 - z**2 + 1', 'z'), True, 90)
     """
 
-    points: Array
+    points: Floats
     leaves: tuple[int, int]
     names: tuple[str, str]
-    normals: Array
+    normals: Floats
 
     @property
-    def angles(self) -> Array:
+    def angles(self) -> Floats:
         """The angles between both normals at the points, in degrees: small where one leaf goes on as the other."""
         u, v = self.normals[:, 0], self.normals[:, 1]
         across = np.linalg.norm(np.cross(u, v), axis=1)
-        angles: Array = np.degrees(np.arctan2(across, np.einsum("ij,ij->i", u, v)))
+        angles: Floats = np.degrees(np.arctan2(across, np.einsum("ij,ij->i", u, v)))
         return angles
 
     @property
@@ -68,7 +69,7 @@ class Feature:
 
 
 def features_of(
-    vertices: Array, faces: Ints, leaf: Ints, leaves: Sequence[str], normals: Callable[[Ints], Array]
+    vertices: Floats, faces: Ints, leaf: Ints, leaves: Sequence[str], normals: Callable[[Ints], Floats]
 ) -> tuple[Feature, ...]:
     """The features of a mesh, in the order of their first vertices.
 
@@ -160,7 +161,7 @@ def _chains(seams: _Seams) -> list[list[int]]:
     return chains
 
 
-def _beside(seams: _Seams, normals: Callable[[Ints], Array]) -> Array:
+def _beside(seams: _Seams, normals: Callable[[Ints], Floats]) -> Floats:
     """The normals at both ends of each edge, on its left and on its right, (k, 2, 2, 3)."""
     edges = np.arange(len(seams.start))[:, None]
     # The right half-edge runs back: its start is the end of the edge.

@@ -9,6 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import MesherKernels
 from rsym.sampling.sharp.assembly import Unfinished
@@ -19,9 +20,7 @@ from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.unfolding import unfold
 from rsym.sampling.sharp.untangling import untangle
 
-Floats: TypeAlias = NDArray[np.float64]
 Faces: TypeAlias = NDArray[np.int32]
-Ints: TypeAlias = NDArray[np.int64]
 
 GRAIN = 16384
 

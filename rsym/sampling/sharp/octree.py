@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns
 from rsym.sampling.sharp.loops import in_threads
-
-Floats: TypeAlias = NDArray[np.float64]
-Ints: TypeAlias = NDArray[np.int64]
 
 BLOCK = 8  # cells along its side
 # Of the first boxes there are at most 4 to 8 along the longest side: fewer prune nothing.

@@ -17,11 +17,11 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from dataclasses import dataclass
-from typing import TypeAlias, TypeVar
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Ints
 from rsym.errors import RsymError
 from rsym.sampling.memory import Budget, free_memory
 from rsym.sampling.progress import Crew
@@ -29,8 +29,6 @@ from rsym.sampling.sharp.assembly import Job, Unfinished, assemble
 from rsym.sampling.sharp.octree import BLOCK, Blocks
 from rsym.sampling.sharp.welding import Piece, inside, own_piece, weld
 
-Floats: TypeAlias = NDArray[np.float64]
-Ints: TypeAlias = NDArray[np.int64]
 # Enough pieces to share among a few workers; the halo of a piece of 90x90 blocks costs 5 %, and such a piece of the
 # car takes a fifth of a second, which is what a cancel waits for. Pieces below 64 blocks cost more than they share.
 PIECES, LEAST, MOST = 16, 64, 8192

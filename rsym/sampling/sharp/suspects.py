@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rsym.sampling.sharp.boxes import Array, Flags, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.sharp.certificates import STEEPEST, Unresolved
 from rsym.sampling.sharp.clusters import clusters
 from rsym.sampling.sharp.leaves import Leaves, Numbers
@@ -31,7 +31,7 @@ MEASURED = 12
 _ABOUT = np.array([[1, 1, 3, 3], [1, 3, 1, 3], [1, 3, 3, 1]]) / 4
 
 
-def suspects(leaves: Leaves, lattice: Array, unresolved: Unresolved, names: Sequence[str] = ()) -> tuple[Suspect, ...]:
+def suspects(leaves: Leaves, lattice: Floats, unresolved: Unresolved, names: Sequence[str] = ()) -> tuple[Suspect, ...]:
     """What the unresolved cells mean, kind after kind, the thinnest first; `names` are those of the leaves.
 
     Examples
@@ -67,7 +67,7 @@ def suspects(leaves: Leaves, lattice: Array, unresolved: Unresolved, names: Sequ
 class _Clusters:
     """Clusters of unresolved cells, and the members of their conflicts."""
 
-    def __init__(self, unresolved: Unresolved, lattice: Array) -> None:
+    def __init__(self, unresolved: Unresolved, lattice: Floats) -> None:
         self.lattice = lattice
         self.cell = clusters(unresolved.cells)
         self.count = int(self.cell.max()) + 1
@@ -82,7 +82,7 @@ class _Clusters:
         self.high = np.maximum.reduceat(unresolved.cells[:, by_cluster], first, axis=1)
         self.cells = np.diff([*first, len(by_cluster)])
 
-    def seeds(self) -> tuple[Numbers, Array, Ints]:
+    def seeds(self) -> tuple[Numbers, Floats, Ints]:
         """Leaves, points to start from, and their clusters: about the middles of the boxes of measured conflicts."""
         some = []
         for first, last in pairwise(self.start):
@@ -97,7 +97,7 @@ class _Clusters:
         cluster = self.cell[self.owner[members]]
         return np.repeat(self.leaf[members], each), points, np.repeat(cluster, each)
 
-    def holds(self, cluster: Ints, points: Array) -> Flags:
+    def holds(self, cluster: Ints, points: Floats) -> Flags:
         """Whether points lie within a cell of the ends of their clusters."""
         place = (points - self.lattice[:3, None]) / self.lattice[3:, None]
         return np.asarray(((place > self.low[:, cluster] - 1) & (place < self.high[:, cluster] + 2)).all(axis=0))
@@ -115,8 +115,8 @@ class _Pairs(NamedTuple):
     cluster: Ints
     leaves: Numbers
     inward: Flags
-    place: Array
-    thickness: Array
+    place: Floats
+    thickness: Floats
     sheet: Flags
 
 
@@ -143,7 +143,7 @@ def _facing(leaves: Leaves, space: _Clusters, pairs: _Pairs) -> list[Suspect]:
     place, thickness = pairs.place.copy(), np.where(pairs.sheet, 0, pairs.thickness)
     same = pairs.leaves[0] == pairs.leaves[1]
 
-    def settle(which: Ints, name: str, points: Array, cells: Any = 0.0) -> None:
+    def settle(which: Ints, name: str, points: Floats, cells: Any = 0.0) -> None:
         kind[which], place[:, which], thickness[which] = name or kind[which], points, cells
 
     single = np.flatnonzero(same & ~pairs.sheet)
@@ -190,6 +190,6 @@ def _alone(leaves: Leaves, space: _Clusters, paired: Ints) -> list[Suspect]:
     return found
 
 
-def _point(place: Array) -> tuple[float, float, float]:
+def _point(place: Floats) -> tuple[float, float, float]:
     x, y, z = (float(value) for value in place)
     return x, y, z

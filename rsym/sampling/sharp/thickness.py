@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from rsym.sampling.sharp.boxes import Flags, Ints
-from rsym.sampling.sharp.leaves import Array, Leaves, Numbers
+from rsym.arrays import Flags, Floats, Ints
+from rsym.sampling.sharp.leaves import Leaves, Numbers
 
 # Newton's method halves the distance to a double zero, so 40 turns take a cell to 1e-12; a simple zero takes six.
 TURNS = 40
@@ -46,12 +46,12 @@ class ThinRays:
 
     source: Ints
     inward: Flags
-    place: Array
-    cells: Array
+    place: Floats
+    cells: Floats
     leaves: Numbers
 
 
-def project(leaves: Leaves, ids: Numbers, points: Array, spacing: Array) -> tuple[Array, Array, Flags]:
+def project(leaves: Leaves, ids: Numbers, points: Floats, spacing: Floats) -> tuple[Floats, Floats, Flags]:
     """Newton's method onto the zero sets of leaves: points, unit normals, and which got there.
 
     A step is at most a cell long.
@@ -76,7 +76,7 @@ def project(leaves: Leaves, ids: Numbers, points: Array, spacing: Array) -> tupl
     return points, normal, (moved < FIRST) & np.isfinite(normal).all(axis=0)
 
 
-def across(leaves: Leaves, ids: Numbers, seeds: Array, spacing: Array, opposed: float) -> ThinRays:
+def across(leaves: Leaves, ids: Numbers, seeds: Floats, spacing: Floats, opposed: float) -> ThinRays:
     """From each seed to the surface on its leaf, and from there straight through the body and away from it.
 
     Kept are sides that face each other, the cosine of their normals below `opposed`.
@@ -102,7 +102,7 @@ def across(leaves: Leaves, ids: Numbers, seeds: Array, spacing: Array, opposed: 
     return ThinRays(source[facing], inward[facing], place[:, facing], cells[facing], pair[:, facing])
 
 
-def _on_surface(leaves: Leaves, ids: Numbers, points: Array, spacing: Array) -> Flags:
+def _on_surface(leaves: Leaves, ids: Numbers, points: Floats, spacing: Floats) -> Flags:
     """Whether the form vanishes where a leaf does."""
     value, which = leaves.active(points)
     _, gradient = leaves.evaluate(ids, points)
@@ -110,10 +110,10 @@ def _on_surface(leaves: Leaves, ids: Numbers, points: Array, spacing: Array) -> 
     return np.asarray((which == ids) | (np.abs(value) <= small))
 
 
-def _first_change(leaves: Leaves, start: Array, ray: Array, inside: Flags) -> Array:
+def _first_change(leaves: Leaves, start: Floats, ray: Floats, inside: Flags) -> Floats:
     """How far along each ray the form first has the other sign; infinite where nowhere near."""
 
-    def turned(which: Any, distance: Array) -> Flags:
+    def turned(which: Any, distance: Floats) -> Flags:
         value, _ = leaves.active(start[:, which] + distance * ray[:, which])
         return np.where(inside[which], value < 0, value >= 0)
 
@@ -133,7 +133,7 @@ def _first_change(leaves: Leaves, start: Array, ray: Array, inside: Flags) -> Ar
     return distance
 
 
-def closest(leaves: Leaves, pair: Numbers, points: Array, spacing: Array) -> tuple[Array, Array, Flags]:
+def closest(leaves: Leaves, pair: Numbers, points: Floats, spacing: Floats) -> tuple[Floats, Floats, Flags]:
     """Where two leaves come closest: the middle, by Gauss and Newton from given points, the distance, and if found.
 
     The equations for three coordinates are f/|f'| = g/|g'| and f'/|f'| = -g'/|g'|. From where they hold both leaves
@@ -153,7 +153,7 @@ def closest(leaves: Leaves, pair: Numbers, points: Array, spacing: Array) -> tup
     return (one + other) / 2, between, found
 
 
-def _facing(leaves: Leaves, pair: Numbers, points: Array, spacing: Array) -> Array:
+def _facing(leaves: Leaves, pair: Numbers, points: Floats, spacing: Floats) -> Floats:
     """The equations of `closest` at points (3, n, m), in cells."""
     _, count, many = points.shape
     flat = points.reshape(3, -1)
@@ -161,7 +161,7 @@ def _facing(leaves: Leaves, pair: Numbers, points: Array, spacing: Array) -> Arr
     return np.concatenate([[f - g], u + v]).reshape(4, count, many)
 
 
-def _signed_distance(leaves: Leaves, ids: Numbers, points: Array, spacing: Array) -> tuple[Array, Array]:
+def _signed_distance(leaves: Leaves, ids: Numbers, points: Floats, spacing: Floats) -> tuple[Floats, Floats]:
     """A Newton step in cells, and the unit normal."""
     value, gradient = leaves.evaluate(ids, points)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -169,7 +169,7 @@ def _signed_distance(leaves: Leaves, ids: Numbers, points: Array, spacing: Array
         return value / np.linalg.norm(gradient * spacing[:, None], axis=0), normal
 
 
-def common(leaves: Leaves, pair: Numbers, points: Array, spacing: Array) -> tuple[Array, Flags]:
+def common(leaves: Leaves, pair: Numbers, points: Floats, spacing: Floats) -> tuple[Floats, Flags]:
     """The nearest points where two leaves vanish together, by Newton's shortest steps, and where they exist."""
     for _ in range(STEPS):
         values, rows = [], []
@@ -187,7 +187,7 @@ def common(leaves: Leaves, pair: Numbers, points: Array, spacing: Array) -> tupl
         return points, good & np.asarray(np.abs(right).max(axis=1) < FIRST)
 
 
-def level(leaves: Leaves, ids: Numbers, points: Array, spacing: Array) -> tuple[Array, Flags]:
+def level(leaves: Leaves, ids: Numbers, points: Floats, spacing: Floats) -> tuple[Floats, Flags]:
     """Where the gradients of leaves vanish, by Newton's method, and whether the leaf vanishes there too."""
     for _ in range(STEPS):
         around = _around(points, spacing)
@@ -205,19 +205,19 @@ def level(leaves: Leaves, ids: Numbers, points: Array, spacing: Array) -> tuple[
     return points, good & flat & zero & (size > 0)
 
 
-def _around(points: Array, spacing: Array) -> Array:
+def _around(points: Floats, spacing: Floats) -> Floats:
     """Points (3, n) and their neighbours a STEP away along each axis, forwards and backwards: (3, n, 7)."""
     offsets = np.concatenate([np.zeros((3, 1)), STEP * np.eye(3), -STEP * np.eye(3)], axis=1)
-    around: Array = points[:, :, None] + (spacing[:, None] * offsets)[:, None]
+    around: Floats = points[:, :, None] + (spacing[:, None] * offsets)[:, None]
     return around
 
 
-def _differences(values: Array) -> Array:
+def _differences(values: Floats) -> Floats:
     """Derivatives (n, rows, 3), per cell, of values (rows, n, 7) at such neighbours."""
     return np.moveaxis((values[:, :, 1:4] - values[:, :, 4:]) / (2 * STEP), 0, 1)
 
 
-def _least_step(matrix: Array, right: Array, rank: float) -> tuple[Array, Flags]:
+def _least_step(matrix: Floats, right: Floats, rank: float) -> tuple[Floats, Flags]:
     """Solutions (3, n) of matrix*step = -right, the shortest, of at most a cell; none, and false, for what is NaN."""
     good = np.asarray(np.isfinite(right).all(axis=1) & np.isfinite(matrix).all(axis=(1, 2)))
     inverse = np.linalg.pinv(np.where(good[:, None, None], matrix, 0), rcond=rank)

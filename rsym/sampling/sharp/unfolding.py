@@ -19,13 +19,13 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.sampling.kernels.mesher_kernels import MesherKernels
 from rsym.sampling.sharp.corners import off_surface, on_active_leaf, on_surface, solve
 from rsym.sampling.sharp.faces import facing_inwards
 from rsym.sampling.sharp.leaves import CompiledLeaves
 from rsym.sampling.sharp.loops import loop
 
-Floats: TypeAlias = NDArray[np.float64]
 Faces: TypeAlias = NDArray[np.int32]
 Corners: TypeAlias = tuple[int, int, int]
 Edge: TypeAlias = tuple[int, int]

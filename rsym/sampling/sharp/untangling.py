@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.sharp.clusters import components
 from rsym.sampling.sharp.corners import off_surface, on_surface, solve
@@ -21,8 +22,6 @@ from rsym.sampling.sharp.crossings import evaluate
 from rsym.sampling.sharp.faces import FOLDED, Adjacency, find_flaws, turn_diagonals
 from rsym.sampling.sharp.loops import loop
 
-Floats: TypeAlias = NDArray[np.float64]
-Ints: TypeAlias = NDArray[np.int64]
 Faces: TypeAlias = NDArray[np.int32]
 
 RINGS = 3

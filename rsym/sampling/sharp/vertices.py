@@ -15,13 +15,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.sharp.corners import settle
 from rsym.sampling.sharp.crossings import Crossings
 from rsym.sampling.sharp.loops import in_threads, loop, step
 from rsym.sampling.sharp.topology import Topology
 
-Floats: TypeAlias = NDArray[np.float64]
 Shorts: TypeAlias = NDArray[np.int16]
 
 # From a hundredth of a cell off, four steps end at rounding: 1e-2, 1e-4, 1e-8, 1e-16.
