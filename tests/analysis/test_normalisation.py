@@ -239,6 +239,7 @@ def test_the_boundary_of_a_square_is_one_curve():
     assert len(rsym.level_lines(rsym.normalise(SQUARE, order=2))) > 1
 
 
+@pytest.mark.slow
 def test_the_kept_sign_is_of_order_2_at_the_worst_points_that_are_found():
     shape = Shape(ELLIPSE, (x, y), bounds=((-4, 4), (-2, 2)))
     report = rsym.verify_normalisation(rsym.normalise(shape, 2, keep_sign=True), 2, resolution=48, work=0)

@@ -267,6 +267,7 @@ def operation_violations(rng, cases, boxes, points):
     return wrong, count
 
 
+@pytest.mark.slow
 def test_balls_contain_the_values_of_single_operations():
     wrong, count = operation_violations(np.random.default_rng(7), CASES, boxes=12, points=4)
     assert not wrong, wrong[0]

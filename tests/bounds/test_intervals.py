@@ -87,6 +87,7 @@ def assert_within(program, columns, inputs, backend, letters=()):
     assert ((lower <= expected) & (expected <= upper))[known].all()
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("operation", OPERATION_NAMES)
 def test_the_shared_suite_lies_within_the_bounds(operation, backend):

@@ -119,6 +119,7 @@ def test_a_letter_may_be_a_range(capsys):
     assert "for every a2 in [5.32, 8] with a = 5" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_json_is_all_that_is_printed(model, tmp_path, capsys):
     picture = tmp_path / "verdict.png"
     assert main(["verify", model, "--shape", "half", "--json", "-o", str(picture)]) == 1
@@ -131,6 +132,7 @@ def test_json_is_all_that_is_printed(model, tmp_path, capsys):
     assert picture.stat().st_size > 20_000
 
 
+@pytest.mark.slow
 def test_the_same_picture_twice(model, tmp_path):
     for name in ("a.svg", "b.svg"):
         assert main(["verify", model, "-o", str(tmp_path / name)]) == 0

@@ -85,6 +85,7 @@ def test_a_primitive_has_the_order_that_its_documentation_states(name):
         assert make(*given, exact=True).contract().order == best
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", PIECES)
 def test_the_contract_of_a_piece(name):
     make, order, continuity = PIECES[name]

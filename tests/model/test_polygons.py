@@ -143,6 +143,7 @@ def test_letters_stay_letters():
     assert ((changed(*points.T, letters={a: 3, b: 0.5})["value"] > 0) == outlines.inside(corners, points)).all()
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("sides", [3, 4, 5, 7, 12])
 def test_regular_polygons(sides):
     radius, u = sp.symbols("r u", real=True)

@@ -189,6 +189,7 @@ def _diamond(p):
     return np.cos(p).prod(axis=0) * math.sqrt(2) + np.sin(p).prod(axis=0) * math.sqrt(2)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("shape", "truth"), MEMBERS)
 def test_inside_is_positive(shape, truth):
     points = np.random.default_rng(2).uniform(-2.5, 2.5, (3, 2000))

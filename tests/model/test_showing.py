@@ -95,11 +95,13 @@ def test_whatever_a_notebook_shows_is_short_and_quick(make):
         assert calls <= CALLS, name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [SHOWN["kernel"], SHOWN["lines"], SHOWN["mesh"], SHOWN["polygon"]])
 def test_arrays_and_shapes_show_themselves_in_a_notebook(make):
     assert re.match("<(div|table)>.*(<img|<svg|<td|displaystyle)", make()._repr_html_())
 
 
+@pytest.mark.slow
 def test_deep_parts_are_named_with_their_size():
     text = repr(rsym.normalise(rsym.regular_polygon(6), order=2))
     assert re.search(r"omega_1: \w+ of \d+ parts", text)

@@ -95,6 +95,7 @@ def test_the_command_prints_json(folder, capsys):
     assert row["name"], row["letters"] == ("blunt", {"a": 1.25})
 
 
+@pytest.mark.slow
 def test_without_letters_the_variants_are_compared(folder, capsys):
     assert main(["compare", str(folder / "oval.rf")]) == 0
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:3]] == ["round", "long"]
@@ -134,6 +135,7 @@ def test_other_input_that_is_refused(folder, capsys):
     assert "--letters" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_two_files_of_one_name_are_told_apart(folder, capsys):
     (folder / "other").mkdir()
     rsym.save_letters({"a": 2.5}, folder / "other" / "blunt.json")
@@ -177,6 +179,7 @@ def test_the_picture_of_a_curve_shows_extrema_and_the_proved_band():
         )
 
 
+@pytest.mark.slow
 def test_a_broken_curve_and_a_body_of_revolution_can_be_drawn():
     curve, _, _ = plot_fairness(STADIUM).axes
     crosses = next(line.get_xydata() for line in curve.lines if line.get_marker() == "x")

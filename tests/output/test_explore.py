@@ -176,6 +176,7 @@ def test_a_bad_letter_is_said_and_the_picture_stays():
     assert "leaves the bounds" in widget.message.value
 
 
+@pytest.mark.slow
 def test_reset_and_presets(tmp_path):
     widget = rsym.explore(EGG, ("value",), resolution=40)
     drawn = []

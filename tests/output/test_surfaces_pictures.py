@@ -233,6 +233,7 @@ def test_patches_have_colours_and_names():
     assert red > blue
 
 
+@pytest.mark.slow
 def test_edges_have_the_colour_of_their_class_and_the_legend_counts_them():
     u, v = sp.symbols("u v", real=True)
     sides = [(0, 0), (1, 0), (-1, 0), (0, 1)]  # beside the first: a jump of the curvature, a kink, nothing

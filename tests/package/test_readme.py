@@ -72,6 +72,7 @@ def test_the_table_of_systems_names_them_all():
     assert all(callable(getattr(rsym, name)) for name in re.findall(r"`(\w+)`", operations))
 
 
+@pytest.mark.slow
 def test_the_lines_about_pieces(capsys):
     (code,) = [code for code in PYTHON if "rsym.cyclic" in code]
     space = {"rsym": rsym}

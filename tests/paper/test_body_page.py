@@ -59,6 +59,7 @@ def test_the_page_shows_the_bodies_and_lists_what_was_found(small, tmp_path):
     assert result.path.stat().st_size > 20_000
 
 
+@pytest.mark.slow
 def test_all_pictures_share_their_scales(small):
     figure = verdicts.draw_verdicts().figure
     labels = {one.get_ylabel(): one.get_ylim() for one in figure.axes if one.get_ylabel()}

@@ -69,6 +69,7 @@ def test_z_b_agrees_at_the_letters_b_and_not_at_a():
     assert_close(100 * (ratio - 1), 0.74, atol=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("reading", "reach"), [("standard", 7.3), ("strip", 6.0)])
 def test_the_strip_decides_the_width_of_figure_7(reading, reach):
     body = mesh_quietly(rsym.paper.car(stage="test3", reading=reading), 100)

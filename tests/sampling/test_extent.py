@@ -271,6 +271,7 @@ def test_boxes_are_divided_without_gaps():
     assert sorted(map(tuple, faces.centres.T)) == sorted(map(tuple, np.vstack([np.eye(3), -np.eye(3)])))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["sharp", "smooth"])
 def test_a_mesh_without_bounds_holds_the_whole_body_at_any_letters(method):
     r = sp.Symbol("r", real=True)

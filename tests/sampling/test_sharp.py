@@ -153,6 +153,7 @@ SMOOTH = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SMOOTH)
 def test_smooth_bodies_converge_with_the_square_of_the_cell(name):
     expression, volume, area = SMOOTH[name]

@@ -84,6 +84,7 @@ def test_a_ball_covers_a_disc_of_the_right_area(dpi):
     np.testing.assert_allclose(middle, ends[0], atol=0.6)
 
 
+@pytest.mark.slow
 def test_light_comes_from_above_and_the_left_wherever_one_stands():
     for azimuth in (-55.0, 90.0, 170.0):
         image = drawn(ball(), azimuth=azimuth)
@@ -99,6 +100,7 @@ def test_light_comes_from_above_and_the_left_wherever_one_stands():
         )
 
 
+@pytest.mark.slow
 def test_an_open_surface_shows_its_inside_in_a_warmer_colour():
     whole = ball()
     half = whole.vertices[whole.faces].mean(axis=1)[:, 0] < 0.3

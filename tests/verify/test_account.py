@@ -149,6 +149,7 @@ def test_a_lost_box_in_space_makes_undecided(monkeypatch):
     assert "boxes were made" in str(report)
 
 
+@pytest.mark.slow
 def test_a_lost_corner_in_space_makes_undecided(monkeypatch):
     monkeypatch.setattr(verdict, "distinct", lambda places, worst_first, near=0.0: list(places)[1:])
     report = rsym.verify_smoothness(rsym.box(1, 1, 1), method="space")
@@ -156,6 +157,7 @@ def test_a_lost_corner_in_space_makes_undecided(monkeypatch):
     assert "is not listed" in str(report)
 
 
+@pytest.mark.slow
 def test_accounts_of_whole_reports_balance():
     shapes = [rsym.sphere(), rsym.box(1, 1, 1), rsym.capsule((0, 0, 0), (0, 0, 1), 0.5), rsym.double_cone()]
     for shape in shapes:

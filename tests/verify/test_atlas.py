@@ -37,6 +37,7 @@ def smooth_nose(p1):
     return 5 + p1 * Fraction(1, 10) / 13
 
 
+@pytest.mark.slow
 def test_every_rectangle_lies_wholly_on_its_side_of_the_formula(nose):
     certified, refuted = by_verdict(nose, "CERTIFIED"), by_verdict(nose, "REFUTED")
     assert len(certified) > 3
@@ -89,6 +90,7 @@ def test_the_record_is_complete(nose):
         nose.verdict_at(6, 40)
 
 
+@pytest.mark.slow
 def test_the_figure(nose):
     figure = rsym.plot_atlas(nose)
     ax = figure.axes[0]

@@ -78,6 +78,7 @@ def test_extremes(shape, low, high):
     assert_encloses(bending_of(shape), low, high, share=0.051, flat=1e-12)
 
 
+@pytest.mark.slow
 def test_a_range_of_letters():
     r = sp.Symbol("r", real=True)
     shape = rsym.Shape(r**2 - x**2 - y**2 - z**2, (x, y, z), letters={r: 1}, bounds=((-1.6, 1.61),) * 3)

@@ -108,6 +108,7 @@ def test_a_capsule_has_two_circles_of_jumping_curvature():
         assert curve.tangent_jump == 0
 
 
+@pytest.mark.slow
 def test_a_box_has_twelve_edges_and_eight_corners():
     report = judged(rsym.box(2, 3, 1).named("box"))
     assert (report.verdict, report.continuity) == ("REFUTED", "G0")
@@ -128,6 +129,7 @@ def test_an_inner_edge_is_concave():
     all_are(edge.dihedral_angles, 270)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("continuity", "jump"), [("G1", 2.0), ("G2", 0.0)])
 def test_fillets(continuity, jump):
     edge = rsym.conjunction(x, y, system=rsym.Rho(Q(1, 2), continuity))
@@ -186,6 +188,7 @@ def test_a_double_cone_and_a_cone():
     assert_close(tip.tangent_jump, 90, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_no_boundary_and_no_change_of_sign():
     assert body(2 + SQUARES).verdict == "DEGENERATE"
     assert body(-((1 - SQUARES) ** 2)).verdict == "DEGENERATE"

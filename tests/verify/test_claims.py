@@ -30,6 +30,7 @@ def tip_and_turn(a1, a2, p1, p2=0.1):
     return tip, 180 - 2 * math.degrees(math.atan((a1 - a2 - 2 * tip) / p1))
 
 
+@pytest.mark.slow
 def test_the_table_says_what_the_theory_says(found):
     rows = [claim.row[2:] for claim in itertools.chain(*found[:2])]
     assert [verdict for verdict, _ in rows] == ["REFUTED"] + ["CERTIFIED"] * 4 + ["REFUTED"] * 2

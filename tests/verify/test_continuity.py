@@ -89,6 +89,7 @@ def test_pieces_joined_by_beta_constraints(curve, order, grade):
     assert continuity([curve, second], claim="G3").verdict == ("CERTIFIED" if grade == "G3" else "REFUTED")
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("by", [t**2 / 3 + 2 * t / 3, sp.tan(sp.pi * t / 4), sp.log(1 + t) / sp.log(2)])
 @pytest.mark.parametrize("curve", [PLANE, SPACE], ids=["plane", "space"])
 def test_nothing_depends_on_the_parameter(curve, by):
@@ -174,6 +175,7 @@ def reversed_(curve):
     return Curve(curve.expressions, t, curve.end, curve.start)
 
 
+@pytest.mark.slow
 def test_a_standing_end_is_proved_to_any_class_that_is_claimed():
     """(t**3, 0) is a straight line: nothing that is certified rests on a joint that is not proved."""
     line = Curve((t, 0), t, -1, 0)
@@ -195,6 +197,7 @@ def test_a_standing_end_is_proved_to_any_class_that_is_claimed():
         assert (joint.continuity, joint.proved, joint.derivative_jump) == ("G2", True, math.inf)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("coordinates", "low", "high", "verdict"),
     [

@@ -23,6 +23,7 @@ def number(field, element):
         return mpmath.mpf(sp.N(field.written(element), DIGITS))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("order", [1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 15, 16, 20, 24, 28, 32, 36, 192])
 def test_cosines_and_what_is_made_of_them(order):
     field, chance = Field(order), Random(order)

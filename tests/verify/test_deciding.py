@@ -54,6 +54,7 @@ def seen(images: Images, leaf: int, boxes: np.ndarray, depth: int = 4) -> set[st
     return kinds | (seen(images, leaf, halves(left), depth - 1) if depth else {"open"})
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", LEAVES)
 def test_no_more_is_decided_than_balls_decide(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(deciding, "WORTH", 1)

@@ -69,6 +69,7 @@ def statuses(edge):
     return tuple(level.status for level in edge.proof.levels)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("a", "b"), [(1, 0), (R(3, 2), R(1, 7)), (1 + v / 2, v / 3 - R(1, 5))])
 def test_bezier_patches_with_ribbons_of_any_speed_and_slant(a, b):
     """Geometric continuity does not ask for equal derivatives: G2 by construction, G1 with a bend added to q_uu."""
@@ -140,6 +141,7 @@ def test_arcs_of_any_blend_that_keeps_circles():
     assert worse.verdict != "CERTIFIED"
 
 
+@pytest.mark.slow
 def test_poles_of_cones_and_of_surfaces_with_and_without_a_tensor_of_curvature():
     def quarters(height):
         turns = [sp.pi * (u + k) / 2 for k in range(4)]
@@ -161,6 +163,7 @@ def test_poles_of_cones_and_of_surfaces_with_and_without_a_tensor_of_curvature()
     assert 89.9 < found["cone"].proof.levels[1].least <= 90
 
 
+@pytest.mark.slow
 def test_poles_of_whole_turns_of_half_turns_and_of_uneven_ones():
     """2 pi is taken exactly if it is given so; opposite directions say nothing of one another."""
     turn = ((0, 2 * sp.pi), (0, 1))
@@ -249,6 +252,7 @@ def test_rational_arcs_and_edges_that_run_backwards():
     assert_close(edge.intervals[0], (0.25, 0.75), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_transitions_lofts_and_coons_patches():
     wall = ParametricSurface((2 + v / 5, v, 1 + u + u**2 * sp.exp(v) / 4))
     for order, proved in ((3, "G2"), (2, "G1")):
@@ -268,6 +272,7 @@ def test_transitions_lofts_and_coons_patches():
     assert only_edge(tensor, beyond).verdict == "CERTIFIED"
 
 
+@pytest.mark.slow
 def test_joined_matrices_of_floats_are_bounded_all_along():
     rng = np.random.default_rng(2)
     base = np.zeros((6, 6, 3))
@@ -361,6 +366,7 @@ def pieces(below, above, at, place=THIRD):
     return sp.Piecewise((below, u < place), (above, u > place), (at, True))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("floor", "wall"),
     [
@@ -458,6 +464,7 @@ def test_a_crack_is_proved_by_the_distance_of_one_point_from_the_other_edge(lift
     assert 0.99 * edge.gap.value < gap.least <= edge.gap.value * (1 + 1e-9) <= lift * (1 + 1e-8)
 
 
+@pytest.mark.slow
 def test_one_spline_across_its_own_knots_and_a_loft_across_its_sections():
     """A simple knot of a cubic is C2, a double one C1, a triple one C0; composite Hermite functions are C1."""
     rng = np.random.default_rng(11)

@@ -21,6 +21,7 @@ def between(half, middle=0):
     return conjunction(half - y + middle, half + y - middle)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("omega", "continuity"),
     [
@@ -77,6 +78,7 @@ def test_no_curve_where_a_root_ends(omega, kind):
     assert (report.verdict, defect.kind, defect.point, defect.proved) == ("DEGENERATE", kind, (0.0, 0.0), True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "omega",
     [

@@ -97,6 +97,7 @@ class Listener:
         self.counts.append((done, total))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["two corners", "cube"])
 def test_progress_tells_the_stages_and_what_is_undecided(name):
     listener = Listener()
@@ -110,6 +111,7 @@ def test_progress_tells_the_stages_and_what_is_undecided(name):
     assert known[-1] == 0 <= min(known) <= max(known) <= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["two corners", "cube"])
 def test_it_can_be_cancelled_in_every_stage(name):
     method = "auto" if name in PLANE else "space"
@@ -135,6 +137,7 @@ def test_times_that_are_none(wrong):
         Effort(timeout=wrong)
 
 
+@pytest.mark.slow
 def test_a_threshold_is_a_proved_bracket_whenever_the_time_ends(clock):
     body = rsym.paper.skeleton_body()
     ask = {"between": (5.3, 5.35), "tolerance": 1e-3}
@@ -162,6 +165,7 @@ def test_an_atlas_repair_fairness_and_normalisation_end_in_time(clock):
     assert (normal.verdict, normal.statements[-1]) == ("UNDECIDED", (ENDED, False))
 
 
+@pytest.mark.slow
 def test_bounds_of_a_curvature_hold_whenever_the_time_ends(clock):
     ellipse = rsym.Shape(1 - x**2 / 4 - y**2, (x, y), bounds=((-3, 3), (-2, 2)))
     reports = []

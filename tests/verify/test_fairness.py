@@ -217,6 +217,7 @@ def test_a_vertex_next_to_a_joint_counts_on_its_own_side_only(height, kept):
     assert sorted((round(one.point[0]), round(one.point[1])) for one in report.extrema) == kept
 
 
+@pytest.mark.slow
 def test_a_circle_is_known_when_its_equation_has_another_factor():
     product = sp.expand((1 - x**2 - y**2) * (x + 3))
     assert fairness(rsym.Shape(product, (x, y), bounds=((-2, 2), (-2, 2)))).constant == (True,)
@@ -252,6 +253,7 @@ def test_what_is_refused(arguments, meant):
         fairness(oval, **arguments)
 
 
+@pytest.mark.slow
 def test_a_spent_budget_is_admitted():
     report = fairness(rsym.paper.skeleton_body(), letters={"a2": 6}, budget=150)
     assert not report.complete

@@ -28,6 +28,7 @@ def test_gradients_of_principal_curvatures_on_a_torus():
     assert_close(found.gradients, np.stack([slope, 0 * slope, slope / 2], axis=1), atol=1e-11)
 
 
+@pytest.mark.slow
 def test_an_ellipsoid_with_three_axes():
     a, b, c = 3, 2, 1
     body = rsym.Shape(

@@ -93,6 +93,7 @@ def test_what_is_singular_at_a_single_value_is_never_certified(name):
         assert report.statements[0][0].startswith("what follows is said of ")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["meridian", "space", "plane"])
 def test_a_boundary_that_leaves_the_bounds_for_some_value_is_not_certified(method):
     squares = (x - c) ** 2 + y**2 + (0 if method == "plane" else z**2)
@@ -109,6 +110,7 @@ def test_a_smooth_joint_counts_for_every_value():
     assert {curve.kind for curve in report.curves} <= {"smooth joint"}
 
 
+@pytest.mark.slow
 def test_the_bounds_of_the_curvature_hold_for_every_value():
     low, high = judged(c**2 - SQUARES, c=(1, 2)).curvatures
     assert low <= 0.5 < 1 <= high < 2

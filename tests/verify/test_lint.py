@@ -54,6 +54,7 @@ def car():
     return rsym.lint(rsym.paper.car())
 
 
+@pytest.mark.slow
 def test_the_leaves_of_the_car_that_are_not_normalised(car):
     found = {}
     for finding in car.of("not normalised"):
@@ -260,6 +261,7 @@ def test_terms_that_saturate(car):
     assert [finding.places[0].definition for finding in car.of("saturates")] == ["fb1", "fb2"]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("expression", "letters", "place"),
     [

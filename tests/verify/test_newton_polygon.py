@@ -108,6 +108,7 @@ def test_curvature_is_positive_where_the_inside_is_convex(sign):
                 assert_close(joint.curvatures, [sign * curvature] * 2, atol=1e-15)
 
 
+@pytest.mark.slow
 def test_random_products_of_smooth_branches():
     rng = random.Random(4)
     for _ in range(10):

@@ -9,7 +9,7 @@ import importlib
 import pytest
 from opponent import natural
 from opponent.mutations import AIMS, MUTATIONS, UNNOTICED, catcher
-from oracles.tiers import SEED
+from oracles.tiers import SEED, some
 
 import rsym
 
@@ -23,7 +23,7 @@ COUNTS = {"plane": 24, "space": 8, "turned": 12, "made": 7, "lettered": 9, "ques
 def test_nothing_false_is_said(kind, start):
     family = importlib.import_module(f"opponent.{kind}")
     found = []
-    for seed in range(start, start + COUNTS[kind]):
+    for seed in some(range(start, start + COUNTS[kind])):
         case = family.case(seed)
         _, wrong = family.asked(case)
         found.extend(f"hunt.py {kind} --start {seed} --count 1 ({case.family}): {line}\n{case}" for line in wrong)

@@ -68,6 +68,7 @@ def skeleton_area(a2, eps):
     return 2 * sum(quad(substituted, a, b, epsabs=1e-11, limit=200)[0] for a, b in pairwise(knots))
 
 
+@pytest.mark.slow
 def test_the_nose_of_the_paper_has_two_certified_candidates(nose):
     assert nose.before.verdict == "REFUTED"
     assert [one.move for one in nose.candidates] == ["letter", "round"]

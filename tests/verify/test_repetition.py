@@ -90,6 +90,7 @@ class TestWhatIsNotRepeated:
         report = rsym.verify_smoothness(body(rsym.conjunction(BALL, plane)))
         assert (report.verdict, report.continuity) == ("REFUTED", "G0")
 
+    @pytest.mark.slow
     def test_curves_of_a_symmetric_body_are_all_there(self):
         report = rsym.verify_smoothness(rsym.box(1, 1, 1))
         assert report.verdict == "REFUTED"

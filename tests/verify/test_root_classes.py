@@ -70,7 +70,7 @@ def test_the_same_in_the_plane(second, expected):
     assert (report.verdict, report.continuity) == expected
 
 
-@pytest.mark.random
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "expression",
     [
@@ -86,7 +86,7 @@ def test_less_is_never_certified(expression):
     assert rsym.verify_smoothness(body(expression), method="space").verdict != "CERTIFIED"
 
 
-@pytest.mark.random
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "second", [x * y * sp.cos(R), R * sp.sin(R), (x**2 + y**2) ** 2, x * R - (x - y) * R - y * R, z * R / 2, z * x * R]
 )

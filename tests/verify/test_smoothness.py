@@ -30,6 +30,7 @@ def points(report):
 PAPER = rsym.paper.skeleton_body()
 
 
+@pytest.mark.slow
 def test_the_paper_s_own_body_has_a_corner():
     """The tip is where g = (a1 - x)(a2 + x)/p1 - p2 vanishes on the segment: its angle is 2 atan |g'|."""
     report = rsym.verify_smoothness(PAPER)
@@ -49,6 +50,7 @@ def test_the_paper_s_own_body_has_a_corner():
     assert corner.curvature_jump < 1e-15
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("a2", "sampled"), [(Fraction(107, 20), 60.0), (6, 4.3)])
 def test_longer_bodies_are_certified_with_a_bound(a2, sampled):
     report = rsym.verify_smoothness(PAPER, letters={"a2": a2})

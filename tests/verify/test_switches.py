@@ -256,6 +256,7 @@ def test_what_folds_to_a_polynomial_has_its_values(seed):
             assert (total + z - found.as_expr()).subs(place) == 0
 
 
+@pytest.mark.slow
 def test_a_ball_in_all_chambers_is_analytic_on_a_mirror_and_has_edges_beside_one():
     def balls(*centre):
         ball = rsym.Shape(_ball(centre, R(1, 3)), (x, y, z), bounds=BOX)
@@ -267,6 +268,7 @@ def test_a_ball_in_all_chambers_is_analytic_on_a_mirror_and_has_edges_beside_one
     assert report.verdict != "CERTIFIED"
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("count", [None, 3])
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize(("radius", "verdict"), [("2/5", "CERTIFIED"), ("3/5", "REFUTED")])
@@ -276,6 +278,7 @@ def test_rows_of_any_motif_are_decided_where_the_field_is_cut(count, dimension, 
     assert rsym.verify_smoothness(body).verdict == verdict
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [2, 3, 5, 6])
 def test_fans_of_any_motif_are_decided_where_the_field_is_cut(order):
     disc = rsym.Shape(sp.Rational(1, 16) - (x - sp.Rational(1, 8)) ** 2 - (y - sp.Rational(1, 5)) ** 2, (x, y))

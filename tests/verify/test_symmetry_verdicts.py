@@ -42,6 +42,7 @@ def truth(order, radius):
     return ("REFUTED", "G0") if math.sin(math.pi / order) < radius else ("CERTIFIED", "analytic")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [3, 5, 6, 7])
 def test_discs_around_a_point(order):
     wide, narrow = R(3, 4), R(2, 5)
@@ -50,6 +51,7 @@ def test_discs_around_a_point(order):
     assert said(rsym.kaleidoscope(disc(narrow), order)) == truth(order, narrow)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [2, 5])
 def test_a_disc_that_crosses_a_mirror_has_an_edge_there_however_little_it_is_off(order):
     assert said(rsym.kaleidoscope(disc(R(1, 2), (1, R(1, 4))), order)) == ("REFUTED", "G0")
