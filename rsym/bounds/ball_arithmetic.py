@@ -214,3 +214,16 @@ def either(a: arb | None, b: arb | None) -> arb | None:
     if a is None or b is None:
         return b if a is None else a
     return ball(a, b)
+
+
+def degrees(sine: arb, cosine: arb) -> arb:
+    """The angle in degrees, given multiples of its sine and cosine.
+
+    Examples
+    --------
+    >>> degrees(arb(1), arb(-1)).contains(arb(135)), degrees(arb(0, 1), arb(-1)).is_finite()
+    (True, True)
+    """
+    # A ball across the negative axis has all angles.
+    angle = arb.pi() - arb.atan2(sine, -cosine) if cosine < 0 else arb.atan2(sine, cosine)
+    return angle * 180 / arb.pi()

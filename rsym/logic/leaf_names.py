@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 import sympy as sp
 
 from rsym.logic.sign_form import SignForm, sign_form
+from rsym.logic.stripping import scaled
 from rsym.model.blends.gates import with_gates
 from rsym.model.folds import Fold
 from rsym.model.shape import Shape
@@ -39,22 +40,13 @@ def leaf_names(form: SignForm, shape: Shape) -> tuple[str, ...]:
     ('slab', 'corner', 'corner', '-x - y')
     """
     count = len(form.leaves) - form.caps
-    keys = [_key(form.builder, leaf) for leaf in form.leaves[:count]]
+    # SymPy moves signs and constant factors about.
+    keys = [scaled(form.builder, leaf)[0] for leaf in form.leaves[:count]]
     named = _names_of_parts(form.builder, shape)
     texts = {} if all(key in named for key in keys) else _formulas(form.builder, shape.expression)
     names = [named.get(key) or texts.get(key) or f"leaf {number}" for number, key in enumerate(keys)]
     sides = [f"cap {coordinate} {side}" for coordinate in shape.coordinates for side in ("lower", "upper")]
     return (*names, *sides[: form.caps])
-
-
-def _key(builder: Builder, leaf: int) -> int:
-    """The leaf without its sign and without constant factors, which SymPy moves about."""
-    operation, arguments, _ = builder.nodes[leaf]
-    if operation == "neg":
-        return _key(builder, arguments[0])
-    if operation == "mul" and builder.value(arguments[0]) is not None:
-        return _key(builder, arguments[1])
-    return leaf
 
 
 def _names_of_parts(builder: Builder, shape: Shape) -> Mapping[int, str]:
@@ -64,7 +56,7 @@ def _names_of_parts(builder: Builder, shape: Shape) -> Mapping[int, str]:
     parts = [part for part in shape.parts if all(symbol.name in known for symbol in symbols_of(part[1]))]
     # SymPy moves the sign of -(a - b) inwards, so a negation may be another formula: b - a.
     nodes = lower_all(builder, [signed for _, part in parts for signed in map(with_gates, (part, -part))])
-    leaves = [[_key(builder, leaf) for leaf in sign_form(builder, node).leaves] for node in nodes]
+    leaves = [[scaled(builder, leaf)[0] for leaf in sign_form(builder, node).leaves] for node in nodes]
     smallest: dict[int, tuple[int, str]] = {}
     for (name, _), *both in zip(parts, leaves[::2], leaves[1::2], strict=True):
         for keys in both:
@@ -82,7 +74,7 @@ def _formulas(builder: Builder, expression: sp.Expr) -> Mapping[int, str]:
         leaves = sign_form(builder, node).leaves
         if len(leaves) == 1 and _is_short(operand):
             text = sp.sstr(operand)
-            texts.setdefault(_key(builder, leaves[0]), text if len(text) <= LONGEST_FORMULA else "")
+            texts.setdefault(scaled(builder, leaves[0])[0], text if len(text) <= LONGEST_FORMULA else "")
     return texts
 
 

@@ -11,24 +11,21 @@ arithmetic stay as they are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from functools import partial
 
+from rsym.logic.gates import Gate, Operand, gate_of, through
+from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign
 from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
+from rsym.model.traversal import with_operands
 from rsym.program.builder import Builder
+from rsym.program.calculus import Calculus
+from rsym.program.fields import fields_program
 from rsym.program.lowering import lower
-from rsym.program.operations import CONJUNCTIONS, KINKED, LOGICAL
-from rsym.program.program import live
-
-
-class Gate(NamedTuple):
-    """A min or max of two operands: the number of a leaf, or the number of leaves plus that of an earlier gate."""
-
-    operation: str
-    first: int
-    second: int
+from rsym.program.operations import KINKED
+from rsym.program.program import Program, live
 
 
 @dataclass(frozen=True)
@@ -58,10 +55,8 @@ class SignForm:
     @property
     def value(self) -> int:
         """The node of the form."""
-        nodes = list(self.leaves)
-        for operation, first, second in self.gates:
-            nodes.append(self.builder.make(operation, nodes[first], nodes[second]))
-        return nodes[-1]
+        make = self.builder.make
+        return through(self.gates, self.leaves, lambda gate, first, second: make(gate.operation, first, second))[-1]
 
     def capped(self) -> SignForm:
         """The form inside its bounds, six leaves more; the bounds are the letters ``x lower``, ``x upper``, ..."""
@@ -109,16 +104,27 @@ def shape_form(shape: Shape) -> SignForm:
     return sign_form(builder, lower(builder, with_gates(shape.expression)))
 
 
+def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
+    """The program of a function with the same zero set and signs: constant factors drop, omega_n goes back to omega.
+
+    Where derivatives of omega do not exist a normalised value need not exist; omega does.
+    """
+    builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(shape.letters))
+    stripped = Stripping(
+        builder, partial(constant_sign, builder), keeps=lambda node: builder.nodes[node].operation == "normalised"
+    )
+    return fields_program(Calculus(builder, stripped(lower(builder, shape.expression)).made(builder)), fields)
+
+
 def sign_form(builder: Builder, number: int) -> SignForm:
     """The sign form of a node."""
     leaves: dict[int, int] = {}
     joined: list[tuple[str, Operand, Operand]] = []
     parameters: dict[tuple[str, int], None] = {}
     done: dict[Signed, Operand] = {}
-    for part, operands in postorder(stripped(builder, number, 1), lambda part: _operands(builder, part)):
+    for part, operands in with_operands(stripped(builder, number), partial(_operands, builder), tuple):
         if not operands:
-            leaf = part.number if part.sign > 0 else builder.neg(part.number)
-            done[part] = Operand(False, leaves.setdefault(leaf, len(leaves)))
+            done[part] = Operand(False, leaves.setdefault(part.made(builder), len(leaves)))
             continue
         operation, arguments, _ = builder.nodes[part.number]
         parameters.update(((operation, parameter), None) for parameter in arguments[2:])
@@ -126,88 +132,34 @@ def sign_form(builder: Builder, number: int) -> SignForm:
         if first == second:
             done[part] = first
         else:
-            joined.append(("min" if (operation in CONJUNCTIONS) == (part.sign > 0) else "max", first, second))
+            joined.append((gate_of(operation, part.sign), first, second))
             done[part] = Operand(True, len(joined) - 1)
-    gates = tuple(Gate(op, *(k + gate * len(leaves) for gate, k in operands)) for op, *operands in joined)
+    gates = tuple(Gate(op, *(operand.after(len(leaves)) for operand in operands)) for op, *operands in joined)
     return SignForm(builder, tuple(leaves), gates, tuple(parameters))
-
-
-class Operand(NamedTuple):
-    """A gate or a leaf by its number among its kind."""
-
-    is_gate: bool
-    number: int
-
-
-class Signed(NamedTuple):
-    """A node times 1 or -1."""
-
-    number: int
-    sign: int
-
-
-def postorder(
-    root: Signed, operands_of: Callable[[Signed], Sequence[Signed]]
-) -> Iterator[tuple[Signed, Sequence[Signed]]]:
-    """Each part once, after its operands; a leaf has none. Iterative: nests of five hundred must work."""
-    seen: set[Signed] = set()
-    stack = [(root, False)]
-    while stack:
-        part, ready = stack.pop()
-        if part in seen:
-            continue
-        operands = operands_of(part)
-        if ready or not operands:
-            seen.add(part)
-            yield part, operands
-        else:
-            stack.append((part, True))
-            stack.extend((operand, False) for operand in reversed(operands))
 
 
 def _operands(builder: Builder, part: Signed) -> Sequence[Signed]:
     operation, arguments, _ = builder.nodes[part.number]
-    joins = operation in LOGICAL
-    return [stripped(builder, argument, part.sign) for argument in arguments[:2]] if joins else ()
+    return [stripped(builder, argument, part.sign) for argument in arguments[:2]] if gate_of(operation) else ()
 
 
-def stripped(builder: Builder, number: int, sign: int) -> Signed:
+def beside_idle(
+    builder: Builder, number: int, sign_of: Callable[[int], int], legal: Callable[[int], bool]
+) -> Signed | None:
+    """The operand that an R-operation equals in sign, the other being true in an "and", false in an "or"; else None."""
+    operation, arguments, _ = builder.nodes[number]
+    kind = gate_of(operation)
+    if not kind or not legal(number):
+        return None
+    idle = 1 if kind == "min" else -1
+    return next((Signed(b) for a, b in (arguments[:2], arguments[1::-1]) if sign_of(a) == idle), None)
+
+
+def stripped(builder: Builder, number: int, sign: int = 1) -> Signed:
     """Without negations and negative constants, which count, positive factors, odd powers and normalisation."""
-    while True:
-        operation, arguments, data = builder.nodes[number]
-        if operation == "neg":
-            number, sign = arguments[0], -sign
-        elif operation == "zero_with":
-            number = arguments[1]
-        elif operation == "normalised" or (operation == "powi" and isinstance(data, int) and data % 2 == 1):
-            number = arguments[0]
-        elif operation == "div" and is_positive(builder, arguments[1]):
-            number = arguments[0]
-        elif operation == "mul" and (builder.value(arguments[0]) or 0) < 0:
-            number, sign = arguments[1], -sign
-        elif operation == "mul" and is_positive(builder, arguments[0]):
-            number = arguments[1]
-        elif operation == "mul" and is_positive(builder, arguments[1]):
-            number = arguments[0]
-        else:
-            return Signed(number, sign)
+    return Stripping(builder, partial(formal_sign, builder), partial(formal_sign, builder))(number, sign)
 
 
 def has_kinks(builder: Builder, leaf: int) -> bool:
     """Whether a leaf has an operation inside that may make a kink in its zero set."""
     return any(builder.nodes[number].operation in KINKED for number in live(builder.nodes, [leaf]))
-
-
-def is_positive(builder: Builder, number: int) -> bool:
-    """Whether the form of a node shows that it is positive wherever it is defined; no form shows it of a letter."""
-    operation, arguments, data = builder.nodes[number]
-    if operation == "const":
-        value = builder.value(number)
-        return value is None or value > 0  # pi, e
-    if operation == "exp":
-        return True
-    if operation == "add":
-        return all(builder.nonnegative[a] for a in arguments) and any(is_positive(builder, a) for a in arguments)
-    if operation in {"mul", "div", "sqrt"} or (operation == "powi" and data is not None):
-        return all(is_positive(builder, argument) for argument in arguments)
-    return False

@@ -164,27 +164,6 @@ def _instead(field: str) -> str:
     return f"no such field is derived from omega_{order}"
 
 
-def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
-    """The program of a function with the same zero set and signs: constant factors drop, omega_n goes back to omega.
-
-    Where derivatives of omega do not exist a normalised value need not exist; omega does.
-    """
-    builder = _builder_for(shape)
-    node, sign = lower(builder, shape.expression), 1
-    while True:
-        operation, arguments, _ = builder.nodes[node]
-        factor = builder.value(arguments[0]) if operation == "mul" else None
-        if operation == "zero_with":
-            node = arguments[1]
-        elif operation in {"neg", "normalised"}:
-            node, sign = arguments[0], -sign if operation == "neg" else sign
-        elif factor:
-            node, sign = arguments[1], sign if factor > 0 else -sign
-        else:
-            break
-    return fields_program(Calculus(builder, node if sign > 0 else builder.neg(node)), fields)
-
-
 def program_of(
     shape: Shape,
     fields: Sequence[str],

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rsym.bounds.far_forms import far_leaves
 from rsym.bounds.intervals import IntervalFunction
+from rsym.logic.gates import Gate, through
 from rsym.logic.sign_form import SignForm
 from rsym.program.builder import Builder
 from rsym.program.program import Program
@@ -91,9 +92,13 @@ class FormSigns:
     def _joined(self, leaves: Signs) -> Signs:
         """Of -1, 0 and 1: a min is negative where one operand is, and positive where both are."""
         signs: list[Signs] = list(leaves)
-        for operation, first, second in self.bounds.form.gates:
-            signs.append((np.minimum if operation == "min" else np.maximum)(signs[first], signs[second]))
-        return signs[-1]
+        return through(self.bounds.form.gates, signs, joined_signs)[-1]
+
+
+def joined_signs(gate: Gate, first: Signs, second: Signs) -> Signs:
+    """The signs of a gate from those of its operands."""
+    joined: Signs = (np.minimum if gate.operation == "min" else np.maximum)(first, second)
+    return joined
 
 
 def _program(builder: Builder, numbers: Sequence[int]) -> Program:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
-from rsym.logic.sign_form import Gate, shape_form
+from rsym.logic.gates import Gate, through
+from rsym.logic.sign_form import shape_form
 from rsym.model.shape import Shape
 from rsym.program.differentiation import derivative
 
@@ -102,12 +103,13 @@ class PlaneLeaves:
 
 def active_leaf(gates: Sequence[Gate], values: Sequence[Array] | Array) -> tuple[Array, Ints]:
     """The values of a form whose leaves have the values (leaves, n), and the number of the leaf that gives each."""
-    joined = [(row, np.full(len(row), k)) for k, row in enumerate(values)]
-    for operation, first, second in gates:
-        (f, i), (g, j) = joined[first], joined[second]
-        take = f <= g if operation == "min" else f >= g
-        joined.append((np.where(take, f, g), np.where(take, i, j)))
-    return joined[-1]
+
+    def join(gate: Gate, one: tuple[Array, Ints], other: tuple[Array, Ints]) -> tuple[Array, Ints]:
+        (f, i), (g, j) = one, other
+        take = f <= g if gate.operation == "min" else f >= g
+        return np.where(take, f, g), np.where(take, i, j)
+
+    return through(gates, [(row, np.full(len(row), k)) for k, row in enumerate(values)], join)[-1]
 
 
 def leaves_of(

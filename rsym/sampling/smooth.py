@@ -19,8 +19,8 @@ from skimage.measure import marching_cubes
 
 from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
+from rsym.logic.sign_form import surface_program
 from rsym.model.shape import Shape
-from rsym.program.fields import surface_program
 from rsym.sampling.detail import small_pieces, thin_walls
 from rsym.sampling.lattice import Lattice, sides_of
 from rsym.sampling.mesh import Mesh

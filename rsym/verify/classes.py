@@ -17,10 +17,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from rsym.logic.stripping import bare, factor
 from rsym.program.operations import JUMPING, POWERS
 from rsym.verify.domains import switch_of
 from rsym.verify.folding import CONTINUOUS, WHOLE, folded
-from rsym.verify.generators import Generators, bare, factor, generators
+from rsym.verify.generators import Generators, generators
 from rsym.verify.joints import Arc, Meeting
 from rsym.verify.local import Local
 from rsym.verify.polynomials import multiplicity, ring_of

@@ -20,12 +20,13 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from rsym.bounds.balls import arb, ball, ctx, hypotenuse, root
+from rsym.logic.kleene import Formula, ternary
+from rsym.logic.stripping import bare, factor
 from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative
-from rsym.verify.bodies.formulas import Formula, ternary
 from rsym.verify.bodies.sheets import sheets
 from rsym.verify.borders import is_within
-from rsym.verify.generators import bare, factor, generators
+from rsym.verify.generators import generators
 from rsym.verify.joints import PRECISE, Arc, Meeting, judged, locate, located
 from rsym.verify.krawczyk import Zero, unique_zero
 from rsym.verify.lifting import (

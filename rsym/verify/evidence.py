@@ -1,13 +1,11 @@
-"""What the boxes of a proof say in sentences, and whether there is a boundary at all."""
+"""Whether there is a boundary at all: what the boxes of a proof say of it."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from itertools import islice, product
 
 from rsym.bounds.balls import arb, ctx
-from rsym.reports.words import plural
 from rsym.verify.covering import PRECISION, Covering, halves
 from rsym.verify.examination import Finding, examine
 from rsym.verify.local import Box, Model, side
@@ -80,34 +78,3 @@ def _changes_sign(model: Model, box: Box, finding: Finding, ranges: Sequence[arb
     ranges = [one.mid() for one in _sides(box[2:])] if ranges is None else ranges
     points = product(*((low, low + (high - low) / 2, high) for low, high in box[:2]))
     return {1, -1} <= {model.on([arb(x), arb(y), *ranges]).sign(number) for x, y in points}
-
-
-def statements(found: Covering, exists: bool | None) -> tuple[tuple[str, bool], ...]:
-    """Sentences about the whole boundary, each with whether it is proved; joints speak for themselves."""
-    kinds = [finding.kind for _, finding in found.settled]
-    result = []
-    if not exists:
-        none = exists is False
-        result.append((f"no point of the boundary {'lies' if none else 'was found'} within the bounds", none))
-    if "double" in kinds:
-        result.append(("omega is zero on a curve without changing its sign", True))
-    if "regular" in kinds and exists:
-        orders = [finding.order for _, finding in found.settled if finding.kind == "regular"]
-        level = min(orders)
-        smooth = "analytic arc" if level == math.inf else f"arc of class C^{math.ceil(level) - 1}"
-        result.append((f"on {boxes(kinds.count('regular'))} the boundary is a regular {smooth}", True))
-    if "joined" in kinds:
-        text = f"on {boxes(kinds.count('joined'))} it consists of two analytic arcs that meet in one point"
-        result.append((text, True))
-    if "leap" in kinds:
-        result.append((f"on {boxes(kinds.count('leap'))} omega jumps over zero", True))
-    if "broken" in kinds:
-        result.append((f"on {boxes(kinds.count('broken'))} it is no curve", True))
-    if found.left:
-        result.append((f"on {boxes(len(found.left))} nothing is proved of the boundary as a whole", False))
-    return tuple(result)
-
-
-def boxes(count: int) -> str:
-    """So many boxes."""
-    return plural(count, "box", "boxes")

@@ -10,14 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from rsym.logic.stripping import bare
 from rsym.program.builder import Builder
 from rsym.program.operations import BRANCHING, CHOOSING, ENTIRE, OPERATIONS
 from rsym.program.row import Clauses
 from rsym.verify.domains import is_defined, is_legal, meets, switch_of
 from rsym.verify.local import Local
 from rsym.verify.locus import chosen
-
-TERMS = 32  # parts of a sum that is compared with others
 
 
 @dataclass(frozen=True)
@@ -125,69 +124,3 @@ def is_square(builder: Builder, number: int) -> bool:
     """Whether a node is the product of a node with itself."""
     operation, arguments, _ = builder.nodes[number]
     return operation == "mul" and arguments[0] == arguments[1]
-
-
-def bare(builder: Builder, number: int) -> int:
-    """The node without sign and constant factor: its zeros are the same."""
-    return _scaled(builder, number)[0]
-
-
-def factor(builder: Builder, number: int) -> int:
-    """The sign of the constant factor that `bare` takes away."""
-    return _scaled(builder, number)[1]
-
-
-def _scaled(builder: Builder, number: int) -> tuple[int, int]:
-    """A node u and a sign: the node is u times a constant of that sign. Asked on every box, worked out once."""
-    if number not in builder.scaled:
-        builder.scaled[number] = _unscaled(builder, number)
-    return builder.scaled[number]
-
-
-def _unscaled(builder: Builder, number: int) -> tuple[int, int]:
-    sign = 1
-    while True:
-        operation, arguments, _ = builder.nodes[number]
-        value = builder.value(arguments[0]) if operation == "mul" else None
-        if operation == "neg":
-            number, sign = arguments[0], -sign
-        elif value is not None and value != 0:
-            number, sign = arguments[1], sign if value > 0 else -sign
-        elif operation == "add":
-            made, positive = _sum(builder, number)
-            return made, sign * positive
-        else:
-            return number, sign
-
-
-def _sum(builder: Builder, number: int) -> tuple[int, int]:
-    """A sum divided by the coefficient of its first term, and the sign of that: x - 1/2 of 1 - 2*x.
-
-    Terms of one node are added up; where they cancel, and where there are many, the sum stays as it is written.
-    """
-    terms: dict[int, Fraction] = {}
-    constant, stack, count = Fraction(0), [(number, Fraction(1))], 0
-    while stack:
-        part, times = stack.pop()
-        count += 1
-        operation, arguments, data = builder.nodes[part]
-        value = builder.value(arguments[0]) if operation == "mul" else None
-        if operation == "add":
-            stack.extend((argument, times) for argument in arguments)
-        elif operation == "neg":
-            stack.append((arguments[0], -times))
-        elif value is not None:
-            stack.append((arguments[1], times * value))
-        elif operation == "const" and isinstance(data, Fraction):
-            constant += times * data
-        else:
-            terms[part] = terms.get(part, Fraction(0)) + times
-        if count > TERMS:
-            return number, 1
-    if not terms or not all(terms.values()):
-        return number, 1
-    leading = terms[min(terms)]
-    made = builder.const(constant / leading)
-    for part in sorted(terms):
-        made = builder.add(made, builder.mul(builder.const(terms[part] / leading), part))
-    return made, 1 if leading > 0 else -1

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rsym.bounds.balls import ctx
+from rsym.logic.stripping import bare
 from rsym.verify.breaks import changes_sign
 from rsym.verify.covering import PRECISION
-from rsym.verify.generators import bare, generators
+from rsym.verify.generators import generators
 from rsym.verify.local import Box, Local, Model
 from rsym.verify.polynomials import polynomial_of
 

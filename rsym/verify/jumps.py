@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
+from rsym.bounds.ball_arithmetic import degrees
 from rsym.bounds.balls import arb, root, square
 from rsym.verify.constants import enclosed, measured, norm, precise
 from rsym.verify.curves import End, all_vanish, determinant, dot, minors
@@ -29,9 +30,7 @@ def turn(before: End, after: End) -> Any | None:
     sine, cosine = norm(minors(before.tangent, after.tangent)), enclosed(dot(before.tangent, after.tangent))
     if sine is None or cosine is None:
         return None
-    # A ball across the negative axis has all angles.
-    angle = arb.pi() - arb.atan2(sine, -cosine) if cosine < 0 else arb.atan2(sine, cosine)
-    return angle * 180 / arb.pi()
+    return degrees(sine, cosine)
 
 
 def bend(end: End, flat: bool) -> Balls:

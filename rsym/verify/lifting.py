@@ -18,8 +18,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rsym.bounds.balls import arb, hypotenuse
+from rsym.logic.stripping import bare
 from rsym.program.differentiation import derivative
-from rsym.verify.generators import bare
 from rsym.verify.joints import Jet
 from rsym.verify.local import Local, Model
 from rsym.verify.polynomials import same_zeros

@@ -9,9 +9,12 @@ curves and points where |grad omega| does not exist, omega decides.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
+from functools import partial
 
+from rsym.logic.sign_form import beside_idle
+from rsym.logic.stripping import Signed, Stripping, constant_sign, even_root, keeps_sign
 from rsym.program.builder import Builder
 from rsym.program.operations import CONJUNCTIONS, LOGICAL
 from rsym.verify.domains import is_defined, is_legal, switch_of
@@ -40,45 +43,34 @@ DEEPEST = 60  # operations within operations, each with two parts that count: wh
 
 def reduce(local: Local, number: int, depth: int = 0) -> Locus:
     """The locus of a node on the box."""
-    builder = local.model.builder
-    sign = 1
-    while True:
-        value = local.value(number)
+    part = Signed(number)
+    for part in stripping(local, partial(_decided, local)).steps(number):
+        value = local.value(part.number)
         if value is None or not value.contains(0):
             return NONE
-        operation, arguments, _ = builder.nodes[number]
-        if operation == "neg":
-            number, sign = arguments[0], -sign
-        elif operation in {"normalised", "powi", "signed_power"} and _keeps_sign(local, number):
-            number = arguments[0]
-        elif operation == "div" and _drops(local, arguments[1]):
-            number, sign = arguments[0], sign * local.sign(arguments[1])
-        elif operation == "mul" and any(_drops(local, argument) for argument in arguments):
-            known = 0 if _drops(local, arguments[0]) else 1
-            number, sign = arguments[1 - known], sign * local.sign(arguments[known])
-        elif operation in {"abs", "min", "max", "select"} and (branch := chosen(local, number)) is not None:
-            number, sign = branch[0], sign * branch[1]
-        elif operation in LOGICAL and (other := _beside_idle(local, number)) is not None:
-            number = other
-        else:
-            break
-    return _reduced(local, number, sign, depth)
+    return _reduced(local, *part, depth)
 
 
-def _beside_idle(local: Local, number: int) -> int | None:
-    """The operand that an operation equals in sign, since the other one is true in an "and" or false in an "or"."""
-    operation, (f, g, *_), _ = local.model.builder.nodes[number]
-    idle = 1 if operation in CONJUNCTIONS else -1
-    if is_legal(local, number):
-        for one, other in ((f, g), (g, f)):
-            if local.sign(one) == idle and is_defined(local, one):
-                return other
-    return None
+def stripping(local: Local, otherwise: Callable[[int], Signed | None] | None = None) -> Stripping:
+    """What drops on a box: factors that are defined and of one sign on all of it."""
+    return Stripping(
+        local.model.builder, partial(_sure_sign, local), keeps=partial(_keeps_sign, local), otherwise=otherwise
+    )
 
 
-def _drops(local: Local, factor: int) -> bool:
-    """Whether a factor has one sign on the whole box."""
-    return local.nonzero(factor) and is_defined(local, factor)
+def _sure_sign(local: Local, number: int) -> int:
+    """The sign that a node has on the whole box, which it is defined on; 0 if there is none."""
+    sign = local.sign(number)
+    return sign if sign and is_defined(local, number) else 0
+
+
+def _decided(local: Local, number: int) -> Signed | None:
+    """What is left of an operation with branches, and of a conjunction or disjunction of which one operand is idle."""
+    builder = local.model.builder
+    branching = builder.nodes[number].operation in {"abs", "min", "max", "select"}
+    if branching and (branch := chosen(local, number)) is not None:
+        return Signed(*branch)
+    return beside_idle(builder, number, partial(_sure_sign, local), partial(is_legal, local))
 
 
 def _keeps_sign(local: Local, number: int) -> bool:
@@ -154,27 +146,24 @@ def _product(local: Local, number: int, sign: int, depth: int) -> Locus:
     """A product of two factors that may both vanish; u*|u| and the like have the locus of u."""
     builder = local.model.builder
     u, v = builder.nodes[number].arguments[:2]
-    (first, first_odd), (second, second_odd) = _stripped(builder, u), _stripped(builder, v)
+    (first, times, first_odd), (second, also, second_odd) = _zeros(builder, u), _zeros(builder, v)
     if first == second or same_zeros(local.model, first, second):
         if first_odd == second_odd:
             return Locus("double", (first,))
-        changing = first if first_odd else second
-        return reduce(local, changing if sign > 0 else builder.neg(changing), depth)
+        changing = Signed(first if first_odd else second, sign * times * also)
+        return reduce(local, changing.made(builder), depth)
     return Locus("product", (u, v) if sign > 0 else (builder.neg(u), v))
 
 
-def _stripped(builder: Builder, number: int) -> tuple[int, bool]:
-    """The node whose zero set this one has, and whether its sign is that node's (else it is never negative)."""
+def _zeros(builder: Builder, number: int) -> tuple[int, int, bool]:
+    """(u, s, odd): s times a node has the zeros of u and its sign, or, not odd, is never negative."""
+    stripped = Stripping(builder, partial(constant_sign, builder), keeps=partial(_is_odd_power, builder))
+    inner, sign = stripped(number)
     odd = True
-    while True:
-        operation, arguments, data = builder.nodes[number]
-        if operation == "abs" or (operation == "powi" and isinstance(data, int) and data % 2 == 0):
-            number, odd = arguments[0], False
-        elif operation == "mul" and arguments[0] == arguments[1]:
-            number, odd = arguments[0], False
-        elif operation == "powi":
-            number = arguments[0]
-        elif operation == "mul" and (builder.value(arguments[0]) or Fraction(0)) > 0:
-            number = arguments[1]
-        else:
-            return number, odd
+    while (root := even_root(builder, inner)) is not None:
+        inner, odd = stripped(root).number, False
+    return inner, sign, odd
+
+
+def _is_odd_power(builder: Builder, number: int) -> bool:
+    return builder.nodes[number].operation == "powi" and keeps_sign(builder, number)

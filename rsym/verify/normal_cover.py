@@ -23,10 +23,11 @@ from numpy.typing import NDArray
 from rsym.backends.registry import default_backend
 from rsym.bounds.balls import ctx
 from rsym.bounds.intervals import Bounds, IntervalFunction
+from rsym.logic.stripping import bare
 from rsym.program.builder import Builder
 from rsym.sampling.effort import Effort
 from rsym.verify.covering import OFF_CENTRE, PRECISION
-from rsym.verify.generators import bare, generators
+from rsym.verify.generators import generators
 from rsym.verify.local import Box, side
 from rsym.verify.normal_derivatives import NormalDerivatives
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import sympy as sp
 
+from rsym.logic.stripping import scaled
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower
 from rsym.verify.cyclotomic import HIGHEST as LARGEST_FIELD
@@ -186,18 +187,11 @@ def _order(builder: Builder, parts: Sequence[int]) -> int:
 
 def _share(builder: Builder, number: int) -> Fraction | None:
     """The fraction of a turn that an angle is, if it is written as a fraction of pi."""
-    times = Fraction(1, 2)
-    while True:
-        operation, arguments, data = builder.nodes[number]
-        value = builder.value(arguments[0]) if operation == "mul" else None
-        if operation == "const":
-            return times if data == "pi" else Fraction(0) if data == 0 else None
-        if operation == "neg":
-            number, times = arguments[0], -times
-        elif value is not None:
-            number, times = arguments[1], times * value
-        else:
-            return None
+    angle, times = scaled(builder, number)
+    operation, _, data = builder.nodes[angle]
+    if operation != "const":
+        return None
+    return times / 2 if data == "pi" else Fraction(0) if data == 0 else None
 
 
 def ring_of(model: Model) -> Ring:

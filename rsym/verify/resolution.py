@@ -12,11 +12,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
+from rsym.logic.stripping import bare, factor
 from rsym.program.builder import HALF, Builder
 from rsym.program.expansion import SIMPLE
 from rsym.program.operations import BRANCHING, CHOOSING, JUMPING
 from rsym.verify.domains import switch_of
-from rsym.verify.generators import bare, factor, is_square, root_order
+from rsym.verify.generators import is_square, root_order
 from rsym.verify.local import Local, Model
 from rsym.verify.locus import chosen
 from rsym.verify.polynomials import multiplicity

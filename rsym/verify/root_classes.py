@@ -23,12 +23,13 @@ from dataclasses import dataclass
 import sympy as sp
 
 from rsym.bounds.balls import arb, root
+from rsym.logic.stripping import bare
 from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative
 from rsym.program.lowering import lower
 from rsym.program.operations import CHOOSING
 from rsym.verify.cleaning import diagonal
-from rsym.verify.generators import bare, generators, is_square
+from rsym.verify.generators import generators, is_square
 from rsym.verify.local import Local, Model
 from rsym.verify.locus import chosen
 from rsym.verify.polynomials import polynomial_of

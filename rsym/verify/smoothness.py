@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import heapq
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -11,12 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.bounds.balls import ctx
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.blends.gates import without_rounded_levels
 from rsym.model.requirements import require_count, require_positive, require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
+from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
 from rsym.sampling.effort import Effort
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import bounds_of
@@ -28,15 +31,16 @@ from rsym.verify.bodies.verdict import BUDGET as BODY_BUDGET
 from rsym.verify.bodies.verdict import Study, report_body, study_body
 from rsym.verify.cells import within_cells
 from rsym.verify.cleaning import cleaned, without_scale
-from rsym.verify.covering import Covering, cover, extent_of
-from rsym.verify.evidence import NOWHERE, has_boundary, has_boundary_for_every_value, statements
+from rsym.verify.conclusions import Tally, badness, sentences, verdict_from
+from rsym.verify.covering import PRECISION, Covering, cover, extent_of, halves
+from rsym.verify.evidence import NOWHERE, has_boundary, has_boundary_for_every_value
+from rsym.verify.examination import Finding, examine
 from rsym.verify.holes import holes
 from rsym.verify.local import Box, Interval, Model
 from rsym.verify.pruning import pruner
 from rsym.verify.report import UNKNOWN, Cover, Joint, SmoothnessReport, continuity_of, is_defect, level_of
 from rsym.verify.revolution import find_meridian, meridian
-from rsym.verify.sharpening import sharpened_bound
-from rsym.verify.suspects import DEGENERATIONS, classify_suspects
+from rsym.verify.suspects import classify_suspects
 
 BUDGET = 20_000  # boxes: the body of Fig. 11 takes 130, a lemniscate with its node 240, the car 200 to 900
 METHODS = ("auto", "meridian", "space")
@@ -265,13 +269,15 @@ def _unaccounted(study: _Study, suspects: Sequence[Joint], draft: SmoothnessRepo
 
 def _drafted(study: _Study, suspects: Sequence[Joint], sharpening: int) -> SmoothnessReport:
     model, region, found, values = study.model, study.region, study.found, study.values
-    joints = distinct(_located(study), _badness)
+    joints = distinct(_located(study), badness)
     everything = [*joints, *suspects]
     exists = has_boundary(model, found, joints, extent_of(region))
-    verdict = _verdict(found, everything, exists)
+    order = min((f.order for _, f in found.settled if f.kind == "regular"), default=math.inf)
+    kinds = Counter(finding.kind for _, finding in found.settled)
+    tally = Tally({**kinds, "open": len(found.left)}, order, exists)
+    verdict = verdict_from(tally, everything)
     everywhere = verdict != CERTIFIED or len(region) == 2 or has_boundary_for_every_value(model, found, region[2:])
     verdict = verdict if everywhere else UNDECIDED
-    order = min((f.order for _, f in found.settled if f.kind == "regular"), default=math.inf)
     counted = [joint for joint in everything if joint.proved or verdict != REFUTED]
     bound, effort = math.inf, study.effort
     effort.begin("curvatures", SHARES[2])
@@ -283,31 +289,14 @@ def _drafted(study: _Study, suspects: Sequence[Joint], sharpening: int) -> Smoot
     return SmoothnessReport(
         verdict=verdict,
         continuity=continuity_of(verdict, map(level_of, counted), order),
-        defects=tuple(sorted(defects, key=_badness)),
+        defects=tuple(sorted(defects, key=badness)),
         joints=tuple(joint for joint in everything if joint not in defects),
         curvature_bound=bound,
         cover=_cover(region, found),
         letters={name: (float(low), float(high)) for name, (low, high) in values.items()},
-        statements=(*statements(found, exists), *gaps, *([] if everywhere else [NOWHERE]), *effort.statements),
+        statements=(*sentences(tally, 2), *gaps, *([] if everywhere else [NOWHERE]), *effort.statements),
         body=model.body,
     )
-
-
-def _verdict(found: Covering, joints: Sequence[Joint], exists: bool | None) -> str:
-    """The strongest word that the evidence bears."""
-    if any(joint.proved and is_defect(joint) and joint.kind not in DEGENERATIONS for joint in joints):
-        return REFUTED
-    degenerate = any(joint.proved and joint.kind in DEGENERATIONS for joint in joints)
-    if degenerate or any(f.kind == "double" for _, f in found.settled) or exists is False:
-        return DEGENERATE
-    if found.left or any(f.kind == "leap" for _, f in found.settled) or any(not joint.proved for joint in joints):
-        return UNDECIDED
-    return CERTIFIED if exists else UNDECIDED
-
-
-def _badness(joint: Joint) -> tuple[float, ...]:
-    size = [0.0 if math.isnan(value) else -value for value in (joint.tangent_jump, joint.curvature_jump)]
-    return (not joint.proved, level_of(joint), *size, *joint.point)
 
 
 def _cover(region: Box, found: Covering) -> Cover:
@@ -323,3 +312,29 @@ def _cover(region: Box, found: Covering) -> Cover:
 
 def _boxes(boxes: Sequence[Box]) -> NDArray[np.float64]:
     return np.array([box[:2] for box in boxes], dtype=np.float64).reshape(-1, 2, 2)
+
+
+# A sharper bound of the curvature: the boxes with the largest bounds are divided until theirs is tight.
+TIGHT = 0.05  # the share of the largest bound that may be due to its enclosure
+
+
+def sharpened_bound(
+    model: Model, settled: Sequence[tuple[Box, Finding]], bounds: Box, budget: int, effort: Effort | None = None
+) -> float:
+    """The largest curvature on the settled boxes, proved, from at most `budget` further boxes."""
+    extent, effort, allowed = extent_of(bounds), effort or Effort(), budget
+    heap = [(-f.curvature, n, box, f.slack) for n, (box, f) in enumerate(settled) if f.kind in {"regular", "joined"}]
+    heapq.heapify(heap)
+    count = len(settled)
+    with ctx.workprec(PRECISION):
+        while heap and heap[0][3] > TIGHT and budget > 0 and not effort.is_over:
+            effort.reach(1 - budget / allowed)
+            bound, _, box, _ = heapq.heappop(heap)
+            for half in halves(model, box):
+                finding = examine(model.over(half), extent)
+                budget, count = budget - 1, count + 1
+                if finding.kind == "open":
+                    heapq.heappush(heap, (bound, count, half, 0.0))
+                elif finding.kind != "empty":
+                    heapq.heappush(heap, (max(bound, -finding.curvature), count, half, finding.slack))
+    return -heap[0][0] if heap else 0.0

@@ -33,8 +33,6 @@ MOST_PLACES = 6  # guesses of what vanishes at a point, tried until one of them 
 PINNED = 2.0**-90  # half the width of the box in which a pair of nodes must have just one zero
 MOST_PROBED = 8  # points classified by one-sided limits, which takes a second each
 DIGITS = 40  # of the limits; the field is evaluated to twice as many
-# Kinds for which there is no curve whose curvature could be continuous.
-DEGENERATIONS = frozenset({"node", "isolated point", "no sign change", "end"})
 
 
 def classify_suspects(model: Model, found: Covering, extent: float, effort: Effort | None = None) -> list[Joint]:

@@ -11,9 +11,9 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 from rsym.bounds.balls import arb, exact
+from rsym.logic.stripping import bare
 from rsym.program.operations import CHOOSING, OPERATIONS
 from rsym.verify.domains import is_legal
-from rsym.verify.generators import bare
 from rsym.verify.local import Local
 from rsym.verify.locus import chosen
 

@@ -85,25 +85,19 @@ NAMED_TWICE = """\
     End
     Finding
     Frame
-    Gate
     Jet
     Judgement
     Jumps
     Known
-    Literal
     Local
     Operation
     Place
     Samples
     Segment
     Sheets
-    Signed
 """
 # Rooms whose docstring does not name their files yet; none is added.
 WITHOUT_A_MAP = """\
-    logic
-    verify
-    verify/bodies
 """
 STILL_ALIASED = 41
 FORBIDDEN_NAMES = {"utils", "helpers", "misc", "common", "core", "base", "tools"}

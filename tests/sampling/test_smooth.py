@@ -13,7 +13,7 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import RsymError, RsymWarning, Shape, conjunction, disjunction, x, y, z
-from rsym.program.fields import surface_program
+from rsym.logic.sign_form import surface_program
 from rsym.sampling import smooth
 from rsym.sampling.lattice import Lattice
 

@@ -358,4 +358,5 @@ def test_nests_of_hundreds():
         nest = rsym.conjunction(y - number, -nest)
     logic = rsym.verify.lint.logic.logic_of(nest)
     assert len(logic.leaves) == 301
-    assert len(logic.steps) == 601
+    assert len(logic.literals) == 301
+    assert len(logic.gates) == 300

@@ -15,15 +15,16 @@ from oracles.closeness import assert_close
 import rsym
 from rsym import x, y, z
 from rsym.bounds.balls import exact
+from rsym.logic.kleene import ternary
 from rsym.verify.bodies.clusters import clusters
 from rsym.verify.bodies.components import narrowed
 from rsym.verify.bodies.continuation import Curve
 from rsym.verify.bodies.corners import Corner, corner
 from rsym.verify.bodies.even_roots import is_regular_through_root
-from rsym.verify.bodies.formulas import ternary
-from rsym.verify.bodies.points import Classified, classify_points, is_degenerate
+from rsym.verify.bodies.points import Classified, classify_points
 from rsym.verify.bodies.sheets import sheets
 from rsym.verify.bodies.singular import SingularPoint
+from rsym.verify.conclusions import is_degenerate
 from rsym.verify.local import Model, side
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -63,11 +63,23 @@ def decided_by(part: sp.Expr, promises: Promises) -> Sequence[sp.Expr]:
 
 def leaves(promises: Promises) -> list[sp.Expr]:
     """The distinct leaves, in the order in which the formula has them."""
-    return [part for part in logical_parts(promises.root, promises) if not is_logical(part)]
+    return [part for part in promised_parts(promises.root, promises) if not is_logical(part)]
 
 
-def logical_parts(root: sp.Expr, promises: Promises) -> list[sp.Expr]:
-    """The distinct R-operations of an expression, outer ones first, and the leaves."""
+def promised_parts(root: sp.Expr, promises: Promises) -> list[sp.Expr]:
+    """The logical parts as the promises see them."""
+    return logical_parts(root, lambda part: decided_by(part, promises))
+
+
+def logical_parts(root: sp.Expr, decided_by: Callable[[sp.Expr], Sequence[sp.Expr]]) -> list[sp.Expr]:
+    """The distinct R-operations of an expression, outer ones first, and the leaves, given what decides an operation.
+
+    Examples
+    --------
+    >>> from rsym import conjunction, x, y
+    >>> logical_parts(-conjunction(x, y + 1), lambda part: [operand for operand in part.args if operand != -1])
+    [-conjunction(x, y + 1), conjunction(x, y + 1), x, y + 1]
+    """
     found: dict[sp.Expr, None] = {}
     stack, seen = [root], set()
     while stack:
@@ -77,7 +89,7 @@ def logical_parts(root: sp.Expr, promises: Promises) -> list[sp.Expr]:
         seen.add(id(part))
         found[part] = None
         if is_logical(part):
-            stack.extend(reversed(decided_by(part, promises)))
+            stack.extend(reversed(decided_by(part)))
     return list(found)
 
 
@@ -96,7 +108,7 @@ def names_of(shape: Shape) -> Mapping[sp.Expr, str]:
 
 def parts_around(shape: Shape, promises: Promises) -> list[str]:
     """For each leaf the name of the smallest named part that combines it; empty where none does."""
-    inside = [(name, set(logical_parts(known_compositions(part), promises))) for name, part in shape.parts]
+    inside = [(name, set(promised_parts(known_compositions(part), promises))) for name, part in shape.parts]
     inside.sort(key=lambda item: len(item[1]))
     return [
         next((name for name, pieces in inside if leaf in pieces or -leaf in pieces), "") for leaf in leaves(promises)

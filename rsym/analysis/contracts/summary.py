@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from rsym.analysis.contracts.display import contract_document, normalisation, smoothness
-from rsym.analysis.contracts.leaves import Leaf, decided_by, is_logical, leaves, logical_parts, names_of, parts_around
+from rsym.analysis.contracts.leaves import Leaf, decided_by, is_logical, leaves, names_of, parts_around, promised_parts
 from rsym.analysis.contracts.orders import boundary_of, leaf_order
 from rsym.analysis.contracts.promises import Ends, Order, Singularity
 from rsym.analysis.contracts.squares import never_zero_together
@@ -221,7 +221,7 @@ def _order(promises: Promises, orders: Mapping[sp.Expr, Order]) -> Order:
 
 
 def _exceptions(promises: Promises, orders: Mapping[sp.Expr, Order]) -> tuple[str, ...]:
-    parts = [part for part in logical_parts(promises.root, promises) if is_logical(part)]
+    parts = [part for part in promised_parts(promises.root, promises) if is_logical(part)]
     texts = [text for part in parts if (text := promises[part].exception)]
     bare = {without_zeros(leaf): order for leaf, order in orders.items()}
     if any(order and boundary_of(leaf) != leaf for leaf, order in bare.items()):

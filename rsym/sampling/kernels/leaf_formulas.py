@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 
 from rsym.bounds.intervals import interval_program
-from rsym.logic.sign_form import Gate, SignForm
+from rsym.logic.gates import Gate
+from rsym.logic.sign_form import SignForm
 from rsym.program.differentiation import gradient
 from rsym.program.expansion import expand
 from rsym.program.program import Program, assemble

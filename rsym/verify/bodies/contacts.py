@@ -17,7 +17,7 @@ import numpy as np
 from flint import arb_mat
 
 from rsym.bounds.balls import arb
-from rsym.verify.bodies.formulas import Formula, ternary
+from rsym.logic.kleene import Formula, ternary
 from rsym.verify.local import Local
 
 

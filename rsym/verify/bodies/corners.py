@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from rsym.bounds.balls import arb, ctx, hypotenuse
-from rsym.verify.bodies.formulas import Formula, Literal, replaced
+from rsym.logic.kleene import Formula, Literal, replaced
 from rsym.verify.bodies.links import Link, octants
 from rsym.verify.bodies.sheets import Sheets, sheets
 from rsym.verify.bodies.singular import SingularPoint

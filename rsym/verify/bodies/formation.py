@@ -14,25 +14,23 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.logic.gates import Gate, through
+from rsym.logic.kleene import Formula, Literal, joined, without_idle
 from rsym.program.builder import Builder
-from rsym.verify.bodies.formulas import Formula, Literal, essential, leaves_of, replaced
-from rsym.verify.bodies.formulas import gate as joined
 
 Array: TypeAlias = NDArray[np.float64]
 Flags: TypeAlias = NDArray[np.bool_]
 
-FEW = 6  # leaves of which all 3^6 combinations of signs are tried
 # What joins the leaves of a box: a min or a max of two, anything else, or a leaf and its negative, zero at most.
 MIN, MAX, OPEN, DOUBLE = 1, 2, 3, 4
 
 
-class Gate(NamedTuple):
-    """A min, max or choice of two operands: leaves by number, earlier gates after them; a choice by a test's sign."""
+class Fork(NamedTuple):
+    """The first of two operands, numbered as those of gates, where a test is positive, the second where it is not."""
 
-    operation: str
     first: int
     second: int
-    test: int = -1
+    test: int
 
 
 @dataclass(frozen=True)
@@ -44,7 +42,7 @@ class Formation:
 
     builder: Builder
     leaves: tuple[int, ...]
-    gates: tuple[Gate, ...]
+    gates: tuple[Gate | Fork, ...]
     tests: tuple[int, ...] = ()
     definitions: tuple[int, ...] = ()
     origins: Mapping[int, Sequence[int]] = field(default_factory=dict)
@@ -52,14 +50,14 @@ class Formation:
     @cached_property
     def value(self) -> int:
         """The node of the last gate, which has the sign of omega wherever omega is defined."""
-        nodes, zero = list(self.leaves), self.builder.const(0)
-        for gate in self.gates:
-            pair = nodes[gate.first], nodes[gate.second]
-            if gate.operation == "select":
-                nodes.append(self.builder.select(self.tests[gate.test], zero, *pair))
-            else:
-                nodes.append(self.builder.make(gate.operation, *pair))
-        return nodes[-1]
+        b, zero = self.builder, self.builder.const(0)
+
+        def join(gate: Gate | Fork, first: int, second: int) -> int:
+            if isinstance(gate, Fork):
+                return b.select(self.tests[gate.test], zero, first, second)
+            return b.make(gate.operation, first, second)
+
+        return through(self.gates, self.leaves, join)[-1]
 
     @cached_property
     def _literals(self) -> list[Literal]:
@@ -75,20 +73,18 @@ class Formation:
 
         `signs` are those of the leaves and then of the tests, 0 where they are not known.
         """
-        parts: list[Formula] = [sign or literal for sign, literal in zip(signs, self._literals, strict=False)]
-        for operation, first, second, test in self.gates:
-            if operation == "select":
-                chosen = signs[len(self.leaves) + test]
-                if not chosen and parts[first] != parts[second]:
-                    return None
-                parts.append(parts[first if chosen >= 0 else second])
-            else:
-                parts.append(joined(operation, parts[first], parts[second]))
-        formula = parts[-1]
-        if len(leaves_of(formula)) > FEW:
-            return formula
-        needed = essential(formula)
-        return replaced(formula, {leaf: 1 for leaf in leaves_of(formula) if leaf not in needed})
+
+        def join(gate: Gate | Fork, first: Formula | None, second: Formula | None) -> Formula | None:
+            if first is None or second is None:
+                return None
+            if isinstance(gate, Gate):
+                return joined(gate.operation, first, second)
+            chosen = signs[len(self.leaves) + gate.test]
+            return None if not chosen and first != second else first if chosen >= 0 else second
+
+        known: list[Formula | None] = [a or b for a, b in zip(signs, self._literals, strict=False)]
+        formula = through(self.gates, known, join)[-1]
+        return None if formula is None else without_idle(formula)
 
     def alive(self, low: Array, high: Array, tests: tuple[Array, Array]) -> tuple[Flags, NDArray[np.int8]]:
         """Which leaves can be zero on the boundary in each box, and what joins them.
@@ -111,13 +107,13 @@ class Formation:
             _Part(a, b, own & (a <= 0) & (b >= 0), np.zeros(a.shape, np.int8), np.zeros(a.shape, bool))
             for a, b, own in zip(low, high, leaf, strict=True)
         ]
-        for gate in self.gates:
-            first, second = parts[gate.first], parts[gate.second]
-            if gate.operation == "select":
-                parts.append(_choice(first, second, tests[0][gate.test], tests[1][gate.test]))
-            else:
-                parts.append(_smaller(first, second) if gate.operation == "min" else _larger(first, second))
-        whole = parts[-1]
+
+        def join(gate: Gate | Fork, first: _Part, second: _Part) -> _Part:
+            if isinstance(gate, Fork):
+                return _choice(first, second, tests[0][gate.test], tests[1][gate.test])
+            return _smaller(first, second) if gate.operation == "min" else _larger(first, second)
+
+        whole = through(self.gates, parts, join)[-1]
         return whole.alive, np.where(whole.forked, OPEN, whole.joined).astype(np.int8)
 
 

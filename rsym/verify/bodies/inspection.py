@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 from rsym.bounds.balls import arb
-from rsym.program.builder import Builder
 from rsym.verify.bodies.breaks import broken
 from rsym.verify.bodies.corners import Corner, corner
 from rsym.verify.bodies.sheets import locus_of, sheets
@@ -158,14 +157,6 @@ def _is_transversal(local: Local, sheets: Meeting) -> bool:
         if not any(component > 0 or component < 0 for component in cross):
             return False
     return True
-
-
-def is_even(builder: Builder, number: int) -> bool:
-    """Whether a node shows by its operation that it is zero without a change of sign, if at all."""
-    operation, arguments, data = builder.nodes[number]
-    while operation == "neg" or (operation == "mul" and builder.value(arguments[0]) is not None):
-        operation, arguments, data = builder.nodes[arguments[-1]]
-    return (operation == "mul" and arguments[0] == arguments[1]) or (operation == "powi" and int(str(data)) % 2 == 0)
 
 
 def _double(local: Local, locus: Locus) -> Inspection:

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.bounds.ball_arithmetic import degrees
 from rsym.bounds.balls import arb, ctx, root, square
 from rsym.model.vectors import cross
 from rsym.program.calculus import Calculus
@@ -141,10 +142,7 @@ def _size(vector: Sequence[arb]) -> arb:
 
 def _turn(normals: Sequence[list[arb]], tangent: list[arb]) -> arb:
     """The angle between two normals in degrees; both are orthogonal to the tangent, so is their product parallel."""
-    sine, cosine = abs(dot(cross(*normals), tangent)), dot(*normals)
-    # A ball across the negative axis has all angles.
-    angle = arb.pi() - arb.atan2(sine, -cosine) if cosine < 0 else arb.atan2(sine, cosine)
-    return abs(angle) * 180 / arb.pi()
+    return abs(degrees(abs(dot(cross(*normals), tangent)), dot(*normals)))
 
 
 def judge(jumps: Sequence[Jump], contact: float, common: bool) -> Judgement:

@@ -11,7 +11,8 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from rsym.program.operations import CONJUNCTIONS, LOGICAL, SYMMETRIC, those
+from rsym.logic.gates import gate_of
+from rsym.program.operations import SYMMETRIC, those
 from rsym.verify.local import Model
 
 Signed = tuple[int, int]  # the number of a form and a sign
@@ -62,7 +63,7 @@ class Likeness:
             operation, arguments, _ = model.builder.nodes[part]
             if operation == "neg":
                 inner = [(arguments[0], -sign)]
-            elif operation in LOGICAL:
+            elif gate_of(operation):
                 inner = [(argument, sign) for argument in arguments[:2]]
             else:
                 inner = []
@@ -80,7 +81,7 @@ class Likeness:
             return inner[0]
         if not inner:
             return self._number(("sign", own[0], own[1] * sign))
-        kind = "all" if (operation in CONJUNCTIONS) == (sign > 0) else "any"
+        kind = gate_of(operation, sign)
         members: set[int] = set()
         for one in inner:
             form = self._forms[one]

@@ -18,7 +18,7 @@ from functools import cached_property
 from itertools import combinations, product
 from typing import TypeAlias
 
-from rsym.verify.bodies.formulas import Formula, ternary
+from rsym.logic.kleene import Formula, ternary
 
 Covector: TypeAlias = tuple[int, ...]
 
@@ -144,8 +144,8 @@ def octants(formula: Formula) -> Link:
 
     Examples
     --------
-    >>> from rsym.verify.bodies.formulas import Literal, gate
-    >>> link = octants(gate("min", Literal(0), Literal(1), Literal(2)))
+    >>> from rsym.logic.kleene import Literal, joined
+    >>> link = octants(joined("min", Literal(0), Literal(1), Literal(2)))
     >>> link.is_disc, len(link.edges)
     (True, 3)
     """
@@ -160,8 +160,8 @@ def link(formula: Formula, orientation: Callable[[int, int, int], int], count: i
 
     Examples
     --------
-    >>> from rsym.verify.bodies.formulas import Literal, gate
-    >>> sides = gate("min", *(Literal(k) for k in range(4)))  # a pyramid: the signs of the minors of its normals
+    >>> from rsym.logic.kleene import Literal, joined
+    >>> sides = joined("min", *(Literal(k) for k in range(4)))  # a pyramid: the signs of the minors of its normals
     >>> link(sides, lambda i, j, k: 1, 4).is_disc
     True
     """

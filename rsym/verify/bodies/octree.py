@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.bounds.balls import ctx
+from rsym.logic.kleene import Formula, as_gate, leaves_of
+from rsym.logic.stripping import is_even
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.boxes import area, at, cut, eighths, grown, halves, listed, patterns, reach_from, widths_of
 from rsym.verify.bodies.deciding import EMPTY as NO_ZEROS
@@ -24,10 +26,9 @@ from rsym.verify.bodies.deciding import MEETING, REGULAR, UNKNOWN, Decider
 from rsym.verify.bodies.deciding import OPEN as UNDIVIDED
 from rsym.verify.bodies.folds import Folds
 from rsym.verify.bodies.formation import DOUBLE, MAX, MIN, OPEN
-from rsym.verify.bodies.formulas import Formula, as_gate, leaves_of
 from rsym.verify.bodies.images import Array, Boxes, Flags, Images
 from rsym.verify.bodies.independence import apart, independent, step_to_both
-from rsym.verify.bodies.inspection import Inspection, inspect, is_even
+from rsym.verify.bodies.inspection import Inspection, inspect
 from rsym.verify.bodies.repetition import Repetition
 from rsym.verify.bodies.subdivision import Subdivision, joined_boxes
 from rsym.verify.classes import CURVED

@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 from rsym.bounds.balls import arb, ctx
+from rsym.logic.kleene import Literal, as_gate
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.candidates import Place, places
 from rsym.verify.bodies.clusters import Cluster, clusters
 from rsym.verify.bodies.contacts import touch_once
 from rsym.verify.bodies.corners import PRECISE, Corner, corner, doubted, floats
 from rsym.verify.bodies.even_roots import is_regular_through_root
-from rsym.verify.bodies.formulas import Literal, as_gate
 from rsym.verify.bodies.judging import Names, called_of, classify_place
 from rsym.verify.bodies.sheets import Sheets, sheets
 from rsym.verify.bodies.singular import SingularCurve, SingularPoint
@@ -32,8 +32,6 @@ from rsym.verify.covering import PRECISION
 from rsym.verify.generators import generators
 from rsym.verify.local import Box, Local, Model, side
 
-# Kinds of points at which there is no surface; a tangency is one too where it is "broken".
-DEGENERATIONS = frozenset({"node", "isolated point", "no sign change", "end"})
 MOST_CLASSIFIED = 48  # clusters that are looked at closer, each for some tenths of a second
 MOST_PROBED = 12  # of them by numbers
 MOST_PLACES = 6  # guesses of the point of one cluster
@@ -60,11 +58,6 @@ class Classified:
     curves: tuple[SingularCurve, ...]
     regular: tuple[Box, ...] = ()
     corners: tuple[tuple[Box, Corner], ...] = ()
-
-
-def is_degenerate(point: SingularPoint) -> bool:
-    """Whether there is no surface at a point, if what is said of it holds."""
-    return point.kind in DEGENERATIONS or (point.kind == "tangency" and point.continuity == "broken")
 
 
 def classify_points(
@@ -97,6 +90,7 @@ def classify_points(
     --------
     >>> import rsym
     >>> from rsym import x, y, z
+    >>> from rsym.verify.conclusions import is_degenerate
     >>> cone = Model(rsym.Shape(z**2 - x**2 - y**2, (x, y, z)), {})
     >>> (point,) = classify_points(cone, [(((-0.01, 0.02),) * 3, None)], 2.0).points
     >>> point.kind, point.point, point.proved, is_degenerate(point)

@@ -7,20 +7,21 @@ a - |u| = min(a - u, a + u).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Set
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from rsym.program.operations import CONJUNCTIONS, DISJUNCTIONS, PARTIAL
-from rsym.verify.bodies.formulas import Formula, Gate, Literal, as_gate, essential, gate, leaves_of, replaced
+from rsym.logic.gates import gate_of
+from rsym.logic.kleene import Connective, Formula, Literal, as_gate, joined, leaves_of, replaced, without_idle
+from rsym.logic.stripping import bare, factor
+from rsym.program.operations import PARTIAL
 from rsym.verify.domains import is_defined, is_defined_itself, is_legal
-from rsym.verify.generators import bare, factor, generators
+from rsym.verify.generators import generators
 from rsym.verify.local import Local
-from rsym.verify.locus import NONE, Locus, chosen, reduce
+from rsym.verify.locus import NONE, Locus, chosen, reduce, stripping
 from rsym.verify.polynomials import same_zeros
 
 MOST = 12  # leaves: a box with more of them is divided
-FEW = 6  # leaves of which all 3^6 combinations of signs are tried
 
 
 @dataclass(frozen=True)
@@ -54,9 +55,7 @@ def sheets(local: Local, number: int) -> Sheets | None:
     formula = _merged(local, formula)
     if len(leaves_of(formula)) > MOST:
         return None
-    if len(leaves_of(formula)) <= FEW:
-        needed = essential(formula)
-        formula = replaced(formula, {leaf: 1 for leaf in leaves_of(formula) if leaf not in needed})
+    formula = without_idle(formula)
     leaves = leaves_of(formula)
     if leaves and _drops_undefined(local, number, leaves):
         return None
@@ -110,14 +109,14 @@ def locus_of(local: Local, number: int) -> Locus:
 
 def _formula(local: Local, number: int, origins: dict[int, int]) -> Formula | None:
     """The signs of a node by those of its leaves, recursively wherever the operation changes."""
-    number, sign = _stripped(local, number)
+    local.value(number)  # and of all that it is made of, at once
+    number, sign = stripping(local)(number)
     known = local.sign(number)
     if known and is_defined(local, number):
         return known * sign
     operation = local.model.builder.nodes[number].operation
-    for kind, word in ((CONJUNCTIONS, "min"), (DISJUNCTIONS, "max")):
-        if operation in kind and is_legal(local, number):
-            return _times(_joined(local, number, kind, word, origins), sign)
+    if (word := gate_of(operation)) and is_legal(local, number):
+        return _times(_chained(local, number, word, origins), sign)
     locus = reduce(local, number)
     if locus.kind == "leaf":
         return _times(_leaf(local, locus.nodes[0], number, origins), sign)
@@ -127,46 +126,21 @@ def _formula(local: Local, number: int, origins: dict[int, int]) -> Formula | No
 
 
 def _times(formula: Formula | None, sign: int) -> Formula | None:
-    return None if formula is None else gate("product", sign, formula)
+    return None if formula is None else joined("product", sign, formula)
 
 
 def _gate(operation: str, operands: list[Formula | None]) -> Formula | None:
     found = [operand for operand in operands if operand is not None]
-    return gate(operation, *found) if len(found) == len(operands) else None
+    return joined(operation, *found) if len(found) == len(operands) else None
 
 
-def _stripped(local: Local, number: int) -> tuple[int, int]:
-    """The node without negations, positive factors and normalisation, and what its sign is multiplied by."""
-    builder, sign = local.model.builder, 1
-    while True:
-        local.value(number)
-        operation, arguments, data = builder.nodes[number]
-        if operation == "neg":
-            number, sign = arguments[0], -sign
-        elif operation == "normalised" and is_defined(local, arguments[1], but_for_thin_sets=True):
-            number = arguments[0]
-        elif operation == "powi" and isinstance(data, int) and data % 2 == 1:
-            number = arguments[0]
-        elif operation == "mul" and (one := next((a for a in arguments if _drops(local, a)), None)) is not None:
-            number, sign = arguments[1 if one == arguments[0] else 0], sign * local.sign(one)
-        elif operation == "div" and _drops(local, arguments[1]):
-            number, sign = arguments[0], sign * local.sign(arguments[1])
-        else:
-            return number, sign
-
-
-def _drops(local: Local, number: int) -> bool:
-    local.value(number)
-    return local.nonzero(number) and is_defined(local, number)
-
-
-def _joined(local: Local, number: int, kind: Set[str], word: str, origins: dict[int, int]) -> Formula | None:
+def _chained(local: Local, number: int, word: str, origins: dict[int, int]) -> Formula | None:
     """The operands of a chain of one kind of operation; a known sign that absorbs the others settles it."""
     nodes, operands, stack = local.model.builder.nodes, [], [number]
     while stack:
         part = stack.pop()
         operation, arguments, _ = nodes[part]
-        if operation in kind and is_legal(local, part):
+        if gate_of(operation) == word and is_legal(local, part):
             stack.extend(reversed(arguments[:2]))
         elif local.sign(part) == (-1 if word == "min" else 1):
             return local.sign(part)
@@ -180,7 +154,7 @@ def _leaf(local: Local, leaf: int, origin: int, origins: dict[int, int]) -> Form
     builder = local.model.builder
     if generators(local, leaf).switches:
         pieces = _pieces(local, leaf)
-        if isinstance(pieces, Gate):
+        if isinstance(pieces, Connective):
             found: dict[int, Formula | None] = {}
             for piece in leaves_of(pieces):
                 found[piece] = _formula(local, piece, origins)
@@ -203,9 +177,9 @@ def _pieces(local: Local, number: int) -> Formula:
     if operation in {"abs", "min", "max", "select"} and (branch := chosen(local, number)) is not None:
         return _pieces(local, branch[0] if branch[1] > 0 else builder.neg(branch[0]))
     if operation == "abs" and is_defined(local, arguments[0]):
-        return Gate("max", (Literal(arguments[0]), Literal(builder.neg(arguments[0]))))
+        return Connective("max", (Literal(arguments[0]), Literal(builder.neg(arguments[0]))))
     if operation in {"min", "max"} and is_defined(local, number):
-        return Gate(operation, (_pieces(local, arguments[0]), _pieces(local, arguments[1])))
+        return Connective(operation, (_pieces(local, arguments[0]), _pieces(local, arguments[1])))
     if operation == "neg":
         return _mapped(_pieces(local, arguments[0]), builder.neg, -1)
     if operation == "add":
@@ -220,17 +194,17 @@ def _pieces(local: Local, number: int) -> Formula:
 
 def _mapped(pieces: Formula, rule: Callable[[int], int], sign: int) -> Formula:
     """The pieces under a function that grows with them, or falls."""
-    if isinstance(pieces, Gate):
+    if isinstance(pieces, Connective):
         operation = pieces.operation if sign > 0 else {"min": "max", "max": "min"}[pieces.operation]
-        return Gate(operation, tuple(_mapped(operand, rule, sign) for operand in pieces.operands))
+        return Connective(operation, tuple(_mapped(operand, rule, sign) for operand in pieces.operands))
     assert isinstance(pieces, Literal)
     return Literal(rule(pieces.leaf))
 
 
 def _sums(first: Formula, second: Formula, add: Callable[[int, int], int]) -> Formula:
     """min(a, b) + c = min(a + c, b + c)."""
-    if isinstance(first, Gate):
-        return Gate(first.operation, tuple(_sums(operand, second, add) for operand in first.operands))
+    if isinstance(first, Connective):
+        return Connective(first.operation, tuple(_sums(operand, second, add) for operand in first.operands))
     assert isinstance(first, Literal)
     return _mapped(second, partial(add, first.leaf), 1)
 

@@ -11,8 +11,10 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.logic.sign_form import beside_idle
+from rsym.logic.stripping import Stripping
 from rsym.program.builder import Builder
-from rsym.program.operations import BRANCHING, CONJUNCTIONS, LOGICAL
+from rsym.program.operations import BRANCHING, LOGICAL
 from rsym.program.program import live
 from rsym.verify.bodies.images import Boxes, Images, is_legal
 from rsym.verify.domains import switch_of
@@ -82,27 +84,15 @@ def _simple(builder: Builder, node: int, known: Mapping[int, int]) -> int:
     for part in live(builder.nodes, [node]):
         done[part] = _decided(builder, part, done, known)
     signs = {done.get(test, test): sign for test, sign in known.items()}
-    number, sign = done[node], 1
-    while True:
-        operation, arguments, data = builder.nodes[number]
-        if operation == "neg":
-            number, sign = arguments[0], -sign
-        elif operation == "normalised" or (operation == "powi" and isinstance(data, int) and data % 2 == 1):
-            number = arguments[0]
-        elif operation == "div" and (arguments[1] in signs or builder.nonnegative[arguments[1]]):
-            number, sign = arguments[0], sign * signs.get(arguments[1], 1)
-        elif operation == "mul" and (arguments[0] in signs or arguments[1] in signs):
-            factor, other = arguments if arguments[0] in signs else arguments[::-1]
-            number, sign = other, sign * signs[factor]
-        elif operation in LOGICAL and is_legal(builder, number):
-            idle = 1 if operation in CONJUNCTIONS else -1
-            left = [other for one, other in (arguments[:2], arguments[1::-1]) if signs.get(one) == idle]
-            if not left:
-                break
-            number = left[0]
-        else:
-            break
-    return number if sign > 0 else builder.neg(number)
+    stripped = Stripping(
+        builder,
+        lambda factor: signs.get(factor, 0),
+        lambda divisor: signs.get(divisor, int(builder.nonnegative[divisor])),
+        otherwise=lambda part: beside_idle(
+            builder, part, lambda one: signs.get(one, 0), lambda one: is_legal(builder, one)
+        ),
+    )
+    return stripped(done[node]).made(builder)
 
 
 def _decided(builder: Builder, part: int, done: Mapping[int, int], known: Mapping[int, int]) -> int:

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations, product
 
-from rsym.verify.bodies.formulas import Formula, leaves_of, ternary
-from rsym.verify.bodies.sheets import FEW, Sheets
+from rsym.logic.kleene import FEW, Formula, leaves_of, ternary
+from rsym.verify.bodies.sheets import Sheets
 from rsym.verify.contact_relations import Contact, Contacts, contacts_of
 from rsym.verify.generators import generators
 from rsym.verify.joints import Arc, Meeting

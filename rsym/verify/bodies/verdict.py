@@ -10,10 +10,13 @@ from itertools import product
 
 import numpy as np
 
+from rsym.logic.leaf_names import leaf_names
+from rsym.logic.sign_form import SignForm
 from rsym.model.blends.gates import without_rounded_levels
 from rsym.model.shape import Bounds, Shape
-from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-from rsym.reports.words import plural
+from rsym.program.builder import Builder
+from rsym.program.program import live
+from rsym.reports.document import REFUTED, UNDECIDED
 from rsym.sampling.effort import Effort
 from rsym.verify.account import complaint, distinct, missing
 from rsym.verify.bodies.bending import UNBOUNDED, bending
@@ -22,9 +25,8 @@ from rsym.verify.bodies.everywhere import exists_for_every_value, for_every_valu
 from rsym.verify.bodies.forming import formation
 from rsym.verify.bodies.images import Images
 from rsym.verify.bodies.inspection import Inspection
-from rsym.verify.bodies.naming import Naming
 from rsym.verify.bodies.octree import Octree
-from rsym.verify.bodies.points import classify_points, is_degenerate
+from rsym.verify.bodies.points import classify_points
 from rsym.verify.bodies.repetition import Repetition, repetition, turning
 from rsym.verify.bodies.report import BodyCover, BodyReport
 from rsym.verify.bodies.singular import Array, Defect, SingularCurve, SingularPoint
@@ -32,6 +34,7 @@ from rsym.verify.bodies.subdivision import Subdivision, joined_boxes
 from rsym.verify.bodies.tracing import trace
 from rsym.verify.cells import within_cells
 from rsym.verify.cleaning import cleaned, spread, without_scale
+from rsym.verify.conclusions import Tally, badness, sentences, verdict_from
 from rsym.verify.contact_relations import contacts_of
 from rsym.verify.domains import is_legal
 from rsym.verify.holes import holes
@@ -138,14 +141,15 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
     classified = classify_points(model, looked_at, study.extent, study.naming, curves, effort=effort)
     # Of breaks one point stands for all that lie on one curve.
     located = [*(point for _, point in corners), *(pairs[0][1] for pairs in found.broken.values()), *classified.points]
-    points = distinct(located, _badness, SAME * study.extent)
+    points = distinct(located, badness, SAME * study.extent)
     curves = [*curves, *classified.curves]
     found = found.with_late(classified.regular, classified.corners)
     everything: list[Defect] = [*curves, *points]
     if not any(one.proved and is_defect(one) for one in everything):
         found = found.without_crossings()
     exists = exists_for_every_value(study.images, found, TRIED) if study.ranging else _exists(study.images, found)
-    verdict = _verdict(found, everything, exists)
+    tally = _tally(found, exists)
+    verdict = verdict_from(tally, everything)
     counted = [one for one in everything if one.proved or verdict != REFUTED]
     effort.begin("curvatures", SHARES[3])
     bent = bending(study.images, found, effort) if sharpened and exists else UNBOUNDED
@@ -154,13 +158,13 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
     draft = BodyReport(
         verdict=verdict,
         continuity=continuity_of(verdict, map(level_of, counted), found.order),
-        curves=tuple(sorted(curves, key=_badness)),
-        points=tuple(sorted(points, key=_badness)),
+        curves=tuple(sorted(curves, key=badness)),
+        points=tuple(sorted(points, key=badness)),
         curvatures=(-math.inf, math.inf) if found.has_gaps else bent.enclosure,
         attained=bent.attained,
         cover=_cover(study, found),
         letters={name: (float(low), float(high)) for name, (low, high) in model.letters.items()},
-        statements=(*_statements(found, exists, study.ranging), *gaps, *_repeated(study), *effort.statements),
+        statements=(*sentences(tally, 3, ranging=study.ranging), *gaps, *_repeated(study), *effort.statements),
     )
     wrong = missing(located, draft.points, found.balance, near=SAME * study.extent, boxes=_unlisted(study, draft))
     if not wrong:
@@ -224,24 +228,17 @@ def _exists(images: Images, found: Subdivision) -> bool | None:
     return True if found.broken else None if boxes or found.left or found.double or found.leaps else False
 
 
-def _verdict(found: Subdivision, everything: Sequence[Defect], exists: bool | None) -> str:
-    """The strongest word that the evidence bears."""
-    proved = [one for one in everything if one.proved and is_defect(one)]
-    degenerate = [one for one in proved if isinstance(one, SingularPoint) and is_degenerate(one)]
-    if len(proved) > len(degenerate):
-        return REFUTED
-    if degenerate or found.double or exists is False:
-        return DEGENERATE
-    if found.left or found.leaps or any(not one.proved for one in everything):
-        return UNDECIDED
-    return CERTIFIED if exists else UNDECIDED
-
-
-def _badness(one: Defect) -> tuple[float, ...]:
-    sizes = [one.tangent_jump, getattr(one, "curvature_jump", math.nan)]
-    place = one.points[0].tolist() if isinstance(one, SingularCurve) else one.point
-    size = [0.0 if math.isnan(value) else -value for value in sizes]
-    return (not one.proved, level_of(one), *size, *place)
+def _tally(found: Subdivision, exists: bool | None) -> Tally:
+    counts = {
+        "regular": sum(len(part) for parts in found.regular.values() for part in parts) + len(found.late),
+        "joined": sum(len(part) for parts in found.joined.values() for part in parts),
+        "double": len(found.double),
+        "corner": len(found.corners),
+        "leap": len(found.leaps),
+        "broken": len(found.breaks) if found.broken else 0,
+        "open": len(found.left),
+    }
+    return Tally(counts, found.order, exists)
 
 
 def _cover(study: Study, found: Subdivision) -> BodyCover:
@@ -264,37 +261,49 @@ def _cover(study: Study, found: Subdivision) -> BodyCover:
     )
 
 
-def _statements(found: Subdivision, exists: bool | None, ranging: bool) -> tuple[tuple[str, bool], ...]:
-    """Sentences about the whole boundary, each with whether it is proved; curves and points speak for themselves."""
-    result = []
-    if not exists:
-        none = exists is False
-        where = "within the bounds for every value of the letters" if ranging and not none else "within the bounds"
-        result.append((f"no point of the boundary {'lies' if none else 'was found'} {where}", none))
-    regular = sum(len(part) for parts in found.regular.values() for part in parts) + len(found.late)
-    joined = sum(len(part) for parts in found.joined.values() for part in parts)
-    if found.double:
-        result.append((f"in {_boxes(len(found.double))} omega is zero without changing its sign", True))
-    if regular and exists:
-        smooth = "analytic" if math.isinf(found.order) else f"C^{math.ceil(found.order) - 1}"
-        result.append((f"in {_boxes(regular)} the boundary is a regular {smooth} surface", True))
-    if joined:
-        result.append((f"in {_boxes(joined)} it consists of two analytic sheets that meet in a curve, if at all", True))
-    if found.corners:
-        result.append((f"in {_boxes(len(found.corners))} it has a corner of three analytic sheets", True))
-    if found.leaps:
-        result.append((f"in {_boxes(len(found.leaps))} omega jumps over zero", True))
-    if found.broken:
-        text = f"in or beside {_boxes(len(found.breaks))} it is no surface where omega jumps"
-        result.append((text, True))
-    if found.left:
-        result.append((f"in {_boxes(len(found.left))} nothing is proved of the boundary as a whole", False))
-    return tuple(result)
-
-
 def _repeated(study: Study) -> tuple[tuple[str, bool], ...]:
     return () if study.piece is None else ((study.piece.sentence, True),)
 
 
-def _boxes(count: int) -> str:
-    return plural(count, "box", "boxes")
+# What the sheets of a boundary are called: by the definitions that they come from.
+NUMBERED = "leaf "  # a definition without a name whose formula is too long to be one
+BETWEEN = " / "  # what stands between the names of definitions that have a face in common
+
+
+class Naming:
+    """Names of nodes: that of the definition itself, of the one that a factor or a continued sheet was made of.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> from rsym.verify.local import Model
+    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z)).named("ball")
+    >>> shape = ball & rsym.Shape(z, (x, y, z)).named("table")
+    >>> model = Model(shape, {})
+    >>> naming = Naming(shape, model.builder, model.builder.nodes[model.root].arguments, {})
+    >>> [naming(node) for node in model.builder.nodes[model.root].arguments]
+    ['ball', 'table']
+    """
+
+    def __init__(
+        self, shape: Shape, builder: Builder, definitions: Sequence[int], origins: Mapping[int, Sequence[int]]
+    ) -> None:
+        self._builder = builder
+        names = leaf_names(SignForm(builder, tuple(definitions), ()), shape)
+        if len(names) == 1 and names[0].startswith(NUMBERED):
+            names = ("omega",)
+        self._names = dict(zip(definitions, names, strict=True))
+        for node, own in origins.items():
+            self._names[node] = BETWEEN.join(dict.fromkeys(self._names[one] for one in own))
+        self._parts = {node: frozenset(live(builder.nodes, [node])) for node in self._names}
+
+    def __call__(self, node: int) -> str:
+        """The name of a node, or of its negative; of others that of the definition with which it shares most."""
+        for one in (node, self._builder.neg(node)):
+            if one in self._names:
+                return self._names[one]
+        own = frozenset(live(self._builder.nodes, [node]))
+        shares = {one: len(own & parts) / len(own | parts) for one, parts in self._parts.items()}
+        self._names[node] = name = self._names[max(shares, key=lambda one: (shares[one], -one))]
+        return name

@@ -3,51 +3,36 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import sympy as sp
 
+from rsym.logic.gates import Gate, Operand
+from rsym.logic.kleene import Literal
 from rsym.model.rnodes import R1Operation, ROperation
 from rsym.model.traversal import with_operands
 
 
-class Literal(NamedTuple):
-    """A leaf by its number, or its negation."""
+@dataclass(frozen=True)
+class Logic:
+    """Leaves as they are first written, literals, which are leaves or their negatives, and the gates that join these.
 
-    leaf: int
-    sign: int
-
-
-class Gate(NamedTuple):
-    """The conjunction or disjunction of two earlier steps.
-
-    `keeps` says that the operation of a function with itself is that function, as min and max have it,
-    or that a normalisation around it mends what is lost.
+    The last gate is the shape, without gates the only literal. `keeps` says of each gate that the operation of a
+    function with itself is that function, as min and max have it, or that a normalisation around it mends what is lost.
     """
 
-    conjunction: bool
-    first: int
-    second: int
-    keeps: bool
+    leaves: tuple[sp.Expr, ...]
+    literals: tuple[Literal, ...]
+    gates: tuple[Gate, ...]
+    keeps: tuple[bool, ...]
 
 
-Step: TypeAlias = Literal | Gate
-
-
-class Signed(NamedTuple):
+class _Signed(NamedTuple):
     """A part of the formula times 1 or -1; `mended` inside a normalisation."""
 
     part: sp.Expr
     sign: int
     mended: bool
-
-
-@dataclass(frozen=True)
-class Logic:
-    """Leaves as they are first written, and the steps that join them in their order; the last one is the shape."""
-
-    leaves: tuple[sp.Expr, ...]
-    steps: tuple[Step, ...]
 
 
 def logic_of(expression: sp.Expr) -> Logic:
@@ -57,27 +42,34 @@ def logic_of(expression: sp.Expr) -> Logic:
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> logic_of(-rsym.conjunction(x, y - 1)).steps
-    (Literal(leaf=0, sign=-1), Literal(leaf=1, sign=-1), Gate(conjunction=False, first=0, second=1, keeps=False))
+    >>> logic = logic_of(-rsym.conjunction(x, y - 1))
+    >>> [literal.sign for literal in logic.literals], logic.gates
+    ([-1, -1], (Gate(operation='max', first=0, second=1),))
     """
     leaves: list[sp.Expr] = []
     known: dict[sp.Expr, tuple[int, int]] = {}  # the number of a leaf and the sign of its first occurrence
-    steps: list[Step] = []
-    done: dict[tuple[int, int, bool], int] = {}
-    for signed, operands in with_operands(Signed(expression, 1, False), _operands, _key):
+    literals: list[Literal] = []
+    joined: list[tuple[str, Operand, Operand]] = []
+    keeps: list[bool] = []
+    done: dict[tuple[int, int, bool], Operand] = {}
+    for signed, operands in with_operands(_Signed(expression, 1, False), _operands, _key):
         if not operands:
             form, sign = unsigned(signed.part)
             number, written = known.setdefault(form, (len(leaves), sign))
             if number == len(leaves):
                 leaves.append(signed.part)
-            steps.append(Literal(number, sign * written * signed.sign))
-        elif len(operands) > 1:
-            first, *rest = (done[_key(operand)] for operand in operands)
-            for second in rest:
-                steps.append(_gate(signed, first, second))
-                first = len(steps) - 1
-        done[_key(signed)] = done[_key(operands[0])] if len(operands) == 1 else len(steps) - 1
-    return Logic(tuple(leaves), tuple(steps))
+            literals.append(Literal(number, sign * written * signed.sign))
+            done[_key(signed)] = Operand(False, len(literals) - 1)
+            continue
+        first, *rest = (done[_key(operand)] for operand in operands)
+        for second in rest:
+            joined.append((_kind(signed), first, second))
+            keeps.append(signed.mended or not _loses(signed.part))
+            first = Operand(True, len(joined) - 1)
+        done[_key(signed)] = first
+    count = len(literals)
+    gates = tuple(Gate(kind, first.after(count), second.after(count)) for kind, first, second in joined)
+    return Logic(tuple(leaves), tuple(literals), gates, tuple(keeps))
 
 
 def unsigned(leaf: sp.Expr) -> tuple[sp.Expr, int]:
@@ -106,30 +98,30 @@ def _is_root_over(factor: sp.Expr, f: sp.Expr) -> bool:
     return any(square in (term.args if term.is_Mul else (term,)) for term in factor.base.args)
 
 
-def _gate(signed: Signed, first: int, second: int) -> Gate:
+def _kind(signed: _Signed) -> str:
     part = signed.part
     meets = isinstance(part, sp.Min) or (isinstance(part, ROperation) and part.sign < 0)
-    return Gate(meets == (signed.sign > 0), first, second, signed.mended or not _loses(part))
+    return "min" if meets == (signed.sign > 0) else "max"
 
 
 def _loses(part: sp.Expr) -> bool:
     return isinstance(part, ROperation) and not isinstance(part, R1Operation)
 
 
-def _operands(signed: Signed) -> list[Signed]:
+def _operands(signed: _Signed) -> list[_Signed]:
     part, sign, mended = signed
     if isinstance(part, ROperation):
-        return [Signed(operand, sign, mended) for operand in part.operands]
+        return [_Signed(operand, sign, mended) for operand in part.operands]
     if isinstance(part, sp.Min | sp.Max):
-        return [Signed(operand, sign, mended) for operand in part.args]
+        return [_Signed(operand, sign, mended) for operand in part.args]
     if (inside := normalised(part)) is not None:
-        return [Signed(inside[0], sign * inside[1], True)]
+        return [_Signed(inside[0], sign * inside[1], True)]
     if part.is_Mul and len(part.args) == 2 and part.args[0] == -1 and isinstance(part.args[1], _TOP):
-        return [Signed(part.args[1], -sign, mended)]
+        return [_Signed(part.args[1], -sign, mended)]
     return []
 
 
-def _key(signed: Signed) -> tuple[int, int, bool]:
+def _key(signed: _Signed) -> tuple[int, int, bool]:
     return id(signed.part), signed.sign, signed.mended
 
 

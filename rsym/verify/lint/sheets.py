@@ -15,8 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.logic.gates import Gate, through
+from rsym.sampling.form_signs import joined_signs
 from rsym.verify.lint.functions import Array, Functions, Ints
-from rsym.verify.lint.logic import Gate, Literal, Logic
+from rsym.verify.lint.logic import Logic
 from rsym.verify.lint.report import COINCIDENT, LONE_SHEET, ZERO_SHEET
 from rsym.verify.lint.zeros import CONVERGED, Zeros, onto, tangents
 
@@ -29,7 +31,7 @@ ASKED = 12  # points of a face around which more of it is sought
 
 
 class Local(NamedTuple):
-    """The signs (steps, n) of each step at points, ahead of them and behind, and where omega bears them out.
+    """The signs (literals and gates, n) at points, ahead of them and behind, and where omega bears them out.
 
     Beside an edge a blend may have another sign than the operation that it blends.
     """
@@ -77,31 +79,29 @@ def common_faces(logic: Logic, functions: Functions, zeros: Zeros, size: float) 
 def _faces(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> Iterator[tuple[CommonFace, Ints]]:
     """What looks like a common face at single points."""
     local = _local(logic, functions, zeros, size)
-    for number, active in enumerate(_active(logic, local)):
-        gate = logic.steps[number]
-        if not isinstance(gate, Gate):
-            continue
-        for kind, here in _kinds(gate, local).items():
+    gates = zip(logic.gates, logic.keeps, _active(logic, local)[len(logic.literals) :], strict=True)
+    for gate, keeps, active in gates:
+        for kind, here in _kinds(gate, keeps, local).items():
             columns = np.flatnonzero(here & active & local.confirmed).tolist()
-            pairs = [tuple(_leaf_at(logic, local, operand, k) for operand in gate[1:3]) for k in columns]
+            pairs = [tuple(_leaf_at(logic, local, operand, k) for operand in gate[1:]) for k in columns]
             for first, second in dict.fromkeys(pairs):
                 part = zeros[[k for k, pair in zip(columns, pairs, strict=True) if pair == (first, second)]]
                 if len(part.which) >= FEWEST:
-                    yield CommonFace(kind, first, second, gate.conjunction, part.points, part.sides), part.which
+                    yield CommonFace(kind, first, second, gate.operation == "min", part.points, part.sides), part.which
 
 
-def _kinds(gate: Gate, local: Local) -> dict[str, NDArray[np.bool_]]:
+def _kinds(gate: Gate, keeps: bool, local: Local) -> dict[str, NDArray[np.bool_]]:
     """Where the operands of a gate have a face in common, by what it does to the gate and to omega."""
     one, other = gate.first, gate.second
     both = (local.at[one] == 0) & (local.at[other] == 0)
     alike = (local.ahead[one] == local.ahead[other]) & (local.behind[one] == local.behind[other])
     crosses = local.ahead[-1] != local.behind[-1]
-    if gate.conjunction:
+    if gate.operation == "min":
         sheet = (local.ahead[-1] < 0) & (local.behind[-1] < 0)
     else:
         sheet = (local.ahead[-1] > 0) & (local.behind[-1] > 0)
-    kinds = {LONE_SHEET if gate.conjunction else ZERO_SHEET: both & ~alike & sheet}
-    return kinds if gate.keeps else kinds | {COINCIDENT: both & alike & crosses}
+    kinds = {LONE_SHEET if gate.operation == "min" else ZERO_SHEET: both & ~alike & sheet}
+    return kinds if keeps else kinds | {COINCIDENT: both & alike & crosses}
 
 
 def _local(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> Local:
@@ -125,33 +125,26 @@ def _local(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> Loc
 
 def _steps(logic: Logic, signs: NDArray[np.int8]) -> NDArray[np.int8]:
     """The signs of all steps from those of the leaves."""
-    result = np.empty((len(logic.steps), signs.shape[1]), np.int8)
-    for number, step in enumerate(logic.steps):
-        if isinstance(step, Literal):
-            result[number] = step.sign * signs[step.leaf]
-        else:
-            join = np.minimum if step.conjunction else np.maximum
-            result[number] = join(result[step.first], result[step.second])
-    return result
+    literals = [literal.sign * signs[literal.leaf] for literal in logic.literals]
+    return np.array(through(logic.gates, literals, joined_signs), np.int8)
 
 
 def _active(logic: Logic, local: Local) -> NDArray[np.bool_]:
     """Where the zero of a step is one of omega."""
     result = np.zeros(local.at.shape, bool)
     result[-1] = local.at[-1] == 0
-    for number in range(len(logic.steps) - 1, -1, -1):
-        step = logic.steps[number]
-        if isinstance(step, Gate):
-            for operand in (step.first, step.second):
-                result[operand] |= result[number] & (local.at[operand] == 0)
+    for number in reversed(range(len(logic.gates))):
+        for operand in logic.gates[number][1:]:
+            result[operand] |= result[len(logic.literals) + number] & (local.at[operand] == 0)
     return result
 
 
 def _leaf_at(logic: Logic, local: Local, number: int, column: int) -> int:
     """A leaf that makes a step zero at a point."""
-    while isinstance(step := logic.steps[number], Gate):
-        number = step.first if local.at[step.first, column] == 0 else step.second
-    return step.leaf
+    while number >= len(logic.literals):
+        gate = logic.gates[number - len(logic.literals)]
+        number = gate.first if local.at[gate.first, column] == 0 else gate.second
+    return logic.literals[number].leaf
 
 
 def _is_patch(face: CommonFace, which: Ints, logic: Logic, functions: Functions, size: float) -> bool:

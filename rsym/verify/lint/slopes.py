@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import sympy as sp
 
-from rsym.analysis.contracts.leaves import is_logical
 from rsym.model.folds import Fold
 from rsym.model.nodes import Trimming
 from rsym.model.powers import AbsolutePower
@@ -21,27 +20,7 @@ CONSTANT = 1e-6  # relative: lengths of the gradient that differ by less are one
 VANISHING = 1e-3  # of the greatest length of a gradient, which at random points comes that near to a zero
 
 
-def logical_parts(expression: sp.Expr) -> Iterator[sp.Expr]:
-    """The R-operations of a formula and its leaves, as contracts tell them apart, each once; blends are operations.
-
-    Examples
-    --------
-    >>> from rsym import conjunction, x, y
-    >>> list(logical_parts(-conjunction(x, y + 1)))
-    [-conjunction(x, y + 1), conjunction(x, y + 1), x, y + 1]
-    """
-    stack, seen = [expression], set()
-    while stack:
-        part = stack.pop()
-        if part in seen:
-            continue
-        seen.add(part)
-        yield part
-        if is_logical(part):
-            stack.extend(reversed(_operands(part)))
-
-
-def _operands(part: sp.Expr) -> tuple[sp.Expr, ...]:
+def operands_of(part: sp.Expr) -> tuple[sp.Expr, ...]:
     """What the zeros of an operation are those of."""
     if isinstance(part, Fold):
         return part.operands

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.analysis.contracts.leaves import is_logical
+from rsym.analysis.contracts.leaves import is_logical, logical_parts
 from rsym.analysis.contracts.orders import leaf_order
 from rsym.analysis.contracts.promises import Order
 from rsym.model.shape import Shape
@@ -16,7 +16,7 @@ from rsym.verify.lint.functions import Array, Functions, functions_of
 from rsym.verify.lint.logic import Logic, logic_of
 from rsym.verify.lint.places import ModelPlace, places_of
 from rsym.verify.lint.saturation import terms_of
-from rsym.verify.lint.slopes import logical_parts
+from rsym.verify.lint.slopes import operands_of
 from rsym.verify.lint.zeros import SCATTERED, Box, Progress, Zeros, diagonal, scattered, zeros_of
 
 MARGIN = 0.02  # of the diagonal of the bounds, around the zeros of omega that were met
@@ -80,7 +80,7 @@ def survey_of(shape: Shape, bounds: Any, progress: Progress | None = None) -> Su
     """
     box = bounds_or_extent(shape, bounds)
     logic = logic_of(shape.expression)
-    parts = list(logical_parts(shape.expression))
+    parts = logical_parts(shape.expression, operands_of)
     leaves = [part for part in parts if not is_logical(part)]
     terms = terms_of(leaves, shape.coordinates)
     expressions = tuple(dict.fromkeys([*logic.leaves, *leaves, *terms]))

@@ -22,14 +22,14 @@ class Literal:
 
 
 @dataclass(frozen=True)
-class Gate:
+class Connective:
     """A "min", "max" or "product" of formulas."""
 
     operation: str
     operands: tuple[Formula, ...]
 
 
-Formula: TypeAlias = int | Literal | Gate  # a whole number is a sign that is known
+Formula: TypeAlias = int | Literal | Connective  # a whole number is a sign that is known
 
 _VALUES: dict[str, Callable[[list[int]], int]] = {"min": min, "max": max, "product": math.prod}
 
@@ -39,7 +39,7 @@ def ternary(formula: Formula, signs: Mapping[int, int]) -> int:
 
     Examples
     --------
-    >>> both = gate("min", Literal(1), Literal(2, -1))
+    >>> both = joined("min", Literal(1), Literal(2, -1))
     >>> ternary(both, {1: 1, 2: -1}), ternary(both, {1: 1, 2: 0})
     (1, 0)
     """
@@ -50,12 +50,12 @@ def ternary(formula: Formula, signs: Mapping[int, int]) -> int:
     return _VALUES[formula.operation]([ternary(operand, signs) for operand in formula.operands])
 
 
-def gate(operation: str, *operands: Formula) -> Formula:
+def joined(operation: str, *operands: Formula) -> Formula:
     """The formula of operands, without those whose known signs do not count.
 
     Examples
     --------
-    >>> gate("min", 1, Literal(5)), gate("max", 1, Literal(5)), gate("product", -1, Literal(5))
+    >>> joined("min", 1, Literal(5)), joined("max", 1, Literal(5)), joined("product", -1, Literal(5))
     (Literal(leaf=5, sign=1), 1, Literal(leaf=5, sign=-1))
     """
     known = [operand for operand in operands if isinstance(operand, int)]
@@ -65,13 +65,13 @@ def gate(operation: str, *operands: Formula) -> Formula:
         rest = [operand for operand in operands if not isinstance(operand, int)]
         if not rest:
             return sign
-        return signed(rest[0] if len(rest) == 1 else Gate("product", tuple(rest)), sign)
+        return signed(rest[0] if len(rest) == 1 else Connective("product", tuple(rest)), sign)
     absorbing = -1 if operation == "min" else 1
     if absorbing in known:
         return absorbing
     if not open_ones:
         return -absorbing
-    return open_ones[0] if len(open_ones) == 1 else Gate(operation, tuple(open_ones))
+    return open_ones[0] if len(open_ones) == 1 else Connective(operation, tuple(open_ones))
 
 
 def signed(formula: Formula, sign: int) -> Formula:
@@ -83,9 +83,9 @@ def signed(formula: Formula, sign: int) -> Formula:
     if isinstance(formula, Literal):
         return Literal(formula.leaf, -formula.sign)
     if formula.operation == "product":
-        return Gate("product", (signed(formula.operands[0], -1), *formula.operands[1:]))
+        return Connective("product", (signed(formula.operands[0], -1), *formula.operands[1:]))
     dual = "max" if formula.operation == "min" else "min"
-    return Gate(dual, tuple(signed(operand, -1) for operand in formula.operands))
+    return Connective(dual, tuple(signed(operand, -1) for operand in formula.operands))
 
 
 def leaves_of(formula: Formula) -> tuple[int, ...]:
@@ -96,7 +96,7 @@ def leaves_of(formula: Formula) -> tuple[int, ...]:
 def _leaves(formula: Formula) -> Iterator[int]:
     if isinstance(formula, Literal):
         yield formula.leaf
-    elif isinstance(formula, Gate):
+    elif isinstance(formula, Connective):
         for operand in formula.operands:
             yield from _leaves(operand)
 
@@ -106,9 +106,9 @@ def essential(formula: Formula) -> tuple[int, ...]:
 
     Examples
     --------
-    >>> essential(gate("max", Literal(1), gate("min", Literal(1), Literal(2))))
+    >>> essential(joined("max", Literal(1), joined("min", Literal(1), Literal(2))))
     (1,)
-    >>> essential(gate("max", gate("min", Literal(1), Literal(2)), gate("min", Literal(1), Literal(2, -1))))
+    >>> essential(joined("max", joined("min", Literal(1), Literal(2)), joined("min", Literal(1), Literal(2, -1))))
     (1, 2)
     """
     leaves = leaves_of(formula)
@@ -130,7 +130,7 @@ def as_gate(formula: Formula) -> tuple[str, tuple[int, ...]] | None:
 
     Examples
     --------
-    >>> as_gate(gate("max", Literal(1), Literal(2, -1))), as_gate(gate("max", Literal(1), Literal(1, -1)))
+    >>> as_gate(joined("max", Literal(1), Literal(2, -1))), as_gate(joined("max", Literal(1), Literal(1, -1)))
     (('max', (1, -1)), None)
     """
     leaves = leaves_of(formula)
@@ -138,7 +138,7 @@ def as_gate(formula: Formula) -> tuple[str, tuple[int, ...]] | None:
         return None
     table = {values: ternary(formula, dict(zip(leaves, values, strict=True))) for values in _ternaries(len(leaves))}
     for operation, signs in product(("min", "max"), product((1, -1), repeat=len(leaves))):
-        own = Gate(operation, tuple(Literal(place, sign) for place, sign in enumerate(signs)))
+        own = Connective(operation, tuple(Literal(place, sign) for place, sign in enumerate(signs)))
         if all(ternary(own, dict(enumerate(values))) == value for values, value in table.items()):
             return operation, signs
     return None
@@ -153,11 +153,21 @@ def replaced(formula: Formula, substitutes: Mapping[int, Formula]) -> Formula:
 
     Examples
     --------
-    >>> replaced(gate("min", Literal(1), Literal(2, -1)), {2: Literal(3)})
-    Gate(operation='min', operands=(Literal(leaf=1, sign=1), Literal(leaf=3, sign=-1)))
+    >>> replaced(joined("min", Literal(1), Literal(2, -1)), {2: Literal(3)})
+    Connective(operation='min', operands=(Literal(leaf=1, sign=1), Literal(leaf=3, sign=-1)))
     """
     if isinstance(formula, int):
         return formula
     if isinstance(formula, Literal):
         return signed(substitutes.get(formula.leaf, Literal(formula.leaf)), formula.sign)
-    return gate(formula.operation, *(replaced(operand, substitutes) for operand in formula.operands))
+    return joined(formula.operation, *(replaced(operand, substitutes) for operand in formula.operands))
+
+
+FEW = 6  # leaves of which all 3^6 combinations of signs are tried
+
+
+def without_idle(formula: Formula) -> Formula:
+    """The formula without leaves on which it does not depend, if it has few."""
+    leaves = leaves_of(formula)
+    needed = essential(formula) if len(leaves) <= FEW else leaves
+    return replaced(formula, {leaf: 1 for leaf in leaves if leaf not in needed})
