@@ -43,34 +43,52 @@ class _Plan(NamedTuple):
         return self.known[ctx.prec]
 
 
+class _Formula:
+    """What a model knows whatever its letters are: its program, as far as it has grown, and what was made of it."""
+
+    def __init__(self, shape: Shape, coordinates: tuple[str, ...], letters: tuple[str, ...]) -> None:
+        self.builder = Builder(coordinates, letters)
+        self.root = lower(self.builder, without_zeros(shape.expression))
+        self.orders: dict[int, list[int]] = {}
+        self.steps: dict[int, Step] = {}
+        self.gradients: dict[int, tuple[int, ...]] = {}
+        self.curvatures: dict[int, int] = {}
+        self.parts: dict[tuple[int, Set[str]], list[int]] = {}
+        self.made_of: dict[tuple[int, Set[str]], bool] = {}
+        self.plans: dict[tuple[int, ...], _Plan] = {}
+
+
 class Model:
     """A shape as a growing program of its coordinates, with the letters that are fixed and those that range.
 
     `axes` are what a box has sides along: the coordinates, then the letters that range. Of a `body` of revolution
     the coordinates are those of the meridian, the second one the distance from the axis, with either sign. What is
-    outside the `bounds`, if there are any, is nobody's concern.
+    outside the `bounds`, if there are any, is nobody's concern. A model `like` another, of the same shape with other
+    letters, takes over its program and all that does not depend on them.
     """
 
     def __init__(
-        self, shape: Shape, letters: Mapping[str, Interval], *, body: bool = False, bounds: Box | None = None
+        self,
+        shape: Shape,
+        letters: Mapping[str, Interval],
+        *,
+        body: bool = False,
+        bounds: Box | None = None,
+        like: Model | None = None,
     ) -> None:
         self.body, self.bounds = body, bounds
         names = tuple(symbol.name for symbol in shape.coordinates)
-        self.builder = Builder(names, tuple(letters))
-        self.root = lower(self.builder, without_zeros(shape.expression))
+        self._formula: _Formula = _Formula(shape, names, tuple(letters)) if like is None else like._formula
+        self.builder, self.root = self._formula.builder, self._formula.root
         self.letters = dict(letters)
         self.axes = (*names, *(name for name, (low, high) in letters.items() if low != high))
-        self._orders: dict[int, list[int]] = {}
-        self._steps: dict[int, Step] = {}
+        self._orders, self._steps = self._formula.orders, self._formula.steps
         self.resolutions: dict[tuple[object, ...], int] = {}  # by what they depend on, on whatever box
         self.orders_of_contact: dict[tuple[object, ...], float] = {}
         self._remembered: dict[tuple[Any, ...], Any] = {}
-        self._gradients: dict[int, tuple[int, ...]] = {}
-        self._curvatures: dict[int, int] = {}
+        self._gradients, self._curvatures = self._formula.gradients, self._formula.curvatures
         self._fixed: dict[int, dict[str, arb]] = {}
-        self._parts: dict[tuple[int, Set[str]], list[int]] = {}
-        self._made_of: dict[tuple[int, Set[str]], bool] = {}
-        self._plans: dict[tuple[int, ...], _Plan] = {}
+        self._parts, self._made_of, self._plans = self._formula.parts, self._formula.made_of, self._formula.plans
 
     def remembered(self, maker: Callable[..., T], *arguments: Any) -> T:
         """What `maker(model, *arguments)` gives, made when it is first asked for: the ring of the model, say."""

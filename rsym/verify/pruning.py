@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -15,15 +15,19 @@ from rsym.verify.local import Box, Interval
 Prune = Callable[[Sequence[Box]], Sequence[bool]]
 
 
-def pruner(shape: Shape, axes: Sequence[str], letters: Mapping[str, Interval]) -> Prune:
+def bounds_of_omega(shape: Shape, axes: Sequence[str], letters: Iterable[str]) -> IntervalFunction:
+    """Omega over boxes with sides along the axes; letters that range are axes."""
+    builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(letters))
+    program = builder.program({"value": lower(builder, shape.expression)})
+    return IntervalFunction(program.varying(axes[2:]), "numpy", 1)
+
+
+def pruner(function: IntervalFunction, axes: Sequence[str], letters: Mapping[str, Interval]) -> Prune:
     """A function of boxes, with sides along the axes, that is true for those on which omega is not zero anywhere.
 
     Letters that range are axes: each box has its own part of the range.
     """
     fixed = {name: value for name, value in letters.items() if name not in axes}
-    builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(letters))
-    program = builder.program({"value": lower(builder, shape.expression)})
-    function = IntervalFunction(program.varying(axes[2:]), "numpy", 1)
 
     def prune(boxes: Sequence[Box]) -> Sequence[bool]:
         ends = np.array(boxes, dtype=np.float64)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from rsym.bounds.balls import ctx
 from rsym.bounds.enclosures import ranges_of
+from rsym.bounds.intervals import IntervalFunction
 from rsym.errors import RsymError
 from rsym.model.blends.gates import without_rounded_levels
 from rsym.model.requirements import require_count, require_positive, require_shape
@@ -37,7 +38,7 @@ from rsym.verify.evidence import NOWHERE, has_boundary, has_boundary_for_every_v
 from rsym.verify.examination import Finding, examine
 from rsym.verify.holes import holes
 from rsym.verify.local import Box, Interval, Model
-from rsym.verify.pruning import pruner
+from rsym.verify.pruning import bounds_of_omega, pruner
 from rsym.verify.report import UNKNOWN, Cover, Joint, SmoothnessReport, continuity_of, is_defect, level_of
 from rsym.verify.revolution import find_meridian, meridian
 from rsym.verify.suspects import classify_suspects
@@ -131,7 +132,7 @@ def verify_smoothness(
             box = _bounds_in_space(shape, bounds, values)
             return report_over_ranges(shape, box, values, effort, smallest=smallest, budget=budget or BODY_BUDGET)
         return report_body(studied_in_space(shape, bounds, letters, smallest, budget, effort))
-    return _report(_study(shape, bounds, letters, smallest, budget or BUDGET, effort))
+    return _report(Question(shape, bounds).study(letters, smallest, budget or BUDGET, effort))
 
 
 def _in_space(shape: Any, method: str) -> bool:
@@ -186,7 +187,7 @@ def quick_report(
     if _in_space(shape, "auto"):
         study = studied_in_space(shape, bounds, letters, SMALLEST, budget * BODY_BUDGET // BUDGET, effort)
         return report_body(study, sharpened=sharpening > 0)
-    return _report(_study(shape, bounds, letters, SMALLEST, budget, effort or Effort()), sharpening=sharpening)
+    return Question(shape, bounds).report(letters, budget=budget, sharpening=sharpening, effort=effort)
 
 
 @dataclass(frozen=True)
@@ -200,27 +201,36 @@ class _Study:
     effort: Effort
 
 
-def _study(
-    shape: Shape,
-    bounds: Any,
-    letters: Mapping[Any, Any] | None,
-    smallest: float,
-    budget: int,
-    effort: Effort,
-) -> _Study:
-    body = shape.dimension == 3
-    plane, axis = meridian(shape) if body else (shape, 0)
-    box = bounds_of(shape, bounds)
-    values = ranges_of(shape.letters, letters)
-    within: Box = _half_plane(box, axis) if body else tuple((float(a), float(b)) for a, b in box)
-    expression = within_cells(cleaned(without_rounded_levels(plane.expression)), plane.coordinates, within)
-    plane = plane.replace(expression=without_scale(expression))
-    model = Model(plane, values, body=body, bounds=within)
-    region = within + tuple(_around(*values[name]) for name in model.axes[2:])
-    prune = pruner(plane, model.axes, values)
-    effort.begin("boxes", SHARES[0])
-    found = cover(model, region, smallest=smallest * extent_of(region), budget=budget, prune=prune, effort=effort)
-    return _Study(model, region, found, values, effort)
+class Question:
+    """Is the boundary smooth, of a shape in the plane or of a meridian? Asked for many letters, it is prepared once."""
+
+    def __init__(self, shape: Shape, bounds: Any = None) -> None:
+        self._letters, self._body = shape.letters, shape.dimension == 3
+        plane, axis = meridian(shape) if self._body else (shape, 0)
+        box = bounds_of(shape, bounds)
+        self._within: Box = _half_plane(box, axis) if self._body else tuple((float(a), float(b)) for a, b in box)
+        expression = within_cells(cleaned(without_rounded_levels(plane.expression)), plane.coordinates, self._within)
+        self._plane = plane.replace(expression=without_scale(expression))
+        self._over_boxes: dict[tuple[str, ...], IntervalFunction] = {}
+        self._model: Model | None = None
+
+    def study(self, letters: Mapping[Any, Any] | None, smallest: float, budget: int, effort: Effort) -> _Study:
+        """The boxes of the boundary for some letters."""
+        values = ranges_of(self._letters, letters)
+        self._model = model = Model(self._plane, values, body=self._body, bounds=self._within, like=self._model)
+        region = self._within + tuple(_around(*values[name]) for name in model.axes[2:])
+        if model.axes not in self._over_boxes:
+            self._over_boxes[model.axes] = bounds_of_omega(self._plane, model.axes, values)
+        prune = pruner(self._over_boxes[model.axes], model.axes, values)
+        effort.begin("boxes", SHARES[0])
+        found = cover(model, region, smallest=smallest * extent_of(region), budget=budget, prune=prune, effort=effort)
+        return _Study(model, region, found, values, effort)
+
+    def report(
+        self, letters: Mapping[Any, Any] | None, *, budget: int, sharpening: int = 0, effort: Effort | None = None
+    ) -> SmoothnessReport:
+        """The report with a bound of the curvature on which only so many boxes are spent."""
+        return _report(self.study(letters, SMALLEST, budget, effort or Effort()), sharpening=sharpening)
 
 
 def _around(low: Fraction, high: Fraction) -> tuple[float, float]:

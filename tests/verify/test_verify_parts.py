@@ -16,7 +16,7 @@ from rsym.verify.generators import generators
 from rsym.verify.krawczyk import refined, unique_zero
 from rsym.verify.local import Model, side
 from rsym.verify.locus import reduce
-from rsym.verify.pruning import pruner
+from rsym.verify.pruning import bounds_of_omega, pruner
 from rsym.verify.resolution import contact, resolve
 from rsym.verify.revolution import meridian
 
@@ -193,7 +193,7 @@ def test_pruning_and_examination_agree():
     shape = Shape(a - x**2 - y**2, (x, y), letters={a: 1}, bounds=((-2, 2), (-2, 2)))
     letters = {"a": (Fraction(1, 2), Fraction(3, 2))}
     model = Model(shape, letters)
-    prune = pruner(shape, model.axes, letters)
+    prune = pruner(bounds_of_omega(shape, model.axes, letters), model.axes, letters)
     grid = np.linspace(-2, 2, 18)
     boxes = [((u, u + 4 / 17), (v, v + 4 / 17), (0.75, 1.0)) for u in grid[:-1].tolist() for v in grid[:-1].tolist()]
     kept = [not empty for empty in prune(boxes)]

@@ -24,7 +24,7 @@ from rsym.verify.cleaning import cleaned
 from rsym.verify.local import Model
 from rsym.verify.report import Joint, SmoothnessReport
 from rsym.verify.revolution import find_meridian
-from rsym.verify.smoothness import quick_report
+from rsym.verify.smoothness import Question
 
 POINT_BUDGET = 4_000  # boxes for the verdict in the middle: the body of Fig. 11 takes 130
 # A rectangle takes at most so many times the boxes of its middle: those of the body of Fig. 11 that are proved take a
@@ -77,7 +77,7 @@ class PlaneSubject(AtlasSubject[SmoothnessReport]):
     def __init__(self, shape: Shape, values: Mapping[str, Range]) -> None:
         found = find_meridian(shape) if shape.dimension == 3 else None
         super().__init__(found[0] if found else shape, values, body=found is not None)
-        self._whole = shape
+        self._question = Question(shape)
         self._refuter = Refuter(self.model, self.bounds)
 
     def at(self, values: Mapping[str, Any]) -> SmoothnessReport:
@@ -97,9 +97,7 @@ class PlaneSubject(AtlasSubject[SmoothnessReport]):
         return self._refuter.joint(ranges, report.defects) is not None
 
     def _report(self, letters: Mapping[str, Any], budget: int, sharpening: int) -> SmoothnessReport:
-        found = quick_report(self._whole, bounds=None, letters=letters, budget=budget, sharpening=sharpening)
-        assert isinstance(found, SmoothnessReport)
-        return found
+        return self._question.report(letters, budget=budget, sharpening=sharpening)
 
 
 class BodySubject(AtlasSubject[BodyReport]):
