@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from rsym.output.atlas import plot_atlas
 from rsym.paper.drawing import Drawing, Table, letters_text
 from rsym.paper.models import skeleton_body
+from rsym.verify.atlas.atlas import smoothness_atlas
 
 LETTERS = ("a2", "p1")
 REGION = ((5, 6), (20, 80))
@@ -25,9 +26,6 @@ REMARK = (
 
 def draw_atlas() -> Drawing:
     """The atlas, found anew in every run, beside the formula for a smooth nose."""
-    # The models of this package are of use without the library that proves.
-    from rsym.verify.atlas.atlas import smoothness_atlas
-
     body = skeleton_body()
     atlas = smoothness_atlas(body, *LETTERS, between=REGION, tolerance=TOLERANCE, sharpening=0)
     figure: Figure = plot_atlas(atlas)

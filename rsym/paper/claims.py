@@ -20,7 +20,9 @@ from rsym.output.verdicts import plot_verdict
 from rsym.paper.drawing import Drawing, Table, letters_text
 from rsym.paper.models import BODIES, skeleton_body
 from rsym.reports.numbers import at_most, measured, number
+from rsym.verify.normalisation import verify_normalisation
 from rsym.verify.report import SmoothnessReport
+from rsym.verify.smoothness import verify_smoothness
 
 CURVATURE = "the curvature is continuous"
 NOSES = (5.3, 5.35, 6.0)  # a2: as printed, little above what a smooth nose needs, well above
@@ -84,9 +86,6 @@ def bodies() -> list[Claim]:
 
 
 def _curvature(body: str, shape: Shape, letters: Mapping[str, Any] | None = None) -> Claim:
-    # The models of this package are of use without the library that proves.
-    from rsym.verify.smoothness import verify_smoothness
-
     report = verify_smoothness(shape, letters=letters)
     assert isinstance(report, SmoothnessReport)  # in the plane, and by the meridian
     return Claim(CURVATURE, body, shape, report)
@@ -105,8 +104,6 @@ def normalisations() -> list[tuple[str, ...]]:
 
 
 def _normalised(claim: str, body: str, shape: Shape, order: int) -> tuple[str, ...]:
-    from rsym.verify.normalisation import verify_normalisation
-
     report = verify_normalisation(shape, order, tolerance=TOLERANCE)
     worst, bound = report.worst[-1], report.proved_bounds[-1]
     found = f"largest deviation found {measured(worst.deviation, worst.error)}"

@@ -23,6 +23,7 @@ from rsym.reports.numbers import interval, share
 from rsym.verify.bodies.report import COLUMNS as PARTS
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.bodies.singular import kinds_text
+from rsym.verify.smoothness import verify_smoothness
 
 SIZE = (9.6, 10.6)  # inches
 WIDE = 0.9  # of the width, for the bodies; the rest is for the bars
@@ -79,10 +80,6 @@ def bodies() -> list[tuple[str, Shape, str | None, float]]:
 
 def judge() -> list[Judged]:
     """The verdicts, found anew."""
-    # The models of this package are of use without the library that proves.
-    from rsym.verify.bodies.report import BodyReport
-    from rsym.verify.smoothness import verify_smoothness
-
     judged = []
     for name, shape, colour_by, azimuth in bodies():
         report = verify_smoothness(shape, method="space")

@@ -68,11 +68,6 @@ IN_CIRCLES = """\
 # Deferred imports of today that have no such reason; none is added.
 STILL_DEFERRED = """\
     rsym.output.explore rsym.output.patches
-    rsym.paper.atlas rsym.verify.atlas.atlas
-    rsym.paper.claims rsym.verify.normalisation
-    rsym.paper.claims rsym.verify.smoothness
-    rsym.paper.verdicts rsym.verify.bodies.report
-    rsym.paper.verdicts rsym.verify.smoothness
     rsym.sampling.meshing rsym.logic.sign_form
     rsym.surfaces.patch rsym.sampling.mesh
     rsym.surfaces.proofs.unbroken rsym.surfaces.joints.edges

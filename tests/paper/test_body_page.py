@@ -6,7 +6,6 @@ from oracles import body_reports
 from oracles.closeness import assert_close
 
 import rsym
-import rsym.verify.smoothness
 from rsym.paper import verdicts
 
 
@@ -30,7 +29,7 @@ def small(monkeypatch):
         asked.append(method)
         return found[shape.expression]
 
-    monkeypatch.setattr(rsym.verify.smoothness, "verify_smoothness", verify_smoothness)
+    monkeypatch.setattr(verdicts, "verify_smoothness", verify_smoothness)
     monkeypatch.setattr(verdicts, "bodies", lambda: [(name, shape, None, -55.0) for name, (shape, _) in shapes.items()])
     monkeypatch.setattr(verdicts, "CELLS", 24)
     return asked
