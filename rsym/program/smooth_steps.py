@@ -110,8 +110,8 @@ def _softplus_expansion(b: Nodes, node: Node) -> int:
 
 
 def _softplus(b: Nodes, number: int, node: Node, d: Given) -> int:
-    """u'/(1 + exp(-u))."""
-    return b.div(d[0], b.add(b.const(1), b.make("exp", b.neg(node.arguments[0]))))
+    """exp(-softplus(-u)) u', which is u'/(1 + exp(-u)); exp(-u) overflows, and its derivatives with it."""
+    return b.mul(b.make("exp", b.neg(b.make("softplus", b.neg(node.arguments[0])))), d[0])
 
 
 def _softplus_at(u: Any) -> Any:

@@ -137,3 +137,17 @@ def test_softplus_and_erf_keep_their_digits():
 def _one(operation):
     builder = Builder(("x",), ())
     return builder.nodes, [builder.make(operation, builder.input("x"))]
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_softplus_far_below_zero_has_derivatives(dtype):
+    """exp(-u) overflows there, and its derivatives are none of those of softplus, which vanish."""
+    shape = Shape(FUNCTIONS["softplus"].kind(x) + 0 * y, (x, y))
+    at = np.array([-np.inf, -1e8, -800.0, -100.0, -80.0, 0.0, 80.0, 800.0, np.inf], dtype)
+    found = rsym.compile(shape, ["gradient", "hessian"], dtype=dtype)(at, np.zeros_like(at))
+    close = {"rtol": 1e-4 if dtype == "float32" else 1e-13, "atol": 1e-37}
+    size = np.exp(-np.abs(at.astype(float)))
+    slope = np.where(at > 0, 1, size) / (1 + size)
+    np.testing.assert_allclose(found["gradient"][:, 0], slope, **close)
+    bending = size / (1 + size) ** 2
+    np.testing.assert_allclose(found["hessian"][:, 0, 0], bending, **close)
