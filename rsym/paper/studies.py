@@ -50,9 +50,9 @@ def draw_cost() -> Drawing:
     )
     table = Table(("million points", "sub-boxes", "seconds", "peak memory, MB", "triangles"), rows)
     remark = (
-        "The values of the source are lost; these are ours, measured in this run. Each sub-box is sampled and "
-        "meshed on its own, one after the other, its points in parallel. Memory is the peak of what Python and NumPy "
-        "allocate, as tracemalloc counts it, the triangles of all boxes included."
+        "The values of the source are lost; these are ours, measured in this run, which may draw a figure beside. "
+        "Each sub-box is sampled and meshed on its own, one after the other, its points in parallel. Memory is the "
+        "peak of what Python and NumPy allocate, as tracemalloc counts it, the triangles of all boxes included."
     )
     return Drawing(figure, letters_text(valve().letters), max(one.triangles for one in costs), remark, table)
 
