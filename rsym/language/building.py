@@ -17,7 +17,7 @@ import sympy as sp
 
 from rsym.language import exact
 from rsym.language.extent import Extent, Work, check_degree, joined, measured
-from rsym.language.functions import Operation
+from rsym.language.functions import TextFunction
 from rsym.language.nodes import MADE, made
 from rsym.language.parts import Built, constant_part, exact_part, open_part, text_part, vector_part
 from rsym.language.syntax import (
@@ -42,7 +42,7 @@ class FormulaBuilder:
 
     def __init__(
         self,
-        operations: Mapping[str, Operation],
+        operations: Mapping[str, TextFunction],
         pieces: PieceCall | None = None,
         coordinates: frozenset[sp.Symbol] | None = None,
     ) -> None:

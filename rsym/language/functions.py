@@ -46,7 +46,7 @@ def written_system(system: RSystem) -> str:
 
 
 @dataclass(frozen=True)
-class Operation:
+class TextFunction:
     """One function, three times over; SymPy never evaluates `symbolic`, `exact` is there where rationals stay so.
 
     Without `numeric` a call on constants stays as it is: a letter is hidden in it.
@@ -59,16 +59,19 @@ class Operation:
     sorts: bool = False
 
 
-def operations(system: RSystem) -> dict[str, Operation]:
+def operations(system: RSystem) -> dict[str, TextFunction]:
     """Every function by name, the logical ones in the given R-system."""
     has_letter = any(parameter.free_symbols for parameter in system.parameters)
 
-    def logical(build: Callable[..., sp.Expr]) -> Operation:
-        return Operation(build, None) if has_letter else _node(build)
+    def logical(build: Callable[..., sp.Expr]) -> TextFunction:
+        return TextFunction(build, None) if has_letter else _node(build)
 
     both, either = logical(system.conjunction), logical(system.disjunction)
     return {
-        **{name: Operation(_held_back(row.kind), row.number, row.exact, row.sorts) for name, row in FUNCTIONS.items()},
+        **{
+            name: TextFunction(_held_back(row.kind), row.number, row.exact, row.sorts)
+            for name, row in FUNCTIONS.items()
+        },
         "rfAND": both,
         "conjunction": both,
         "rfOR": either,
@@ -82,9 +85,9 @@ def operations(system: RSystem) -> dict[str, Operation]:
     }
 
 
-def _node(build: Callable[..., sp.Expr]) -> Operation:
+def _node(build: Callable[..., sp.Expr]) -> TextFunction:
     """An R-node; its number is the node's own high-precision value."""
-    return Operation(build, lambda *values: float(build(*map(sp.Float, values)).evalf()))
+    return TextFunction(build, lambda *values: float(build(*map(sp.Float, values)).evalf()))
 
 
 def _held_back(function: Any) -> Callable[..., sp.Expr]:

@@ -30,7 +30,7 @@ from rsym.output.shading import AZIMUTH, BODY, ELEVATION
 from rsym.output.surfaces import ShadedMesh, show
 from rsym.output.tessellation import Tessellation, cells_of, joined, line_parameters, pieces, tessellate
 from rsym.surfaces import forms
-from rsym.surfaces.functions.univariate import Curve as SpaceCurve
+from rsym.surfaces.functions.univariate import Univariate as SpaceCurve
 from rsym.surfaces.patch import Patch, patches_of
 
 Patches: TypeAlias = Patch | Sequence[Patch] | Mapping[str, Patch]

@@ -109,7 +109,7 @@ def vertex_curvatures(mesh: Mesh, shape: Shape, *, letters: Mapping[Any, float] 
 
 
 @dataclass(frozen=True)
-class _Known:
+class _KnownFields:
     """Fields at places: vertices (k,) on one side each; the place of each face corner (m, 3)."""
 
     vertex: Ints
@@ -117,7 +117,7 @@ class _Known:
     found: dict[str, Floats]
 
 
-def _known(mesh: Mesh, shape: Shape, letters: Mapping[Any, float] | None) -> _Known:
+def _known(mesh: Mesh, shape: Shape, letters: Mapping[Any, float] | None) -> _KnownFields:
     """The fields once for each leaf at a vertex; of a leaf that may have kinks, once for each face corner."""
     fields = LeafFields(shape, CURVATURES, letters)
     leaf = fields.of_corners(mesh).ravel()
@@ -144,7 +144,7 @@ def _known(mesh: Mesh, shape: Shape, letters: Mapping[Any, float] | None) -> _Kn
         blunt = np.abs(found["principal_curvatures"]).max(axis=1) * POINTED * _size(mesh) <= 1
     for name in CURVATURES:
         found[name][~blunt] = np.nan
-    return _Known(vertex[first], place.reshape(mesh.faces.shape), found)
+    return _KnownFields(vertex[first], place.reshape(mesh.faces.shape), found)
 
 
 def _steady(here: Mapping[str, Floats], there: Mapping[str, Floats], unit: float) -> NDArray[np.bool_]:
@@ -165,7 +165,7 @@ def _bending(found: Mapping[str, Floats]) -> Floats:
     return np.concatenate([normal, operator[:, *np.triu_indices(3)]], axis=1)
 
 
-def _alike(known: _Known, count: int, unit: float) -> tuple[NDArray[np.bool_], Ints]:
+def _alike(known: _KnownFields, count: int, unit: float) -> tuple[NDArray[np.bool_], Ints]:
     """Which vertices have one normal and one shape operator on all their sides, and a place of each."""
     order = np.argsort(known.vertex, kind="stable")
     vertex, starts = np.unique(known.vertex[order], return_index=True)

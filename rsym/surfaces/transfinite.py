@@ -24,7 +24,7 @@ from rsym.model.letters import Letters
 from rsym.surfaces import symbols
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.formulas import CompiledFormulas
-from rsym.surfaces.functions.univariate import NO_LETTERS, Curve
+from rsym.surfaces.functions.univariate import NO_LETTERS, Univariate
 from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch
 
 # Points combined at once: their factors stay in the cache of a core.
@@ -36,7 +36,7 @@ FACTORS = 1 << 23
 class Loft:
     """One term of a Boolean sum: sum_a f_a(s) C_a(t), f of shape (n,) along, C of shape (n, 3) across."""
 
-    def __init__(self, functions: Curve, curves: Curve) -> None:
+    def __init__(self, functions: Univariate, curves: Univariate) -> None:
         if len(functions.shape) != 1 or curves.shape != (functions.shape[0], 3):
             raise RsymError(
                 f"functions of the shape {functions.shape} cannot blend curves of the shape {curves.shape}",
@@ -55,9 +55,9 @@ class BooleanSum(Patch):
         Functions f of u, curves C of v.
     along_v : Loft, optional
         Functions g of v, curves E of u.
-    corners : Curve of shape (len f, len g, 3), optional
+    corners : Univariate of shape (len f, len g, 3), optional
         A constant (`Constant`, `Sampled` or a formula without parameter).
-    basis : pair of Curve, optional
+    basis : pair of Univariate, optional
         f and g, for a patch of the third term alone, which then counts as positive.
 
     Examples
@@ -78,9 +78,9 @@ class BooleanSum(Patch):
         self,
         along_u: Loft | None = None,
         along_v: Loft | None = None,
-        corners: Curve | None = None,
+        corners: Univariate | None = None,
         *,
-        basis: tuple[Curve, Curve] | None = None,
+        basis: tuple[Univariate, Univariate] | None = None,
     ) -> None:
         f = along_u.functions if along_u else basis[0] if basis else None
         g = along_v.functions if along_v else basis[1] if basis else None
@@ -187,7 +187,7 @@ class _Separable:
                 parts_v = [_cut(one[j], block) if one else None for one in of_v]
                 result[block] = self._combine(parts_u, parts_v)
 
-    def _factors(self, curve: Curve | None, t: Floats, axis: int) -> dict[int, Floats]:
+    def _factors(self, curve: Univariate | None, t: Floats, axis: int) -> dict[int, Floats]:
         """The derivatives of a factor by their order in the parameter of this axis; none of one that is missing."""
         orders = sorted({order[axis] for order in self.orders})
         return {} if curve is None else dict(zip(orders, curve.evaluate(t, orders, self.letters), strict=True))
@@ -220,7 +220,7 @@ def _cut(array: NDArray[np.float64], block: tuple[slice, ...]) -> Floats:
     return array[tuple(slice(None) if array.shape[axis] == 1 else part for axis, part in enumerate(block))]
 
 
-def _terms(curve: Curve | None, parameter: sp.Symbol) -> list[sp.Expr]:
+def _terms(curve: Univariate | None, parameter: sp.Symbol) -> list[sp.Expr]:
     """The entries of a function of one parameter, written in that parameter."""
     if curve is None:
         return []
@@ -234,7 +234,7 @@ def _terms(curve: Curve | None, parameter: sp.Symbol) -> list[sp.Expr]:
     return [entry.xreplace({symbols.t: parameter}) for entry in entries_of(inner)]
 
 
-def _common(parts: Sequence[Curve], name: str) -> tuple[float, float]:
+def _common(parts: Sequence[Univariate], name: str) -> tuple[float, float]:
     """The interval that all parts share."""
     low, high = parts[0].domain
     for part in parts:

@@ -39,7 +39,7 @@ class Branch:
 
 
 @dataclass(frozen=True)
-class _Place:
+class _BranchPoint:
     """A branch on one circle."""
 
     radius: mpf
@@ -114,7 +114,7 @@ def _branch(track: list[mpf], leaving: bool, circles: Sequence[CircleZeros], end
     return Branch(leaving, chord.value, tangent, curvature, slope)
 
 
-def _differences(values: Sequence[mpf], places: Sequence[_Place]) -> list[mpf]:
+def _differences(values: Sequence[mpf], places: Sequence[_BranchPoint]) -> list[mpf]:
     """Difference quotients with respect to the radius."""
     return [
         (after - before) / (outer.radius - inner.radius) * -1
@@ -132,7 +132,7 @@ def _unwrapped(angles: Sequence[mpf], end: mpf) -> list[mpf]:
     return result[:-1]
 
 
-def _limit(values: Sequence[mpf], ends: Ends, places: Sequence[_Place], noise: mpf) -> Limit:
+def _limit(values: Sequence[mpf], ends: Ends, places: Sequence[_BranchPoint], noise: mpf) -> Limit:
     """A limit whose error contains what a centre known only to within `ends.radius` does to it."""
     found = limit(values, noise)
     if not found.finite or ends.radius == 0:
@@ -154,19 +154,19 @@ def _better(first: Limit, second: Limit) -> Limit:
     return Limit(best.value, max(best.error, doubt), best.exponent)
 
 
-def _place(radius: mpf, bearing: mpf, leaving: bool, ends: Ends) -> _Place:
+def _place(radius: mpf, bearing: mpf, leaving: bool, ends: Ends) -> _BranchPoint:
     """Tangent, curvature and its slope where a branch meets a circle, NaN where the field has no derivatives."""
     sample = ends.field(ends.centre[0] + radius * mp.cos(bearing), ends.centre[1] + radius * mp.sin(bearing))
     (wx, wy), (wxx, wxy, wyy) = sample.gradient, sample.hessian
     size = mp.sqrt(wx * wx + wy * wy)
     if not mp.isfinite(size) or size == 0:
-        return _Place(radius, bearing, mp.nan, mp.nan, mp.nan)
+        return _BranchPoint(radius, bearing, mp.nan, mp.nan, mp.nan)
     numerator = wxx * wy**2 - 2 * wxy * wx * wy + wyy * wx**2
     curvature = -numerator / size**3
     slope = mp.nan
     if sample.third is not None:
         slope = _slope((wx, wy), (wxx, wxy, wyy), sample.third, numerator, size)
-    return _Place(radius, bearing, mp.atan2(-wx, wy), curvature, slope)
+    return _BranchPoint(radius, bearing, mp.atan2(-wx, wy), curvature, slope)
 
 
 def _slope(

@@ -17,7 +17,7 @@ from itertools import product
 from rsym.bounds.balls import arb, ctx, hypotenuse
 from rsym.verify.borders import is_within
 from rsym.verify.generators import generators
-from rsym.verify.joints import PRECISE, Arc, Meeting, crosses, locate
+from rsym.verify.joints import PRECISE, BoundaryArc, Meeting, crosses, locate
 from rsym.verify.krawczyk import Point
 from rsym.verify.local import Local
 from rsym.verify.polynomials import multiplicity
@@ -95,16 +95,16 @@ def broken(local: Local, around: Local, meeting: Meeting) -> Joint | None:
     return None
 
 
-def _is_known(local: Local, arc: Arc) -> bool:
+def _is_known(local: Local, arc: BoundaryArc) -> bool:
     return generators(local, arc.function).analytic
 
 
-def _is_simple(local: Local, arc: Arc) -> bool:
+def _is_simple(local: Local, arc: BoundaryArc) -> bool:
     """Whether the function of an arc has no zeros on those of its side but simple ones."""
-    return _is_known(local, arc) and _is_known(local, Arc(arc.side, arc.side)) and crosses(local, arc)
+    return _is_known(local, arc) and _is_known(local, BoundaryArc(arc.side, arc.side)) and crosses(local, arc)
 
 
-def _end(local: Local, around: Local, arc: Arc) -> Local | None:
+def _end(local: Local, around: Local, arc: BoundaryArc) -> Local | None:
     """The only common zero of a function and its side around a box, if it is proved and lies in the box."""
     if not _is_simple(around, arc):
         return None

@@ -65,7 +65,7 @@ def zeros_on_circle(value: Callable[[mpf, mpf], mpf], centre: tuple[mpf, mpf], r
     # No dip of |w| straddles the seam if the circle is opened where |w| is largest.
     top = max(range(SAMPLES), key=lambda index: abs(points[index][1]) if mp.isfinite(points[index][1]) else -1)
     turned = [*points[top:], *((angle + 2 * mp.pi, height) for angle, height in points[: top + 1])]
-    search = _Search(along, mpf(10) ** -digits, [], [], 0)
+    search = _WayRound(along, mpf(10) ** -digits, [], [], 0)
     search.resolve([point for point in turned if point[1] != 0], 0)
     crossings = sorted((angle % (2 * mp.pi), rising) for angle, rising in search.crossings)
     touches = tuple(sorted(angle % (2 * mp.pi) for angle in search.touches))
@@ -82,7 +82,7 @@ def _real(value: Callable[[mpf, mpf], mpf], x: mpf, y: mpf) -> mpf:
 
 
 @dataclass
-class _Search:
+class _WayRound:
     """What is found on the way round."""
 
     along: Function

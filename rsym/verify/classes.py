@@ -22,7 +22,7 @@ from rsym.program.operations import JUMPING, POWERS
 from rsym.verify.domains import switch_of
 from rsym.verify.folding import CONTINUOUS, WHOLE, folded
 from rsym.verify.generators import Generators, generators
-from rsym.verify.joints import Arc, Meeting
+from rsym.verify.joints import BoundaryArc, Meeting
 from rsym.verify.local import Local
 from rsym.verify.polynomials import multiplicity, ring_of
 from rsym.verify.resolution import contact, resolve
@@ -103,7 +103,7 @@ def parted(local: Local, number: int, found: Generators) -> Meeting | None:
         flat = resolve(local, switch, WHOLE, 1)
         contact = multiplicity(model, model.builder.sub(plus, minus), flat)
         if contact:
-            return Meeting((Arc(plus, flat), Arc(minus, model.builder.neg(flat))), contact)
+            return Meeting((BoundaryArc(plus, flat), BoundaryArc(minus, model.builder.neg(flat))), contact)
     return None
 
 

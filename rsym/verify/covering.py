@@ -10,7 +10,7 @@ from rsym.bounds.balls import ctx
 from rsym.program.differentiation import derivative
 from rsym.sampling.effort import Effort
 from rsym.verify.account import Balance
-from rsym.verify.examination import OPEN, Finding, examine
+from rsym.verify.examination import OPEN, BoxFinding, examine
 from rsym.verify.local import Box, Model
 from rsym.verify.pruning import Prune
 
@@ -28,8 +28,8 @@ class Covering:
     All boxes that were `made` are settled, left, `divided`, or `empty` of zeros.
     """
 
-    settled: list[tuple[Box, Finding]] = field(default_factory=list)
-    left: list[tuple[Box, Finding]] = field(default_factory=list)
+    settled: list[tuple[Box, BoxFinding]] = field(default_factory=list)
+    left: list[tuple[Box, BoxFinding]] = field(default_factory=list)
     examined: int = 0
     made: int = 0
     empty: int = 0

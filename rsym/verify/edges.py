@@ -27,7 +27,7 @@ from rsym.program.differentiation import derivative
 from rsym.verify.bodies.sheets import sheets
 from rsym.verify.borders import is_within
 from rsym.verify.generators import generators
-from rsym.verify.joints import PRECISE, Arc, Meeting, judged, locate, located
+from rsym.verify.joints import PRECISE, BoundaryArc, Meeting, judged, locate, located
 from rsym.verify.krawczyk import Zero, unique_zero
 from rsym.verify.lifting import (
     ROOT,
@@ -51,7 +51,7 @@ MOST = 4  # leaves at an edge: two, and what is cut off along the edge
 
 
 @dataclass(frozen=True)
-class Edge:
+class RootEdge:
     """What a box at an edge holds: "regular", an analytic arc; "joined", two that meet in `joint`; "broken".
 
     No curvature is larger in size than `curvature`, of which at most the share `slack` is due to the enclosure.
@@ -63,7 +63,7 @@ class Edge:
     joint: Joint | None = None
 
 
-def edge(local: Local, around: Local, number: int) -> Edge | None:
+def edge(local: Local, around: Local, number: int) -> RootEdge | None:
     """What is proved of the zeros of a node on a box on which the radicand of one root may vanish.
 
     Parameters
@@ -90,7 +90,7 @@ def edge(local: Local, around: Local, number: int) -> Edge | None:
     return edges[0] if len(edges) == 1 else _both(edges[0], edges[1])
 
 
-def _both(first: Edge | None, second: Edge | None) -> Edge | None:
+def _both(first: RootEdge | None, second: RootEdge | None) -> RootEdge | None:
     """What the two sides of a switch u make together where the root is that of |u|."""
     if first is None or second is None or first.kind != second.kind or first.kind == "broken":
         return None
@@ -99,7 +99,7 @@ def _both(first: Edge | None, second: Edge | None) -> Edge | None:
         return worse if first.kind == "regular" else None
     reason = "two arcs meet on either side of where the radicand is zero"
     node = Joint(first.joint.point, first.joint.radius, "node", "broken", branches=4, proved=True, reason=reason)
-    return Edge("broken", joint=node)
+    return RootEdge("broken", joint=node)
 
 
 def _radicand(builder: Builder, part: int) -> tuple[int, str]:
@@ -160,7 +160,7 @@ class _Place:
 
     def end(self, leaf: Lifted) -> Zero | None:
         """The end of the arc of a leaf."""
-        return locate(self.around, Arc(leaf.flat, self.radicand))
+        return locate(self.around, BoundaryArc(leaf.flat, self.radicand))
 
     def is_here(self, zero: Zero) -> bool:
         """Whether a zero may lie in the box itself."""
@@ -171,7 +171,7 @@ class _Place:
         fixed = {leaf: sign * side for leaf, sign in self.cut.items()}
         return ternary(self.formula, {**fixed, **dict(zip(leaves, signs, strict=True))})
 
-    def holds(self, leaves: Sequence[int]) -> Edge | None:
+    def holds(self, leaves: Sequence[int]) -> RootEdge | None:
         """What there is of the boundary where u >= 0, if there is nothing of it where u < 0."""
         values = product((-1, 0, 1), repeat=len(leaves))
         if self.beyond == "zero" and any(self.sign(leaves, signs, -1) != -1 for signs in values):
@@ -180,7 +180,7 @@ class _Place:
             return self.alone(leaves[0])
         return self.paired(leaves[0], leaves[1]) if len(leaves) == 2 else None
 
-    def alone(self, leaf: int) -> Edge | None:
+    def alone(self, leaf: int) -> RootEdge | None:
         """One leaf: its arc ends at the edge, or does not come there."""
         arc, above = self.lift(leaf), self.above()
         zero = self.end(arc)
@@ -189,7 +189,7 @@ class _Place:
         if zero.exists and self.is_here(zero):
             if self.cut or self.beyond != "undefined" or not above.nonzero(arc.tangent[2]):
                 return None
-            at = located(self.around, Meeting((Arc(arc.flat, self.radicand),) * 2, 1), zero)
+            at = located(self.around, Meeting((BoundaryArc(arc.flat, self.radicand),) * 2, 1), zero)
             reason = "omega is an analytic function of a root whose radicand is zero here: one arc leads to its edge"
             return self.broken(at, arc, "end", reason)
         flat = self.around.sign(arc.flat)
@@ -197,9 +197,9 @@ class _Place:
         changes = self.sign([leaf], [1], 1) * self.sign([leaf], [-1], 1) == -1 and not self.sign([leaf], [0], 1)
         if 0 in there or not changes or not is_regular(above, arc):
             return None
-        return Edge("regular", *bound_of(above, [arc]))
+        return RootEdge("regular", *bound_of(above, [arc]))
 
-    def broken(self, at: Local, arc: Lifted, kind: str, reason: str) -> Edge | None:
+    def broken(self, at: Local, arc: Lifted, kind: str, reason: str) -> RootEdge | None:
         """No curve at the end of an arc."""
         if is_within(at, (arc.flat, self.radicand)) is not True:
             return None
@@ -209,9 +209,9 @@ class _Place:
         radius += 1e-15 * (abs(place[0]) + abs(place[1]))
         branches = 0 if kind == "isolated point" else 1
         joint = Joint(place, radius, kind, "broken", branches=branches, proved=True, reason=reason)
-        return Edge("broken", joint=joint)
+        return RootEdge("broken", joint=joint)
 
-    def paired(self, first: int, second: int) -> Edge | None:
+    def paired(self, first: int, second: int) -> RootEdge | None:
         """Two leaves whose arcs end in one point."""
         above, arcs = self.above(), (self.lift(first), self.lift(second))
         if not all(generators(above, arc.function).analytic and is_regular(above, arc) for arc in arcs):
@@ -226,7 +226,7 @@ class _Place:
         if not all(end.exists for end in ends if end is not None) or 0 in turns or not across:
             return None
         assert ends[0] is not None
-        at = located(self.around, Meeting((Arc(arcs[0].flat, self.radicand),) * 2, 1), ends[0])
+        at = located(self.around, Meeting((BoundaryArc(arcs[0].flat, self.radicand),) * 2, 1), ends[0])
         if not self.meet(at, arcs):
             return None
         between = across * turns[1], -across * turns[0]  # the signs of the leaves between the arcs
@@ -241,7 +241,7 @@ class _Place:
         }
         return self.broken(at, arcs[0], kind, reasons[kind])
 
-    def apart(self, leaves: Sequence[int], arcs: Sequence[Lifted], above: Local) -> Edge | None:
+    def apart(self, leaves: Sequence[int], arcs: Sequence[Lifted], above: Local) -> RootEdge | None:
         """Two leaves whose arcs do not end here, if they do not meet either: each is boundary or not, as it goes."""
         model, builder = above.model, above.model.builder
         beside = builder.sub(builder.square(builder.input(ROOT)), self.radicand)
@@ -267,7 +267,7 @@ class _Place:
                 changes = self.sign(leaves, one, 1) != self.sign(leaves, other, 1)
                 if changes != (self.sign(leaves, on, 1) == 0):
                     return None
-        return Edge("regular", *bound_of(above, arcs))
+        return RootEdge("regular", *bound_of(above, arcs))
 
     def sectors(self, leaves: Sequence[int], between: Sequence[int], turns: Sequence[int]) -> str | None:
         """What two arcs that end in one point make of it, by the signs of the formula around it."""
@@ -288,14 +288,14 @@ class _Place:
             return "both" if middle > 0 and beyond == (-1, -1) else None
         return "end" if active else "isolated point"
 
-    def joined(self, at: Local, arcs: Sequence[Lifted], between: Sequence[int], above: Local) -> Edge | None:
+    def joined(self, at: Local, arcs: Sequence[Lifted], between: Sequence[int], above: Local) -> RootEdge | None:
         """Two arcs that are one curve: the jump of tangent and curvature from one to the other."""
         bound = bound_of(above, arcs)
         within = is_within(at, (arcs[0].flat, self.radicand))
         here = all(a.overlaps(b) for a, b in zip(at.sides, self.local.sides, strict=False))
         continued = self.beyond != "mirrored" and continues(self.around.model, *arcs)
         if not here or within is False or continued:
-            return Edge("regular", *bound)
+            return RootEdge("regular", *bound)
         if within is None or len(self.local.sides) > 2:
             return None
         with ctx.workprec(PRECISE):
@@ -316,7 +316,7 @@ class _Place:
             return None
         if order == 1 and found.kind == "corner":
             found = replace(found, kind="cusp")
-        return Edge("joined", *bound, joint=found)
+        return RootEdge("joined", *bound, joint=found)
 
     def meet(self, at: Local, arcs: Sequence[Lifted]) -> bool:
         """Whether the second leaf too is zero at p, the end of the first arc."""

@@ -7,7 +7,7 @@ from itertools import islice, product
 
 from rsym.bounds.balls import arb, ctx
 from rsym.verify.covering import PRECISION, Covering, halves
-from rsym.verify.examination import Finding, examine
+from rsym.verify.examination import BoxFinding, examine
 from rsym.verify.local import Box, Model, side
 from rsym.verify.report import Joint
 
@@ -59,7 +59,7 @@ def has_boundary_for_every_value(model: Model, found: Covering, ranges: Box) -> 
     return not cells
 
 
-def _over(found: Covering, cell: Box) -> Iterator[tuple[Box, Finding]]:
+def _over(found: Covering, cell: Box) -> Iterator[tuple[Box, BoxFinding]]:
     """Some of the settled boxes that hold a part of the ranges, evenly chosen."""
     own = [
         (box, finding)
@@ -73,7 +73,7 @@ def _sides(cell: Box) -> list[arb]:
     return [side(*ends) for ends in cell]
 
 
-def _changes_sign(model: Model, box: Box, finding: Finding, ranges: Sequence[arb] | None = None) -> bool:
+def _changes_sign(model: Model, box: Box, finding: BoxFinding, ranges: Sequence[arb] | None = None) -> bool:
     number = finding.locus.nodes[0] if finding.locus.kind in {"leaf", "double"} else model.root
     ranges = [one.mid() for one in _sides(box[2:])] if ranges is None else ranges
     points = product(*((low, low + (high - low) / 2, high) for low, high in box[:2]))

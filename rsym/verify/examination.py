@@ -15,7 +15,7 @@ from rsym.verify.classes import NOTHING, pieces
 from rsym.verify.domains import is_defined
 from rsym.verify.edges import edge, has_edges
 from rsym.verify.generators import Generators, generators
-from rsym.verify.joints import PRECISE, Arc, Meeting, is_transversal, joint, locate, located, meeting
+from rsym.verify.joints import PRECISE, BoundaryArc, Meeting, is_transversal, joint, locate, located, meeting
 from rsym.verify.local import Local
 from rsym.verify.locus import NONE, Locus
 from rsym.verify.report import Joint
@@ -29,7 +29,7 @@ GROWN_FOR_RANGES = 1.5
 
 
 @dataclass(frozen=True)
-class Finding:
+class BoxFinding:
     """What is proved on a box.
 
     kind: "empty"; "regular", an arc of class C^j, j < order, analytic if the order is infinite; "joined", two arcs
@@ -46,18 +46,18 @@ class Finding:
     locus: Locus = NONE
 
 
-EMPTY, OPEN = Finding("empty"), Finding("open")
+EMPTY, OPEN = BoxFinding("empty"), BoxFinding("open")
 
 
-def examine(local: Local, extent: float, number: int | None = None) -> Finding:
+def examine(local: Local, extent: float, number: int | None = None) -> BoxFinding:
     """What is proved of the zero set of a node (of the root) on a box; `extent` is the size of the whole."""
     number = local.model.root if number is None else number
     finding = _examined(local, extent, number)
     found = edge(local, _grown(local), number) if finding.kind == "open" and has_edges(local, number) else None
-    return finding if found is None else Finding(found.kind, math.inf, found.curvature, found.slack, found.joint)
+    return finding if found is None else BoxFinding(found.kind, math.inf, found.curvature, found.slack, found.joint)
 
 
-def _examined(local: Local, extent: float, number: int) -> Finding:
+def _examined(local: Local, extent: float, number: int) -> BoxFinding:
     locus = locus_of(local, number)
     if locus.kind == "none":
         return EMPTY
@@ -69,10 +69,10 @@ def _examined(local: Local, extent: float, number: int) -> Finding:
         return _joined(local, number, extent)
     if locus.kind == "product":
         return _product(local, extent, locus)
-    return Finding("open", locus=locus)
+    return BoxFinding("open", locus=locus)
 
 
-def _leaf(local: Local, extent: float, number: int, locus: Locus) -> Finding:
+def _leaf(local: Local, extent: float, number: int, locus: Locus) -> BoxFinding:
     """One leaf: analytic, or with one switch, across which it may be two arcs or smooth enough."""
     (leaf,) = locus.nodes
     found = generators(local, leaf)
@@ -81,7 +81,7 @@ def _leaf(local: Local, extent: float, number: int, locus: Locus) -> Finding:
     made = NOTHING if found.hard else pieces(local, leaf)
     if math.isinf(made.order):  # folds that cancel
         return _regular(local, Locus("leaf", made.nodes[:1]), math.inf, extent)
-    finding = _joined(local, number, extent) if len(found.switches) == 1 else Finding("open", locus=locus)
+    finding = _joined(local, number, extent) if len(found.switches) == 1 else BoxFinding("open", locus=locus)
     if finding.kind == "open" and (found.hard or len(found.switches) > 1):
         order = root_order(local, leaf)
         return _regular(local, locus, order, extent) if order > 2 else finding
@@ -91,21 +91,21 @@ def _leaf(local: Local, extent: float, number: int, locus: Locus) -> Finding:
     return finding
 
 
-def _regular(local: Local, locus: Locus, order: float, extent: float) -> Finding:
+def _regular(local: Local, locus: Locus, order: float, extent: float) -> BoxFinding:
     """A regular arc where one component of the gradient excludes zero, by the implicit function theorem."""
     model, (leaf,) = local.model, locus.nodes
     found = [local.value(node) for node in model.gradient(leaf)]
     slopes = [slope for slope in found if slope is not None]
     if len(slopes) < 2:
-        return Finding("open", locus=locus)
+        return BoxFinding("open", locus=locus)
     if _centred_excludes_zero(local, leaf, slopes):
         return EMPTY
     if not any(slope > 0 or slope < 0 for slope in slopes):
-        return Finding("open", locus=locus)
+        return BoxFinding("open", locus=locus)
     bound = curvature_bound(local, leaf)
     if bound is None and order < math.inf and _is_small(local, extent):
         bound = (math.inf, 0.0)  # continuous, but derivatives of |u|**a with a fractional a have no enclosure at 0
-    return Finding("open", locus=locus) if bound is None else Finding("regular", order, *bound, locus=locus)
+    return BoxFinding("open", locus=locus) if bound is None else BoxFinding("regular", order, *bound, locus=locus)
 
 
 def _centred_excludes_zero(local: Local, leaf: int, slopes: list[arb]) -> bool:
@@ -134,26 +134,26 @@ def _is_small(local: Local, extent: float) -> bool:
     return all(float(arb(side.rad())) < extent / 4096 for side in local.sides[:2])
 
 
-def _product(local: Local, extent: float, locus: Locus) -> Finding:
+def _product(local: Local, extent: float, locus: Locus) -> BoxFinding:
     """A factor that is zero in one point only, a sum of squares, where the other factor is zero too, drops."""
     model = local.model
     for factor, other in (locus.nodes, locus.nodes[::-1]):
         roots = square_roots(model.builder, factor)
         if len(roots) < 2 or not all(generators(local, root).analytic for root in roots[:2]):
             continue
-        zero = locate(_grown(local), Arc(roots[0], roots[1]))
+        zero = locate(_grown(local), BoundaryArc(roots[0], roots[1]))
         if zero is None or not is_defined(local, factor):
             continue
         if zero.box is None:
             return examine(local, extent, other)
         with ctx.workprec(PRECISE):
-            found = locate(model.on([*zero.box, *local.sides[2:]]), Arc(roots[0], roots[1]), precise=True)
+            found = locate(model.on([*zero.box, *local.sides[2:]]), BoundaryArc(roots[0], roots[1]), precise=True)
             if found is None or found.box is None:
                 continue
             at = model.on([*found.box, *local.sides[2:]])
             if vanishes_with(at, (roots[0], roots[1]), other):
                 return examine(local, extent, other)
-    return Finding("open", locus=locus)
+    return BoxFinding("open", locus=locus)
 
 
 def square_roots(builder: Builder, number: int) -> list[int]:
@@ -185,7 +185,7 @@ def _touching(local: Local, number: int, locus: Locus) -> int | Meeting | None:
     return None if found is None else touching(local, found)
 
 
-def _joined(local: Local, number: int, extent: float) -> Finding:
+def _joined(local: Local, number: int, extent: float) -> BoxFinding:
     """Two arcs on the grown box: they meet in one point there, or do not meet at all."""
     grown = _grown(local)
     locus = locus_of(grown, number)
@@ -200,41 +200,41 @@ def _joined(local: Local, number: int, extent: float) -> Finding:
     if arcs is not None and not arcs.continuous:
         kind = emptiness(local, grown, arcs)
         if kind is not None:
-            return Finding(kind, locus=Locus("double", (arcs.arcs[0].side,)))
+            return BoxFinding(kind, locus=Locus("double", (arcs.arcs[0].side,)))
         end = broken(local, grown, arcs)
         if end is not None:
-            return Finding("broken", joint=end, locus=locus)
+            return BoxFinding("broken", joint=end, locus=locus)
     if arcs is None or not is_transversal(grown, arcs):
         alone = _touching(grown, number, locus)
         if isinstance(alone, int):
             return _regular(local, Locus("leaf", (alone,)), math.inf, extent)
         arcs = alone
     if arcs is None or not is_transversal(grown, arcs):
-        return Finding("open", locus=locus)
+        return BoxFinding("open", locus=locus)
     bounds = [curvature_bound(grown, arc.function) for arc in arcs.arcs]
     zero = locate(grown, arcs.arcs[0])
     on_axis = local.model.body and grown.sides[1].contains(0)  # where a cone has no bound
     if zero is None or (None in bounds and not (on_axis and zero.exists)):
-        return Finding("open", locus=locus)
+        return BoxFinding("open", locus=locus)
     bound = max((math.inf, 0.0) if bound is None else bound for bound in bounds)
     place, within = None, None
     if zero.exists and zero.box and all(a.overlaps(b) for a, b in zip(zero.box, local.sides, strict=False)):
         place = located(grown, arcs, zero)
         within = is_within(place, (arcs.arcs[0].function, arcs.arcs[0].side))
     if place is None or within is False:  # what meets outside a neighbour will find, if it is within the bounds
-        return Finding("regular", math.inf, *bound, locus=locus) if arcs.continuous else OPEN
+        return BoxFinding("regular", math.inf, *bound, locus=locus) if arcs.continuous else OPEN
     found_joint = joint(grown, arcs, place)
     if found_joint is None or (within is None and len(local.sides) > 2):
-        return Finding("open", locus=locus)
+        return BoxFinding("open", locus=locus)
     if within is None:
         doubt = f"{found_joint.reason}; whether within the bounds or beside them is not decided"
         found_joint = replace(found_joint, proved=False, reason=doubt)
-    return Finding("joined", arcs.contact, *bound, found_joint, locus)
+    return BoxFinding("joined", arcs.contact, *bound, found_joint, locus)
 
 
-def _double(local: Local, locus: Locus) -> Finding:
+def _double(local: Local, locus: Locus) -> BoxFinding:
     """A zero without a change of sign is proved where the inner node changes sign on the box."""
-    return Finding("double" if changes_sign(local, locus.nodes[0]) else "open", locus=locus)
+    return BoxFinding("double" if changes_sign(local, locus.nodes[0]) else "open", locus=locus)
 
 
 # Curvatures on a box: of the level lines in the plane, of a body of revolution both principal ones.

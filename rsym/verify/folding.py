@@ -25,7 +25,7 @@ CONTINUOUS = BRANCHING - JUMPING
 WHOLE = -1  # no node: what the box decides is decided, nothing else
 
 
-class Known(NamedTuple):
+class KnownPolynomial(NamedTuple):
     """A node that is a polynomial, and the sign that it has."""
 
     node: int
@@ -48,7 +48,7 @@ def folded(local: Local, number: int) -> Any:
     """
     ring = ring_of(local.model)
     found, count = None, 0
-    stack: list[tuple[int, tuple[Known, ...]]] = [(number, ())]
+    stack: list[tuple[int, tuple[KnownPolynomial, ...]]] = [(number, ())]
     while stack:
         part, known = stack.pop()
         count += 1
@@ -73,13 +73,13 @@ def folded(local: Local, number: int) -> Any:
             stack.append((resolve(local, part, switch, 1), known))
             continue
         for side in (1, -1):
-            other, pairs = Known(flat, -side), combinations_with_replacement(known, 2)
+            other, pairs = KnownPolynomial(flat, -side), combinations_with_replacement(known, 2)
             if not any(_follows(ring, other, first, second) for first, second in pairs):
-                stack.append((resolve(local, part, switch, side), (*known, Known(flat, side))))
+                stack.append((resolve(local, part, switch, side), (*known, KnownPolynomial(flat, side))))
     return found
 
 
-def _follows(ring: Ring, other: Known, first: Known, second: Known) -> bool:
+def _follows(ring: Ring, other: KnownPolynomial, first: KnownPolynomial, second: KnownPolynomial) -> bool:
     """Whether what is known of two switches tells the same of another. Asked on every box, worked out once."""
     key = other, first, second
     if key not in ring.implied:

@@ -30,7 +30,7 @@ _EQUAL = 1e-25  # a jump enclosed in a ball around 0 narrower than this (relativ
 
 
 @dataclass(frozen=True)
-class Arc:
+class BoundaryArc:
     """{function = 0, side >= 0}, the inside where the function is positive."""
 
     function: int
@@ -44,9 +44,9 @@ class Meeting:
     `thin`: between the arcs, where the side is zero, omega is this function; None where it is that of an arc.
     """
 
-    arcs: tuple[Arc, Arc]
+    arcs: tuple[BoundaryArc, BoundaryArc]
     contact: float
-    thin: Arc | None = None
+    thin: BoundaryArc | None = None
 
     @property
     def continuous(self) -> bool:
@@ -60,19 +60,19 @@ def meeting(local: Local, locus: Locus, found: Generators | None) -> Meeting | N
     if locus.kind in {"conjunction", "disjunction"}:
         f, g = locus.nodes
         sides = (g, f) if locus.kind == "conjunction" else (builder.neg(g), builder.neg(f))
-        return Meeting((Arc(f, sides[0]), Arc(g, sides[1])), 1)
+        return Meeting((BoundaryArc(f, sides[0]), BoundaryArc(g, sides[1])), 1)
     if locus.kind != "leaf" or found is None or len(found.switches) != 1:
         return None
     (switch,) = found.switches
     (leaf,) = locus.nodes
     both = resolved(local, leaf, switch)
-    thin = None if both.thin is None else Arc(both.thin, switch)
+    thin = None if both.thin is None else BoundaryArc(both.thin, switch)
     # What is not resolved may be so on the sides alone: it tells nothing of how they agree.
     contact = 0 if found.hard else both.contact
-    return Meeting((Arc(both.plus, switch), Arc(both.minus, builder.neg(switch))), contact, thin)
+    return Meeting((BoundaryArc(both.plus, switch), BoundaryArc(both.minus, builder.neg(switch))), contact, thin)
 
 
-def others_of(meeting: Meeting) -> list[Arc]:
+def others_of(meeting: Meeting) -> list[BoundaryArc]:
     """The functions of which it is not known that they are zero where the first arc ends."""
     return [*(meeting.arcs[1:] if meeting.contact < 1 else ()), *([] if meeting.thin is None else [meeting.thin])]
 
@@ -95,19 +95,19 @@ def _gradient(local: Local, number: int) -> tuple[arb, arb]:
     return (whole if x is None else x), (whole if y is None else y)
 
 
-def crosses(local: Local, arc: Arc) -> bool:
+def crosses(local: Local, arc: BoundaryArc) -> bool:
     """Whether the gradients of the function and the side of an arc are nowhere parallel on the box."""
     return _determinant(local, arc) != 0
 
 
-def _determinant(local: Local, arc: Arc) -> int:
+def _determinant(local: Local, arc: BoundaryArc) -> int:
     """The sign of the growth of G along F = 0, the inside on the left: 1 the arc leaves the joint, -1 it arrives."""
     (fx, fy), (gx, gy) = _gradient(local, arc.function), _gradient(local, arc.side)
     value = gx * fy - gy * fx
     return 1 if value > 0 else -1 if value < 0 else 0
 
 
-def locate(local: Local, arc: Arc, *, precise: bool = False) -> Zero | None:
+def locate(local: Local, arc: BoundaryArc, *, precise: bool = False) -> Zero | None:
     """The common zero of the function and the side of an arc in the box."""
     model, rest = local.model, local.sides[2:]
 
@@ -130,7 +130,7 @@ def _finite(value: arb | None) -> arb:
 
 
 @dataclass(frozen=True)
-class Jet:
+class ArcJet:
     """The unit tangent, curvature and its derivative along an arc at the joint, the inside on the left."""
 
     tangent: tuple[arb, arb]
@@ -138,14 +138,14 @@ class Jet:
     derivative: arb
 
 
-def jet(model: Model, arc: Arc, at: Local) -> Jet:
+def jet(model: Model, arc: BoundaryArc, at: Local) -> ArcJet:
     """Enclosures at a point of the arc."""
     gx, gy = _gradient(at, arc.function)
     size = hypotenuse(gx, gy)
     tangent = (gy / size, -gx / size)
     curvature = model.curvature(arc.function)
     kx, ky = _gradient(at, curvature)
-    return Jet(tangent, _finite(at.value(curvature)), kx * tangent[0] + ky * tangent[1])
+    return ArcJet(tangent, _finite(at.value(curvature)), kx * tangent[0] + ky * tangent[1])
 
 
 def located(local: Local, meeting: Meeting, zero: Zero) -> Local:
@@ -176,7 +176,7 @@ def joint(local: Local, meeting: Meeting, at: Local) -> Joint | None:
         return judged(tuple(at.sides[:2]), jets[-1], jets[1], meeting.contact)
 
 
-def judged(point: Point, arriving: Jet, leaving: Jet, order: float) -> Joint | None:
+def judged(point: Point, arriving: ArcJet, leaving: ArcJet, order: float) -> Joint | None:
     """What two arcs make of the point where they meet, if their functions agree there to some order."""
     (ax, ay), (bx, by) = arriving.tangent, leaving.tangent
     turn = abs(arb.atan2(ax * by - ay * bx, ax * bx + ay * by)) * 180 / arb.pi()
@@ -210,8 +210,8 @@ def _joint(
     point: Point,
     kind: str,
     continuity: str,
-    arriving: Jet,
-    leaving: Jet,
+    arriving: ArcJet,
+    leaving: ArcJet,
     turn: arb,
     jump: arb,
     derivative: arb,

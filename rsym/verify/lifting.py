@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from rsym.bounds.balls import arb, hypotenuse
 from rsym.logic.stripping import bare
 from rsym.program.differentiation import derivative
-from rsym.verify.joints import Jet
+from rsym.verify.joints import ArcJet
 from rsym.verify.local import Local, Model
 from rsym.verify.polynomials import same_zeros
 from rsym.verify.resolution import put
@@ -110,9 +110,9 @@ def continues(model: Model, first: Lifted, second: Lifted) -> bool:
     return same or same_zeros(model, mirrored, first.function, free=True)
 
 
-def jet_of(at: Local, arc: Lifted, sign: int) -> Jet:
+def jet_of(at: Local, arc: Lifted, sign: int) -> ArcJet:
     """Tangent and curvature of an arc at a point, of its leaf times a sign."""
     p, q, _ = _tangent(at, arc)
     size = hypotenuse(p, q)
     curvature, change = (finite(at.value(node)) for node in (arc.curvature, arc.change))
-    return Jet((sign * p / size, sign * q / size), sign * curvature, change)
+    return ArcJet((sign * p / size, sign * q / size), sign * curvature, change)

@@ -67,11 +67,11 @@ class NormalDerivatives:
         names |= {f"deviation_{k}": node for k, node in enumerate(self.deviations, 1)}
         return self.model.builder.program(names)
 
-    def at(self, points: NDArray[np.float64]) -> Samples:
+    def at(self, points: NDArray[np.float64]) -> NormalSamples:
         """Values in float64 at points (n, dim)."""
         blocks = [points[start : start + BLOCK] for start in range(0, len(points), BLOCK)] or [points]
         parts = [self._block(block) for block in blocks]
-        return Samples(points, *(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+        return NormalSamples(points, *(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
     def _block(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         inputs: Mapping[str, NDArray[np.float64] | float] = {
@@ -84,7 +84,7 @@ class NormalDerivatives:
         return found["value"], gradient, deviations
 
 
-class Samples:
+class NormalSamples:
     """At points (n, dim): value (n,), gradient (n, dim), deviations (n, order)."""
 
     def __init__(

@@ -142,7 +142,7 @@ class Length:
 
 
 @dataclass(frozen=True)
-class End:
+class TrimmedEnd:
     """sqrt(f**2 + gap**2) at the end of a trimmed curve, f = t = 0: the distance from what is kept."""
 
     arguments: tuple[int, ...]
@@ -162,4 +162,4 @@ class End:
         return _combined([f / length, -(-t).max(arb(0)) * share / length], gradients)
 
 
-Rule: TypeAlias = Linear | Size | Tie | Homogeneous | Length | End
+Rule: TypeAlias = Linear | Size | Tie | Homogeneous | Length | TrimmedEnd

@@ -23,7 +23,7 @@ from rsym.verify.domains import is_defined, is_legal
 from rsym.verify.generators import is_analytic_at
 from rsym.verify.local import Local
 from rsym.verify.locus import chosen
-from rsym.verify.slope_rules import End, Homogeneous, Length, Linear, Rule, Size, Tie, Vector
+from rsym.verify.slope_rules import Homogeneous, Length, Linear, Rule, Size, Tie, TrimmedEnd, Vector
 from rsym.verify.vanishing import Exact
 
 # Of class C^1, for p > 1, where the operands are not both zero.
@@ -130,7 +130,7 @@ def _rarer(local: Local, known: Exact, part: int) -> Rule | None:
             return None
         if local.sign(t) > 0:  # the gap is of the fourth order in f, but it must be continuous: t is an argument too
             return Size((f, t))
-        return End((f, t)) if known.vanishes(t) else None
+        return TrimmedEnd((f, t)) if known.vanishes(t) else None
     if operation == "sqrt":
         found = squares(local, known, arguments[0])
         return None if found is None else _length(found)

@@ -35,7 +35,7 @@ from rsym.verify.cleaning import cleaned, without_scale
 from rsym.verify.conclusions import Tally, badness, sentences, verdict_from
 from rsym.verify.covering import PRECISION, Covering, cover, extent_of, halves
 from rsym.verify.evidence import NOWHERE, has_boundary, has_boundary_for_every_value
-from rsym.verify.examination import Finding, examine
+from rsym.verify.examination import BoxFinding, examine
 from rsym.verify.holes import holes
 from rsym.verify.local import Box, Interval, Model
 from rsym.verify.pruning import bounds_of_omega, pruner
@@ -329,7 +329,7 @@ TIGHT = 0.05  # the share of the largest bound that may be due to its enclosure
 
 
 def sharpened_bound(
-    model: Model, settled: Sequence[tuple[Box, Finding]], bounds: Box, budget: int, effort: Effort | None = None
+    model: Model, settled: Sequence[tuple[Box, BoxFinding]], bounds: Box, budget: int, effort: Effort | None = None
 ) -> float:
     """The largest curvature on the settled boxes, proved, from at most `budget` further boxes."""
     extent, effort, allowed = extent_of(bounds), effort or Effort(), budget

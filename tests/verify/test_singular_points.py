@@ -18,7 +18,7 @@ from rsym.bounds.balls import exact
 from rsym.logic.kleene import ternary
 from rsym.verify.bodies.clusters import clusters
 from rsym.verify.bodies.components import narrowed
-from rsym.verify.bodies.continuation import Curve
+from rsym.verify.bodies.continuation import ZeroCurve
 from rsym.verify.bodies.corners import Corner, corner
 from rsym.verify.bodies.even_roots import is_regular_through_root
 from rsym.verify.bodies.points import Classified, classify_points
@@ -389,7 +389,7 @@ def test_beside_a_contact_sheets_are_told_apart():
     # They touch in (2, -1, 2)/3. At a distance of 0.068 either passes through a box of a width of 0.02.
     model = model_of(rsym.disjunction(ball((0, 0, 0), 1), ball((1, -sp.Rational(1, 2), 1), sp.Rational(1, 2))))
     first, second = model.builder.nodes[model.root].arguments[:2]
-    curve = Curve(model, (first, second), [], 2.0)
+    curve = ZeroCurve(model, (first, second), [], 2.0)
     apart, around = (
         tuple(side(low, low + 0.02) for low in corner) for corner in ((0.63, -0.31, 0.71), (0.66, -0.34, 0.66))
     )

@@ -15,7 +15,7 @@ from rsym import Shape, x, y, z
 from rsym.bounds.balls import arb, ctx
 from rsym.program.lowering import lower
 from rsym.verify.bodies import components, following
-from rsym.verify.bodies.continuation import Curve, cross
+from rsym.verify.bodies.continuation import ZeroCurve, cross
 from rsym.verify.bodies.singular import SingularPoint
 from rsym.verify.bodies.tracing import trace
 from rsym.verify.generators import generators
@@ -298,7 +298,7 @@ def test_what_is_found_beside_an_end_continues_what_was_followed():
     pair = [lower(model.builder, expression) for expression in (x**2 + y**2 - 1, z + x / 4)]
     left, right = (((low, low + 1.5), (-1.5, 1.5), (-0.5, 0.5)) for low in (-1.5, 0.0))
     with ctx.workprec(128):
-        curve = Curve(model, (pair[0], pair[1]), [], 3.0)
+        curve = ZeroCurve(model, (pair[0], pair[1]), [], 3.0)
         search = components.Search(curve, [left], ())
         search.account(left)
         (half,) = search.components

@@ -31,7 +31,7 @@ from rsym.surfaces.bsplines.bspline_fitting import (
 )
 from rsym.surfaces.bsplines.spline_spaces import Spaces, SplineSpace, tensor_values
 from rsym.surfaces.functions.curves import as_curve
-from rsym.surfaces.functions.univariate import Curve
+from rsym.surfaces.functions.univariate import Univariate
 
 # Halvings of a step that leads a point away, before it stays where it is.
 HALVINGS = 6
@@ -202,7 +202,7 @@ class Plane:
 class Along:
     """The points of a curve."""
 
-    curve: Curve
+    curve: Univariate
 
     def frames(self, points: Floats) -> Frames:
         """The nearest points of the curve, and its unit tangents there."""

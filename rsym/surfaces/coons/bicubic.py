@@ -23,7 +23,7 @@ from rsym.surfaces.coons.patch_latex import bicubic_latex
 from rsym.surfaces.corrections import Correction
 from rsym.surfaces.functions.entries import entries_and_shape
 from rsym.surfaces.functions.formulas import CompiledFormulas
-from rsym.surfaces.functions.univariate import Constant, Curve, Formula
+from rsym.surfaces.functions.univariate import Constant, Formula, Univariate
 from rsym.surfaces.patch import LetterValues, Orders
 from rsym.surfaces.transfinite import BooleanSum
 
@@ -101,10 +101,10 @@ class BicubicCoons(BooleanSum):
         return BicubicCoons(matrix, self.blend_u, self.blend_v)
 
 
-def _matrix(matrix: Any, letters: Mapping[Any, Any] | None) -> Curve:
+def _matrix(matrix: Any, letters: Mapping[Any, Any] | None) -> Univariate:
     """The corner information as a constant."""
     try:
-        data: Curve = Constant(matrix)
+        data: Univariate = Constant(matrix)
     except (TypeError, ValueError):
         entries, shape = entries_and_shape(matrix)
         known = as_letters(letters)

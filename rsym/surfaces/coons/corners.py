@@ -16,7 +16,7 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.corrections import Correction, enough, greatest, sizes
 from rsym.surfaces.functions.entries import entries_of
-from rsym.surfaces.functions.univariate import Curve, LetterValues, Sampled, Unvarying
+from rsym.surfaces.functions.univariate import LetterValues, Sampled, Univariate, Unvarying
 
 WORDS = ("point", "first derivative", "second derivative")
 
@@ -29,7 +29,7 @@ def ends(order: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
 class CornerData(Unvarying):
     """The corner data (n, n, 3) of ribbons C (n, 3) of v and E (n, 3) of u; twists are the mean of what both say."""
 
-    def __init__(self, across_u: Curve, across_v: Curve) -> None:
+    def __init__(self, across_u: Univariate, across_v: Univariate) -> None:
         size = across_u.shape[0]
         places, orders = ends(size // 2)
         self.by_v = Sampled(across_v, places, orders)  # indices [a, b]
@@ -75,7 +75,7 @@ class CornerData(Unvarying):
         for a, b in np.argwhere(shares > tolerance).tolist():
             raise _disagreement(a % 2, b % 2, (orders[a], orders[b]), by_u[a, b], by_v[a, b], float(shares.max()))
 
-    def correction(self, functions_u: Curve, functions_v: Curve) -> Correction:
+    def correction(self, functions_u: Univariate, functions_v: Univariate) -> Correction:
         """How far the edges of the Boolean sum are from those given: it holds the mean at each corner.
 
         On the edge u = i that is sum_b g_b(v) (M - by_u)[i, b], on v = j alike. Functions are those that blend in u
@@ -107,7 +107,7 @@ def _mean(a: sp.Expr, b: sp.Expr) -> sp.Expr:
     return a if a == b else (a + b) / 2
 
 
-def _distance(functions: Curve, data: Floats, t: Floats) -> Floats:
+def _distance(functions: Univariate, data: Floats, t: Floats) -> Floats:
     return sizes(functions(t) @ data)
 
 

@@ -12,7 +12,7 @@ from rsym.model.traversal import symbols_of
 from rsym.surfaces.blends.blend_latex import blend_lines
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.functions.entries import entries_of
-from rsym.surfaces.functions.univariate import Curve
+from rsym.surfaces.functions.univariate import Univariate
 
 DIGITS = 5
 LONGEST = 60  # parts of an entry of a matrix
@@ -20,7 +20,7 @@ ROOM = 3600  # characters
 BREAK = r" \\ "
 
 
-def bicubic_latex(data: Curve, blend_u: HermiteBlend, blend_v: HermiteBlend) -> str:
+def bicubic_latex(data: Univariate, blend_u: HermiteBlend, blend_v: HermiteBlend) -> str:
     r"""P = f(u)^T Q g(v) with the corner information Q and the blending functions."""
     g = "f" if blend_u == blend_v else "g"
     size = data.shape[0]
@@ -29,7 +29,7 @@ def bicubic_latex(data: Curve, blend_u: HermiteBlend, blend_v: HermiteBlend) -> 
     return _aligned([f"p(u, v) &= f(u)^T Q \\, {g}(v)", f"Q &= {_matrix(rows)}", *_blends(blend_u, blend_v, g)])
 
 
-def coons_latex(corners: Curve, lofts: Sequence[Curve], blend_u: HermiteBlend, blend_v: HermiteBlend) -> str:
+def coons_latex(corners: Univariate, lofts: Sequence[Univariate], blend_u: HermiteBlend, blend_v: HermiteBlend) -> str:
     """P = -(-1, f(u)^T) M (-1, g(v)) with the boundary information M: edges and ribbons first, then corners.
 
     `lofts` are those across u, functions of v, and those across v, functions of u.
@@ -45,7 +45,7 @@ def coons_latex(corners: Curve, lofts: Sequence[Curve], blend_u: HermiteBlend, b
     return _aligned([formula, f"M &= {_matrix(rows)}", *_blends(blend_u, blend_v, g)])
 
 
-def _entries(curve: Curve, parameter: str) -> list[str]:
+def _entries(curve: Univariate, parameter: str) -> list[str]:
     flat = [one.xreplace({sp.Symbol("t", real=True): sp.Symbol(parameter)}) for one in entries_of(curve.expressions())]
     return [_point(flat[k : k + 3]) for k in range(0, len(flat), 3)]
 

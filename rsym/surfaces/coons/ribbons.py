@@ -15,15 +15,15 @@ from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.functions.curves import as_curve
 from rsym.surfaces.functions.entries import entries_of, exact
-from rsym.surfaces.functions.univariate import Curve, LetterValues, Sampled, Stack, Unvarying, on_interval
+from rsym.surfaces.functions.univariate import LetterValues, Sampled, Stack, Univariate, Unvarying, on_interval
 
 EDGES = ("u0", "u1", "v0", "v1")
 
 
-class Blended(Curve):
+class Blended(Univariate):
     """The curve sum_a f_a(t) d_a of functions (n,) and constants (n, 3)."""
 
-    def __init__(self, functions: Curve, data: Curve) -> None:
+    def __init__(self, functions: Univariate, data: Univariate) -> None:
         self.functions, self.data = functions, data
         self.shape, self.domain = data.shape[1:], functions.domain
         self.letters = functions.letters.merge(data.letters)
@@ -50,10 +50,10 @@ class Blended(Curve):
         )
 
 
-class Combination(Curve):
+class Combination(Univariate):
     """A sum of functions of one shape with constant weights, numbers or arrays that broadcast to the shape."""
 
-    def __init__(self, curves: Sequence[Curve], weights: Sequence[ArrayLike]) -> None:
+    def __init__(self, curves: Sequence[Univariate], weights: Sequence[ArrayLike]) -> None:
         self.stack = Stack(curves)
         self.shape, self.domain = self.stack.shape[1:], self.stack.domain
         self.closed, self.letters = self.stack.closed, self.stack.letters
@@ -83,7 +83,7 @@ class Combination(Curve):
         return sp.ImmutableDenseNDimArray(entries, self.shape)
 
 
-def tangent_ribbons(edges: Mapping[str, Curve]) -> dict[str, Curve]:
+def tangent_ribbons(edges: Mapping[str, Univariate]) -> dict[str, Univariate]:
     """For each edge the cubic ribbon with the tangents of the edges that it ends on, and Adini's twists.
 
     p_uv(i, j) = p_v(1, j) - p_v(0, j) + p_u(i, 1) - p_u(i, 0) - (p(1, 1) - p(1, 0) - p(0, 1) + p(0, 0)): what a
@@ -91,7 +91,7 @@ def tangent_ribbons(edges: Mapping[str, Curve]) -> dict[str, Curve]:
     """
     functions = HermiteBlend.cubic().curve
     twist = [[_adini(edges, i, j) for j in (0, 1)] for i in (0, 1)]
-    ribbons: dict[str, Curve] = {}
+    ribbons: dict[str, Univariate] = {}
     for end in (0, 1):
         across_u = [_at(edges[f"v{j}"], end, 1) for j in (0, 1)]
         across_v = [_at(edges[f"u{i}"], end, 1) for i in (0, 1)]
@@ -100,13 +100,13 @@ def tangent_ribbons(edges: Mapping[str, Curve]) -> dict[str, Curve]:
     return ribbons
 
 
-def _adini(edges: Mapping[str, Curve], i: int, j: int) -> Curve:
+def _adini(edges: Mapping[str, Univariate], i: int, j: int) -> Univariate:
     slopes = [_at(edges["u1"], j, 1), _at(edges["u0"], j, 1), _at(edges["v1"], i, 1), _at(edges["v0"], i, 1)]
     points = [_at(edges["u1"], 1, 0), _at(edges["u1"], 0, 0), _at(edges["u0"], 1, 0), _at(edges["u0"], 0, 0)]
     return Combination([*slopes, *points], [1, -1, 1, -1, -1, 1, 1, -1])
 
 
-def _at(curve: Curve, place: int, order: int) -> Curve:
+def _at(curve: Univariate, place: int, order: int) -> Univariate:
     """A point or tangent of a curve over [0, 1], as a constant (3,)."""
     return Row(Sampled(curve, [float(place)], [order]))
 
@@ -133,14 +133,14 @@ class Row(Unvarying):
         return None if inner is None else sp.ImmutableDenseNDimArray(entries_of(inner), self.shape)
 
 
-def unit_curve(given: Any, letters: Mapping[Any, Any] | None, what: str) -> Curve:
+def unit_curve(given: Any, letters: Mapping[Any, Any] | None, what: str) -> Univariate:
     """Whatever a user means by a curve, over [0, 1]."""
     return on_interval(as_curve(given, letters, what=what), 0.0, 1.0)
 
 
 def ribbons_of(
-    edges: Mapping[str, Curve], ribbons: Mapping[str, Any] | None, order: int, letters: Mapping[Any, Any] | None
-) -> list[dict[str, Curve]]:
+    edges: Mapping[str, Univariate], ribbons: Mapping[str, Any] | None, order: int, letters: Mapping[Any, Any] | None
+) -> list[dict[str, Univariate]]:
     """The edges and their derivatives across, order by order."""
     if order == 1 or ribbons is None:
         if order == 3 or (order == 1 and ribbons is not None):
@@ -153,7 +153,7 @@ def ribbons_of(
             code="ribbons",
             remedy="a mapping from each edge to the derivative across it",
         )
-    rows: list[dict[str, Curve]] = [dict(edges)] + [{} for _ in range(order - 1)]
+    rows: list[dict[str, Univariate]] = [dict(edges)] + [{} for _ in range(order - 1)]
     for name in EDGES:
         for row, one in zip(rows[1:], _derivatives_across(ribbons[name], order, name), strict=True):
             row[name] = unit_curve(one, letters, f"the ribbon of the edge {name}")
@@ -172,4 +172,4 @@ def _derivatives_across(given: Any, order: int, name: str) -> Sequence[Any]:
 
 
 def _is_number(given: Any) -> bool:
-    return np.ndim(given) == 0 and not callable(given) and not isinstance(given, Curve)
+    return np.ndim(given) == 0 and not callable(given) and not isinstance(given, Univariate)

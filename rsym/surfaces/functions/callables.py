@@ -12,7 +12,7 @@ from numpy.polynomial import chebyshev
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.surfaces.functions.univariate import Curve, LetterValues
+from rsym.surfaces.functions.univariate import LetterValues, Univariate
 from rsym.surfaces.parameters import Interval, as_interval
 
 Layout: TypeAlias = Callable[[Floats], Floats]
@@ -27,7 +27,7 @@ RESOLVED = 1e-14
 DEEPEST = 10
 
 
-class Called(Curve):
+class Called(Univariate):
     """A curve that a Python function gives: t to a point.
 
     The function takes an array (n,) and gives (n, 3), three components, or (3, n); or it takes one number and gives

@@ -26,7 +26,7 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError, warn
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.functions.polynomials import Polynomials
-from rsym.surfaces.functions.univariate import Curve, Formula, LetterValues
+from rsym.surfaces.functions.univariate import Formula, LetterValues, Univariate
 from rsym.surfaces.symbols import t as parameter
 
 Knots: TypeAlias = Sequence[Any]
@@ -110,7 +110,7 @@ def spline_cardinals(knots: Knots, *, closed: bool = False) -> CubicCardinals:
     return CubicCardinals(knots, 1, closed=closed)
 
 
-class LagrangeCardinals(Curve):
+class LagrangeCardinals(Univariate):
     """The polynomials L_i(t) = prod_(j != i) (t - t_j)/(t_i - t_j), by the barycentric formula.
 
     Their derivatives are polynomials too, so L^(k) = L D^k with the matrix D of the slopes at the knots.
@@ -164,7 +164,7 @@ def lagrange_cardinals(knots: Knots) -> LagrangeCardinals:
     return LagrangeCardinals(knots)
 
 
-def named_cardinals(kind: Any, knots: Knots, closed: bool, name: str) -> Curve:
+def named_cardinals(kind: Any, knots: Knots, closed: bool, name: str) -> Univariate:
     """Cardinal functions by name, or functions of the user's own, checked at the knots.
 
     "auto" is Lagrange's up to six knots and natural splines beyond; for a closed family periodic splines.
@@ -182,7 +182,7 @@ def named_cardinals(kind: Any, knots: Knots, closed: bool, name: str) -> Curve:
             code="cardinals",
             remedy='"spline" suits any family',
         )
-    given = kind if isinstance(kind, Curve) else _functions(kind, knots, closed)
+    given = kind if isinstance(kind, Univariate) else _functions(kind, knots, closed)
     count = len(knots) - closed
     values = given(np.array(knots, np.float64)) if given.shape == (count,) else np.zeros((len(knots), 0))
     expected = np.eye(count)[np.arange(len(knots)) % count]

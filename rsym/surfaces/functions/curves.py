@@ -12,19 +12,19 @@ from scipy.interpolate import CubicSpline, PPoly
 from rsym.errors import RsymError
 from rsym.surfaces.functions.callables import Called
 from rsym.surfaces.functions.polynomials import Polynomials
-from rsym.surfaces.functions.univariate import Curve, Formula
+from rsym.surfaces.functions.univariate import Formula, Univariate
 from rsym.surfaces.parameters import Interval, real_array
 
 
 def as_curve(
     given: Any, letters: Mapping[Any, Any] | None = None, domain: Interval = (0.0, 1.0), *, what: str = "a curve"
-) -> Curve:
+) -> Univariate:
     """A curve in space.
 
     Parameters
     ----------
-    given : Curve, three expressions, callable or points
-        A `Curve` (a `Nurbs`, say) keeps its own interval. Three SymPy expressions or numbers, in one parameter, which
+    given : Univariate, three expressions, callable or points
+        A `Univariate` (a `Nurbs`, say) keeps its interval. Three SymPy expressions or numbers, in one parameter, which
         may be written t, u, v or s; a function of one number; or points (n, 3), joined by a cubic spline over their
         chord length, closed if the last is the first.
     letters : mapping, optional
@@ -42,7 +42,7 @@ def as_curve(
     >>> as_curve([[0, 0, 0], [1, 0, 0], [1, 1, 0]])([0, 0.5, 1]).tolist()
     [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]
     """
-    if isinstance(given, Curve):
+    if isinstance(given, Univariate):
         if given.shape != (3,):
             raise RsymError(f"{what} must have points (3,) as values, got the shape {given.shape}", code="curve")
         return given
@@ -61,7 +61,7 @@ def as_curve(
     return through_points(points, domain, what=what)
 
 
-def through_points(points: np.ndarray[Any, Any], domain: Interval = (0.0, 1.0), *, what: str = "a curve") -> Curve:
+def through_points(points: np.ndarray[Any, Any], domain: Interval = (0.0, 1.0), *, what: str = "a curve") -> Univariate:
     """The cubic spline through points (n, 3) over their chord length, closed if the last is the first."""
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2 or not np.isfinite(points).all():
         raise RsymError(

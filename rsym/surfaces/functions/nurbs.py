@@ -25,14 +25,14 @@ from rsym.surfaces.bsplines.curve_fitting import fitted_curve
 from rsym.surfaces.bsplines.spline_spaces import checked_space, derivative, inner_pieces
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.polynomials import Polynomials
-from rsym.surfaces.functions.univariate import Curve, LetterValues
+from rsym.surfaces.functions.univariate import LetterValues, Univariate
 from rsym.surfaces.parameters import real_array
 
 # Share of the size of a curve by which its end may miss its start, and of its speed by which these may differ.
 CLOSED = 1e-12
 
 
-class Nurbs(Curve):
+class Nurbs(Univariate):
     """A curve of some degree over knots, with points and weights.
 
     Parameters

@@ -9,11 +9,11 @@ from scipy.interpolate import PPoly
 
 from rsym.arrays import Floats
 from rsym.surfaces.functions.entries import exact
-from rsym.surfaces.functions.univariate import Curve, LetterValues
+from rsym.surfaces.functions.univariate import LetterValues, Univariate
 from rsym.surfaces.symbols import t as parameter
 
 
-class Polynomials(Curve):
+class Polynomials(Univariate):
     """A piecewise polynomial with values of any shape, as `scipy.interpolate.PPoly` holds it.
 
     Examples

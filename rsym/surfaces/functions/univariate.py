@@ -30,7 +30,7 @@ PARAMETERS = ("t", "u", "v", "s")
 NO_LETTERS = Letters({})
 
 
-class Curve(ABC):
+class Univariate(ABC):
     """A function of one parameter with values of some shape."""
 
     shape: tuple[int, ...]
@@ -67,7 +67,7 @@ class Curve(ABC):
         return self.evaluate(inside(places, self.domain, self.closed, "t"), [int(order)], values)[0]
 
 
-class Formula(Curve):
+class Formula(Univariate):
     """SymPy expressions in one parameter, of any shape; compiled, with derivatives to any order.
 
     Examples
@@ -112,7 +112,7 @@ class Formula(Curve):
         return sp.ImmutableDenseNDimArray(self._entries, self.shape)
 
 
-class Unvarying(Curve):
+class Unvarying(Univariate):
     """A function that does not depend on its parameter, though perhaps on letters."""
 
     @abstractmethod
@@ -151,10 +151,10 @@ class Constant(Unvarying):
         return sp.ImmutableDenseNDimArray(entries, self.shape)
 
 
-class Stack(Curve):
+class Stack(Univariate):
     """Several functions of one shape side by side, (n, *shape); their letters are merged by name."""
 
-    def __init__(self, curves: Sequence[Curve]) -> None:
+    def __init__(self, curves: Sequence[Univariate]) -> None:
         self.curves = tuple(curves)
         first = self.curves[0]
         self.shape = (len(self.curves), *first.shape)
@@ -190,10 +190,10 @@ class Stack(Curve):
         return sp.ImmutableDenseNDimArray([entry for part in parts for entry in entries_of(part)], self.shape)
 
 
-class Resized(Curve):
+class Resized(Univariate):
     """A curve over another interval: c(m(t)) with the affine map m, which runs backwards if asked to."""
 
-    def __init__(self, curve: Curve, domain: Interval, *, backwards: bool = False) -> None:
+    def __init__(self, curve: Univariate, domain: Interval, *, backwards: bool = False) -> None:
         self.curve = curve
         self.shape, self.closed, self.letters = curve.shape, curve.closed, curve.letters
         self.domain = domain
@@ -224,12 +224,12 @@ class Resized(Curve):
         return inner.xreplace({t: start + (t - a) * (end - start) / (b - a)})
 
 
-def on_interval(curve: Curve, low: float, high: float) -> Curve:
+def on_interval(curve: Univariate, low: float, high: float) -> Univariate:
     """The curve with its parameter brought to [low, high]."""
     return curve if curve.domain == (low, high) else Resized(curve, (float(low), float(high)))
 
 
-def backwards(curve: Curve) -> Curve:
+def backwards(curve: Univariate) -> Univariate:
     """The curve run through from its end to its start, over the same interval."""
     return Resized(curve, curve.domain, backwards=True)
 
@@ -237,7 +237,7 @@ def backwards(curve: Curve) -> Curve:
 class Sampled(Unvarying):
     """Values and derivatives of a function at some places, as a constant: (n, *shape)."""
 
-    def __init__(self, curve: Curve, places: Sequence[float], orders: Sequence[int]) -> None:
+    def __init__(self, curve: Univariate, places: Sequence[float], orders: Sequence[int]) -> None:
         self.curve = curve
         self.places, self.orders = tuple(places), tuple(orders)
         self.shape = (len(self.places), *curve.shape)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.surfaces.forms import dot
-from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.joints.edges import PatchEdge
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ class Border:
     """
 
     index: int
-    edge: Edge
+    edge: PatchEdge
     size: float
     gap: float
     reach: float
@@ -72,7 +72,7 @@ class Border:
         return bool(np.abs(self.points[0] - self.points[-1]).max() <= 1e-6 * np.ptp(self.points, axis=0).max())
 
 
-def closest(edge: Edge, points: Array, guess: Array, low: Array, high: Array) -> Array:
+def closest(edge: PatchEdge, points: Array, guess: Array, low: Array, high: Array) -> Array:
     """Parameters of the points of an edge closest to points in space, by Newton's method between bounds.
 
     Zero of (c(s) - p) . c'(s), where c is the edge. Far from the point its derivative may have the wrong sign: there

@@ -21,7 +21,7 @@ SPREAD_SAMPLES = 17
 
 
 @dataclass(frozen=True, eq=False)
-class Edge:
+class PatchEdge:
     """One side of a patch as a function of the parameter t that runs along it.
 
     On "u0" and "u1" (u at its lower, its upper end) t is v; on "v0" and "v1" it is u. A reversed edge is walked from
@@ -31,7 +31,7 @@ class Edge:
     --------
     >>> from rsym.surfaces.parametric import ParametricSurface
     >>> from rsym.surfaces.symbols import u, v
-    >>> edge = Edge(ParametricSurface((u, v, u * v)), "u1", reverse=True)
+    >>> edge = PatchEdge(ParametricSurface((u, v, u * v)), "u1", reverse=True)
     >>> edge.position(0.25).tolist(), edge.tangent(0.25).tolist(), edge.outward(0.25).tolist()
     ([1.0, 0.75, 0.75], [-0.0, -1.0, -1.0], [1.0, 0.0, 0.75])
     """
@@ -123,11 +123,11 @@ class Edge:
         """Whether the edge is one point, as at a pole, beside the size of the patch."""
         points = self.position(np.linspace(*self.interval, SPREAD_SAMPLES))
         if size is None:
-            other = Edge(self.patch, self.name[0] + "10"[int(self.upper)], letters=self.letters)
+            other = PatchEdge(self.patch, self.name[0] + "10"[int(self.upper)], letters=self.letters)
             size = float(np.ptp(np.concatenate([points, other.position(np.array(self.interval))]), axis=0).max())
         return bool(np.ptp(points, axis=0).max() <= POINT * size)
 
 
-def edges_of(patch: Patch, letters: LetterValues = None) -> tuple[Edge, ...]:
+def edges_of(patch: Patch, letters: LetterValues = None) -> tuple[PatchEdge, ...]:
     """The four edges of a patch, "u0", "u1", "v0", "v1"."""
-    return tuple(Edge(patch, name, letters=letters) for name in NAMES)
+    return tuple(PatchEdge(patch, name, letters=letters) for name in NAMES)

@@ -18,8 +18,8 @@ from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.corrections import Correction, greatest, sizes
 from rsym.surfaces.functions.callables import Called
 from rsym.surfaces.functions.entries import exact
-from rsym.surfaces.functions.univariate import Constant, Curve, Formula, Stack, on_interval
-from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.functions.univariate import Constant, Formula, Stack, Univariate, on_interval
+from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.joints.meeting import apart
 from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch
 from rsym.surfaces.transfinite import BooleanSum, Loft
@@ -39,7 +39,7 @@ class JoinedPatch(Patch):
     """
 
     def __init__(
-        self, first: Edge, second: Edge, k: Any, h: Any, depth: int, blend: HermiteBlend | None = None
+        self, first: PatchEdge, second: PatchEdge, k: Any, h: Any, depth: int, blend: HermiteBlend | None = None
     ) -> None:
         self.patch, self.depth = second.patch, depth
         self.edges = first, second
@@ -83,7 +83,7 @@ class JoinedPatch(Patch):
         """The point as expressions in u, v and the letters."""
         return sp.ImmutableMatrix(self.patch.expression() + self.added.expression())
 
-    def _check(self, k: Curve, second: Edge) -> None:
+    def _check(self, k: Univariate, second: PatchEdge) -> None:
         low, high = second.interval
         places = np.linspace(low, high, PLACES)
         values = k(places)
@@ -96,10 +96,10 @@ class JoinedPatch(Patch):
             )
 
 
-class Ribbon(Curve):
+class Ribbon(Univariate):
     """W_n - q_n along the edge of q: what q must gain in its derivative of order n towards growing u (or v)."""
 
-    def __init__(self, first: Edge, second: Edge, factors: tuple[Curve, ...], order: int) -> None:
+    def __init__(self, first: PatchEdge, second: PatchEdge, factors: tuple[Univariate, ...], order: int) -> None:
         self.first, self.second, self.factors, self.order = first, second, factors, order
         self.shape = (3,)
         self.domain = second.interval
@@ -131,12 +131,12 @@ class Ribbon(Curve):
         return found
 
     def _derivatives(
-        self, edge: Edge, t: Array, highest: int, values: dict[str, float]
+        self, edge: PatchEdge, t: Array, highest: int, values: dict[str, float]
     ) -> dict[tuple[int, int], Array]:
         """All derivatives along and out of an edge that are needed, with respect to the parameter of q's edge."""
         n = self.order
         orders = [(i + n - power, power) for power in range(n + 1) for i in range(highest + 1)]
-        own = Edge(edge.patch, edge.name, edge.reverse, _of(edge.patch.letters, values))
+        own = PatchEdge(edge.patch, edge.name, edge.reverse, _of(edge.patch.letters, values))
         if edge is self.second:
             return dict(zip(orders, own.derivatives(t, orders), strict=True))
         (low, high), (a, c) = edge.interval, self.start
@@ -158,10 +158,10 @@ class Ribbon(Curve):
         return sp.ImmutableDenseNDimArray(list(gained), (3,))
 
 
-class Fading(Curve):
+class Fading(Univariate):
     """The Hermite functions of one end of an interval, (depth + 1,): 1 in one derivative there, 0 at the other end."""
 
-    def __init__(self, blend: HermiteBlend, edge: Edge, depth: int) -> None:
+    def __init__(self, blend: HermiteBlend, edge: PatchEdge, depth: int) -> None:
         low, high = edge.patch.domain[edge.across]
         self.inner = on_interval(blend.curve, low, high)
         self.picked = [2 * order + int(edge.upper) for order in range(depth + 1)]
@@ -181,7 +181,7 @@ class Fading(Curve):
         return sp.ImmutableDenseNDimArray(terms, self.shape)
 
 
-class ScalarFunction(Curve):
+class ScalarFunction(Univariate):
     """A scalar function that Python gives."""
 
     def __init__(self, function: Any, domain: tuple[float, float]) -> None:
@@ -193,9 +193,9 @@ class ScalarFunction(Curve):
         return [part[..., 0] for part in self.inner.evaluate(t, orders, letters)]
 
 
-def _factor(given: Any, domain: tuple[float, float], name: str) -> Curve:
+def _factor(given: Any, domain: tuple[float, float], name: str) -> Univariate:
     """A factor as a scalar function of the parameter of the edge."""
-    if isinstance(given, Curve):
+    if isinstance(given, Univariate):
         return on_interval(given, *domain)
     if isinstance(given, sp.Expr):
         return Formula(given, domain=domain, what=f"the factor {name}")
@@ -206,7 +206,7 @@ def _factor(given: Any, domain: tuple[float, float], name: str) -> Curve:
     raise RsymError(f"{name} is a number, an expression or a function of t, got {given!r}", code="k")
 
 
-def _blend(given: HermiteBlend | None, edge: Edge, depth: int) -> HermiteBlend:
+def _blend(given: HermiteBlend | None, edge: PatchEdge, depth: int) -> HermiteBlend:
     """What fades: the one given, q's own across the edge if it reaches so deep, or the polynomial one."""
     own = getattr(edge.patch, "blend_u" if edge.across == 0 else "blend_v", None)
     if given is None:
@@ -236,7 +236,7 @@ def _product(factors: list[list[Array]], order: int) -> Array:
     return total
 
 
-def _formula(edge: Edge, along: int, outwards: int, domain: tuple[float, float]) -> sp.Matrix:
+def _formula(edge: PatchEdge, along: int, outwards: int, domain: tuple[float, float]) -> sp.Matrix:
     """A derivative of a patch on its edge, as expressions in t over an interval."""
     names = (symbols.u, symbols.v)
     runs, constant = names[1 - edge.across], names[edge.across]

@@ -12,7 +12,7 @@ from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.corrections import MEETING, Correction, greatest, require_tolerance, sizes
 from rsym.surfaces.functions.entries import entries_of
 from rsym.surfaces.functions.univariate import Constant
-from rsym.surfaces.joints.edges import NAMES, Edge
+from rsym.surfaces.joints.edges import NAMES, PatchEdge
 from rsym.surfaces.joints.extents import sample_grid
 from rsym.surfaces.joints.joined import JoinedPatch
 from rsym.surfaces.joints.meeting import apart, require_meeting
@@ -110,7 +110,7 @@ def join(
     elif edge_p is None or edge_q is None:
         raise RsymError("one edge is given and the other is not", code="edge", remedy="give both, or None for both")
     require_tolerance(tolerance)
-    first, second = Edge(p, edge_p, reverse), Edge(q, edge_q)
+    first, second = PatchEdge(p, edge_p, reverse), PatchEdge(q, edge_q)
     for edge in (first, second):
         sample_grid(edge.patch)  # what is not finite is refused
         if edge.is_point():
@@ -148,7 +148,7 @@ def nearest_edges(p: Patch, q: Patch) -> tuple[str, str, bool]:
     for name in NAMES:
         for other in NAMES:
             for reverse in (False, True):
-                edges = Edge(p, name, reverse), Edge(q, other)
+                edges = PatchEdge(p, name, reverse), PatchEdge(q, other)
                 first, second = (edge.position(low + shares * (high - low)) for edge, low, high in _ends(edges))
                 found.append((float(np.linalg.norm(first - second, axis=-1).max()), name, other, reverse))
     best, second_best = sorted(found)[:2]
@@ -161,7 +161,7 @@ def nearest_edges(p: Patch, q: Patch) -> tuple[str, str, bool]:
     return best[1:]
 
 
-def _ends(edges: tuple[Edge, Edge]) -> list[tuple[Edge, float, float]]:
+def _ends(edges: tuple[PatchEdge, PatchEdge]) -> list[tuple[PatchEdge, float, float]]:
     return [(edge, *edge.interval) for edge in edges]
 
 
@@ -171,7 +171,9 @@ PLACES = np.linspace(0.0, 1.0, 23)
 ROUNDING = 1e-12
 
 
-def joined_matrix(p: BicubicCoons, first: Edge, q: BicubicCoons, second: Edge, k: float, depth: int) -> BicubicCoons:
+def joined_matrix(
+    p: BicubicCoons, first: PatchEdge, q: BicubicCoons, second: PatchEdge, k: float, depth: int
+) -> BicubicCoons:
     """The patch q with the rows of its edge taken from p: those of order n times k^n, counted out of p and into q."""
     if not 0 < k < np.inf:
         raise RsymError(f"k must be positive, got {k!r}", code="k", remedy="k < 0 would fold q back over p")
@@ -214,7 +216,7 @@ def _entries(patch: BicubicCoons) -> np.ndarray[Any, Any]:
     return np.array(entries_of(expressions), dtype=object).reshape(patch.data.shape)
 
 
-def _rows(matrix: np.ndarray[Any, Any], edge: Edge) -> np.ndarray[Any, Any]:
+def _rows(matrix: np.ndarray[Any, Any], edge: PatchEdge) -> np.ndarray[Any, Any]:
     """The matrix as a view whose rows run along the edge."""
     return matrix if edge.across == 0 else np.swapaxes(matrix, 0, 1)
 
@@ -226,7 +228,7 @@ def _backwards(row: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     return pairs.reshape(row.shape)
 
 
-def _blend_along(edge: Edge) -> HermiteBlend:
+def _blend_along(edge: PatchEdge) -> HermiteBlend:
     patch = edge.patch
     assert isinstance(patch, BicubicCoons)
     return patch.blend_v if edge.across == 0 else patch.blend_u

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError
 from rsym.surfaces.corrections import enough, greatest, sizes
 from rsym.surfaces.joints.borders import Border, projected
-from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.joints.extents import extent, room_for, sample_grid
 
 Array = NDArray[np.float64]
 
 
-def apart(first: Edge, second: Edge) -> tuple[float, float]:
+def apart(first: PatchEdge, second: PatchEdge) -> tuple[float, float]:
     """The greatest distance of two edges, and the parameter of the second where it is.
 
     Examples
@@ -24,7 +24,7 @@ def apart(first: Edge, second: Edge) -> tuple[float, float]:
     >>> from rsym.surfaces.parametric import ParametricSurface
     >>> from rsym.surfaces.symbols import u, v
     >>> p, q = ParametricSurface((u, v, 0)), ParametricSurface((1 + u, v, v / 8))
-    >>> apart(Edge(p, "u1"), Edge(q, "u0"))
+    >>> apart(PatchEdge(p, "u1"), PatchEdge(q, "u0"))
     (0.125, 1.0)
     """
     (a, b), (c, d) = first.interval, second.interval
@@ -36,7 +36,7 @@ def apart(first: Edge, second: Edge) -> tuple[float, float]:
     return gap, place
 
 
-def require_meeting(first: Edge, second: Edge, tolerance: float) -> None:
+def require_meeting(first: PatchEdge, second: PatchEdge, tolerance: float) -> None:
     """Refuse edges that are farther apart than a share of the size of the smaller patch; rounding is allowed."""
     grids = [sample_grid(edge.patch, edge.letters) for edge in (first, second)]
     room = room_for(tolerance, *grids)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rsym.surfaces.forms import dot, limit_forms
 from rsym.surfaces.joints.borders import Border
-from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.joints.edges import PatchEdge
 
 Array = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ def spread(fan: Fan) -> tuple[Array, Array, Array]:
     return gaps, angles, jumps
 
 
-def _directions(edge: Edge, t: Array) -> tuple[Array, Array, Array, Array]:
+def _directions(edge: PatchEdge, t: Array) -> tuple[Array, Array, Array, Array]:
     """Points, unit directions, normals and curvature tensors; the basis at a pole is p_uv and the derivative across."""
     u, v = edge.parameters(t)
     forms = limit_forms(edge.patch, u, v, edge.letters)

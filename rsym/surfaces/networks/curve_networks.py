@@ -14,7 +14,7 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.corrections import MEETING, Correction, greatest, require_tolerance, sizes
 from rsym.surfaces.functions.cardinals import checked_knots
-from rsym.surfaces.functions.univariate import Curve, LetterValues, Sampled, Stack, on_interval
+from rsym.surfaces.functions.univariate import LetterValues, Sampled, Stack, Univariate, on_interval
 from rsym.surfaces.networks.families import family
 from rsym.surfaces.networks.intersections import QUOTIENT, polygon
 from rsym.surfaces.networks.network_parameters import meeting_parameters
@@ -53,7 +53,7 @@ class Network:
         (along,), (across,) = (one.evaluate(start, [0], letters) for one in (self.points, over))
         return np.asarray(np.sqrt(((along - np.swapaxes(across, 0, 1)) ** 2).sum(axis=-1)))
 
-    def correction(self, functions: Curve) -> Correction:
+    def correction(self, functions: Univariate) -> Correction:
         """How far a surface with these cardinal functions of u passes from the u-curves; it holds the v-curves.
 
         On v = v_j that is sum_i phi_i(u) (s_i(v_j) - p_ij).
@@ -233,7 +233,7 @@ def _network(
     return Network(placed[0], placed[1], knots[0], knots[1], closed, tolerance)
 
 
-def _placed(curve: Curve, knots: tuple[float, ...], own: Floats | None, closed: bool) -> Curve:
+def _placed(curve: Univariate, knots: tuple[float, ...], own: Floats | None, closed: bool) -> Univariate:
     interval, (low, high) = (knots[0], knots[-1]), curve.domain
     grid = np.array(knots[: len(knots) - closed])
     if own is not None and np.isnan(own).any():
@@ -248,7 +248,7 @@ def _placed(curve: Curve, knots: tuple[float, ...], own: Floats | None, closed: 
     return Composed(curve, increasing(grid, own))
 
 
-def _distance(functions: Curve, data: Floats, u: Floats) -> Floats:
+def _distance(functions: Univariate, data: Floats, u: Floats) -> Floats:
     return sizes(functions(u) @ data)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from rsym.errors import RsymError
 from rsym.surfaces.functions.curves import as_curve
-from rsym.surfaces.functions.univariate import Curve, Stack, on_interval
+from rsym.surfaces.functions.univariate import Stack, Univariate, on_interval
 
 # Parameters along each curve at which neighbours are measured against one another.
 SAMPLES = 33
@@ -35,7 +35,7 @@ def family(given: Sequence[Any], letters: Mapping[Any, Any] | None, what: str, l
     return Stack([on_interval(curve, *curves[0].domain) for curve in curves])
 
 
-def across(curves: Curve, knots: Sequence[Any] | str | None, closed: bool) -> Sequence[Any]:
+def across(curves: Univariate, knots: Sequence[Any] | str | None, closed: bool) -> Sequence[Any]:
     """The knots of a family: as given; 0, 1, 2, ... by default; for "chord" the mean distances between neighbours.
 
     A closed family of n curves has n + 1 knots: the last one is the first curve again.

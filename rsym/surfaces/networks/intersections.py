@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from rsym.arrays import Floats
-from rsym.surfaces.functions.univariate import Curve
+from rsym.surfaces.functions.univariate import Univariate
 from rsym.surfaces.parameters import inside
 
 # Chords along a curve. Intersections nearer to one another than two chords may be taken for one.
@@ -35,7 +35,7 @@ class Intersection(NamedTuple):
 class Polygon:
     """A curve and points on it; of a curve that is a point, one."""
 
-    curve: Curve
+    curve: Univariate
     places: Floats
     points: Floats
     is_point: bool
@@ -48,7 +48,7 @@ class Polygon:
         return np.asarray(np.maximum(np.append(chords, 0.0), np.append(0.0, chords)))
 
 
-def polygon(curve: Curve, size: float, closes: bool) -> Polygon:
+def polygon(curve: Univariate, size: float, closes: bool) -> Polygon:
     """The curve between points; `closes`: its ends meet and count as one."""
     places = np.linspace(*curve.domain, CHORDS + 1)
     points = curve(places)
@@ -117,7 +117,7 @@ def _refined(one: Polygon, other: Polygon, x: Floats, y: Floats) -> tuple[Floats
     return best
 
 
-def _with_tangent(curve: Curve, t: Floats) -> tuple[Floats, Floats]:
+def _with_tangent(curve: Univariate, t: Floats) -> tuple[Floats, Floats]:
     """Points and difference quotients: steps need no better, and curves may have kinks."""
     low, high = curve.domain
     step = QUOTIENT * (high - low) * np.where(t > (low + high) / 2, -1.0, 1.0)

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 from rsym.arrays import Floats
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.functions.polynomials import Polynomials
-from rsym.surfaces.functions.univariate import Curve, LetterValues
+from rsym.surfaces.functions.univariate import LetterValues, Univariate
 from rsym.surfaces.parameters import Interval, inside
 from rsym.surfaces.symbols import t as parameter
 
@@ -20,10 +20,10 @@ from rsym.surfaces.symbols import t as parameter
 SLOWEST = 0.25
 
 
-class Part(Curve):
+class Part(Univariate):
     """A curve over a part of its interval; of one whose ends meet, over a whole turn from another start."""
 
-    def __init__(self, curve: Curve, domain: Interval, *, closed: bool = False) -> None:
+    def __init__(self, curve: Univariate, domain: Interval, *, closed: bool = False) -> None:
         self.curve, self.domain, self.closed = curve, domain, closed
         self.shape, self.letters = curve.shape, curve.letters
 
@@ -47,10 +47,10 @@ class Part(Curve):
         return whole if whole is None or self._stays else whole.xreplace({parameter: _turned(parameter, self.curve)})
 
 
-class Composed(Curve):
+class Composed(Univariate):
     """A curve at another pace, c(m(t)), with a smooth increasing function m; exact, no curve is fitted."""
 
-    def __init__(self, curve: Curve, pace: Curve, *, closed: bool = False) -> None:
+    def __init__(self, curve: Univariate, pace: Univariate, *, closed: bool = False) -> None:
         self.curve, self.pace, self.closed = curve, pace, closed
         self.shape, self.domain, self.letters = curve.shape, pace.domain, curve.letters
 
@@ -75,7 +75,7 @@ class Composed(Curve):
         return whole.xreplace({parameter: _turned(pace[()], self.curve) if self.closed else pace[()]})
 
 
-def _turned(place: sp.Expr, curve: Curve) -> sp.Expr:
+def _turned(place: sp.Expr, curve: Univariate) -> sp.Expr:
     """A parameter up to one turn off the interval of a curve, brought back to it."""
     low, high = map(exact, curve.domain)
     length = high - low

@@ -16,8 +16,8 @@ from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.functions.callables import Called
 from rsym.surfaces.functions.curves import as_curve
 from rsym.surfaces.functions.entries import entries_of, exact
-from rsym.surfaces.functions.univariate import Curve, Formula, LetterValues, Stack, backwards, on_interval
-from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.functions.univariate import Formula, LetterValues, Stack, Univariate, backwards, on_interval
+from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.networks.reparametrisation import Part
 from rsym.surfaces.parameters import inside
 from rsym.surfaces.patch import Patch
@@ -100,13 +100,13 @@ class TransitionSurface(BooleanSum):
         lines = [as_line(patch, edge, letters) for patch, edge in zip(patches, edges, strict=True)]
         interval = lines[0].domain
 
-        def placed(number: int, k: int, side: int = 1) -> Curve:
+        def placed(number: int, k: int, side: int = 1) -> Univariate:
             curve = Across(patches[number], lines[number], k, side)
             return on_interval(backwards(curve) if reverse and number else curve, *interval)
 
         self.sides = tuple(_side(number, patches[number], edges[number], sides[number], placed) for number in (0, 1))
         weights = [_positive(given, name, interval, letters) for given, name in ((k1, "k1"), (k2, "k2"))]
-        rows: list[Curve] = []
+        rows: list[Univariate] = []
         for k in range(order):
             for number in (0, 1):
                 curve = placed(number, k, self.sides[number])
@@ -137,7 +137,7 @@ def _blend(order: int, given: HermiteBlend | None) -> HermiteBlend:
     return blend
 
 
-def _positive(given: Any, name: str, interval: tuple[float, float], letters: Mapping[Any, Any] | None) -> Curve:
+def _positive(given: Any, name: str, interval: tuple[float, float], letters: Mapping[Any, Any] | None) -> Univariate:
     """A positive number, expression or function as a curve with three equal components."""
     threefold = (lambda t: (given(t) + 0 * t,) * 3) if callable(given) else (given,) * 3
     weight = as_curve(threefold, letters, interval, what=name)
@@ -162,7 +162,7 @@ def _side(number: int, patch: Patch, edge: Any, asked: str | None, placed: Any) 
         return 1 if asked == "left" else -1
     if isinstance(edge, str):
         # A patch lies to the left of its boundary, run through anticlockwise.
-        inwards = 1 if Edge(patch, edge).anticlockwise else -1
+        inwards = 1 if PatchEdge(patch, edge).anticlockwise else -1
         return inwards if number else -inwards
     low, high = placed(0, 0).domain
     places = np.linspace(low, high, SAMPLES)
@@ -185,7 +185,7 @@ def _cosines(a: Floats, b: Floats) -> Floats:
 
 
 # Lines on a patch, (u(t), v(t)), and the derivatives of the patch across them.
-class Across(Curve):
+class Across(Univariate):
     """The derivative of a patch of some order in the direction (-v'(t), u'(t)), to the left of a line on it.
 
     Order 0 is the line in space. A negative `side` means the right. Golovanov, 3.7.4, for order 1.
@@ -200,7 +200,7 @@ class Across(Curve):
     ([0.5, 0.25, 0.3125], [-1.0, 1.0, -0.5])
     """
 
-    def __init__(self, patch: Patch, line: Curve, order: int, side: int = 1) -> None:
+    def __init__(self, patch: Patch, line: Univariate, order: int, side: int = 1) -> None:
         self.patch, self.line, self.order, self.side = patch, line, order, side
         self.shape, self.domain = (3,), line.domain
         self.closed = line.closed
@@ -248,10 +248,10 @@ class Across(Curve):
         return sp.ImmutableDenseNDimArray(total)
 
 
-class Weighted(Curve):
+class Weighted(Univariate):
     """The product, component by component, of two curves over one interval."""
 
-    def __init__(self, weight: Curve, curve: Curve) -> None:
+    def __init__(self, weight: Univariate, curve: Univariate) -> None:
         self.weight, self.curve = weight, curve
         self.shape, self.domain, self.closed = curve.shape, curve.domain, curve.closed
         self.letters = curve.letters.merge(weight.letters)
@@ -270,7 +270,7 @@ class Weighted(Curve):
         return sp.ImmutableDenseNDimArray([a * b for a, b in zip(*map(entries_of, parts), strict=True)])
 
 
-def as_line(patch: Patch, given: Any, letters: Mapping[Any, Any] | None = None) -> Curve:
+def as_line(patch: Patch, given: Any, letters: Mapping[Any, Any] | None = None) -> Univariate:
     """A line on the patch: an edge by its name, or u(t), v(t) as expressions, functions, one function, or a curve.
 
     The parameter of an edge is that of the patch along it; expressions and functions run over [0, 1], a `Formula` of
@@ -278,7 +278,7 @@ def as_line(patch: Patch, given: Any, letters: Mapping[Any, Any] | None = None) 
     """
     if isinstance(given, str):
         return _edge(patch, given)
-    if isinstance(given, Curve) and given.shape in ((2,), (3,)):
+    if isinstance(given, Univariate) and given.shape in ((2,), (3,)):
         line = given
     elif callable(given):
         line = Called(_padded(given))
@@ -299,7 +299,7 @@ def as_line(patch: Patch, given: Any, letters: Mapping[Any, Any] | None = None) 
 
 
 def _edge(patch: Patch, name: str) -> Formula:
-    edge = Edge(patch, name)
+    edge = PatchEdge(patch, name)
     low, high = patch.domain[edge.across]
     fixed = exact(high if edge.upper else low)
     pair = (fixed, symbols.t) if edge.across == 0 else (symbols.t, fixed)

@@ -11,7 +11,7 @@ from rsym.bounds.ball_series import SeriesFunction, arb, truncated
 from rsym.bounds.balls import ball, exact
 from rsym.program.builder import Builder
 from rsym.surfaces.functions.entries import exact as decimal
-from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, PatchFormula
 from rsym.surfaces.proofs.enclosures import BITS
 from rsym.surfaces.proofs.sides import dot
@@ -24,7 +24,7 @@ DEEPEST, MOST = 48, 600
 
 
 def distance_from(
-    first: tuple[Edge, PatchFormula], place: Fraction, second: tuple[Edge, PatchFormula], wanted: float
+    first: tuple[PatchEdge, PatchFormula], place: Fraction, second: tuple[PatchEdge, PatchFormula], wanted: float
 ) -> float:
     """A lower bound, greater than what is wanted, of the distance of a point of one edge from all of another; or 0.
 
@@ -33,7 +33,7 @@ def distance_from(
     >>> from rsym.surfaces.parametric import ParametricSurface
     >>> from rsym.surfaces.symbols import u, v
     >>> low, high = (ParametricSurface((u, v, height)) for height in (0, 1))
-    >>> edges = [(Edge(one, "v0"), PatchFormula(one, {})) for one in (low, high)]
+    >>> edges = [(PatchEdge(one, "v0"), PatchFormula(one, {})) for one in (low, high)]
     >>> 0.99 < distance_from(edges[0], Fraction(1, 3), edges[1], 0.99) <= 1
     True
     """
@@ -55,7 +55,7 @@ def distance_from(
     return least
 
 
-def _pieces(edge: Edge, formula: PatchFormula, whole: Part) -> list[tuple[Part, SeriesFunction]]:
+def _pieces(edge: PatchEdge, formula: PatchFormula, whole: Part) -> list[tuple[Part, SeriesFunction]]:
     """The parts of an edge without pieces."""
     waiting, found = [whole], []
     while waiting:
@@ -68,7 +68,7 @@ def _pieces(edge: Edge, formula: PatchFormula, whole: Part) -> list[tuple[Part, 
     return found
 
 
-def _edge(edge: Edge, formula: PatchFormula, part: Part) -> tuple[SeriesFunction, list[Fraction]]:
+def _edge(edge: PatchEdge, formula: PatchFormula, part: Part) -> tuple[SeriesFunction, list[Fraction]]:
     """The points of an edge on a part, and where other formulas begin there."""
     target = Builder((PARAMETER,), ())
     jet = formula.jet(edge, target, part, ALONG, ORDERS[:1])
@@ -76,7 +76,7 @@ def _edge(edge: Edge, formula: PatchFormula, part: Part) -> tuple[SeriesFunction
     return SeriesFunction(target.nodes, jet.nodes[:3]), borders
 
 
-def _point(edge: Edge, formula: PatchFormula, place: Fraction) -> list[Any] | None:
+def _point(edge: PatchEdge, formula: PatchFormula, place: Fraction) -> list[Any] | None:
     """Balls for the coordinates of one point."""
     function, _ = _edge(edge, formula, (place, place))
     with truncated(0, BITS):

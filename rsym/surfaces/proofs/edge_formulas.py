@@ -15,7 +15,7 @@ from rsym.program.lowering import lower_all
 from rsym.surfaces.bsplines.spline_spaces import SplineSpace
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 from rsym.surfaces.functions.entries import exact
-from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import Patch
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part, Specialised
@@ -66,7 +66,7 @@ class PatchFormula:
     --------
     >>> from rsym.surfaces.parametric import ParametricSurface
     >>> from rsym.surfaces.symbols import u, v
-    >>> edge = Edge(ParametricSurface((u, v, u * v)), "u1")
+    >>> edge = PatchEdge(ParametricSurface((u, v, u * v)), "u1")
     >>> target = Builder(("t",), ())
     >>> jet = PatchFormula(edge.patch, {}).jet(edge, target, (Fraction(0), Fraction(1)), EdgeWalk(0, 1))
     >>> [target.nodes[number].operation for number in jet.nodes[:3]]
@@ -79,7 +79,7 @@ class PatchFormula:
 
     def jet(
         self,
-        edge: Edge,
+        edge: PatchEdge,
         target: Builder,
         part: Part,
         walk: EdgeWalk,
@@ -98,7 +98,7 @@ class PatchFormula:
         flat = [target.mul(scale, one) for order, scale in scales.items() for one in known.get(order, zero)]
         return notes._replace(nodes=tuple(flat))
 
-    def third(self, edge: Edge, target: Builder, part: Part, walk: EdgeWalk) -> list[int]:
+    def third(self, edge: PatchEdge, target: Builder, part: Part, walk: EdgeWalk) -> list[int]:
         """The third derivative across the edge, by the patch's own parameter."""
         if isinstance(self.patch, BSplineSurface):
             raise NoProof("the third derivatives of splines are not asked for")
@@ -109,7 +109,7 @@ class PatchFormula:
         copy = self._copy(edge, target, part, walk, literal=False)
         return [copy.node(one) for one in known[order]]
 
-    def _copy(self, edge: Edge, target: Builder, part: Part, walk: EdgeWalk, *, literal: bool) -> Specialised:
+    def _copy(self, edge: PatchEdge, target: Builder, part: Part, walk: EdgeWalk, *, literal: bool) -> Specialised:
         """What copies nodes of the whole patch to the edge."""
         builder, _ = self._formulas()
         names = ("u", "v") if edge.across == 0 else ("v", "u")
@@ -119,7 +119,7 @@ class PatchFormula:
 
     def _vectors(
         self,
-        edge: Edge,
+        edge: PatchEdge,
         target: Builder,
         part: Part,
         walk: EdgeWalk,
@@ -170,7 +170,7 @@ def formula_of(patch: Patch) -> list[sp.Expr]:
     return point
 
 
-def constant_parameter(edge: Edge) -> sp.Expr:
+def constant_parameter(edge: PatchEdge) -> sp.Expr:
     """The constant parameter of an edge, exactly: a turn as 2 pi if it was given so."""
     patch, side = edge.patch, int(edge.upper)
     if isinstance(patch, ParametricSurface) and not patch.ends[edge.across][side].has(sp.Float):
@@ -198,7 +198,7 @@ ONE, NONE = Fraction(1), Fraction(0)
 
 
 def spline_jet(
-    surface: BSplineSurface, edge: Edge, part: Part
+    surface: BSplineSurface, edge: PatchEdge, part: Part
 ) -> tuple[dict[tuple[int, int], list[Polynomial]], list[Fraction]]:
     """Three polynomials of the parameter along the edge for each order (along, across), and the knots inside the part.
 
@@ -208,7 +208,7 @@ def spline_jet(
     --------
     >>> net = [[[i, j, i * j] for j in range(3)] for i in range(3)]
     >>> surface = BSplineSurface(net, order=(3, 3))
-    >>> vectors, knots = spline_jet(surface, Edge(surface, "u1"), (NONE, ONE))
+    >>> vectors, knots = spline_jet(surface, PatchEdge(surface, "u1"), (NONE, ONE))
     >>> [[str(c) for c in one] for one in vectors[0, 0]], knots
     ([['2', '0', '0'], ['0', '2', '0'], ['0', '4', '0']], [])
     """

@@ -30,7 +30,7 @@ from rsym.program.builder import Builder
 from rsym.program.program import Node
 from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
 from rsym.surfaces.functions.entries import exact as decimal
-from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, EdgeWalk, PatchFormula
 from rsym.surfaces.proofs.edge_proof import DIFFERENT, EQUAL, LEVELS, EdgeProof, Level, nothing
 from rsym.surfaces.proofs.enclosures import BITS
@@ -80,7 +80,7 @@ class Ray(NamedTuple):
 class Spoke:
     """An edge that is a pole, and the formula of its patch."""
 
-    edge: Edge
+    edge: PatchEdge
     formula: PatchFormula
 
     @property

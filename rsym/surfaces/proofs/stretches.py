@@ -10,7 +10,7 @@ from itertools import pairwise
 from rsym.program.builder import Builder
 from rsym.surfaces.functions.entries import exact
 from rsym.surfaces.joints.edge_matching import Stretch
-from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, EdgeWalk, PatchFormula
 from rsym.surfaces.proofs.enclosures import Pair
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
@@ -37,10 +37,10 @@ class ProofTask:
     rooms: tuple[float, float, float]
     worst: Sequence[float]
     gap: float
-    even: tuple[tuple[Edge, Edge], Part] | None = None
+    even: tuple[tuple[PatchEdge, PatchEdge], Part] | None = None
 
     @property
-    def edges(self) -> tuple[Edge, Edge]:
+    def edges(self) -> tuple[PatchEdge, PatchEdge]:
         """Both edges."""
         if self.even is not None:
             return self.even[0]

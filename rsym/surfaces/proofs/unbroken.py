@@ -19,14 +19,14 @@ from rsym.surfaces.proofs.exact_values import exact_values
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
 
 if TYPE_CHECKING:
-    from rsym.surfaces.joints.edges import Edge
+    from rsym.surfaces.joints.edges import PatchEdge
 
 POSITION = ORDERS[:1]
 ACROSS = tuple(order for order in ORDERS if order[0] == 0)
 AXES = 3
 
 
-def check_unbroken(formula: PatchFormula, edge: Edge, part: Part, walk: EdgeWalk, jet: EdgeJet) -> None:
+def check_unbroken(formula: PatchFormula, edge: PatchEdge, part: Part, walk: EdgeWalk, jet: EdgeJet) -> None:
     """Compare an edge with what its formula says where pieces meet on a part, which has none of its own.
 
     Raises
@@ -37,12 +37,12 @@ def check_unbroken(formula: PatchFormula, edge: Edge, part: Part, walk: EdgeWalk
     Examples
     --------
     >>> import sympy as sp
-    >>> from rsym.surfaces.joints.edges import Edge
+    >>> from rsym.surfaces.joints.edges import PatchEdge
     >>> from rsym.surfaces.parametric import ParametricSurface
     >>> from rsym.surfaces.proofs.edge_formulas import ALONG
     >>> from rsym.surfaces.symbols import u, v
     >>> patch = ParametricSurface((u, v, sp.Piecewise((0, u > 0), (1, True))))
-    >>> edge, formula, part = Edge(patch, "v0"), PatchFormula(patch, {}), (Fraction(0), Fraction(1))
+    >>> edge, formula, part = PatchEdge(patch, "v0"), PatchFormula(patch, {}), (Fraction(0), Fraction(1))
     >>> check_unbroken(formula, edge, part, ALONG, formula.jet(edge, Builder(("t",), ()), part, ALONG, POSITION))
     Traceback (most recent call last):
     ...

@@ -25,7 +25,7 @@ from rsym.bounds.balls import ball, exact
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower_all
 from rsym.surfaces.functions.entries import exact as decimal
-from rsym.surfaces.joints.edges import Edge
+from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.proofs.edge_formulas import PatchFormula, constant_parameter, formula_of
 from rsym.surfaces.proofs.enclosures import BITS
@@ -66,7 +66,7 @@ def evened(task: ProofTask) -> Iterator[tuple[ProofTask, bool, sp.Expr]]:
                 break
 
 
-def _curve(formula: PatchFormula, edge: Edge) -> list[sp.Expr]:
+def _curve(formula: PatchFormula, edge: PatchEdge) -> list[sp.Expr]:
     """The coordinates of an edge as functions of its parameter."""
     across, along = (u, v) if edge.across == 0 else (v, u)
     values = {across: constant_parameter(edge), along: ALONG}
@@ -187,7 +187,7 @@ def _rewritten(task: ProofTask, guess: sp.Expr, part: Part, *, swapped: bool) ->
         back = np.interp(task.worst, task.stretch.t, task.stretch.s) if len(task.worst) else np.array([])
         worst = [min(max(float(one), float(min(part))), float(max(part))) for one in back]
     written = PatchFormula(surface, {})
-    even = (stays, Edge(surface, edge.name)), (min(part), max(part))
+    even = (stays, PatchEdge(surface, edge.name)), (min(part), max(part))
     return replace(task, formulas=(kept, written), worst=worst, even=even)
 
 

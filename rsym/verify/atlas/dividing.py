@@ -26,7 +26,7 @@ STEEPEST = 8.0  # a side is cut at the latest when it is so many times the other
 
 
 @dataclass(frozen=True)
-class _Part:
+class _Rectangle:
     judgement: RectangleJudgement
     silent: int  # how many of its ancestors, without a gap, had no verdict in their middle
 
@@ -103,7 +103,7 @@ def divide(
     parts = [_judged(judge, region, 0, known)]
     count = 1
     while coarse := _coarse(parts, tolerance):
-        following: list[_Part] = []
+        following: list[_Rectangle] = []
         for number, part in enumerate(parts):
             if number not in coarse or count + 2 > budget or effort.is_over:
                 following.append(part)
@@ -157,12 +157,12 @@ def _area(rectangle: Rectangle) -> Fraction:
     return (Fraction(b) - Fraction(a)) * (Fraction(d) - Fraction(c))
 
 
-def _judged(judge: RectangleJudge, rectangle: Rectangle, silent: int, known: _Known) -> _Part:
+def _judged(judge: RectangleJudge, rectangle: Rectangle, silent: int, known: _Known) -> _Rectangle:
     if known.is_mixed(rectangle):
-        return _Part(RectangleJudgement(rectangle, UNDECIDED, UNDECIDED), 0)
+        return _Rectangle(RectangleJudgement(rectangle, UNDECIDED, UNDECIDED), 0)
     judgement = judge.judged(rectangle, lambda: known.is_refuted_at_a_corner(rectangle))
     known.add(middle_of(rectangle), judgement.middle)
-    return _Part(judgement, silent + 1 if judgement.middle == UNDECIDED else 0)
+    return _Rectangle(judgement, silent + 1 if judgement.middle == UNDECIDED else 0)
 
 
 def _halves(rectangle: Rectangle, known: _Known) -> list[Rectangle]:
@@ -173,7 +173,7 @@ def _halves(rectangle: Rectangle, known: _Known) -> list[Rectangle]:
     return [((low, at), other), ((at, high), other)] if axis == 0 else [(other, (low, at)), (other, (at, high))]
 
 
-def _coarse(parts: Sequence[_Part], tolerance: float) -> set[int]:
+def _coarse(parts: Sequence[_Rectangle], tolerance: float) -> set[int]:
     """Which of the rectangles to divide: the widest ones on the narrower of two runs that is too wide yet.
 
     Not the one in which the runs cross: where a strip turns it may be as small as it likes.

@@ -18,7 +18,7 @@ from rsym.sampling.lattice import bounds_of
 from rsym.verify.cleaning import cleaned
 from rsym.verify.covering import PRECISION
 from rsym.verify.generators import generators
-from rsym.verify.joints import Arc, Meeting, is_transversal, joint, locate, located, meeting
+from rsym.verify.joints import BoundaryArc, Meeting, is_transversal, joint, locate, located, meeting
 from rsym.verify.krawczyk import Point, image, inverse
 from rsym.verify.local import Interval, Model
 from rsym.verify.locus import reduce
@@ -113,7 +113,7 @@ class Refuter:
         found = generators(local, locus.nodes[0]) if locus.kind == "leaf" else None
         return None if found is not None and found.analytic else meeting(local, locus, found)
 
-    def _image(self, arc: Arc, box: Sequence[arb], sides: Sequence[arb]) -> Point | None:
+    def _image(self, arc: BoundaryArc, box: Sequence[arb], sides: Sequence[arb]) -> Point | None:
         """The image of a box under Krawczyk's operator; None where there is none, or one wider than the bounds."""
         pair, middle = (arc.function, arc.side), [side.mid() for side in box]
         centre = self.model.on([*middle, *(side.mid() for side in sides)])

@@ -19,7 +19,7 @@ from rsym.verify.bodies.corners import PRECISE, floats, radius_of
 from rsym.verify.bodies.singular import SingularPoint
 from rsym.verify.borders import is_within
 from rsym.verify.generators import generators
-from rsym.verify.joints import Arc, Meeting
+from rsym.verify.joints import BoundaryArc, Meeting
 from rsym.verify.krawczyk import refined, unique_zero
 from rsym.verify.local import Local
 
@@ -45,12 +45,12 @@ def broken(local: Local, sheets: Meeting) -> SingularPoint | None:
     return None
 
 
-def is_crossed(local: Local, arc: Arc) -> bool:
+def is_crossed(local: Local, arc: BoundaryArc) -> bool:
     """Whether a function and its side are analytic, and their gradients independent, all over the box."""
     return _along(local, arc) is not None
 
 
-def _along(local: Local, arc: Arc) -> int | None:
+def _along(local: Local, arc: BoundaryArc) -> int | None:
     """A coordinate that grows or falls all along the curve in which a function and its side vanish."""
     if not (generators(local, arc.function).analytic and generators(local, arc.side).analytic):
         return None
@@ -60,7 +60,7 @@ def _along(local: Local, arc: Arc) -> int | None:
     return -axis if steepness > 0 else None
 
 
-def _end(local: Local, arc: Arc) -> Local | None:
+def _end(local: Local, arc: BoundaryArc) -> Local | None:
     """A point within the bounds at which a function and its side vanish, in a narrow box; None if none is proved."""
     axis = _along(local, arc)
     if axis is None:

@@ -42,7 +42,7 @@ class Equations(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Place:
+class ZeroPlace:
     """A point where omega vanishes to the working precision.
 
     `coordinates` are exact where they are simple fractions; `zeros`, the nodes proved to vanish, are those whose only
@@ -55,7 +55,7 @@ class Place:
     proved: bool
 
 
-def places(model: Model, local: Local, found: Sheets, centre: Sequence[float], reach: float) -> Iterator[Place]:
+def places(model: Model, local: Local, found: Sheets, centre: Sequence[float], reach: float) -> Iterator[ZeroPlace]:
     """Points within the reach of the centre that satisfy some equations, the sheets being known on a box around it."""
     seen: list[Point] = []
     for equations in _equations(local, found):
@@ -77,7 +77,7 @@ def _vanishes(model: Model, point: Point) -> bool:
     return value is not None and float(abs(value).upper()) < SMALLEST
 
 
-def _snapped(model: Model, point: Point) -> Place | None:
+def _snapped(model: Model, point: Point) -> ZeroPlace | None:
     """The simple fractions that the coordinates agree with, if all do."""
     fractions = [as_fraction(part).limit_denominator(SIMPLEST) for part in point]
     if any(
@@ -86,10 +86,10 @@ def _snapped(model: Model, point: Point) -> Place | None:
     ):
         return None
     coordinates = dict(zip(model.builder.coordinates, fractions, strict=True))
-    return Place(tuple(exact(fraction) for fraction in fractions), coordinates, frozenset(), True)
+    return ZeroPlace(tuple(exact(fraction) for fraction in fractions), coordinates, frozenset(), True)
 
 
-def _pinned(model: Model, point: Point, equations: Equations) -> Place:
+def _pinned(model: Model, point: Point, equations: Equations) -> ZeroPlace:
     """The only common zero of the equations in a tiny box, if that is proved."""
     local = model.on([part + arb(0, PINNED) for part in point])
     unknown: dict[str, Fraction | None] = dict.fromkeys(model.builder.coordinates)
@@ -99,8 +99,8 @@ def _pinned(model: Model, point: Point, equations: Equations) -> Place:
             point = located(local, equations.nodes, box)
             known = exact_at(model, point, unknown, frozenset(equations.nodes))
             implied = (second for first, second in equations.implied if known.vanishes(first))
-            return Place(point, unknown, frozenset((*equations.nodes, *implied)), True)
-    return Place(point, unknown, frozenset(), False)
+            return ZeroPlace(point, unknown, frozenset((*equations.nodes, *implied)), True)
+    return ZeroPlace(point, unknown, frozenset(), False)
 
 
 def _newton(model: Model, nodes: Sequence[int], start: Sequence[float]) -> Point | None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rsym.bounds.balls import arb
 from rsym.sampling.effort import Effort
-from rsym.verify.bodies.continuation import Curve, Knot, Tube, others
+from rsym.verify.bodies.continuation import Knot, Tube, ZeroCurve, others
 from rsym.verify.bodies.following import ACCURACY, Ground, Path, Walk, cut
 from rsym.verify.bodies.region import Region
 from rsym.verify.bodies.singular import SingularPoint
@@ -41,7 +41,7 @@ _WAIT = 4
 class Tubes:
     """The tubes of all components followed so far, to be asked whether all of the curve in a box lies in them."""
 
-    def __init__(self, curve: Curve) -> None:
+    def __init__(self, curve: ZeroCurve) -> None:
         self.curve = curve
         self.tubes: list[Tube] = []
 
@@ -118,7 +118,7 @@ class Search:
 
     def __init__(
         self,
-        curve: Curve,
+        curve: ZeroCurve,
         boxes: Sequence[Box],
         corners: Sequence[tuple[Box, SingularPoint]],
         effort: Effort | None = None,
@@ -249,7 +249,7 @@ def _joined(forth: Path, back: Path | None, beyond: float) -> Component:
     return Component(back.knots[:0:-1] + forth.knots, behind[::-1] + ahead, (back.end, forth.end))
 
 
-def narrowed(curve: Curve, box: Point) -> Point | None:
+def narrowed(curve: ZeroCurve, box: Point) -> Point | None:
     """A box that holds all of the curve in a box, None if that is nothing.
 
     Krawczyk's operator in two coordinates, the third over all of its interval, once for each third coordinate along
@@ -282,7 +282,7 @@ def narrowed(curve: Curve, box: Point) -> Point | None:
     return tuple(current)
 
 
-def _are_apart(curve: Curve, box: Point, slopes: Sequence[Sequence[arb]]) -> bool:
+def _are_apart(curve: ZeroCurve, box: Point, slopes: Sequence[Sequence[arb]]) -> bool:
     """Whether two sheets that are nearly parallel certainly do not meet in a box.
 
     By the mean value form of G - k F, where k makes its gradient small: beside a point of contact F and G may both

@@ -101,7 +101,7 @@ def others(axis: int) -> list[int]:
     return [other for other in range(3) if other != axis]
 
 
-class Curve:
+class ZeroCurve:
     """The common zeros of two nodes in space, for all letters in their ranges."""
 
     def __init__(self, model: Model, pair: tuple[int, int], rest: Sequence[arb], extent: float) -> None:
@@ -235,7 +235,7 @@ class Curve:
 class _Section:
     """The two equations in the plane where one coordinate has a value."""
 
-    def __init__(self, curve: Curve, value: arb, axis: int) -> None:
+    def __init__(self, curve: ZeroCurve, value: arb, axis: int) -> None:
         self._curve, self._value, self._axis = curve, value, axis
 
     def whole(self, point: Point) -> Point:

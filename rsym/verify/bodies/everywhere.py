@@ -17,7 +17,7 @@ from rsym.bounds.balls import ctx
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.boxes import at, listed
 from rsym.verify.bodies.components import halves_of, narrowed
-from rsym.verify.bodies.continuation import Curve
+from rsym.verify.bodies.continuation import ZeroCurve
 from rsym.verify.bodies.images import Boxes, Images
 from rsym.verify.bodies.inspection import Inspection
 from rsym.verify.bodies.subdivision import Subdivision, joined_boxes
@@ -56,7 +56,7 @@ def _never_meet(model: Model, meeting: Meeting, boxes: Sequence[Box], extent: fl
     arc = meeting.arcs[0]
     with ctx.workprec(PRECISION):
         for box in boxes:
-            curve = Curve(model, (arc.function, arc.side), [side(*ends) for ends in box[3:]], extent)
+            curve = ZeroCurve(model, (arc.function, arc.side), [side(*ends) for ends in box[3:]], extent)
             parts = [tuple(side(*ends) for ends in box[:3])]
             for _ in range(PARTS):
                 if not parts:

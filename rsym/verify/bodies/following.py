@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.sampling.effort import Effort
-from rsym.verify.bodies.continuation import Curve, Knot, Tube
+from rsym.verify.bodies.continuation import Knot, Tube, ZeroCurve
 from rsym.verify.bodies.region import Region
 
 Array = NDArray[np.float64]
@@ -73,7 +73,7 @@ class Walk:
 
     def __init__(
         self,
-        curve: Curve,
+        curve: ZeroCurve,
         ground: Ground,
         start: Knot,
         sense: int,

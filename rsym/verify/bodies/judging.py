@@ -20,7 +20,7 @@ from scipy.optimize import brentq, minimize
 
 from rsym.bounds.balls import arb, ctx
 from rsym.logic.kleene import ternary
-from rsym.verify.bodies.candidates import Place, across
+from rsym.verify.bodies.candidates import ZeroPlace, across
 from rsym.verify.bodies.contacts import Judgement, touching, without_gradient
 from rsym.verify.bodies.corners import (
     PRECISE,
@@ -48,7 +48,7 @@ Names: TypeAlias = Callable[[int], str]
 
 
 def classify_place(
-    model: Model, place: Place, names: Names | None = None, *, apparent: int = 0
+    model: Model, place: ZeroPlace, names: Names | None = None, *, apparent: int = 0
 ) -> SingularPoint | None:
     """What the boundary is at a point that is known exactly, proved; None where nothing is, or where it is regular.
 
@@ -69,7 +69,7 @@ def classify_place(
     )
 
 
-def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -> SingularPoint | None:
+def _of_sheets(place: ZeroPlace, known: Known, found: Sheets, names: Names | None) -> SingularPoint | None:
     """One leaf without a gradient, two that touch, three or more through one point."""
     model, at, called = known.local.model, known.at, called_of(found, names)
     if not known.vanishes(*found.leaves):
@@ -101,13 +101,13 @@ def _of_sheets(place: Place, known: Known, found: Sheets, names: Names | None) -
     return _point(place, Judgement(kind, continuity, reason), called, _jump(at, found, around))
 
 
-def _contact(place: Place, judgement: Judgement, called: tuple[str, ...]) -> SingularPoint:
+def _contact(place: ZeroPlace, judgement: Judgement, called: tuple[str, ...]) -> SingularPoint:
     """The outward normals are opposite where the body or its outside is pinched."""
     turn = math.nan if judgement.kind != "tangency" else 180 if judgement.continuity == "broken" else 0
     return _point(place, judgement, called, arb(turn))
 
 
-def _of_root(place: Place, known: Known, found: Sheets | None, names: Names | None) -> SingularPoint | None:
+def _of_root(place: ZeroPlace, known: Known, found: Sheets | None, names: Names | None) -> SingularPoint | None:
     """One leaf of class 1, whose second derivatives differ along opposite tangents."""
     if found is None or len(found.leaves) != 1:
         return None
@@ -135,7 +135,7 @@ def _jump(at: Local, found: Sheets, around: Link) -> arb:
 
 
 def _of_rays(
-    place: Place, known: Known, found: Sheets | None, around: Link | None, names: Names | None, kind: str
+    place: ZeroPlace, known: Known, found: Sheets | None, around: Link | None, names: Names | None, kind: str
 ) -> SingularPoint | None:
     """What the one-sided derivative proves, from coarse cells of directions or from fine ones."""
     called = called_of(found, names) if found is not None else ()
@@ -169,7 +169,7 @@ def _judged(rays: Rays, kind: str) -> Judgement | None:
     return None
 
 
-def _point(place: Place, judgement: Judgement, called: tuple[str, ...], jump: arb) -> SingularPoint:
+def _point(place: ZeroPlace, judgement: Judgement, called: tuple[str, ...], jump: arb) -> SingularPoint:
     return SingularPoint(
         point=floats(place.point),
         radius=radius_of(place.point),

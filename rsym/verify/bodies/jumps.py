@@ -20,7 +20,7 @@ from rsym.bounds.ball_arithmetic import degrees
 from rsym.bounds.balls import arb, ctx, root, square
 from rsym.model.vectors import cross
 from rsym.program.calculus import Calculus
-from rsym.verify.bodies.continuation import Curve, Knot, Tube, dot
+from rsym.verify.bodies.continuation import Knot, Tube, ZeroCurve, dot
 from rsym.verify.joints import PRECISE, Meeting, step_of
 from rsym.verify.local import Local
 from rsym.verify.vanishing import vanishes_with
@@ -47,7 +47,7 @@ class Jump:
 
 
 @dataclass(frozen=True)
-class Judgement:
+class CurveJudgement:
     """The class of a whole curve, from its worst points."""
 
     kind: str
@@ -56,10 +56,10 @@ class Judgement:
     reason: str
 
 
-class Jumps:
+class SheetJumps:
     """The jumps along the curve in which two sheets meet."""
 
-    def __init__(self, curve: Curve, meeting: Meeting) -> None:
+    def __init__(self, curve: ZeroCurve, meeting: Meeting) -> None:
         self.curve, self.meeting, model = curve, meeting, curve.model
         builder, functions = model.builder, [arc.function for arc in meeting.arcs]
         self._hessians = [Calculus(builder, function).hessian for function in functions]
@@ -145,22 +145,22 @@ def _turn(normals: Sequence[list[arb]], tangent: list[arb]) -> arb:
     return abs(degrees(abs(dot(cross(*normals), tangent)), dot(*normals)))
 
 
-def judge(jumps: Sequence[Jump], contact: float, common: bool) -> Judgement:
+def judge(jumps: Sequence[Jump], contact: float, common: bool) -> CurveJudgement:
     """The class of a curve from the jumps at points of it; `common`: both sheets certainly end in it there."""
     turns, bends = ([jump.steps[level] for jump in jumps] for level in range(2))
     normals = f"normals {_words(turns, contact >= 2)}"
     if not common:
-        return Judgement("unresolved", "G0", False, "the sheets need not end in the same curve")
+        return CurveJudgement("unresolved", "G0", False, "the sheets need not end in the same curve")
     if "jump" in turns:
-        return Judgement("edge", "G0", True, normals)
+        return CurveJudgement("edge", "G0", True, normals)
     if "open" in turns or not turns:
-        return Judgement("unresolved", "G0", False, "whether the normals agree stays open")
+        return CurveJudgement("unresolved", "G0", False, "whether the normals agree stays open")
     both = f"{normals}, curvatures across {_words(bends, contact >= 3)}"
     if "jump" in bends:
-        return Judgement("curvature jump", "G1", True, both)
+        return CurveJudgement("curvature jump", "G1", True, both)
     if "open" in bends:
-        return Judgement("unresolved", "G1", False, f"{normals}; whether the curvatures agree stays open")
-    return Judgement("smooth joint", "G3" if contact >= 4 else "G2", contact >= 3, both)
+        return CurveJudgement("unresolved", "G1", False, f"{normals}; whether the curvatures agree stays open")
+    return CurveJudgement("smooth joint", "G3" if contact >= 4 else "G2", contact >= 3, both)
 
 
 def _words(steps: Sequence[str], structural: bool) -> str:

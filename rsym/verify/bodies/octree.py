@@ -34,7 +34,7 @@ from rsym.verify.bodies.subdivision import Subdivision, joined_boxes
 from rsym.verify.classes import CURVED
 from rsym.verify.contact_relations import contacts_of
 from rsym.verify.covering import PRECISION
-from rsym.verify.joints import Arc, Meeting
+from rsym.verify.joints import BoundaryArc, Meeting
 from rsym.verify.local import Box
 
 COARSEST = 1 / 16  # of the extent: larger boxes are divided, so that the cover follows the boundary
@@ -54,14 +54,14 @@ EDGES_FROM = 1 / 32  # of the extent: a curve that seems to pass through so smal
 CORNERS_FROM = 1 / 64  # of the extent: a curve runs nearly straight through a box with a corner
 
 
-class Sheets(NamedTuple):
+class LiveSheets(NamedTuple):
     """The functions of the sheets on a box, and what joins two; none where it takes a closer look to know them."""
 
     nodes: tuple[int, ...]
     gate: int
 
 
-HARD, EMPTY = Sheets((), OPEN), Sheets((), 0)
+HARD, EMPTY = LiveSheets((), OPEN), LiveSheets((), 0)
 
 
 class _State(NamedTuple):
@@ -75,8 +75,8 @@ class _State(NamedTuple):
     divided: Flags
     hard: Flags
     settled: Flags
-    beside: list[tuple[Sheets, NDArray[np.int64]]]
-    touching: list[tuple[Sheets, NDArray[np.int64]]]
+    beside: list[tuple[LiveSheets, NDArray[np.int64]]]
+    touching: list[tuple[LiveSheets, NDArray[np.int64]]]
 
 
 class Octree:
@@ -100,11 +100,11 @@ class Octree:
         self.found = Subdivision()
         self._decider = Decider(images)
         self._folds = Folds(images, region[:3])
-        self._known: dict[tuple[int, ...], Sheets] = {}
+        self._known: dict[tuple[int, ...], LiveSheets] = {}
         self._contacts = contacts_of(images.model)
         self._contacts.sought = len(images.formed.leaves) <= RELATED
-        self._tried: Counter[Sheets] = Counter()  # boxes looked at because two sheets may touch, and those settled
-        self._settled: Counter[Sheets] = Counter()
+        self._tried: Counter[LiveSheets] = Counter()  # boxes looked at because two sheets may touch, and those settled
+        self._settled: Counter[LiveSheets] = Counter()
 
     def run(self) -> Subdivision:
         """Subdivide until every box is settled, narrower than `smallest`, too many, or the time over."""
@@ -203,9 +203,9 @@ class Octree:
 
     def _grouped(
         self, alive: Flags, joined: NDArray[np.int8], defined: Flags, signs: NDArray[np.int8]
-    ) -> dict[Sheets, NDArray[np.int64]]:
+    ) -> dict[LiveSheets, NDArray[np.int64]]:
         """The boxes by the sheets that they can hold."""
-        groups: dict[Sheets, list[NDArray[np.int64]]] = {}
+        groups: dict[LiveSheets, list[NDArray[np.int64]]] = {}
         count = alive.sum(axis=0)
         simple = defined & (joined != OPEN) & (count <= 2)
         leaves = self.images.formed.leaves
@@ -213,34 +213,34 @@ class Octree:
         for place, pattern in patterns(np.concatenate([alive, codes[None]]), np.flatnonzero(simple)):
             nodes = tuple(leaves[k] for k in np.flatnonzero(pattern[:-1]))
             opposite = len(nodes) == 2 and self.images.model.builder.neg(nodes[0]) == nodes[1]
-            sheets = Sheets(nodes[:1], DOUBLE) if opposite else Sheets(nodes, int(pattern[-1]))
+            sheets = LiveSheets(nodes[:1], DOUBLE) if opposite else LiveSheets(nodes, int(pattern[-1]))
             groups.setdefault(sheets, []).append(place)
         for place, pattern in patterns(signs, np.flatnonzero(~simple & defined)):
             groups.setdefault(self._logic(tuple(pattern.tolist())), []).append(place)
         groups.setdefault(HARD, []).append(np.flatnonzero(~defined))
         return {sheets: np.concatenate(places) for sheets, places in groups.items()}
 
-    def _logic(self, signs: tuple[int, ...]) -> Sheets:
+    def _logic(self, signs: tuple[int, ...]) -> LiveSheets:
         """The sheets of boxes on which the leaves have these signs."""
         if signs not in self._known:
             formula = self.images.formed.logic(signs)
             self._known[signs] = HARD if formula is None else self._sheets(formula)
         return self._known[signs]
 
-    def _sheets(self, formula: Formula) -> Sheets:
+    def _sheets(self, formula: Formula) -> LiveSheets:
         leaves, single = leaves_of(formula), as_gate(formula)
         b, nodes = self.images.model.builder, self.images.formed.leaves
         if not leaves:
             return EMPTY
         if len(leaves) > 2:
-            return Sheets(tuple(nodes[k] for k in leaves), OPEN)
+            return LiveSheets(tuple(nodes[k] for k in leaves), OPEN)
         if single is None:
-            return Sheets((nodes[leaves[0]],), DOUBLE) if len(leaves) == 1 else HARD
+            return LiveSheets((nodes[leaves[0]],), DOUBLE) if len(leaves) == 1 else HARD
         operation, signs = single
         signed = (nodes[k] if sign > 0 else b.neg(nodes[k]) for k, sign in zip(leaves, signs, strict=True))
-        return Sheets(tuple(signed), 0 if len(leaves) == 1 else MIN if operation == "min" else MAX)
+        return LiveSheets(tuple(signed), 0 if len(leaves) == 1 else MIN if operation == "min" else MAX)
 
-    def _settle(self, sheets: Sheets, own: NDArray[np.int64], state: _State) -> None:
+    def _settle(self, sheets: LiveSheets, own: NDArray[np.int64], state: _State) -> None:
         """Boxes with one sheet are settled where it is regular, those with two where they cross."""
         if not sheets.nodes or is_even(self.images.model.builder, sheets.nodes[0]):
             state.hard[own] = True
@@ -297,7 +297,7 @@ class Octree:
                 self.found.joined.setdefault(meeting, []).append(state.level[branched[kinds == number]])
         return np.setdiff1d(own, branched[kinds != UNKNOWN])
 
-    def _touch(self, sheets: Sheets, boxes: Boxes) -> Flags:
+    def _touch(self, sheets: LiveSheets, boxes: Boxes) -> Flags:
         """Where exact division says that two sheets may touch: balls tell what they make, unless that proved futile."""
         found = np.zeros(len(boxes), bool)
         futile = not self._contacts.sought or self._tried[sheets] >= TRIALS * (1 + self._settled[sheets])
@@ -346,11 +346,11 @@ class Octree:
         passed: Flags = np.logical_and.reduce(np.abs(step_to_both(values, slopes)) <= BESIDE * reach, axis=0)
         return apart(values, slopes, reach), passed
 
-    def _meeting(self, sheets: Sheets) -> Meeting:
+    def _meeting(self, sheets: LiveSheets) -> Meeting:
         f, g = sheets.nodes
         b = self.images.model.builder
         sides = (g, f) if sheets.gate == MIN else (b.neg(g), b.neg(f))
-        return Meeting((Arc(f, sides[0]), Arc(g, sides[1])), 1)
+        return Meeting((BoundaryArc(f, sides[0]), BoundaryArc(g, sides[1])), 1)
 
     def _inspect(self, state: _State, widths: Array, defined: Flags) -> None:
         """What balls say of hard boxes, one by one; those that stay open are divided, the smallest are left."""

@@ -18,7 +18,7 @@ import numpy as np
 from rsym.bounds.balls import arb, ctx
 from rsym.logic.kleene import Literal, as_gate
 from rsym.sampling.effort import Effort
-from rsym.verify.bodies.candidates import Place, places
+from rsym.verify.bodies.candidates import ZeroPlace, places
 from rsym.verify.bodies.clusters import Cluster, clusters
 from rsym.verify.bodies.contacts import touch_once
 from rsym.verify.bodies.corners import PRECISE, Corner, corner, doubted, floats
@@ -109,7 +109,7 @@ def classify_points(
     return classifier.result
 
 
-def _is_within(model: Model, place: Place) -> bool | None:
+def _is_within(model: Model, place: ZeroPlace) -> bool | None:
     """Whether a place lies within the bounds; the boxes that hold it do, but for the rounding of their sides."""
     with ctx.workprec(PRECISE):
         return is_within(model.on(place.point), tuple(place.zeros))
@@ -209,7 +209,7 @@ class _Classifier:
             local = model.over(cluster.hull)
             found = sheets(local, model.root) or Sheets((model.root,), Literal(model.root), (model.root,))
         guesses = islice(places(model, local, found, cluster.centre, cluster.radius), MOST_PLACES)
-        near: list[Place] = []
+        near: list[ZeroPlace] = []
         for place in guesses:
             if cluster.may_hold(place.point) and (within := _is_within(model, place)) is not False:
                 near.append(place)

@@ -21,7 +21,7 @@ from rsym.logic.kleene import FEW, Formula, leaves_of, ternary
 from rsym.verify.bodies.sheets import Sheets
 from rsym.verify.contact_relations import Contact, Contacts, contacts_of
 from rsym.verify.generators import generators
-from rsym.verify.joints import Arc, Meeting
+from rsym.verify.joints import BoundaryArc, Meeting
 from rsym.verify.local import Local
 
 LEAST = 2  # the order of a contact: sheets that cross are others' business
@@ -200,7 +200,7 @@ def _meeting(
         own = functions[leaf] if sign > 0 else builder.neg(functions[leaf])
         contacts.leaves[own] = leaf
         nodes.append(own)
-    return Meeting((Arc(nodes[0], switch), Arc(nodes[1], builder.neg(switch))), power)
+    return Meeting((BoundaryArc(nodes[0], switch), BoundaryArc(nodes[1], builder.neg(switch))), power)
 
 
 @lru_cache(maxsize=4096)

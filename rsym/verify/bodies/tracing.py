@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from rsym.bounds.balls import arb, ctx
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.components import Component, Search, ends
-from rsym.verify.bodies.continuation import Curve, Knot
-from rsym.verify.bodies.jumps import Jump, Jumps, judge
+from rsym.verify.bodies.continuation import Knot, ZeroCurve
+from rsym.verify.bodies.jumps import Jump, SheetJumps, judge
 from rsym.verify.bodies.singular import SingularCurve, SingularPoint
 from rsym.verify.borders import is_within
 from rsym.verify.covering import PRECISION
@@ -84,7 +84,7 @@ def trace(
     effort, seen = effort or Effort(), 0
     with ctx.workprec(PRECISION):
         for letters, group in groups.items():
-            curve = Curve(model, _pair(meeting), [side(*one) for one in letters], extent)
+            curve = ZeroCurve(model, _pair(meeting), [side(*one) for one in letters], extent)
             search = Search(curve, group, corners, effort)
             for box in group:
                 effort.reach((done[0] + seen / len(boxes)) / done[1])
@@ -108,7 +108,7 @@ def _described(search: Search, meeting: Meeting, names: tuple[str, str]) -> list
 
 
 def _singular(search: Search, component: Component, meeting: Meeting, names: tuple[str, str]) -> SingularCurve:
-    jumps, knots = Jumps(search.curve, meeting), component.knots
+    jumps, knots = SheetJumps(search.curve, meeting), component.knots
     if search.effort.is_over and len(knots) > HASTY:
         places = sorted({round(k * (len(knots) - 1) / HASTY) for k in range(HASTY + 1)})
         component = replace(component, knots=[knots[place] for place in places], tubes=[])
@@ -145,7 +145,7 @@ def _singular(search: Search, component: Component, meeting: Meeting, names: tup
     )
 
 
-def _between(jumps: Jumps, component: Component, kind: str) -> list[str]:
+def _between(jumps: SheetJumps, component: Component, kind: str) -> list[str]:
     """The jump between the points, enclosed over the tubes."""
     if kind not in {"edge", "curvature jump"}:
         return []
@@ -198,7 +198,7 @@ def _unresolved(search: Search, box: Box, meeting: Meeting, names: tuple[str, st
         kind="unresolved",
         continuity="G0",
         names=names,
-        normals=Jumps(search.curve, meeting).at(Knot(point, None, np.zeros(3))).normals[None],
+        normals=SheetJumps(search.curve, meeting).at(Knot(point, None, np.zeros(3))).normals[None],
         tangent_jumps=np.array([math.nan]),
         curvature_jumps=np.array([math.nan]),
         reason="a box in which a curve was neither found nor excluded",

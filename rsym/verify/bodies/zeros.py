@@ -8,7 +8,7 @@ from fractions import Fraction
 import sympy as sp
 
 from rsym.bounds.balls import arb, ctx
-from rsym.verify.bodies.candidates import Place
+from rsym.verify.bodies.candidates import ZeroPlace
 from rsym.verify.constants import vanishes
 from rsym.verify.directions import AROUND, PRECISE
 from rsym.verify.local import Model
@@ -33,7 +33,7 @@ _OPERATIONS: dict[str, Callable[..., sp.Expr]] = {
 class Known(Exact):
     """What is known exactly at a point, where its coordinates are rational also by algebra: sqrt(2)**2 is 2."""
 
-    def __init__(self, model: Model, place: Place, around: float = AROUND) -> None:
+    def __init__(self, model: Model, place: ZeroPlace, around: float = AROUND) -> None:
         super().__init__(model.on([part + arb(0, around) for part in place.point]), place.coordinates, place.zeros)
         self.at = model.on(place.point)
         self._tried = 0
@@ -59,7 +59,7 @@ class Known(Exact):
 class Apparent(Known):
     """What would be known if all were zero that is smaller than 10**-digits at the point."""
 
-    def __init__(self, model: Model, place: Place, digits: int) -> None:
+    def __init__(self, model: Model, place: ZeroPlace, digits: int) -> None:
         super().__init__(model, place, 10.0 ** (-digits / 2))  # wide enough for leaves that nearly vanish
         self._least = 10.0**-digits
 
@@ -74,7 +74,7 @@ class Apparent(Known):
         return False
 
 
-def known_at(model: Model, place: Place, *, apparent: int = 0) -> Known:
+def known_at(model: Model, place: ZeroPlace, *, apparent: int = 0) -> Known:
     """What is known at a place, or would be if what is zero to so many digits were zero."""
     with ctx.workprec(PRECISE):
         return Apparent(model, place, apparent) if apparent else Known(model, place)

@@ -13,7 +13,7 @@ import sympy as sp
 
 from rsym.bounds.balls import arb, ctx
 from rsym.verify.fairness.pieces import POINT_BITS, ArcPiece, lies_within, point_above
-from rsym.verify.fairness.quantities import Frame, Quantity
+from rsym.verify.fairness.quantities import CurveFrame, Quantity
 from rsym.verify.local import Local, Model, side
 from rsym.verify.polynomials import polynomial_of
 
@@ -53,7 +53,7 @@ class Arcs:
     def quantities(self, function: int) -> tuple[Quantity, ...]:
         """The curvatures of the arc function = 0 with their derivatives, as nodes."""
         if function not in self._quantities:
-            frame = Frame(self.model, function)
+            frame = CurveFrame(self.model, function)
             bending = frame.bending()
             self._tangents[function] = frame.tangent
             self._quantities[function] = (bending, frame.latitude()) if self.model.body else (bending,)

@@ -19,7 +19,7 @@ from rsym.sampling.combs import Comb
 from rsym.verify.fairness.bending import Arcs
 from rsym.verify.fairness.pieces import ArcPiece
 from rsym.verify.fairness.report import Measure, Profile
-from rsym.verify.joints import Arc
+from rsym.verify.joints import BoundaryArc
 
 Floats = NDArray[np.float64]
 
@@ -34,13 +34,13 @@ class Sampler:
 
     def __init__(self, arcs: Arcs, pieces: Sequence[ArcPiece]) -> None:
         self.model = arcs.model
-        groups: dict[tuple[Arc, bool], dict[tuple[tuple[float, float], ...], None]] = {}
+        groups: dict[tuple[BoundaryArc, bool], dict[tuple[tuple[float, float], ...], None]] = {}
         for piece in pieces:
             groups.setdefault((piece.arc, piece.joined), {})[piece.whole] = None
         self._boxes = [np.array(list(boxes)) for boxes in groups.values()]
         self._functions = [self._function(arcs, arc, joined) for arc, joined in groups]
 
-    def _function(self, arcs: Arcs, arc: Arc, joined: bool) -> Callable[[Floats], Floats]:
+    def _function(self, arcs: Arcs, arc: BoundaryArc, joined: bool) -> Callable[[Floats], Floats]:
         """value, gradient, side, then the curvatures, then their derivatives at points (n, 2), one row each."""
         quantities = arcs.quantities(arc.function)
         nodes = [arc.function, *self.model.gradient(arc.function)]

@@ -15,7 +15,7 @@ from rsym.verify.borders import is_within
 from rsym.verify.covering import halves
 from rsym.verify.examination import examine
 from rsym.verify.generators import generators
-from rsym.verify.joints import Arc, meeting
+from rsym.verify.joints import BoundaryArc, meeting
 from rsym.verify.local import Box, Local, Model, side
 from rsym.verify.locus import reduce
 from rsym.verify.resolution import resolve
@@ -38,7 +38,7 @@ class ArcPiece:
 
     box: Box
     whole: Box
-    arc: Arc
+    arc: BoundaryArc
     joined: bool
     analytic: bool
     free: int | None = None
@@ -69,11 +69,11 @@ def pieces_of(model: Model, box: Box, extent: float) -> list[ArcPiece] | None:
     found = generators(local, locus.nodes[0]) if locus.kind == "leaf" else None
     if found is not None and found.analytic:
         function = plain(local, locus.nodes[0])
-        return [ArcPiece(whole, whole, Arc(function, function), False, True)]
+        return [ArcPiece(whole, whole, BoundaryArc(function, function), False, True)]
     arcs = meeting(local, locus, found)
     if arcs is None:
         return None
-    plainer = [Arc(plain(local, arc.function), arc.side) for arc in arcs.arcs]
+    plainer = [BoundaryArc(plain(local, arc.function), arc.side) for arc in arcs.arcs]
     return [ArcPiece(whole, whole, arc, True, generators(local, arc.function).analytic) for arc in plainer]
 
 

@@ -31,7 +31,7 @@ class Quantity(NamedTuple):
     second: int
 
 
-class Frame:
+class CurveFrame:
     """Tangent, normal and directional derivatives of one function as nodes."""
 
     def __init__(self, model: Model, function: int) -> None:

@@ -12,7 +12,7 @@ from rsym.bounds.balls import arb, ctx
 from rsym.verify.borders import is_within
 from rsym.verify.fairness.bending import ArcBending, Arcs, BendingBalls
 from rsym.verify.fairness.pieces import GROWN, POINT_BITS, ArcPiece, goes_on, grown, point_above
-from rsym.verify.joints import PRECISE, Arc, locate
+from rsym.verify.joints import PRECISE, BoundaryArc, locate
 from rsym.verify.local import Box, Model, side
 from rsym.verify.vanishing import vanishes_with
 
@@ -109,7 +109,7 @@ def _located(model: Model, piece: ArcPiece, node: int) -> tuple[arb, ...] | None
     box = _roomy(piece)
     if not goes_on(model, piece, box):
         return None
-    arc = Arc(piece.arc.function, node)
+    arc = BoundaryArc(piece.arc.function, node)
     zero = locate(model.over(box), arc)
     if zero is None or not zero.exists or zero.box is None:
         return None if zero is None else ()

@@ -30,7 +30,7 @@ FEWEST = 3  # points on a common face; of a curve where two surfaces touch there
 ASKED = 12  # points of a face around which more of it is sought
 
 
-class Local(NamedTuple):
+class LocalSigns(NamedTuple):
     """The signs (literals and gates, n) at points, ahead of them and behind, and where omega bears them out.
 
     Beside an edge a blend may have another sign than the operation that it blends.
@@ -90,7 +90,7 @@ def _faces(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> Ite
                     yield CommonFace(kind, first, second, gate.operation == "min", part.points, part.sides), part.which
 
 
-def _kinds(gate: Gate, keeps: bool, local: Local) -> dict[str, NDArray[np.bool_]]:
+def _kinds(gate: Gate, keeps: bool, local: LocalSigns) -> dict[str, NDArray[np.bool_]]:
     """Where the operands of a gate have a face in common, by what it does to the gate and to omega."""
     one, other = gate.first, gate.second
     both = (local.at[one] == 0) & (local.at[other] == 0)
@@ -104,7 +104,7 @@ def _kinds(gate: Gate, keeps: bool, local: Local) -> dict[str, NDArray[np.bool_]
     return kinds if keeps else kinds | {COINCIDENT: both & alike & crosses}
 
 
-def _local(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> Local:
+def _local(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> LocalSigns:
     """The signs of all steps at points of zero sets."""
     count = len(logic.leaves)
     at = np.empty((count, len(zeros.which)), np.int8)
@@ -120,7 +120,7 @@ def _local(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> Loc
     confirmed = (np.sign(before) == ahead[-1]) & (np.sign(after) == behind[-1])
     # Where a normalised omega is zero on a sheet it is 0/0.
     confirmed &= ~(np.abs(omega) > THIN * np.minimum(np.abs(before), np.abs(after)))
-    return Local(_steps(logic, at), ahead, behind, confirmed)
+    return LocalSigns(_steps(logic, at), ahead, behind, confirmed)
 
 
 def _steps(logic: Logic, signs: NDArray[np.int8]) -> NDArray[np.int8]:
@@ -129,7 +129,7 @@ def _steps(logic: Logic, signs: NDArray[np.int8]) -> NDArray[np.int8]:
     return np.array(through(logic.gates, literals, joined_signs), np.int8)
 
 
-def _active(logic: Logic, local: Local) -> NDArray[np.bool_]:
+def _active(logic: Logic, local: LocalSigns) -> NDArray[np.bool_]:
     """Where the zero of a step is one of omega."""
     result = np.zeros(local.at.shape, bool)
     result[-1] = local.at[-1] == 0
@@ -139,7 +139,7 @@ def _active(logic: Logic, local: Local) -> NDArray[np.bool_]:
     return result
 
 
-def _leaf_at(logic: Logic, local: Local, number: int, column: int) -> int:
+def _leaf_at(logic: Logic, local: LocalSigns, number: int, column: int) -> int:
     """A leaf that makes a step zero at a point."""
     while number >= len(logic.literals):
         gate = logic.gates[number - len(logic.literals)]
