@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.output.patches import Lines, Patches
 from rsym.program.fields import SIX
 
 if TYPE_CHECKING:
     from rsym.output.explorer import Explorer, PatchExplorer
-    from rsym.output.patches import Lines, Patches
 
 
 def explore(

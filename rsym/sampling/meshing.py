@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from rsym.errors import RsymError, warn
+from rsym.logic.sign_form import surface_form
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.extent import bounds_or_extent
@@ -191,7 +192,6 @@ def _sharp(shape: Shape) -> SharpMesher:
     try:
         if "rsym.sampling.mesher" not in sys.modules:
             # The compiler takes as long as importing the mesher, and numba above all.
-            from rsym.logic.sign_form import surface_form
             from rsym.sampling.kernels.mesher_kernels import compile_ahead
 
             compile_ahead(surface_form(shape).capped())

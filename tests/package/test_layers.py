@@ -50,6 +50,11 @@ DEFERRED = {
         "surfaces/patch.py",
         "rsym.surfaces.meshes",
     ): "patch.mesh(resolution): the mesh of a patch is asked of it, as its grid is, and a mesh is made of patches",
+    ("surfaces/patch.py", "rsym.sampling.mesh"): "the type of what patch.mesh answers; meshes need a compiler",
+    (
+        "surfaces/proofs/unbroken.py",
+        "rsym.surfaces.joints.edges",
+    ): "the type of an argument alone: edges of patches are proved by what joints ask",
 }
 # Imported by those who need them when they are called, for the package behind them may be missing or slow to load.
 OPTIONAL = {
@@ -62,24 +67,11 @@ OPTIONAL = {
 }
 # A command imports what it needs when it runs: `rsym --help` answers at once.
 AT_CALL = ("rsym.commands.", "rsym.cli")
-# Modules that import each other today; whoever mends a circle takes them off, and none is added.
-IN_CIRCLES = """\
-"""
-# Deferred imports of today that have no such reason; none is added.
-STILL_DEFERRED = """\
-    rsym.output.explore rsym.output.patches
-    rsym.sampling.meshing rsym.logic.sign_form
-    rsym.surfaces.patch rsym.sampling.mesh
-    rsym.surfaces.proofs.unbroken rsym.surfaces.joints.edges
-"""
 # Names that two public classes share, and why.
 NAMED_TWICE = {
     "Arc": "rsym.surfaces exports one, the other is the node of the word `arc` in models that are saved",
     "Segment": "rsym.surfaces exports one, the other is the node of the word `segment` in models that are saved",
 }
-# Rooms whose docstring does not name their files yet; none is added.
-WITHOUT_A_MAP = """\
-"""
 STILL_ALIASED = 41
 FORBIDDEN_NAMES = {"utils", "helpers", "misc", "common", "core", "base", "tools"}
 ORDER = list(LAYERS)
@@ -228,7 +220,7 @@ def circles(graph):
 def test_no_modules_import_each_other():
     declared = {(module_of(PACKAGE / where), name) for where, name in DEFERRED}
     at_all = {name: {one for one, _ in found if (name, one) not in declared} for name, found in graph().items()}
-    assert {name for circle in circles(at_all) for name in circle} == set(IN_CIRCLES.split())
+    assert {name for circle in circles(at_all) for name in circle} == set()
 
 
 def test_deferred_imports_are_declared():
@@ -240,7 +232,7 @@ def test_deferred_imports_are_declared():
         for other, when in imported
         if when != "at once" and not name.startswith(AT_CALL) and other not in OPTIONAL
     }
-    assert {" ".join(one) for one in found - declared} == {one.strip() for one in STILL_DEFERRED.splitlines()}
+    assert {" ".join(one) for one in found - declared} == set()
     assert all(reason for reason in (*DEFERRED.values(), *OPTIONAL.values()))
 
 
@@ -284,9 +276,6 @@ def unmapped(room, text):
 def test_a_room_has_a_map(room):
     """In a few lines its docstring says what comes in, what goes out, and the files in the order of the data."""
     text = ast.get_docstring(ast.parse((room / "__init__.py").read_text()))
-    if room.relative_to(PACKAGE).as_posix() in WITHOUT_A_MAP.split():
-        assert unmapped(room, text) != (set(), set()), "take it off the list"
-        return
     assert 4 <= len(text.splitlines()) <= 26
     assert unmapped(room, text) == (set(), set())
 
