@@ -7,16 +7,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.logic.gates import Gate, through
 from rsym.logic.sign_form import shape_form
 from rsym.model.shape import Shape
 from rsym.program.differentiation import derivative
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 NEWTON_STEPS = 12
 
@@ -45,7 +42,7 @@ class PlaneLeaves:
     letters: Mapping[Any, float] | None
     flat: tuple[int, ...] = ()
 
-    def __call__(self, points: Array) -> tuple[Array, Array]:
+    def __call__(self, points: Floats) -> tuple[Floats, Floats]:
         """The values (leaves, n) and the gradients (leaves, n, 2) at points (n, 2)."""
         program = self.kernel.program
         coordinates = [np.full(len(points), self.fixed.get(k, 0.0)) for k in range(len(program.coordinates))]
@@ -58,20 +55,20 @@ class PlaneLeaves:
         parts[list(self.flat), 0] = np.inf
         return parts[:, 0], parts[:, 1:].transpose(0, 2, 1)
 
-    def at(self, fixed: Mapping[int, float], points: Array) -> PlaneLeaves:
+    def at(self, fixed: Mapping[int, float], points: Floats) -> PlaneLeaves:
         """The same in another plane; `points` are some of it."""
         plane = replace(self, fixed=fixed, flat=())
         return replace(plane, flat=tuple(np.flatnonzero((plane(points)[0] == 0).all(axis=1)).tolist()))
 
-    def active(self, values: Array) -> tuple[Array, Ints]:
+    def active(self, values: Floats) -> tuple[Floats, Ints]:
         """The value of the form, and the number of the leaf that gives it."""
         return active_leaf(self.gates, values)
 
-    def form(self, points: Array) -> Array:
+    def form(self, points: Floats) -> Floats:
         """The value of the form."""
         return self.active(self(points)[0])[0]
 
-    def distance(self, points: Array) -> tuple[Array, Ints]:
+    def distance(self, points: Floats) -> tuple[Floats, Ints]:
         """How far the zero of the active leaf is, to first order, and which leaf it is."""
         values, gradients = self(points)
         value, leaf = self.active(values)
@@ -79,7 +76,7 @@ class PlaneLeaves:
         with np.errstate(all="ignore"):
             return np.abs(value) / slope, leaf
 
-    def slide(self, points: Array, leaf: Ints) -> Array:
+    def slide(self, points: Floats, leaf: Ints) -> Floats:
         """Newton from each point onto its leaf."""
         at = np.arange(len(points))
         for _ in range(NEWTON_STEPS):
@@ -89,7 +86,7 @@ class PlaneLeaves:
                 points = points - (f / np.einsum("ij,ij->i", p, p))[:, None] * p
         return points
 
-    def common(self, points: Array, one: Ints, other: Ints) -> Array:
+    def common(self, points: Floats, one: Ints, other: Ints) -> Floats:
         """Newton from points to the common zeros of two leaves each; NaN or far away where there is none."""
         at = np.arange(len(points))
         for _ in range(NEWTON_STEPS):
@@ -101,10 +98,10 @@ class PlaneLeaves:
         return points
 
 
-def active_leaf(gates: Sequence[Gate], values: Sequence[Array] | Array) -> tuple[Array, Ints]:
+def active_leaf(gates: Sequence[Gate], values: Sequence[Floats] | Floats) -> tuple[Floats, Ints]:
     """The values of a form whose leaves have the values (leaves, n), and the number of the leaf that gives each."""
 
-    def join(gate: Gate, one: tuple[Array, Ints], other: tuple[Array, Ints]) -> tuple[Array, Ints]:
+    def join(gate: Gate, one: tuple[Floats, Ints], other: tuple[Floats, Ints]) -> tuple[Floats, Ints]:
         (f, i), (g, j) = one, other
         take = f <= g if gate.operation == "min" else f >= g
         return np.where(take, f, g), np.where(take, i, j)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from skimage.measure import marching_cubes
 
+from rsym.arrays import Floats
 from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.logic.sign_form import surface_program
@@ -27,8 +28,6 @@ from rsym.sampling.mesh import Mesh
 from rsym.sampling.progress import Progress, Steps
 from rsym.sampling.roots import bracketed_roots
 from rsym.sampling.status import Findings
-
-Array = NDArray[np.float64]
 
 SLAB_POINTS = 2_000_000
 # Vertices are moved onto the surface in so many blocks, so that a cancel waits a fraction of a second.
@@ -69,7 +68,7 @@ def smooth_mesh(
 
 
 def _findings(
-    shape: Shape, lattice: Lattice, index: Array, vertices: Array, normals: Array, faces: NDArray[np.int32]
+    shape: Shape, lattice: Lattice, index: Floats, vertices: Floats, normals: Floats, faces: NDArray[np.int32]
 ) -> Findings:
     """What bounds and resolution cut or lose."""
     from rsym.sampling.triangles import pieces
@@ -99,7 +98,7 @@ def sample(
     letters: Mapping[Any, float] | None,
     executor: Executor | None,
     steps: Steps,
-) -> Array:
+) -> Floats:
     """Omega on the lattice, slab by slab; NaN is refused."""
     axes = lattice.open_axes()
     samples = np.empty(lattice.counts)
@@ -119,7 +118,7 @@ def sample(
     return samples
 
 
-def _slab_values(tasks: Sequence[tuple[Any, ...]], executor: Executor | None) -> Generator[Array, None, None]:
+def _slab_values(tasks: Sequence[tuple[Any, ...]], executor: Executor | None) -> Generator[Floats, None, None]:
     """The values of each slab in order; closed early, slabs that still wait are not computed."""
     if executor is None:
         for task in tasks:
@@ -134,7 +133,7 @@ def _slab_values(tasks: Sequence[tuple[Any, ...]], executor: Executor | None) ->
             future.cancel()
 
 
-def _sample_slab(shape: Shape, letters: Mapping[Any, float] | None, axes: list[Array]) -> Array:
+def _sample_slab(shape: Shape, letters: Mapping[Any, float] | None, axes: list[Floats]) -> Floats:
     return _surface_kernel(shape, "value")(*axes, letters=letters)["value"]
 
 
@@ -144,7 +143,7 @@ def _surface_kernel(shape: Shape, field: str) -> Kernel:
     return compile_program(surface_program(shape, (field,)), (field,), shape)
 
 
-def _for_marching_cubes(samples: Array) -> tuple[NDArray[np.float32], int]:
+def _for_marching_cubes(samples: Floats) -> tuple[NDArray[np.float32], int]:
     """The samples divided by one scale, as float32 with every sign kept; a zero counts as inside."""
     inside = samples >= 0
     if inside.all() or not inside.any():
@@ -164,7 +163,7 @@ def _for_marching_cubes(samples: Array) -> tuple[NDArray[np.float32], int]:
     return scaled, int(samples.size - np.count_nonzero(samples))
 
 
-def _near_surface(samples: Array, inside: NDArray[np.bool_]) -> float:
+def _near_surface(samples: Floats, inside: NDArray[np.bool_]) -> float:
     """The median size of samples before a change of sign along the first axis that has one."""
     for axis in range(3):
         before = (slice(None),) * axis + (slice(None, -1),)
@@ -180,10 +179,10 @@ def _on_surface(
     kernel: Kernel,
     letters: Mapping[Any, float] | None,
     lattice: Lattice,
-    samples: Array,
-    index: Array,
+    samples: Floats,
+    index: Floats,
     steps: Steps,
-) -> tuple[Array, int]:
+) -> tuple[Floats, int]:
     """Each vertex moved along its lattice edge to the root of omega; how many could not be."""
     lower, axis, known = _edges(samples, index)
     which = np.flatnonzero(known)
@@ -213,12 +212,12 @@ def _edge_roots(
     lattice: Lattice,
     corner: NDArray[np.int64],
     along: NDArray[np.int64],
-    start: Array,
-    end: Array,
-) -> Array:
+    start: Floats,
+    end: Floats,
+) -> Floats:
     """Where omega is zero on edges of the lattice, from 0 to 1; `start` and `end` are its values there."""
 
-    def omega(t: Array, active: NDArray[np.int64]) -> Array:
+    def omega(t: Floats, active: NDArray[np.int64]) -> Floats:
         place = corner[active].astype(np.float64)
         place[np.arange(len(active)), along[active]] += t
         points = lattice.points(place)
@@ -227,7 +226,7 @@ def _edge_roots(
     return bracketed_roots(omega, start, end)
 
 
-def _edges(samples: Array, index: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+def _edges(samples: Floats, index: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
     """The lattice edge of each vertex: its lower end, its axis, and whether it has one.
 
     A vertex that float32 rounded onto a lattice point takes an edge of that point that nobody else has.
@@ -249,13 +248,13 @@ def _edges(samples: Array, index: Array) -> tuple[NDArray[np.int64], NDArray[np.
     return lower, axis, known
 
 
-def _edge_numbers(samples: Array, edges: ArrayLike) -> NDArray[np.int64]:
+def _edge_numbers(samples: Floats, edges: ArrayLike) -> NDArray[np.int64]:
     """One integer for each edge (i, j, k, axis)."""
     i, j, k, axis = np.asarray(edges, np.int64).reshape(-1, 4).T
     return np.asarray(np.ravel_multi_index((i, j, k), samples.shape) * 3 + axis, np.int64)
 
 
-def _crossing_edges(samples: Array, point: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
+def _crossing_edges(samples: Floats, point: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
     """The edges of a lattice point along which omega changes sign."""
     edges = []
     for axis in range(3):
@@ -268,9 +267,9 @@ def _crossing_edges(samples: Array, point: NDArray[np.int64]) -> list[tuple[int,
     return edges
 
 
-def _vertex_normals(shape: Shape, letters: Mapping[Any, float] | None, vertices: Array) -> Array:
+def _vertex_normals(shape: Shape, letters: Mapping[Any, float] | None, vertices: Floats) -> Floats:
     """-grad/|grad| at each vertex; NaN where it does not exist."""
     gradient = _surface_kernel(shape, "gradient")(*vertices.T, letters=letters)["gradient"]
     with np.errstate(all="ignore"):
-        normals: Array = -gradient / np.linalg.norm(gradient, axis=1, keepdims=True)
+        normals: Floats = -gradient / np.linalg.norm(gradient, axis=1, keepdims=True)
     return np.where(np.isfinite(normals).all(axis=1, keepdims=True), normals, np.nan)

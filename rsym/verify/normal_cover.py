@@ -15,11 +15,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.registry import default_backend
 from rsym.bounds.balls import ctx
 from rsym.bounds.intervals import Bounds, IntervalFunction
@@ -30,8 +30,6 @@ from rsym.verify.covering import OFF_CENTRE, PRECISION
 from rsym.verify.generators import generators
 from rsym.verify.local import Box, side
 from rsym.verify.normal_derivatives import NormalDerivatives
-
-Array: TypeAlias = NDArray[np.float64]
 
 COARSEST = 8  # boxes along the extent before a bound is tried: on wider ones it would be in vain
 # Nodes of the deviations and their gradients. The program of their bounds has a dozen times as many: at the first
@@ -50,8 +48,8 @@ class NormalCover:
     """
 
     bounds: list[float]
-    covered: Array
-    uncovered: Array
+    covered: Floats
+    uncovered: Floats
     examined: int
     exhausted: bool
 
@@ -129,16 +127,16 @@ class Enclosure:
             builder.program(outputs), default_backend() if self.cost <= COMPILED else "numpy"
         )
 
-    def is_free(self, boxes: Array) -> NDArray[np.bool_]:
+    def is_free(self, boxes: Floats) -> NDArray[np.bool_]:
         """On which boxes (n, dim, 2) omega is certainly nowhere zero."""
         lower, upper = self._on(self._level, boxes)["level"]
         found: NDArray[np.bool_] = (lower > 0) | (upper < 0)
         return found
 
-    def _on(self, function: IntervalFunction, boxes: Array) -> Bounds:
+    def _on(self, function: IntervalFunction, boxes: Floats) -> Bounds:
         return function(list(boxes[:, :, 0].T), list(boxes[:, :, 1].T), self._letters)
 
-    def deviations(self, boxes: Array) -> Array:
+    def deviations(self, boxes: Floats) -> Floats:
         """Bounds of the deviations on the boundary in boxes on which omega is analytic, (n, order)."""
         middle = boxes.mean(axis=2)
         reach = np.maximum(boxes[:, :, 1] - middle, middle - boxes[:, :, 0])
@@ -148,7 +146,7 @@ class Enclosure:
             found = np.stack([self._deviation(k, reach, whole, at) for k in range(self.order)], axis=1)
         return np.where(np.isnan(found) | (whole["squared"][0] <= 0)[:, None], math.inf, found)
 
-    def _deviation(self, k: int, reach: Array, whole: Bounds, at: Bounds) -> Array:
+    def _deviation(self, k: int, reach: Floats, whole: Bounds, at: Bounds) -> Floats:
         slopes = [f"slope_{k}_{axis}" for axis in range(self.size)]
         own = [f"gradient_{axis}" for axis in range(self.size)]
         multiple = self._multiple(at, slopes, own)
@@ -159,7 +157,7 @@ class Enclosure:
         return total + ROUNDING * scale + TINY
 
     @staticmethod
-    def _multiple(at: Bounds, slopes: list[str], own: list[str]) -> Array:
+    def _multiple(at: Bounds, slopes: list[str], own: list[str]) -> Floats:
         """About grad F . grad omega/|grad omega|**2 at the middle; any number keeps the form valid."""
         above = sum(centre(at[a]) * centre(at[b]) for a, b in zip(slopes, own, strict=True))
         below = sum(centre(at[b]) ** 2 for b in own)
@@ -167,12 +165,12 @@ class Enclosure:
         return np.where(np.isfinite(multiple), multiple, 0.0)
 
 
-def centre(bounds: tuple[Array, Array]) -> Array:
+def centre(bounds: tuple[Floats, Floats]) -> Floats:
     """The middle of intervals."""
     return 0.5 * (bounds[0] + bounds[1])
 
 
-def difference(first: tuple[Array, Array], multiple: Array, second: tuple[Array, Array]) -> tuple[Array, Array]:
+def difference(first: tuple[Floats, Floats], multiple: Floats, second: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
     """The greatest size in first - multiple*second, not rounded outwards, and the sum of the sizes of what it is of."""
     ends = multiple * second[0], multiple * second[1]
     low, high = first[0] - np.maximum(*ends), first[1] - np.minimum(*ends)
@@ -190,20 +188,20 @@ def level_node(builder: Builder, number: int) -> int:
         number = arguments[0]
 
 
-def _analytic(derivatives: NormalDerivatives, boxes: Array, known: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _analytic(derivatives: NormalDerivatives, boxes: Floats, known: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """On which boxes omega is certainly analytic; parts of a box on which it is need no second look."""
     pairs = zip(boxes, known, strict=True)
     return np.array([before or is_analytic(derivatives, box) for box, before in pairs], bool)
 
 
-def is_analytic(derivatives: NormalDerivatives, box: Array) -> bool:
+def is_analytic(derivatives: NormalDerivatives, box: Floats) -> bool:
     """Whether omega is certainly analytic on the box."""
     with ctx.workprec(PRECISION):
         local = derivatives.model.on([side(float(low), float(high)) for low, high in box])
         return generators(local, derivatives.model.root).analytic
 
 
-def halves(boxes: Array, share: float) -> Array:
+def halves(boxes: Floats, share: float) -> Floats:
     """The boxes cut in two across every coordinate, the parts of each together.
 
     Examples

@@ -72,7 +72,6 @@ NAMED_TWICE = {
     "Arc": "rsym.surfaces exports one, the other is the node of the word `arc` in models that are saved",
     "Segment": "rsym.surfaces exports one, the other is the node of the word `segment` in models that are saved",
 }
-STILL_ALIASED = 41
 FORBIDDEN_NAMES = {"utils", "helpers", "misc", "common", "core", "base", "tools"}
 ORDER = list(LAYERS)
 
@@ -288,7 +287,7 @@ def test_what_a_map_leaves_out_is_seen(tmp_path):
 
 
 def test_types_of_arrays_stand_once():
-    """Aliases of today that `rsym.arrays` has already; fewer are welcome."""
+    """`rsym.arrays` has them."""
     alias = re.compile(r"^\w+(?:: TypeAlias)? = NDArray\[np\.(?:float64|int64|bool_)\]", re.MULTILINE)
     files = [path for path in PACKAGE.rglob("*.py") if path.name != "arrays.py"]
-    assert sum(len(alias.findall(path.read_text())) for path in files) <= STILL_ALIASED
+    assert sum(len(alias.findall(path.read_text())) for path in files) == 0

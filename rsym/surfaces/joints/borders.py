@@ -8,10 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.surfaces.forms import dot
 from rsym.surfaces.joints.edges import PatchEdge
-
-Array = NDArray[np.float64]
 
 SAMPLES = 129
 # Newton's method doubles the digits at each step from a start that is off by less than one sample.
@@ -33,17 +32,17 @@ class Border:
     is_point: bool = False
 
     @cached_property
-    def t(self) -> Array:
+    def t(self) -> Floats:
         """Parameters of the samples."""
         return np.linspace(*self.edge.interval, SAMPLES)
 
     @cached_property
-    def points(self) -> Array:
+    def points(self) -> Floats:
         """The samples (SAMPLES, 3)."""
         return self.edge.position(self.t)
 
     @cached_property
-    def box(self) -> Array:
+    def box(self) -> Floats:
         """Lowest and highest coordinates (2, 3) of the samples, widened by what lies between them."""
         step = np.abs(np.diff(self.points, axis=0)).max()
         return np.stack([self.points.min(axis=0) - step, self.points.max(axis=0) + step])
@@ -53,7 +52,7 @@ class Border:
         """How far the edge can be from the polygon through the samples, twice over."""
         return float(np.linalg.norm(np.diff(self.points, 2, axis=0), axis=-1).max()) / 4
 
-    def roughly(self, points: Array) -> tuple[NDArray[np.int64], Array]:
+    def roughly(self, points: Floats) -> tuple[NDArray[np.int64], Floats]:
         """For each point the closest sample, and a distance that the edge is not nearer than."""
         # |p|^2 - 2 p.q is least where |p - q| is; near the origin, so that rounding does not choose.
         places, others = self.points - self.points[0], points - self.points[0]
@@ -72,7 +71,7 @@ class Border:
         return bool(np.abs(self.points[0] - self.points[-1]).max() <= 1e-6 * np.ptp(self.points, axis=0).max())
 
 
-def closest(edge: PatchEdge, points: Array, guess: Array, low: Array, high: Array) -> Array:
+def closest(edge: PatchEdge, points: Floats, guess: Floats, low: Floats, high: Floats) -> Floats:
     """Parameters of the points of an edge closest to points in space, by Newton's method between bounds.
 
     Zero of (c(s) - p) . c'(s), where c is the edge. Far from the point its derivative may have the wrong sign: there
@@ -93,7 +92,7 @@ def closest(edge: PatchEdge, points: Array, guess: Array, low: Array, high: Arra
     return s
 
 
-def projected(border: Border, points: Array, room: float) -> tuple[Array, Array]:
+def projected(border: Border, points: Floats, room: float) -> tuple[Floats, Floats]:
     """For each point the parameter of the closest point of an edge, and the distance; infinite where beyond `room`."""
     nearest, least = border.roughly(points)
     s, away = border.t[nearest], np.full(len(points), np.inf)

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
@@ -33,8 +33,6 @@ from rsym.surfaces.proofs.edge_formulas import PatchFormula
 from rsym.surfaces.proofs.pole_proofs import Spoke, prove_pole
 from rsym.surfaces.proofs.proving import prove
 from rsym.surfaces.proofs.stretches import ProofTask
-
-Array = NDArray[np.float64]
 
 # Doubles leave 1e-16 of the size in points, 1e-8 of that in the second derivatives of what is computed by limits at
 # poles; data met "to 1e-8", as networks are after reparametrisation, must pass. A kink of 1e-3 degrees must not.
@@ -151,7 +149,7 @@ def _values(patches: Sequence[Patch], letters: LetterValues) -> list[LetterValue
 
 
 def _borders(
-    index: int, patch: Patch, grid: Array, gap: float, reach: float, letters: LetterValues
+    index: int, patch: Patch, grid: Floats, gap: float, reach: float, letters: LetterValues
 ) -> Iterator[Border]:
     """The edges of a patch, with the gaps that count as none and as meant to be none."""
     size = extent(grid)
@@ -168,7 +166,7 @@ def _common_edge(stretch: Stretch, angle: float, curvature: float) -> CommonEdge
     first, second = stretch.borders
     gap, size = min(first.gap, second.gap), min(first.size, second.size)
 
-    def room(samples: Comparison) -> Array:
+    def room(samples: Comparison) -> Floats:
         strongest = float(np.nanmax(samples.curvatures, initial=0.0))
         return np.array([gap, angle, curvature * max(1 / size, strongest)])
 

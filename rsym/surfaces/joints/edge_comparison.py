@@ -6,12 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.surfaces.forms import dot
 from rsym.surfaces.joints.edge_matching import Stretch
-
-Array = NDArray[np.float64]
 
 # Samples lie at multiples of the golden ratio, modulo 1: no period of the surfaces, knots say, can hide between them.
 # With Fibonacci numbers of samples the distances are almost equal; more are taken until the greatest values stay.
@@ -29,16 +27,16 @@ class Comparison:
     gaps are lengths, angles degrees, curvature_jumps one over length; what does not exist is NaN.
     """
 
-    t: Array
-    s: Array
-    points: Array
-    gaps: Array
-    angles: Array
-    curvature_jumps: Array
-    curvatures: Array
+    t: Floats
+    s: Floats
+    points: Floats
+    gaps: Floats
+    angles: Floats
+    curvature_jumps: Floats
+    curvatures: Floats
 
     @property
-    def values(self) -> Array:
+    def values(self) -> Floats:
         """Gaps, angles and jumps of curvature (3, n)."""
         return np.stack([self.gaps, self.angles, self.curvature_jumps])
 
@@ -49,7 +47,7 @@ class Comparison:
         return Comparison(*(np.concatenate(pair)[order] for pair in pairs))
 
 
-def compare(stretch: Stretch, t: Array) -> Comparison:
+def compare(stretch: Stretch, t: Floats) -> Comparison:
     """Gap, kink and jump of curvature at parameters t of the first edge.
 
     The kink is the angle between the outer conormal of one patch and the inner one of the other: the angle between
@@ -77,7 +75,7 @@ def flipped(stretch: Stretch) -> bool:
     return (first == second) != stretch.opposite
 
 
-def golden_samples(count: int, low: float, high: float) -> Array:
+def golden_samples(count: int, low: float, high: float) -> Floats:
     """Sorted parameters, both ends among them; those for fewer are among those for more.
 
     Examples
@@ -94,7 +92,7 @@ class EdgeSurvey:
     """All that was measured, and how much the three greatest values moved when more was."""
 
     samples: Comparison
-    errors: Array
+    errors: Floats
 
     @property
     def greatest(self) -> list[int]:
@@ -102,7 +100,7 @@ class EdgeSurvey:
         return [int(np.argmax(row)) for row in _known(self.samples.values)]
 
 
-def survey(stretch: Stretch, tolerances: Callable[[Comparison], Array]) -> EdgeSurvey:
+def survey(stretch: Stretch, tolerances: Callable[[Comparison], Floats]) -> EdgeSurvey:
     """Measure along a stretch until the greatest values stay; they are looked for between the samples too."""
     low, high = stretch.interval
     found, before = compare(stretch, np.array([low, high])), np.full(3, np.inf)
@@ -119,7 +117,7 @@ def survey(stretch: Stretch, tolerances: Callable[[Comparison], Array]) -> EdgeS
     return EdgeSurvey(found, moved)
 
 
-def _climbed(stretch: Stretch, found: Comparison, tolerated: Array) -> Comparison:
+def _climbed(stretch: Stretch, found: Comparison, tolerated: Floats) -> Comparison:
     """The samples, and those on the way to the greatest values: brackets round the best, divided again and again."""
     for _ in range(ROUNDS):
         values, last = _known(found.values), len(found.t) - 1
@@ -133,9 +131,9 @@ def _climbed(stretch: Stretch, found: Comparison, tolerated: Array) -> Compariso
     return found
 
 
-def _known(values: Array) -> Array:
+def _known(values: Floats) -> Floats:
     return np.where(np.isfinite(values), values, -1.0)
 
 
-def _length(vectors: Array) -> Array:
+def _length(vectors: Floats) -> Floats:
     return np.sqrt(dot(vectors, vectors))

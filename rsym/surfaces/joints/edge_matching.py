@@ -10,10 +10,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.surfaces.joints.borders import SAMPLES, Border, closest, projected
 from rsym.surfaces.parameters import Interval
-
-Array = NDArray[np.float64]
 
 # Steps of a bisection from one sample to double precision.
 BISECTIONS = 40
@@ -40,8 +39,8 @@ class Stretch:
 
     borders: tuple[Border, Border]
     interval: Interval
-    t: Array
-    s: Array
+    t: Floats
+    s: Floats
 
     @property
     def intervals(self) -> tuple[Interval, Interval]:
@@ -53,7 +52,7 @@ class Stretch:
         """Whether the two parameters run against each other."""
         return bool(self.s[-1] < self.s[0])
 
-    def partner(self, t: Array) -> Array:
+    def partner(self, t: Floats) -> Floats:
         """The parameters on the second edge of the points closest to those of the first."""
         first, second = self.borders
         low, high = sorted((float(self.s[0]), float(self.s[-1])))
@@ -69,7 +68,7 @@ class Stretch:
         sizes = [np.linalg.norm(border.edge.outward(places), axis=-1) for border, places in sides]
         return tuple(end for end in (0, -1) if any(size[end] < POLE * size.max() for size in sizes))
 
-    def calm(self, t: Array, s: Array) -> tuple[Array, Array]:
+    def calm(self, t: Floats, s: Floats) -> tuple[Floats, Floats]:
         """The pairs of parameters, those beside a pole moved to it."""
         room = BESIDE_POLE * (self.t[-1] - self.t[0])
         for end in self.poles:
@@ -196,8 +195,8 @@ def _cuts(border: Border, places: Sequence[float], least: float) -> list[float]:
 
 
 def _parts(
-    pair: tuple[Border, Border], t: Array, inside: NDArray[np.bool_], room: float
-) -> Iterator[tuple[Array, Array]]:
+    pair: tuple[Border, Border], t: Floats, inside: NDArray[np.bool_], room: float
+) -> Iterator[tuple[Floats, Floats]]:
     """Runs of samples within `room` of the second edge, extended to where it leaves."""
     first, second = pair
     steps = np.diff(np.concatenate([[False], inside, [False]]).astype(int))
@@ -220,7 +219,7 @@ def _border_of_run(pair: tuple[Border, Border], inside: float, outside: float, r
     return inside
 
 
-def _to_ends(border: Border, s: Array, least: float) -> Array:
+def _to_ends(border: Border, s: Floats, least: float) -> Floats:
     """The parameters, the first and last moved to the ends of the edge if less than `least` is left over there."""
     ends = np.array(border.edge.interval)
     for place in (0, -1):
@@ -230,7 +229,7 @@ def _to_ends(border: Border, s: Array, least: float) -> Array:
     return s
 
 
-def _unwound(border: Border, s: Array) -> Array:
+def _unwound(border: Border, s: Floats) -> Floats:
     """Parameters without the jump where a loop begins anew."""
     low, high = border.edge.interval
     if not border.loop:

@@ -9,15 +9,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED, Document, Entry, Sentence
 from rsym.reports.numbers import at_most, measured, number, point
 from rsym.reports.render import Report, plain
 from rsym.reports.words import first_of, plural
 from rsym.surfaces.proofs.edge_proof import EdgeProof
-
-Array = NDArray[np.float64]
 
 # From the weakest to the strongest; the words are those of `verify_smoothness`.
 CONTINUITIES: tuple[str, ...] = ("broken", "G0", "G1", "G2")
@@ -214,11 +212,11 @@ class CommonEdge(PatchMeeting):
 
     intervals: tuple[tuple[float, float], tuple[float, float]]
     flipped: bool
-    points: Array = field(repr=False)
-    gaps: Array = field(repr=False)
-    angles: Array = field(repr=False)
-    curvature_jumps: Array = field(repr=False)
-    parameters: Array = field(repr=False)
+    points: Floats = field(repr=False)
+    gaps: Floats = field(repr=False)
+    angles: Floats = field(repr=False)
+    curvature_jumps: Floats = field(repr=False)
+    parameters: Floats = field(repr=False)
 
     @property
     def classes(self) -> tuple[str, ...]:
@@ -248,7 +246,7 @@ class FreeEdge:
     patch: int
     edge: str
     interval: tuple[float, float]
-    points: Array = field(repr=False)
+    points: Floats = field(repr=False)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -382,7 +380,7 @@ def badness(meeting: PatchMeeting) -> tuple[int, float]:
     return place, -math.inf if math.isnan(value) else -value / room
 
 
-def extreme(values: Array, errors: float, points: Array, parameters: Sequence[Sequence[Array]]) -> Extreme:
+def extreme(values: Floats, errors: float, points: Floats, parameters: Sequence[Sequence[Floats]]) -> Extreme:
     """The greatest of some values; parameters: for each patch its u and its v, one for each value."""
     known = np.where(np.isfinite(values), values, -1.0)
     place = int(np.argmax(known))

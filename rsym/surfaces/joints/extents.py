@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.patch import LetterValues, Patch
-
-Array = NDArray[np.float64]
 
 # Coordinates far from the origin carry rounding of their own size.
 ROUNDING = 1e-14
 GRID = 9
 
 
-def sample_grid(patch: Patch, letters: LetterValues = None) -> Array:
+def sample_grid(patch: Patch, letters: LetterValues = None) -> Floats:
     """Points (GRID, GRID, 3) of the whole patch."""
     with np.errstate(all="ignore"):
         points = patch.grid(*(np.linspace(*interval, GRID) for interval in patch.domain), letters=letters)
@@ -26,7 +24,7 @@ def sample_grid(patch: Patch, letters: LetterValues = None) -> Array:
     return points
 
 
-def extent(*grids: Array) -> float:
+def extent(*grids: Floats) -> float:
     """The diagonal of the box round some points.
 
     Examples
@@ -37,7 +35,7 @@ def extent(*grids: Array) -> float:
     return float(np.linalg.norm(np.ptp(np.concatenate([grid.reshape(-1, 3) for grid in grids]), axis=0)))
 
 
-def room_for(share: float, *grids: Array) -> float:
+def room_for(share: float, *grids: Floats) -> float:
     """The distance that counts as none: a share of the smallest of several patches, or rounding if that is more.
 
     Examples

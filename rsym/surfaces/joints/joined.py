@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces import symbols
@@ -23,8 +23,6 @@ from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.joints.meeting import apart
 from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch
 from rsym.surfaces.transfinite import BooleanSum, Loft
-
-Array = NDArray[np.float64]
 
 # Where a function k is asked whether it is positive.
 PLACES = 65
@@ -72,7 +70,7 @@ class JoinedPatch(Patch):
         """Those of both patches, of the factors and of the blend."""
         return self.patch.letters.merge(self.added.letters)
 
-    def evaluate(self, u: Array, v: Array, orders: Orders, letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, u: Floats, v: Floats, orders: Orders, letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         values = self.letters.values_with(letters)
         own = self.patch.evaluate(u, v, orders, _of(self.patch.letters, values))
@@ -112,7 +110,7 @@ class Ribbon(Univariate):
         (a, b), (c, d) = first.interval, second.interval
         self.start, self.speed = (a, c), (b - a) / (d - c)
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         values = self.letters.values_with(letters)
         highest, n = max(orders), self.order
@@ -131,8 +129,8 @@ class Ribbon(Univariate):
         return found
 
     def _derivatives(
-        self, edge: PatchEdge, t: Array, highest: int, values: dict[str, float]
-    ) -> dict[tuple[int, int], Array]:
+        self, edge: PatchEdge, t: Floats, highest: int, values: dict[str, float]
+    ) -> dict[tuple[int, int], Floats]:
         """All derivatives along and out of an edge that are needed, with respect to the parameter of q's edge."""
         n = self.order
         orders = [(i + n - power, power) for power in range(n + 1) for i in range(highest + 1)]
@@ -168,7 +166,7 @@ class Fading(Univariate):
         self.scales = [(high - low) ** order for order in range(depth + 1)]
         self.shape, self.domain, self.letters = (depth + 1,), (low, high), blend.letters
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         return [part[..., self.picked] * self.scales for part in self.inner.evaluate(t, orders, letters)]
 
@@ -188,7 +186,7 @@ class ScalarFunction(Univariate):
         self.inner = Called(lambda t: (function(t), 0.0, 0.0), domain=domain)
         self.shape, self.domain = (), domain
 
-    def evaluate(self, t: Array, orders: Sequence[int], letters: LetterValues = None) -> list[Array]:
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         return [part[..., 0] for part in self.inner.evaluate(t, orders, letters)]
 
@@ -225,12 +223,12 @@ def _of(letters: Letters, values: dict[str, float]) -> dict[str, float]:
     return {name: values[name] for name in letters}
 
 
-def _product(factors: list[list[Array]], order: int) -> Array:
+def _product(factors: list[list[Floats]], order: int) -> Floats:
     """The derivative of a product from those of its factors (Leibniz)."""
     first, *rest = factors
     if not rest:
         return first[order]
-    total: Array = np.zeros(())
+    total: Floats = np.zeros(())
     for i in range(order + 1):
         total = total + comb(order, i) * first[i] * _product(rest, order - i)
     return total

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.corrections import enough, greatest, sizes
 from rsym.surfaces.joints.borders import Border, projected
 from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.joints.extents import extent, room_for, sample_grid
-
-Array = NDArray[np.float64]
 
 
 def apart(first: PatchEdge, second: PatchEdge) -> tuple[float, float]:
@@ -29,7 +27,7 @@ def apart(first: PatchEdge, second: PatchEdge) -> tuple[float, float]:
     """
     (a, b), (c, d) = first.interval, second.interval
 
-    def distance(t: Array) -> Array:
+    def distance(t: Floats) -> Floats:
         return sizes(first.position(np.clip(a + (t - c) * ((b - a) / (d - c)), a, b)) - second.position(t))
 
     gap, (place,) = greatest(distance, second.interval)

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.surfaces.forms import dot, limit_forms
 from rsym.surfaces.joints.borders import Border
 from rsym.surfaces.joints.edges import PatchEdge
-
-Array = NDArray[np.float64]
 
 SAMPLES = (17, 33)
 
@@ -24,10 +22,10 @@ class Fan:
     The tensor T gives the normal curvature T w . w of a unit tangent w.
     """
 
-    points: Array
-    normals: Array
-    tensors: Array
-    parameters: Array
+    points: Floats
+    normals: Floats
+    tensors: Floats
+    parameters: Floats
 
 
 def clusters(borders: Sequence[Border]) -> list[list[Border]]:
@@ -52,7 +50,7 @@ def fan(group: Sequence[Border], count: int) -> Fan:
     return Fan(*(one.reshape(-1, *one.shape[2:]) for one in (points, normals, tensors, parameters)))
 
 
-def _sides(leaving: Array, normals: Array) -> Array:
+def _sides(leaving: Floats, normals: Floats) -> Floats:
     """A sign for each patch that turns all normals to one side: along edges that two of them share they agree.
 
     Patches are taken one after the other, always the one with the edge nearest to an edge of those taken before.
@@ -70,7 +68,7 @@ def _sides(leaving: Array, normals: Array) -> Array:
     return signs
 
 
-def spread(fan: Fan) -> tuple[Array, Array, Array]:
+def spread(fan: Fan) -> tuple[Floats, Floats, Floats]:
     """Gap, angle in degrees and difference of curvatures between all pairs of directions, (n, n) each."""
     gaps = np.linalg.norm(fan.points[:, None] - fan.points[None], axis=-1)
     crossed = np.linalg.norm(np.cross(fan.normals[:, None], fan.normals[None]), axis=-1)
@@ -82,7 +80,7 @@ def spread(fan: Fan) -> tuple[Array, Array, Array]:
     return gaps, angles, jumps
 
 
-def _directions(edge: PatchEdge, t: Array) -> tuple[Array, Array, Array, Array]:
+def _directions(edge: PatchEdge, t: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Points, unit directions, normals and curvature tensors; the basis at a pole is p_uv and the derivative across."""
     u, v = edge.parameters(t)
     forms = limit_forms(edge.patch, u, v, edge.letters)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from rsym.arrays import Floats
 from rsym.bounds.enclosures import Range, ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
@@ -15,7 +16,6 @@ from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress
 from rsym.verify.atlas.dividing import divide
 from rsym.verify.atlas.greatest import greatest_curvatures
-from rsym.verify.atlas.grid import Floats
 from rsym.verify.atlas.judging import Rectangle, RectangleJudge, RectangleJudgement
 from rsym.verify.atlas.levels import CurvatureMap
 from rsym.verify.atlas.report import SmoothnessAtlas

@@ -6,16 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.registry import CompiledFunction, make_function
 from rsym.model.shape import Bounds, Shape
 from rsym.program.expansion import expand
 from rsym.program.fields import program_of
 from rsym.program.precision import FLOAT64
-from rsym.verify.atlas.grid import Floats, Ints
-
-Marks = NDArray[np.bool_]
 
 CELLS = 48  # along the longer side, of the lattice on whose edges the boundary is met
 TURN = 0.1  # of the normal in one step: a smooth maximum is met to half a hundredth
@@ -87,7 +84,7 @@ class _Walkers:
     step: Floats
     left: Floats
 
-    def only(self, which: Marks) -> _Walkers:
+    def only(self, which: Flags) -> _Walkers:
         return _Walkers(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
 
@@ -126,7 +123,7 @@ def _met(field: _Field, bounds: Bounds, letters: Floats, cell: float) -> tuple[F
     return np.concatenate(found), np.concatenate(owner)
 
 
-def _on_boundary(field: _Field, points: Floats, letters: Floats, cell: float) -> tuple[Floats, Floats, Floats, Marks]:
+def _on_boundary(field: _Field, points: Floats, letters: Floats, cell: float) -> tuple[Floats, Floats, Floats, Flags]:
     """The points moved onto the boundary, their inward normals and curvatures, and which of them arrived."""
     for _ in range(NEWTON_STEPS):
         value, gradient, _ = field.at(points, letters)

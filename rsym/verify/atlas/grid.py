@@ -8,10 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats, Ints
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # What stands in a cell; the signs tell certified from refuted.
 KINDS = {CERTIFIED: 1, REFUTED: -1, UNDECIDED: 0, DEGENERATE: 2}

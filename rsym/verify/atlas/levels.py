@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CloughTocher2DInterpolator
 
+from rsym.arrays import Floats
 from rsym.sampling.isolines import isolines
-from rsym.verify.atlas.grid import Floats
 
 PIXELS = 400  # along each letter, of the map from which level lines are read
 DECADE = (1.0, 2.0, 5.0)  # levels in each

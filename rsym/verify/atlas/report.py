@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED, Document, Sentence, Tabular
 from rsym.reports.numbers import number, tenths
 from rsym.reports.render import Report
 from rsym.reports.words import plural
-from rsym.verify.atlas.grid import Floats
 from rsym.verify.atlas.levels import CurvatureMap
 from rsym.verify.atlas.threshold_curve import ThresholdCurve
 

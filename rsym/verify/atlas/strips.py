@@ -7,17 +7,16 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, gaussian_filter1d, label
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
+from rsym.arrays import Flags, Floats, Ints
 from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
 from rsym.sampling.isolines import isolines
-from rsym.verify.atlas.grid import KINDS, Floats, Grid, Ints, grid_of, narrowest
+from rsym.verify.atlas.grid import KINDS, Grid, grid_of, narrowest
 from rsym.verify.atlas.threshold_curve import ThresholdCurve
 
-Marks = NDArray[np.bool_]
 TOUCHING = np.ones((3, 3))
 
 
@@ -49,7 +48,7 @@ def thresholds_of(rectangles: Floats, verdicts: Sequence[str], letters: tuple[st
     return tuple(result)
 
 
-def _span(grid: Grid, strip: Marks, kinds: Ints, axis: int | None) -> tuple[float, float] | None:
+def _span(grid: Grid, strip: Flags, kinds: Ints, axis: int | None) -> tuple[float, float] | None:
     """For which values of the other letter a strip, seen along an axis, lies between certified and refuted values.
 
     None if these values have a gap, or if the two change places: then the threshold is no graph over the other letter.
@@ -70,7 +69,7 @@ def _span(grid: Grid, strip: Marks, kinds: Ints, axis: int | None) -> tuple[floa
     return float(line[whole[0]]), float(line[whole[-1] + 1])
 
 
-def _side(grid: Grid, strip: Marks, beside: Marks) -> Iterator[Floats]:
+def _side(grid: Grid, strip: Flags, beside: Flags) -> Iterator[Floats]:
     """The lines along which a strip borders on marked cells."""
     edges: list[tuple[tuple[int, int], tuple[int, int]]] = []
     for axis in (0, 1):
@@ -90,7 +89,7 @@ ACROSS, FEWEST, MOST = 6, 240, 1200
 SMOOTHING = (3.0, 1.5, 0.75)  # standard deviations tried, in widths of the strip
 
 
-def middle_lines(grid: Grid, kinds: Ints, strips: Sequence[Marks]) -> list[tuple[Floats, ...]]:
+def middle_lines(grid: Grid, kinds: Ints, strips: Sequence[Flags]) -> list[tuple[Floats, ...]]:
     """For each strip, given by cells of the grid, the lines in its middle; numerical, to about a pixel.
 
     Examples
@@ -123,7 +122,7 @@ def middle_lines(grid: Grid, kinds: Ints, strips: Sequence[Marks]) -> list[tuple
     return result
 
 
-def _smoothed(line: Floats, width: float, grid: Grid, strip: Marks) -> Floats:
+def _smoothed(line: Floats, width: float, grid: Grid, strip: Flags) -> Floats:
     """The line without its waves, which are those of the steps of the strip, as far as that keeps it in the strip."""
     closed = bool((line[0] == line[-1]).all())
     for share in SMOOTHING:
@@ -139,7 +138,7 @@ def _smoothed(line: Floats, width: float, grid: Grid, strip: Marks) -> Floats:
     return line if closed else _straight_ends(line, round(width), grid, strip)
 
 
-def _straight_ends(line: Floats, length: int, grid: Grid, strip: Marks) -> Floats:
+def _straight_ends(line: Floats, length: int, grid: Grid, strip: Flags) -> Floats:
     """The line with both ends drawn straight on: harmonic functions have level lines at right angles to the border."""
     for _ in range(2):
         line = line[::-1]
@@ -163,7 +162,7 @@ def _cells(grid: Grid, points: Floats) -> tuple[Ints, Ints]:
     return first, second
 
 
-def _harmonic(values: Floats, free: Marks) -> Floats:
+def _harmonic(values: Floats, free: Flags) -> Floats:
     """The array with its free entries replaced by the mean of their neighbours; those that are 0 have no say."""
     number = np.full(values.shape, -1, np.int64)
     number[free] = np.arange(np.count_nonzero(free))

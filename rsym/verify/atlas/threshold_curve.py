@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.reports.numbers import number, share
-from rsym.verify.atlas.grid import Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Flags, Floats
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.boxes import cut
 from rsym.verify.bodies.curvature_bounds import Bent, bent
-from rsym.verify.bodies.images import Array, Boxes, Flags, Images
+from rsym.verify.bodies.images import Boxes, Images
 from rsym.verify.bodies.simplest import simplest
 from rsym.verify.bodies.subdivision import Subdivision
 
@@ -110,13 +111,13 @@ class _Search:
         self.spent = 0
 
     @property
-    def ends(self) -> Array:
+    def ends(self) -> Floats:
         """What bounds may reach to: a little beyond what is attained."""
         if not np.isfinite(self.attained).all():
             return np.array([np.inf, -np.inf])
         size = np.abs(self.attained)
         slack = np.where(size > FLAT * size.max(), TIGHT * size, FLAT * size.max()) + FINEST / self.extent
-        result: Array = self.attained + [-1, 1] * slack
+        result: Floats = self.attained + [-1, 1] * slack
         return result
 
     def bounded(self, node: int, sheet: KeptBoxes) -> tuple[KeptBoxes, Bent]:
@@ -144,7 +145,7 @@ class _Search:
                 result[own] = self.images.value(side, boxes[own])[1] >= 0
         return result
 
-    def _is_boundary(self, points: Array, normals: Array, sides: NDArray[np.int64]) -> Flags:
+    def _is_boundary(self, points: Floats, normals: Floats, sides: NDArray[np.int64]) -> Flags:
         """Whether points of a sheet are on the boundary: in a part of it, where omega changes its sign nearby."""
         result = np.ones(len(points), bool)
         for side in np.unique(sides):
@@ -167,7 +168,7 @@ class _Sheet:
         self.held, found = search.bounded(node, sheet)
         self.low, self.high, self.shares = found.low, found.high, found.shares
 
-    def excess(self, ends: Array) -> Array:
+    def excess(self, ends: Floats) -> Floats:
         """How far the bounds of boxes reach beyond these ends; 0 for the finest."""
         beyond = np.maximum(0.0, np.maximum(ends[0] - self.low, self.high - ends[1]))
         return np.where(self._wide(self.held.boxes).any(axis=1), beyond, 0.0)

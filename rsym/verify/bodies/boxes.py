@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.verify.bodies.images import Array, Boxes, Flags
+from rsym.arrays import Flags, Floats
+from rsym.verify.bodies.images import Boxes
 from rsym.verify.bodies.inspection import GROWN
 from rsym.verify.covering import OFF_CENTRE
 from rsym.verify.local import Box
@@ -59,9 +60,9 @@ def cut(boxes: Boxes, sides: Flags) -> Boxes:
     return kept
 
 
-def widths_of(boxes: Boxes) -> Array:
+def widths_of(boxes: Boxes) -> Floats:
     """The longest side (n,) of each box in space."""
-    widths: Array = (boxes[:, :3, 1] - boxes[:, :3, 0]).max(axis=1, initial=0)
+    widths: Floats = (boxes[:, :3, 1] - boxes[:, :3, 0]).max(axis=1, initial=0)
     return widths
 
 
@@ -70,7 +71,7 @@ def area(boxes: Boxes) -> float:
     return float((np.square(widths_of(boxes)) * (boxes[:, 3:, 1] - boxes[:, 3:, 0]).prod(axis=1)).sum())
 
 
-def at(points: Array, boxes: Boxes) -> Boxes:
+def at(points: Floats, boxes: Boxes) -> Boxes:
     """Points (n, 3) as boxes without extent in space, with the ranges of letters of some boxes.
 
     Examples
@@ -81,7 +82,7 @@ def at(points: Array, boxes: Boxes) -> Boxes:
     return np.concatenate([np.stack([points, points], axis=-1), boxes[:, 3:]], axis=1)
 
 
-def reach_from(points: Array, boxes: Boxes) -> Array:
+def reach_from(points: Floats, boxes: Boxes) -> Floats:
     """How far each box reaches from a point (n, 3) in it along each axis in space (3, n), rounded up.
 
     Examples
@@ -91,7 +92,7 @@ def reach_from(points: Array, boxes: Boxes) -> Array:
     [1.0, 2.0, 0.0]
     """
     # The subtractions are rounded: a unit more is outward.
-    reach: Array = np.maximum(points - boxes[:, :3, 0], boxes[:, :3, 1] - points).T * (1 + 2.0**-51)
+    reach: Floats = np.maximum(points - boxes[:, :3, 0], boxes[:, :3, 1] - points).T * (1 + 2.0**-51)
     return reach
 
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array: TypeAlias = NDArray[np.float64]
-Ends: TypeAlias = tuple[Array, Array]
+from rsym.arrays import Floats
+
+Ends: TypeAlias = tuple[Floats, Floats]
 
 # Sums of at most nine products err by ten units of 2**-53 of the sum of their sizes, thrice; the radius is such a sum.
 SLACK = 2.0**-48
@@ -35,16 +35,16 @@ class Centred:
     (True, True)
     """
 
-    middle: Array
-    radius: Array
+    middle: Floats
+    radius: Floats
 
     @classmethod
-    def exact(cls, values: Array) -> Centred:
+    def exact(cls, values: Floats) -> Centred:
         """The numbers themselves."""
         return cls(values, np.zeros_like(values))
 
     @classmethod
-    def between(cls, low: Array, high: Array) -> Centred:
+    def between(cls, low: Floats, high: Floats) -> Centred:
         """The intervals with these ends."""
         with np.errstate(all="ignore"):
             middle = np.where(np.isfinite(low) & np.isfinite(high), low / 2 + high / 2, 0.0)

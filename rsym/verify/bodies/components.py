@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.bounds.balls import arb
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.continuation import Knot, Tube, ZeroCurve, others
@@ -20,8 +20,6 @@ from rsym.verify.bodies.region import Region
 from rsym.verify.bodies.singular import SingularPoint
 from rsym.verify.krawczyk import Point, image, inverse
 from rsym.verify.local import Box, side
-
-Array = NDArray[np.float64]
 
 # Of the extent: what lies so close to a face is on it.
 _TOLERANCE = 2.0**-32
@@ -73,7 +71,7 @@ class Tubes:
         tubes = [self.tubes[number] for number in np.flatnonzero(close)]
         return any(self._follow(sides, low - margin, high + margin, axis, tubes) for axis in range(3))
 
-    def _follow(self, sides: Point, low: Array, high: Array, axis: int, tubes: Sequence[Tube]) -> bool:
+    def _follow(self, sides: Point, low: Floats, high: Floats, axis: int, tubes: Sequence[Tube]) -> bool:
         own = ends(sides)
         first, last, spans, hull = float(own[0][axis]), float(own[1][axis]), [], list(sides)
         for tube in tubes:
@@ -97,7 +95,7 @@ def _cover(spans: Sequence[tuple[float, float]], first: float, last: float) -> b
     return bool(spans) and first >= last
 
 
-def ends(sides: Sequence[arb]) -> tuple[Array, Array]:
+def ends(sides: Sequence[arb]) -> tuple[Floats, Floats]:
     """The lower and upper ends of a box, rounded outward."""
     low = np.array([float(one.lower()) for one in sides[:3]])
     high = np.array([float(one.upper()) for one in sides[:3]])
@@ -172,7 +170,7 @@ class Search:
         if parts:
             self.open.append(box)
 
-    def _is_end(self, low: Array, high: Array) -> bool:
+    def _is_end(self, low: Floats, high: Floats) -> bool:
         """Whether a component that was followed ends in a box, or right beside it."""
         beside = _BESIDE * self.curve.extent
         return any(
@@ -181,7 +179,7 @@ class Search:
             for end in (component.knots[0], component.knots[-1])
         )
 
-    def _seek(self, middle: Array) -> bool:
+    def _seek(self, middle: Floats) -> bool:
         """Look for a new component close to a point, and follow it."""
         point = self.curve.newton(middle)
         if point is None or not self.ground.boxes.holds(point):

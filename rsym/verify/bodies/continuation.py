@@ -15,15 +15,13 @@ from functools import cached_property
 from operator import mul
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.bounds.balls import arb, ball
 from rsym.model.vectors import cross
 from rsym.verify.generators import generators
 from rsym.verify.krawczyk import Point, image, inverse, refined, unique_zero
 from rsym.verify.local import Local, Model
-
-Array = NDArray[np.float64]
 
 # A tube is longer than its chord by this share at either end, so that tubes overlap.
 OVERLAP = 0.125
@@ -44,10 +42,10 @@ class Knot:
 
     sides: Point
     axis: int | None
-    tangent: Array
+    tangent: Floats
 
     @cached_property
-    def middle(self) -> Array:
+    def middle(self) -> Floats:
         """The point, rounded."""
         return np.array([float(side.mid()) for side in self.sides])
 
@@ -68,8 +66,8 @@ class Tube:
 
     axis: int
     span: tuple[float, float]
-    middle: Array
-    slope: Array
+    middle: Floats
+    slope: Floats
     reach: float
     width: float
     sense: int
@@ -139,7 +137,7 @@ class ZeroCurve:
         moved = image(near, [arb(0), arb(0)], across, unit)
         return moved is not None and all(abs(one) < 1 for one in moved)
 
-    def newton(self, point: Array, axis: int | None = None) -> Array | None:
+    def newton(self, point: Floats, axis: int | None = None) -> Floats | None:
         """The point of the curve that Newton's method finds, without moving along `axis`; no proof."""
         free = [0, 1, 2] if axis is None else others(axis)
         found = point.tolist()
@@ -163,7 +161,7 @@ class ZeroCurve:
         """Grad F x grad G."""
         return cross(*self.slopes(self.on(sides)))
 
-    def knot(self, point: Array, axis: int, tube: Tube | None = None) -> Knot | None:
+    def knot(self, point: Floats, axis: int, tube: Tube | None = None) -> Knot | None:
         """The point of the curve close to a point with the same coordinate along an axis, proved; in the tube if given.
 
         Where letters range it may move further than the tube is wide: then there is none.
@@ -201,7 +199,7 @@ class ZeroCurve:
         section = _Section(self, box[axis], axis)
         return section.whole(refined(section.values, section.jacobian, tuple(box[other] for other in others(axis))))
 
-    def tube(self, knot: Knot, end: Array, axis: int, reach: float) -> Tube | None:
+    def tube(self, knot: Knot, end: Floats, axis: int, reach: float) -> Tube | None:
         """The tube around a chord from a knot, if the curve is proved to pass it; `reach` is how wide it is to be."""
         start = knot.middle
         run = float(end[axis] - start[axis])

@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Flags, Floats
 from rsym.verify.bodies.boxes import at
 from rsym.verify.bodies.centred import Centred, contracted
 from rsym.verify.bodies.curvature_forms import Jet, frames, principal_bounds
-from rsym.verify.bodies.images import Array, Boxes, Flags, Images
+from rsym.verify.bodies.images import Boxes, Images
 
 STEPS = 3  # of Newton's method from the middle of a box to the sheet: off by h, then h**2, h**4, h**8
 BLOCK = 4096  # boxes at once: their tensors fit into the cache
@@ -27,12 +28,12 @@ class Bent(NamedTuple):
 
     places: NDArray[np.int64]
     boxes: Boxes
-    low: Array
-    high: Array
-    shares: Array
-    points: Array
-    normals: Array
-    attained: Array
+    low: Floats
+    high: Floats
+    shares: Floats
+    points: Floats
+    normals: Floats
+    attained: Floats
 
 
 def bent(images: Images, node: int, boxes: Boxes) -> Bent:
@@ -98,7 +99,7 @@ def contraction(images: Images, node: int, boxes: Boxes) -> tuple[Boxes, Flags]:
     return result[left], kept
 
 
-def _nearest(images: Images, node: int, boxes: Boxes) -> tuple[Array, Flags]:
+def _nearest(images: Images, node: int, boxes: Boxes) -> tuple[Floats, Flags]:
     """A point of each box, and whether it is one of the sheet: Newton's method from the middle."""
     points = boxes.mean(axis=-1)
     for _ in range(STEPS):
@@ -126,11 +127,11 @@ def _first(images: Images, node: int, boxes: Boxes) -> tuple[Centred, Centred, F
     return Centred.between(*value), Centred.between(low, high), analytic
 
 
-def _seen(boxes: Boxes, points: Array) -> Centred:
+def _seen(boxes: Boxes, points: Floats) -> Centred:
     """The boxes in space (3, n) seen from points of them."""
     return Centred.between(boxes[:, :3, 0].T, boxes[:, :3, 1].T) - Centred.exact(points[:, :3].T)
 
 
-def _at(points: Array) -> Boxes:
+def _at(points: Floats) -> Boxes:
     """Points as boxes without extent."""
     return np.stack([points, points], axis=-1)

@@ -33,7 +33,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsym.verify.bodies.centred import SLACK, Array, Centred, Ends, contracted
+from rsym.arrays import Floats
+from rsym.verify.bodies.centred import SLACK, Centred, Ends, contracted
 
 FRAME = 2.0**-44  # of a frame of vectors that are normal and of length 1 but for a few units of 2**-53
 ENTRIES = (0, 1, 0, 1, 0), (0, 1, 0, 1, 1)  # rows and columns of N with the larger K, the smaller K, and either
@@ -52,20 +53,20 @@ class Jet:
 class Bounds(NamedTuple):
     """Lower and upper bounds (n,), and how much each side of a box adds to how far they are apart (3, n)."""
 
-    low: Array
-    high: Array
-    shares: Array
+    low: Floats
+    high: Floats
+    shares: Floats
 
 
 @dataclass(frozen=True)
 class Frame:
     """Two tangents and the normal of a sheet (3, 3, n), along its principal directions, and its curvatures (2, n)."""
 
-    vectors: Array
-    curvatures: Array
+    vectors: Floats
+    curvatures: Floats
 
 
-def frames(gradient: Array, hessian: Array) -> Frame:
+def frames(gradient: Floats, hessian: Floats) -> Frame:
     """The principal frames, larger curvature first, where f has these derivatives.
 
     Examples
@@ -110,12 +111,12 @@ def _forms(frame: Centred, gradient: Centred, hessian: Centred) -> _Forms:
     return _Forms(parts[2], slant, tangent, framed[:, 2], rows[2], second)
 
 
-def _entries(forms: _Forms, shifts: Array) -> Centred:
+def _entries(forms: _Forms, shifts: Floats) -> Centred:
     """The five entries of N (5, n)."""
     return -forms.second[ENTRIES] - contracted("en,n->en", Centred.exact(shifts), forms.along)
 
 
-def _slopes(frame: Centred, forms: _Forms, third: Centred, shifts: Array) -> Centred:
+def _slopes(frame: Centred, forms: _Forms, third: Centred, shifts: Floats) -> Centred:
     """The five rows of C (5, 3, n)."""
     rows = contracted("iln,lmkn->imkn", frame, third)
     once = rows[:2] - contracted("in,mkn->imkn", forms.slant, rows[2])
@@ -157,14 +158,14 @@ def principal_bounds(frame: Frame, value: Centred, point: Jet, box: Jet, offset:
     return Bounds(*_quotients(over, frame.curvatures, low, high), shares)
 
 
-def _lean(slope: Array, gradient: Array, normal: Array) -> Centred:
+def _lean(slope: Floats, gradient: Floats, normal: Floats) -> Centred:
     """The multiples of f that cancel the slopes along the normal."""
     with np.errstate(all="ignore"):
         lean = -np.einsum("ekn,kn->en", slope, normal) / np.einsum("kn,kn->n", gradient, normal)
     return Centred.exact(np.where(np.isfinite(lean), lean, 0.0))
 
 
-def _quotients(over: _Forms, curvatures: Array, low: Array, high: Array) -> Ends:
+def _quotients(over: _Forms, curvatures: Floats, low: Floats, high: Floats) -> Ends:
     """The quotients, from ends of the entries of N."""
     along, slant = over.along.ends, np.abs(over.slant.middle) + over.slant.radius
     shear = np.maximum(np.abs(low[SHEAR]), np.abs(high[SHEAR]))
@@ -178,7 +179,7 @@ def _quotients(over: _Forms, curvatures: Array, low: Array, high: Array) -> Ends
     return -result[0], result[1]
 
 
-def _bound(curvature: Array, diagonal: Array, shear: Array, metric: Ends, divisors: Ends) -> Array:
+def _bound(curvature: Floats, diagonal: Floats, shear: Floats, metric: Ends, divisors: Ends) -> Floats:
     """The upper bound K + (N + K(w |v|**2 - |g| G))/(|g| G), with |g| G between the divisors.
 
     The square root errs by a few units of the largest of its operands, as do the other operations.
@@ -190,5 +191,5 @@ def _bound(curvature: Array, diagonal: Array, shear: Array, metric: Ends, diviso
     excess = np.maximum(-curvature * (ratio - 1), curvature * FRAME) * along
     top = largest + excess + SLACK * (np.abs(largest) + np.abs(excess))
     quotient = top / np.where(top >= 0, divisors[0], divisors[1])
-    result: Array = curvature + quotient + SLACK * (np.abs(curvature) + np.abs(quotient))
+    result: Floats = curvature + quotient + SLACK * (np.abs(curvature) + np.abs(quotient))
     return result

@@ -15,12 +15,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Flags
 from rsym.bounds.balls import arb, exact
 from rsym.program.builder import Builder
 from rsym.program.operations import BRANCHING, ENTIRE
 from rsym.program.program import live
 from rsym.verify.bodies.boxes import at, grown, reach_from
-from rsym.verify.bodies.images import Boxes, Flags, Images
+from rsym.verify.bodies.images import Boxes, Images
 from rsym.verify.bodies.independence import apart, independent
 from rsym.verify.classes import CURVED
 from rsym.verify.domains import switch_of

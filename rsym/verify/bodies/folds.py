@@ -11,8 +11,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Flags
 from rsym.bounds.balls import ctx
-from rsym.verify.bodies.images import Boxes, Flags, Images
+from rsym.verify.bodies.images import Boxes, Images
 from rsym.verify.bodies.simplest import simplest
 from rsym.verify.classes import CURVED, Pieces, pieces
 from rsym.verify.covering import PRECISION

@@ -8,13 +8,11 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.continuation import Knot, Tube, ZeroCurve
 from rsym.verify.bodies.region import Region
-
-Array = NDArray[np.float64]
 
 # In shares of the extent: a polyline of longer steps does not look smooth in a picture; shorter ones lead nowhere.
 LONGEST, SHORTEST = 2.0**-6, 2.0**-38
@@ -133,7 +131,7 @@ class Walk:
                 return step
         return None
 
-    def _along(self, knot: Knot, tube: Tube, target: Array, ahead: int) -> _Step | None:
+    def _along(self, knot: Knot, tube: Tube, target: Floats, ahead: int) -> _Step | None:
         """The step in a tube: to the first of the ends that it holds, to the target, or to a face before it."""
         met = []
         for end, known in ((end, one) for end, knots in self._ends.items() for one in knots if one is not knot):
@@ -146,7 +144,7 @@ class Walk:
             return min(met, key=lambda pair: pair[0])[1]
         return self._inside(knot, tube, target) or self._leaving(knot, tube, target)
 
-    def _inside(self, knot: Knot, tube: Tube, target: Array) -> _Step | None:
+    def _inside(self, knot: Knot, tube: Tube, target: Floats) -> _Step | None:
         if not self.ground.further.holds(target):
             return None
         found = self.curve.knot(target, tube.axis, tube)
@@ -154,7 +152,7 @@ class Walk:
             return None
         return _Step(found, tube, "")
 
-    def _leaving(self, knot: Knot, tube: Tube, target: Array) -> _Step | None:
+    def _leaving(self, knot: Knot, tube: Tube, target: Floats) -> _Step | None:
         """The end of the curve on the face through which it leaves the boxes."""
         if self.ground.further.holds(target):
             return None
@@ -165,7 +163,7 @@ class Walk:
             return _Step(knot, tube, "face")
         return _Step(found, tube, "face")
 
-    def _end(self, inner: Array, outer: Array, tube: Tube) -> Knot | None:
+    def _end(self, inner: Floats, outer: Floats, tube: Tube) -> Knot | None:
         for _ in range(_HALVINGS):
             gap = np.linalg.norm(outer - inner) / self.curve.extent
             if gap < ACCURACY:
@@ -178,7 +176,7 @@ class Walk:
             inner, outer = (middle, outer) if self.ground.further.holds(middle) else (inner, middle)
         return self.curve.knot(inner, tube.axis, tube)
 
-    def _on_face(self, inner: Array, outer: Array, tube: Tube) -> Knot | None:
+    def _on_face(self, inner: Floats, outer: Floats, tube: Tube) -> Knot | None:
         face = self.ground.further.face(inner, outer)
         if face is None:
             return None
@@ -227,5 +225,5 @@ def cut(tube: Tube, end: Knot, sense: int, beyond: float) -> Tube:
     return replace(tube, span=span)
 
 
-def _angle(a: Array, b: Array) -> float:
+def _angle(a: Floats, b: Floats) -> float:
     return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))

@@ -9,17 +9,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Flags, Floats
 from rsym.logic.gates import Gate, through
 from rsym.logic.kleene import Formula, Literal, joined, without_idle
 from rsym.program.builder import Builder
-
-Array: TypeAlias = NDArray[np.float64]
-Flags: TypeAlias = NDArray[np.bool_]
 
 # What joins the leaves of a box: a min or a max of two, anything else, or a leaf and its negative, zero at most.
 MIN, MAX, OPEN, DOUBLE = 1, 2, 3, 4
@@ -86,7 +84,7 @@ class Formation:
         formula = through(self.gates, known, join)[-1]
         return None if formula is None else without_idle(formula)
 
-    def alive(self, low: Array, high: Array, tests: tuple[Array, Array]) -> tuple[Flags, NDArray[np.int8]]:
+    def alive(self, low: Floats, high: Floats, tests: tuple[Floats, Floats]) -> tuple[Flags, NDArray[np.int8]]:
         """Which leaves can be zero on the boundary in each box, and what joins them.
 
         Parameters
@@ -120,8 +118,8 @@ class Formation:
 class _Part(NamedTuple):
     """Bounds of a gate, the leaves alive in it (leaves, n), what joins them, and whether a choice is open."""
 
-    low: Array
-    high: Array
+    low: Floats
+    high: Floats
     alive: Flags
     joined: NDArray[np.int8]
     forked: Flags
@@ -139,7 +137,7 @@ def _larger(f: _Part, g: _Part) -> _Part:
     return _joined(f, g, low, high, (first, second), MAX)
 
 
-def _joined(f: _Part, g: _Part, low: Array, high: Array, only: tuple[Flags, Flags], operation: int) -> _Part:
+def _joined(f: _Part, g: _Part, low: Floats, high: Floats, only: tuple[Flags, Flags], operation: int) -> _Part:
     """Of both operands, or of one where the other does not count."""
     undecided = (low <= 0) & (high >= 0)
     both = ~only[0] & ~only[1]
@@ -150,7 +148,7 @@ def _joined(f: _Part, g: _Part, low: Array, high: Array, only: tuple[Flags, Flag
     return _Part(low, high, alive, joined, (f.forked & ~only[1] | g.forked & ~only[0]) & undecided)
 
 
-def _choice(f: _Part, g: _Part, low: Array, high: Array) -> _Part:
+def _choice(f: _Part, g: _Part, low: Floats, high: Floats) -> _Part:
     """The first where the test is positive, the second where it is not."""
     first, second = low > 0, high < 0
     bounds = (

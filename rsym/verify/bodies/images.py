@@ -14,6 +14,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Flags, Floats
 from rsym.bounds.interval_arithmetic import neighbours
 from rsym.bounds.intervals import IntervalFunction
 from rsym.program.builder import Builder
@@ -27,10 +28,8 @@ from rsym.verify.domains import switch_of
 from rsym.verify.generators import analytic_clauses
 from rsym.verify.local import Interval, Model
 
-Array: TypeAlias = NDArray[np.float64]
-Boxes: TypeAlias = NDArray[np.float64]  # (n, k, 2): three sides in space, then those of the letters that range
-Ends: TypeAlias = tuple[Array, Array]
-Flags: TypeAlias = NDArray[np.bool_]
+Boxes: TypeAlias = Floats  # (n, k, 2): three sides in space, then those of the letters that range
+Ends: TypeAlias = tuple[Floats, Floats]
 NARROW = 2.0**-40  # of the range of a letter: narrower ones are not divided
 SMALL = 25  # operations: to compile fewer takes longer than NumPy needs for a hundred thousand boxes
 # Operations of what is asked of a few boxes, beyond which compiling takes longest: of the third derivatives of a tube
@@ -124,7 +123,7 @@ class Images:
         return {name: (neighbours(low)[0], neighbours(high)[1]) for name, (low, high) in self.letters.items()}
 
     @cached_property
-    def ranges(self) -> Array:
+    def ranges(self) -> Floats:
         """The ends (m, 2) of the letters that range, rounded outward."""
         return np.array([self._ends[name] for name in self.model.axes[3:]], np.float64).reshape(-1, 2)
 
@@ -170,14 +169,14 @@ class Images:
         empty: Flags = np.logical_or.reduce([(low > 0) | (high < 0), *(top < 0 for _, top in found.values())])
         return empty
 
-    def influence(self, boxes: Boxes) -> Array:
+    def influence(self, boxes: Boxes) -> Floats:
         """How much more each letter that ranges changes a leaf that is alive than the coordinates do, (n, m)."""
         result = np.zeros((len(boxes), len(self.ranges)))
         for leaf, own in zip(self.formed.leaves, self.alive(boxes)[0], strict=True):
             result = np.maximum(result, np.where(own[:, None], self.influence_on(leaf, boxes), 0.0))
         return result
 
-    def influence_on(self, node: int, boxes: Boxes) -> Array:
+    def influence_on(self, node: int, boxes: Boxes) -> Floats:
         """How much more each letter that ranges changes a node over boxes than the coordinates do, (n, m).
 
         Over a box of the width h_i along side i a function f changes by at most |df/di| h_i; at a kink, where there is
@@ -230,7 +229,7 @@ class Images:
         low, high = (np.array([found[name][end] for name in numbers]) for end in (0, 1))
         return (low > 0).astype(np.int8) - (high < 0).astype(np.int8)
 
-    def slopes(self, node: int, boxes: Boxes) -> tuple[Array, Array, Array]:
+    def slopes(self, node: int, boxes: Boxes) -> tuple[Floats, Floats, Floats]:
         """The gradient of a node over boxes, (3, n) lower and upper, and its order (n,).
 
         The node is of class C^j on a box for all whole j below the order: infinite where it is certainly analytic,
@@ -245,7 +244,7 @@ class Images:
         value, slopes, order = self._first(node, boxes)
         return value, slopes, np.isinf(order)
 
-    def _first(self, node: int, boxes: Boxes) -> tuple[Ends, Ends, Array]:
+    def _first(self, node: int, boxes: Boxes) -> tuple[Ends, Ends, Floats]:
         if node not in self._slopes:
             self._slopes[node] = self._made(node)
         made = self._slopes[node]

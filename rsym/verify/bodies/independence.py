@@ -9,8 +9,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-Array: TypeAlias = NDArray[np.float64]
-Ends: TypeAlias = tuple[Array, Array]
+from rsym.arrays import Floats
+
+Ends: TypeAlias = tuple[Floats, Floats]
 
 UNIT = 2.0**-51  # of the size of an operand: two roundings, and the rounding of that bound
 
@@ -40,7 +41,7 @@ def independent(vectors: Sequence[Ends]) -> NDArray[np.bool_]:
     return result
 
 
-def apart(values: Sequence[Ends], slopes: Sequence[Ends], reach: Array) -> NDArray[np.bool_]:
+def apart(values: Sequence[Ends], slopes: Sequence[Ends], reach: Floats) -> NDArray[np.bool_]:
     """Where two functions certainly have no common zero in a box.
 
     By the mean-value theorem f - m*g lies in f(c) - m*g(c) + (grad f - m grad g)(x - c) with the slopes over the box;
@@ -78,7 +79,7 @@ def apart(values: Sequence[Ends], slopes: Sequence[Ends], reach: Array) -> NDArr
     return result
 
 
-def step_to_both(values: Sequence[Ends], slopes: Sequence[Ends]) -> Array:
+def step_to_both(values: Sequence[Ends], slopes: Sequence[Ends]) -> Floats:
     """The shortest step (3, n) to where both functions vanish to first order; not finite where there is none.
 
     Examples
@@ -93,7 +94,7 @@ def step_to_both(values: Sequence[Ends], slopes: Sequence[Ends]) -> Array:
         p, q = ((low + high) / 2 for low, high in slopes)
         pp, pq, qq = ((u * v).sum(axis=0) for u, v in ((p, p), (p, q), (q, q)))
         determinant = pp * qq - pq * pq
-        step: Array = ((pq * g - qq * f) * p + (pq * f - pp * g) * q) / determinant
+        step: Floats = ((pq * g - qq * f) * p + (pq * f - pp * g) * q) / determinant
     return step
 
 

@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.bounds.ball_arithmetic import degrees
 from rsym.bounds.balls import arb, ctx, root, square
 from rsym.model.vectors import cross
@@ -24,8 +24,6 @@ from rsym.verify.bodies.continuation import Knot, Tube, ZeroCurve, dot
 from rsym.verify.joints import PRECISE, Meeting, step_of
 from rsym.verify.local import Local
 from rsym.verify.vanishing import vanishes_with
-
-Array = NDArray[np.float64]
 
 WORDS = {"equal": "proved equal", "zero": "equal to 25 digits, which is no proof", "jump": "proved to differ"}
 
@@ -40,7 +38,7 @@ class Jump:
     `steps` says of normals and curvatures whether they are "equal", proved to "jump", numerically "zero" or "open".
     """
 
-    normals: Array
+    normals: Floats
     turn: arb
     curvature: arb | None
     steps: tuple[str, str]

@@ -1,7 +1,6 @@
 """The octree: boxes into which a region in space falls until each is settled, or too small to go on.
 
 Letters that range are further sides of a box, divided where they change the leaves more than the coordinates do.
-
 A level of boxes at a time: intervals in float64 discard most and settle nearly all that hold one analytic sheet or
 two that cross; balls decide what is left. The results do not depend on how many threads there are.
 """
@@ -16,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Flags, Floats
 from rsym.bounds.balls import ctx
 from rsym.logic.kleene import Formula, as_gate, leaves_of
 from rsym.logic.stripping import is_even
@@ -26,7 +26,7 @@ from rsym.verify.bodies.deciding import MEETING, REGULAR, UNKNOWN, Decider
 from rsym.verify.bodies.deciding import OPEN as UNDIVIDED
 from rsym.verify.bodies.folds import Folds
 from rsym.verify.bodies.formation import DOUBLE, MAX, MIN, OPEN
-from rsym.verify.bodies.images import Array, Boxes, Flags, Images
+from rsym.verify.bodies.images import Boxes, Images
 from rsym.verify.bodies.independence import apart, independent, step_to_both
 from rsym.verify.bodies.inspection import Inspection, inspect
 from rsym.verify.bodies.repetition import Repetition
@@ -323,7 +323,7 @@ class Octree:
             state.divided[these[~empty & ~regular & ~fine & np.isinf(made.order)]] = True
         return own[~(state.settled | state.divided)[own]]
 
-    def _slopes(self, nodes: Sequence[int], boxes: Boxes) -> tuple[list[tuple[Array, Array]], list[Array]]:
+    def _slopes(self, nodes: Sequence[int], boxes: Boxes) -> tuple[list[tuple[Floats, Floats]], list[Floats]]:
         """The gradients of nodes over boxes, and their orders."""
         found = [self.images.slopes(node, boxes) for node in nodes]
         return [(low, high) for low, high, _ in found], [order for _, _, order in found]
@@ -352,7 +352,7 @@ class Octree:
         sides = (g, f) if sheets.gate == MIN else (b.neg(g), b.neg(f))
         return Meeting((BoundaryArc(f, sides[0]), BoundaryArc(g, sides[1])), 1)
 
-    def _inspect(self, state: _State, widths: Array, defined: Flags) -> None:
+    def _inspect(self, state: _State, widths: Floats, defined: Flags) -> None:
         """What balls say of hard boxes, one by one; those that stay open are divided, the smallest are left."""
         model, found = self.images.model, self.found
         with ctx.workprec(PRECISION):

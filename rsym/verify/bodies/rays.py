@@ -20,7 +20,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,14 +27,13 @@ from scipy.optimize import linprog, nnls
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from rsym.arrays import Floats
 from rsym.bounds.balls import arb, ctx
 from rsym.verify.directions import AROUND, PRECISE, same_sign
 from rsym.verify.local import Model
 from rsym.verify.slope_rules import Vector
 from rsym.verify.slopes import Slopes, slopes_of
 from rsym.verify.vanishing import Exact
-
-Array: TypeAlias = NDArray[np.float64]
 
 COARSEST, FINE, FINEST = 2, 5, 7  # halvings of a face: cells of 4 degrees, or of 1
 CROWD = 3000  # undecided cells: a closed curve around the cube crosses 200 to 800, an area thousands
@@ -54,7 +52,7 @@ class Rays:
     """
 
     slopes: Slopes
-    boxes: Array
+    boxes: Floats
     signs: NDArray[np.int8]
 
     def components(self, sign: int) -> int:
@@ -97,7 +95,7 @@ class Rays:
             self._is_spanned(middles[self.signs == sign], middles[self.signs == -sign], sign) for sign in (1, -1)
         )
 
-    def _is_spanned(self, own: Array, others: Array, sign: int) -> bool:
+    def _is_spanned(self, own: Floats, others: Floats, sign: int) -> bool:
         """Whether directions of one sign add up to one of the other."""
         for direction in others[:: max(1, len(others) // TRIED)]:
             weights, residual = nnls(own.T, direction)
@@ -148,7 +146,7 @@ def rays_at(model: Model, known: Exact, finest: int = FINE) -> Rays | None:
         if slopes is None:
             return None
         cells, signs = _first_cells(), []
-        settled: list[tuple[Array, int]] = []
+        settled: list[tuple[Floats, int]] = []
         for level in range(COARSEST, finest + 1):
             signs = [_sign(slopes, _direction(box)) for box in cells]
             if level == finest:
@@ -176,11 +174,11 @@ def _sign(slopes: Slopes, direction: Vector) -> int:
     return 0 if value is None else 1 if value > 0 else -1 if value < 0 else 0
 
 
-def _direction(box: Array) -> Vector:
+def _direction(box: Floats) -> Vector:
     return tuple(arb(float(low)).union(arb(float(high))) for low, high in box)
 
 
-def _first_cells() -> list[Array]:
+def _first_cells() -> list[Floats]:
     ends = np.linspace(-1, 1, 2**COARSEST + 1)
     cells = []
     for axis, side in product(range(3), (-1.0, 1.0)):
@@ -191,7 +189,7 @@ def _first_cells() -> list[Array]:
     return cells
 
 
-def _quarters(box: Array) -> list[Array]:
+def _quarters(box: Floats) -> list[Floats]:
     flat = int((box[:, 0] == box[:, 1]).argmax())
     middle = box.mean(axis=1)
     parts = []
@@ -204,7 +202,7 @@ def _quarters(box: Array) -> list[Array]:
     return parts
 
 
-def _steepest(gradients: Array) -> Array:
+def _steepest(gradients: Floats) -> Floats:
     """The v in [-1, 1]^3 with the largest least product with the gradients."""
     rows = gradients / np.maximum(np.linalg.norm(gradients, axis=1, keepdims=True), 1e-300)
     bounds = [(-1, 1)] * 3 + [(None, None)]

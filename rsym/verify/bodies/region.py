@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.verify.examination import GROWN
 from rsym.verify.local import Box
-
-Array = NDArray[np.float64]
 
 # A hair less than the share by which boxes were grown when they were examined, for the rounding of their sides.
 _GROWN = GROWN * (1 - 2.0**-20)
@@ -37,21 +36,21 @@ class Region:
         margin = _GROWN * (self.high - self.low)
         self._low, self._high = self.low - margin, self.high + margin
 
-    def around(self, point: Array) -> NDArray[np.intp]:
+    def around(self, point: Floats) -> NDArray[np.intp]:
         """The boxes that a point lies in, to within the tolerance."""
         near = (self.low - self.tolerance <= point) & (point <= self.high + self.tolerance)
         found: NDArray[np.intp] = np.flatnonzero(near.all(axis=1))
         return found
 
-    def holds(self, point: Array) -> bool:
+    def holds(self, point: Floats) -> bool:
         """Whether a point lies in the union, to within the tolerance."""
         return bool(len(self.around(point)))
 
-    def surrounds(self, low: Array, high: Array) -> bool:
+    def surrounds(self, low: Floats, high: Floats) -> bool:
         """Whether one of the grown boxes holds a box."""
         return bool(((self._low <= low) & (high <= self._high)).all(axis=1).any())
 
-    def face(self, inner: Array, outer: Array) -> tuple[int, float] | None:
+    def face(self, inner: Floats, outer: Floats) -> tuple[int, float] | None:
         """The axis and the value of the face between two points that are close together; None if there is none."""
         best, found = 0.0, None
         for number in self.around(inner):

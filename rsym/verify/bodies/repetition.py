@@ -22,9 +22,10 @@ from itertools import combinations, product
 import numpy as np
 import sympy as sp
 
+from rsym.arrays import Flags
 from rsym.model.shape import Shape
 from rsym.model.traversal import postorder, rebuild, symbols_of
-from rsym.verify.bodies.images import Boxes, Flags
+from rsym.verify.bodies.images import Boxes
 from rsym.verify.bodies.likeness import Likeness
 from rsym.verify.local import Box, Model
 

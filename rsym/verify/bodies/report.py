@@ -9,12 +9,12 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from rsym.arrays import Floats
 from rsym.reports.document import Document, Entry, Sentence
 from rsym.reports.numbers import interval, point, share, short
 from rsym.reports.render import plain
 from rsym.reports.words import plural
 from rsym.verify.bodies.singular import (
-    Array,
     Defect,
     SingularCurve,
     SingularPoint,
@@ -53,8 +53,8 @@ class BodyCover(Cover):
         return areas[0] / sum(areas) if areas[0] else 0.0
 
 
-def _widths(boxes: Array) -> Array:
-    widths: Array = (boxes[..., 1] - boxes[..., 0]).max(axis=1, initial=0)
+def _widths(boxes: Floats) -> Floats:
+    widths: Floats = (boxes[..., 1] - boxes[..., 0]).max(axis=1, initial=0)
     return widths
 
 

@@ -11,11 +11,10 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.reports.numbers import SHORT, about, extents, measured, nearness, point, short
 from rsym.reports.words import first_of, listed
 from rsym.verify.report import PLAIN as PLAIN_KINDS
-
-Array: TypeAlias = NDArray[np.float64]
 
 PLACES = 8  # points that a line lists
 REASONS = 2  # that a line gives
@@ -76,14 +75,14 @@ class SingularCurve:
     ('edge', True, True, ('-x**2 - y**2 - z**2 + 1', 'z'), 90.0)
     """
 
-    points: Array
+    points: Floats
     radius: float
     kind: str
     continuity: str
     names: tuple[str, str]
-    normals: Array
-    tangent_jumps: Array
-    curvature_jumps: Array
+    normals: Floats
+    tangent_jumps: Floats
+    curvature_jumps: Floats
     tangent_jump: float = math.nan
     tangent_jump_error: float = math.nan
     curvature_jump: float = math.nan
@@ -103,9 +102,9 @@ class SingularCurve:
         return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
 
     @property
-    def dihedral_angles(self) -> Array:
+    def dihedral_angles(self) -> Floats:
         """The angles between the two sheets at the points, measured through the inside, in degrees: 180 is flat."""
-        angles: Array = np.where(self.convex, 180 - self.tangent_jumps, 180 + self.tangent_jumps)
+        angles: Floats = np.where(self.convex, 180 - self.tangent_jumps, 180 + self.tangent_jumps)
         return angles
 
     @property

@@ -18,11 +18,10 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from rsym.arrays import Floats
 from rsym.backends.numpy_backend import NumpyFunction
 from rsym.program.expansion import expand
 from rsym.verify.local import Model
-
-Array: TypeAlias = NDArray[np.float64]
 
 FINENESS = 40  # steps along an edge of the cube of directions: cones of 3 degrees are seen
 HALVINGS = 30
@@ -43,7 +42,7 @@ class View:
         return f"{self.inside} pieces of the inside and {self.outside} of the outside{nan}"
 
 
-Sampler: TypeAlias = Callable[[Array], Array]
+Sampler: TypeAlias = Callable[[Floats], Floats]
 
 
 def sampler(model: Model) -> Sampler:
@@ -52,7 +51,7 @@ def sampler(model: Model) -> Sampler:
     function = NumpyFunction(expand(model.builder.program({str(place): node for place, node in enumerate(nodes)})))
     letters = [float((model.letters[name][0] + model.letters[name][1]) / 2) for name in model.builder.letters]
 
-    def sampled(points: Array) -> Array:
+    def sampled(points: Floats) -> Floats:
         outputs = [np.empty(len(points)) for _ in nodes]
         function.run([np.ascontiguousarray(row) for row in points.T], letters, outputs)
         return np.stack(outputs)
@@ -75,7 +74,7 @@ def views(sampled: Sampler, centre: Sequence[float], radii: Sequence[float]) -> 
     return [_view(sampled, np.asarray(centre) + size * directions, pairs) for size in radii]
 
 
-def _view(sampled: Sampler, points: Array, pairs: NDArray[np.int64]) -> View:
+def _view(sampled: Sampler, points: Floats, pairs: NDArray[np.int64]) -> View:
     signs = _signs(sampled(points)[0])
     counts = {sign: _pieces(signs == sign, pairs) for sign in (1, -1)}
     inner, outer = pairs[:, signs[pairs[0]] * signs[pairs[1]] < 0]
@@ -93,7 +92,7 @@ def _view(sampled: Sampler, points: Array, pairs: NDArray[np.int64]) -> View:
     return View(counts[1], counts[-1], bool((signs == 0).any()), math.degrees(math.acos(max(-1.0, min(1.0, least)))))
 
 
-def _signs(values: Array) -> NDArray[np.int64]:
+def _signs(values: Floats) -> NDArray[np.int64]:
     return np.where(np.isnan(values), 0, np.where(values > 0, 1, -1))
 
 
@@ -104,7 +103,7 @@ def _pieces(own: NDArray[np.bool_], pairs: NDArray[np.int64]) -> int:
 
 
 @cache
-def _lattice() -> tuple[Array, NDArray[np.int64]]:
+def _lattice() -> tuple[Floats, NDArray[np.int64]]:
     """Unit vectors through the points of a lattice on the surface of a cube, and the pairs of neighbours."""
     n = FINENESS
     points = [point for point in product(range(n + 1), repeat=3) if 0 in point or n in point]

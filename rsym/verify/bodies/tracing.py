@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.bounds.balls import arb, ctx
 from rsym.sampling.effort import Effort
 from rsym.verify.bodies.components import Component, Search, ends
@@ -20,8 +20,6 @@ from rsym.verify.borders import is_within
 from rsym.verify.covering import PRECISION
 from rsym.verify.joints import Meeting
 from rsym.verify.local import Box, Model, side
-
-Array = NDArray[np.float64]
 
 HASTY = 16  # points of a curve at which jumps are enclosed when time is over
 _ROUNDED = 5e-4  # what four digits may lose
@@ -167,7 +165,7 @@ def _remarks(search: Search, component: Component) -> list[str]:
     return [followed, f"{len(search.open)} of {len(search.boxes)} boxes stay open and may hold another curve"]
 
 
-def _sizes(jumps: Sequence[Jump], level: int) -> Array:
+def _sizes(jumps: Sequence[Jump], level: int) -> Floats:
     """The jumps at all points: 0 where proved equal, NaN where there is none."""
     found = []
     for jump in jumps:

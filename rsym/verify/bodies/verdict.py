@@ -10,6 +10,7 @@ from itertools import product
 
 import numpy as np
 
+from rsym.arrays import Floats
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import SignForm
 from rsym.model.blends.gates import without_rounded_levels
@@ -29,7 +30,7 @@ from rsym.verify.bodies.octree import Octree
 from rsym.verify.bodies.points import classify_points
 from rsym.verify.bodies.repetition import Repetition, repetition, turning
 from rsym.verify.bodies.report import BodyCover, BodyReport
-from rsym.verify.bodies.singular import Array, Defect, SingularCurve, SingularPoint
+from rsym.verify.bodies.singular import Defect, SingularCurve, SingularPoint
 from rsym.verify.bodies.subdivision import Subdivision, joined_boxes
 from rsym.verify.bodies.tracing import trace
 from rsym.verify.cells import within_cells
@@ -207,7 +208,7 @@ def _curves(study: Study, corners: Sequence[tuple[Box, SingularPoint]]) -> tuple
     return curves, open_boxes
 
 
-def _holds(box: Box, point: Array) -> bool:
+def _holds(box: Box, point: Floats) -> bool:
     return all(low <= value <= high for value, (low, high) in zip(point, box, strict=False))
 
 
@@ -244,9 +245,9 @@ def _tally(found: Subdivision, exists: bool | None) -> Tally:
 def _cover(study: Study, found: Subdivision) -> BodyCover:
     region = study.region
     none = np.empty((0, len(region), 2))
-    late: Array = np.array([box[:3] for box in found.late], dtype=np.float64).reshape(-1, 3, 2)
+    late: Floats = np.array([box[:3] for box in found.late], dtype=np.float64).reshape(-1, 3, 2)
     boxes = [*(box for box, _ in found.left), *found.double, *found.leaps, *(box for box, _ in found.breaks)]
-    left: Array = np.array([box[:3] for box in boxes], dtype=np.float64).reshape(-1, 3, 2)
+    left: Floats = np.array([box[:3] for box in boxes], dtype=np.float64).reshape(-1, 3, 2)
     regular = (part for parts in found.regular.values() for part in parts)
     certified = np.concatenate([late, np.concatenate([none, *regular])[:, :3]])
     joined = np.concatenate([none, *joined_boxes(found)])[:, :3]

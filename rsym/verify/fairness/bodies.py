@@ -11,14 +11,14 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymWarning
 from rsym.model.shape import Shape
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 from rsym.verify.bodies.report import BodyReport
-from rsym.verify.bodies.singular import Array
 from rsym.verify.fairness.report import Bands, CurvatureBounds, Extremum, FairnessReport, Measure, Peak
-from rsym.verify.fairness.surfaces import QUANTITIES, CurvedSurface, Floats, SurfaceBending
+from rsym.verify.fairness.surfaces import QUANTITIES, CurvedSurface, SurfaceBending
 from rsym.verify.local import Interval, Model
 
 RESOLUTION = 96  # cells along the extent of the mesh; one of half as many tells the error of the measures
@@ -88,7 +88,7 @@ def _bounds(
     )
 
 
-def _at(values: Floats, points: Array, index: int) -> Place:
+def _at(values: Floats, points: Floats, index: int) -> Place:
     return float(values[index]), tuple(map(float, points[index]))
 
 

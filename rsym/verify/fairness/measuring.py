@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.kernel import run_in_blocks
 from rsym.backends.registry import make_function
 from rsym.program.expansion import expand
@@ -20,8 +20,6 @@ from rsym.verify.fairness.bending import Arcs
 from rsym.verify.fairness.pieces import ArcPiece
 from rsym.verify.fairness.report import Measure, Profile
 from rsym.verify.joints import BoundaryArc
-
-Floats = NDArray[np.float64]
 
 NODES = (8, 5)  # of Gauss's rules: the second tells the error of the first
 NEWTON_STEPS = 8

@@ -6,11 +6,10 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.reports.document import Document, Entry, Sentence, Tabular
 from rsym.reports.numbers import at_least, at_most, measured, number, point
 from rsym.reports.render import Report
@@ -18,7 +17,6 @@ from rsym.reports.words import letters_text, listed, plural, within
 from rsym.verify.bodies.report import BodyReport
 from rsym.verify.report import UNKNOWN, SmoothnessReport, yes_or_no
 
-Floats: TypeAlias = NDArray[np.float64]
 MEASURES: Mapping[str, str] = {
     "length": "length",
     "area": "area",

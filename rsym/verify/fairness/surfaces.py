@@ -14,15 +14,13 @@ from __future__ import annotations
 from itertools import combinations_with_replacement
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.kernel import run_in_blocks
 from rsym.backends.registry import make_function
 from rsym.program.expansion import expand
 from rsym.program.precision import FLOAT64
 from rsym.verify.local import Model
-
-Floats = NDArray[np.float64]
 
 QUANTITIES = ("smaller principal curvature", "larger principal curvature", "mean curvature")
 

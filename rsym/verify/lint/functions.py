@@ -9,13 +9,13 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.model.shape import Shape
 from rsym.program.builder import Builder
 from rsym.program.differentiation import gradient
 from rsym.program.lowering import lower_all
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 LARGEST = 4_000_000  # numbers computed at once: 32 MB
@@ -49,7 +49,7 @@ class Functions:
         """How many points fit into memory at once."""
         return max(1, LARGEST // (self.count * (1 + self.dimension)))
 
-    def __call__(self, points: Array) -> tuple[Array, Array]:
+    def __call__(self, points: Floats) -> tuple[Floats, Floats]:
         """Values (count, n) and gradients (count, n, dim) at points (n, dim)."""
         out = np.empty((self.count * (1 + self.dimension), len(points)))
         if len(points):
@@ -58,12 +58,12 @@ class Functions:
         parts = out.reshape(self.count, 1 + self.dimension, len(points))
         return parts[:, 0], parts[:, 1:].transpose(0, 2, 1)
 
-    def values(self, points: Array) -> Array:
+    def values(self, points: Floats) -> Floats:
         """Values (count, n)."""
         parts = [self(points[start : start + self.portion])[0] for start in range(0, len(points), self.portion)]
         return np.hstack([np.empty((self.count, 0)), *parts])
 
-    def of(self, which: Ints, points: Array) -> tuple[Array, Array]:
+    def of(self, which: Ints, points: Floats) -> tuple[Floats, Floats]:
         """The value (n,) and the gradient (n, dim) of one function at each point."""
         value, slope = np.empty(len(points)), np.empty(points.shape)
         for start in range(0, len(points), self.portion):

@@ -12,6 +12,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.kernel import compile
 from rsym.bounds.intervals import IntervalFunction
 from rsym.model.equivalences import EquivalenceOperation
@@ -23,14 +24,13 @@ from rsym.model.shape import Shape
 from rsym.model.traversal import postorder
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower
-from rsym.verify.lint.functions import Array
 from rsym.verify.lint.places import ModelPlace, text_of
 from rsym.verify.lint.report import LETTER_RANGE, Finding
 
 SEEN = 50  # points inside: of a shape with more of them one without any is no accident
 
 
-def letter_findings(shape: Shape, cloud: Array) -> Iterator[Finding]:
+def letter_findings(shape: Shape, cloud: Floats) -> Iterator[Finding]:
     """Findings on letters, each under the letters that it is about."""
     letters = shape.letters
     told: set[str] = set()
@@ -64,7 +64,7 @@ def _of_breach(breach: Breach, letters: Letters) -> Finding:
     )
 
 
-def _at_ends(shape: Shape, cloud: Array, told: set[str]) -> Iterator[Finding]:
+def _at_ends(shape: Shape, cloud: Floats, told: set[str]) -> Iterator[Finding]:
     """Letters at whose ends omega is undefined where it is not otherwise, or positive nowhere."""
     before, inside = _shares(shape, cloud, {})
     for name, letter in shape.letters.items():
@@ -81,7 +81,7 @@ def _at_ends(shape: Shape, cloud: Array, told: set[str]) -> Iterator[Finding]:
                 yield Finding(LETTER_RANGE, here, message, "narrow its range, or widen the bounds")
 
 
-def _shares(shape: Shape, cloud: Array, letters: Mapping[str, Any]) -> tuple[float, float]:
+def _shares(shape: Shape, cloud: Floats, letters: Mapping[str, Any]) -> tuple[float, float]:
     """In what shares of the bounds omega is undefined, and positive."""
     values = compile(shape)(*cloud.T, letters=letters)["value"]
     return float(np.isnan(values).mean()), float((values > 0).mean())
@@ -246,11 +246,11 @@ def _breach(condition: LetterCondition, letters: Letters) -> Breach | None:
     return None
 
 
-def _ends(bounds: IntervalFunction, points: Array) -> tuple[Array, Array]:
+def _ends(bounds: IntervalFunction, points: Floats) -> tuple[Floats, Floats]:
     return bounds(list(points.T), list(points.T))["value"]
 
 
-def _fails(bounds: IntervalFunction, condition: LetterCondition, points: Array, side: int) -> NDArray[np.bool_]:
+def _fails(bounds: IntervalFunction, condition: LetterCondition, points: Floats, side: int) -> NDArray[np.bool_]:
     """Whether values break a condition; `side` is the sign that a divisor has at the defaults, 0 for none."""
     low, high = _ends(bounds, points)
     if condition.demand == NONNEGATIVE:
@@ -270,7 +270,7 @@ def _fails_somewhere(bounds: IntervalFunction, condition: LetterCondition, chose
     return least <= 0 if condition.demand == POSITIVE or side > 0 else most >= 0
 
 
-def _trials(chosen: list[Letter], start: Array) -> Iterator[Array]:
+def _trials(chosen: list[Letter], start: Floats) -> Iterator[Floats]:
     """Values to try: one letter at a time, then the ends of all, then some at random."""
     lines = [_along(letter) for letter in chosen]
     for column, line in enumerate(lines):
@@ -284,7 +284,7 @@ def _trials(chosen: list[Letter], start: Array) -> Iterator[Array]:
         yield np.column_stack([generator.choice(line, SCATTERED) for line in lines])
 
 
-def _along(letter: Letter) -> Array:
+def _along(letter: Letter) -> Floats:
     """Values of a letter over its range, ends and zero included."""
     default = float(letter.default)
     far = np.array(FAR) * (1 + abs(default))
@@ -292,11 +292,13 @@ def _along(letter: Letter) -> Array:
     high = default + far if letter.maximum is None else np.array([float(letter.maximum)])
     between = np.linspace(low.min() if letter.minimum is not None else default - far[0], high.min(), ALONG)
     values = np.unique([*low, *high, *between, 0.0])
-    within: Array = values[(values >= low.min()) & (values <= high.max())]
+    within: Floats = values[(values >= low.min()) & (values <= high.max())]
     return within
 
 
-def _first_failure(bounds: IntervalFunction, condition: LetterCondition, start: Array, end: Array, side: int) -> Array:
+def _first_failure(
+    bounds: IntervalFunction, condition: LetterCondition, start: Floats, end: Floats, side: int
+) -> Floats:
     """The point nearest to the start on the way to a failure from which on the condition is broken."""
     good, bad = 0.0, 1.0
     for _ in range(HALVINGS):
@@ -305,5 +307,5 @@ def _first_failure(bounds: IntervalFunction, condition: LetterCondition, start: 
             bad = middle
         else:
             good = middle
-    first: Array = start + bad * (end - start)
+    first: Floats = start + bad * (end - start)
     return first

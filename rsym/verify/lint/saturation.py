@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import sympy as sp
 
+from rsym.arrays import Floats
 from rsym.model.functions import FUNCTIONS
 from rsym.model.traversal import postorder
-from rsym.verify.lint.functions import Array
 
 # u/sqrt(1 + u**2) has a twelfth of its greatest slope where it has reached nine tenths of its greatest value;
 # a strip that the bounds just hold is as high in a third of them, but as flat only in a tenth.
@@ -21,7 +21,7 @@ MOST_TERMS = 40
 _BOUNDED = tuple(row.kind for row in FUNCTIONS.values() if row.levels)
 
 
-def level(values: Array, slopes: Array, slope: float) -> tuple[float, float]:
+def level(values: Floats, slopes: Floats, slope: float) -> tuple[float, float]:
     """The greatest size of a function at points, and the share of them where it is near it and flat.
 
     slopes: the lengths of its gradient at the points; slope: that on its zero set.

@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.logic.gates import Gate, through
 from rsym.sampling.form_signs import joined_signs
-from rsym.verify.lint.functions import Array, Functions, Ints
+from rsym.verify.lint.functions import Functions, Ints
 from rsym.verify.lint.logic import Logic
 from rsym.verify.lint.report import COINCIDENT, LONE_SHEET, ZERO_SHEET
 from rsym.verify.lint.zeros import CONVERGED, Zeros, onto, tangents
@@ -50,8 +51,8 @@ class CommonFace:
     first: int
     second: int
     conjunction: bool
-    points: Array
-    normals: Array
+    points: Floats
+    normals: Floats
 
 
 def common_faces(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> list[CommonFace]:

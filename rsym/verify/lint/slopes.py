@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 import sympy as sp
 
+from rsym.arrays import Floats
 from rsym.model.folds import Fold
 from rsym.model.nodes import Trimming
 from rsym.model.powers import AbsolutePower
 from rsym.model.rnodes import R0mOperation
 from rsym.model.traversal import postorder
-from rsym.verify.lint.functions import Array
 from rsym.verify.lint.places import text_of
 
 MOST_PIECES = 60  # of a formula whose divisor is sought
@@ -34,7 +34,7 @@ def breaks_normalisation(part: sp.Expr) -> bool:
     return isinstance(part, R0mOperation)
 
 
-def message_of(slopes: Array) -> str:
+def message_of(slopes: Floats) -> str:
     """What is wrong with a leaf.
 
     Examples
@@ -50,7 +50,7 @@ def message_of(slopes: Array) -> str:
     return f"|grad| on its zero set is {size}, not 1"
 
 
-def remedy_of(leaf: sp.Expr, slopes: Array, coordinates: Sequence[sp.Symbol]) -> str:
+def remedy_of(leaf: sp.Expr, slopes: Floats, coordinates: Sequence[sp.Symbol]) -> str:
     """What to do about it: the divisor where the leaf has a constant one, else a normalisation.
 
     Examples
@@ -70,7 +70,7 @@ def remedy_of(leaf: sp.Expr, slopes: Array, coordinates: Sequence[sp.Symbol]) ->
     return "take a primitive, or rsym.normalise: f/sqrt(f^2/L^2 + |grad f|^2), L the size of the model"
 
 
-def is_constant(slopes: Array) -> bool:
+def is_constant(slopes: Floats) -> bool:
     """Whether the gradient has one length all along the zero set."""
     return bool(np.ptp(slopes) <= CONSTANT * slopes.max())
 

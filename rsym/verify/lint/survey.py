@@ -10,9 +10,10 @@ import sympy as sp
 from rsym.analysis.contracts.leaves import is_logical, logical_parts
 from rsym.analysis.contracts.orders import leaf_order
 from rsym.analysis.contracts.promises import Order
+from rsym.arrays import Floats
 from rsym.model.shape import Shape
 from rsym.sampling.extent import bounds_or_extent
-from rsym.verify.lint.functions import Array, Functions, functions_of
+from rsym.verify.lint.functions import Functions, functions_of
 from rsym.verify.lint.logic import Logic, logic_of
 from rsym.verify.lint.places import ModelPlace, places_of
 from rsym.verify.lint.saturation import terms_of
@@ -40,18 +41,18 @@ class Survey:
     expressions: tuple[sp.Expr, ...]
     places: tuple[ModelPlace, ...]
     functions: Functions
-    cloud: Array
+    cloud: Floats
     zeros: Zeros
     near: tuple[Zeros, float]
 
-    def slopes(self, expression: sp.Expr) -> Array:
+    def slopes(self, expression: sp.Expr) -> Floats:
         """The lengths of a gradient on its zero set."""
-        slopes: Array = self.zeros.slopes[self._of(expression)]
+        slopes: Floats = self.zeros.slopes[self._of(expression)]
         return slopes
 
-    def points(self, expression: sp.Expr) -> Array:
+    def points(self, expression: sp.Expr) -> Floats:
         """Where these are."""
-        points: Array = self.zeros.points[self._of(expression)]
+        points: Floats = self.zeros.points[self._of(expression)]
         return points
 
     def leaves_with(self, expression: sp.Expr) -> tuple[sp.Expr, ...]:

@@ -9,7 +9,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.verify.lint.functions import Array, Functions, Ints
+from rsym.arrays import Floats
+from rsym.verify.lint.functions import Functions, Ints
 
 Progress: TypeAlias = Callable[[int, int], Any]
 Box: TypeAlias = tuple[tuple[float, float], ...]
@@ -37,19 +38,19 @@ class Zeros:
     """
 
     which: Ints
-    points: Array
-    sides: Array
-    slopes: Array
+    points: Floats
+    sides: Floats
+    slopes: Floats
     signed: NDArray[np.bool_]
 
     def __getitem__(self, kept: Any) -> Zeros:
         return Zeros(*(column[kept] for column in vars(self).values()))
 
 
-def scattered(box: Box, count: int) -> Array:
+def scattered(box: Box, count: int) -> Floats:
     """Points at random in a box, always the same."""
     low, high = np.array(box).T
-    points: Array = low + (high - low) * np.random.default_rng(20130605).random((count, len(box)))
+    points: Floats = low + (high - low) * np.random.default_rng(20130605).random((count, len(box)))
     return points
 
 
@@ -58,7 +59,7 @@ def diagonal(box: Box) -> float:
     return float(np.linalg.norm([high - low for low, high in box]))
 
 
-def zeros_of(functions: Functions, cloud: Array, box: Box, progress: Progress | None = None) -> Zeros:
+def zeros_of(functions: Functions, cloud: Floats, box: Box, progress: Progress | None = None) -> Zeros:
     """Points of the zero sets of all functions, which begin at those of a cloud that seem nearest.
 
     Examples
@@ -80,12 +81,12 @@ def zeros_of(functions: Functions, cloud: Array, box: Box, progress: Progress | 
     return _regular(functions, which, starts, points, size)
 
 
-def onto(functions: Functions, which: Ints, starts: Array, size: float) -> tuple[Array, NDArray[np.bool_]]:
+def onto(functions: Functions, which: Ints, starts: Floats, size: float) -> tuple[Floats, NDArray[np.bool_]]:
     """Points on the zero sets near starting points, and whether they were reached."""
     return _newton(functions, which, starts, size, None, 8)
 
 
-def _starts(functions: Functions, cloud: Array) -> tuple[Ints, Array]:
+def _starts(functions: Functions, cloud: Floats) -> tuple[Ints, Floats]:
     """For each function the points of the cloud that seem nearest to its zero set."""
     distances = np.empty((functions.count, len(cloud)))
     for start in range(0, len(cloud), functions.portion):
@@ -101,8 +102,8 @@ def _starts(functions: Functions, cloud: Array) -> tuple[Ints, Array]:
 
 
 def _newton(
-    functions: Functions, which: Ints, starts: Array, size: float, progress: Progress | None, steps: int = STEPS
-) -> tuple[Array, NDArray[np.bool_]]:
+    functions: Functions, which: Ints, starts: Floats, size: float, progress: Progress | None, steps: int = STEPS
+) -> tuple[Floats, NDArray[np.bool_]]:
     """Newton's iteration along gradients; what has no gradient stays where it is."""
     points = starts.copy()
     arrived = np.zeros(len(points), bool)
@@ -126,7 +127,7 @@ def _newton(
     return points, arrived
 
 
-def tangents(normals: Array) -> list[Array]:
+def tangents(normals: Floats) -> list[Floats]:
     """Unit vectors orthogonal to normals: one in the plane, two in space."""
     if normals.shape[1] == 2:
         return [normals[:, ::-1] * [1.0, -1.0]]
@@ -136,7 +137,7 @@ def tangents(normals: Array) -> list[Array]:
     return [first, np.cross(normals, first)]
 
 
-def _regular(functions: Functions, which: Ints, starts: Array, points: Array, size: float) -> Zeros:
+def _regular(functions: Functions, which: Ints, starts: Floats, points: Floats, size: float) -> Zeros:
     """The points around which the zero set is smooth; their normals point where the iteration came from, or uphill."""
     _, gradients = functions.of(which, points)
     slopes, ways = np.linalg.norm(gradients, axis=1), starts - points

@@ -9,8 +9,8 @@ from typing import TypeAlias
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.bounds.balls import arb, ctx
 from rsym.bounds.enclosures import ranges_of
 from rsym.model.nodes import Trimming, written_out
@@ -31,7 +31,6 @@ from rsym.verify.revolution import meridian
 
 Verdict: TypeAlias = SmoothnessReport | BodyReport
 Point: TypeAlias = tuple[float, ...]
-Floats: TypeAlias = NDArray[np.float64]
 
 PRECISION = 106  # bits; differences over STEP lose 20 of them
 STEP = 2.0**-20  # of the extent: how far from a point slopes are taken; boundaries hardly bend over it
