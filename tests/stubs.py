@@ -13,7 +13,7 @@ import rsym
 from rsym.language.pieces import PIECES
 
 PACKAGE = Path(rsym.__file__).parent
-README = PACKAGE.parent / "README.md"
+README = Path(__file__).resolve().parents[1] / "README.md"  # of the checkout, wherever the package is installed
 STUBS = [PACKAGE / "__init__.pyi", PACKAGE / "paper/__init__.pyi", PACKAGE / "surfaces/__init__.pyi"]
 FAMILIES = "| family | names |\n|---|---|\n"
 PRIMITIVES = '"""The primitives by themselves; each is a name of `rsym` too."""\n\n'
@@ -112,4 +112,4 @@ if __name__ == "__main__":
     for path, text in written().items():
         if path.read_text() != text:
             path.write_text(text)
-            print(f"{path.relative_to(PACKAGE.parent)} written")
+            print(f"{path.name} written")

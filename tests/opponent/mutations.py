@@ -78,6 +78,14 @@ def _holding(name: str, value: Any) -> list[Any]:
     return [one for one in modules if one.__dict__.get(name) is value]
 
 
+# R-operations and their kin: analytic except where their first two arguments vanish together.
+SMOOTH_OFF_CORNERS = (
+    *("r0_conjunction", "r0_disjunction", "versine", "gap", "trimming", "normalised", "norm", "monomial"),
+    *("r_alpha_conjunction", "r_alpha_disjunction", "r0m_conjunction", "r0m_disjunction", "r0m_partial"),
+    *("rp_conjunction", "rp_disjunction", "rp_versine", "equivalence", "joining"),
+)
+
+
 def _analytic_for(*operations: str) -> Callable[[Any], Any]:
     def made(original: Any) -> Any:
         def changed(local: Any, number: int) -> bool:
@@ -224,7 +232,7 @@ PLANE = (
     ),
     Mutation("kinks: roots", "generators:is_analytic_at", _analytic_for("sqrt", "pow", "absolute_power")),
     Mutation("kinks: denominators", "generators:is_analytic_at", _analytic_for("div")),
-    Mutation("kinks: R-operations", "generators:_is_analytic_pair", always(True)),
+    Mutation("kinks: R-operations", "generators:is_analytic_at", _analytic_for(*SMOOTH_OFF_CORNERS)),
     Mutation("domains: all is defined", "domains:is_defined", always(True)),
     Mutation("domains: every parameter is legal", "domains:is_legal", always(True)),
     Mutation("locus: every power keeps the sign", "locus:_keeps_sign", always(True)),
@@ -286,8 +294,8 @@ SPACE = (
     Mutation("contacts: an open eigenvalue is positive", "bodies.contacts:inertia", _inertia),
     Mutation("contacts: leaves touch once", "bodies.contacts:touch_once", always(True)),
     Mutation("rays: every tip is bent", "bodies.rays:Rays.is_bent", property_of(True)),
-    Mutation("continuation: a curve is unique", "bodies.continuation:Curve.is_unique", always(True)),
-    Mutation("continuation: all is analytic", "bodies.continuation:Curve.is_analytic", always(True)),
+    Mutation("continuation: a curve is unique", "bodies.continuation:ZeroCurve.is_unique", always(True)),
+    Mutation("continuation: all is analytic", "bodies.continuation:ZeroCurve.is_analytic", always(True)),
     Mutation("following: a tube covers", "bodies.following:covers", always(True)),
     Mutation("components: two pieces are apart", "bodies.components:_are_apart", always(True)),
     Mutation("forming: operands absorb one another", "bodies.forming:_is_never_less", always(True)),

@@ -12,7 +12,7 @@ import pytest
 import rsym
 
 PACKAGE = Path(rsym.__file__).parent
-ROOT = PACKAGE.parent
+ROOT = Path(__file__).parents[2]
 HOWTO = (PACKAGE / "HOWTO.md").read_text()
 SECTIONS = {
     part.partition("\n")[0]: re.findall(r"```python\n(.*?)```", part, re.DOTALL) for part in HOWTO.split("\n## ")[1:]
