@@ -10,5 +10,5 @@ document.py  the verdict, sentences that are each proved or numerical, tables, e
 render.py    a document as text, as HTML, as JSON; the schema; `Report`, which gives a class all three
 
 To add a report: a frozen dataclass that inherits `Report` and has `document()`, in the room whose answer it is; list it
-in tests/test_documents.py.
+in tests/reports/test_documents.py.
 """

@@ -294,6 +294,7 @@ DOUBLE = Shape(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "half_size", "genus"),
     [

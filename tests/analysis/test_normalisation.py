@@ -233,6 +233,7 @@ def test_the_undamped_form_changes_the_sign_within_a_square():
     assert (values < 0).mean() > 0.1
 
 
+@pytest.mark.slow
 def test_the_boundary_of_a_square_is_one_curve():
     kept = rsym.normalise(SQUARE, order=2, keep_sign=True)
     assert len(rsym.level_lines(kept)) == 1

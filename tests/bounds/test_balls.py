@@ -346,6 +346,7 @@ def tree_violations(rng, nodes, boxes, points):
     return wrong, count
 
 
+@pytest.mark.slow
 @settings(
     max_examples=examples(24),
     deadline=None,

@@ -319,6 +319,7 @@ def test_the_same_bits_from_every_backend_block_and_thread(block, monkeypatch):
                 assert np.array_equal(end.view("i8"), expected.view("i8"))
 
 
+@pytest.mark.slow
 def test_the_car_is_discarded_as_by_exact_images():
     """Of 32**3 boxes 5436 may meet the surface by exact images (measured apart); with roots written out, all."""
     car = rsym.paper.car()

@@ -87,6 +87,7 @@ def test_a_mesh_that_is_cut_is_capped_or_open_in_either_method(tmp_path, model, 
     assert abs(volumes["capped"] - np.pi * (4 / 3 * 2.5**3 - 6 * 0.25 * (3 * 2.5 - 0.5) / 3)) < 0.3
 
 
+@pytest.mark.slow
 def test_the_essential_is_said_in_three_lines(tmp_path, capsys):
     common = ["mesh", "car", "-q", "-o", str(tmp_path / "car.stl")]
     assert main(common) == 0
@@ -301,6 +302,7 @@ def test_wrong_usage_is_exit_code_2():
         assert caught.value.code == 2
 
 
+@pytest.mark.slow
 def test_the_remedy_names_what_was_probably_meant(capsys):
     for arguments, meant in [
         (["show", "skeletn"], "'skeleton'"),

@@ -46,6 +46,7 @@ def test_every_model_loads_as_it_was(name):
     same(rsym.load(name))
 
 
+@pytest.mark.slow
 def test_stages_and_readings_of_the_car_too():
     same(rsym.paper.car("b", "test3", reading="strip"))
     same(rsym.paper.skeleton_body("literal"))
@@ -227,6 +228,7 @@ def test_a_file_is_written_whole_and_read_by_its_name(tmp_path):
             rsym.dumps(wrong)
 
 
+@pytest.mark.slow
 def test_show_prints_a_model_file(tmp_path, capsys):
     assert main(["show", "car", "--model", "--set", "ra=2.75"]) == 0
     text = capsys.readouterr().out

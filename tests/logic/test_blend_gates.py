@@ -40,6 +40,7 @@ def test_a_fillet_between_smooth_faces_stays_whole_and_other_blends_too():
     assert with_gates(inside) is inside
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::rsym.RsymWarning")
 def test_a_letter_that_is_no_radius_is_refused():
     rho = sp.Symbol("rho", real=True)

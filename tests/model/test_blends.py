@@ -113,6 +113,7 @@ def test_signs_of_small_operands_are_kept(system):
     assert_close(kernel([1e-20, -1e-20, 1e-300], [1.0, 1.0, 2.0])["value"], [1e-20, -1e-20, 1e-300], rtol=1e-15)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("system", SYSTEMS, ids=str)
 @pytest.mark.parametrize("operation", [conjunction, disjunction])
 def test_intervals_contain_the_values_and_are_sharp(system, operation, random):
@@ -130,6 +131,7 @@ def test_intervals_contain_the_values_and_are_sharp(system, operation, random):
     assert np.median((bounds[:, 1] - bounds[:, 0]) / (high - low)) < 1 + 1e-7
 
 
+@pytest.mark.slow
 def test_the_fillet_is_a_circle_whatever_the_angle():
     """Planes with unit normals (1, 0) and (c, s): the circle about the point at distance rho from both divides."""
     rho, c, s, p, q = sp.symbols("rho c s p q", real=True)
@@ -198,6 +200,7 @@ def fillet_of(coefficient):
     return radius * fields["curvature"], np.linalg.norm(fields["gradient"], axis=1)
 
 
+@pytest.mark.slow
 def test_the_default_coefficient_bends_least():
     """The figures beside the constant: its own, those of its neighbours, and where convexity ends."""
     curvature, size = fillet_of(FIFTH)
@@ -208,6 +211,7 @@ def test_the_default_coefficient_bends_least():
     assert fillet_of(sp.Rational(61, 100))[0].min() < -1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cosine", [0, THIRD, -THIRD])
 def test_operations_are_monotone_up_to_the_largest_coefficient(cosine):
     angle, radius = np.meshgrid(np.linspace(-np.pi, np.pi, 181), np.linspace(1e-3, 1.5, 151))
@@ -263,6 +267,7 @@ def test_displacement_is_the_formula_and_makes_the_boundary_analytic():
     assert (report.verdict, report.continuity) == ("CERTIFIED", "analytic")
 
 
+@pytest.mark.slow
 def test_a_bounded_blend_acts_within_its_solid_alone_and_joins_smoothly():
     solid = sp.Rational(1, 2) - x**2 - y**2
     blend = bounded_blend(x, y, solid, FIFTH, THIRD, 1, 2, operation="union")

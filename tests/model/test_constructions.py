@@ -123,6 +123,7 @@ def test_what_cannot_be_is_refused(wrong):
         wrong()
 
 
+@pytest.mark.slow
 def test_a_prism_is_normalised_and_has_its_volume():
     disc = Shape((k**2 - x**2 - y**2) / (2 * k), (x, y), letters={k: 2}, bounds=((-2.2, 2.2), (-2.2, 2.2)))
     prism = rsym.extrude(disc, -k, 3)

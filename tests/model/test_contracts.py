@@ -54,6 +54,7 @@ def test_the_order_of_a_leaf(leaf, order):
     assert leaf_order(leaf, (x, y, z)) == order
 
 
+@pytest.mark.slow
 def test_the_leaves_of_the_car():
     """What the source says is not normalised: roof, windows, headlights; and nothing else."""
     contract = rsym.paper.car().contract()

@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 from oracles.closeness import assert_close
 
 import rsym
@@ -14,6 +15,7 @@ def test_distance_from_a_square_is_exact():
     assert_close(distance_to_lines(points, [square]), outside + inside, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_distance_from_a_ball_and_a_box():
     ball = rsym.mesh(rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-1.2, 1.2),) * 3), 80)
     points = np.random.default_rng(2).uniform(-1.2, 1.2, (2000, 3))

@@ -229,6 +229,7 @@ def test_solids_mesh_closed_with_their_volume_inside_their_bounds(shape, volume,
     assert_close(mesh.vertices.max(axis=0), bounds[:, 1] - room, atol=0.03 * extent.max())
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::rsym.RsymWarning")
 def test_a_gyroid_in_a_cube_of_whole_periods_takes_half_of_it():
     mesh = rsym.mesh(gyroid(2) & box(4, 4, 4), 48)
@@ -236,6 +237,7 @@ def test_a_gyroid_in_a_cube_of_whole_periods_takes_half_of_it():
     assert_close(mesh.status.volume, 32, rtol=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::rsym.RsymWarning")
 def test_the_flight_of_a_screw_is_closed_and_has_the_volume_of_its_slices():
     mesh = rsym.mesh(helicoid(2, tenths(2)) & cylinder(1, 3), 48)
@@ -248,6 +250,7 @@ def test_the_flight_of_a_screw_is_closed_and_has_the_volume_of_its_slices():
     assert_close(mesh.status.volume, 3 * slice_of_it.mean() * 4, rtol=8e-3)
 
 
+@pytest.mark.slow
 def test_a_flight_is_as_thick_as_it_says():
     pitch, thickness = 2.0, 0.2
     points, _ = boundary_points(helicoid(2, tenths(2)), bounds=CUBE)

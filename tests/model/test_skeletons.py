@@ -173,6 +173,7 @@ def test_a_profile_with_a_pole_on_the_skeleton_is_not_positive():
     assert truth(analytic_condition(ROD, R + 1 / (x - 6), letters={R: 1}), {R: 2, A: 5})
 
 
+@pytest.mark.slow
 def test_an_offset_body_needs_a_positive_number_on_any_skeleton():
     anywhere = space_curve(x**2 + y**2 - 1, z)
     assert analytic_condition(anywhere, R, letters={R: 1}) == (R > 0)

@@ -84,6 +84,7 @@ def test_groups_of_given_mirrors(shape, normals):
     assert_folded(shape, mirror_group(shape, normals), numbers([tuple(map(sp.sympify, n)) for n in normals]))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("order", [2, 3, 4, 7, 12])
 def test_kaleidoscopes(order):
     wall = np.pi / order

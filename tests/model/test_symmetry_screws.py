@@ -53,6 +53,7 @@ def test_a_shape_in_space_is_twisted_about_any_axis():
     assert twisted.bounds == ((-3, 3), (-reach, reach), (-reach, reach))
 
 
+@pytest.mark.slow
 def test_a_twisted_bar_meshes_closed():
     square = Shape(conjunction(1 - x**2, 1 - y**2), (x, y))
     bar = Shape(conjunction(screw(square, 6).expression, (9 - z**2) / 6), (x, y, z), bounds=((-2, 2), (-2, 2), (-4, 4)))

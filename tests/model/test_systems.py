@@ -188,6 +188,7 @@ def test_letters_as_parameters_never_recompile_and_give_what_numbers_give():
                 assert_close(got[name], expected[name], atol=1e-12 * np.abs(expected[name]).max())
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("system", [RAlpha(sp.Rational(1, 3)), R0m(2), Rp(4), Rp(3), Rp(p)])
 @pytest.mark.parametrize("kind", KINDS)
 def test_plain_lambdify_and_evalf_agree_with_the_kernel(system, kind):

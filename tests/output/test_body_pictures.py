@@ -112,6 +112,7 @@ def test_colours_follow_the_angle_along_an_edge():
         assert off(at((0, y_, 1)), angle_colour(angle, 30, 150)) < 0.04, y_
 
 
+@pytest.mark.slow
 def test_a_jump_of_the_curvature_is_dashed():
     at = verdict(body_reports.capsule(), body_reports.CAPSULE)
     wanted = np.array(colormaps["viridis"](0.3)[:3])

@@ -95,6 +95,7 @@ def rows_of(picture):
     return np.indices(picture.shape[:2])[0]
 
 
+@pytest.mark.slow
 def test_the_page_draws_turns_zooms_and_fetches_nothing(browser, tmp_path):
     solid = rsym.Shape(conjunction(1 - x**2 - y**2 / 9, 0.36 - z**2), (x, y, z), bounds=((-4, 4),) * 3)
     path = rsym.write(rsym.mesh(solid, 40), tmp_path / "disc.html")
@@ -127,6 +128,7 @@ def test_the_page_draws_turns_zooms_and_fetches_nothing(browser, tmp_path):
     assert opened.complaints == []
 
 
+@pytest.mark.slow
 def test_the_inside_of_an_open_surface_is_warm(browser, tmp_path):
     with pytest.warns(rsym.RsymWarning, match="the upper end of z"):
         bowl = rsym.mesh(

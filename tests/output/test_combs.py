@@ -117,6 +117,7 @@ def test_teeth_of_a_circle_are_as_long_as_scale_over_radius():
     assert teeth.axes.get_aspect() == 1
 
 
+@pytest.mark.slow
 def test_an_envelope_is_open_at_corners_and_steps_at_jumps():
     shape = Shape(disjunction(1 - (x - 1 / 2) ** 2 - y**2, 1 - (x + 1 / 2) ** 2 - y**2), (x, y), bounds=WIDE)
     _, envelope, _ = drawn(shape, scale=1)

@@ -46,6 +46,7 @@ def table():
     return compare_designs(OVAL, {"blunt": {"a": 1.25}, "sharp": {"a": 3}}, tolerance=0.1)
 
 
+@pytest.mark.slow
 def test_designs_keep_their_order_and_the_best_is_marked(table):
     assert [design.name for design in table.designs] == ["blunt", "sharp"]
     assert table.differing == ("a",)

@@ -127,6 +127,7 @@ def test_panels_and_colour_bars_keep_their_places():
     assert_close([ax.get_position().bounds for ax in widget.figure.axes], before, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_sliders_show_range_unit_and_meaning():
     slider, free = rsym.explore(EGG, ("value",), resolution=40).letters.values()
     assert (slider.min, slider.max, slider.description, slider.tooltip) == (0.5, 3, "r [mm]", "radius")

@@ -158,6 +158,7 @@ def test_what_has_no_bounds_is_seen_as_far_as_asked():
         rsym.cards({"half": half})
 
 
+@pytest.mark.slow
 def test_cards_show_name_picture_formula_and_contract():
     shown = rsym.cards({"a < b": DISC, "long": rsym.regular_polygon(9)}, columns=2)
     page = shown._repr_html_()

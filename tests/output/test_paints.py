@@ -293,6 +293,7 @@ def test_planes_and_upright_cylinders_have_more_than_one_stripe():
         assert np.ptp(STRIPES * heights) > 1.5
 
 
+@pytest.mark.slow
 def test_a_map_of_one_value_says_so_on_its_scale():
     box = rsym.mesh(rsym.box(2, 1, 1), 16)
     flat = rsym.plot_mesh(box, colour_by="mean_curvature", shape=rsym.box(2, 1, 1))

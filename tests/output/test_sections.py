@@ -227,6 +227,7 @@ def test_refusals(call, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_features_are_read_back_from_dxf(tmp_path):
     names = ("x", "y", "z")
     solid = [

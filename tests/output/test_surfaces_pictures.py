@@ -135,6 +135,7 @@ def curvature(x, a):
     return a / (1 + (2 * a * (x - 1)) ** 2) ** 1.5
 
 
+@pytest.mark.slow
 def test_where_patches_meet_each_shows_its_own_curvature():
     parts = tessellations({"left": Parabola(0, 1, 0.5), "right": Parabola(1, 3, -0.25)}, 0, 20, None)
     mesh, values = joined(parts), map_values(parts, "mean_curvature")

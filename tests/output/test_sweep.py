@@ -70,6 +70,7 @@ def test_a_section_and_the_number_of_columns():
     assert_close(np.hypot(*np.concatenate(boundary.get_segments()).T).max(), 0.8, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_progress_counts_panels_and_cancels():
     for shape in (DISC, BALL):
         seen = []

@@ -155,6 +155,7 @@ def test_a_shape_without_a_boundary_is_an_empty_picture():
     assert figure.axes[0].get_title() == "DEGENERATE: no boundary to speak of"
 
 
+@pytest.mark.slow
 def test_the_same_report_gives_the_same_bytes(tmp_path):
     first, second = (
         write_picture(plot_verdict(reports.undecided_disc(), DISC, resolution=60), tmp_path / f"{k}.png") for k in "ab"

@@ -155,6 +155,7 @@ def quartic(sign):
     )
 
 
+@pytest.mark.slow
 def test_an_r_system_is_two_rows_and_its_classes(taken_back):
     register({"quartic_conjunction": quartic(-1), "quartic_disjunction": quartic(1)})
     functions.SYSTEMS["Quartic"] = QuarticSystem()

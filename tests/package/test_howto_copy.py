@@ -106,6 +106,7 @@ def run(root, *arguments):
     return done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("section", SEEN)
 def test_what_is_told_works(section, copy, tmp_path):
     assert SECTIONS[section]

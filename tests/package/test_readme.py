@@ -278,6 +278,7 @@ def test_the_model_file_and_the_commands(capsys, monkeypatch, tmp_path):
     assert rsym.load("ball.rf").letters["r"].doc == "radius of the ball"
 
 
+@pytest.mark.slow
 def test_the_lines_about_parts_and_saving(capsys):
     (model,) = [code for code in PLAIN if code.startswith("letter")]
     Path("ball.rf").write_text(model)
@@ -325,6 +326,7 @@ def test_the_number_of_letters_under_the_picture():
     assert len(used) == int(re.search(r"with (\d+) letters", TEXT).group(1))
 
 
+@pytest.mark.slow
 def test_the_promises_about_meshes():
     ball = rsym.Shape(1 - rsym.x**2 - rsym.y**2 - rsym.z**2, (rsym.x, rsym.y, rsym.z))
     whole = rsym.mesh(ball, 24)

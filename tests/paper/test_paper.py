@@ -21,6 +21,7 @@ from rsym.paper.models import GALLERY
 from rsym.paper.page import page
 
 
+@pytest.mark.slow
 def test_stages_contain_each_other_where_the_paper_says_so():
     points = np.random.default_rng(2).uniform((-8, -16, -4), (8, 18, 9), (4000, 3)).T
     inside = {
@@ -78,6 +79,7 @@ def test_every_figure_has_its_recipe():
     assert len(BODIES) == 6
 
 
+@pytest.mark.slow
 def test_figure_12_has_the_printed_letters():
     drawing = next(recipe for recipe in RECIPES if recipe.name == "fig12").draw()
     assert drawing.letters.startswith("a = 5, a2 = 5, p2 = 0.1, (a1, p1) = (8, 40), (8, 20)")
@@ -97,6 +99,7 @@ def test_our_own_models_are_closed_and_inside_their_bounds(model, pieces):
         assert letter.minimum < letter.default < letter.maximum
 
 
+@pytest.mark.slow
 def test_the_bounds_hold_the_valve_with_every_letter_at_either_end():
     shape = rsym.paper.valve()
     for end in ("minimum", "maximum"):
@@ -155,6 +158,7 @@ def test_the_same_picture_has_the_same_bytes(tmp_path):
     assert first.triangles == second.triangles > 10_000
 
 
+@pytest.mark.slow
 def test_two_processes_draw_the_same_pictures_in_the_same_order(tmp_path):
     names, seen = ["fig02", "fig10", "fig14", "torus"], []
     one = rsym.paper.reproduce(tmp_path / "one", only=names)
@@ -182,6 +186,7 @@ def test_a_number_of_processes_that_is_none(processes, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_an_interrupt_ends_the_processes_and_leaves_no_page(tmp_path):
     def interrupt(done, total, name):
         if done == 1:

@@ -43,6 +43,7 @@ def test_the_body_of_figure_11_has_a_corner_on_its_skeleton_in_one_reading_only(
     assert_close(fields["gradient"], [0.317, 0], atol=5e-4)
 
 
+@pytest.mark.slow
 def test_as_printed_all_outer_space_is_inside():
     directions = np.random.default_rng(5).normal(size=(500, 3))
     far = (100 * directions / np.linalg.norm(directions, axis=1, keepdims=True)).T

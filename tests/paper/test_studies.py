@@ -22,6 +22,7 @@ def test_the_gradient_commutes_with_revolution_and_the_laplacian_gains_one_term(
     assert sp.simplify(revolution.gain(PROFILE).expression - rsym.gradient(PROFILE)[1] / y) == 0
 
 
+@pytest.mark.slow
 def test_normalising_and_revolving_commute():
     before, after = rsym.revolve(rsym.normalise(PROFILE)), rsym.normalise(rsym.revolve(PROFILE))
     assert sp.simplify(before.expression**2 - after.expression**2) == 0

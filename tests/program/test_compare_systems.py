@@ -33,6 +33,7 @@ def test_classes_and_orders_are_those_of_the_contract(table):
         assert row.corners == len(contract.singular)
 
 
+@pytest.mark.slow
 def test_slopes_on_the_boundary(table):
     """Half-planes have the slope 1, which R_0, R_1 and R_4 keep and R_0^2 does not."""
     r0, r1, r4, r0m = (row.slope_error for row in table.rows)

@@ -94,6 +94,7 @@ def test_a_curve_takes_what_is_analytic_wherever_it_is_defined(name):
         assert caught.value.code == "curve"
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_model_file_takes_what_python_takes(name):
     """The same program, whether a formula is written in Python or in a file; and saved as it was."""

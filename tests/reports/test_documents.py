@@ -118,6 +118,7 @@ REAL += [edges_by_samples, threshold, systems, mesh_status, clipped_mesh]
 MAKERS = [functools.cache(make) for make in (*reports.EVERY, *body_reports.EVERY, *REAL)]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("make", MAKERS, ids=lambda make: make.__name__)
 def test_a_report_is_its_document(make):
     report = make()

@@ -118,6 +118,7 @@ def test_the_mesh_of_a_thin_shell_comes_with_a_word(thickness):
     assert "Unresolved: a wall" in str(mesh.status)
 
 
+@pytest.mark.slow
 def test_what_is_unresolved_is_one_warning_of_one_paragraph():
     with pytest.warns(rsym.RsymWarning) as caught:
         status = rsym.mesh(rsym.paper.car(), 64).status
@@ -262,6 +263,7 @@ def test_compiled_leaves_are_the_leaves_times_positive_numbers():
         assert ((lowest - 1e-12 <= low) & (low <= inner) & (inner <= high) & (high <= highest + 1e-12)).all()
 
 
+@pytest.mark.slow
 def test_neither_threads_nor_cuts_nor_what_was_known_before_change_anything(monkeypatch):
     form, lattice, blocks, _ = compiled(rsym.paper.car(), 64)
     plain = certify(form, lattice, blocks.corner, blocks.words)

@@ -52,6 +52,7 @@ def test_a_loop_is_compiled_once_and_kept_in_a_private_folder(folder, caplog):
     assert len(list(folder.iterdir())) == 1
 
 
+@pytest.mark.slow
 def test_other_types_and_other_parts_are_other_entries(folder, monkeypatch):
     run()
     assert run((1.0, 2.0, 4.0)) == (42.0, 0)
@@ -83,6 +84,7 @@ def test_what_others_can_write_is_not_read(folder, what):
     assert run() == (42, 1)
 
 
+@pytest.mark.slow
 def test_without_a_folder_the_process_compiles(folder):
     folder.parent.mkdir()
     folder.write_text("in the way")

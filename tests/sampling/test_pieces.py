@@ -89,6 +89,7 @@ def assert_same(result, expected):
         assert one.tobytes() == other.tobytes()
 
 
+@pytest.mark.slow
 def test_the_body_has_what_is_hard(body, whole):
     job = job_of(body)
     made = assembly.assemble(job, job.blocks(Crew(), PLENTY), Crew(), PLENTY)
@@ -160,6 +161,7 @@ def test_the_number_of_threads_changes_nothing(body, whole, count):
         assert_same(assembly.whole(job_of(body), Crew(threads), PLENTY), whole)
 
 
+@pytest.mark.slow
 def test_a_halo_is_needed(body, whole, monkeypatch):
     """Red proof."""
     monkeypatch.setattr(assembly, "HALO", 0)
@@ -214,6 +216,7 @@ class Stop(BaseException):
     """As KeyboardInterrupt is, but none that stops the suite by mistake."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cut", [False, True])
 def test_progress_and_cancel(cut_cube, monkeypatch, cut):
     monkeypatch.setattr(pieces, "LEAST", 4)

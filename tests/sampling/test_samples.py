@@ -139,6 +139,7 @@ def test_a_boundary_that_leaves_the_bounds_ends_there():
 # the boundary in space
 
 
+@pytest.mark.slow
 def test_a_torus_by_area_on_a_coarse_mesh():
     found = rsym.sample(rsym.torus(1, 0.4), 5 * N, over="boundary", rng=8, resolution=24)
     ring = np.hypot(*found.points[:, :2].T)
@@ -150,6 +151,7 @@ def test_a_torus_by_area_on_a_coarse_mesh():
     assert_close(found.normals, middle / 0.4, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_an_ellipsoid_by_area():
     body = rsym.Shape(1 - x**2 - y**2 - z**2 / 9, (x, y, z))
     points = rsym.sample(body, 5 * N, over="boundary", rng=9, resolution=12).points

@@ -91,6 +91,7 @@ def nearest(points, corners):
     return max(np.linalg.norm(points - corner, axis=1).min() for corner in corners)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 6, 11])
 def test_a_rotated_cube_is_exact(polyhedra, seed):
     """Seed 6: a lattice point that is cut off from the others near a corner makes no crumb there."""
@@ -281,6 +282,7 @@ def test_a_letter_that_is_changed_gives_what_a_fresh_mesh_does():
         same(mesher(32, letters={"r": radius}), fresh)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [1e-40, 1e-9, 1e6, 1e40])
 def test_no_scale_is_too_small_or_too_large(scale):
     k = sp.Float(scale)
@@ -290,6 +292,7 @@ def test_no_scale_is_too_small_or_too_large(scale):
     assert_close(flawless(mesh, 0).volume / scale**3, flawless(rsym.mesh(unit, 32), 0).volume, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_body_a_million_from_the_origin_has_its_edges():
     turn, far = rotation(5), 1e6
     planes = [
@@ -310,6 +313,7 @@ def open_sides(status):
     return sorted(loop.sides for loop in status.loops)
 
 
+@pytest.mark.slow
 def test_what_leaves_the_bounds_is_capped_or_left_open_there():
     """A ball through all six sides of a box, and what it leaves of the box: a frame."""
     sides = [(f"the {end} end of {axis}",) for end in ("lower", "upper") for axis in "xyz"]
@@ -333,6 +337,7 @@ def test_a_tube_is_open_at_both_ends():
     assert (status.genera, status.repeated_edges) == ((0,), 0)
 
 
+@pytest.mark.slow
 def test_corners_at_caps_that_no_crossing_shows_are_found():
     """A knife's edge that leaves the bounds: its cells see two leaves, and a third and a fourth cut it."""
     blade = rsym.conjunction(x * y / 3 - z, sp.Rational(3, 2) - x**2 / 4 - (y - z) ** 2)
@@ -438,6 +443,7 @@ def test_the_car_has_five_parts_without_a_flaw(car, cells):
     assert status.folded_share < 1e-6
 
 
+@pytest.mark.slow
 def test_a_coarse_car_names_the_gap_at_its_wheels(car):
     gaps = [suspect for suspect in car(128).status.unresolved if suspect.kind == "gap"]
     assert any("wheel" in name for gap in gaps for name in gap.names)

@@ -20,6 +20,7 @@ def folded_and_mended(monkeypatch, shape, cells):
     return folded, mended
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("cells", [96, 112, 128, 160, 192])
 @pytest.mark.parametrize("variant", ["a", "b"])
 def test_no_triangle_of_the_car_faces_inwards(variant, cells):
@@ -29,6 +30,7 @@ def test_no_triangle_of_the_car_faces_inwards(variant, cells):
     assert status.off_surface is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("variant", "cells", "folds"), [("a", 128, 16), ("b", 128, 19), ("a", 96, 3)])
 def test_unfolding_keeps_the_surface_as_it_hangs_together(monkeypatch, variant, cells, folds):
     folded, mended = folded_and_mended(monkeypatch, rsym.paper.car(variant), cells)
@@ -47,6 +49,7 @@ def test_walls_thinner_than_a_cell_unfold(monkeypatch):
     assert mended.pinched == 0
 
 
+@pytest.mark.slow
 def test_pieces_unfold_as_the_whole_does():
     car = rsym.paper.car()
     whole = rsym.mesh(car, 112)

@@ -228,6 +228,7 @@ def test_normals_that_are_undefined_leave_no_black_or_missing_spots():
     assert np.abs(whole - broken).max() < 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("suffix", "mark"), [("png", b"\x89PNG"), ("svg", b"<image"), ("pdf", b"/Subtype /Image")])
 def test_pictures_can_be_saved_trimmed(suffix, mark):
     figure = plot_mesh(ball(2)).get_figure()

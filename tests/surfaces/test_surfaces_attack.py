@@ -43,6 +43,7 @@ def test_normals_on_both_sides_of_an_inner_pole_follow_the_parameters():
     assert_close(disc.normal([-1e-3, -1e-9, 1e-9, 1e-3], 1.0)[:, 2], [-1, -1, 1, 1], atol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_sphere_has_one_curvature_all_the_way_to_its_pole():
     point = (sp.cos(u) * sp.cos(v), sp.sin(u) * sp.cos(v), sp.sin(v))
     globe = ParametricSurface(point, ((0, 2 * sp.pi), (-sp.pi / 2, sp.pi / 2)), closed=(True, False))
@@ -68,6 +69,7 @@ def test_curvatures_near_a_pole_of_no_symmetry_agree_with_fifty_digits():
     assert_close(tip.gaussian_curvature(r, 0.7), expected, rtol=2e-10)
 
 
+@pytest.mark.slow
 def test_a_flat_corner_has_no_curvature_and_the_tip_of_a_cone_none_that_is_finite():
     frame = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
     matrix = np.zeros((4, 4, 3))
@@ -88,6 +90,7 @@ def side_by_side(opening, beyond=v):
     return continuity_report([left, right])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "opening",
     [
@@ -187,6 +190,7 @@ def test_patches_with_the_same_blends_share_one_kernel(monkeypatch):
     assert sum(len(program.letters) == 48 for program, *_ in made) == 1
 
 
+@pytest.mark.slow
 def test_meshes_close_far_from_the_origin():
     turn = np.linalg.qr(np.random.default_rng(8).normal(size=(3, 3)))[0]
     pieces = [BicubicCoons(_moved(one.matrix @ turn, 1e8)) for one in sphere(1)]

@@ -125,6 +125,7 @@ def symbols_in(blend):
     return {symbol for one in blend.functions for symbol in one.free_symbols} - {t}
 
 
+@pytest.mark.slow
 def test_the_classical_special_cases():
     theta = np.pi * PLACES / 2
     closed = 2 * (1 - np.cos(theta) + np.sin(theta) - theta) / (4 - np.pi)
@@ -163,6 +164,7 @@ def test_arcs_of_the_angle_are_kept_for_every_shape_parameter(angle):
                 assert_close(blend(PLACES) @ data, values(start + angle * PLACES), atol=2e-15)
 
 
+@pytest.mark.slow
 def test_answers_that_are_proved():
     cubic = HermiteBlend.cubic()
     for blend in all_blends():
@@ -205,6 +207,7 @@ def slopes(blend, count=20001):
     return blend(np.linspace(0, 1, count), 1)[:, 1].min()
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "family",
     [
@@ -240,6 +243,7 @@ def test_the_monotone_ranges_of_the_theory():
         HermiteBlend.cubic().monotone_range()
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("angle", [0.2, 1.0, np.pi / 2])
 @pytest.mark.parametrize("name", ["class2", "trigonometric"])
 def test_in_the_narrower_range_the_ribbons_keep_their_signs(name, angle):

@@ -153,6 +153,7 @@ def test_averaged_knots_follow_data_however_crowded(order, closed):
     assert_close(surface.grid(*surface.parameters), points, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_system_that_rounding_spoils_is_refused():
     refused("ill-conditioned", "misses data", lambda: BSplineSurface.interpolate(wave(42, 42), per_point=True))
     refused("ill-conditioned", "reach to", lambda: BSplineSurface.interpolate(wave(46, 46), per_point=True))

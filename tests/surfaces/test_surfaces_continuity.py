@@ -46,6 +46,7 @@ def halves(matrix):
     return rows
 
 
+@pytest.mark.slow
 def test_the_octants_of_a_sphere_are_g2_poles_included():
     report = continuity_report(octants())
     assert report.continuity == "G2"
@@ -61,6 +62,7 @@ def test_the_octants_of_a_sphere_are_g2_poles_included():
     assert_close(heights, [-1, 1], atol=1e-14)
 
 
+@pytest.mark.slow
 def test_an_octant_out_of_place_leaves_a_crack_that_is_measured():
     moved = octants()
     moved[2] = sphere((2 * QUARTER, 3 * QUARTER), (0, QUARTER), shift=(0, 0, 1e-3))
@@ -247,6 +249,7 @@ def test_closed_edges_that_begin_at_different_places():
         assert_close(one.curvature_jump.value, 1, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_noise_does_not_refute_and_a_real_perturbation_does():
     matrix = sheet(3)
     noise = 1e-12 * np.random.default_rng(4).normal(size=matrix.shape)

@@ -180,6 +180,7 @@ def test_the_formula_is_the_surface(patch):
     assert printed.count("{") == printed.count("}")
 
 
+@pytest.mark.random
 def test_normals_and_curvatures_follow_from_the_derivatives(patch):
     at = places(patch)
     p_u, p_v, p_uu, p_uv, p_vv = patch.derivatives(*at, ORDERS[1:])
@@ -236,6 +237,7 @@ def test_orders_that_are_refused(patch, order):
         patch.derivative(patch.domain[0][0], patch.domain[1][0], order)
 
 
+@pytest.mark.random
 def test_orders_may_be_integers_of_numpy(patch):
     at = places(patch)
     order = tuple(np.array([1, 0]))
@@ -247,6 +249,7 @@ def test_unknown_letters_are_refused(patch):
         patch(patch.domain[0][0], patch.domain[1][0], letters={"nobody": 1})
 
 
+@pytest.mark.random
 def test_the_mesh_lies_on_the_surface(patch):
     mesh = patch.mesh((7, 5))
     grid = patch.grid(
@@ -283,6 +286,7 @@ def test_a_patch_says_what_it_is(patch):
     assert all(f"{name} = {letter.default}" in said for name, letter in patch.letters.items())
 
 
+@pytest.mark.random
 def test_a_patch_can_be_sent_elsewhere(patch):
     at = places(patch)
     here = patch(*at)

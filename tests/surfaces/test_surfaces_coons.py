@@ -27,6 +27,7 @@ def hermite_data(surface, size):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_edges_and_derivatives_across_them_are_those_of_the_surface(order):
     point = CoonsPatch.of_surface(WAVY, order=order).expression()
@@ -71,6 +72,7 @@ def _bilinear(corners):
     return np.einsum("ai,ijc,bj->abc", edge, corners, edge)
 
 
+@pytest.mark.slow
 def test_the_rank_one_formula_and_the_blockwise_one_agree_to_rounding():
     patch = CoonsPatch.of_surface(WAVY, order=3)
     places, orders = RNG.random((2, 500)), [(0, 0), (1, 0), (1, 2)]
@@ -79,6 +81,7 @@ def test_the_rank_one_formula_and_the_blockwise_one_agree_to_rounding():
         assert_close(part, whole, atol=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("callables", [False, True])
 def test_values_do_not_depend_on_grid_block_or_neighbours(callables):
     edges = (lambda s: (0 * s, s, s**2), lambda s: (1 + 0 * s, s, s), lambda s: (s, 0 * s, 0 * s))
@@ -93,6 +96,7 @@ def test_values_do_not_depend_on_grid_block_or_neighbours(callables):
     assert np.array_equal(grid, patch(np.repeat(rows, 97), np.tile(columns, 301)).reshape(grid.shape))
 
 
+@pytest.mark.slow
 def test_functions_of_python_give_the_patch_of_their_formulas():
     symbolic = CoonsPatch(
         (0, t, sp.sin(t)), (1, t, sp.sin(t) * sp.exp(1)), (t, 0, 0), (t, 1, sp.sin(1) * sp.exp(t)), order=2
@@ -111,6 +115,7 @@ def test_functions_of_python_give_the_patch_of_their_formulas():
         called.expression()
 
 
+@pytest.mark.slow
 def test_letters_move_edges_and_blends_without_another_kernel():
     h, mu = sp.symbols("h mu")
     patch = CoonsPatch(
@@ -163,6 +168,7 @@ def test_gregory_keeps_ribbons_on_whose_twists_the_edges_disagree(disagreeing):
         CoonsPatch(*edges, order=2, ribbons=ribbons, corners="refuse")
 
 
+@pytest.mark.slow
 def test_a_quintic_matrix_is_the_class_3_patch_of_its_own_edges():
     matrix = hermite_data(WAVY, 6)
     patch = BicubicCoons(matrix)

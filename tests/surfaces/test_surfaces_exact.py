@@ -97,6 +97,7 @@ def test_any_arc_turns_over_any_angle(longitude, start, span):
         assert_close(surface.patch(longitude, **blends)(U, V), expected, atol=2e-14)
 
 
+@pytest.mark.slow
 def test_cones_cylinders_and_rings():
     theta = QUARTER * U
     for blend_v in (None, HermiteBlend.class1(0.3, 1.0), HermiteBlend.class1(1, QUARTER), HermiteBlend.class2(1, 0)):
@@ -117,6 +118,7 @@ def assembled():
     }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", ["sphere", "ellipsoid", "torus", "cone", "cylinder"])
 def test_whole_surfaces_lie_on_their_shape_with_normals_outwards(name):
     patches = assembled()[name]
@@ -134,6 +136,7 @@ def test_whole_surfaces_lie_on_their_shape_with_normals_outwards(name):
         assert_close(patch.normal(u, v), -inwards, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_the_sphere_has_one_curvature_poles_included():
     near = np.concatenate([10.0 ** -np.arange(1, 17), [0.0, 0.5]])
     rows = np.concatenate([near, 1 - near])
@@ -145,6 +148,7 @@ def test_the_sphere_has_one_curvature_poles_included():
             assert_close(patch.normal(u, v), patch(u, v) / 2, atol=5e-15)
 
 
+@pytest.mark.slow
 def test_curvatures_of_ellipsoid_torus_and_cone_in_closed_form():
     a, b, c = 3.0, 2.0, 1.0
     points = ellipsoid_octant(a, b, c)(U, V)
@@ -171,6 +175,7 @@ def test_the_apex_of_a_cone_has_no_curvature():
     assert np.isnan(cone_quarter(1, 1).gaussian_curvature(0.5, 1.0))
 
 
+@pytest.mark.slow
 def test_octants_meet_with_equal_second_derivatives():
     patches = sphere(1)
     east, north, south = patches[1], patches[3], patches[0]
@@ -183,6 +188,7 @@ def test_octants_meet_with_equal_second_derivatives():
     assert_close(last, east.derivative(0.0, along, (2, 0)), atol=1e-14)
 
 
+@pytest.mark.slow
 def test_dimensions_and_angles_may_be_letters():
     R, r, angle = sp.symbols("R r angle")
     letters = {R: 3, r: 1}
@@ -226,6 +232,7 @@ def test_what_is_not_exact_is_refused_with_a_remedy(make, message):
         make()
 
 
+@pytest.mark.slow
 def test_the_formula_of_a_patch_is_that_of_the_surface_by_algebra():
     mu = sp.Symbol("mu", real=True)
     theta, phi = sp.pi * u / 2, sp.pi * v / 2

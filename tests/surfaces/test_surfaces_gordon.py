@@ -106,6 +106,7 @@ def test_derivatives_of_curves_at_another_pace_are_those_of_the_composition():
         assert_close(surface.derivative(places, v1, (order, 0)), expected, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_curve_at_another_pace_has_the_derivatives_of_the_composition_to_order_four():
     point, pace = (sp.sin(2 * t), sp.exp(t), t**4), t / 3 + t**2 / 5 + t**3 / 7
     coefficients = np.array([[1 / 7], [1 / 5], [1 / 3], [0]])
@@ -245,6 +246,7 @@ def test_closed_curves_at_uneven_paces_close_c2():
         assert_close(found, torus(full * number / 5, b), atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pace", [t, t + sp.sin(2 * sp.pi * t) / 20])
 def test_closed_families_of_formulas_are_formulas_wherever_they_start(pace):
     a = 2 * sp.pi * pace
@@ -283,6 +285,7 @@ def test_a_last_curve_that_is_the_first_again_is_left_out():
         GordonSurface([(t, 0, 0), (t, 1, 0)], [(0, t, 0), (1, t, 0)], closed=(True, False))
 
 
+@pytest.mark.slow
 def test_poles_are_curves_of_one_point():
     parallels = [(sp.cos(b) * sp.cos(t), sp.cos(b) * sp.sin(t), sp.sin(b)) for b in (-0.8, 0, 0.7)]
     parallels = [(0, 0, -1), *parallels, (0, 0, 1)]

@@ -62,6 +62,7 @@ def pair():
     return BicubicCoons(sheet(1)), BicubicCoons(sheet(2))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("edge_p", "edge_q", "reverse"), CASES)
 def test_all_edges_join_in_both_directions(pair, edge_p, edge_q, reverse):
     p, q = pair
@@ -77,6 +78,7 @@ def test_all_edges_join_in_both_directions(pair, edge_p, edge_q, reverse):
     assert (edge.intervals[1][0] > edge.intervals[1][1]) == reverse
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("edge_p", "edge_q", "reverse"), [("u1", "u0", False), ("v1", "u1", True), ("u0", "v0", True)])
 def test_matrices_of_class_3_join_with_continuous_curvature(edge_p, edge_q, reverse):
     p, q = (BicubicCoons(sheet(seed, 3, 0.1)) for seed in (1, 2))
@@ -99,6 +101,7 @@ def test_the_transfinite_form_of_matrices_is_the_matrix_again():
         assert_close(other.derivative(*places, order), one.derivative(*places, order), atol=1e-11)
 
 
+@pytest.mark.slow
 def test_different_blends_along_the_edge_are_refused_and_join_transfinitely():
     cubic, other = HermiteBlend.cubic(), HermiteBlend.class2(2, sp.pi / 2)
     p, q = BicubicCoons(sheet(1), cubic, cubic), BicubicCoons(sheet(2), other, other)
@@ -112,6 +115,7 @@ def test_different_blends_along_the_edge_are_refused_and_join_transfinitely():
     assert isinstance(join(p, "u1", mixed, "v0", tolerance=FAR), BicubicCoons)
 
 
+@pytest.mark.slow
 def test_a_blend_that_is_not_symmetric_joins_in_one_direction_only():
     step = t**2 * (3 - 2 * t) + t**2 * (1 - t) ** 2
     lopsided = HermiteBlend.from_smoothstep(step, sp.pi / 2)
@@ -121,6 +125,7 @@ def test_a_blend_that_is_not_symmetric_joins_in_one_direction_only():
         join(p, "u1", q, "u0", reverse=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("continuity", "depth"), [("G1", 1), ("G2", 2)])
 def test_ratio_and_slant_may_vary_along_the_edge(continuity, depth):
     p = Lambdified((u, v + u**2 / 3, sp.sin(u + v) / 2))
@@ -212,6 +217,7 @@ def test_what_cannot_be_joined_is_refused(pair):
         join(p, "u1", q, "u0", continuity="G2", transfinite=True, blend=HermiteBlend.cubic())
 
 
+@pytest.mark.slow
 def test_octants_continue_one_another_as_the_ratio_says():
     p, q = sphere_patches(2, pieces=(4, 2))[0::2][:2]
     assert_close(p(1, 0.3), q(0, 0.3), atol=1e-15)

@@ -37,6 +37,7 @@ def test_cardinal_functions_add_up_to_one_and_meet_their_knots(kind):
     assert_close(functions(np.linspace(*functions.domain, 97)).sum(axis=-1), np.ones(97), atol=1e-14)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("kind", KINDS)
 def test_formulas_of_cardinal_functions_are_exact_and_give_the_values(kind):
     functions = KINDS[kind]()

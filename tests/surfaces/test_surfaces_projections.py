@@ -98,6 +98,7 @@ def test_the_unit_triangle_has_the_closed_formula():
     assert_close(ProjectionOperator(SIDES, UNIT).of_data(data[:3], data[3:])(0.2, 0.3, letters=letters), 2, atol=1e-14)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("kind", ["min", "squared"])
 @pytest.mark.parametrize("count", [2, 3, 4])
 def test_polynomials_up_to_the_degree_stated_are_reproduced_and_no_others(count, kind):
@@ -253,6 +254,7 @@ def test_auto_takes_min_where_the_mean_is_a_fifth_of_the_root_mean_square(shift,
     assert operator.kinds == (kind, "min")
 
 
+@pytest.mark.slow
 def test_all_roots_of_a_function_are_found():
     roots, sign = roots_between(sp.sin(60 * t) + sp.cos(t) / 10, 0.0, 3.0)
     grid = np.linspace(0, 3, 20001)

@@ -167,6 +167,7 @@ def test_a_tube_of_scattered_points_closes():
         assert_close(ends[0], ends[1], atol=1e-10)
 
 
+@pytest.mark.slow
 def test_scattered_points_are_of_the_order_of_the_spline():
     generator = np.random.default_rng(2)
     u, v = generator.uniform(0, 1, (2, 6000))

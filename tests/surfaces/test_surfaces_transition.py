@@ -28,6 +28,7 @@ def on_line(patch, line, places):
     return u_t, v_t
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("order", [2, 3])
 @pytest.mark.parametrize(("first", "second"), [("u1", "u0"), ("v0", "u1"), ("u0", "v1"), ("v1", "v0")])
 def test_edges_are_left_outwards_and_entered_inwards(order, first, second):
@@ -89,6 +90,7 @@ def test_the_surface_is_a_formula_where_the_patches_are():
         assert_close(surface.derivative(1 / 3, 0.25, order), np.array(expected, float).ravel(), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_closed_line_makes_a_tube_that_closes():
     """From a circle cut out of a paraboloid down to a rim below it."""
     bowl = ParametricSurface((u, v, u**2 + v**2), ((-1, 1), (-1, 1)))

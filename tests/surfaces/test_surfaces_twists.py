@@ -64,6 +64,7 @@ def bending(patch):
     return sum(weight * (part**2).sum(axis=-1).mean() for weight, part in zip((1, 2, 1), parts, strict=True))
 
 
+@pytest.mark.slow
 def test_the_twists_of_least_energy_cannot_be_bettered():
     rng = np.random.default_rng(1964)
     matrix = rng.normal(size=(4, 4, 3))

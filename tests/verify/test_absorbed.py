@@ -7,6 +7,7 @@ import rsym
 from rsym import conjunction, disjunction, x, y, z
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("second", [sp.sqrt(y) + 1, sp.log(y) + 9])
 def test_an_absorbed_leaf_takes_its_domain_along(second):
     """For y < 0 omega is not defined: the sheet ends in a line, whatever the logic of the second leaf."""

@@ -219,6 +219,7 @@ def test_a_doubtful_extremum_is_not_silenced_by_a_proved_one():
     assert distinct([sure, sure]) == [sure]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps", [1, 2000])
 @pytest.mark.parametrize(
     ("omega", "verdict"),

@@ -46,6 +46,7 @@ def test_every_rectangle_lies_wholly_on_its_side_of_the_formula(nose):
     assert all(a2[1] < smooth_nose(p1[0]) for a2, p1 in refuted)
 
 
+@pytest.mark.slow
 def test_the_rectangles_tile_the_region(nose):
     (u, v), (s, t) = nose.region
     assert (grid_of(nose.rectangles).owner >= 0).all()
@@ -155,6 +156,7 @@ def test_families_of_one_kind(expression, verdict):
     assert atlas.region == ((0.5, 2.0), (0.625, 2.5))
 
 
+@pytest.mark.slow
 def test_a_body_of_revolution_and_one_that_is_none():
     capsule = rsym.revolve(
         rsym.Shape(b**2 - y**2 - sp.Max(sp.Abs(x) - a, 0) ** 2, (x, y), letters={a: 1, b: 0.5}, bounds=BOX)
@@ -226,6 +228,7 @@ def test_bad_input_is_refused(arguments, changes, code):
     assert error.value.code == code
 
 
+@pytest.mark.slow
 def test_a_cancelled_atlas_says_so():
     with pytest.raises(rsym.RsymError, match="cancelled"):
         rsym.smoothness_atlas(rsym.paper.skeleton_body(), "a2", "p1", progress=lambda done, total: False)

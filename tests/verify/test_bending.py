@@ -187,6 +187,7 @@ def test_boxes_without_the_sheet_are_left_out():
     assert contraction(images, node, beside)[1].tolist() == [False, True]
 
 
+@pytest.mark.slow
 def test_poles_of_curvature_come_to_an_end():
     found = bending_of(rsym.double_cone(sp.pi / 6).replace(bounds=((-2.1, 2.05),) * 3))
     assert found.attained[1] > 1e3

@@ -142,6 +142,7 @@ def test_fillets(continuity, jump):
         assert curve.tangent_jump == 0
 
 
+@pytest.mark.slow
 def test_a_displacement_blend_is_certified():
     faces = (Shape(part, (x, y, z), bounds=((-1, 2.1), (-1.2, 2), (-0.5, 0.6))) for part in (x, y))
     report = judged(rsym.displacement_blend(*faces, Q(-1, 10), Q(1, 2), Q(1, 2)))
@@ -167,6 +168,7 @@ def test_faces_in_one_plane_are_one_face():
 # Points.
 
 
+@pytest.mark.slow
 def test_balls_that_touch():
     balls = rsym.disjunction(1 - (x - 1) ** 2 - y**2 - z**2, 1 - (x + 1) ** 2 - y**2 - z**2)
     report = body(balls, ((-2.2, 2.1), (-1.3, 1.2), (-1.2, 1.3)))
@@ -215,6 +217,7 @@ def test_the_car_of_the_paper():
 # Letters, threads, random bodies.
 
 
+@pytest.mark.slow
 def test_a_range_of_letters():
     r = sp.Symbol("r", real=True)
     shape = Shape(r**2 - SQUARES, (x, y, z), letters={r: 1}, bounds=WINDOW)

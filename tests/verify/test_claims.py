@@ -48,6 +48,7 @@ def test_the_verdicts_are_found_in_the_run(monkeypatch):
     assert {claim.row[2] for claim in [*claims.profiles(), *claims.bodies()]} == {"UNDECIDED"}
 
 
+@pytest.mark.slow
 def test_omega_n_is_normalised_to_order_1_and_no_further(found):
     rows = found[2]
     assert [row[2] for row in rows] == ["REFUTED", "UNDECIDED", "CERTIFIED", "REFUTED"]

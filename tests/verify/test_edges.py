@@ -91,6 +91,7 @@ def test_nothing_is_certified_that_is_no_nose(omega):
     assert verdict(omega, budget=300).verdict in {"UNDECIDED", "DEGENERATE"}
 
 
+@pytest.mark.slow
 def test_a_nose_that_is_moved_and_turned():
     shape = rsym.Shape(between(root * sp.sqrt(1 - x) * (1 + x / 2)), (x, y), bounds=BOX)
     moved = shape.translate((R(-1, 2), R(1, 10))).rotate(sp.pi / 6)

@@ -145,6 +145,7 @@ def test_sets_that_touch_have_no_thickness_in_common():
     assert kinds(rsym.lint(space(rsym.conjunction(box((-1, 0), (-1, 1), (-1, 1)), x)))) == ["sheet without thickness"]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("system", [rsym.R0, rsym.RAlpha(sp.Rational(1, 2)), rsym.Rp(4)])
 @pytest.mark.parametrize("operation", [rsym.conjunction, rsym.disjunction])
 def test_coincident_faces(operation, system):
@@ -246,6 +247,7 @@ def test_bounds_and_letters_are_those_asked_for():
     assert rsym.lint(rsym.Shape(disc, (x, y))).clean  # bounds are found
 
 
+@pytest.mark.slow
 def test_terms_that_saturate(car):
     large = ((-15, 15), (-15, 15))
     ball = plane(25 - x**2 - y**2, large)

@@ -96,6 +96,7 @@ def test_the_order_of_contact_of_two_arcs(exponent, continuity, jumps, third):
     assert max(joint.tangent_jump, joint.derivative_jump_error) < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [3, 5, 7])
 def test_cusps(n):
     joint = at(lambda x, y: x**n - y * y)

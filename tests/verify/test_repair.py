@@ -78,6 +78,7 @@ def test_the_nose_of_the_paper_has_two_certified_candidates(nose):
     assert nose.shape.letters["a2"].default == Fraction(53, 10), "the shape that was given is as it was"
 
 
+@pytest.mark.slow
 def test_the_letter_goes_just_over_its_exact_threshold(nose):
     letter = nose.candidates[0]
     value, threshold = letter.shape.letters["a2"].default, 5 + Fraction(4, 13)
@@ -264,6 +265,7 @@ def test_where_nothing_could_be_tried_the_repair_has_failed_too():
         assert str(found).endswith("no candidate was found.")
 
 
+@pytest.mark.slow
 def test_a_boundary_may_begin_to_exist():
     c = sp.Symbol("c", real=True)
     letters = {c: rsym.Letter(-1, minimum=-2, maximum=3)}

@@ -86,6 +86,7 @@ def test_a_range_across_the_threshold_is_refuted():
     assert "for some a2 in [5.25, 5.35]" in str(report)
 
 
+@pytest.mark.slow
 def test_the_threshold_of_the_paper_s_body():
     found = rsym.smoothness_threshold(PAPER, "a2", between=(5.3, 5.35), tolerance=1e-4)
     assert found.refuted < 5 + 4 / 13 < found.certified
@@ -114,6 +115,7 @@ def test_the_stadium_has_four_jumps_of_curvature():
         assert defect.tangent_jump == 0
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("power", "continuity", "answer"), [(2, "G1", "REFUTED"), (3, "G2", "CERTIFIED"), (4, "G3", "CERTIFIED")]
 )
@@ -160,6 +162,7 @@ def test_pieces_that_join_at_a_fraction_are_arcs_that_join():
     assert_close(report.defects[0].tangent_jump, 45, atol=1e-10)
 
 
+@pytest.mark.slow
 def test_an_operand_that_ends_takes_the_boundary_with_it():
     """2 + sqrt(x) is positive where it is defined, and for x < 0 nothing is: the boundary is half a circle."""
     assert verdict(conjunction(DISC, 2 + sp.sqrt(x))).verdict == "UNDECIDED"
@@ -231,6 +234,7 @@ def test_no_boundary_is_degenerate(expression, bounds):
     assert report.statements[0] == ("no point of the boundary lies within the bounds", True)
 
 
+@pytest.mark.slow
 def test_numerical_findings_are_called_so():
     """Two discs that touch at an irrational point: nothing is proved of it, so the verdict stays open."""
     u = x - sp.sqrt(2)

@@ -286,6 +286,7 @@ def test_fans_of_any_motif_are_decided_where_the_field_is_cut(order):
     assert rsym.verify_smoothness(fan).verdict == "CERTIFIED"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [5, 6])
 def test_a_fan_whose_motif_is_cut_ends_at_the_border(order):
     disc = rsym.Shape(1 - (x - sp.Rational(1, 8)) ** 2 - (y - sp.Rational(3, 4)) ** 2, (x, y))

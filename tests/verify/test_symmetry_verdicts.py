@@ -59,6 +59,7 @@ def test_a_disc_that_crosses_a_mirror_has_an_edge_there_however_little_it_is_off
         assert said(rsym.kaleidoscope(disc(R(2, 5), (1, off)), order), timeout=3)[0] != "CERTIFIED"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("off", [R(1, 10**9), R(1, 10**15)])
 def test_neighbours_that_nearly_touch(off):
     """Six discs of half the distance between their centres: a little more is an edge, a little less is none."""
@@ -68,6 +69,7 @@ def test_neighbours_that_nearly_touch(off):
         assert said(made(disc(R(1, 2)), 6), timeout=3)[0] not in {"CERTIFIED", "REFUTED"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("made", "expected"),
     [
@@ -81,6 +83,7 @@ def test_balls_around_an_axis(made, expected):
     assert said(made(), method="space") == expected
 
 
+@pytest.mark.slow
 def test_a_mirror_that_is_off_by_a_rounding_cuts():
     """A mirror with the root of 3 in 16 digits in its normal: what it reflects is not what it meets."""
     root, slope = R("1.7320508075688772"), sp.sqrt(3)
@@ -122,6 +125,7 @@ def test_what_jumps_on_the_switch_is_not_parted():
         assert (parted(local, model.root, generators(local, model.root)) is not None) == is_parted
 
 
+@pytest.mark.slow
 def test_a_polyhedron_of_one_leaf_has_edges_between_its_faces():
     largest = rsym.R1.disjunction(*(sp.Abs(form, evaluate=False) for form in (x + y, x - y, 2 * z)))
     report = rsym.verify_smoothness(rsym.Shape(1 - largest, (x, y, z), bounds=((-2, 2),) * 3))
@@ -131,6 +135,7 @@ def test_a_polyhedron_of_one_leaf_has_edges_between_its_faces():
     assert not len(report.undecided)
 
 
+@pytest.mark.slow
 def test_a_half_space_in_all_chambers():
     half = rsym.Shape(R(9, 10) - x / 2 - y / 2, (x, y, z))
     report = rsym.verify_smoothness(rsym.mirror_group(half, "octahedral"), bounds=((-2, 2),) * 3)

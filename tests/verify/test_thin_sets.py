@@ -70,6 +70,7 @@ def test_every_form_has_the_value_that_it_was_given(form):
     assert sp.expand(whole.subs(x, 1)) == y + 2
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("name", BROKEN)
 def test_a_boundary_that_breaks_on_a_line_is_degenerate(form, name):
@@ -80,6 +81,7 @@ def test_a_boundary_that_breaks_on_a_line_is_degenerate(form, name):
     assert {defect.kind for defect in report.defects if defect.proved} <= {"end", "isolated point"}
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("name", WHOLE)
 def test_a_boundary_that_goes_on_through_a_line_is_certified(form, name):
@@ -117,6 +119,7 @@ def test_where_a_boundary_breaks_is_proved_and_located(expression, kinds):
         assert near == [defect.kind]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "expression",
     [
@@ -151,6 +154,7 @@ def test_nothing_thin_is_overlooked(expression):
     assert report.verdict in {"DEGENERATE", "UNDECIDED"}, str(report)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "expression",
     [
@@ -183,6 +187,7 @@ def test_a_corner_between_three_functions_is_refuted():
     assert [(one.kind, one.point, round(one.tangent_jump, 9)) for one in report.defects] == [("corner", (0, 0), 90)]
 
 
+@pytest.mark.slow
 def test_a_letter_may_have_a_thin_set_too():
     """For one value of the letter in the range there is no boundary."""
     a = sp.Symbol("a", real=True)
@@ -195,6 +200,7 @@ def test_a_letter_may_have_a_thin_set_too():
     assert rsym.verify_smoothness(moved, letters={"a": (-0.25, 0.25)}, budget=4000).verdict == "DEGENERATE"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["three", "sign"])
 def test_bodies_that_break_on_a_plane(form):
     slit = space(FORMS[form](BALL, sp.Integer(-1), BALL, x))
@@ -208,11 +214,13 @@ def test_bodies_that_break_on_a_plane(form):
     assert (whole.verdict, whole.continuity) == ("CERTIFIED", "G3")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("expression", [z * sign(x) ** 2, BALL * sign(x - y) ** 2, BALL - 1 + sign(x**2 + y**2) ** 2])
 def test_planes_and_lines_on_which_a_body_is_zero(expression):
     assert space(expression, budget=20_000).verdict in {"DEGENERATE", "UNDECIDED"}
 
 
+@pytest.mark.slow
 def test_a_curve_that_belongs_to_no_sheet():
     """On x = 0 the boundary has the line z = 1/2 besides; around it omega is positive."""
     report = space(z + 1 - (1 - sign(x) ** 2) * sp.Rational(3, 2), bounds=((-0.9, 0.9),) * 3)
@@ -231,6 +239,7 @@ def test_meridians(form):
     assert body(BALL, BALL + z, BALL) == "CERTIFIED"
 
 
+@pytest.mark.slow
 def test_the_axis_of_a_body_is_a_thin_set():
     """Without its poles a ball is no body with a boundary; whatever a formula says where the radius is negative."""
     for omega in (BALL - 1 + sign(x**2 + y**2) ** 2, Piecewise((BALL, x**2 + y**2 > 0), (-1, True))):
@@ -246,6 +255,7 @@ def test_curves_with_pieces_are_judged_by_their_pieces_or_refused():
             rsym.continuity([rsym.Curve((t, jump), t, 0, 1), rsym.Curve((t, sp.Integer(0)), t, 1, 2)])
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "expression",
     [
@@ -262,12 +272,14 @@ def test_a_leap_over_zero_is_not_certified(expression):
     assert report.verdict in {"UNDECIDED", "DEGENERATE"}, str(report)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["three", "and", "sign"])
 def test_the_inside_of_a_thin_set_counts(form):
     """On x = 0 omega is zero where its limits are, but of the other sign."""
     assert plane(FORMS[form](DISC, -DISC, DISC, x), budget=4000).verdict == "UNDECIDED"
 
 
+@pytest.mark.slow
 def test_a_leap_in_space():
     report = space(Piecewise((BALL, x < 1.25), (1, True)))
     assert report.verdict == "UNDECIDED"

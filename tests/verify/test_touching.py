@@ -38,11 +38,13 @@ def test_what_the_logic_absorbs_leaves_no_corner(expression):
     assert word(rsym.verify_smoothness(plane(expression))) == ("CERTIFIED", "analytic")
 
 
+@pytest.mark.slow
 def test_what_is_not_absorbed_keeps_its_corner():
     report = rsym.verify_smoothness(plane(conjunction(x, disjunction(-x, y))))
     assert report.verdict != "CERTIFIED"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("second", [sp.sqrt(y) + 1, sp.log(y) + 9])
 def test_an_absorbed_leaf_takes_its_domain_along(second):
     """For y < 0 omega is not defined: the sheet x = 0 ends in a line, whatever the logic of the second leaf."""
@@ -55,6 +57,7 @@ def test_an_absorbed_leaf_takes_its_domain_along(second):
 # --- leaves that touch from outside in a point ----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [(0, 0), (sp.Rational(1, 2), sp.Rational(-1, 3))])
 @pytest.mark.parametrize("direction", [(1, 0), (sp.Rational(3, 5), sp.Rational(4, 5))])
 def test_curves_that_touch_from_outside(place, direction):
@@ -103,6 +106,7 @@ ROUND = sp.sqrt((sp.sqrt(x**2 + y**2) - 3) ** 2 + z**2)
 SPACE = "space"
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("expression", "reach", "expected"),
     [
@@ -130,6 +134,7 @@ def capsule(axis, middle=0, radius=1, half=1):
     return disjunction(conjunction(tube, half - along, half + along), *balls)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["auto", SPACE])
 @pytest.mark.parametrize(("axis", "radius"), [(x, 1), (z, sp.Rational(1, 2))])
 def test_a_capsule_as_a_union_of_three(method, axis, radius):
@@ -139,6 +144,7 @@ def test_a_capsule_as_a_union_of_three(method, axis, radius):
     assert all(abs(one.curvature_jump - 1 / float(radius)) < 1e-9 for one in report.defects)
 
 
+@pytest.mark.slow
 def test_the_primitives_make_a_capsule_too():
     whole = rsym.cylinder(1, 2)
     for end in (1, -1):
@@ -161,6 +167,7 @@ def test_a_stadium_as_a_union_of_three():
     assert {round(one.curvature_jump, 12) for one in report.defects} == {1}
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "expression",
     [

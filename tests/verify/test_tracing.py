@@ -7,6 +7,7 @@ from collections import defaultdict
 from fractions import Fraction
 
 import numpy as np
+import pytest
 import sympy as sp
 from oracles.closeness import assert_close
 
@@ -107,6 +108,7 @@ def test_the_rim_of_a_cut_ball():
     assert (left[:, 2] > 0).all()
 
 
+@pytest.mark.slow
 def test_the_curve_of_viviani_but_for_its_node():
     """The unit sphere and a cylinder through its axis meet at the angle acos(x); both loops end at the node."""
     curves = traced(rsym.conjunction(BALL, HALF**2 - (x - HALF) ** 2 - y**2), 2.5, smallest=0.02)
@@ -143,6 +145,7 @@ def test_a_curve_ends_on_the_face_where_it_leaves_the_boxes():
     assert arc.points[:, 0].min() >= 0
 
 
+@pytest.mark.slow
 def test_the_edges_of_a_cube_end_in_its_corners():
     corners = [
         (tuple((value - 0.06, value + 0.06) for value in point), SingularPoint(point, 1e-15, "corner", "G0"))
@@ -188,6 +191,7 @@ def test_the_jump_across_an_oblique_joint():
     assert_close(joint.curvature_jump, joint.curvature_jumps.max(), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_fillets_end_in_a_jump_of_one_over_the_radius_or_smoothly():
     def borders(continuity):
         system = rsym.Rho(sp.Rational(3, 4), continuity=continuity)
@@ -233,6 +237,7 @@ def test_a_letter_that_ranges_moves_the_rim():
         assert abs(rim.tangent_jump - angle) <= rim.tangent_jump_error
 
 
+@pytest.mark.slow
 def test_each_part_of_a_range_has_a_rim_of_its_own():
     a = sp.Symbol("a", real=True)
     shape = Shape(rsym.conjunction(BALL, z - a), (x, y, z), letters={a: 0.5})
@@ -264,6 +269,7 @@ def test_krawczyk_in_space():
     assert not unique_zero(values, jacobian, (arb(2, 0.1),) * 3).exists
 
 
+@pytest.mark.slow
 def test_circles_that_are_close_are_told_apart():
     circles = traced(rsym.conjunction(BALL, z**2 - sp.Rational(1, 2500)), 2.5, smallest=3e-3)
     assert all(circle.traced and circle.closed for circle in circles)

@@ -56,6 +56,7 @@ def test_what_is_refuted_beside_a_doubt_may_be_worse():
         assert "at best G0" in str(report)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("expression", "equation"),
     [

@@ -23,6 +23,7 @@ def verdict(omega, bounds=WIDE, **options):
     return rsym.verify_smoothness(Shape(omega, coordinates, bounds=bounds), budget=3000, **options).verdict
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("omega", "bounds"),
     [
@@ -55,6 +56,7 @@ def test_what_is_not_smooth_is_not_certified(omega, bounds):
     assert verdict(omega, bounds) in NOT_SMOOTH
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("omega", "bounds"),
     [
@@ -101,6 +103,7 @@ def test_an_extrusion_is_no_body_of_revolution():
     assert verdict(DISC, ((-2, 2),) * 3) == "CERTIFIED"
 
 
+@pytest.mark.slow
 def test_a_letter_that_ranges_may_be_a_parameter_or_move_the_boundary():
     a = sp.Symbol("a", real=True)
     for omega in (conjunction(x, y) - a, conjunction(x, y, system=RAlpha(a)) - 0.1, DISC + a):

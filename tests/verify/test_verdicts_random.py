@@ -40,6 +40,7 @@ def verdicts():
         return [(case, rsym.verify_smoothness(case.shape, budget=4000)) for case in cases]
 
 
+@pytest.mark.slow
 def test_no_regular_boundary_is_refuted_and_few_are_undecided(verdicts):
     found = [report.verdict for _, report in verdicts]
     assert set(found) <= {"CERTIFIED", "UNDECIDED"}

@@ -63,6 +63,7 @@ def test_a_normalised_ellipse_is_certified_to_order_1_and_refuted_at_order_2():
     assert max(map(abs, others)) <= abs(worst.deviation) + 1e-12
 
 
+@pytest.mark.slow
 def test_order_2_is_found_at_the_points_of_the_second_normalisation():
     report = verify_normalisation(rsym.normalise(ELLIPSE, order=2), 2, resolution=48, work=0)
     assert [place.proved for place in report.worst] == [True, True]
@@ -70,6 +71,7 @@ def test_order_2_is_found_at_the_points_of_the_second_normalisation():
     assert report.verdict == "UNDECIDED"  # without work there is no bound
 
 
+@pytest.mark.slow
 def test_the_body_of_the_paper_has_a_tip_and_is_normalised_to_first_order_only():
     body = rsym.normalise(rsym.paper.skeleton_body())
     report = verify_normalisation(body)
@@ -139,6 +141,7 @@ def test_bounds_on_boxes_hold_at_points_of_the_boundary(omega):
     assert (found <= limits[:, None] + 1e-9)[counted].all()
 
 
+@pytest.mark.slow
 def test_where_there_is_no_boundary():
     report = verify_normalisation(Shape(1 + x**2 + y**2, (x, y), bounds=LINE), resolution=16)
     assert report.verdict == "DEGENERATE"
@@ -150,6 +153,7 @@ def test_where_there_is_no_boundary():
     assert not any(proved for _, proved in touching.statements)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("omega", [y * abs(y), y**3, y * abs(x)])
 def test_a_boundary_without_a_gradient_is_there_all_the_same(omega):
     report = verify_normalisation(Shape(omega, (x, y), bounds=LINE), resolution=16)

@@ -40,6 +40,7 @@ def values(local, number, points):
     return [float(local.model.on([arb(u), arb(v)]).value(number)) for u, v in points]
 
 
+@pytest.mark.slow
 def test_of_hundreds_of_parts_those_count_that_a_box_holds():
     row = reduce_all(disjunction, [Q(1, 16) - (x - k) ** 2 - y**2 for k in range(400)])
     local, found = locus(row, ((100.2, 100.3), (-0.1, 0.1)))

@@ -67,10 +67,10 @@ def trace(
     Examples
     --------
     >>> from rsym import Shape, conjunction, x, y, z
-    >>> from rsym.verify.joints import Arc
+    >>> from rsym.verify.joints import BoundaryArc
     >>> model = Model(Shape(conjunction(1 - x**2 - y**2 - z**2, z + y), (x, y, z)), {})
     >>> ball, plane = model.builder.nodes[model.root].arguments
-    >>> sheets = Meeting((Arc(ball, plane), Arc(plane, ball)), 1)
+    >>> sheets = Meeting((BoundaryArc(ball, plane), BoundaryArc(plane, ball)), 1)
     >>> (arc,) = trace(model, sheets, ("ball", "plane"), [((0.25, 1.25), (-1.0, 1.0), (-1.0, 1.0))], extent=2.0)
     >>> arc.traced, arc.proved, arc.kind, round(arc.tangent_jump, 9), arc.points[[0, -1], 0]
     (True, True, 'edge', 90.0, array([0.25, 0.25]))
