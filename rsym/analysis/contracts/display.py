@@ -114,8 +114,9 @@ def contract_document(
         title = smoothness(rank)
         entries.append(Entry(f"{title} ({operation}) where {told}", True, (f"{title}: {operation}", shown), label=""))
     for kind, alike in orders.items():
-        told = _counted([_called(leaf) for leaf in alike[:_SHOWN]], len(alike), "; ", CELL)
-        shown = _counted([_called(leaf) for leaf in alike[:_IN_A_TABLE]], len(alike), "\n", room)
+        called = [_called(leaf) for leaf in alike[: max(_SHOWN, _IN_A_TABLE)]]
+        told = _counted(called[:_SHOWN], len(alike), "; ", CELL)
+        shown = _counted(called[:_IN_A_TABLE], len(alike), "\n", room)
         title = normalisation(kind)
         entries.append(Entry(f"leaves, {title}: {told}", True, (f"leaves: {title}", shown), label=""))
     return Document(

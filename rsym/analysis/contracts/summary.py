@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
@@ -58,6 +59,11 @@ class Contract(Report):
 
     def document(self) -> Document:
         """All that is promised."""
+        return self._document
+
+    @cached_property
+    def _document(self) -> Document:
+        """Made once: SymPy takes hundredths of a second to print its equations, as text and as LaTeX."""
         data = {
             "class": self.continuity,
             "order": self.order,
