@@ -1,5 +1,6 @@
 """The schema of the JSON of all reports, checked: a structure of types, dictionaries and lists of one kind."""
 
+import json
 import math
 
 SENTENCE = {"text": str, "proved": bool}
@@ -47,3 +48,12 @@ def not_finite(value, where="record"):
     if isinstance(value, list):
         return [one for k, item in enumerate(value) for one in not_finite(item, f"{where}[{k}]")]
     return [where] if isinstance(value, float) and not math.isfinite(value) else []
+
+
+def strictly_read(text):
+    """JSON as its standard has it: no NaN, no infinity."""
+
+    def refuse(constant):
+        raise AssertionError(constant)
+
+    return json.loads(text, parse_constant=refuse)
