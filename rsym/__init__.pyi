@@ -82,24 +82,24 @@ from .sampling.meshing import Mesher, mesh
 from .sampling.samples import Samples, sample
 from .sampling.sections import Section, sections
 from .sampling.sharp.features import Feature
+from .verify.answers.body_report import BodyCover, BodyReport
+from .verify.answers.report import Joint, SmoothnessReport
+from .verify.answers.singular import SingularCurve, SingularPoint
 from .verify.atlas.atlas import smoothness_atlas
 from .verify.atlas.report import SmoothnessAtlas
 from .verify.atlas.threshold_curve import ThresholdCurve
-from .verify.bodies.report import BodyCover, BodyReport
-from .verify.bodies.singular import SingularCurve, SingularPoint
-from .verify.continuity import ContinuityReport, continuity
-from .verify.curves import Curve
+from .verify.continuity.continuity import ContinuityReport, continuity
+from .verify.continuity.curves import Curve
 from .verify.fairness.designs import DesignTable, compare_designs
 from .verify.fairness.fairness import fairness
 from .verify.fairness.report import FairnessReport
 from .verify.lint.linting import lint
 from .verify.lint.report import Finding, LintReport
-from .verify.normalisation import verify_normalisation
-from .verify.normalisation_report import NormalisationReport
+from .verify.normalisation.normalisation import verify_normalisation
+from .verify.normalisation.report import NormalisationReport
 from .verify.repair.prices import Price
 from .verify.repair.repairing import repair
 from .verify.repair.report import RepairReport
-from .verify.report import Joint, SmoothnessReport
 from .verify.smoothness import verify_smoothness
 from .verify.threshold import Threshold, smoothness_threshold
 from .version import __version__

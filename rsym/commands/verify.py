@@ -101,7 +101,7 @@ def _threshold(options: argparse.Namespace, intervals: Mapping[str, tuple[float,
 
 def _normalisation(options: argparse.Namespace, intervals: Mapping[str, tuple[float, float]]) -> int:
     """Verify the derivatives along the normal."""
-    from rsym.verify.normalisation import verify_normalisation
+    from rsym.verify.normalisation.normalisation import verify_normalisation
 
     _refuse(options, "--normalisation", intervals.keys())
     shape = load_shape(options)

@@ -22,8 +22,8 @@ from rsym.output.surfaces import ShadedMesh, show
 from rsym.reports.numbers import share
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
-from rsym.verify.bodies.report import BodyReport
-from rsym.verify.bodies.singular import kinds_text
+from rsym.verify.answers.body_report import BodyReport
+from rsym.verify.answers.singular import kinds_text
 
 FRAME = "#aaaaaa"
 TITLE, ROW = 0.5, 0.3  # inches, for the title and for a row of a legend
@@ -49,7 +49,7 @@ def draw_body_verdict(
     Examples
     --------
     >>> from rsym import x, y, z
-    >>> from rsym.verify.bodies.report import BodyCover
+    >>> from rsym.verify.answers.body_report import BodyCover
     >>> ball = Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
     >>> none, nothing = np.empty((0, 3, 2)), (float("nan"),) * 2
     >>> cover = BodyCover(ball.bounds, none, none, none, 0)
@@ -110,8 +110,8 @@ def verdict_title(report: BodyReport) -> str:
 
     Examples
     --------
-    >>> from rsym.verify.bodies.report import BodyCover
-    >>> from rsym.verify.bodies.singular import SingularPoint
+    >>> from rsym.verify.answers.body_report import BodyCover
+    >>> from rsym.verify.answers.singular import SingularPoint
     >>> none, nothing = np.empty((0, 3, 2)), (float("nan"),) * 2
     >>> cover, tip = BodyCover((), none, none, none, 0), SingularPoint((0.0, 0.0, 1.0), 0.0, "cone tip", "G0")
     >>> verdict_title(BodyReport("REFUTED", "G0", (), (tip,), nothing, nothing, cover, {"a": (1, 2)}))

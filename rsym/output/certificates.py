@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats
 from rsym.model.shape import Shape
 from rsym.sampling.contours import level_lines
-from rsym.verify.report import Cover, SmoothnessReport
+from rsym.verify.answers.report import Cover, SmoothnessReport
 from rsym.verify.revolution import meridian
 
 

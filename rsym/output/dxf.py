@@ -12,7 +12,7 @@ from rsym.arrays import Floats
 from rsym.output.units import UNITS
 from rsym.sampling.sections import Section
 from rsym.sampling.sharp.features import Feature
-from rsym.verify.bodies.singular import SingularCurve
+from rsym.verify.answers.singular import SingularCurve
 
 Tags = Iterable[tuple[int, Any]]
 

@@ -15,7 +15,7 @@ from rsym.output.formats import FORMATS, coloured_formats, table_of_formats
 from rsym.output.units import check_unit, sized
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.sharp.features import Feature
-from rsym.verify.bodies.singular import SingularCurve
+from rsym.verify.answers.singular import SingularCurve
 
 
 @documented(formats=table_of_formats(), coloured=coloured_formats().replace(" or ", "`` and ``"))

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from rsym.arrays import Floats
 from rsym.output.certificates import DEFECT, JudgedShape, draw_boundary
 from rsym.reports.numbers import measured
-from rsym.verify.report import Joint, SmoothnessReport
+from rsym.verify.answers.report import Joint, SmoothnessReport
 
 RESOLUTION = 240
 # Shares of the half-width of a window: where an arc is read, and where the arc of the turn is drawn.

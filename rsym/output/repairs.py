@@ -23,10 +23,10 @@ from rsym.output.verdicts import plot_verdict
 from rsym.sampling.boundaries import Boundary, boundary, distances_to
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.plane import plane_section
-from rsym.verify.bodies.singular import SingularCurve
+from rsym.verify.answers.report import SmoothnessReport
+from rsym.verify.answers.singular import SingularCurve
 from rsym.verify.repair.anatomy import Verdict
 from rsym.verify.repair.report import Candidate, RepairReport
-from rsym.verify.report import SmoothnessReport
 from rsym.verify.revolution import meridian
 
 Box = tuple[tuple[float, float], ...]

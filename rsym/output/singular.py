@@ -25,7 +25,7 @@ from rsym.output.paints import UNDEFINED
 from rsym.output.shading import decode, linear
 from rsym.reports.words import plural
 from rsym.sampling.sharp.features import Feature
-from rsym.verify.bodies.singular import SingularCurve, SingularPoint, counted
+from rsym.verify.answers.singular import SingularCurve, SingularPoint, counted
 
 Limits: TypeAlias = tuple[float, float]
 

@@ -26,7 +26,7 @@ from rsym.output.shading import AZIMUTH, BODY, ELEVATION, hollows, mean_depth, r
 from rsym.output.singular import mark_curves
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.sharp.features import Feature
-from rsym.verify.bodies.singular import SingularCurve
+from rsym.verify.answers.singular import SingularCurve
 
 SAMPLES = 2  # per pixel and direction
 BATCH = 1 << 14  # samples shaded at once: what is between steps stays in the cache, three times as fast as 1 << 18

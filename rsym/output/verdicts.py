@@ -32,8 +32,8 @@ from rsym.output.magnified import draw_magnified
 from rsym.output.pictures import figure_of, require_axes
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.reports.words import plural
-from rsym.verify.bodies.report import BodyReport
-from rsym.verify.report import SmoothnessReport
+from rsym.verify.answers.body_report import BodyReport
+from rsym.verify.answers.report import SmoothnessReport
 
 CELLS, BODY_CELLS = 600, 160  # along the longer side
 WIDTH = 8.0  # inches
@@ -93,7 +93,7 @@ def plot_verdict(
     --------
     >>> import math, rsym
     >>> from rsym import x, y
-    >>> from rsym.verify.report import Cover
+    >>> from rsym.verify.answers.report import Cover
     >>> disc = rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-2, 2), (-2, 2)))
     >>> none = np.empty((0, 2, 2))
     >>> report = SmoothnessReport("UNDECIDED", "G0", (), (), math.inf, Cover(disc.bounds, none, none, none, 0), {})

@@ -20,8 +20,8 @@ from rsym.output.verdicts import plot_verdict
 from rsym.paper.drawing import Drawing, Table, letters_text
 from rsym.paper.models import BODIES, skeleton_body
 from rsym.reports.numbers import at_most, measured, number
-from rsym.verify.normalisation import verify_normalisation
-from rsym.verify.report import SmoothnessReport
+from rsym.verify.answers.report import SmoothnessReport
+from rsym.verify.normalisation.normalisation import verify_normalisation
 from rsym.verify.smoothness import verify_smoothness
 
 CURVATURE = "the curvature is continuous"

@@ -20,9 +20,9 @@ from rsym.output.singular import Limits, angle_limits, jump_limits, mark_curves
 from rsym.paper.drawing import Drawing, Table, letters_text, triangles_in
 from rsym.paper.models import car, skeleton_body
 from rsym.reports.numbers import interval, share
-from rsym.verify.bodies.report import COLUMNS as PARTS
-from rsym.verify.bodies.report import BodyReport
-from rsym.verify.bodies.singular import kinds_text
+from rsym.verify.answers.body_report import COLUMNS as PARTS
+from rsym.verify.answers.body_report import BodyReport
+from rsym.verify.answers.singular import kinds_text
 from rsym.verify.smoothness import verify_smoothness
 
 SIZE = (9.6, 10.6)  # inches

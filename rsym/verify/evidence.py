@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from itertools import islice, product
 
 from rsym.bounds.balls import arb, ctx
-from rsym.verify.covering import PRECISION, Covering, halves
-from rsym.verify.examination import BoxFinding, examine
-from rsym.verify.local import Box, Model, side
-from rsym.verify.report import Joint
+from rsym.verify.answers.report import Joint
+from rsym.verify.boxes.local import Box, Model, side
+from rsym.verify.cover.covering import PRECISION, Covering, halves
+from rsym.verify.cover.examination import BoxFinding, examine
 
 PARTS, LOOKED_AT = 256, 64  # of the ranges of letters, and boxes over each, in search of a boundary for all of them
 DIVIDED, MOST_DIVIDED = 8, 500  # times that boxes are divided in search of a point of the boundary, and how many

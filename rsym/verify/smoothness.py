@@ -25,23 +25,23 @@ from rsym.sampling.effort import Effort
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress
-from rsym.verify.account import complaint, distinct, missing
-from rsym.verify.bodies.fibres import report_over_ranges
-from rsym.verify.bodies.report import BodyReport
-from rsym.verify.bodies.verdict import BUDGET as BODY_BUDGET
-from rsym.verify.bodies.verdict import Study, report_body, study_body
+from rsym.verify.answers.account import complaint, distinct, missing
+from rsym.verify.answers.body_report import BodyReport
+from rsym.verify.answers.conclusions import Tally, badness, sentences, verdict_from
+from rsym.verify.answers.report import UNKNOWN, Cover, Joint, SmoothnessReport, continuity_of, is_defect, level_of
+from rsym.verify.bodies import BUDGET as BODY_BUDGET
+from rsym.verify.bodies import Study, report_body, study_body
+from rsym.verify.boxes.local import Box, Interval, Model
 from rsym.verify.cells import within_cells
 from rsym.verify.cleaning import cleaned, without_scale
-from rsym.verify.conclusions import Tally, badness, sentences, verdict_from
-from rsym.verify.covering import PRECISION, Covering, cover, extent_of, halves
+from rsym.verify.cover.covering import PRECISION, Covering, cover, extent_of, halves
+from rsym.verify.cover.examination import BoxFinding, examine
+from rsym.verify.cover.pruning import bounds_of_omega, pruner
 from rsym.verify.evidence import NOWHERE, has_boundary, has_boundary_for_every_value
-from rsym.verify.examination import BoxFinding, examine
+from rsym.verify.fibres import report_over_ranges
 from rsym.verify.holes import holes
-from rsym.verify.local import Box, Interval, Model
-from rsym.verify.pruning import bounds_of_omega, pruner
-from rsym.verify.report import UNKNOWN, Cover, Joint, SmoothnessReport, continuity_of, is_defect, level_of
+from rsym.verify.points.suspects import classify_suspects
 from rsym.verify.revolution import find_meridian, meridian
-from rsym.verify.suspects import classify_suspects
 
 BUDGET = 20_000  # boxes: the body of Fig. 11 takes 130, a lemniscate with its node 240, the car 200 to 900
 METHODS = ("auto", "meridian", "space")
@@ -157,7 +157,7 @@ def studied_in_space(
     budget: int | None = None,
     effort: Effort | None = None,
 ) -> Study:
-    """What boxes in space say of a body; `rsym.verify.bodies.verdict.report_body` makes a report of it."""
+    """What boxes in space say of a body; `rsym.verify.bodies.report_body` makes a report of it."""
     values = ranges_of(shape.letters, letters)
     box = _bounds_in_space(shape, bounds, values)
     return study_body(shape, box, values, smallest=smallest, budget=budget or BODY_BUDGET, effort=effort)

@@ -13,8 +13,8 @@ from rsym.logic.stripping import Signed, Stripping, bare, even_root, factor, for
 from rsym.model.powers import absolute_power, signed_power
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower
-from rsym.verify.local import Model
-from rsym.verify.locus import reduce
+from rsym.verify.boxes.local import Model
+from rsym.verify.boxes.locus import reduce
 
 POINTS = dict(zip("xyz", np.random.default_rng(11).uniform(-1.5, 1.5, (3, 400)), strict=True))
 U = x - y / 3 + z

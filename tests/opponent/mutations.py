@@ -110,7 +110,7 @@ def _step(original: Any) -> Any:
 
 
 def _exists(original: Any) -> Any:
-    from rsym.verify.krawczyk import Zero
+    from rsym.verify.boxes.krawczyk import Zero
 
     def changed(values: Any, jacobian: Any, box: Any) -> Any:
         found = original(values, jacobian, box)
@@ -120,7 +120,7 @@ def _exists(original: Any) -> Any:
 
 
 def _none_exists(original: Any) -> Any:
-    from rsym.verify.krawczyk import Zero
+    from rsym.verify.boxes.krawczyk import Zero
 
     def changed(values: Any, jacobian: Any, box: Any) -> Any:
         found = original(values, jacobian, box)
@@ -201,7 +201,7 @@ def _ones_of_boxes(original: Any) -> Any:
 
 
 def _a_cusp(original: Any) -> Any:
-    from rsym.verify.bodies.contacts import Judgement
+    from rsym.verify.points.contacts import Judgement
 
     return lambda *arguments: original(*arguments) or Judgement("cusp", "G0", "")
 
@@ -224,41 +224,43 @@ def _in_the_middle(original: Any) -> Any:
 
 
 PLANE = (
-    Mutation("kinks: all is analytic", "generators:Generators.analytic", property_of(True)),
+    Mutation("kinks: all is analytic", "boxes.generators:Generators.analytic", property_of(True)),
     Mutation(
         "kinks: |u|, min, max, select, sign",
-        "generators:is_analytic_at",
+        "boxes.generators:is_analytic_at",
         _analytic_for("abs", "min", "max", "select", "sign"),
     ),
-    Mutation("kinks: roots", "generators:is_analytic_at", _analytic_for("sqrt", "pow", "absolute_power")),
-    Mutation("kinks: denominators", "generators:is_analytic_at", _analytic_for("div")),
-    Mutation("kinks: R-operations", "generators:is_analytic_at", _analytic_for(*SMOOTH_OFF_CORNERS)),
-    Mutation("domains: all is defined", "domains:is_defined", always(True)),
-    Mutation("domains: every parameter is legal", "domains:is_legal", always(True)),
-    Mutation("locus: every power keeps the sign", "locus:_keeps_sign", always(True)),
-    Mutation("locus: u*|u|: all products share zeros", "polynomials:same_zeros", always(True)),
-    Mutation("covering: a quarter of a box is lost", "covering:halves", _lossy),
-    Mutation("joints: arcs are transversal to their sides", "joints:is_transversal", always(True)),
-    Mutation("joints: no jump where enclosures overlap", "joints:step_of", _step),
-    Mutation("resolution: every switch is smooth across", "resolution:contact", always(math.inf)),
-    Mutation("krawczyk: a zero exists where it is open", "krawczyk:unique_zero", _exists),
-    Mutation("krawczyk: no zero where it is open", "krawczyk:unique_zero", _none_exists),
-    Mutation("vanishing: both arcs end in one point", "vanishing:vanishes_with", always(True)),
-    Mutation("examination: all boxes are small", "examination:_is_small", always(True)),
-    Mutation("examination: the mean value form excludes zero", "examination:_centred_excludes_zero", always(True)),
-    Mutation("examination: curvature bound a third", "examination:curvature_bound", _shrunk),
+    Mutation("kinks: roots", "boxes.generators:is_analytic_at", _analytic_for("sqrt", "pow", "absolute_power")),
+    Mutation("kinks: denominators", "boxes.generators:is_analytic_at", _analytic_for("div")),
+    Mutation("kinks: R-operations", "boxes.generators:is_analytic_at", _analytic_for(*SMOOTH_OFF_CORNERS)),
+    Mutation("domains: all is defined", "boxes.domains:is_defined", always(True)),
+    Mutation("domains: every parameter is legal", "boxes.domains:is_legal", always(True)),
+    Mutation("locus: every power keeps the sign", "boxes.locus:_keeps_sign", always(True)),
+    Mutation("locus: u*|u|: all products share zeros", "boxes.polynomials:same_zeros", always(True)),
+    Mutation("covering: a quarter of a box is lost", "cover.covering:halves", _lossy),
+    Mutation("joints: arcs are transversal to their sides", "boxes.joints:is_transversal", always(True)),
+    Mutation("joints: no jump where enclosures overlap", "boxes.joints:step_of", _step),
+    Mutation("resolution: every switch is smooth across", "boxes.resolution:contact", always(math.inf)),
+    Mutation("krawczyk: a zero exists where it is open", "boxes.krawczyk:unique_zero", _exists),
+    Mutation("krawczyk: no zero where it is open", "boxes.krawczyk:unique_zero", _none_exists),
+    Mutation("vanishing: both arcs end in one point", "boxes.vanishing:vanishes_with", always(True)),
+    Mutation("examination: all boxes are small", "cover.examination:_is_small", always(True)),
+    Mutation(
+        "examination: the mean value form excludes zero", "cover.examination:_centred_excludes_zero", always(True)
+    ),
+    Mutation("examination: curvature bound a third", "cover.examination:curvature_bound", _shrunk),
     Mutation("smoothness: a third of the bound", "smoothness:sharpened_bound", _shrunk),
     Mutation("evidence: there is always a boundary", "evidence:has_boundary", always(True)),
-    Mutation("suspects: limits are proofs", "suspects:_probed", _proved),
-    Mutation("suspects: none is looked at", "suspects:classify_suspects", always([])),
+    Mutation("suspects: limits are proofs", "points.suspects:_probed", _proved),
+    Mutation("suspects: none is looked at", "points.suspects:classify_suspects", always([])),
     Mutation(
         "newton: every branch is smooth",
-        "newton_polygon:HalfBranch",
+        "points.newton_polygon:HalfBranch",
         lambda f: lambda swapped, sense, terms, smooth, above: f(swapped, sense, terms, True, above),
     ),
     Mutation(
         "newton: even factors do not count",
-        "newton_polygon:_signed_parts",
+        "points.newton_polygon:_signed_parts",
         lambda f: lambda *a: None if f(*a) is None else (f(*a)[0], f(*a)[1].one),
     ),
     Mutation(
@@ -269,72 +271,78 @@ PLANE = (
 )
 PLANE = (
     *PLANE,
-    Mutation("borders: what is beside the bounds counts", "borders:is_within", always(True)),
+    Mutation("borders: what is beside the bounds counts", "boxes.borders:is_within", always(True)),
     Mutation("cleaning: nothing is negative", "cleaning:_is_never_negative", always(True)),
     Mutation("cleaning: numbers decide equality", "cleaning:_are_equal", always(True)),
-    Mutation("directions: every cone is crossed", "directions:_is_crossed", always(True)),
-    Mutation("directions: all signs agree", "directions:same_sign", lambda f: lambda local, known, number: number),
-    Mutation("directions: every part is a factor", "directions:_is_factor", always(True)),
+    Mutation("directions: every cone is crossed", "points.directions:_is_crossed", always(True)),
+    Mutation(
+        "directions: all signs agree", "points.directions:same_sign", lambda f: lambda local, known, number: number
+    ),
+    Mutation("directions: every part is a factor", "points.directions:_is_factor", always(True)),
 )
 SPACE = (
-    Mutation("octree: every gradient is independent", "bodies.independence:independent", _ones),
-    Mutation("octree: two sheets are always apart", "bodies.independence:apart", _ones),
-    Mutation("octree: all slopes are analytic", "bodies.images:Images.slopes", _analytic_slopes),
-    Mutation("octree: conditions are not asked", "bodies.images:conditions", always([])),
+    Mutation("octree: every gradient is independent", "cover.independence:independent", _ones),
+    Mutation("octree: two sheets are always apart", "cover.independence:apart", _ones),
+    Mutation("octree: all slopes are analytic", "cover.images:Images.slopes", _analytic_slopes),
+    Mutation("octree: conditions are not asked", "cover.images:conditions", always([])),
     Mutation(
         "octree: what is undefined is empty",
-        "bodies.images:Images.is_empty",
+        "cover.images:Images.is_empty",
         lambda f: lambda self, boxes: np.ones(len(boxes), bool),
     ),
-    Mutation("octree: a double sheet changes its sign", "bodies.octree:Octree._changes_sign", _ones),
-    Mutation("inspection: sheets are transversal", "bodies.inspection:_is_transversal", always(True)),
+    Mutation("octree: a double sheet changes its sign", "cover.octree:Octree._changes_sign", _ones),
+    Mutation("inspection: sheets are transversal", "cover.inspection:_is_transversal", always(True)),
     Mutation("inspection: nothing is even", "rsym.logic.stripping:is_even", always(False)),
-    Mutation("points: boxes left over are regular", "bodies.points:is_regular", always(True)),
-    Mutation("roots: every root is even", "bodies.even_roots:is_even", always(True)),
-    Mutation("contacts: an open eigenvalue is positive", "bodies.contacts:inertia", _inertia),
-    Mutation("contacts: leaves touch once", "bodies.contacts:touch_once", always(True)),
-    Mutation("rays: every tip is bent", "bodies.rays:Rays.is_bent", property_of(True)),
-    Mutation("continuation: a curve is unique", "bodies.continuation:ZeroCurve.is_unique", always(True)),
-    Mutation("continuation: all is analytic", "bodies.continuation:ZeroCurve.is_analytic", always(True)),
-    Mutation("following: a tube covers", "bodies.following:covers", always(True)),
-    Mutation("components: two pieces are apart", "bodies.components:_are_apart", always(True)),
-    Mutation("forming: operands absorb one another", "bodies.forming:_is_never_less", always(True)),
-    Mutation("relations: polynomials are positive", "bodies.forming:_is_positive", always(True)),
-    Mutation("octree: what is left is forgotten", "bodies.octree:Octree._leave", always(None)),
-    Mutation("links: no link is cracked", "bodies.links:Link.cracked", property_of(False)),
-    Mutation("links: every link is a disc", "bodies.links:Link.is_disc", property_of(True)),
-    Mutation("locus: what drops is defined", "locus:_sure_sign", lambda _: lambda local, number: local.sign(number)),
+    Mutation("points: boxes left over are regular", "points.classifying:is_regular", always(True)),
+    Mutation("roots: every root is even", "points.even_roots:is_even", always(True)),
+    Mutation("contacts: an open eigenvalue is positive", "points.contacts:inertia", _inertia),
+    Mutation("contacts: leaves touch once", "points.contacts:touch_once", always(True)),
+    Mutation("rays: every tip is bent", "points.rays:Rays.is_bent", property_of(True)),
+    Mutation("continuation: a curve is unique", "curves.continuation:ZeroCurve.is_unique", always(True)),
+    Mutation("continuation: all is analytic", "curves.continuation:ZeroCurve.is_analytic", always(True)),
+    Mutation("following: a tube covers", "curves.following:covers", always(True)),
+    Mutation("components: two pieces are apart", "curves.components:_are_apart", always(True)),
+    Mutation("forming: operands absorb one another", "cover.forming:_is_never_less", always(True)),
+    Mutation("relations: polynomials are positive", "cover.forming:_is_positive", always(True)),
+    Mutation("octree: what is left is forgotten", "cover.octree:Octree._leave", always(None)),
+    Mutation("links: no link is cracked", "points.links:Link.cracked", property_of(False)),
+    Mutation("links: every link is a disc", "points.links:Link.is_disc", property_of(True)),
+    Mutation(
+        "locus: what drops is defined", "boxes.locus:_sure_sign", lambda _: lambda local, number: local.sign(number)
+    ),
 )
 NEWER = (
-    Mutation("touching: every factor is positive", "bodies.touching:_sign", _signed),
-    Mutation("touching: contacts are of the fourth order", "bodies.touching:_meeting", _fourth),
-    Mutation("folds: every piece is regular", "bodies.folds:Folds.regular", _ones_of_boxes),
-    Mutation("classes: every power is smooth", "classes:_of_powers", always(4.0)),
-    Mutation("classes: every difference vanishes", "classes:_vanishing", always(4.0)),
-    Mutation("classes: no switch has a value of its own", "classes:_is_taken_from_one_side", always(True)),
-    Mutation("resolution: no switch has a value of its own", "resolution:_thin", always(None)),
-    Mutation("deciding: sheets keep away from their side", "bodies.deciding:Decider._are_apart", _ones_of_boxes),
-    Mutation("joints: omega is continuous everywhere", "joints:Meeting.continuous", property_of(True)),
-    Mutation("cusps: what has no gradient is one", "bodies.cusps:cusp", _a_cusp),
-    Mutation("breaks: what leaps is empty", "breaks:emptiness", always("empty")),
-    Mutation("everywhere: sheets never meet", "bodies.everywhere:_never_meet", always(True)),
-    Mutation("everywhere: there is always a boundary", "bodies.everywhere:exists_for_every_value", always(True)),
-    Mutation("root classes: all is of the fourth order", "root_classes:root_order", always(4.0)),
-    Mutation("root classes: all vanishes to the third order", "root_classes:_zero_order", always(3)),
-    Mutation("root free: every conjugate is positive", "contact_relations:RootFree.sign", always(1)),
-    Mutation("fibres: no value but the middle is tried", "bodies.fibres:_suspicious", always(())),
-    Mutation("account: nothing is missing", "account:missing", always([])),
+    Mutation("touching: every factor is positive", "boxes.touching:_sign", _signed),
+    Mutation("touching: contacts are of the fourth order", "boxes.touching:_meeting", _fourth),
+    Mutation("folds: every piece is regular", "cover.folds:Folds.regular", _ones_of_boxes),
+    Mutation("classes: every power is smooth", "boxes.classes:_of_powers", always(4.0)),
+    Mutation("classes: every difference vanishes", "boxes.classes:_vanishing", always(4.0)),
+    Mutation("classes: no switch has a value of its own", "boxes.classes:_is_taken_from_one_side", always(True)),
+    Mutation("resolution: no switch has a value of its own", "boxes.resolution:_thin", always(None)),
+    Mutation("deciding: sheets keep away from their side", "cover.deciding:Decider._are_apart", _ones_of_boxes),
+    Mutation("joints: omega is continuous everywhere", "boxes.joints:Meeting.continuous", property_of(True)),
+    Mutation("cusps: what has no gradient is one", "points.cusps:cusp", _a_cusp),
+    Mutation("breaks: what leaps is empty", "boxes.breaks:emptiness", always("empty")),
+    Mutation("everywhere: sheets never meet", "everywhere:_never_meet", always(True)),
+    Mutation("everywhere: there is always a boundary", "everywhere:exists_for_every_value", always(True)),
+    Mutation("root classes: all is of the fourth order", "boxes.root_classes:root_order", always(4.0)),
+    Mutation("root classes: all vanishes to the third order", "boxes.root_classes:_zero_order", always(3)),
+    Mutation("root free: every conjugate is positive", "boxes.contact_relations:RootFree.sign", always(1)),
+    Mutation("fibres: no value but the middle is tried", "fibres:_suspicious", always(())),
+    Mutation("account: nothing is missing", "answers.account:missing", always([])),
 )
 NEWEST = (
-    Mutation("kinks: the cut of an angle", "generators:is_analytic_at", _analytic_for("atan2")),
-    Mutation("resolution: above and below a cut", "resolution:_angle", lambda f: lambda b, u, v, side: f(b, u, v, 1)),
-    Mutation("likeness: all reflections keep omega", "bodies.likeness:Likeness.holds", always(True)),
-    Mutation("repetition: mirrors are not looked at", "bodies.repetition:Repetition.meets", _strictly_inside),
-    Mutation("repetition: whatever has a sine turns", "bodies.repetition:_turns", always(True)),
+    Mutation("kinks: the cut of an angle", "boxes.generators:is_analytic_at", _analytic_for("atan2")),
+    Mutation(
+        "resolution: above and below a cut", "boxes.resolution:_angle", lambda f: lambda b, u, v, side: f(b, u, v, 1)
+    ),
+    Mutation("likeness: all reflections keep omega", "cover.likeness:Likeness.holds", always(True)),
+    Mutation("repetition: mirrors are not looked at", "cover.repetition:Repetition.meets", _strictly_inside),
+    Mutation("repetition: whatever has a sine turns", "cover.repetition:_turns", always(True)),
     Mutation("cells: a few are enough", "cells:within_cells", _in_the_middle),
-    Mutation("edges: all arcs continue each other", "lifting:continues", always(True)),
-    Mutation("edges: arcs meet at their ends alone", "lifting:across_of", always(arb(1))),
-    Mutation("edges: every arc has a tangent", "lifting:is_regular", always(True)),
+    Mutation("edges: all arcs continue each other", "boxes.lifting:continues", always(True)),
+    Mutation("edges: arcs meet at their ends alone", "boxes.lifting:across_of", always(arb(1))),
+    Mutation("edges: every arc has a tangent", "boxes.lifting:is_regular", always(True)),
 )
 MUTATIONS = PLANE + SPACE + NEWER + NEWEST
 # The shapes of `aimed` that are meant for each: the first of which something false is said is enough.

@@ -7,8 +7,8 @@ import numpy as np
 
 import rsym
 from rsym import x, y, z
-from rsym.verify.bodies.report import BodyCover, BodyReport
-from rsym.verify.bodies.singular import SingularCurve, SingularPoint
+from rsym.verify.answers.body_report import BodyCover, BodyReport
+from rsym.verify.answers.singular import SingularCurve, SingularPoint
 
 NONE = np.empty((0, 3, 2))
 BOUNDS = ((-2.0, 2.0),) * 3

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from rsym.verify.report import Cover, Joint, SmoothnessReport
+from rsym.verify.answers.report import Cover, Joint, SmoothnessReport
 
 NONE = np.empty((0, 2, 2))
 BODY_LETTERS = {"a": (5.0, 5.0), "a1": (8.0, 8.0), "a2": (5.3, 5.3), "p1": (40.0, 40.0), "p2": (0.1, 0.1)}

@@ -18,7 +18,7 @@ from rsym.output.certificates import CERTIFICATES, certificates_of
 from rsym.output.magnified import branches_at, window_size
 from rsym.output.pictures import write_picture
 from rsym.output.verdicts import plot_verdict
-from rsym.verify.report import Cover, Joint, SmoothnessReport
+from rsym.verify.answers.report import Cover, Joint, SmoothnessReport
 
 DISC = rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-2, 2), (-2, 2)))
 

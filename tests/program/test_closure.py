@@ -32,9 +32,9 @@ from rsym.program.lowering import LOWERINGS
 from rsym.program.one_sided import gradient_of_one_side
 from rsym.program.operations import OPERATIONS, SMOOTH
 from rsym.program.row import Operation
-from rsym.verify.domains import is_defined
-from rsym.verify.generators import is_analytic_at
-from rsym.verify.local import Model
+from rsym.verify.boxes.domains import is_defined
+from rsym.verify.boxes.generators import is_analytic_at
+from rsym.verify.boxes.local import Model
 
 NAMES = ("u0", "u1", "u2", "u3")
 DATA = {"powi": 5, "const": Fraction(1, 3), "input": "u0", "monomial": (2, 1, -2)}

@@ -15,13 +15,13 @@ from rsym.program.builder import Builder
 from rsym.program.fields import program_of
 from rsym.program.lowering import LOWERINGS
 from rsym.program.operations import KINKED, OPERATIONS, SMOOTH
-from rsym.verify import curves
-from rsym.verify.bodies import images
-from rsym.verify.bodies.images import conditions
-from rsym.verify.domains import is_legal
-from rsym.verify.generators import is_analytic_at
+from rsym.verify.boxes.domains import is_legal
+from rsym.verify.boxes.generators import is_analytic_at
+from rsym.verify.boxes.local import Model
+from rsym.verify.continuity import curves
+from rsym.verify.cover import images
+from rsym.verify.cover.images import conditions
 from rsym.verify.lint import saturation
-from rsym.verify.local import Model
 
 
 def test_a_norm_is_defined_for_all_orders_above_0():

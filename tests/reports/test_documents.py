@@ -24,7 +24,7 @@ from rsym.reports.render import Report, as_html, as_text
 from rsym.surfaces import continuity_report, torus
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import u, v
-from rsym.verify.report import Verdict
+from rsym.verify.answers.report import Verdict
 from rsym.verify.threshold import Threshold
 
 BOX = ((-2, 2), (-2, 2))

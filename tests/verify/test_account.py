@@ -9,13 +9,15 @@ import sympy as sp
 import rsym
 from rsym import x, y, z
 from rsym.bounds.balls import arb
-from rsym.verify import account, smoothness
+from rsym.verify import bodies as verdict
+from rsym.verify import smoothness
+from rsym.verify.answers import account
+from rsym.verify.answers.report import Joint
 from rsym.verify.atlas.dividing import accounted
 from rsym.verify.atlas.judging import RectangleJudgement
-from rsym.verify.bodies import octree, verdict
+from rsym.verify.cover import octree
 from rsym.verify.fairness.search import distinct
 from rsym.verify.fairness.zeros import CurvatureZero
-from rsym.verify.report import Joint
 
 CUBE = ((-1, 1),) * 3
 R = sp.sqrt(x**2 + y**2)

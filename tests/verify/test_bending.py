@@ -9,13 +9,13 @@ from scipy.optimize import minimize
 import rsym
 from rsym import x, y, z
 from rsym.bounds.enclosures import ranges_of
-from rsym.verify.bodies.bending import bending
-from rsym.verify.bodies.curvature_bounds import bent, contraction
-from rsym.verify.bodies.forming import formation
-from rsym.verify.bodies.images import Images
-from rsym.verify.bodies.simplest import simplest
-from rsym.verify.bodies.verdict import study_body
-from rsym.verify.local import Model
+from rsym.verify.bodies import study_body
+from rsym.verify.boxes.local import Model
+from rsym.verify.cover.bending import bending
+from rsym.verify.cover.curvature_bounds import bent, contraction
+from rsym.verify.cover.forming import formation
+from rsym.verify.cover.images import Images
+from rsym.verify.cover.simplest import simplest
 
 
 def bending_of(shape):

@@ -8,7 +8,7 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import Shape, x, y, z
-from rsym.verify.bodies.verdict import report_body
+from rsym.verify.bodies import report_body
 from rsym.verify.smoothness import studied_in_space
 
 Q = sp.Rational

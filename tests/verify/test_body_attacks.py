@@ -5,7 +5,7 @@ import sympy as sp
 
 import rsym
 from rsym import Shape, x, y, z
-from rsym.verify.bodies.verdict import report_body, study_body
+from rsym.verify.bodies import report_body, study_body
 
 Q = sp.Rational
 SQUARES = x**2 + y**2 + z**2

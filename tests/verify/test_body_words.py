@@ -12,7 +12,7 @@ from oracles.schema import own_keys, strictly_read
 from verify.test_reports import Tags
 
 from rsym.reports.numbers import interval
-from rsym.verify.bodies.singular import SingularCurve, SingularPoint
+from rsym.verify.answers.singular import SingularCurve, SingularPoint
 
 
 @pytest.mark.parametrize("make", body_reports.EVERY)

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rsym.verify import conclusions
-from rsym.verify.conclusions import SENTENCES, Tally, badness, is_degenerate, sentences, verdict_from
+from rsym.verify.answers import conclusions
+from rsym.verify.answers.conclusions import SENTENCES, Tally, badness, is_degenerate, sentences, verdict_from
 
 KINDS = {"corner": "G0", "curvature jump": "G1", "smooth joint": "G2", "node": "broken", "unresolved": "unknown"}
 

@@ -8,7 +8,7 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import Curve, RsymError, continuity
-from rsym.verify.constants import vanishes
+from rsym.verify.boxes.constants import vanishes
 
 t = sp.Symbol("t", real=True)
 R = sp.Rational
@@ -233,7 +233,7 @@ def test_a_curve_that_is_a_point_is_degenerate():
 
 def test_parts_that_nobody_examined_are_told(monkeypatch):
     from rsym.verify import continuity as module
-    from rsym.verify.curve_interiors import arcs_of
+    from rsym.verify.continuity.interiors import arcs_of
 
     line, arc_ = Curve((t, 0), t, -1, 0), arc(1, (0, 1), -sp.pi / 2, 0)
     assert continuity([line, arc_], claim="G1").verdict == "CERTIFIED"

@@ -9,10 +9,10 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
-from rsym.verify.cyclotomic import Field, order_for_root
-from rsym.verify.folding import folded
-from rsym.verify.local import Model
-from rsym.verify.polynomials import multiplicity, ring_of, same_zeros
+from rsym.verify.boxes.cyclotomic import Field, order_for_root
+from rsym.verify.boxes.folding import folded
+from rsym.verify.boxes.local import Model
+from rsym.verify.boxes.polynomials import multiplicity, ring_of, same_zeros
 
 DIGITS = 60
 BOX = ((-1, 1),) * 3
@@ -82,13 +82,13 @@ def test_what_nearly_cancels_does_not(step):
         found = folded(model.over(BOX), model.root)
         assert (found is not None) == exact
         if exact:
-            assert found == ring_of(model).polynomial(rsym.verify.polynomials.lower(model.builder, product))
+            assert found == ring_of(model).polynomial(rsym.verify.boxes.polynomials.lower(model.builder, product))
 
 
 @pytest.mark.parametrize("off", [0, sp.Rational(1, 10**30)])
 def test_division_is_exact(off):
     border = sp.cos(sp.pi / 7) * x - sp.sin(sp.pi / 7) * y
-    lower = rsym.verify.polynomials.lower
+    lower = rsym.verify.boxes.polynomials.lower
     model = model_of(border)
     difference = lower(model.builder, border * (x - sp.sin(3 * sp.pi / 7) * z) + off * z)
     assert multiplicity(model, difference, model.root) == (1 if off == 0 else 0)

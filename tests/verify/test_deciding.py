@@ -8,14 +8,15 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
-from rsym.verify.bodies import deciding, verdict
-from rsym.verify.bodies.boxes import halves, listed
-from rsym.verify.bodies.deciding import MEETING, OPEN, REGULAR, UNKNOWN, Decider, Signs, signs_needed
-from rsym.verify.bodies.forming import formation
-from rsym.verify.bodies.images import Images
-from rsym.verify.bodies.inspection import inspect
-from rsym.verify.joints import Meeting
-from rsym.verify.local import Model
+from rsym.verify import bodies as verdict
+from rsym.verify.boxes.joints import Meeting
+from rsym.verify.boxes.local import Model
+from rsym.verify.cover import deciding
+from rsym.verify.cover.box_arrays import halves, listed
+from rsym.verify.cover.deciding import MEETING, OPEN, REGULAR, UNKNOWN, Decider, Signs, signs_needed
+from rsym.verify.cover.forming import formation
+from rsym.verify.cover.images import Images
+from rsym.verify.cover.inspection import inspect
 
 BALL, NEAR = 1 - x**2 - y**2 - z**2, 1 - (x - sp.Rational(6, 5)) ** 2 - y**2 - z**2
 LEAVES = {

@@ -13,8 +13,8 @@ from oracles.closeness import assert_close
 import rsym
 from rsym import conjunction, disjunction, x, y
 from rsym.model.powers import absolute_power
-from rsym.verify.directions import classify_by_directions
-from rsym.verify.local import Model
+from rsym.verify.boxes.local import Model
+from rsym.verify.points.directions import classify_by_directions
 
 ORIGIN = (0, 0)
 THIRD, SEVENTH = sp.Rational(1, 3), sp.Rational(1, 7)

@@ -10,8 +10,8 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
-from rsym.verify.bodies.boxes import cut, halves
-from rsym.verify.bodies.fibres import simplest_between
+from rsym.verify.cover.box_arrays import cut, halves
+from rsym.verify.fibres import simplest_between
 
 c, d = sp.symbols("c d", real=True)
 WINDOW = ((-2.5, 2.4), (-2.45, 2.5), (-2.3, 2.5))

@@ -8,8 +8,8 @@ import pytest
 import sympy as sp
 from oracles.closeness import assert_close
 
-from rsym.verify.newton_polygon import classify_polynomial, half_branches
-from rsym.verify.probing import Sample, classify
+from rsym.verify.points.newton_polygon import classify_polynomial, half_branches
+from rsym.verify.points.probing import Sample, classify
 
 x, y = sp.symbols("x y", real=True)
 R = sp.Rational

@@ -18,8 +18,9 @@ from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.proofs import exactly, pole_proofs, proving, specialised, stretches
 from rsym.surfaces.symbols import u, v
-from rsym.verify import continuity as paths
-from rsym.verify import curve_interiors, curves
+from rsym.verify.continuity import continuity as paths
+from rsym.verify.continuity import curves
+from rsym.verify.continuity import interiors as curve_interiors
 
 R = sp.Rational
 t = sp.Symbol("t", real=True)

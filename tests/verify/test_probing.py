@@ -8,8 +8,8 @@ import pytest
 from mpmath import mpf
 from oracles.closeness import assert_close
 
-from rsym.verify.extrapolation import limit
-from rsym.verify.probing import Sample, classify
+from rsym.verify.points.extrapolation import limit
+from rsym.verify.points.probing import Sample, classify
 
 STEP = mpf("1e-15")
 ORIGIN = (mpf(0), mpf(0))

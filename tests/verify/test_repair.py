@@ -17,7 +17,7 @@ from rsym import x, y
 from rsym.cli import main
 from rsym.output.repairs import plot_repair
 from rsym.sampling.boundaries import boundary, distance
-from rsym.verify.bodies.report import BodyReport
+from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.repair.moves import Move, MoveFamily
 from rsym.verify.repair.repairing import repair
 

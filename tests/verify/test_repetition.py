@@ -7,8 +7,8 @@ from sympy import Abs, Rational, atan2, cos, sin
 
 import rsym
 from rsym import x, y, z
-from rsym.verify.bodies.repetition import repetition, turning
-from rsym.verify.local import Model
+from rsym.verify.boxes.local import Model
+from rsym.verify.cover.repetition import repetition, turning
 
 CUBE = ((-2, 2),) * 3
 BALL = 1 - x**2 - y**2 - z**2

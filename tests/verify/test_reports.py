@@ -10,7 +10,7 @@ from oracles import reports
 from oracles.schema import own_keys, strictly_read
 
 from rsym.reports.numbers import at_most, measured
-from rsym.verify.report import Joint
+from rsym.verify.answers.report import Joint
 
 
 @pytest.mark.parametrize("make", reports.EVERY)

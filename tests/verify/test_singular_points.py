@@ -16,16 +16,16 @@ import rsym
 from rsym import x, y, z
 from rsym.bounds.balls import exact
 from rsym.logic.kleene import ternary
-from rsym.verify.bodies.clusters import clusters
-from rsym.verify.bodies.components import narrowed
-from rsym.verify.bodies.continuation import ZeroCurve
-from rsym.verify.bodies.corners import Corner, corner
-from rsym.verify.bodies.even_roots import is_regular_through_root
-from rsym.verify.bodies.points import Classified, classify_points
-from rsym.verify.bodies.sheets import sheets
-from rsym.verify.bodies.singular import SingularPoint
-from rsym.verify.conclusions import is_degenerate
-from rsym.verify.local import Model, side
+from rsym.verify.answers.conclusions import is_degenerate
+from rsym.verify.answers.singular import SingularPoint
+from rsym.verify.boxes.local import Model, side
+from rsym.verify.boxes.sheets import sheets
+from rsym.verify.curves.components import narrowed
+from rsym.verify.curves.continuation import ZeroCurve
+from rsym.verify.points.classifying import Classified, classify_points
+from rsym.verify.points.clusters import clusters
+from rsym.verify.points.corners import Corner, corner
+from rsym.verify.points.even_roots import is_regular_through_root
 
 
 def model_of(expression):

@@ -13,10 +13,10 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
-from rsym.verify.classes import pieces
+from rsym.verify.boxes.classes import pieces
+from rsym.verify.boxes.folding import folded
+from rsym.verify.boxes.local import Model
 from rsym.verify.cleaning import cleaned
-from rsym.verify.folding import folded
-from rsym.verify.local import Model
 
 BOX = ((-1.5, 1.5),) * 3
 R = sp.Rational

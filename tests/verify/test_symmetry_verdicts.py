@@ -13,12 +13,12 @@ import sympy as sp
 import rsym
 from rsym import Shape, x, y, z
 from rsym.bounds.balls import ctx
-from rsym.verify.bodies.inspection import inspect
-from rsym.verify.classes import parted
-from rsym.verify.covering import PRECISION
-from rsym.verify.generators import generators
-from rsym.verify.local import Model
-from rsym.verify.polynomials import ring_of
+from rsym.verify.boxes.classes import parted
+from rsym.verify.boxes.generators import generators
+from rsym.verify.boxes.local import Model
+from rsym.verify.boxes.polynomials import ring_of
+from rsym.verify.cover.covering import PRECISION
+from rsym.verify.cover.inspection import inspect
 
 R = sp.Rational
 FLAT, DEEP = ((-2, 2),) * 2, ((-2, 2),) * 3

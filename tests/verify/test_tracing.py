@@ -15,15 +15,15 @@ import rsym
 from rsym import Shape, x, y, z
 from rsym.bounds.balls import arb, ctx
 from rsym.program.lowering import lower
-from rsym.verify.bodies import components, following
-from rsym.verify.bodies.continuation import ZeroCurve, cross
-from rsym.verify.bodies.singular import SingularPoint
-from rsym.verify.bodies.tracing import trace
-from rsym.verify.generators import generators
-from rsym.verify.joints import meeting
-from rsym.verify.krawczyk import refined, unique_zero
-from rsym.verify.local import Model
-from rsym.verify.locus import reduce
+from rsym.verify.answers.singular import SingularPoint
+from rsym.verify.boxes.generators import generators
+from rsym.verify.boxes.joints import meeting
+from rsym.verify.boxes.krawczyk import refined, unique_zero
+from rsym.verify.boxes.local import Model
+from rsym.verify.boxes.locus import reduce
+from rsym.verify.curves import components, following
+from rsym.verify.curves.continuation import ZeroCurve, cross
+from rsym.verify.curves.tracing import trace
 
 BALL = 1 - x**2 - y**2 - z**2
 HALF = sp.Rational(1, 2)

@@ -10,7 +10,7 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
-from rsym.verify.report import CONTINUITIES, UNKNOWN, continuity_of
+from rsym.verify.answers.report import CONTINUITIES, UNKNOWN, continuity_of
 
 # Nothing resolves these within the boxes allowed.
 PLANE = [sp.sin(1 / x) + y, y - abs(x) ** sp.sqrt(2)]

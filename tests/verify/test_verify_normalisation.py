@@ -12,11 +12,11 @@ from oracles.closeness import assert_close
 import rsym
 from rsym import RsymError, Shape, x, y, z
 from rsym.bounds.enclosures import ranges_of
-from rsym.verify.local import Model
-from rsym.verify.normal_cover import Enclosure
-from rsym.verify.normal_derivatives import NormalDerivatives
-from rsym.verify.normal_places import onto_boundary
-from rsym.verify.normalisation import verify_normalisation
+from rsym.verify.boxes.local import Model
+from rsym.verify.normalisation.cover import Enclosure
+from rsym.verify.normalisation.derivatives import NormalDerivatives
+from rsym.verify.normalisation.normalisation import verify_normalisation
+from rsym.verify.normalisation.places import onto_boundary
 
 BOX = ((-4, 4), (-2, 2))
 ELLIPSE = Shape(1 - x**2 / 9 - y**2, (x, y), bounds=BOX)

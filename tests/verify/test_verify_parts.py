@@ -10,14 +10,14 @@ import sympy as sp
 from flint import arb, ctx
 
 from rsym import Shape, conjunction, disjunction, normalise, trimming, x, y, z
-from rsym.verify.covering import cover
-from rsym.verify.domains import is_defined
-from rsym.verify.generators import generators
-from rsym.verify.krawczyk import refined, unique_zero
-from rsym.verify.local import Model, side
-from rsym.verify.locus import reduce
-from rsym.verify.pruning import bounds_of_omega, pruner
-from rsym.verify.resolution import contact, resolve
+from rsym.verify.boxes.domains import is_defined
+from rsym.verify.boxes.generators import generators
+from rsym.verify.boxes.krawczyk import refined, unique_zero
+from rsym.verify.boxes.local import Model, side
+from rsym.verify.boxes.locus import reduce
+from rsym.verify.boxes.resolution import contact, resolve
+from rsym.verify.cover.covering import cover
+from rsym.verify.cover.pruning import bounds_of_omega, pruner
 from rsym.verify.revolution import meridian
 
 DISC = 1 - x**2 - y**2

@@ -15,14 +15,14 @@ from rsym.bounds.balls import arb, ball, ctx, exact
 from rsym.bounds.enclosures import ranges_of
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.lattice import bounds_of
+from rsym.verify.answers.report import Joint, is_defect
+from rsym.verify.boxes.generators import generators
+from rsym.verify.boxes.joints import BoundaryArc, Meeting, is_transversal, joint, locate, located, meeting
+from rsym.verify.boxes.krawczyk import Point, image, inverse
+from rsym.verify.boxes.local import Interval, Model
+from rsym.verify.boxes.locus import reduce
 from rsym.verify.cleaning import cleaned
-from rsym.verify.covering import PRECISION
-from rsym.verify.generators import generators
-from rsym.verify.joints import BoundaryArc, Meeting, is_transversal, joint, locate, located, meeting
-from rsym.verify.krawczyk import Point, image, inverse
-from rsym.verify.local import Interval, Model
-from rsym.verify.locus import reduce
-from rsym.verify.report import Joint, is_defect
+from rsym.verify.cover.covering import PRECISION
 from rsym.verify.revolution import meridian
 
 # A box that holds its image is found by growing it to a little more than its image, as often as it is worth trying.

@@ -16,13 +16,13 @@ from rsym.model.constructions import section
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED, DEGENERATE, UNDECIDED
 from rsym.sampling.lattice import bounds_of
+from rsym.verify.answers.body_report import BodyReport
+from rsym.verify.answers.report import Joint, SmoothnessReport
+from rsym.verify.answers.singular import SingularCurve
 from rsym.verify.atlas.refutation import Refuter
-from rsym.verify.bodies.report import BodyReport
-from rsym.verify.bodies.singular import SingularCurve
-from rsym.verify.bodies.verdict import report_body, study_body
+from rsym.verify.bodies import report_body, study_body
+from rsym.verify.boxes.local import Model
 from rsym.verify.cleaning import cleaned
-from rsym.verify.local import Model
-from rsym.verify.report import Joint, SmoothnessReport
 from rsym.verify.revolution import find_meridian
 from rsym.verify.smoothness import Question
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import sympy as sp
 
 from rsym.bounds.balls import arb, ctx
+from rsym.verify.boxes.local import Local, Model, side
+from rsym.verify.boxes.polynomials import polynomial_of
 from rsym.verify.fairness.pieces import POINT_BITS, ArcPiece, lies_within, point_above
 from rsym.verify.fairness.quantities import CurveFrame, Quantity
-from rsym.verify.local import Local, Model, side
-from rsym.verify.polynomials import polynomial_of
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,10 @@ from rsym.errors import RsymWarning
 from rsym.model.shape import Shape
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
-from rsym.verify.bodies.report import BodyReport
+from rsym.verify.answers.body_report import BodyReport
+from rsym.verify.boxes.local import Interval, Model
 from rsym.verify.fairness.report import Bands, CurvatureBounds, Extremum, FairnessReport, Measure, Peak
 from rsym.verify.fairness.surfaces import QUANTITIES, CurvedSurface, SurfaceBending
-from rsym.verify.local import Interval, Model
 
 RESOLUTION = 96  # cells along the extent of the mesh; one of half as many tells the error of the measures
 ROUNDING = 1e-12  # what is left of a variation that is zero, of the bending energy by area

@@ -15,9 +15,9 @@ from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED, Doc
 from rsym.reports.numbers import number
 from rsym.reports.render import BEST, Report, as_record
 from rsym.sampling.progress import Progress, report
+from rsym.verify.answers.report import CONTINUITIES
 from rsym.verify.fairness.fairness import BUDGET, fairness
 from rsym.verify.fairness.report import MEASURES, Extremum, FairnessReport, Peak
-from rsym.verify.report import CONTINUITIES
 
 NOTE = f"  {BEST} the best of its column. Curvature 1/length, variation 1/length**2: proved; measures: numerical."
 VERDICTS = (DEGENERATE, REFUTED, UNDECIDED, CERTIFIED)  # from the worst to the best

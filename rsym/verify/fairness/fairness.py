@@ -18,7 +18,9 @@ from rsym.sampling.combs import combs
 from rsym.sampling.effort import Effort
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.progress import Progress, Stages
-from rsym.verify.bodies.report import BodyReport
+from rsym.verify.answers.body_report import BodyReport
+from rsym.verify.answers.report import SmoothnessReport
+from rsym.verify.boxes.local import Box, Interval, Model
 from rsym.verify.cleaning import cleaned
 from rsym.verify.fairness.bending import Arcs
 from rsym.verify.fairness.bodies import body_fairness
@@ -27,8 +29,6 @@ from rsym.verify.fairness.pieces import outward
 from rsym.verify.fairness.report import Bands, CurvatureBounds, Extremum, FairnessReport, Measure, Profile
 from rsym.verify.fairness.search import Found, distinct, peaks, search
 from rsym.verify.fairness.zeros import CurvatureZero
-from rsym.verify.local import Box, Interval, Model
-from rsym.verify.report import SmoothnessReport
 from rsym.verify.revolution import meridian
 from rsym.verify.smoothness import verify_smoothness
 

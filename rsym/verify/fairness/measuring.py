@@ -16,10 +16,10 @@ from rsym.backends.registry import make_function
 from rsym.program.expansion import expand
 from rsym.program.precision import FLOAT64
 from rsym.sampling.combs import Comb
+from rsym.verify.boxes.joints import BoundaryArc
 from rsym.verify.fairness.bending import Arcs
 from rsym.verify.fairness.pieces import ArcPiece
 from rsym.verify.fairness.report import Measure, Profile
-from rsym.verify.joints import BoundaryArc
 
 NODES = (8, 5)  # of Gauss's rules: the second tells the error of the first
 NEWTON_STEPS = 8

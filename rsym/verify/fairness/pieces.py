@@ -11,14 +11,14 @@ import math
 from dataclasses import dataclass, replace
 
 from rsym.bounds.balls import arb, ctx
-from rsym.verify.borders import is_within
-from rsym.verify.covering import halves
-from rsym.verify.examination import examine
-from rsym.verify.generators import generators
-from rsym.verify.joints import BoundaryArc, meeting
-from rsym.verify.local import Box, Local, Model, side
-from rsym.verify.locus import reduce
-from rsym.verify.resolution import resolve
+from rsym.verify.boxes.borders import is_within
+from rsym.verify.boxes.generators import generators
+from rsym.verify.boxes.joints import BoundaryArc, meeting
+from rsym.verify.boxes.local import Box, Local, Model, side
+from rsym.verify.boxes.locus import reduce
+from rsym.verify.boxes.resolution import resolve
+from rsym.verify.cover.covering import halves
+from rsym.verify.cover.examination import examine
 
 NEWTON_STEPS = 6
 SLOWEST = 0.7  # of the width: a step that leaves more is the last

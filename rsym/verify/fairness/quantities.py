@@ -19,8 +19,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from rsym.program.calculus import Calculus
+from rsym.verify.boxes.local import Model
 from rsym.verify.fairness.even import derivative_in_square
-from rsym.verify.local import Model
 
 
 class Quantity(NamedTuple):

@@ -14,8 +14,8 @@ from rsym.reports.document import Document, Entry, Sentence, Tabular
 from rsym.reports.numbers import at_least, at_most, measured, number, point
 from rsym.reports.render import Report
 from rsym.reports.words import letters_text, listed, plural, within
-from rsym.verify.bodies.report import BodyReport
-from rsym.verify.report import UNKNOWN, SmoothnessReport, yes_or_no
+from rsym.verify.answers.body_report import BodyReport
+from rsym.verify.answers.report import UNKNOWN, SmoothnessReport, yes_or_no
 
 MEASURES: Mapping[str, str] = {
     "length": "length",

@@ -13,12 +13,12 @@ from typing import Any
 
 from rsym.bounds.balls import arb, ctx
 from rsym.sampling.effort import Effort
-from rsym.verify.covering import PRECISION, extent_of
+from rsym.verify.boxes.local import Box, Model
+from rsym.verify.cover.covering import PRECISION, extent_of
 from rsym.verify.fairness.bending import ArcBending, Arcs
 from rsym.verify.fairness.pieces import ArcPiece, divided, narrowed, pieces_of
 from rsym.verify.fairness.report import Peak
 from rsym.verify.fairness.zeros import CurvatureZero, Settled, settle
-from rsym.verify.local import Box, Model
 
 SMALLEST = 2.0**-24  # of the extent: pieces so narrow are not divided
 # The variation is at least this share of the square of the largest curvature to be bounded with the tolerance.

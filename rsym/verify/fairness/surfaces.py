@@ -20,7 +20,7 @@ from rsym.backends.kernel import run_in_blocks
 from rsym.backends.registry import make_function
 from rsym.program.expansion import expand
 from rsym.program.precision import FLOAT64
-from rsym.verify.local import Model
+from rsym.verify.boxes.local import Model
 
 QUANTITIES = ("smaller principal curvature", "larger principal curvature", "mean curvature")
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rsym.bounds.balls import arb, ctx
-from rsym.verify.borders import is_within
+from rsym.verify.boxes.borders import is_within
+from rsym.verify.boxes.joints import PRECISE, BoundaryArc, locate
+from rsym.verify.boxes.local import Box, Model, side
+from rsym.verify.boxes.vanishing import vanishes_with
 from rsym.verify.fairness.bending import ArcBending, Arcs, BendingBalls
 from rsym.verify.fairness.pieces import GROWN, POINT_BITS, ArcPiece, goes_on, grown, point_above
-from rsym.verify.joints import PRECISE, BoundaryArc, locate
-from rsym.verify.local import Box, Model, side
-from rsym.verify.vanishing import vanishes_with
 
 ZERO = 2.0**-80  # a ball of `POINT_BITS` around 0 narrower than this is called numerically zero
 

@@ -21,12 +21,12 @@ from rsym.program.lowering import lower
 from rsym.program.operations import CHOOSING
 from rsym.program.program import live
 from rsym.sampling.lattice import bounds_of
-from rsym.verify.bodies.report import BodyReport
-from rsym.verify.bodies.singular import SingularCurve, SingularPoint
-from rsym.verify.generators import is_analytic_at
-from rsym.verify.local import Local, Model
-from rsym.verify.locus import chosen
-from rsym.verify.report import Joint, SmoothnessReport
+from rsym.verify.answers.body_report import BodyReport
+from rsym.verify.answers.report import Joint, SmoothnessReport
+from rsym.verify.answers.singular import SingularCurve, SingularPoint
+from rsym.verify.boxes.generators import is_analytic_at
+from rsym.verify.boxes.local import Local, Model
+from rsym.verify.boxes.locus import chosen
 from rsym.verify.revolution import meridian
 
 Verdict: TypeAlias = SmoothnessReport | BodyReport

@@ -15,7 +15,7 @@ from rsym.model.letters import Letter
 from rsym.model.rnodes import ROperation
 from rsym.model.shape import Shape
 from rsym.model.traversal import postorder, symbols_of, with_arguments
-from rsym.verify.bodies.report import BodyReport
+from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.repair.anatomy import Verdict
 
 # A shape, its verdict and a size to the changed shape and what was done, or to None if there is nothing to change.

@@ -16,8 +16,8 @@ from rsym.sampling.distances import distance_to_mesh
 from rsym.sampling.lattice import bounds_of
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
+from rsym.verify.answers.report import SmoothnessReport
 from rsym.verify.repair.anatomy import Verdict
-from rsym.verify.report import SmoothnessReport
 from rsym.verify.revolution import meridian
 
 NORMALISED = 1e-3  # the deviation of |grad omega| from 1 that counts as none, that of verify_normalisation

@@ -12,7 +12,7 @@ from rsym.reports.document import CERTIFIED, REFUTED
 from rsym.reports.numbers import at_most, number
 from rsym.sampling.effort import Effort
 from rsym.sampling.progress import Progress, report
-from rsym.verify.bodies.report import BodyReport
+from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.repair.anatomy import Verdict
 from rsym.verify.repair.moves import MoveFamily, short
 from rsym.verify.smoothness import verdict_of, verify_smoothness

@@ -1,0 +1,126 @@
+"""Generators of non-smoothness: the places where a node of a program is not analytic in its arguments.
+
+A node is analytic wherever all generators that are alive exclude zero; one under a branch that is not taken is
+dead. Some generators are *switches*: on either side of the zero set of one node the operation is another analytic
+function, |u| is u or -u. The others (a joint zero of R_0, the edge of a root) are *hard*: nothing resolves them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from rsym.logic.stripping import bare
+from rsym.program.builder import Builder
+from rsym.program.operations import BRANCHING, CHOOSING, ENTIRE, OPERATIONS
+from rsym.program.row import Clauses
+from rsym.verify.boxes.domains import is_defined, is_legal, meets, switch_of
+from rsym.verify.boxes.local import Local
+from rsym.verify.boxes.locus import chosen
+
+
+@dataclass(frozen=True)
+class Generators:
+    """What may be zero on a box, of a node's live generators.
+
+    switches: the nodes that switch, and the operations that they are switches of (`switched`); hard: operations that
+    are not analytic somewhere on the box and that no switch resolves.
+    """
+
+    switches: tuple[int, ...]
+    hard: frozenset[int]
+    switched: tuple[int, ...] = ()
+
+    @property
+    def analytic(self) -> bool:
+        """Whether the node is analytic on the whole box."""
+        return not self.switches and not self.hard
+
+
+ANALYTIC = Generators((), frozenset())
+
+
+def generators(local: Local, number: int) -> Generators:
+    """The live generators of a node that the box does not exclude."""
+    if local.model.uses_only(number, ENTIRE):
+        return ANALYTIC
+    nodes = local.model.builder.nodes
+    switches: dict[int, None] = {}  # in the order of the walk
+    switched: list[int] = []
+    hard: set[int] = set()
+    seen: set[int] = set()
+    stack = [number]
+    local.value(number)
+    while stack:
+        part = stack.pop()
+        if part in seen:
+            continue
+        seen.add(part)
+        operation, arguments, _ = nodes[part]
+        if operation in ENTIRE:
+            stack.extend(arguments)
+            continue
+        if operation in CHOOSING and (branch := chosen(local, part)) is not None:
+            stack.append(branch[0])
+            continue
+        stack.extend(arguments)
+        if is_analytic_at(local, part):
+            continue
+        switch = _switch(local, part)
+        if switch is None:
+            hard.add(part)
+        else:
+            switches[switch] = None
+            switched.append(part)
+    return Generators(tuple(switches), frozenset(hard), tuple(switched))
+
+
+def is_analytic_at(local: Local, number: int) -> bool:
+    """Whether an operation is analytic at all arguments that it takes on the box."""
+    clauses = analytic_clauses(local.model.builder, number)
+    return clauses is not None and meets(local, number, clauses) and is_legal(local, number, analytic=True)
+
+
+def analytic_clauses(builder: Builder, number: int) -> Clauses | None:
+    """Where an operation is analytic in its arguments, by its parameter if that is an even number; None is nowhere."""
+    row = OPERATIONS[builder.nodes[number].operation]
+    if row.analytic_even is None:
+        return row.analytic
+    order = builder.value(builder.nodes[number].arguments[-1])
+    even = order is not None and order > 0 and order.denominator == 1 and order % 2 == 0
+    return row.analytic_even if even else row.analytic
+
+
+def _switch(local: Local, number: int) -> int | None:
+    """The node whose zeros part the analytic sides of an operation, up to a constant factor."""
+    builder = local.model.builder
+    operation, arguments, _ = builder.nodes[number]
+    if operation in BRANCHING:
+        switch = switch_of(builder, number)
+        return bare(builder, switch) if is_defined(local, switch) else None
+    if operation == "atan2" and local.sign(arguments[1]) < 0 and is_defined(local, arguments[0]):
+        return bare(builder, arguments[0])
+    if operation == "trimming" and local.sign(arguments[1]) > 0:
+        node = builder.nodes[arguments[0]]
+        return bare(builder, node.arguments[0]) if is_square(builder, arguments[0]) else None
+    if operation in {"absolute_power", "signed_power"}:
+        exponent = builder.value(arguments[1])
+        return bare(builder, arguments[0]) if exponent is not None and exponent > 0 else None
+    if operation in {"sqrt", "pow"} and root_order(builder, number) is not None:
+        return bare(builder, builder.nodes[arguments[0]].arguments[0])
+    return None
+
+
+def root_order(builder: Builder, number: int) -> Fraction | None:
+    """The exponent of a root or a positive power of an absolute value, sqrt(|u|) or |u|**a."""
+    operation, arguments, _ = builder.nodes[number]
+    exponent = Fraction(1, 2) if operation == "sqrt" else builder.value(arguments[1])
+    if builder.nodes[arguments[0]].operation != "abs" or exponent is None or exponent <= 0:
+        return None
+    return exponent
+
+
+def is_square(builder: Builder, number: int) -> bool:
+    """Whether a node is the product of a node with itself."""
+    operation, arguments, _ = builder.nodes[number]
+    return operation == "mul" and arguments[0] == arguments[1]
