@@ -9,7 +9,7 @@ from rsym.arrays import Floats
 from rsym.output.gallery import Gallery
 from rsym.output.patches import map_range, plot_patches
 from rsym.paper.drawing import Drawing, Table, triangles_in
-from rsym.surfaces.networks.lofts import HermiteSurface, SplineLoft
+from rsym.surfaces.networks.gordon import HermiteSurface, SplineLoft
 from rsym.surfaces.patch import Patch
 
 LENGTH = 40.0

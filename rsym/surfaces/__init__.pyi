@@ -18,13 +18,11 @@ from .coons.exact import (
     torus,
     torus_quarter,
 )
-from .coons.ferguson import with_twists
-from .coons.meridians import Arc, Segment
 from .coons.optimal import Optimum, optimal_parameters
-from .coons.revolution import Revolution
-from .coons.twists import estimate_twists
+from .coons.revolution import Arc, Revolution, Segment
+from .coons.twists import estimate_twists, with_twists
 from .corrections import Correction
-from .functions.callables import Called
+from .functions.curves import Called
 from .functions.nurbs import Nurbs
 from .functions.univariate import Formula
 from .joints.continuity import continuity_report
@@ -32,9 +30,7 @@ from .joints.edge_report import EdgeReport
 from .joints.joining import join
 from .meshes import mesh_patches
 from .networks.composite import CompositeCoons
-from .networks.gordon import GordonSurface
-from .networks.lofts import HermiteSurface, LagrangeSurface, SplineLoft
-from .networks.tensor import TensorProductSurface
+from .networks.gordon import GordonSurface, HermiteSurface, LagrangeSurface, SplineLoft, TensorProductSurface
 from .networks.transition import TransitionSurface
 from .parametric import ParametricSurface
 from .patch import Patch

@@ -14,8 +14,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.model.symbols import real_replacements
 from rsym.model.traversal import symbols_of
-from rsym.surfaces.functions.entries import entries_and_shape, exact
-from rsym.surfaces.functions.formulas import CompiledFormulas
+from rsym.surfaces.functions.formulas import CompiledFormulas, entries_and_shape, exact
 from rsym.surfaces.parameters import as_interval
 from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch
 

@@ -31,9 +31,17 @@ from rsym.model.letters import as_letters
 from rsym.model.shape import Shape
 from rsym.model.symbols import x, y
 from rsym.model.traversal import substitute, symbols_of
-from rsym.surfaces.chords.crossings import Nodes, crossings, refuse_parallel
 from rsym.surfaces.chords.domain_chords import as_domain, chord_of
-from rsym.surfaces.chords.lines import NEGLIGIBLE, Chord, Line, as_line, real_expression
+from rsym.surfaces.chords.lines import (
+    NEGLIGIBLE,
+    Chord,
+    Line,
+    Nodes,
+    as_line,
+    crossings,
+    real_expression,
+    refuse_parallel,
+)
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import Domain, LetterValues
 from rsym.surfaces.symbols import u, v

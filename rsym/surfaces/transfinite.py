@@ -22,8 +22,7 @@ from rsym.backends.kernel import blocks_of
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces import symbols
-from rsym.surfaces.functions.entries import entries_of
-from rsym.surfaces.functions.formulas import CompiledFormulas
+from rsym.surfaces.functions.formulas import CompiledFormulas, entries_of
 from rsym.surfaces.functions.univariate import NO_LETTERS, Univariate
 from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch
 

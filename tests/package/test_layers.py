@@ -51,10 +51,6 @@ DEFERRED = {
         "rsym.surfaces.meshes",
     ): "patch.mesh(resolution): the mesh of a patch is asked of it, as its grid is, and a mesh is made of patches",
     ("surfaces/patch.py", "rsym.sampling.mesh"): "the type of what patch.mesh answers; meshes need a compiler",
-    (
-        "surfaces/proofs/unbroken.py",
-        "rsym.surfaces.joints.edges",
-    ): "the type of an argument alone: edges of patches are proved by what joints ask",
 }
 # Imported by those who need them when they are called, for the package behind them may be missing or slow to load.
 OPTIONAL = {

@@ -12,16 +12,14 @@ from rsym.surfaces import sphere, sphere_octant
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 from rsym.surfaces.coons.bicubic import BicubicCoons
-from rsym.surfaces.coons.ferguson import with_twists
-from rsym.surfaces.coons.twists import estimate_twists
+from rsym.surfaces.coons.twists import estimate_twists, with_twists
 from rsym.surfaces.functions import formulas
 from rsym.surfaces.functions.curves import as_curve
 from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.joints.joining import join
 from rsym.surfaces.meshes import mesh_patches
 from rsym.surfaces.networks.composite import CompositeCoons
-from rsym.surfaces.networks.lofts import LagrangeSurface
-from rsym.surfaces.networks.tensor import TensorProductSurface
+from rsym.surfaces.networks.gordon import LagrangeSurface, TensorProductSurface
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v
 

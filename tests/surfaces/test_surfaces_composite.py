@@ -7,13 +7,12 @@ from oracles.closeness import assert_close
 from scipy.interpolate import CubicSpline, PPoly
 
 from rsym.errors import RsymError
-from rsym.surfaces.functions.callables import Called
 from rsym.surfaces.functions.cardinals import hermite_cardinals
+from rsym.surfaces.functions.curves import Called
 from rsym.surfaces.functions.polynomials import Polynomials
 from rsym.surfaces.functions.univariate import Formula
 from rsym.surfaces.networks.composite import CompositeCoons
-from rsym.surfaces.networks.gordon import GordonSurface
-from rsym.surfaces.networks.tensor import TensorProductSurface
+from rsym.surfaces.networks.gordon import GordonSurface, TensorProductSurface
 from rsym.surfaces.symbols import t, u, v
 
 UNIFORM, GENERAL = (range(5), range(4)), ((0, 0.7, 2, 2.5, 4), (0, 1.3, 1.9, 3))

@@ -22,8 +22,7 @@ from rsym.surfaces.coons.exact import (
     torus,
     torus_quarter,
 )
-from rsym.surfaces.coons.meridians import Arc, Segment
-from rsym.surfaces.coons.revolution import Revolution
+from rsym.surfaces.coons.revolution import Arc, Revolution, Segment
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.symbols import t, u, v
 

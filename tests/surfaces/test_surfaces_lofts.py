@@ -13,7 +13,7 @@ from rsym.errors import RsymError, RsymWarning
 from rsym.surfaces.functions.cardinals import SlopeFunctions, hermite_cardinals, lagrange_cardinals, spline_cardinals
 from rsym.surfaces.functions.nurbs import Nurbs
 from rsym.surfaces.functions.univariate import Formula
-from rsym.surfaces.networks.lofts import HermiteSurface, LagrangeSurface, SplineLoft
+from rsym.surfaces.networks.gordon import HermiteSurface, LagrangeSurface, SplineLoft
 from rsym.surfaces.symbols import t, u, v
 
 KNOTS = (0, 1, sp.Rational(5, 2), 3, sp.Rational(21, 5))

@@ -141,7 +141,7 @@ def test_measured_curves_become_a_patch_and_the_correction_is_told(order):
     curves = measured(3, 1e-3)
     refused(["corner (0, 0)", "a gap of", "tolerance="], lambda: CoonsPatch(*curves, order=order))
     patch = CoonsPatch(*curves, order=order, tolerance=5e-3)
-    from rsym.surfaces.coons.ribbons import unit_curve
+    from rsym.surfaces.coons.coons_patches import unit_curve
 
     moved = []
     for name, given in zip(PLACES, curves, strict=True):

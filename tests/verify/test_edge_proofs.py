@@ -20,12 +20,10 @@ from rsym.surfaces.coons.coons_patches import CoonsPatch
 from rsym.surfaces.coons.exact import ellipsoid, sphere, torus
 from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.joints.joining import join
-from rsym.surfaces.networks.gordon import GordonSurface
-from rsym.surfaces.networks.lofts import HermiteSurface, LagrangeSurface
-from rsym.surfaces.networks.tensor import TensorProductSurface
+from rsym.surfaces.networks.gordon import GordonSurface, HermiteSurface, LagrangeSurface, TensorProductSurface
 from rsym.surfaces.networks.transition import TransitionSurface
 from rsym.surfaces.parametric import ParametricSurface
-from rsym.surfaces.proofs.exact_values import exact_values
+from rsym.surfaces.proofs.algebra import exact_values
 from rsym.surfaces.splitting import split_patch
 from rsym.surfaces.symbols import t, u, v
 

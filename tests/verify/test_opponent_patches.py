@@ -16,7 +16,7 @@ from rsym import Curve, continuity
 from rsym.surfaces.joints import edge_report
 from rsym.surfaces.joints.continuity import continuity_report
 from rsym.surfaces.parametric import ParametricSurface
-from rsym.surfaces.proofs import exactly, pole_proofs, proving, specialised, stretches
+from rsym.surfaces.proofs import pole_proofs, proving, specialised, stretches
 from rsym.surfaces.symbols import u, v
 from rsym.verify.continuity import continuity as paths
 from rsym.verify.continuity import curves
@@ -116,12 +116,12 @@ def facts_with(index):
     def said(pair, levels):
         known = FACTS(pair, levels)
         vanishing = tuple(one or place <= index for place, one in enumerate(known.vanishing))
-        return exactly.Facts(vanishing, known.regular)
+        return proving.Facts(vanishing, known.regular)
 
     return said
 
 
-FACTS = exactly.facts
+FACTS = proving.facts
 VANISHING = pole_proofs._vanishing
 
 

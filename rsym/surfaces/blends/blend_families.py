@@ -15,12 +15,27 @@ from typing import NamedTuple, TypeAlias
 
 import sympy as sp
 
+from rsym.model.abridging import weight
+from rsym.model.names import symbol_names
+from rsym.model.traversal import symbols_of
 from rsym.surfaces.symbols import t
 
+LONGEST = 120  # parts of a formula that is written out
 Functions: TypeAlias = tuple[sp.Expr, ...]
-
 # S in float64 is off by eps/alpha**2 in closed form, by 1e-21 in ten terms of its series up to this alpha**2.
 SERIES_BELOW, TERMS = sp.Integer(1), 10
+HALF = sp.Rational(1, 2)
+WAVE = t**2 * (1 - t) ** 2 * (2 * t - 1)
+LINEAR: Functions = (1 - t, t)
+CUBIC: Functions = (2 * t**3 - 3 * t**2 + 1, 3 * t**2 - 2 * t**3, t**3 - 2 * t**2 + t, t**3 - t**2)
+QUINTIC: Functions = (
+    1 - 10 * t**3 + 15 * t**4 - 6 * t**5,
+    10 * t**3 - 15 * t**4 + 6 * t**5,
+    t - 6 * t**3 + 8 * t**4 - 3 * t**5,
+    -4 * t**3 + 7 * t**4 - 3 * t**5,
+    (t**2 - 3 * t**3 + 3 * t**4 - t**5) / 2,
+    (t**3 - 2 * t**4 + t**5) / 2,
+)
 
 
 class Named(sp.Function):  # type: ignore[misc]
@@ -46,19 +61,6 @@ class G_1(Named):
 
 
 F0, F1, G0, G1 = F_0, F_1, G_0, G_1
-HALF = sp.Rational(1, 2)
-WAVE = t**2 * (1 - t) ** 2 * (2 * t - 1)
-
-LINEAR: Functions = (1 - t, t)
-CUBIC: Functions = (2 * t**3 - 3 * t**2 + 1, 3 * t**2 - 2 * t**3, t**3 - 2 * t**2 + t, t**3 - t**2)
-QUINTIC: Functions = (
-    1 - 10 * t**3 + 15 * t**4 - 6 * t**5,
-    10 * t**3 - 15 * t**4 + 6 * t**5,
-    t - 6 * t**3 + 8 * t**4 - 3 * t**5,
-    -4 * t**3 + 7 * t**4 - 3 * t**5,
-    (t**2 - 3 * t**3 + 3 * t**4 - t**5) / 2,
-    (t**3 - 2 * t**4 + t**5) / 2,
-)
 
 
 class BlendFamily(NamedTuple):
@@ -188,3 +190,37 @@ def _mixed(share: sp.Expr, one: sp.Expr, other: sp.Expr) -> sp.Expr:
 
 def _mirrored(f1: sp.Expr, g1: sp.Expr) -> Functions:
     return 1 - f1, f1, -g1.subs(t, 1 - t), g1
+
+
+def blend_latex(formulas: Sequence[sp.Expr]) -> str:
+    r"""One line for each function; a function may speak of those already known.
+
+    Examples
+    --------
+    >>> from rsym.surfaces.blends.blend_families import LINEAR
+    >>> print(blend_latex(LINEAR))
+    $\displaystyle \begin{aligned} F_{0}(t) &= 1 - t \\ F_{1}(t) &= t \end{aligned}$
+    """
+    text = r" \\ ".join(blend_lines(formulas))
+    return rf"$\displaystyle \begin{{aligned}} {text} \end{{aligned}}$"
+
+
+def blend_lines(formulas: Sequence[sp.Expr], mark: str = "") -> list[str]:
+    """The definition of each function, its name marked if there are others of that name."""
+    names = [f"{mark}{letter}_{{{end}}}(t)" for letter in "FGH" for end in (0, 1)]
+    return [f"{name} &= {_written(formula, mark)}" for name, formula in zip(names, formulas, strict=False)]
+
+
+def _written(formula: sp.Expr, mark: str) -> str:
+    if weight(formula, LONGEST) > LONGEST:
+        return r"\dots"
+    marks = {call: sp.Dummy(mark + _called(call)) for call in formula.atoms(F0, F1, G0, G1)}
+    marked = formula.xreplace(marks)
+    names = {**symbol_names(symbols_of(marked)), **{mark: mark.name for mark in marks.values()}}
+    text: str = sp.latex(marked, symbol_names=names)
+    return text
+
+
+def _called(call: sp.Expr) -> str:
+    letter, end = call.func.__name__.split("_")
+    return f"{letter}_{{{end}}}({sp.latex(call.args[0])})"

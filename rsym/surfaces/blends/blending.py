@@ -19,11 +19,9 @@ from rsym.model.letters import Letter, Letters, as_letters
 from rsym.model.symbols import as_expression, real_symbol
 from rsym.surfaces.blends import blend_families as families
 from rsym.surfaces.blends import blending_checks as checks
-from rsym.surfaces.blends.blend_families import BlendFamily, Functions
-from rsym.surfaces.blends.blend_latex import blend_latex
+from rsym.surfaces.blends.blend_families import BlendFamily, Functions, blend_latex
 from rsym.surfaces.blends.blending_checks import Answer
-from rsym.surfaces.functions.entries import exact
-from rsym.surfaces.functions.formulas import real_expressions
+from rsym.surfaces.functions.formulas import exact, real_expressions
 from rsym.surfaces.functions.univariate import PARAMETERS, Formula
 from rsym.surfaces.symbols import t
 

@@ -18,8 +18,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.model.symbols import as_expression, real_symbol
 from rsym.surfaces.blends.blend_families import BlendFamily, Functions, resolved
-from rsym.surfaces.functions.entries import exact
-from rsym.surfaces.functions.formulas import CompiledFormulas
+from rsym.surfaces.functions.formulas import CompiledFormulas, exact
 from rsym.surfaces.symbols import t
 
 LetterValues: TypeAlias = Mapping[Any, float] | None

@@ -1,4 +1,4 @@
-"""From a net of data points and the wishes of the user to parameters and spline spaces."""
+"""From data points and the wishes of the user to parameters and spline spaces; curves through points or near them."""
 
 from __future__ import annotations
 
@@ -9,14 +9,30 @@ from numpy.typing import ArrayLike
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.surfaces.bsplines.bspline_fitting import Pair, broadcast
-from rsym.surfaces.bsplines.data_parameters import EXPONENTS, DataParameters, chord_parameters, given_parameters
-from rsym.surfaces.bsplines.spline_knots import averaged_space
+from rsym.surfaces.bsplines.band_qr import DEPENDENT, BandQR
+from rsym.surfaces.bsplines.bspline_fitting import (
+    Pair,
+    SplineFit,
+    broadcast,
+    check_met,
+    check_near,
+    residual_at,
+    singular,
+    undetermined,
+)
+from rsym.surfaces.bsplines.data_parameters import (
+    EXPONENTS,
+    DataParameters,
+    are_settled,
+    averaged_space,
+    check_data,
+    chord_parameters,
+    given_parameters,
+)
 from rsym.surfaces.bsplines.spline_spaces import Spaces, SplineSpace, checked_order, checked_space, uniform_space
 from rsym.surfaces.parameters import Interval, real_array
 
 Both: TypeAlias = tuple[Any, Any]
-
 # What has one parameter of this name: rows and columns of a net, points of a curve.
 WORDS = {"u": "row", "v": "column", "t": "point"}
 
@@ -193,3 +209,32 @@ def _check_steps(data: DataParameters, name: str, closed: bool) -> None:
             code="parameters",
             remedy="leave one of them out, give parameters, or use least_squares",
         )
+
+
+def fitted_curve(
+    points: Floats, vertices: Any, order: Any, parameters: Any, knots: Any, closed: bool
+) -> tuple[SplineSpace, Floats, SplineFit]:
+    """The space, the vertices and the fit of the spline curve nearest to points (n, 3); through them for n vertices.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> points = np.array([[0.0, 0, 0], [1, 1, 0], [2, 4, 0], [3, 9, 0]])
+    >>> space, vertices, fit = fitted_curve(points, 3, 3, range(4), "averaged", False)
+    >>> (vertices.round(9) + 0.0).tolist(), fit.residual.maximum < 1e-14
+    ([[0.0, 0.0, 0.0], [1.5, 0.0, 0.0], [3.0, 9.0, 0.0]], True)
+    """
+    space, t = space_along(points[:, None, :], 0, "t", vertices, order, parameters, False, knots, closed)
+    t = t.reshape(-1)
+    check_data(t, space, "t")
+    settled = are_settled(t, space)
+    system = BandQR(space.matrix(t), 0.0 if settled else DEPENDENT)
+    dependent = system.dependent if settled else undetermined(system)
+    if dependent is not None:
+        raise singular((space,), f"the vertex {dependent} along t")
+    found = system.solve(points)
+    check_near(found, points)
+    residual = residual_at(points, space.spline(found)(t), (t,))
+    if space.count == len(points):
+        check_met(residual, points)
+    return space, found, SplineFit(points, (t,), (residual,))

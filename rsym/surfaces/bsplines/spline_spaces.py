@@ -16,7 +16,7 @@ from scipy.interpolate import BSpline, NdBSpline, PPoly
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.surfaces.functions.entries import entries_of
+from rsym.surfaces.functions.formulas import entries_of
 from rsym.surfaces.functions.polynomials import Polynomials
 from rsym.surfaces.parameters import Interval, real_array
 

@@ -19,12 +19,19 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces import symbols
 from rsym.surfaces.bsplines.bspline_data import checked_points, directions, orders_of, pair_of, spaces_for_data
-from rsym.surfaces.bsplines.bspline_fitting import Pair, Residual, SplineFit, check_met, fitted_net, residual_of
+from rsym.surfaces.bsplines.bspline_fitting import (
+    Pair,
+    Residual,
+    SplineFit,
+    check_met,
+    checked_smoothing,
+    fitted_net,
+    residual_of,
+)
 from rsym.surfaces.bsplines.parameter_correction import approximated
 from rsym.surfaces.bsplines.scattered_data import spaces_for_scattered
-from rsym.surfaces.bsplines.smoothing import checked_smoothing
 from rsym.surfaces.bsplines.spline_spaces import Spaces, checked_space, tensor_values
-from rsym.surfaces.functions.entries import exact
+from rsym.surfaces.functions.formulas import exact
 from rsym.surfaces.parameters import Interval
 from rsym.surfaces.patch import LetterValues, Orders, Patch
 

@@ -21,8 +21,7 @@ from rsym.surfaces import symbols
 from rsym.surfaces.blends.blending import HermiteBlend, blend_of_class
 from rsym.surfaces.coons.patch_latex import bicubic_latex
 from rsym.surfaces.corrections import Correction
-from rsym.surfaces.functions.entries import entries_and_shape
-from rsym.surfaces.functions.formulas import CompiledFormulas
+from rsym.surfaces.functions.formulas import CompiledFormulas, entries_and_shape
 from rsym.surfaces.functions.univariate import Constant, Formula, Univariate
 from rsym.surfaces.patch import LetterValues, Orders
 from rsym.surfaces.transfinite import BooleanSum

@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from rsym.arrays import Floats
+from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend, blend_of_class
-from rsym.surfaces.coons.corners import CornerData
-from rsym.surfaces.coons.gregory import gregory_of
+from rsym.surfaces.coons.corners import CornerData, gregory_of
 from rsym.surfaces.coons.patch_latex import coons_latex
-from rsym.surfaces.coons.ribbons import EDGES, ribbons_of, unit_curve
 from rsym.surfaces.corrections import MEETING, Correction, require_tolerance
-from rsym.surfaces.functions.univariate import Stack
+from rsym.surfaces.functions.curves import as_curve
+from rsym.surfaces.functions.univariate import Blended, Combination, Row, Sampled, Stack, Univariate, on_interval
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import LetterValues, Orders
 from rsym.surfaces.symbols import t, u, v
 from rsym.surfaces.transfinite import BooleanSum, Loft
+
+EDGES = ("u0", "u1", "v0", "v1")
 
 
 class CoonsPatch(BooleanSum):
@@ -150,3 +153,73 @@ class CoonsPatch(BooleanSum):
         if self.gregory is not None or any(one.expressions() is None for one in (*lofts, self.data)):
             return super()._repr_latex_()
         return coons_latex(self.data, lofts, self.blend_u, self.blend_v)
+
+
+def ribbons_of(
+    edges: Mapping[str, Univariate], ribbons: Mapping[str, Any] | None, order: int, letters: Mapping[Any, Any] | None
+) -> list[dict[str, Univariate]]:
+    """The edges and their derivatives across, order by order."""
+    if order == 1 or ribbons is None:
+        if order == 3 or (order == 1 and ribbons is not None):
+            expected = "no ribbons" if order == 1 else "ribbons (first, second) for each edge"
+            raise RsymError(f"a patch of class {order} takes {expected}", code="ribbons", remedy="change order=")
+        return [dict(edges)] if order == 1 else [dict(edges), tangent_ribbons(edges)]
+    if set(ribbons) != set(EDGES):
+        raise RsymError(
+            f"ribbons are given for {', '.join(EDGES)}, got {', '.join(map(str, ribbons))}",
+            code="ribbons",
+            remedy="a mapping from each edge to the derivative across it",
+        )
+    rows: list[dict[str, Univariate]] = [dict(edges)] + [{} for _ in range(order - 1)]
+    for name in EDGES:
+        for row, one in zip(rows[1:], _derivatives_across(ribbons[name], order, name), strict=True):
+            row[name] = unit_curve(one, letters, f"the ribbon of the edge {name}")
+    return rows
+
+
+def _derivatives_across(given: Any, order: int, name: str) -> Sequence[Any]:
+    """The order - 1 ribbons of one edge; one alone need not be wrapped."""
+    if isinstance(given, tuple | list) and len(given) == order - 1 and (order == 3 or not _is_number(given[0])):
+        return given
+    if order == 2:
+        return (given,)
+    raise RsymError(
+        f"a patch of class 3 takes a pair (first, second derivative) across the edge {name}", code="ribbons"
+    )
+
+
+def _is_number(given: Any) -> bool:
+    return np.ndim(given) == 0 and not callable(given) and not isinstance(given, Univariate)
+
+
+def tangent_ribbons(edges: Mapping[str, Univariate]) -> dict[str, Univariate]:
+    """For each edge the cubic ribbon with the tangents of the edges that it ends on, and Adini's twists.
+
+    p_uv(i, j) = p_v(1, j) - p_v(0, j) + p_u(i, 1) - p_u(i, 0) - (p(1, 1) - p(1, 0) - p(0, 1) + p(0, 0)): what a
+    surface f(u){1, v} + {1, u}g(v) through the corners has.
+    """
+    functions = HermiteBlend.cubic().curve
+    twist = [[_adini(edges, i, j) for j in (0, 1)] for i in (0, 1)]
+    ribbons: dict[str, Univariate] = {}
+    for end in (0, 1):
+        across_u = [_at(edges[f"v{j}"], end, 1) for j in (0, 1)]
+        across_v = [_at(edges[f"u{i}"], end, 1) for i in (0, 1)]
+        ribbons[f"u{end}"] = Blended(functions, Stack([*across_u, *twist[end]]))
+        ribbons[f"v{end}"] = Blended(functions, Stack([*across_v, twist[0][end], twist[1][end]]))
+    return ribbons
+
+
+def _adini(edges: Mapping[str, Univariate], i: int, j: int) -> Univariate:
+    slopes = [_at(edges["u1"], j, 1), _at(edges["u0"], j, 1), _at(edges["v1"], i, 1), _at(edges["v0"], i, 1)]
+    points = [_at(edges["u1"], 1, 0), _at(edges["u1"], 0, 0), _at(edges["u0"], 1, 0), _at(edges["u0"], 0, 0)]
+    return Combination([*slopes, *points], [1, -1, 1, -1, -1, 1, 1, -1])
+
+
+def _at(curve: Univariate, place: int, order: int) -> Univariate:
+    """A point or tangent of a curve over [0, 1], as a constant (3,)."""
+    return Row(Sampled(curve, [float(place)], [order]))
+
+
+def unit_curve(given: Any, letters: Mapping[Any, Any] | None, what: str) -> Univariate:
+    """Whatever a user means by a curve, over [0, 1]."""
+    return on_interval(as_curve(given, letters, what=what), 0.0, 1.0)

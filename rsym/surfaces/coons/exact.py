@@ -15,8 +15,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.letters import Letter
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.coons.meridians import Arc, Segment, number
-from rsym.surfaces.coons.revolution import Revolution, RevolutionPatch
+from rsym.surfaces.coons.revolution import Arc, Revolution, RevolutionPatch, Segment, number
 
 LetterMapping: TypeAlias = Mapping[Any, Letter | float] | None
 Blend: TypeAlias = HermiteBlend | None

@@ -2,10 +2,9 @@
 
 In comes what a user means by a curve: expressions, points, a function of Python; out go values and derivatives.
 
-entries.py                    arrays of expressions, entry by entry
-formulas.py                   SymPy expressions as compiled functions, derivatives to any order included
-univariate.py                 the classes: formulas, constants, stacks, samples, other intervals
+formulas.py                   SymPy expressions as compiled functions, derivatives to any order; entry by entry
+univariate.py                 the classes: formulas, constants, samples, other intervals, sums and stacks of others
 polynomials.py, cardinals.py  piecewise polynomials; functions that are 1 at one knot and 0 at the others
-callables.py, nurbs.py        functions of Python; rational B-spline curves
-curves.py                     whatever a user means by a curve, as one of these
+nurbs.py                      rational B-spline curves
+curves.py                     whatever a user means by a curve, as one of these; functions of Python
 """

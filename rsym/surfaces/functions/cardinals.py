@@ -24,7 +24,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError, warn
-from rsym.surfaces.functions.entries import exact
+from rsym.surfaces.functions.formulas import exact
 from rsym.surfaces.functions.polynomials import Polynomials
 from rsym.surfaces.functions.univariate import Formula, LetterValues, Univariate
 from rsym.surfaces.symbols import t as parameter

@@ -19,11 +19,10 @@ from scipy.interpolate import PPoly
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.surfaces.bsplines.bspline_data import order_of
+from rsym.surfaces.bsplines.bspline_data import fitted_curve, order_of
 from rsym.surfaces.bsplines.bspline_fitting import Residual, SplineFit
-from rsym.surfaces.bsplines.curve_fitting import fitted_curve
 from rsym.surfaces.bsplines.spline_spaces import checked_space, derivative, inner_pieces
-from rsym.surfaces.functions.entries import entries_of
+from rsym.surfaces.functions.formulas import entries_of
 from rsym.surfaces.functions.polynomials import Polynomials
 from rsym.surfaces.functions.univariate import LetterValues, Univariate
 from rsym.surfaces.parameters import real_array

@@ -8,7 +8,7 @@ import sympy as sp
 from scipy.interpolate import PPoly
 
 from rsym.arrays import Floats
-from rsym.surfaces.functions.entries import exact
+from rsym.surfaces.functions.formulas import exact
 from rsym.surfaces.functions.univariate import LetterValues, Univariate
 from rsym.surfaces.symbols import t as parameter
 

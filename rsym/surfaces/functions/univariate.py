@@ -1,4 +1,4 @@
-"""Functions of one parameter: curves, ribbons, blending and cardinal functions.
+"""Functions of one parameter: curves, ribbons, blending and cardinal functions, and what is made of them.
 
 A value has any shape: () for a scalar, (3,) for a point, (n,) for a basis and
 (n, 3) for a family of curves. Patches are sums of products of such functions.
@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from math import prod
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -18,8 +19,7 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
-from rsym.surfaces.functions.entries import entries_and_shape, entries_of, exact
-from rsym.surfaces.functions.formulas import CompiledFormulas, real_expressions
+from rsym.surfaces.functions.formulas import CompiledFormulas, entries_and_shape, entries_of, exact, real_expressions
 from rsym.surfaces.parameters import Interval, as_interval, inside, parameter_arrays, real_array
 from rsym.surfaces.symbols import t
 
@@ -265,3 +265,88 @@ class Sampled(Unvarying):
             for entry in entries_of(inner)
         ]
         return sp.ImmutableDenseNDimArray(rows, self.shape)
+
+
+class Row(Unvarying):
+    """The first row of a constant (1, 3), as a constant (3,)."""
+
+    def __init__(self, rows: Unvarying) -> None:
+        self.rows, self.shape = rows, rows.shape[1:]
+        self.domain, self.letters = rows.domain, rows.letters
+
+    def value(self, letters: LetterValues = None) -> Floats:
+        """The row."""
+        return np.asarray(self.rows.value(letters)[0])
+
+    @property
+    def is_smooth_formula(self) -> bool:
+        """Whether the rows are."""
+        return self.rows.is_smooth_formula
+
+    def expressions(self) -> sp.ImmutableDenseNDimArray | None:
+        """The row, if it is a formula."""
+        inner = self.rows.expressions()
+        return None if inner is None else sp.ImmutableDenseNDimArray(entries_of(inner), self.shape)
+
+
+class Blended(Univariate):
+    """The curve sum_a f_a(t) d_a of functions (n,) and constants (n, 3)."""
+
+    def __init__(self, functions: Univariate, data: Univariate) -> None:
+        self.functions, self.data = functions, data
+        self.shape, self.domain = data.shape[1:], functions.domain
+        self.letters = functions.letters.merge(data.letters)
+
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
+        """The derivatives of these orders."""
+        data = self.data.at_start(letters)
+        parts = self.functions.evaluate(t, orders, letters)
+        return [np.add.reduce([part[..., row, None] * one for row, one in enumerate(data)]) for part in parts]
+
+    @property
+    def is_smooth_formula(self) -> bool:
+        """Whether functions and constants are."""
+        return self.functions.is_smooth_formula and self.data.is_smooth_formula
+
+    def expressions(self) -> sp.ImmutableDenseNDimArray | None:
+        """The value, if functions and constants are formulas."""
+        functions, data = self.functions.expressions(), self.data.expressions()
+        if functions is None or data is None:
+            return None
+        flat, rows = entries_of(data), entries_of(functions)
+        return sp.ImmutableDenseNDimArray(
+            [sum((f * flat[3 * row + c] for row, f in enumerate(rows)), sp.S.Zero) for c in range(3)], (3,)
+        )
+
+
+class Combination(Univariate):
+    """A sum of functions of one shape with constant weights, numbers or arrays that broadcast to the shape."""
+
+    def __init__(self, curves: Sequence[Univariate], weights: Sequence[ArrayLike]) -> None:
+        self.stack = Stack(curves)
+        self.shape, self.domain = self.stack.shape[1:], self.stack.domain
+        self.closed, self.letters = self.stack.closed, self.stack.letters
+        self.weights = [np.broadcast_to(np.asarray(weight, np.float64), self.shape) for weight in weights]
+
+    def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
+        """The derivatives of these orders."""
+        each = [curve.evaluate(t, orders, letters) for curve in self.stack.curves]
+        terms = [[weight * part for part in parts] for weight, parts in zip(self.weights, each, strict=True)]
+        return [np.add.reduce(parts) for parts in zip(*terms, strict=True)]
+
+    @property
+    def is_smooth_formula(self) -> bool:
+        """Whether what it is made of is."""
+        return self.stack.is_smooth_formula
+
+    def expressions(self) -> sp.ImmutableDenseNDimArray | None:
+        """The sum, if all are formulas."""
+        inner = self.stack.expressions()
+        if inner is None:
+            return None
+        flat, size = entries_of(inner), prod(self.shape)
+        entries = [
+            sum((exact(w.flat[k]) * flat[row * size + k] for row, w in enumerate(self.weights)), sp.Integer(0))
+            for k in range(size)
+        ]
+        return sp.ImmutableDenseNDimArray(entries, self.shape)

@@ -12,9 +12,16 @@ from rsym.arrays import Floats
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
-from rsym.surfaces.joints.borders import Border
-from rsym.surfaces.joints.edge_comparison import Comparison, flipped, survey
-from rsym.surfaces.joints.edge_matching import Stretch, covered, free_intervals, shared_stretches
+from rsym.surfaces.joints.borders import DIRECTIONS, Border, clusters, fan, spread
+from rsym.surfaces.joints.edge_matching import (
+    Comparison,
+    Stretch,
+    covered,
+    flipped,
+    free_intervals,
+    shared_stretches,
+    survey,
+)
 from rsym.surfaces.joints.edge_report import (
     CommonEdge,
     EdgeReport,
@@ -26,8 +33,7 @@ from rsym.surfaces.joints.edge_report import (
     extreme,
 )
 from rsym.surfaces.joints.edges import edges_of
-from rsym.surfaces.joints.extents import extent, room_for, sample_grid
-from rsym.surfaces.joints.poles import SAMPLES, clusters, fan, spread
+from rsym.surfaces.joints.meeting import extent, room_for, sample_grid
 from rsym.surfaces.patch import LetterValues, Patch
 from rsym.surfaces.proofs.edge_formulas import PatchFormula
 from rsym.surfaces.proofs.pole_proofs import Spoke, prove_pole
@@ -193,7 +199,7 @@ def _common_edge(stretch: Stretch, angle: float, curvature: float) -> CommonEdge
 
 def _pole(group: Sequence[Border], angle: float, curvature: float) -> Pole:
     """The patches of a pole compared in all directions, with twice as many for the error."""
-    coarse, fine = (fan(group, count) for count in SAMPLES)
+    coarse, fine = (fan(group, count) for count in DIRECTIONS)
     strongest = float(np.nanmax(np.abs(fine.tensors), initial=0.0))
     size = min(border.size for border in group)
     tolerances = Tolerances(min(border.gap for border in group), angle, curvature * max(1 / size, strongest))
@@ -246,12 +252,12 @@ def with_proof(edge: CommonEdge, stretch: Stretch, formulas: Sequence[PatchFormu
 
 def pole_with_proof(pole: Pole, group: Sequence[Border], formulas: Sequence[PatchFormula]) -> Pole:
     """The same pole with its proof."""
-    directions = fan(group, SAMPLES[0])
+    directions = fan(group, DIRECTIONS[0])
     angles = spread(directions)[1]
     pair = np.unravel_index(int(np.argmax(np.nan_to_num(angles))), angles.shape)
     worst = []
     for place in map(int, pair):
-        number = place // SAMPLES[0]
+        number = place // DIRECTIONS[0]
         along = 1 - group[number].edge.across
         worst.append((number, float(directions.parameters[place][along])))
     room = math.sin(math.radians(STRICTNESS * pole.tolerances.angle))

@@ -16,8 +16,8 @@ from rsym.model.letters import Letters
 from rsym.surfaces import symbols
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.corrections import Correction, greatest, sizes
-from rsym.surfaces.functions.callables import Called
-from rsym.surfaces.functions.entries import exact
+from rsym.surfaces.functions.curves import Called
+from rsym.surfaces.functions.formulas import exact
 from rsym.surfaces.functions.univariate import Constant, Formula, Stack, Univariate, on_interval
 from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.joints.meeting import apart

@@ -10,12 +10,11 @@ from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.corrections import MEETING, Correction, greatest, require_tolerance, sizes
-from rsym.surfaces.functions.entries import entries_of
+from rsym.surfaces.functions.formulas import entries_of
 from rsym.surfaces.functions.univariate import Constant
 from rsym.surfaces.joints.edges import NAMES, PatchEdge
-from rsym.surfaces.joints.extents import sample_grid
 from rsym.surfaces.joints.joined import JoinedPatch
-from rsym.surfaces.joints.meeting import apart, require_meeting
+from rsym.surfaces.joints.meeting import apart, require_meeting, sample_grid
 from rsym.surfaces.patch import Patch
 
 DEPTHS = {"G1": 1, "G2": 2}

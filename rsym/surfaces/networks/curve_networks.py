@@ -16,8 +16,7 @@ from rsym.surfaces.corrections import MEETING, Correction, greatest, require_tol
 from rsym.surfaces.functions.cardinals import checked_knots
 from rsym.surfaces.functions.univariate import LetterValues, Sampled, Stack, Univariate, on_interval
 from rsym.surfaces.networks.families import family
-from rsym.surfaces.networks.intersections import QUOTIENT, polygon
-from rsym.surfaces.networks.network_parameters import meeting_parameters
+from rsym.surfaces.networks.intersections import QUOTIENT, meeting_parameters, polygon
 from rsym.surfaces.networks.reparametrisation import Composed, Part, increasing
 
 # Shares of the size of a network. Curves whose parameters leave a larger gap than the first are given other ones:

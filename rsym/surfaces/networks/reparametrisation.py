@@ -10,7 +10,7 @@ import sympy as sp
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 
 from rsym.arrays import Floats
-from rsym.surfaces.functions.entries import exact
+from rsym.surfaces.functions.formulas import exact
 from rsym.surfaces.functions.polynomials import Polynomials
 from rsym.surfaces.functions.univariate import LetterValues, Univariate
 from rsym.surfaces.parameters import Interval, inside

@@ -13,9 +13,8 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces import symbols
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.functions.callables import Called
-from rsym.surfaces.functions.curves import as_curve
-from rsym.surfaces.functions.entries import entries_of, exact
+from rsym.surfaces.functions.curves import Called, as_curve
+from rsym.surfaces.functions.formulas import entries_of, exact
 from rsym.surfaces.functions.univariate import Formula, LetterValues, Stack, Univariate, backwards, on_interval
 from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.networks.reparametrisation import Part

@@ -5,13 +5,10 @@ the jump of curvature each is equal to zero, within a bound, different at a plac
 
 edge_formulas.py  the derivatives of a patch on an edge as a program of one parameter; splines span by span
 specialised.py    programs on a line, their pieces chosen
-unbroken.py       whether pieces of a formula pass into each other
-stretches.py      a common edge as both formulas of one parameter, on parts without pieces
+stretches.py      a common edge as both formulas of one parameter, on parts without pieces, which pass into each other
 uneven.py         parameters that run at different speeds
 sides.py          what both patches are there, and what says that one passes into the other
-algebra.py        fields of polynomials, in which what vanishes vanishes exactly
-exact_values.py   programs in that arithmetic
-exactly.py        what vanishes all along an edge
+algebra.py        fields of polynomials, in which what vanishes vanishes exactly; programs in that arithmetic
 enclosures.py     both patches in balls on intervals that cover the edge
 apart.py          points of one edge that are away from the other
 proving.py        the proof of an edge

@@ -10,7 +10,7 @@ from typing import Any
 from rsym.bounds.ball_series import SeriesFunction, arb, truncated
 from rsym.bounds.balls import ball, exact
 from rsym.program.builder import Builder
-from rsym.surfaces.functions.entries import exact as decimal
+from rsym.surfaces.functions.formulas import exact as decimal
 from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, PatchFormula
 from rsym.surfaces.proofs.enclosures import BITS

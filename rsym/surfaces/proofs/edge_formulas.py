@@ -14,7 +14,7 @@ from rsym.program.differentiation import derivative
 from rsym.program.lowering import lower_all
 from rsym.surfaces.bsplines.spline_spaces import SplineSpace
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
-from rsym.surfaces.functions.entries import exact
+from rsym.surfaces.functions.formulas import exact
 from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.parametric import ParametricSurface
 from rsym.surfaces.patch import Patch

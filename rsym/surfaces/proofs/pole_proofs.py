@@ -29,15 +29,15 @@ from rsym.model.vectors import cross
 from rsym.program.builder import Builder
 from rsym.program.program import Node
 from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
-from rsym.surfaces.functions.entries import exact as decimal
+from rsym.surfaces.functions.formulas import exact as decimal
 from rsym.surfaces.joints.edges import PatchEdge
+from rsym.surfaces.proofs.algebra import exact_values
 from rsym.surfaces.proofs.edge_formulas import ALONG, ORDERS, EdgeWalk, PatchFormula
 from rsym.surfaces.proofs.edge_proof import DIFFERENT, EQUAL, LEVELS, EdgeProof, Level, nothing
 from rsym.surfaces.proofs.enclosures import BITS
-from rsym.surfaces.proofs.exact_values import exact_values
 from rsym.surfaces.proofs.sides import COUNT, Side, Vector, dot
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
-from rsym.surfaces.proofs.unbroken import check_unbroken
+from rsym.surfaces.proofs.stretches import check_unbroken
 
 Shares: TypeAlias = tuple[Fraction, ...]
 

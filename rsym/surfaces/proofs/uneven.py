@@ -24,12 +24,12 @@ from rsym.bounds.ball_series import SeriesFunction, arb, truncated
 from rsym.bounds.balls import ball, exact
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower_all
-from rsym.surfaces.functions.entries import exact as decimal
+from rsym.surfaces.functions.formulas import exact as decimal
 from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.parametric import ParametricSurface
+from rsym.surfaces.proofs.algebra import exact_values
 from rsym.surfaces.proofs.edge_formulas import PatchFormula, constant_parameter, formula_of
 from rsym.surfaces.proofs.enclosures import BITS
-from rsym.surfaces.proofs.exact_values import exact_values
 from rsym.surfaces.proofs.specialised import PARAMETER, NoProof, Part
 from rsym.surfaces.proofs.stretches import ProofTask, ends_of
 from rsym.surfaces.symbols import u, v
