@@ -3,15 +3,15 @@
 In come the model files of this folder and of `gallery/`; out go shapes, and with `rsym reproduce` every figure of the
 source and a page that shows them.
 
-models.py                                    the models by name: `rsym.paper.car()` and the others
-drawing.py                                   what a recipe makes: a figure and what it was made of
-poppet.py, claims.py, atlas.py               the valve; what the source claims of surfaces; for which letters it holds
-revolution.py, cost.py, preference.py, studies.py  what it proposes beyond its figures, measured
-verdicts.py, bodies.py                       bodies with their verdicts; the gallery
-coons.py, tori.py, joints.py, hull.py, network.py, fitting.py  parametric surfaces
-figures.py                                   all figures as recipes
-readings.py, page.py                         how doubtful places are read; the page of a reproduction
-reproduction.py                              every figure to a file, on two processes
+models.py                    the models by name: `rsym.paper.car()` and the others
+drawing.py                   what a recipe makes: a figure and what it was made of
+claims.py                    what the source claims of surfaces; for which letters it holds
+studies.py, preference.py    what it proposes beyond its figures, measured
+verdicts.py                  bodies with their verdicts; the gallery
+coons.py, curves.py          parametric surfaces: of edges and corners; through curves and data
+figures.py                   all figures as recipes, those of the source in full
+readings.py, page.py         how doubtful places are read; the page of a reproduction
+reproduction.py              every figure to a file, on two processes
 """
 
 from lazy_loader import attach_stub

@@ -1,10 +1,11 @@
-"""What the source claims of its surfaces and what of it holds: verdicts, found anew in every run."""
+"""What the source claims of its surfaces and what of it holds, for which letters: verdicts found anew in every run."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from matplotlib.figure import Figure
 from rsym.analysis.normalisation import normalise
 from rsym.model.constructions import revolve
 from rsym.model.shape import Shape
+from rsym.output.atlas import plot_atlas
 from rsym.output.certificates import DEFECT, draw_boundary, subject
 from rsym.output.magnified import draw_window
 from rsym.output.verdicts import plot_verdict
@@ -21,9 +23,21 @@ from rsym.paper.drawing import Drawing, Table, letters_text
 from rsym.paper.models import BODIES, skeleton_body
 from rsym.reports.numbers import at_most, measured, number
 from rsym.verify.answers.report import SmoothnessReport
+from rsym.verify.atlas.atlas import smoothness_atlas
 from rsym.verify.normalisation.normalisation import verify_normalisation
 from rsym.verify.smoothness import verify_smoothness
 
+LETTERS = ("a2", "p1")
+REGION = ((5, 6), (20, 80))
+ATLAS_TOLERANCE = 0.04  # of the range of a2, which is less than 1 % of its value
+ROWS = (20, 40, 60, 80)
+CONDITION = r"a_{2} > a + \frac{p_{1} p_{2}}{a_{1} + a}"
+ATLAS_HEADER = ("p1", "a2 is refuted below, proved", "a2 by the formula", "a2 is certified above, proved")
+ATLAS_REMARK = (
+    "Ours. Each rectangle is proved for every value in it: certified by interval arithmetic with both letters as "
+    "intervals, refuted by a corner that is followed over all of it. The formula was not used. The greatest curvature, "
+    "which grows without bound at the threshold, is numerical."
+)
 CURVATURE = "the curvature is continuous"
 NOSES = (5.3, 5.35, 6.0)  # a2: as printed, little above what a smooth nose needs, well above
 SMOOTH = (5.32, 8.0)
@@ -151,3 +165,30 @@ def _draw_tip(ax: Axes, claim: Claim, letters: str) -> None:
         ax.set_aspect("equal")
     ax.set_title(letters, fontsize=8)
     ax.set_xlabel(f"{claim.report.verdict}, {claim.report.continuity}", fontsize=7)
+
+
+def draw_atlas() -> Drawing:
+    """The atlas, found anew in every run, beside the formula for a smooth nose."""
+    body = skeleton_body()
+    atlas = smoothness_atlas(body, *LETTERS, between=REGION, tolerance=ATLAS_TOLERANCE, sharpening=0)
+    figure: Figure = plot_atlas(atlas)
+    (curve,) = atlas.thresholds
+    rows = []
+    for p1 in ROWS:
+        low, high = curve.between(p1)
+        rows.append((f"{p1}", f"{low:.4f}", f"{float(threshold(p1)):.4f}", f"{high:.4f}"))
+    fixed = {name: letter for name, letter in body.letters.items() if name not in LETTERS}
+    remark = f"{ATLAS_REMARK} {atlas}"
+    return Drawing(figure, letters_text(fixed), 0, remark, Table(ATLAS_HEADER, tuple(rows)))
+
+
+def threshold(p1: int) -> Fraction:
+    """The value of a2 beyond which the blend is positive on the whole segment, at the letters of Fig. 11.
+
+    Examples
+    --------
+    >>> threshold(40)
+    Fraction(69, 13)
+    """
+    letters = {name: Fraction(str(letter.default)) for name, letter in skeleton_body().letters.items()}
+    return letters["a"] + p1 * letters["p2"] / (letters["a1"] + letters["a"])

@@ -1,7 +1,8 @@
-"""Bicubic Coons patches: the test program of the source, and what the twists at the corners do."""
+"""Figures of Coons patches: the test program of the source, twists at the corners, exact tori, two patches joined."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import cache
 
@@ -11,21 +12,43 @@ from matplotlib.figure import Figure
 from rsym.arrays import Floats
 from rsym.output.comparison import compare_patches
 from rsym.output.gallery import Gallery
-from rsym.output.patches import plot_patches
+from rsym.output.joins import plot_continuity
+from rsym.output.patches import map_range, plot_patches
 from rsym.paper.drawing import Drawing, Table, triangles_in
+from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.coons.coons_patches import CoonsPatch
+from rsym.surfaces.coons.exact import torus
 from rsym.surfaces.coons.twists import estimate_twists
+from rsym.surfaces.joints.continuity import continuity_report
+from rsym.surfaces.joints.joining import join
 from rsym.surfaces.parametric import ParametricSurface
+from rsym.surfaces.patch import Patch
 from rsym.surfaces.symbols import t, u, v
 
+K = 1.7  # how much faster the second patch leaves the edge than the first one comes to it
+JOINT_ELEVATION, JOINT_AZIMUTH = 34.0, -62.0
+R, TUBE = 3.0, 1.0
+PIECES, SPAN = 3, 2 * math.pi / 3  # around either circle
+BLENDS = {
+    "bicubic": HermiteBlend.cubic(),
+    "class II, μ = −12": HermiteBlend.class2(-12, SPAN),
+    "class II, μ = 3": HermiteBlend.class2(3, SPAN),
+}
+SWELLING = 1.7  # of the tangents along the meridians, for a tube that is no circle
+TORUS_ELEVATION, TORUS_AZIMUTH = 38.0, -60.0
+TORUS_EQUATIONS = (
+    r"F_{1} = 3 t^{2} - 2 t^{3} + \mu\, t^{2} \left(1 - t\right)^{2} \left(2 t - 1\right), \quad F_{0} = 1 - F_{1}",
+    r"G_{0} = \frac{\sin\alpha t - \sin\alpha\, F_{1}}{\alpha} - \cos\alpha\, G_{1}, \quad "
+    r"G_{1} = \frac{F_{0} + \cos\alpha\, F_{1} - \cos\alpha t}{\alpha \sin\alpha}",
+)
 CORNERS = ((0, 0), (0, 1), (1, 0), (1, 1))
 ARROW, BARB = 0.2, 0.14  # of a tangent vector that is drawn, and of that its barbs
 ELEVATION, AZIMUTH = 36.0, -30.0
 FLAT = np.array([1.0, 1.0, 0.2])  # z is drawn at a fifth
 KINDS = ("zero", "bilinear", "adini", "bessel")
 NODES = 4  # along each side of the square that the twists are shown on
-EQUATIONS = (
+PARABOLOID_EQUATIONS = (
     r"r\left(u, v\right) = a\left(u\right)^{T} Q\, a\left(v\right)",
     r"a\left(t\right) = \left(1 - 3 t^{2} + 2 t^{3},\; 3 t^{2} - 2 t^{3},\; "
     r"t - 2 t^{2} + t^{3},\; t^{3} - t^{2}\right)^{T}",
@@ -156,3 +179,121 @@ def _errors(patches: list[BicubicCoons]) -> tuple[float, float]:
         across = np.cross(patch.normal(inside[:, None], inside), surface.normal(x, y))
         angle = max(angle, float(np.degrees(np.arcsin(np.linalg.norm(across, axis=-1).max()))))
     return away, angle
+
+
+def draw_torus() -> Drawing:
+    """The data of a torus with three blends, and the same data with longer tangents."""
+    rings = [{name: ring(blend, swelling) for name, blend in BLENDS.items()} for swelling in (1.0, SWELLING)]
+    gallery = Gallery(Figure(), 2, len(BLENDS))
+    for row, surfaces in zip(gallery.axes, rings, strict=True):
+        limits = map_range(list(surfaces.values()), "gaussian_curvature", None, None)
+        for ax, patches in zip(row, surfaces.values(), strict=True):
+            plot_patches(
+                patches,
+                ax=ax,
+                colour_by="gaussian_curvature",
+                limits=limits,
+                lines=0,
+                elevation=TORUS_ELEVATION,
+                azimuth=TORUS_AZIMUTH,
+            )
+    gallery.arrange([list(BLENDS)])
+    # The pieces of one meridian stand for all: the others are turned about the axis.
+    rows = tuple((name, *(f"{max(map(distance, one[name][:PIECES])):.1e}" for one in rings)) for name in BLENDS)
+    remark = (
+        f"Nine patches with the corner information of a torus, R = {R:g}, r = {TUBE:g}, a third of a turn each way. "
+        "Above: with blends of class II they are the torus itself, whatever μ; bicubic ones are not. Below: the same "
+        f"with tangents along the meridians {SWELLING:g} times as long, where μ is a handle on the shape."
+    )
+    table = Table(("blend", "distance from the torus", "with longer tangents"), rows)
+    return Drawing(gallery.figure, "", triangles_in(gallery.figure), remark, table)
+
+
+def ring(blend: HermiteBlend, swelling: float = 1.0) -> list[BicubicCoons]:
+    """Nine patches with the corner information of a torus, the tangents along the meridians swollen.
+
+    Examples
+    --------
+    >>> patch = ring(BLENDS["class II, μ = 3"])[0]
+    >>> abs(distance(patch)) < 1e-14, abs(distance(ring(BLENDS["bicubic"])[0])) > 0.1
+    (True, True)
+    """
+    along = np.array([1.0, 1.0, swelling, swelling])[:, None]
+    return [BicubicCoons(matrix * along, blend, blend) for matrix in torus_corners()]
+
+
+@cache
+def torus_corners() -> tuple[Floats, ...]:
+    """The matrices (4, 4, 3) of the pieces of the torus."""
+    return tuple(piece.matrix for piece in torus(R, TUBE, pieces=(PIECES, PIECES)))
+
+
+def distance(patch: BicubicCoons) -> float:
+    """The greatest distance of a patch from the torus."""
+    x, y, z = np.moveaxis(patch.grid(np.linspace(0, 1, 41), np.linspace(0, 1, 41)), -1, 0)
+    return float(np.abs(np.hypot(np.hypot(x, y) - R, z) - TUBE).max())
+
+
+def draw_joints() -> Drawing:
+    """The edge in the colour of its class above, stripes below."""
+    kinds = ("meeting", "joined G1", "joined G2")
+    pairs = {kind: pair(kind) for kind in kinds}
+    reports = {kind: continuity_report(patches, prove=True) for kind, patches in pairs.items()}
+    gallery = Gallery(Figure(), 2, len(kinds))
+    for above, below, kind in zip(*gallery.axes, kinds, strict=True):
+        plot_continuity(pairs[kind], reports[kind], ax=above, lines=8, elevation=JOINT_ELEVATION, azimuth=JOINT_AZIMUTH)
+        plot_patches(
+            pairs[kind], ax=below, colour_by="zebra", lines=0, elevation=JOINT_ELEVATION, azimuth=JOINT_AZIMUTH
+        )
+    gallery.arrange([kinds])
+    rows = []
+    for kind in kinds:
+        (edge,) = reports[kind].edges
+        measured = (edge.gap, edge.angle, edge.curvature_jump)
+        proof = f"{edge.proved}, {'no more' if edge.verdict == 'REFUTED' else edge.verdict.lower()}"
+        rows.append((kind, edge.continuity, *(f"{one.value:.2g}" for one in measured), proof))
+    last = reports[kinds[-1]].edges[0].proof
+    assert last is not None
+    rounded = f"{last.levels[2].most:.1e}"
+    remark = (
+        f"Two biquintic patches along u = 1, joined with k = {K:g}: the second leaves the edge {K:g} times as fast as "
+        "the first comes to it, so neither joint is C1. Stripes break at a kink, are kinked by a jump of the "
+        "curvature, and pass smoothly where it is continuous. Amounts are measured at samples. What is "
+        "proved holds all along the edge: of the last pair points and tangent planes agree exactly, curvatures within "
+        f"{rounded}, as the numbers of its second patch are rounded."
+    )
+    columns = ("patches", "class", "gap", "greatest angle, degrees", "greatest jump of the curvature", "proved")
+    table = Table(columns, tuple(rows))
+    return Drawing(gallery.figure, "", triangles_in(gallery.figure), remark, table)
+
+
+def pair(kind: str) -> list[Patch]:
+    """A patch and what follows it across its edge u = 1: merely meeting it, joined G1, or joined G2.
+
+    Examples
+    --------
+    >>> [continuity_report(pair(kind)).continuity for kind in ("meeting", "joined G1", "joined G2")]
+    ['G0', 'G1', 'G2']
+    """
+    first = ParametricSurface((u, v, (u - 1) ** 2 / 3 - v * (1 - v) / 2 + u * v**2 / 4), ((0, 1), (0, 1)))
+    second = ParametricSurface((u, v, u * v**2 / 4 - v * (1 - v) / 2 + (u - 1) * (2 - u) / 3), ((1, 2), (0, 1)))
+    p, q = (BicubicCoons(corner_information(one, k, k + 1.0)) for k, one in enumerate((first, second)))
+    if kind == "meeting":
+        return [p, q]
+    return [p, join(p, "u1", q, "u0", K, continuity=kind.removeprefix("joined "))]
+
+
+def corner_information(surface: ParametricSurface, low: float, high: float) -> Floats:
+    """The matrix (6, 6, 3) of derivatives to the second at the corners of [low, high] x [0, 1].
+
+    Examples
+    --------
+    >>> plane = ParametricSurface((u, v, 0), ((0, 2), (0, 1)))
+    >>> corner_information(plane, 1.0, 2.0)[:4, 0, 0].tolist()
+    [1.0, 2.0, 1.0, 1.0]
+    """
+    orders = [(i, j) for i in range(3) for j in range(3)]
+    found = surface.derivatives(np.array([low, high])[:, None], np.array([0.0, 1.0]), orders)
+    size = high - low
+    rows = [np.concatenate([size**i * found[3 * i + j] for j in range(3)], axis=1) for i in range(3)]
+    return np.concatenate(rows)

@@ -1,20 +1,46 @@
-"""What the source claims or proposes beyond its figures, made as pictures with their tables."""
+"""What the source claims or proposes beyond its figures, made as pictures with their tables.
+
+The cost of drawing the valve: the box round the body is cut into sub-boxes, each is sampled and meshed on its own, and
+only one of them is in memory at a time, as the source describes it. Normalising before and after revolving: the
+gradient commutes with revolution, the Laplacian gains omega_rho/rho.
+"""
 
 from __future__ import annotations
 
+import itertools
+import math
+import time
+import tracemalloc
+from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import cycle
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+from rsym.analysis.differential import gradient
+from rsym.analysis.normalisation import normalise
+from rsym.errors import RsymError
+from rsym.model.constructions import revolve
+from rsym.model.shape import Bounds, Shape
+from rsym.output.fields import plot_field
 from rsym.output.sections import plot_sections, svg
 from rsym.output.surfaces import plot_mesh
-from rsym.paper import cost, preference, revolution
+from rsym.paper import preference
 from rsym.paper.drawing import Drawing, Table, figure_of, letters_text, mesh_quietly
 from rsym.paper.models import car, skeleton_body, valve
+from rsym.sampling.mesh import Mesh
 from rsym.sampling.sections import sections
 
+LAPLACIAN_LEVELS = (-4.0, 2.0)  # what the Laplacians of a profile one unit thick span outside singular spots
+LAPLACIAN_BOX = ((-7.0, 7.5), (-3.0, 3.0))
+LAPLACIAN_RESOLUTION = 400
+# Along each axis: 0.125, 1, 3.375 and 15.625 million points; the source has 27 and 125 boxes of 50 points cubed.
+POINTS = (50, 100, 150, 250)
+BOXES = (1, 3, 5)
 HEIGHTS = tuple(0.25 + 0.5 * k for k in range(-6, 16))  # z = -2.75, -2.25, ..., 7.75
 LAYERS = "car-sections.svg"
 APART = {"h5": 5.1, "ho2": 5.1}  # the lower edges of the windows, out of the plane of the boot's lid
@@ -30,7 +56,7 @@ REVOLUTION_EQUATIONS = (
 
 def draw_cost() -> Drawing:
     """Table 1: seconds and megabytes against points, for each number of sub-boxes."""
-    costs = cost.measure()
+    costs = measure()
     figure = Figure(figsize=(8.4, 3.4), layout="constrained")
     for ax, quantity, label in zip(
         figure.subplots(1, 2), ("seconds", "megabytes"), ("seconds", "peak memory in MB"), strict=True
@@ -55,6 +81,74 @@ def draw_cost() -> Drawing:
         "peak of what Python and NumPy allocate, as tracemalloc counts it, the triangles of all boxes included."
     )
     return Drawing(figure, letters_text(valve().letters), max(one.triangles for one in costs), remark, table)
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What drawing took with so many points and sub-boxes."""
+
+    points: int
+    boxes: int
+    seconds: float
+    megabytes: float
+    triangles: int
+
+
+def measure() -> tuple[Cost, ...]:
+    """Every combination once: first for the seconds, then again for the memory, since watching memory takes time.
+
+    Then boxes that hold no surface are left out: they take less than those that do.
+
+    The memory is the peak of what Python and NumPy hold, the triangles of all boxes included, as tracemalloc
+    counts it; what the interpreter and compiled code take for themselves is not in it.
+    """
+    shape = valve()
+    meshes(shape, 20, 1)  # compiles
+    return tuple(_cost(shape, points, boxes) for points in POINTS for boxes in BOXES)
+
+
+def _cost(shape: Shape, points: int, boxes: int) -> Cost:
+    start = time.perf_counter()
+    pieces = meshes(shape, points, boxes)
+    seconds = time.perf_counter() - start
+    triangles, held = sum(piece.status.triangles for piece in pieces.values()), list(pieces)
+    del pieces
+    tracemalloc.start()
+    before, _ = tracemalloc.get_traced_memory()
+    meshes(shape, points, boxes, held)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return Cost(points**3, boxes**3, seconds, (peak - before) / 1e6, triangles)
+
+
+def meshes(shape: Shape, points: int, boxes: int, only: Iterable[Bounds] = ()) -> dict[Bounds, Mesh]:
+    """The surface in each box that holds some, `points` and `boxes` along each axis; `only` in these, if any are given.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
+    >>> len(meshes(ball, 30, 1)), len(meshes(ball, 30, 3))
+    (1, 21)
+    """
+    assert shape.bounds is not None
+    # The mesher adds a layer of points on either side, so that neighbouring boxes overlap instead of leaving gaps.
+    cells = max(2, math.ceil(points / boxes) - 2)
+    pieces = {}
+    for box in only or _sub_boxes(shape.bounds, boxes):
+        try:
+            # All points of a box are sampled, as in the source.
+            pieces[box] = mesh_quietly(shape, (cells,) * len(box), method="smooth", bounds=box)
+        except RsymError as error:
+            if error.code != "no-surface":
+                raise
+    return pieces
+
+
+def _sub_boxes(bounds: Bounds, boxes: int) -> list[Bounds]:
+    cuts = [np.linspace(low, high, boxes + 1).tolist() for low, high in bounds]
+    return list(itertools.product(*(list(itertools.pairwise(cut)) for cut in cuts)))
 
 
 def draw_preference() -> Drawing:
@@ -118,7 +212,69 @@ def draw_revolution() -> Drawing:
         "The gradient commutes with revolution, so normalise(revolve(ω)) and revolve(normalise(ω)) are one function; "
         "the Laplacian of the revolved function has one term more, f_ρ/ρ, which is large about the axis."
     )
-    return Drawing(revolution.draw(), letters_text(skeleton_body().letters), 0, remark)
+    return Drawing(drawn_laplacians(), letters_text(skeleton_body().letters), 0, remark)
+
+
+def drawn_laplacians() -> Figure:
+    """Three panels on the meridian plane: the Laplacian of the plane field, of the revolved one, and their difference.
+
+    The field is omega_n of Fig. 11. Normalising the revolved body gives the same function as revolving the
+    normalised profile, so one revolved panel stands for both orders.
+    """
+    profile = skeleton_body()
+    body = revolve(profile)
+    plane = normalise(profile)
+    levels = MaxNLocator(14).tick_values(*LAPLACIAN_LEVELS)
+    figure = Figure(figsize=(9.0, 6.6), layout="compressed")
+    axes = figure.subplots(3, 1, sharex=True)
+    artists = [
+        plot_field(
+            profile,
+            "normalised_laplacian",
+            ax=axes[0],
+            levels=levels,
+            bounds=LAPLACIAN_BOX,
+            resolution=LAPLACIAN_RESOLUTION,
+        ),
+        plot_field(
+            body,
+            "normalised_laplacian",
+            ax=axes[1],
+            levels=levels,
+            bounds=(*LAPLACIAN_BOX, LAPLACIAN_BOX[1]),
+            resolution=LAPLACIAN_RESOLUTION,
+            section={"z": 0.0},
+        ),
+        plot_field(gain(plane), ax=axes[2], levels=levels, bounds=LAPLACIAN_BOX, resolution=LAPLACIAN_RESOLUTION),
+    ]
+    titles = (
+        r"$\Delta\omega_n$ in the plane",
+        r"$\Delta\omega_n$ of the body of revolution, on its meridian plane $z = 0$",
+        r"their difference, $\frac{1}{\rho}\,\frac{\partial\omega_n}{\partial\rho}$",
+    )
+    for ax, artist, title in zip(axes, artists, titles, strict=True):
+        _finish(figure, ax, artist, title)
+    return figure
+
+
+def _finish(figure: Figure, ax: Axes, artist: QuadContourSet, title: str) -> None:
+    ax.set_title(title, fontsize=11)
+    ax.label_outer()
+    figure.colorbar(artist, ax=ax, pad=0.02, fraction=0.04).ax.tick_params(labelsize=7)
+
+
+def gain(shape: Shape) -> Shape:
+    """What revolving about x adds to the Laplacian of a plane field f: f_y/y, as a field in the plane.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> gain(rsym.Shape(1 - x**2 - y**2, (x, y))).expression
+    -2
+    """
+    across = shape.coordinates[1]
+    return shape.replace(expression=gradient(shape)[1] / across)
 
 
 def spaced(number: int) -> str:

@@ -1,4 +1,4 @@
-"""Bodies with their verdicts: the car, what has edges, what only its curvature gives away, and what is smooth."""
+"""Bodies with their verdicts, from the car to what is smooth; the gallery, a body or more for each family of pieces."""
 
 from __future__ import annotations
 
@@ -9,22 +9,46 @@ from fractions import Fraction
 import numpy as np
 from matplotlib.figure import Figure
 
+from rsym.language.loading import load
 from rsym.model.blends.fillets import fillet
 from rsym.model.constructions import revolve
 from rsym.model.primitives.space import box, capsule, half_space
 from rsym.model.shape import Shape
 from rsym.output.axes3d import Bar, add_axes
 from rsym.output.body_verdicts import draw_body_verdict
+from rsym.output.cards import plot_gallery
 from rsym.output.portraits import Place, fill
 from rsym.output.singular import Limits, angle_limits, jump_limits, mark_curves
 from rsym.paper.drawing import Drawing, Table, letters_text, triangles_in
-from rsym.paper.models import car, skeleton_body
+from rsym.paper.models import car, model_path, skeleton_body
 from rsym.reports.numbers import interval, share
 from rsym.verify.answers.body_report import COLUMNS as PARTS
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.singular import kinds_text
 from rsym.verify.smoothness import verify_smoothness
 
+GALLERY_RESOLUTION = 160
+GALLERY_COLUMNS = 4
+GALLERY_REMARK = "ours; rsym show prints the formulas of each, rsym mesh makes a mesh of it"
+# A name, the model, one of its definitions, and what the body is there to show.
+BODIES = (
+    ("torus", "solids", "torus_body", "a primitive"),
+    ("cone", "solids", "cone_body", "a primitive: the exact distance from its mantle"),
+    ("helicoid", "solids", "helicoid_body", "a sheet about a ruled surface"),
+    ("coil", "solids", "coil_body", "a tube about a helix"),
+    ("gear", "gear", "omega", "cyclic symmetry, the flanks exact involutes"),
+    ("spring", "spring", "omega", "screw symmetry"),
+    ("bracket", "bracket", "omega", "fillets"),
+    ("gyroid", "gyroid", "omega", "a periodic surface"),
+    ("bone", "bone", "omega", "blending on a skeleton"),
+    ("vase", "vase", "omega", "a profile swept with changing letters"),
+    ("snowflake", "snowflake", "omega", "six mirrors through an axis"),
+    ("clip", "clip", "omega", "segments and arcs in space"),
+    ("jack", "jack", "omega", "motions"),
+    ("spanner", "spanner", "omega", "plane shapes, extruded"),
+    ("lattice", "lattice", "omega", "a grid"),
+    ("capsule", "solids", "capsule_body", "a primitive"),
+)
 SIZE = (9.6, 10.6)  # inches
 WIDE = 0.9  # of the width, for the bodies; the rest is for the bars
 CAR, COLUMNS, ROWS = 0.4, 3, 2  # of the height, for the car; rows and columns of the others
@@ -141,3 +165,11 @@ def _rows(one: Judged) -> Iterator[tuple[str, ...]]:
     """The verdict, then what is below G2 and what is not."""
     yield one.name, one.report.verdict, *("",) * 4, one.summary, one.report.continuity, "", ""
     yield from (("", "", *entry.cells) for entry in one.report.document().entries)
+
+
+def draw_gallery() -> Drawing:
+    """All bodies under their names, and what each shows."""
+    shapes = {name: load(model_path(model), shape=shape) for name, model, shape, _ in BODIES}
+    figure = plot_gallery(shapes, columns=GALLERY_COLUMNS, resolution=GALLERY_RESOLUTION)
+    table = Table(("body", "model file", "what it shows"), tuple((n, f"{m}.rf", shows) for n, m, _, shows in BODIES))
+    return Drawing(figure, "as in the model files", triangles_in(figure), GALLERY_REMARK, table)

@@ -16,9 +16,9 @@ from rsym import RsymError, x, y
 from rsym.cli import main
 from rsym.language.pieces import PIECES
 from rsym.output.portraits import draw_portrait
-from rsym.paper.bodies import BODIES
 from rsym.paper.drawing import mesh_quietly
 from rsym.paper.models import GALLERY, model_path
+from rsym.paper.verdicts import BODIES
 
 NOTEBOOK = notebooks.read(Path(__file__).parents[2] / "notebooks" / "04_gallery.ipynb")
 CODE = [cell for cell in NOTEBOOK["cells"] if cell["cell_type"] == "code"]

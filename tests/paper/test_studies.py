@@ -7,7 +7,7 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import RsymError, Shape, x, y, z
-from rsym.paper import cost, preference, revolution, studies
+from rsym.paper import preference, studies
 
 PROFILE = Shape(1 - x**2 / 4 - y**2 + x * y**4 / 8, (x, y))
 RHO = sp.sqrt(y**2 + z**2)
@@ -19,7 +19,7 @@ def test_the_gradient_commutes_with_revolution_and_the_laplacian_gains_one_term(
     assert sp.simplify(sum(part**2 for part in rsym.gradient(solid)) - squared.subs(y, RHO)) == 0
     plane = rsym.laplacian(PROFILE) + rsym.gradient(PROFILE)[1] / y
     assert sp.simplify(rsym.laplacian(solid) - plane.subs(y, RHO)) == 0
-    assert sp.simplify(revolution.gain(PROFILE).expression - rsym.gradient(PROFILE)[1] / y) == 0
+    assert sp.simplify(studies.gain(PROFILE).expression - rsym.gradient(PROFILE)[1] / y) == 0
 
 
 @pytest.mark.slow
@@ -81,14 +81,14 @@ def test_sub_boxes_cover_the_body(boxes):
     """A plane across the box is drawn in every sub-box that it meets: its area is that of its triangles."""
     wall = Shape(x - 0.1, (x, y, z), bounds=((-1, 1),) * 3)
     per_box = 2 * (12 // boxes - 2 + 1) ** 2
-    assert sum(piece.status.triangles for piece in cost.meshes(wall, 12, boxes).values()) == per_box * boxes**2
+    assert sum(piece.status.triangles for piece in studies.meshes(wall, 12, boxes).values()) == per_box * boxes**2
 
 
 @pytest.mark.slow
 def test_the_cost_counts_what_it_is_asked_for(monkeypatch):
-    monkeypatch.setattr(cost, "POINTS", (20, 30))
-    monkeypatch.setattr(cost, "BOXES", (1, 2))
-    costs = cost.measure()
+    monkeypatch.setattr(studies, "POINTS", (20, 30))
+    monkeypatch.setattr(studies, "BOXES", (1, 2))
+    costs = studies.measure()
     assert [(one.points, one.boxes) for one in costs] == [(8000, 1), (8000, 8), (27000, 1), (27000, 8)]
     assert all(one.seconds > 0 and one.megabytes > 8e-6 * one.points / one.boxes for one in costs)
     drawing = studies.draw_cost()
@@ -98,7 +98,7 @@ def test_the_cost_counts_what_it_is_asked_for(monkeypatch):
 
 def test_an_undefined_value_in_a_sub_box_is_not_passed_over():
     with pytest.raises(RsymError, match="undefined"):
-        cost.meshes(Shape(sp.sqrt(x) - 1, (x, y, z), bounds=((-2, 2),) * 3), 20, 2)
+        studies.meshes(Shape(sp.sqrt(x) - 1, (x, y, z), bounds=((-2, 2),) * 3), 20, 2)
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from oracles.closeness import assert_close
 
-from rsym.paper import coons, fitting, hull, joints, network, tori
+from rsym.paper import coons, curves
 from rsym.paper.figures import SURFACES
 from rsym.surfaces.meshes import mesh_patches
 
@@ -50,39 +50,39 @@ def test_patches_of_a_quilt_differ_in_their_twists_alone():
 
 
 def test_rings_of_any_shape_parameter_are_one_torus_and_swollen_ones_are_not():
-    for name, blend in tori.BLENDS.items():
-        away = tori.distance(tori.ring(blend)[0])
+    for name, blend in coons.BLENDS.items():
+        away = coons.distance(coons.ring(blend)[0])
         assert away > 0.1 if name == "bicubic" else away < 1e-14
-    swollen = tori.ring(blend, tori.SWELLING)
-    assert tori.distance(swollen[0]) > 0.1
+    swollen = coons.ring(blend, coons.SWELLING)
+    assert coons.distance(swollen[0]) > 0.1
     mesh = mesh_patches(swollen, 6)
     assert mesh.status.closed
     assert mesh.status.euler_characteristic == 0
 
 
 def test_both_sides_of_the_ship_meet_its_sections_and_face_outwards():
-    for kind in hull.LOFTS:
-        for side, patch in zip((1, -1), hull.hull(kind), strict=True):
-            for knot, points in zip(hull.KNOTS, hull.sections(side), strict=True):
+    for kind in curves.LOFTS:
+        for side, patch in zip((1, -1), curves.hull(kind), strict=True):
+            for knot, points in zip(curves.KNOTS, curves.sections(side), strict=True):
                 assert_close(patch([0.0, 1.0], knot), points[[0, -1]], atol=1e-13)
             normals = patch.normal(np.linspace(0.1, 0.9, 5)[:, None], np.linspace(0.1, 0.9, 5))
             assert (side * normals[..., 1]).min() > -0.25
             assert (side * normals[..., 1]).mean() > 0.4
-    stations = [hull.station(share) for share in hull.STATIONS]
+    stations = [curves.station(share) for share in curves.STATIONS]
     assert all((np.diff(one[:, 1:], axis=0) > 0).all() for one in stations)
 
 
 def test_the_curves_of_the_network_lie_on_one_surface_and_gordons_meets_them_all():
     t = np.linspace(0, 1, 50)
-    for curve in (*map(network.along, network.ALONG), *map(network.across, network.ACROSS)):
+    for curve in (*map(curves.along, curves.ALONG), *map(curves.across, curves.ACROSS)):
         x, y, z = curve(t).T
         expected = 0.45 * np.exp(-2.2 * ((x - 0.95) ** 2 + (y - 0.7) ** 2)) + 0.22 * np.sin(1.9 * x) - 0.12 * y**2
         assert_close(z, expected, atol=1e-15)
-    surface = network.GordonSurface([*map(network.along, network.ALONG)], [*map(network.across, network.ACROSS)])
-    first, second, third, whole = network.parts(surface).values()
+    surface = curves.GordonSurface([*map(curves.along, curves.ALONG)], [*map(curves.across, curves.ACROSS)])
+    first, second, third, whole = curves.parts(surface).values()
     u, v = np.linspace(*surface.domain[0], 9), np.linspace(*surface.domain[1], 8)
     assert_close(whole.grid(u, v), first.grid(u, v) + second.grid(u, v) - third.grid(u, v), atol=1e-14)
-    misses = [network.misses(surface, part) for part in (first, second, third, whole)]
+    misses = [curves.misses(surface, part) for part in (first, second, third, whole)]
     assert [[one < 1e-12 for one in pair] for pair in misses] == [
         [True, False],
         [False, True],
@@ -92,33 +92,33 @@ def test_the_curves_of_the_network_lie_on_one_surface_and_gordons_meets_them_all
 
 
 def test_fewer_vertices_are_nearer_to_the_truth():
-    data = fitting.measured()
-    assert_close((data - fitting.bonnet(data[..., 0], data[..., 1]))[..., 2].std(), fitting.NOISE, rtol=9e-3, atol=2e-4)
-    through, near = (fitting.fitted(vertices) for vertices in fitting.SHOWN)
+    data = curves.measured()
+    assert_close((data - curves.bonnet(data[..., 0], data[..., 1]))[..., 2].std(), curves.NOISE, rtol=9e-3, atol=2e-4)
+    through, near = (curves.fitted(vertices) for vertices in curves.SHOWN)
     assert through.residual.maximum < 1e-14
     assert near.net.shape == (7, 7, 3)
     errors = []
     for surface in (through, near):
         x, y, z = np.moveaxis(surface.grid(*(np.linspace(*one, 50) for one in surface.domain)), -1, 0)
-        errors.append(np.sqrt(((z - fitting.bonnet(x, y)[..., 2]) ** 2).mean()))
+        errors.append(np.sqrt(((z - curves.bonnet(x, y)[..., 2]) ** 2).mean()))
     assert errors[1] < 0.6 * errors[0]
 
 
 def test_the_joined_pairs_are_what_they_are_called():
-    for kind, factor in (("meeting", None), ("joined G1", joints.K), ("joined G2", joints.K)):
-        p, q = joints.pair(kind)
+    for kind, factor in (("meeting", None), ("joined G1", coons.K), ("joined G2", coons.K)):
+        p, q = coons.pair(kind)
         v = np.linspace(0, 1, 9)
         assert_close(q(0.0, v), p(1.0, v), atol=1e-14)
         if factor:
             assert_close(q.derivative(0.0, v), factor * p.derivative(1.0, v), atol=1e-13)
-        same = abs(q.derivative(0.0, v, (2, 0)) - joints.K**2 * p.derivative(1.0, v, (2, 0))).max() < 1e-12
+        same = abs(q.derivative(0.0, v, (2, 0)) - coons.K**2 * p.derivative(1.0, v, (2, 0))).max() < 1e-12
         assert same == (kind == "joined G2")
 
 
 @pytest.mark.slow
 def test_every_figure_says_what_it_shows():
     assert [recipe.name for recipe in SURFACES] == "paraboloid twists torus joints hull network fitting".split()
-    drawing = joints.draw_joints()
+    drawing = coons.draw_joints()
     assert {len(row) for row in drawing.table.rows} == {len(drawing.table.header)}
     assert [row[1] for row in drawing.table.rows] == ["G0", "G1", "G2"]
     assert "k = 1.7" in drawing.remark
