@@ -1,9 +1,15 @@
 from . import paper, primitives, surfaces
-from .analysis.curvature import curvature, gaussian_curvature, mean_curvature, principal_curvatures
-from .analysis.differential import gradient, hessian, laplacian
-from .analysis.implicit import implicit
+from .analysis.differential import (
+    curvature,
+    gaussian_curvature,
+    gradient,
+    hessian,
+    laplacian,
+    mean_curvature,
+    principal_curvatures,
+)
 from .analysis.latex import latex
-from .analysis.normalisation import normalise
+from .analysis.normalisation import implicit, normalise
 from .analysis.transformations import transform
 from .backends.kernel import Kernel, compile
 from .backends.plain import lambdify
@@ -16,7 +22,7 @@ from .model.blends.displacement import bounded_blend, displacement_blend
 from .model.blends.fillets import fillet
 from .model.blends.rho import Rho
 from .model.blends.sardf import Sardf
-from .model.constructions import extrude, product, revolve, section, sweep
+from .model.constructions import extrude, offset, product, revolve, section, shell, sweep
 from .model.letters import Letter
 from .model.operations import (
     conjunction,
@@ -34,14 +40,13 @@ from .model.operations import (
 )
 from .model.primitives.arcs import arc, circle
 from .model.primitives.cones import cone, double_cone, frustum, nappe
-from .model.primitives.curves import graph, polyline, segment
+from .model.primitives.curves import graph, helix, polyline, segment, space_curve
 from .model.primitives.helical import helicoid, helix_tube
 from .model.primitives.periodic import gyroid, lidinoid, neovius, schwarz_d, schwarz_p
 from .model.primitives.plane import disc, ellipse, half_plane, line, rectangle, strip, superellipse
 from .model.primitives.polygons import polygon, regular_polygon
 from .model.primitives.quadrics import ellipsoid, quadric, torus
 from .model.primitives.space import box, capsule, cylinder, half_space, slab, sphere
-from .model.primitives.space_curves import helix, space_curve
 from .model.shape import Shape
 from .model.skeletons import analytic_condition, blend_on_skeleton
 from .model.symbols import x, y, z
@@ -51,7 +56,6 @@ from .model.symmetry.rows import grid, row
 from .model.symmetry.screws import coil, screw, wound
 from .model.symmetry.waves import triangle_wave
 from .model.systems import R0, R1, R0m, RAlpha, Rp
-from .model.thickness import offset, shell
 from .output.atlas import plot_atlas
 from .output.cards import cards, plot_gallery
 from .output.combs import plot_curvature_comb

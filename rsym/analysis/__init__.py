@@ -2,9 +2,9 @@
 
 A shape comes in; expressions, or another shape, go out, R-nodes kept and letters symbolic.
 
-- `differential`: gradient, Hessian, Laplacian; `tensors`: derivatives of higher order; `curvature`
+- `differential`: gradient, Hessian, Laplacian, curvatures; `tensors`: derivatives of higher order
 - `contracts/`: what a formula promises, from its operations alone
-- `normalisation`: omega over the length of its gradient, to any order; `implicit`: any equation as a shape;
+- `normalisation`: omega over the length of its gradient, to any order, and any equation as a shape;
   `transformations`: a shape under any smooth map
 - `latex`: fields as formulas for a paper
 """

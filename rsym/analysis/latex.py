@@ -9,8 +9,7 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.analysis.curvature import curvature, gaussian_curvature, mean_curvature
-from rsym.analysis.differential import gradient, hessian, laplacian
+from rsym.analysis.differential import curvature, gaussian_curvature, gradient, hessian, laplacian, mean_curvature
 from rsym.analysis.normalisation import normalise
 from rsym.errors import RsymError, RsymWarning
 from rsym.model import showing

@@ -3,11 +3,10 @@
 A `Program` comes in, expanded to primitive operations whose texts stand in their rows; a function of arrays, or text,
 goes out. In the order of the data:
 
-- `interpreter`: node by node with the plain meanings, the reference; `checking`: what is compiled against it
+- `interpreter`: node by node with the plain meanings, the reference, and the check against it
 - `numpy_backend`: Python text over arrays
-- `vector_code`, `vector_angles`, `vector_exponentials`, `vector_functions`: functions on vectors; `llvm_code`: text
-  and machine code; `llvm_backend`: loops over blocks of points
+- `vector_code`, `vector_functions`: functions on vectors; `llvm_code`: text, machine code, loops over blocks of points
 - `registry`: the backends by name; `kernel`: `rsym.compile`
-- `c_source`, `source`: text for elsewhere
+- `source`: text for elsewhere, C
 - `runtime`, `plain`: what `sympy.lambdify` calls for R-nodes, and that way in whole
 """

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rsym.backends.checking import check
+from rsym.backends.interpreter import check
 from rsym.backends.registry import CompiledFunction, default_backend, make_function
 from rsym.errors import RsymError
 from rsym.model.letters import Letters

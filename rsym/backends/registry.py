@@ -34,7 +34,7 @@ def default_backend() -> str:
 
 def _llvm_function() -> type[CompiledFunction] | None:
     try:
-        from rsym.backends.llvm_backend import LlvmFunction
+        from rsym.backends.llvm_code import LlvmFunction
     except (ImportError, OSError):  # OSError: the package is there, its library is not
         return None
     return LlvmFunction

@@ -4,10 +4,9 @@ A program not expanded comes in, each R-operation with its exact image; programs
 order of the data:
 
 - `relations`: operands that have something in common
-- `interval_arithmetic`, `interval_roots`, `interval_monotone`, `interval_systems`, `interval_images`: images in
-  float64, outward, of monotone operations by their rows; `box_images`: of all nodes; `mean_values` sharpen them;
-  `intervals`: bounds as a compiled function
-- `ball_arithmetic`, `ball_functions`, `ball_systems`, `ball_parameters`, `ball_relations`: the same in balls, for
-  proofs; `ball_domains`: where operations are defined; `balls`: of all nodes; `ball_series`: Taylor series
+- `interval_arithmetic`: images in float64, outward; `interval_monotone`: of monotone operations, by their rows;
+  `box_images`: of all nodes; `mean_values` sharpen them; `intervals`: bounds as a compiled function
+- `ball_arithmetic`, `ball_systems`, `balls`: the same in balls, for proofs, and where operations are defined;
+  `ball_series`: Taylor series
 - `far_forms`: signs far away; `enclosures`: ranges of expressions
 """

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple, TypeAlias
 
-from rsym.bounds import ball_arithmetic, ball_functions, ball_parameters, ball_systems
+from rsym.bounds import ball_arithmetic, ball_systems
 from rsym.bounds.ball_arithmetic import (
     ONE,
     WHOLE,
@@ -23,16 +23,18 @@ from rsym.bounds.ball_arithmetic import (
     chosen,
     constant,
     ctx,
+    direction,
     either,
     exact,
     hypotenuse,
     root,
     square,
 )
-from rsym.bounds.ball_domains import doubts
-from rsym.bounds.ball_relations import related
-from rsym.program.operations import OPERATIONS
+from rsym.bounds.ball_systems import gap_share, norm_share, share
+from rsym.bounds.relations import relation
+from rsym.program.operations import OPERATIONS, PARTIAL
 from rsym.program.program import Data, Node, live
+from rsym.program.row import Test as Condition
 
 __all__ = ["IMAGES", "BallFunction", "arb", "ball", "ctx", "enclose_nodes", "exact", "hypotenuse", "root", "square"]
 
@@ -63,29 +65,29 @@ IMAGES = BallImages(
         "mul": ball_arithmetic.product,
         "div": ball_arithmetic.quotient,
         "neg": operator.neg,
-        "powi": ball_functions.whole_power,
-        "pow": ball_functions.power,
+        "powi": ball_arithmetic.whole_power,
+        "pow": ball_arithmetic.power,
         "sqrt": root,
         "abs": ball_arithmetic.size,
         "sign": ball_arithmetic.sign,
         "min": ball_arithmetic.smaller,
         "max": ball_arithmetic.larger,
         "select": chosen,
-        "sin": ball_functions.sine,
-        "cos": ball_functions.cosine,
-        "exp": ball_functions.exponential,
-        "log": ball_functions.logarithm,
-        "atan2": ball_functions.angle,
+        "sin": ball_arithmetic.sine,
+        "cos": ball_arithmetic.cosine,
+        "exp": ball_arithmetic.exponential,
+        "log": ball_arithmetic.logarithm,
+        "atan2": ball_arithmetic.angle,
         "versine": ball_systems.versine,
-        "r0m_conjunction": ball_parameters.r0m_conjunction,
-        "r0m_disjunction": ball_parameters.r0m_disjunction,
-        "r0m_partial": ball_parameters.r0m_partial,
-        "monomial": ball_parameters.monomial,
-        "norm": ball_parameters.norm,
-        "rp_versine": ball_parameters.rp_versine,
-        "equivalence": ball_parameters.equivalence,
-        "absolute_power": ball_functions.power_of_size,
-        "signed_power": ball_functions.signed_power,
+        "r0m_conjunction": ball_systems.r0m_conjunction,
+        "r0m_disjunction": ball_systems.r0m_disjunction,
+        "r0m_partial": ball_systems.r0m_partial,
+        "monomial": ball_systems.monomial,
+        "norm": ball_systems.norm,
+        "rp_versine": ball_systems.rp_versine,
+        "equivalence": ball_systems.equivalence,
+        "absolute_power": ball_arithmetic.power_of_size,
+        "signed_power": ball_arithmetic.signed_power,
         "normalised": ball_systems.normalised,
         "zero_with": ball_systems.zero_with,
     }
@@ -137,7 +139,7 @@ def _of_undefined(image: Image, a: arb | None, b: arb | None) -> arb | None:
     """What an operation makes of an undefined operand: nothing, but a power u**0 or 1**u is 1, and `zero_with` 0."""
     if image is ball_systems.zero_with:
         return ZERO if a is not None and a.contains(ZERO) else None
-    if image not in (ball_functions.power, ball_functions.power_of_size):
+    if image not in (ball_arithmetic.power, ball_arithmetic.power_of_size):
         return None
     if a is None:
         return ONE if b is not None and b.contains(ZERO) else None
@@ -253,3 +255,43 @@ class BallFunction:
             balls[number] = _bounded(inputs[name])
         run(self._steps, balls)
         return balls
+
+
+Test: TypeAlias = Callable[..., bool]
+
+
+def holds(condition: Condition, *operands: arb) -> bool:
+    """Whether a condition holds all over the balls of the arguments."""
+    kind, place = condition
+    operand = operands[place]
+    if kind == "nonnegative":
+        return bool(operand >= ZERO)
+    return bool(operand > ZERO) or (kind != "positive" and bool(operand < ZERO))
+
+
+def is_defined(operation: str, *operands: arb) -> bool:
+    """Whether an operation is certainly defined wherever its arguments are. It may be too strict, never too lax."""
+    row = OPERATIONS[operation]
+    legal = row.parameter is None or row.parameter.holds(operands[-1])
+    return legal and all(any(holds(condition, *operands) for condition in clause) for clause in row.domain)
+
+
+def doubts(nodes: Sequence[Node], numbers: Sequence[int]) -> list[tuple[Test, tuple[int, ...]]]:
+    """The tests, with the nodes they take, that make these nodes defined all over a box."""
+    partial_nodes = [nodes[number] for number in live(nodes, numbers) if nodes[number].operation in PARTIAL]
+    return [(partial(is_defined, node.operation), node.arguments) for node in partial_nodes]
+
+
+RELATED: dict[str, Image] = {
+    "square": square,
+    "direction": direction,
+    "share": share,
+    "norm_share": norm_share,
+    "gap_share": gap_share,
+}
+
+
+def related(nodes: Sequence[Node], number: int) -> tuple[Image, tuple[int, ...]] | None:
+    """The image of a product or quotient and the nodes it takes, if its operands are related."""
+    found = relation(nodes, number)
+    return None if found is None else (RELATED[found[0]], found[1])

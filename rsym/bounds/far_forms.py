@@ -22,8 +22,7 @@ from rsym.logic.sign_form import SignForm
 from rsym.program.builder import Builder
 from rsym.program.operations import OPERATIONS
 from rsym.program.program import live
-from rsym.program.row import Far
-from rsym.program.scaling import NEARNESS
+from rsym.program.row import NEARNESS, Far
 
 
 def direction_of(coordinate: str) -> str:

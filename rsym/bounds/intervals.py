@@ -8,7 +8,7 @@ image; expanded, the dependency between operands and root would undo every bound
 [value_lower, value_upper] contains the value at every point of the box and for
 all letters in their intervals where the value is defined. Where nothing can be
 said it is (-inf, inf), never NaN. Rounding is argued in `interval_arithmetic`
-and, for R-operations, in `interval_systems`.
+and, for R-operations, in `interval_monotone`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rsym.backends.checking import CHECK_POINTS, check_at
+from rsym.backends.interpreter import CHECK_POINTS, check_at
 from rsym.backends.kernel import checked_threads, compiled, run_in_blocks
 from rsym.backends.registry import CompiledFunction, default_backend
 from rsym.bounds.box_images import BoxImages, ends_of

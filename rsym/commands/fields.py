@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> None:
     """Draw the sheet and write it."""
     from rsym.output.fields import plot_fields
     from rsym.output.pictures import picture_suffix, write_picture
-    from rsym.sampling.effort import tell
+    from rsym.sampling.progress import tell
 
     picture_suffix(options.output)
     shape, section = load_shape(options), numbers(options.section, "--section")

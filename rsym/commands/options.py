@@ -226,7 +226,7 @@ def system_named(text: str) -> RSystem:
     >>> system_named("Rp 4"), system_named("Ralpha(1/2)")
     (Rp(p=4), RAlpha(alpha=1/2))
     """
-    from rsym.language.declarations import system
+    from rsym.language.model import system
     from rsym.language.parser import parse
     from rsym.language.syntax import SystemStatement
 

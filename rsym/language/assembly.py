@@ -8,14 +8,13 @@ from collections.abc import Mapping
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.language.building import FormulaBuilder
+from rsym.language.building import FormulaBuilder, Verbatim
 from rsym.language.extent import Extent
 from rsym.language.functions import operations
 from rsym.language.model import ModelFile
 from rsym.language.parts import Built, symbol_part
 from rsym.language.pieces import Calls, shown_call
 from rsym.language.syntax import Assignment, Name, PartStatement, names_in
-from rsym.language.verbatim import Verbatim
 from rsym.model.letters import Letter
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol

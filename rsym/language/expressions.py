@@ -10,11 +10,10 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import TypeVar
 
-from rsym.language.cursor import Cursor
 from rsym.language.exact import literal
 from rsym.language.nodes import COMPARISONS, CONNECTIVES, NODES, PIECEWISE
 from rsym.language.pieces import PIECES
-from rsym.language.scanner import Token
+from rsym.language.scanner import Cursor, Token
 from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Quoted, Sum, Vector
 from rsym.language.vocabulary import ARITIES, KEYWORDS
 from rsym.model.wording import listing, proposal

@@ -13,7 +13,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.language.syntax import Call
-from rsym.model import equivalences, powers, rnodes
+from rsym.model import powers, rnodes
 from rsym.model.blends import displacement, rho, sardf
 from rsym.model.choices import Choice
 from rsym.model.folds import Fold
@@ -65,9 +65,7 @@ _ALL = (
     *_folds(lambda r, c: rho.Rho(r, "G1", c), rho.CircularConjunction, rho.CircularDisjunction),
     *_folds(lambda r, c, k: rho.Rho(r, "G2", c, k), rho.CubicConjunction, rho.CubicDisjunction),
     *_folds(sardf.Sardf, sardf.SardfConjunction, sardf.SardfDisjunction),
-    *_folds(
-        lambda m: equivalence(sp.Symbol("f"), sp.Symbol("g"), order=m), equivalences.Equivalence, equivalences.Joining
-    ),
+    *_folds(lambda m: equivalence(sp.Symbol("f"), sp.Symbol("g"), order=m), rnodes.Equivalence, rnodes.Joining),
     *(NodeKind(kind, (2,)) for kind in (Ahead, ZeroWith, Scaled, Anomaly, powers.AbsolutePower, powers.SignedPower)),
     *(NodeKind(kind, (2,)) for kind in (waves.TriangleWave, waves.SawtoothWave)),
     *(NodeKind(kind, (3,), lambda *given: _cells(given[2])) for kind in (waves.TriangleRow, waves.SawtoothRow)),

@@ -6,8 +6,8 @@ from typing import Any
 
 from rsym.errors import RsymError
 from rsym.model.equation import combine
-from rsym.model.equivalences import Equivalence, Joining
 from rsym.model.nodes import Trimming
+from rsym.model.rnodes import Equivalence, Joining
 from rsym.model.symbols import as_expression
 from rsym.model.systems import R0, RSystem
 

@@ -12,11 +12,11 @@ from sympy.solvers.solveset import NonlinearError
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, number
 from rsym.model.equation import combine
-from rsym.model.equivalences import Joining
 from rsym.model.letters import Letter, Letters
 from rsym.model.nodes import Trimming
 from rsym.model.positivity import positive_polynomial
 from rsym.model.primitives.curve_nodes import PARAMETER, CurveField, CurvePath
+from rsym.model.rnodes import Joining
 from rsym.model.shape import Bounds, Shape
 from rsym.model.traversal import substitute, symbols_of
 

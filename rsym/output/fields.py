@@ -19,9 +19,8 @@ from rsym.output.sheet import Sheet, sheet_sampler
 from rsym.program.fields import SIX, checked_fields
 from rsym.sampling.blanks import missing_boundary, undefined_picture
 from rsym.sampling.contours import trace
-from rsym.sampling.effort import tell
 from rsym.sampling.plane import plane_sampler
-from rsym.sampling.progress import Progress
+from rsym.sampling.progress import Progress, tell
 
 
 def plot_field(

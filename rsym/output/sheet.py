@@ -17,9 +17,8 @@ from rsym.output.looks import PLAIN, Look
 from rsym.output.panels import TITLES, colour_bar, draw_levels, dress
 from rsym.program.fields import checked_fields
 from rsym.sampling.contours import LevelLines, trace
-from rsym.sampling.effort import tell
 from rsym.sampling.plane import PlaneSampler, checked_scalar, plane_sampler
-from rsym.sampling.progress import Progress
+from rsym.sampling.progress import Progress, tell
 
 
 @dataclass(frozen=True)

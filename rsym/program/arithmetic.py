@@ -19,13 +19,16 @@ from rsym.program.row import (
     Nodes,
     Operation,
     Rule,
+    aligned,
     apart,
+    homogeneous,
+    lipschitz,
     nonnegative,
     nonzero,
     positive,
+    raised,
+    unbounded,
 )
-from rsym.program.scaling import aligned, homogeneous, raised
-from rsym.program.sides import lipschitz, unbounded
 
 Given = Sequence[int]
 Parts = Sequence[Far]

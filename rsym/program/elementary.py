@@ -1,15 +1,18 @@
-"""Rows of the elementary functions."""
+"""Rows of the elementary functions, of smooth steps and ramps too: erf and softplus."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from fractions import Fraction
+from typing import Any
 
 import sympy as sp
 
+from rsym.model.functions import Softplus
+from rsym.program.powers import log1p
 from rsym.program.program import Node
-from rsym.program.row import UP, Nodes, Operation, nonzero, positive
-from rsym.program.sides import of_power, summed, unbounded, within
+from rsym.program.row import UP, Nodes, Operation, lipschitz, nonzero, of_power, positive, summed, unbounded, within
 
 Given = Sequence[int]
 TURN = Fraction(44, 7)  # a little more than 2 pi
@@ -182,5 +185,138 @@ ELEMENTARY: dict[str, Operation] = {
         strict=True,
         jumping=True,
         zeros=("0+",),
+    ),
+}
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    return tuple(map(float, text.split()))
+
+
+# fdlibm (Sun Microsystems 1993, freely distributable): numerators and denominators for |u| below 27/32, below 5/4,
+# below 20/7, and beyond.
+_ERF_AT_1 = 8.45062911510467529297e-01  # rounded to float32: what follows is added to it
+_ERF_NEAR = (
+    _numbers("""1.28379167095512558561e-01 -3.25042107247001499370e-01 -2.84817495755985104766e-02
+        -5.77027029648944159157e-03 -2.37630166566501626084e-05"""),
+    _numbers("""1 3.97917223959155352819e-01 6.50222499887672944485e-02 5.08130628187576562776e-03
+        1.32494738004321644526e-04 -3.96022827877536812320e-06"""),
+)
+_ERF_BESIDE = (
+    _numbers("""-2.36211856075265944077e-03 4.14856118683748331666e-01 -3.72207876035701323847e-01
+        3.18346619901161753674e-01 -1.10894694282396677476e-01 3.54783043256182359371e-02
+        -2.16637559486879084300e-03"""),
+    _numbers("""1 1.06420880400844228286e-01 5.40397917702171048937e-01 7.18286544141962662868e-02
+        1.26171219808761642112e-01 1.36370839120290507362e-02 1.19844998467991074170e-02"""),
+)
+_ERF_WIDE = (
+    _numbers("""-9.86494403484714822705e-03 -6.93858572707181764372e-01 -1.05586262253232909814e+01
+        -6.23753324503260060396e+01 -1.62396669462573470355e+02 -1.84605092906711035994e+02
+        -8.12874355063065934246e+01 -9.81432934416914548592e+00"""),
+    _numbers("""1 1.96512716674392571292e+01 1.37657754143519042600e+02 4.34565877475229228821e+02
+        6.45387271733267880336e+02 4.29008140027567833386e+02 1.08635005541779435134e+02
+        6.57024977031928170135e+00 -6.04244152148580987438e-02"""),
+)
+_ERF_FAR = (
+    _numbers("""-9.86494292470009928597e-03 -7.99283237680523006574e-01 -1.77579549177547519889e+01
+        -1.60636384855821916062e+02 -6.37566443368389627722e+02 -1.02509513161107724954e+03
+        -4.83519191608651397019e+02"""),
+    _numbers("""1 3.03380607434824582924e+01 3.25792512996573918826e+02 1.53672958608443695994e+03
+        3.19985821950859553908e+03 2.55305040643316442583e+03 4.74528541206955367215e+02
+        -2.24409524465858183362e+01"""),
+)
+
+
+def _polynomial(b: Nodes, z: int, coefficients: Sequence[float]) -> int:
+    """c0 + c1 z + c2 z**2 + ..., by Horner."""
+    *lower, last = (b.const(Fraction(coefficient)) for coefficient in coefficients)
+    value = last
+    for coefficient in reversed(lower):
+        value = b.make("add", coefficient, b.make("mul", z, value))
+    return value
+
+
+def _erf_expansion(b: Nodes, node: Node) -> int:
+    """The formulas of fdlibm (Sun Microsystems 1993), below 2 ulp: u (1 + P/Q) near 0, then 1 - exp(-u**2 + P/Q)/u."""
+    (u,) = node.arguments
+    size, square, one = b.abs(u), b.make("mul", u, u), b.const(1)
+    ratios = {name: _polynomial(b, at, above) for name, at, above, _ in _erf_pieces(b, size, square)}
+    for name, at, _, below in _erf_pieces(b, size, square):
+        ratios[name] = b.make("div", ratios[name], _polynomial(b, at, below))
+
+    def tail(ratio: int) -> int:
+        exponent = b.make("add", ratio, b.make("add", b.neg(square), b.const(Fraction(-9, 16))))
+        return b.sub(one, b.make("div", b.make("exp", exponent), size))
+
+    far = b.select(size, b.const(Fraction(20, 7)), tail(ratios["far"]), tail(ratios["wide"]))
+    beside = b.make("add", b.const(Fraction(_ERF_AT_1)), ratios["beside"])
+    near = b.make("add", size, b.make("mul", size, ratios["near"]))
+    value = b.select(b.const(Fraction(5, 4)), size, beside, far)
+    value = b.select(b.const(Fraction(27, 32)), size, near, value)
+    return b.select(b.const(0), u, b.neg(value), value)
+
+
+def _erf_pieces(b: Nodes, size: int, square: int) -> tuple[tuple[str, int, Sequence[float], Sequence[float]], ...]:
+    """The variable, the numerator and the denominator of each range."""
+    inverse = b.make("div", b.const(1), square)
+    return (
+        ("near", square, *_ERF_NEAR),
+        ("beside", b.sub(size, b.const(1)), *_ERF_BESIDE),
+        ("wide", inverse, *_ERF_WIDE),
+        ("far", inverse, *_ERF_FAR),
+    )
+
+
+def _erf(b: Nodes, number: int, node: Node, d: Given) -> int:
+    """2/sqrt(pi) exp(-u**2) u'."""
+    scale = b.div(b.const(2), b.sqrt(b.make("const", data="pi")))
+    return b.mul(b.mul(scale, b.make("exp", b.neg(b.square(node.arguments[0])))), d[0])
+
+
+def _softplus_expansion(b: Nodes, node: Node) -> int:
+    """max(u, 0) + log(1 + exp(-|u|)), which neither overflows nor loses what is small."""
+    (u,) = node.arguments
+    small = b.make("exp", b.neg(b.make("abs", u)))
+    return b.make("add", b.make("max", u, b.const(0)), log1p(b, small))
+
+
+def _softplus(b: Nodes, number: int, node: Node, d: Given) -> int:
+    """exp(-softplus(-u)) u', which is u'/(1 + exp(-u)); exp(-u) overflows, and its derivatives with it."""
+    return b.mul(b.make("exp", b.neg(b.make("softplus", b.neg(node.arguments[0])))), d[0])
+
+
+def _softplus_at(u: Any) -> Any:
+    return u + (-u).exp().log1p() if u > 0 else u.exp().log1p()
+
+
+SMOOTH_STEPS: dict[str, Operation] = {
+    "erf": Operation(
+        1,
+        lambda np, u: np.vectorize(math.erf, otypes=[np.float64])(u),
+        _erf_expansion,
+        _erf,
+        lipschitz(2),
+        formula=sp.erf,
+        grows=(UP,),
+        at=lambda u: u.erf(),
+        rounding="elementary",
+        analytic=(),
+        strict=True,
+        parity="odd",
+        zeros=("0",),
+    ),
+    "softplus": Operation(
+        1,
+        lambda np, u: np.logaddexp(0.0, u),
+        _softplus_expansion,
+        _softplus,
+        lipschitz(1),
+        formula=Softplus,
+        grows=(UP,),
+        at=_softplus_at,
+        rounding="elementary",
+        analytic=(),
+        strict=True,
+        nonnegative=True,
     ),
 }

@@ -8,13 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from rsym.model.equivalences import Equivalence, Joining
+from rsym.model.rnodes import Equivalence, Joining
 from rsym.program.powers import at_least_one, power, radical, signed_like, sizes, where_fails
 from rsym.program.program import Node
-from rsym.program.row import UP, UP_IN_SIZE, Admissible, Nodes, Operation, nonzero
+from rsym.program.row import UP, UP_IN_SIZE, Admissible, Nodes, Operation, homogeneous, lipschitz, nonzero
 from rsym.program.rp import stretch
-from rsym.program.scaling import homogeneous
-from rsym.program.sides import lipschitz
 
 Given = Sequence[int]
 

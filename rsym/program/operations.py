@@ -11,15 +11,14 @@ from typing import Any, TypeVar
 
 from rsym.errors import RsymError
 from rsym.program.arithmetic import ARITHMETIC
-from rsym.program.elementary import ELEMENTARY
+from rsym.program.elementary import ELEMENTARY, SMOOTH_STEPS
 from rsym.program.joining import JOINING
+from rsym.program.powers import SIGNED_POWERS
 from rsym.program.r0 import R0
 from rsym.program.r0m import R0M
 from rsym.program.r_alpha import R_ALPHA
 from rsym.program.row import Operation
 from rsym.program.rp import RP
-from rsym.program.signed_powers import SIGNED_POWERS
-from rsym.program.smooth_steps import SMOOTH_STEPS
 
 Value = TypeVar("Value")
 

@@ -25,12 +25,15 @@ from rsym.program.row import (
     Nodes,
     Operation,
     Rule,
+    homogeneous,
+    lipschitz,
     nonnegative,
     nonzero,
     positive,
+    raised,
+    summed,
+    within,
 )
-from rsym.program.scaling import homogeneous, raised
-from rsym.program.sides import lipschitz, summed, within
 
 Given = Sequence[int]
 

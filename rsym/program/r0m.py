@@ -11,8 +11,7 @@ from rsym.model.rnodes import R0mConjunction, R0mDisjunction
 from rsym.program.powers import at_least_one, power, root, smallest, whole_power
 from rsym.program.program import Node
 from rsym.program.r0 import r0_expansion, r0_meaning, versine_expansion, versine_meaning
-from rsym.program.row import Admissible, Expansion, Nodes, Operation, Rule, nonzero
-from rsym.program.sides import summed
+from rsym.program.row import Admissible, Expansion, Nodes, Operation, Rule, nonzero, summed
 
 Given = Sequence[int]
 TINY = 5e-324  # the smallest positive float64

@@ -14,9 +14,7 @@ from rsym.model.rnodes import RAlphaConjunction, RAlphaDisjunction
 from rsym.program.powers import at_most, root, where_above
 from rsym.program.program import Node
 from rsym.program.r0 import pair
-from rsym.program.row import DOWN, UP, Admissible, Expansion, Nodes, Operation, Rule, nonzero
-from rsym.program.scaling import homogeneous
-from rsym.program.sides import summed
+from rsym.program.row import DOWN, UP, Admissible, Expansion, Nodes, Operation, Rule, homogeneous, nonzero, summed
 
 
 def _meaning(sign: int) -> Callable[..., Any]:

@@ -3,6 +3,7 @@
 A row says what an operation means, how it is written out, differentiated and bounded, and where it is defined and
 analytic. Every set of operations, every test of a domain and the images of what is monotone are computed from it.
 Rules make nodes through `Nodes`, so the table needs no builder, and no array package: a meaning is given one.
+Last come the rules that many rows share: how operations scale, for `far_forms`, and what jumps part, for `Jumps`.
 """
 
 from __future__ import annotations
@@ -184,7 +185,7 @@ class Operation:
     at : callable, optional
         For a monotone operation its value at points, in the numbers of ball arithmetic; sizes of what grows in size.
     rounding : str
-        What its value in float64 may be off by (`interval_images`), for a monotone operation.
+        What its value in float64 may be off by (`interval_monotone`), for a monotone operation.
     domain : clauses
         Where it has a value, beside the range of its parameter; empty where it always has. Maybe too strict.
     parameter, analytic_parameter : Admissible, optional
@@ -256,3 +257,60 @@ class Operation:
 
 
 NOWHERE: Clauses = ((),)  # a clause without tests never holds
+
+
+NEARNESS = "nearness"
+
+
+def raised(b: Nodes, part: Far, degree: int) -> int:
+    """The node w at a higher degree: t to the difference times w."""
+    return b.mul(b.powi(b.input(NEARNESS), degree - part.degree), part.node)
+
+
+def aligned(b: Nodes, parts: Sequence[Far]) -> tuple[list[int], int]:
+    """The nodes at their highest degree."""
+    degree = max(part.degree for part in parts)
+    return [raised(b, part, degree) for part in parts], degree
+
+
+def homogeneous(b: Nodes, node: Node, parts: Sequence[Far]) -> Far:
+    """What scales with its first two operands; the parameter comes last."""
+    operands, degree = aligned(b, parts[:2])
+    return Far(b.make(node.operation, *operands, *(part.node for part in parts[2:])), degree)
+
+
+def summed(b: Nodes, jumps: Sequence[int]) -> int:
+    """The sum of jumps."""
+    total = b.const(0)
+    for jump in jumps:
+        total = b.add(total, jump)
+    return total
+
+
+def lipschitz(factor: int) -> Rule:
+    """An operation of which no partial derivative is larger in size."""
+    return lambda b, number, node, jumps: b.mul(b.const(factor), summed(b, jumps[:2]))
+
+
+def unbounded(b: Nodes, number: int, node: Node, jumps: Sequence[int]) -> int:
+    """Nothing is known of the other sides where an argument jumps."""
+    return b.select(summed(b, jumps), b.const(0), b.make("exp", b.const(10**5)), b.const(0))
+
+
+def within(b: Nodes, size: int, total: int, most: int) -> int:
+    """4 total/size where that is below 1, else `most` where there is a jump at all."""
+    wide = b.mul(b.const(4), total)
+    some = b.select(total, b.const(0), b.const(most), b.const(0))
+    return b.select(size, wide, b.make("div", wide, size), some)
+
+
+def of_power(b: Nodes, number: int, node: Node, jumps: Sequence[int]) -> int:
+    """A (|u| + j)**(a - 1) j for a constant exponent a >= 1, 2 j**a for 0 < a < 1."""
+    base, exponent = node.arguments
+    value = b.value(exponent)
+    if value is None or value <= 0:
+        return unbounded(b, number, node, jumps)
+    if value < 1:
+        return b.mul(b.const(2), b.absolute_power(jumps[0], exponent))
+    reach = b.absolute_power(b.add(b.abs(base), jumps[0]), b.sub(exponent, b.const(1)))
+    return b.mul(b.mul(exponent, reach), jumps[0])

@@ -26,9 +26,19 @@ from rsym.program.powers import (
     whole_power,
 )
 from rsym.program.program import Node
-from rsym.program.row import DOWN, UP, UP_IN_SIZE, Admissible, Expansion, Nodes, Operation, Rule, nonzero
-from rsym.program.scaling import homogeneous
-from rsym.program.sides import lipschitz
+from rsym.program.row import (
+    DOWN,
+    UP,
+    UP_IN_SIZE,
+    Admissible,
+    Expansion,
+    Nodes,
+    Operation,
+    Rule,
+    homogeneous,
+    lipschitz,
+    nonzero,
+)
 
 Given = Sequence[int]
 

@@ -2,9 +2,9 @@
 
 In come shapes and compiled kernels, out come arrays with what is known of them. In the order of the data:
 
-- `extent`, `form_signs`, `boxes`: a box that provably holds the boundary; `lattice`: one global lattice over it
-- `memory`, `progress`, `effort`: what is refused before it is taken; reports, cancels, time limits
-- in the plane: `plane`, `isolines`, `contours` (level lines), `cropping`, `plane_leaves`, `roots`, `outlines`,
+- `extent`, `form_signs`: a box that provably holds the boundary; `lattice`: one global lattice over it
+- `memory`, `progress`: what is refused before it is taken; reports, cancels, time limits
+- in the plane: `plane`, `isolines`, `contours` (level lines), `plane_leaves`, `roots`, `outlines`,
   `boundaries`, `combs`, `sections`; `blanks`: where a picture of nothing would show something
 - in space: `meshing` (`rsym.mesh`), `mesher` with `sharp/` and `kernels/`, or `smooth` by marching cubes with `detail`
 - `mesh`: triangles; `triangles`, `manifolds`: their measures; `status`: what is known, in brief and in full

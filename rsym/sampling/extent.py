@@ -22,8 +22,7 @@ from rsym.logic.sign_form import surface_form
 from rsym.model.equation import checked_bounds
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.boxes import Boxes, cube, grid, halves, points, slabs
-from rsym.sampling.form_signs import FormBounds, FormSigns
+from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, cube, grid, halves, points, slabs
 
 LARGEST, SMALLEST = 2.0**40, 2.0**-40  # 1e12, far beyond any model in any unit, and 1e-12
 DEEPEST = 9  # halvings of cones and slabs: a cone is then 1/256 of a cube's face

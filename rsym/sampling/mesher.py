@@ -32,11 +32,11 @@ from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.assembly import MOST_BLOCKS, USUAL_BYTES, Job, Unfinished, claim_whole, whole
 from rsym.sampling.sharp.certificates import Form, Unresolved, certify, joined
 from rsym.sampling.sharp.corners import stray_vertices
+from rsym.sampling.sharp.crossings import CompiledLeaves
 from rsym.sampling.sharp.finishing import Finished, finish
 from rsym.sampling.sharp.gates import gate_table
-from rsym.sampling.sharp.leaves import CompiledLeaves
-from rsym.sampling.sharp.octree import Blocks
 from rsym.sampling.sharp.pieces import in_pieces
+from rsym.sampling.sharp.signs import Blocks
 from rsym.sampling.sharp.suspects import suspects
 from rsym.sampling.status import Findings, Suspect
 

@@ -22,9 +22,8 @@ from rsym.logic.sign_form import shape_form, surface_form
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
-from rsym.sampling.boxes import Boxes, halves
 from rsym.sampling.extent import bounds_or_extent
-from rsym.sampling.form_signs import FormBounds, FormSigns
+from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, halves
 from rsym.sampling.leaf_fields import LeafFields, distances
 from rsym.sampling.memory import Budget, TooLarge, free_memory
 from rsym.sampling.meshing import mesh

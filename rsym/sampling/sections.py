@@ -14,8 +14,7 @@ from rsym.model.letters import real_number
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.symbols import z
-from rsym.sampling.contours import LevelLines
-from rsym.sampling.cropping import cropped
+from rsym.sampling.contours import LevelLines, cropped
 from rsym.sampling.outlines import outline
 from rsym.sampling.plane import plane_sampler
 from rsym.sampling.plane_leaves import NEWTON_STEPS, PlaneLeaves, leaves_of

@@ -18,7 +18,7 @@ from rsym.model.shape import Bounds, Shape
 from rsym.program.builder import Builder
 from rsym.program.program import live
 from rsym.reports.document import REFUTED, UNDECIDED
-from rsym.sampling.effort import Effort
+from rsym.sampling.progress import Effort
 from rsym.verify.answers.account import complaint, distinct, missing
 from rsym.verify.answers.body_report import BodyCover, BodyReport
 from rsym.verify.answers.conclusions import Tally, badness, sentences, verdict_from

@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 
 from rsym.bounds.balls import ctx
-from rsym.sampling.effort import Effort
+from rsym.sampling.progress import Effort
 from rsym.verify.boxes.classes import CURVED
 from rsym.verify.boxes.joints import Meeting
 from rsym.verify.boxes.local import Box, Model, side

@@ -15,7 +15,7 @@ from itertools import islice
 
 from rsym.model.shape import Bounds, Shape
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-from rsym.sampling.effort import Effort
+from rsym.sampling.progress import Effort
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.bodies import BUDGET, SMALLEST, Study, report_body, study_body
 from rsym.verify.boxes.local import Box, Interval

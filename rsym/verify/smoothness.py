@@ -21,10 +21,9 @@ from rsym.model.blends.gates import without_rounded_levels
 from rsym.model.requirements import require_count, require_positive, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
-from rsym.sampling.effort import Effort
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import bounds_of
-from rsym.sampling.progress import Progress
+from rsym.sampling.progress import Effort, Progress
 from rsym.verify.answers.account import complaint, distinct, missing
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.conclusions import Tally, badness, sentences, verdict_from

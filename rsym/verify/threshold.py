@@ -16,8 +16,7 @@ from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED, Document, Sentence, Tabular
 from rsym.reports.numbers import enclosing, number
 from rsym.reports.render import Report
-from rsym.sampling.effort import Effort
-from rsym.sampling.progress import Progress, report
+from rsym.sampling.progress import Effort, Progress, report
 from rsym.verify.smoothness import verdict_of
 
 SCAN = 12  # parts into which the range is cut in search of a change

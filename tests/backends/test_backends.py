@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rsym.backends.interpreter import interpret, interpret_nodes
-from rsym.backends.llvm_backend import LlvmFunction
+from rsym.backends.llvm_code import LlvmFunction
 from rsym.backends.numpy_backend import NumpyFunction
 from rsym.program.builder import Builder
 from rsym.program.expansion import expand

@@ -167,7 +167,7 @@ def test_a_miscompiled_kernel_is_not_handed_out(monkeypatch, dtype):
 
 
 def test_without_llvmlite_numpy_takes_over(monkeypatch):
-    monkeypatch.setitem(sys.modules, "rsym.backends.llvm_backend", None)
+    monkeypatch.setitem(sys.modules, "rsym.backends.llvm_code", None)
     assert rsym.compile(SHAPE).backend == "numpy"
     monkeypatch.setattr(kernel_module, "_CACHE", {})
     with pytest.raises(RsymError) as caught:

@@ -13,7 +13,7 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import RsymError, Shape, conjunction, x, y
-from rsym.backends.c_source import c_source
+from rsym.backends.source import c_source
 from rsym.program.expansion import expand
 from rsym.program.program import Node, Program
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from backends.test_backends import run, single
 
-from rsym.backends import vector_angles, vector_exponentials
+from rsym.backends import vector_functions
 from rsym.backends.vector_functions import ARITIES, definitions
 from rsym.program.precision import FLOAT32, FLOAT64
 
@@ -31,7 +31,7 @@ def spread(low, high):
     return np.exp(uniform(np.log(low), np.log(high))) * RANDOM.choice([-1.0, 1.0], COUNT)
 
 
-BOUND = vector_angles.TRIGONOMETRIC_BOUND
+BOUND = vector_functions.TRIGONOMETRIC_BOUND
 ANGLES = [
     (uniform(-1, 1),),
     (uniform(-20, 20),),
@@ -134,12 +134,12 @@ def test_the_same_bits_beside_any_neighbours(operation, precision):
 def test_constants_in_several_pieces():
     with mpmath.workdps(60):
         for pieces, whole, bits in [
-            (vector_angles._HALF_PI, mpmath.pi / 2, 150),
-            (vector_angles._RIGHT_ANGLE, mpmath.pi / 2, 106),
-            (vector_angles._ATAN_HALF, mpmath.atan(0.5), 106),
-            (vector_angles._ATAN_ONE, mpmath.pi / 4, 106),
-            (vector_exponentials._LOG2, mpmath.log(2), 86),
-            (vector_exponentials._LOG2_OF_1_5, mpmath.log(1.5, 2), 80),
+            (vector_functions._HALF_PI, mpmath.pi / 2, 150),
+            (vector_functions._RIGHT_ANGLE, mpmath.pi / 2, 106),
+            (vector_functions._ATAN_HALF, mpmath.atan(0.5), 106),
+            (vector_functions._ATAN_ONE, mpmath.pi / 4, 106),
+            (vector_functions._LOG2, mpmath.log(2), 86),
+            (vector_functions._LOG2_OF_1_5, mpmath.log(1.5, 2), 80),
         ]:
             assert abs(mpmath.fsum(map(mpmath.mpf, pieces)) - whole) < mpmath.mpf(2) ** -bits
 

@@ -12,7 +12,7 @@ from oracles.closeness import assert_close
 import rsym
 from rsym import R1, Rp, RsymError, x, y
 from rsym.model.folds import Fold
-from rsym.model.primitives.monotone_formulas import Junction, monotone_formula
+from rsym.model.primitives.outlines import Junction, monotone_formula
 from rsym.model.primitives.polygons import polygon, regular_polygon
 
 ELL = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]

@@ -18,8 +18,7 @@ from rsym.model.systems import RSystem
 from rsym.program.lowering import LOWERINGS
 from rsym.program.operations import OPERATIONS, register
 from rsym.program.program import Node
-from rsym.program.row import UP, Operation, nonzero
-from rsym.program.sides import lipschitz
+from rsym.program.row import UP, Operation, lipschitz, nonzero
 
 HOWTO = Path(rsym.__file__).parent / "HOWTO.md"
 

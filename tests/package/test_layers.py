@@ -55,7 +55,7 @@ DEFERRED = {
 # Imported by those who need them when they are called, for the package behind them may be missing or slow to load.
 OPTIONAL = {
     "rsym.bounds.balls": "python-flint may be missing",
-    "rsym.backends.llvm_backend": "llvmlite may be missing",
+    "rsym.backends.llvm_code": "llvmlite may be missing",
     "rsym.sampling.kernels.mesher_kernels": "llvmlite may be missing",
     "rsym.sampling.mesher": "numba may be missing",
     "rsym.sampling.triangles": "numba may be missing",

@@ -16,20 +16,20 @@ import rsym
 from rsym import x, y, z
 from rsym.analysis.contracts.table import PROMISES
 from rsym.backends import plain
-from rsym.backends.c_source import c_source
 from rsym.backends.interpreter import interpret
-from rsym.backends.llvm_backend import LlvmFunction
+from rsym.backends.llvm_code import LlvmFunction
 from rsym.backends.numpy_backend import NumpyFunction
-from rsym.bounds import ball_domains, far_forms
+from rsym.backends.source import c_source
+from rsym.bounds import balls as ball_backend
+from rsym.bounds import far_forms
 from rsym.bounds.ball_series import SeriesFunction, arb, truncated
 from rsym.bounds.balls import BallFunction
 from rsym.bounds.intervals import IntervalFunction
-from rsym.program import jumps
 from rsym.program.builder import Builder
-from rsym.program.differentiation import derivative
+from rsym.program.differentiation import derivative, gradient_of_one_side
 from rsym.program.expansion import expand
+from rsym.program.fields import Jumps
 from rsym.program.lowering import LOWERINGS
-from rsym.program.one_sided import gradient_of_one_side
 from rsym.program.operations import OPERATIONS, SMOOTH
 from rsym.program.row import Operation
 from rsym.verify.boxes.domains import is_defined
@@ -312,12 +312,12 @@ def edges_of_domains(operation):
     assert (row.branching, row.jumping) == (operation in SWITCHED, operation in JUMPS)
     assert (row.analytic_even is not None) == (operation in EVEN)
     if operation in {"absolute_power", "signed_power"}:
-        assert not ball_domains.is_defined(operation, arb(0, 1), arb(-1))
-        assert ball_domains.is_defined(operation, arb(0, 1), arb(1))
+        assert not ball_backend.is_defined(operation, arb(0, 1), arb(-1))
+        assert ball_backend.is_defined(operation, arb(0, 1), arb(1))
     if operation == "trimming":
-        assert not ball_domains.is_defined(operation, arb(-1), arb(1))
+        assert not ball_backend.is_defined(operation, arb(-1), arb(1))
     if operation == "monomial":
-        assert not ball_domains.is_defined(operation, arb(0), arb(0), arb(1))
+        assert not ball_backend.is_defined(operation, arb(0), arb(0), arb(1))
     if operation in EVEN:
         clauses = [{(test.kind, test.place) for test in clause} for clause in row.analytic_even]
         assert clauses == [{("nonzero", 0), ("nonzero", 1)}]
@@ -346,7 +346,7 @@ def domains(operation):
     assert is_defined(local, node) == wanted
     assert is_analytic_at(local, node) == (operation not in NEVER_ANALYTIC)
     builder = local.model.builder
-    doubts = ball_domains.doubts(builder.nodes, [node])
+    doubts = ball_backend.doubts(builder.nodes, [node])
     for test, arguments in doubts:
         assert test(*(local.value(argument) for argument in arguments)) == wanted
     for point in grid(operation):
@@ -354,13 +354,13 @@ def domains(operation):
         if np.isnan(values_there[0]):
             operands = [arb(value) for value in point[: single(operation)[2]]]
             operands += [arb(float(PARAMETERS[operation]))] if operation in PARAMETERS else []
-            assert not ball_domains.is_defined(operation, *operands)
+            assert not ball_backend.is_defined(operation, *operands)
 
 
 def choices(operation):
     """The companion of a jumping argument is a bound; without one there is no jump but at choices."""
     builder, node, count = single(operation)
-    smooth = jumps.Jumps(builder)[node]
+    smooth = Jumps(builder)[node]
     assert (builder.value(smooth) == 0) == (operation not in JUMPS)
     if count == 0:
         return
@@ -370,7 +370,7 @@ def choices(operation):
     if operation == "pow":
         arguments[1] = builder.const(Fraction(17, 10))
     other = builder.make(operation, *arguments, data=DATA.get(operation))
-    companion = jumps.Jumps(builder)[other]
+    companion = Jumps(builder)[other]
     ones = np.ones((1, 4)) * [1.0, 1.7, 2.4, 3.1]
     bound = values(operation, ones, companion, (builder, node, count))[0]
     sides = [values(operation, np.array([[value, 1.7, 2.4, 3.1]]))[0] for value in (2.0, 3.0, 4.0)]

@@ -6,7 +6,7 @@ import sympy as sp
 
 import rsym
 from rsym import R1, Rp, Shape, joining, x, y, z
-from rsym.bounds import ball_domains
+from rsym.bounds import balls
 from rsym.bounds.balls import BallFunction, arb
 from rsym.bounds.intervals import IntervalFunction
 from rsym.model.functions import FUNCTIONS
@@ -26,8 +26,8 @@ from rsym.verify.lint import saturation
 
 def test_a_norm_is_defined_for_all_orders_above_0():
     """Of joining of order 1 it is a part of the derivative, which one place took for undefined there."""
-    assert ball_domains.is_defined("norm", arb(1), arb(2), arb(1))
-    assert not ball_domains.is_defined("norm", arb(1), arb(2), arb(-1))
+    assert balls.is_defined("norm", arb(1), arb(2), arb(1))
+    assert not balls.is_defined("norm", arb(1), arb(2), arb(-1))
     model = Model(Shape(joining(x, y, order=1), (x, y)), {})
     norm = model.builder.make("norm", *(model.builder.input(name) for name in "xy"), model.builder.const(1))
     local = model.over(((1, 2), (1, 2)))
@@ -68,7 +68,7 @@ def test_what_is_defined_for_all_numbers_is_total(operation):
 
 def test_trimming_takes_a_square():
     assert not OPERATIONS["trimming"].total
-    assert not ball_domains.is_defined("trimming", arb(-1, 0.5), arb(1))
+    assert not balls.is_defined("trimming", arb(-1, 0.5), arb(1))
 
 
 def test_kinks_of_zero_sets_follow_from_the_rows():

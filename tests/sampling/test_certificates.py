@@ -20,9 +20,9 @@ from rsym.sampling.kernels.mesher_kernels import mesher_kernels
 from rsym.sampling.sharp import certificates
 from rsym.sampling.sharp.certificates import STEEPEST, Form, certify
 from rsym.sampling.sharp.clusters import clusters
+from rsym.sampling.sharp.crossings import CompiledLeaves
 from rsym.sampling.sharp.gates import gate_table
-from rsym.sampling.sharp.leaves import CompiledLeaves
-from rsym.sampling.sharp.octree import find_blocks
+from rsym.sampling.sharp.signs import find_blocks
 from rsym.sampling.sharp.suspects import suspects
 
 SHIFT = np.array((0.381966, 0.414214, 0.442777))

@@ -14,9 +14,8 @@ from rsym.backends.interpreter import interpret
 from rsym.bounds.far_forms import NEARNESS, FarForms, direction_of
 from rsym.logic.sign_form import surface_form
 from rsym.program.fields import program_of
-from rsym.sampling.boxes import Boxes, cube, grid, halves, slabs
 from rsym.sampling.extent import bounds_or_extent, extent
-from rsym.sampling.form_signs import FormBounds, FormSigns
+from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, cube, grid, halves, slabs
 
 C = rsym.R0.conjunction
 # A rotation without symmetry; rows are the directions of the body.

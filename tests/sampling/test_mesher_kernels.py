@@ -18,7 +18,7 @@ from rsym.sampling.kernels import mesher_kernels as module
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, mesher_kernels, padded
 from rsym.sampling.lattice import SHIFTS
 from rsym.sampling.sharp.crossings import _offsets, find_crossings, sample_signs
-from rsym.sampling.sharp.octree import find_blocks
+from rsym.sampling.sharp.signs import find_blocks
 from rsym.sampling.sharp.topology import topology
 
 r, alpha = sp.symbols("r alpha", real=True)

@@ -13,10 +13,9 @@ from scipy.sparse.csgraph import connected_components
 
 import rsym.sampling.sharp.topology
 from rsym.sampling.sharp.faces import connect
+from rsym.sampling.sharp.pieces import crossing_names, crossing_places, vertex_names, vertex_places
 from rsym.sampling.sharp.signs import list_edges
-from rsym.sampling.sharp.tables import face_edges, patch_table
-from rsym.sampling.sharp.topology import topology
-from rsym.sampling.sharp.welding import crossing_names, crossing_places, vertex_names, vertex_places
+from rsym.sampling.sharp.topology import face_edges, patch_table, topology
 
 
 def blocks_of(volume, start=(0, 0, 0)):

@@ -10,8 +10,8 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
-from rsym.sampling import effort as module
-from rsym.sampling.effort import Effort
+from rsym.sampling import progress as module
+from rsym.sampling.progress import Effort
 
 c = sp.Symbol("c", real=True)
 SQUARE, CUBE = ((-1.5, 1.6),) * 2, ((-1.5, 1.6), (-1.45, 1.5), (-1.4, 1.55))

@@ -3,8 +3,8 @@
 A shape comes in; a `Contract` goes out: class, order of normalisation, singular sets, leaves, interval image.
 
 - `promises`: what one node says; `ends`: rules for intervals; `squares`: where sums of squares vanish
-- `elementary`, `operations`, `table`: the rules of every node, and walks that read them
-- `leaves`: the parts under the logic; `orders`: to which order each is normalised, by algebra: its `evaluation` in the
-  `algebras` of fractions and series, over `towers` of roots and `polynomials` modulo a prime
+- `elementary`, `table`: the rules of every node, and walks that read them
+- `leaves`: the parts under the logic; `orders`: to which order each is normalised, evaluated in the `algebras` of
+  fractions and series, over `towers` of roots of polynomials modulo a prime
 - `summary`: what all of it comes to; `display`: its words
 """

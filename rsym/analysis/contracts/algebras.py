@@ -8,8 +8,7 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from rsym.analysis.contracts.polynomials import PRIME, Polynomial, common_divisor, divided
-from rsym.analysis.contracts.towers import Element, NotShown, Tower, element
+from rsym.analysis.contracts.towers import PRIME, Element, NotShown, Polynomial, Tower, common_divisor, divided, element
 
 Fraction: TypeAlias = tuple[Element, Element]
 Series: TypeAlias = list[Element]

@@ -9,10 +9,9 @@ import sympy as sp
 
 from rsym.analysis.contracts.promises import Order
 from rsym.analysis.contracts.table import Promises, known_compositions
-from rsym.model.equivalences import EquivalenceOperation
 from rsym.model.nodes import Trimming
 from rsym.model.powers import AbsolutePower
-from rsym.model.rnodes import ROperation
+from rsym.model.rnodes import EquivalenceOperation, ROperation
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol
 from rsym.model.traversal import substitute

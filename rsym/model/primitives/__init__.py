@@ -3,8 +3,8 @@
 Numbers come in, each may be an expression in letters; a `Shape` goes out, normalised as its docstring says, with bounds
 where it has an extent. A primitive is a function with its docstring here and its name in a row of `language/pieces.py`.
 
-- `distances`, `extents`, `theorem`, `superquadrics`: fields and boxes that many share
-- `plane`, `polygons` (`outlines` of corners, their `monotone_formulas`): in the plane
-- `curve_nodes`: curves that know where they run; `curves`, `arcs`, `space_curves` are made of them
+- `formulas`: fields and boxes that many share
+- `plane`, `polygons` (`outlines` of corners, with their formula): in the plane
+- `curve_nodes`: curves that know where they run; `curves`, `arcs` are made of them
 - `space`, `cones`, `quadrics`, `helical`, `periodic`: in space
 """

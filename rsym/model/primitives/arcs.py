@@ -11,7 +11,7 @@ from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, point, positive, unit_vector
 from rsym.model.arguments import angle as in_radians
 from rsym.model.primitives.curve_nodes import Arc, Circle
-from rsym.model.primitives.extents import box_around
+from rsym.model.primitives.formulas import box_around
 from rsym.model.shape import Shape
 from rsym.model.symbols import SPACE
 from rsym.model.vectors import cross, dot

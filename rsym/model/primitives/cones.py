@@ -10,8 +10,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, point, positive
 from rsym.model.arguments import angle as in_radians
-from rsym.model.primitives.distances import between
-from rsym.model.primitives.extents import box_around
+from rsym.model.primitives.formulas import between, box_around
 from rsym.model.shape import Bounds, Shape
 from rsym.model.symbols import SPACE
 from rsym.model.systems import R0, RSystem

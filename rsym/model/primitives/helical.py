@@ -10,9 +10,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, positive
 from rsym.model.nodes import Composition
-from rsym.model.primitives.distances import within
-from rsym.model.primitives.extents import box_around
-from rsym.model.primitives.theorem import normalised
+from rsym.model.primitives.formulas import box_around, normalised, within
 from rsym.model.shape import Shape
 from rsym.model.symbols import SPACE, x, y, z
 from rsym.model.systems import R0, RSystem

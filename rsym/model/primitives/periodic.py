@@ -9,7 +9,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
-from rsym.model.primitives.theorem import by_differentiation
+from rsym.model.primitives.formulas import by_differentiation
 from rsym.model.shape import Shape
 from rsym.model.symbols import SPACE
 from rsym.model.traversal import substitute

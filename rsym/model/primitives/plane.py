@@ -8,9 +8,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, number, point, positive, unit_vector
-from rsym.model.primitives.distances import between, within
-from rsym.model.primitives.extents import centred
-from rsym.model.primitives.superquadrics import superquadric
+from rsym.model.primitives.formulas import between, centred, superquadric, within
 from rsym.model.shape import Shape
 from rsym.model.symbols import PLANE, x, y
 from rsym.model.systems import R0, RSystem

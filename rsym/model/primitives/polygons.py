@@ -10,9 +10,18 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, point, positive, whole
-from rsym.model.primitives.extents import box_around
-from rsym.model.primitives.monotone_formulas import Branch, Junction, monotone_formula
-from rsym.model.primitives.outlines import Place, area, check_simple, nearness, shown, straight
+from rsym.model.primitives.formulas import box_around
+from rsym.model.primitives.outlines import (
+    Branch,
+    Junction,
+    Place,
+    area,
+    check_simple,
+    monotone_formula,
+    nearness,
+    shown,
+    straight,
+)
 from rsym.model.primitives.plane import right_of
 from rsym.model.shape import Shape
 from rsym.model.symbols import PLANE, x, y

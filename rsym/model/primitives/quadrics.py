@@ -8,10 +8,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, point, positive
-from rsym.model.primitives.distances import within
-from rsym.model.primitives.extents import centred
-from rsym.model.primitives.superquadrics import superquadric
-from rsym.model.primitives.theorem import normalised
+from rsym.model.primitives.formulas import centred, normalised, superquadric, within
 from rsym.model.shape import Shape
 from rsym.model.symbols import SPACE
 from rsym.model.vectors import minus, squared

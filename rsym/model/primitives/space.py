@@ -11,8 +11,7 @@ import sympy as sp
 
 from rsym.model.arguments import LetterMapping, default, number, point, positive, unit_vector
 from rsym.model.powers import signed_power
-from rsym.model.primitives.distances import between, within
-from rsym.model.primitives.extents import box_around, centred
+from rsym.model.primitives.formulas import between, box_around, centred, within
 from rsym.model.shape import Shape
 from rsym.model.symbols import SPACE
 from rsym.model.systems import R0, RSystem

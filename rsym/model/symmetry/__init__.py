@@ -5,7 +5,7 @@ has a copy in each. The maps are isometries on each cell, so every order of
 normalisation is kept inside the cells; on the borders between them the result
 has a kink, unless the boundary meets the border at a right angle or not at all.
 
-- `waves`, `reflections`, `turns`: maps that fold a line, space and a turn onto one cell; `evenness`: when they may
+- `waves`, `reflections`: maps that fold a line, space and a turn onto one cell; `evenness`: when they may
 - `cyclic`, `rows`, `mirrors`, `screws`: a motif and such a map make a shape
 
 Source: Maksimenko-Sheiko and Sheiko (2008).

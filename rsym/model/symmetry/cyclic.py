@@ -14,8 +14,7 @@ from rsym.model.equation import substituted
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symmetry.evenness import check_even
-from rsym.model.symmetry.reflections import farthest, within_half_a_sector
-from rsym.model.symmetry.turns import turned_bounds, turned_coordinates
+from rsym.model.symmetry.reflections import farthest, turned_bounds, turned_coordinates, within_half_a_sector
 from rsym.model.symmetry.waves import SawtoothWave, triangle_wave
 
 MOTIFS = ("even", "any")

@@ -14,8 +14,7 @@ from rsym.model.motions import axis_vector
 from rsym.model.nodes import Held
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.model.symmetry.reflections import folded, within_half_a_sector
-from rsym.model.symmetry.turns import turned_bounds, turned_coordinates
+from rsym.model.symmetry.reflections import folded, turned_bounds, turned_coordinates, within_half_a_sector
 from rsym.model.traversal import rebuild
 from rsym.model.vectors import Vector, dot
 

@@ -10,13 +10,13 @@ from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
 from rsym.model.equation import substituted
 from rsym.model.nodes import Scaled
-from rsym.model.primitives.extents import box_around
+from rsym.model.primitives.formulas import box_around
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol, x, y, z
 from rsym.model.symmetry.cyclic import checked_motif, cyclic
 from rsym.model.symmetry.evenness import check_even
-from rsym.model.symmetry.turns import turned_bounds, turned_coordinates
+from rsym.model.symmetry.reflections import turned_bounds, turned_coordinates
 from rsym.model.systems import R0, RSystem
 
 

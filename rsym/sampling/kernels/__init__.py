@@ -4,8 +4,7 @@ In comes a sign form of `logic`; out come `MesherKernels`, functions of NumPy ar
 In the order of the data:
 
 - `routines`: LLVM functions with loops and branches, eight lanes at a time
-- `leaf_formulas`: the leaves with their gradients, at points and over boxes
-- `form_code`: the whole form at points, and what is left of it in a block
+- `form_code`: the leaves with their gradients, the whole form at points, and what is left of it in a block
 - `mesher_code`: all routines as LLVM text
 - `mesher_kernels`: the text compiled, checked against the interpreter, kept in the process
 """

@@ -1,15 +1,77 @@
-"""Routines of the sign form at points: whole, and reduced to the operands that matter in a block."""
+"""Routines of the sign form and its leaves at points: whole, and reduced to the operands that matter in a block."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 
 from rsym.backends.vector_code import Value
-from rsym.program.program import live
-from rsym.sampling.kernels.leaf_formulas import AXES, WORD, LeafFormulas
-from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
+from rsym.bounds.intervals import interval_program
+from rsym.logic.gates import Gate
+from rsym.logic.sign_form import SignForm
+from rsym.program.differentiation import gradient
+from rsym.program.expansion import expand
+from rsym.program.program import Program, assemble, live
+from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Formulas, Routine
+
+AXES = ("x", "y", "z")
+ENDS = ("lower", "upper")
+WORD = 64  # bits
+
+
+class LeafFormulas:
+    """A sign form as its routines need it."""
+
+    def __init__(self, form: SignForm) -> None:
+        self.gates: tuple[Gate, ...] = form.gates
+        self.count = len(form.leaves)
+        self.program = leaf_program(form)
+        self.scaled_program = leaf_program(form, scaled=True)
+        self.coordinates = self.program.coordinates
+
+    @cached_property
+    def points(self) -> Formulas:
+        """Leaves at points, each times its scale, a letter."""
+        return Formulas(expand(self.scaled_program))
+
+    @cached_property
+    def bounds(self) -> Formulas:
+        """Leaves over boxes, by mean values where a coordinate repeats; nothing where one may be undefined."""
+        leaves = [number for _, number in self.program.outputs[:: 1 + len(AXES)]]
+        return Formulas(expand(interval_program(self.program, leaves, strict=True)), self.points.constants)
+
+    @property
+    def words(self) -> int:
+        """How many words hold a bit for each operand of each gate."""
+        return max(1, -(-2 * len(self.gates) // WORD))
+
+    def at(self, r: Routine, points: str, stride: str, i: str) -> dict[int, str]:
+        """The coordinates of points from `i` on, as inputs."""
+        places = [r.load(r.row(points, stride, k), i) for k in range(3)]
+        return self.points.inputs(dict(zip(self.coordinates, places, strict=True)))
+
+
+def leaf_outputs(k: int) -> list[str]:
+    """The names of value and derivatives of a leaf."""
+    return [f"leaf{k}", *(f"leaf{k}_{axis}" for axis in AXES)]
+
+
+def scale_letters(count: int) -> list[str]:
+    """The letters that leaves are multiplied by; no letter of a user has a space in its name."""
+    return [f"scale {k}" for k in range(count)]
+
+
+def leaf_program(form: SignForm, scaled: bool = False) -> Program:
+    """Value and gradient of every leaf."""
+    b = form.builder
+    outputs: dict[str, int] = {}
+    scales = scale_letters(len(form.leaves)) if scaled else []
+    for k, leaf in enumerate(form.leaves):
+        value = b.mul(b.input(scales[k]), leaf) if scaled else leaf
+        outputs.update(zip(leaf_outputs(k), (value, *gradient(b, value)), strict=True))
+    return assemble(b.nodes, b.coordinates, (*b.letters, *scales), outputs)
+
 
 # Operations. Mostly one leaf or two matter in a block: what only others need is lost, and what waits takes registers.
 # With everything shared, signs of the car took three times as long.

@@ -11,8 +11,7 @@ from collections.abc import Callable, Sequence
 
 from rsym.backends.llvm_code import VECTORS, declarations
 from rsym.backends.vector_code import Value
-from rsym.sampling.kernels.form_code import NAMED, better, form, named, value
-from rsym.sampling.kernels.leaf_formulas import ENDS, WORD, LeafFormulas, leaf_outputs
+from rsym.sampling.kernels.form_code import ENDS, NAMED, WORD, LeafFormulas, better, form, leaf_outputs, named, value
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
 
 State = dict[str, Value]

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats
-from rsym.backends.checking import CHECK_POINTS, check_at
-from rsym.backends.interpreter import interpret
+from rsym.backends.interpreter import CHECK_POINTS, check_at, interpret
 from rsym.backends.llvm_code import machine_code
 from rsym.errors import RsymError
 from rsym.logic.sign_form import SignForm, cap_letters
@@ -26,7 +25,7 @@ from rsym.model.shape import Bounds
 from rsym.program.operations import OPERATIONS
 from rsym.program.precision import FLOAT64
 from rsym.program.program import Program
-from rsym.sampling.kernels.leaf_formulas import LeafFormulas
+from rsym.sampling.kernels.form_code import LeafFormulas
 from rsym.sampling.kernels.mesher_code import mesher_code
 from rsym.sampling.kernels.routines import LANES
 

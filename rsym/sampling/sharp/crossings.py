@@ -1,20 +1,20 @@
-"""Signs at the points of blocks, and the points where lattice edges cross the surface."""
+"""Signs at the points of blocks, and the points where lattice edges cross the surface, each with its active leaf."""
 
 from __future__ import annotations
 
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cache
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
+from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
 from rsym.sampling.sharp.loops import in_threads
-from rsym.sampling.sharp.octree import BLOCK, Blocks
-from rsym.sampling.sharp.signs import list_edges
+from rsym.sampling.sharp.signs import BLOCK, Blocks, list_edges
 from rsym.sampling.sharp.topology import GRAIN, Topology
 
 BYTES = 96  # for the bits of 9x9x9 points, whole words
@@ -106,3 +106,54 @@ def evaluate(
 ) -> None:
     """Value and gradient of the leaf of each point."""
     in_threads(lambda a, b: kernels.leaf(b - a, leaf, points, value, gradients, first=a), count, LEAF_GRAIN, pool)
+
+
+Numbers = NDArray[np.int16]
+
+
+class Leaves(Protocol):
+    """What certificates, and the measures of what is thin, need of a sign form; arrays are of any layout."""
+
+    def enclose(self, leaf: Numbers, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+        """Bounds (2, n) of leaf[k] over box k of (3, n), and (3, 2, n) of its gradient; infinite where it may fail."""
+
+    def evaluate(self, leaf: Numbers, points: Floats) -> tuple[Floats, Floats]:
+        """Values (n,) of leaf[k] at point k of (3, n), and gradients (3, n)."""
+
+    def active(self, points: Floats) -> tuple[Floats, Numbers]:
+        """Values (n,) of the form at points (3, n), and the number of the leaf that gives each."""
+
+
+class CompiledLeaves:
+    """The leaves of compiled kernels."""
+
+    def __init__(self, kernels: MesherKernels) -> None:
+        self._kernels = kernels
+
+    def enclose(self, leaf: Numbers, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+        """Bounds of leaves and gradients over boxes."""
+        count = len(leaf)
+        bounds = np.empty((8, padded(count)))
+        self._kernels.enclose(count, _numbers(leaf), columns(lower), columns(upper), bounds)
+        return bounds[:2, :count].copy(), bounds[2:, :count].reshape(3, 2, count)
+
+    def evaluate(self, leaf: Numbers, points: Floats) -> tuple[Floats, Floats]:
+        """Values and gradients of leaves at points."""
+        count = len(leaf)
+        value, gradient = np.empty(padded(count)), np.empty((3, padded(count)))
+        self._kernels.leaf(count, _numbers(leaf), columns(points), value, gradient)
+        return value[:count], gradient[:, :count]
+
+    def active(self, points: Floats) -> tuple[Floats, Numbers]:
+        """The form at points, and its active leaf."""
+        count = points.shape[1]
+        value, leaf = np.empty(padded(count)), np.empty(padded(count), np.int16)
+        self._kernels.value(count, columns(points), value, leaf)
+        return value[:count], leaf[:count]
+
+
+def _numbers(leaf: Numbers) -> Numbers:
+    """Numbers of leaves, and behind them -1, which asks for nothing."""
+    array = np.full(padded(len(leaf)), -1, np.int16)
+    array[: len(leaf)] = leaf
+    return array

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Floats, Ints
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
-from rsym.sampling.sharp.crossings import evaluate
-from rsym.sampling.sharp.leaves import CompiledLeaves
+from rsym.sampling.sharp.crossings import CompiledLeaves, evaluate
 from rsym.sampling.sharp.loops import in_threads, loop, step
 from rsym.sampling.sharp.signs import ABSENT, Bytes, Numbers
 

@@ -13,9 +13,9 @@ from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import MesherKernels
 from rsym.sampling.sharp.assembly import Unfinished
+from rsym.sampling.sharp.crossings import CompiledLeaves
 from rsym.sampling.sharp.edits import edit
 from rsym.sampling.sharp.faces import FLAT, FOLDED, SHORT, TURNED, Adjacency, facing_inwards
-from rsym.sampling.sharp.leaves import CompiledLeaves
 from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.unfolding import unfold
 from rsym.sampling.sharp.untangling import untangle

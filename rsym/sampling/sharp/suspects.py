@@ -19,7 +19,7 @@ import numpy as np
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.sharp.certificates import STEEPEST, Unresolved
 from rsym.sampling.sharp.clusters import clusters
-from rsym.sampling.sharp.leaves import Leaves, Numbers
+from rsym.sampling.sharp.crossings import Leaves, Numbers
 from rsym.sampling.sharp.thickness import FIRST, ThinRays, across, closest, common, level
 from rsym.sampling.status import KINDS, Suspect
 
@@ -42,7 +42,7 @@ def suspects(leaves: Leaves, lattice: Floats, unresolved: Unresolved, names: Seq
     >>> from rsym.sampling.kernels.mesher_kernels import mesher_kernels
     >>> from rsym.sampling.sharp.certificates import Form, certify
     >>> from rsym.sampling.sharp.gates import gate_table
-    >>> from rsym.sampling.sharp.leaves import CompiledLeaves
+    >>> from rsym.sampling.sharp.crossings import CompiledLeaves
     >>> form = surface_form(rsym.Shape(rsym.conjunction(x, 0.02 - x), (x, y, z)))
     >>> kernels = mesher_kernels(form)
     >>> kernels.set({})

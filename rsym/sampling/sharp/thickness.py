@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.sharp.leaves import Leaves, Numbers
+from rsym.sampling.sharp.crossings import Leaves, Numbers
 
 # Newton's method halves the distance to a double zero, so 40 turns take a cell to 1e-12; a simple zero takes six.
 TURNS = 40

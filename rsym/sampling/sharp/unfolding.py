@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats
 from rsym.sampling.kernels.mesher_kernels import MesherKernels
 from rsym.sampling.sharp.corners import off_surface, on_active_leaf, on_surface, solve
+from rsym.sampling.sharp.crossings import CompiledLeaves
 from rsym.sampling.sharp.faces import facing_inwards
-from rsym.sampling.sharp.leaves import CompiledLeaves
 from rsym.sampling.sharp.loops import loop
 
 Faces: TypeAlias = NDArray[np.int32]

@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 
 from rsym.arrays import Floats
-from rsym.backends.checking import CHECK_POINTS, check_at
+from rsym.backends.interpreter import CHECK_POINTS, check_at
 from rsym.backends.kernel import checked_threads, compiled, run_in_blocks
 from rsym.backends.registry import CompiledFunction, default_backend
 from rsym.errors import RsymError

@@ -12,8 +12,7 @@ from rsym.bounds.enclosures import Range, ranges_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED
-from rsym.sampling.effort import Effort
-from rsym.sampling.progress import Progress
+from rsym.sampling.progress import Effort, Progress
 from rsym.verify.atlas.dividing import divide
 from rsym.verify.atlas.greatest import greatest_curvatures
 from rsym.verify.atlas.judging import Rectangle, RectangleJudge, RectangleJudgement

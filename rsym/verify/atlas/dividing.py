@@ -12,8 +12,7 @@ import numpy as np
 from rsym.arrays import Floats
 from rsym.errors import warn
 from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
-from rsym.sampling.effort import Effort
-from rsym.sampling.progress import Progress, report
+from rsym.sampling.progress import Effort, Progress, report
 from rsym.verify.atlas.grid import KINDS, grid_of, run_through, too_wide
 from rsym.verify.atlas.judging import Point, Rectangle, RectangleJudge, RectangleJudgement, middle_of
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats
-from rsym.sampling.effort import Effort
+from rsym.sampling.progress import Effort
 from rsym.verify.cover.box_arrays import cut
 from rsym.verify.cover.curvature_bounds import Bent, bent
 from rsym.verify.cover.images import Boxes, Images

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from rsym.bounds.balls import ctx
 from rsym.program.differentiation import derivative
-from rsym.sampling.effort import Effort
+from rsym.sampling.progress import Effort
 from rsym.verify.answers.account import Balance
 from rsym.verify.boxes.local import Box, Model
 from rsym.verify.cover.examination import OPEN, BoxFinding, examine

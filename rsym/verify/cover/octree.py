@@ -19,7 +19,7 @@ from rsym.arrays import Flags, Floats
 from rsym.bounds.balls import ctx
 from rsym.logic.kleene import Formula, as_gate, leaves_of
 from rsym.logic.stripping import is_even
-from rsym.sampling.effort import Effort
+from rsym.sampling.progress import Effort
 from rsym.verify.boxes.classes import CURVED
 from rsym.verify.boxes.contact_relations import contacts_of
 from rsym.verify.boxes.joints import BoundaryArc, Meeting

@@ -13,7 +13,7 @@ import numpy as np
 
 from rsym.arrays import Floats
 from rsym.bounds.balls import arb
-from rsym.sampling.effort import Effort
+from rsym.sampling.progress import Effort
 from rsym.verify.answers.singular import SingularPoint
 from rsym.verify.boxes.krawczyk import Point, image, inverse
 from rsym.verify.boxes.local import Box, side

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsym.arrays import Floats
-from rsym.sampling.effort import Effort
+from rsym.sampling.progress import Effort
 from rsym.verify.curves.continuation import Knot, Tube, ZeroCurve
 from rsym.verify.curves.region import Region
 

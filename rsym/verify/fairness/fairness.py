@@ -15,9 +15,8 @@ from rsym.model.requirements import require_count, require_positive, require_sha
 from rsym.model.shape import Shape
 from rsym.reports.words import plural
 from rsym.sampling.combs import combs
-from rsym.sampling.effort import Effort
 from rsym.sampling.lattice import bounds_of
-from rsym.sampling.progress import Progress, Stages
+from rsym.sampling.progress import Effort, Progress, Stages
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.report import SmoothnessReport
 from rsym.verify.boxes.local import Box, Interval, Model

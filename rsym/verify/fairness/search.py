@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rsym.bounds.balls import arb, ctx
-from rsym.sampling.effort import Effort
+from rsym.sampling.progress import Effort
 from rsym.verify.boxes.local import Box, Model
 from rsym.verify.cover.covering import PRECISION, extent_of
 from rsym.verify.fairness.bending import ArcBending, Arcs

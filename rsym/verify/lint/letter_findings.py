@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats
 from rsym.backends.kernel import compile
 from rsym.bounds.intervals import IntervalFunction
-from rsym.model.equivalences import EquivalenceOperation
 from rsym.model.folds import Fold
 from rsym.model.letters import Letter, Letters
 from rsym.model.nodes import written_out
-from rsym.model.rnodes import R0mOperation, RAlphaOperation, RpOperation
+from rsym.model.rnodes import EquivalenceOperation, R0mOperation, RAlphaOperation, RpOperation
 from rsym.model.shape import Shape
 from rsym.model.traversal import postorder
 from rsym.program.builder import Builder

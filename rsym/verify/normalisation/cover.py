@@ -25,7 +25,7 @@ from rsym.bounds.balls import ctx
 from rsym.bounds.intervals import Bounds, IntervalFunction
 from rsym.logic.stripping import bare
 from rsym.program.builder import Builder
-from rsym.sampling.effort import Effort
+from rsym.sampling.progress import Effort
 from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import Box, side
 from rsym.verify.cover.covering import OFF_CENTRE, PRECISION

@@ -17,7 +17,7 @@ import numpy as np
 
 from rsym.bounds.balls import arb, ctx
 from rsym.logic.kleene import Literal, as_gate
-from rsym.sampling.effort import Effort
+from rsym.sampling.progress import Effort
 from rsym.verify.answers.singular import SingularCurve, SingularPoint
 from rsym.verify.boxes.borders import is_within
 from rsym.verify.boxes.generators import generators

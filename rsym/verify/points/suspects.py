@@ -12,7 +12,7 @@ import mpmath as mp
 import sympy as sp
 
 from rsym.bounds.balls import arb, ctx, exact
-from rsym.sampling.effort import Effort
+from rsym.sampling.progress import Effort
 from rsym.verify.answers.report import Joint
 from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.joints import BoundaryArc, locate

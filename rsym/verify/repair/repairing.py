@@ -13,9 +13,8 @@ from rsym.errors import RsymError
 from rsym.model.requirements import require_positive, require_shape
 from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
-from rsym.sampling.effort import Effort
 from rsym.sampling.lattice import bounds_of
-from rsym.sampling.progress import Progress
+from rsym.sampling.progress import Effort, Progress
 from rsym.verify.repair.blending import PaskoBlend, RhoBlend
 from rsym.verify.repair.moves import LetterMove, Move, Request
 from rsym.verify.repair.prices import measured, price

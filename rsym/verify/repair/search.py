@@ -10,8 +10,7 @@ from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED, REFUTED
 from rsym.reports.numbers import at_most, number
-from rsym.sampling.effort import Effort
-from rsym.sampling.progress import Progress, report
+from rsym.sampling.progress import Effort, Progress, report
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.repair.anatomy import Verdict
 from rsym.verify.repair.moves import MoveFamily, short
