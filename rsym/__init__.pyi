@@ -59,7 +59,6 @@ from .model.systems import R0, R1, R0m, RAlpha, Rp
 from .output.atlas import plot_atlas
 from .output.cards import cards, plot_gallery
 from .output.combs import plot_curvature_comb
-from .output.comparison import compare_patches
 from .output.designs import plot_designs
 from .output.exchange import to_meshio, to_pyvista, to_trimesh
 from .output.explore import explore, explore_patches
@@ -67,9 +66,8 @@ from .output.fairness import plot_fairness
 from .output.fields import plot_field, plot_fields
 from .output.files import write, write_features
 from .output.joins import plot_continuity
-from .output.models import save
-from .output.patches import plot_patches
-from .output.presets import load_letters, save_letters
+from .output.models import load_letters, save, save_letters
+from .output.patches import compare_patches, plot_patches
 from .output.repairs import plot_repair
 from .output.sections import plot_sections, write_sections
 from .output.surfaces import plot_mesh
@@ -90,8 +88,7 @@ from .verify.answers.body_report import BodyCover, BodyReport
 from .verify.answers.report import Joint, SmoothnessReport
 from .verify.answers.singular import SingularCurve, SingularPoint
 from .verify.atlas.atlas import smoothness_atlas
-from .verify.atlas.report import SmoothnessAtlas
-from .verify.atlas.threshold_curve import ThresholdCurve
+from .verify.atlas.report import SmoothnessAtlas, ThresholdCurve
 from .verify.continuity.continuity import ContinuityReport, continuity
 from .verify.continuity.curves import Curve
 from .verify.fairness.designs import DesignTable, compare_designs

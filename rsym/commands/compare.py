@@ -102,7 +102,7 @@ def _systems(options: argparse.Namespace) -> str:
 def _files(chosen: Chosen, files: list[str]) -> dict[str, dict[str, float]]:
     """The letters of each file that the shape needs, named by the file without its folder if that tells them apart."""
     from rsym.model.letters import Letters
-    from rsym.output.presets import load_letters
+    from rsym.output.models import load_letters
     from rsym.verify.fairness.designs import named
 
     letters, designs = Letters(chosen.model.letters), {}

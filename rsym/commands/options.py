@@ -272,7 +272,7 @@ def load_model(options: argparse.Namespace) -> Chosen:
     from rsym.language.model import collect
     from rsym.language.parser import parse
     from rsym.model.letters import Letters
-    from rsym.output.presets import load_letters
+    from rsym.output.models import load_letters
 
     path = model_file(options.model)
     text = read_text(path)

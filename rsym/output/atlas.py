@@ -24,7 +24,7 @@ from rsym.output.certificates import DEFECT
 from rsym.output.paints import checked_limits, checked_map
 from rsym.output.pictures import figure_of, require_axes, require_report
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-from rsym.verify.atlas.levels import FEWEST, round_levels
+from rsym.verify.atlas.greatest import FEWEST, round_levels
 from rsym.verify.atlas.report import SmoothnessAtlas
 
 SIZE = (6.4, 5.0)  # inches: the width of a page of text

@@ -18,11 +18,10 @@ from numpy.typing import NDArray
 from trimesh.visual.material import PBRMaterial
 
 from rsym.errors import RsymError
-from rsym.output.corners import split_sharp
 from rsym.output.exchange import msh, vtu
 from rsym.output.interactive import page, page_of_parts
 from rsym.output.parts import part_colours
-from rsym.output.shading import BODY, linear
+from rsym.output.shading import BODY, linear, split_sharp
 from rsym.output.units import UNITS
 from rsym.sampling.mesh import Mesh
 

@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from rsym.errors import RsymError
 from rsym.output import shading
-from rsym.output.corners import split_sharp
 from rsym.output.ink import INK, SMOOTH, visible
 from rsym.output.parts import face_colours
-from rsym.output.shading import linear
+from rsym.output.shading import linear, split_sharp
 from rsym.sampling.mesh import Mesh
 
 # The eye of `plot_mesh`, and how far it stands from the unit ball round the body.

@@ -25,10 +25,10 @@ from rsym.output.certificates import (
     certificates_of,
     draw_boundary,
     draw_cover,
+    draw_magnified,
     subject,
 )
 from rsym.output.combs import plot_curvature_comb
-from rsym.output.magnified import draw_magnified
 from rsym.output.pictures import figure_of, require_axes
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.reports.words import plural

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from rsym.model.shape import Shape
 from rsym.output import axes3d
+from rsym.output.fields import Sheet, sheet_sampler
 from rsym.output.pictures import whole
-from rsym.output.sheet import Sheet, sheet_sampler
 from rsym.output.surfaces import plot_mesh
 from rsym.sampling.meshing import mesh
 

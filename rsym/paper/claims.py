@@ -16,8 +16,7 @@ from rsym.analysis.normalisation import normalise
 from rsym.model.constructions import revolve
 from rsym.model.shape import Shape
 from rsym.output.atlas import plot_atlas
-from rsym.output.certificates import DEFECT, draw_boundary, subject
-from rsym.output.magnified import draw_window
+from rsym.output.certificates import DEFECT, draw_boundary, draw_window, subject
 from rsym.output.verdicts import plot_verdict
 from rsym.paper.drawing import Drawing, Table, letters_text
 from rsym.paper.models import BODIES, skeleton_body

@@ -10,10 +10,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rsym.arrays import Floats
-from rsym.output.comparison import compare_patches
 from rsym.output.gallery import Gallery
 from rsym.output.joins import plot_continuity
-from rsym.output.patches import map_range, plot_patches
+from rsym.output.patches import compare_patches, map_range, plot_patches
 from rsym.paper.drawing import Drawing, Table, triangles_in
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.bicubic import BicubicCoons

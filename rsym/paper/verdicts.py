@@ -16,8 +16,7 @@ from rsym.model.primitives.space import box, capsule, half_space
 from rsym.model.shape import Shape
 from rsym.output.axes3d import Bar, add_axes
 from rsym.output.body_verdicts import draw_body_verdict
-from rsym.output.cards import plot_gallery
-from rsym.output.portraits import Place, fill
+from rsym.output.cards import Place, fill, plot_gallery
 from rsym.output.singular import Limits, angle_limits, jump_limits, mark_curves
 from rsym.paper.drawing import Drawing, Table, letters_text, triangles_in
 from rsym.paper.models import car, model_path, skeleton_body

@@ -221,7 +221,6 @@ def test_a_missing_package_and_missing_bounds(monkeypatch):
         rsym.explore(Shape(x, (x, y)))
     for name in [name for name in sys.modules if name.startswith(("ipywidgets", "rsym.output.explorer"))]:
         monkeypatch.delitem(sys.modules, name)
-    monkeypatch.delitem(sys.modules, "rsym.output.controls")
     monkeypatch.setitem(sys.modules, "ipywidgets", None)
     with pytest.raises(RsymError, match=r'pip install "rsym\[notebook\]"') as caught:
         rsym.explore(EGG)

@@ -11,11 +11,10 @@ from oracles.closeness import assert_close
 from sampling.test_features import tube
 
 from rsym.errors import RsymError
-from rsym.output.corners import split_sharp
 from rsym.output.files import write
 from rsym.output.formats import FORMATS
 from rsym.output.parts import part_colours
-from rsym.output.shading import linear
+from rsym.output.shading import linear, split_sharp
 from rsym.sampling.mesh import Mesh
 
 OWN = [suffix for suffix, row in FORMATS.items() if not row.package]

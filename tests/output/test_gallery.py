@@ -15,7 +15,7 @@ import rsym
 from rsym import RsymError, x, y
 from rsym.cli import main
 from rsym.language.pieces import PIECES
-from rsym.output.portraits import draw_portrait
+from rsym.output.cards import draw_portrait
 from rsym.paper.drawing import mesh_quietly
 from rsym.paper.models import GALLERY, model_path
 from rsym.paper.verdicts import BODIES

@@ -14,10 +14,9 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import RsymError
-from rsym.output.comparison import compare_patches
 from rsym.output.joins import plot_continuity
 from rsym.output.parts import PALETTE
-from rsym.output.patches import CURVE, NET, POINT, map_values, plot_patches, tessellations
+from rsym.output.patches import CURVE, NET, POINT, compare_patches, map_values, plot_patches, tessellations
 from rsym.output.surfaces import ShadedMesh, plot_mesh
 from rsym.output.tessellation import joined
 from rsym.sampling.mesh import Mesh

@@ -14,8 +14,7 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import x, y
-from rsym.output.certificates import CERTIFICATES, certificates_of
-from rsym.output.magnified import branches_at, window_size
+from rsym.output.certificates import CERTIFICATES, branches_at, certificates_of, window_size
 from rsym.output.pictures import write_picture
 from rsym.output.verdicts import plot_verdict
 from rsym.verify.answers.report import Cover, Joint, SmoothnessReport

@@ -16,8 +16,7 @@ from rsym.verify.answers.report import Joint
 from rsym.verify.atlas.dividing import accounted
 from rsym.verify.atlas.judging import RectangleJudgement
 from rsym.verify.cover import octree
-from rsym.verify.fairness.search import distinct
-from rsym.verify.fairness.zeros import CurvatureZero
+from rsym.verify.fairness.search import CurvatureZero, distinct
 
 CUBE = ((-1, 1),) * 3
 R = sp.sqrt(x**2 + y**2)

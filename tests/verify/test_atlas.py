@@ -13,8 +13,8 @@ import rsym
 from rsym import x, y, z
 from rsym.verify.atlas.greatest import greatest_curvatures
 from rsym.verify.atlas.grid import grid_of, narrowest
-from rsym.verify.atlas.refutation import refuted_throughout
 from rsym.verify.atlas.strips import chains
+from rsym.verify.atlas.subjects import refuted_throughout
 
 a, b = sp.symbols("a b", real=True)
 BOX = ((-3, 3), (-3, 3))

@@ -8,8 +8,8 @@ from oracles.closeness import assert_close
 import rsym
 from rsym import x, y, z
 from rsym.verify.boxes.local import Model
+from rsym.verify.fairness.bodies import CurvedSurface
 from rsym.verify.fairness.fairness import fairness
-from rsym.verify.fairness.surfaces import CurvedSurface
 
 TORUS = rsym.Shape(
     16 * (x**2 + y**2) - (x**2 + y**2 + z**2 + 3) ** 2, (x, y, z), bounds=((-3.2, 3.2), (-3.2, 3.2), (-1.2, 1.2))

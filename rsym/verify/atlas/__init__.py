@@ -5,13 +5,10 @@ it, and the undecided strips that enclose thresholds.
 
 atlas.py            the call: judge, divide, collect
 subjects.py         a plane boundary, a body of revolution or any body, as what is asked for a verdict over ranges
-refutation.py       a joint that moves with the letters and jumps for all of them
 judging.py          the verdict on one rectangle
 dividing.py         rectangles in parts, until what is undecided is narrow
 grid.py             rectangles as cells of one lattice
 strips.py           the strips between certified and refuted cells, their middles and their banks
-threshold_curve.py  one of them
 greatest.py         the greatest curvature at many values, numerically
-levels.py           its level lines, for figures
 report.py           what it answers
 """

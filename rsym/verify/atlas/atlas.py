@@ -14,9 +14,8 @@ from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED
 from rsym.sampling.progress import Effort, Progress
 from rsym.verify.atlas.dividing import divide
-from rsym.verify.atlas.greatest import greatest_curvatures
+from rsym.verify.atlas.greatest import CurvatureMap, greatest_curvatures
 from rsym.verify.atlas.judging import Rectangle, RectangleJudge, RectangleJudgement
-from rsym.verify.atlas.levels import CurvatureMap
 from rsym.verify.atlas.report import SmoothnessAtlas
 from rsym.verify.atlas.strips import thresholds_of
 from rsym.verify.atlas.subjects import PlaneSubject

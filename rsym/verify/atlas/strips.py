@@ -15,7 +15,7 @@ from rsym.arrays import Flags, Floats, Ints
 from rsym.reports.document import CERTIFIED, REFUTED, UNDECIDED
 from rsym.sampling.isolines import isolines
 from rsym.verify.atlas.grid import KINDS, Grid, grid_of, narrowest
-from rsym.verify.atlas.threshold_curve import ThresholdCurve
+from rsym.verify.atlas.report import ThresholdCurve
 
 TOUCHING = np.ones((3, 3))
 

@@ -1,21 +1,44 @@
-"""Balls around the curvatures and their derivatives on a piece, by the mean value theorem along the arc.
+"""Curvatures and their first two derivatives along an arc F = 0: as nodes of a program, and in balls over a piece.
+
+With the unit tangent T (the inside on the left), the unit normal N = grad F/g that points inwards, g = |grad F|, and
+F_TN and the like for derivatives of F in these directions held fixed, gamma' = T, T' = k N, N' = -k T give
+
+    k   = -F_TT/g
+    k'  = -(F_TTT + 3 k F_TN)/g
+    k'' = -3 k**3 - (F_TTTT + 6 k F_TTN + 3 k**2 F_NN + 4 k' F_TN)/g
+
+by differentiating F(gamma(s)) = 0 up to four times. Each component of T and N is one operation of the program, so
+that balls around these are several times narrower than those of the gradient of the quotient k. A function of the
+square of a coordinate, F(x, r) = G(x, r**2), has F_r/r = 2 G', which is analytic at r = 0 too.
 
 Between two points of an arc, k(p) is in k(q) + k'(box) (s(p) - s(q)), where the arc length s grows along the free axis
-x as dx/ds, a component of the unit tangent, says.
+x as dx/ds, a component of the unit tangent, says: the mean value theorem.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
+from itertools import pairwise
+from typing import NamedTuple
 
 import sympy as sp
 
 from rsym.bounds.balls import arb, ctx
+from rsym.program.builder import Builder
+from rsym.program.calculus import Calculus
+from rsym.program.differentiation import derivative
+from rsym.program.expansion import SIMPLE
+from rsym.program.program import live
 from rsym.verify.boxes.local import Local, Model, side
 from rsym.verify.boxes.polynomials import polynomial_of
 from rsym.verify.fairness.pieces import POINT_BITS, ArcPiece, lies_within, point_above
-from rsym.verify.fairness.quantities import CurveFrame, Quantity
+
+SQUARE = "the square of the radius"  # an input that no program keeps
+# Arcs of constant curvature, lines and circles: proved where the arc is that of a polynomial.
+HIGHEST = 12  # degree of F, beyond which dividing takes longer than it is worth
 
 
 @dataclass(frozen=True)
@@ -113,10 +136,6 @@ def _whole(value: arb | None) -> arb:
     return arb(0, math.inf) if value is None or not value.is_finite() else value
 
 
-# Arcs of constant curvature, lines and circles: proved where the arc is that of a polynomial.
-HIGHEST = 12  # degree of F, beyond which dividing takes longer than it is worth
-
-
 def constant_curvatures(model: Model, function: int) -> tuple[bool, ...]:
     """Which curvatures of an arc are proved to be constant: along it and, for a body of revolution, across."""
     count = 2 if model.body else 1
@@ -138,3 +157,118 @@ def constant_curvatures(model: Model, function: int) -> tuple[bool, ...]:
 
     changes = [2 * square * along(top) - power * top * along(square) for top, power in forms]
     return tuple(bool(sp.div(change, f)[1].is_zero) for change in changes)
+
+
+class Quantity(NamedTuple):
+    """A curvature and its first and second derivatives with respect to arc length, as nodes."""
+
+    value: int
+    first: int
+    second: int
+
+
+class CurveFrame:
+    """Tangent, normal and directional derivatives of one function as nodes."""
+
+    def __init__(self, model: Model, function: int) -> None:
+        self.model, self.function = model, function
+        curvatures = Calculus(model.builder, function).curvatures
+        self.normal = curvatures.normal
+        self.slope = curvatures.slope
+        self.tangent = [self.normal[1], model.builder.neg(self.normal[0])]
+
+    def form(self, *directions: Sequence[int]) -> int:
+        """The derivative of the function in these directions, each held fixed."""
+        b, order = self.model.builder, len(directions)
+        partials = [self.function]
+        for _ in range(order):
+            gradients = [self.model.gradient(node) for node in partials]
+            partials = [first for first, _ in gradients] + [gradients[-1][1]]
+        for x, y in directions:
+            partials = [b.add(b.mul(x, p), b.mul(y, q)) for p, q in pairwise(partials)]
+        return partials[0]
+
+    def bending(self) -> Quantity:
+        """The curvature of the arc."""
+        b, t, n = self.model.builder, self.tangent, self.normal
+        value = self.model.curvature(self.function)
+        mixed = self.form(t, n)
+        first = self._over_slope(self.form(t, t, t), self._times(3, value, mixed))
+        inner = [
+            self.form(t, t, t, t),
+            self._times(6, value, self.form(t, t, n)),
+            self._times(3, b.square(value), self.form(n, n)),
+            self._times(4, first, mixed),
+        ]
+        return Quantity(value, first, b.add(self._times(-3, b.powi(value, 3)), self._over_slope(*inner)))
+
+    def latitude(self) -> Quantity:
+        """The curvature -F_r/(r g) of the circle of latitude; F_r/r is 2 G' where F = G(r**2)."""
+        b = self.model.builder
+        radius = b.coordinates[1]
+        ratio = derivative_in_square(b, self.function, radius)
+        if ratio is None:
+            ratio = b.div(self.model.gradient(self.function)[1], b.input(radius))
+        value = b.neg(b.div(ratio, self.slope))
+        first = self.along(value)
+        return Quantity(value, first, self.along(first))
+
+    def along(self, node: int) -> int:
+        """The derivative of a node along the arc."""
+        b, (x, y) = self.model.builder, self.model.gradient(node)
+        return b.add(b.mul(self.tangent[0], x), b.mul(self.tangent[1], y))
+
+    def _times(self, factor: int, *nodes: int) -> int:
+        b = self.model.builder
+        return b.mul(b.const(factor), reduce(b.mul, nodes))
+
+    def _over_slope(self, *terms: int) -> int:
+        b = self.model.builder
+        return b.neg(b.div(reduce(b.add, terms), self.slope))
+
+
+def derivative_in_square(builder: Builder, number: int, name: str) -> int | None:
+    """The node 2 dG/d(r**2) of a node that is G(r**2), r the input of this name; None if it is not seen to be."""
+    radius, square = builder.input(name), builder.input(SQUARE)
+    inner = {radius: None, builder.square(radius): square}
+    powers = {
+        part: builder.powi(square, node.data // 2)
+        for part in live(builder.nodes, [number])
+        if (node := builder.nodes[part]).operation == "powi"
+        and node.arguments == (radius,)
+        and isinstance(node.data, int)
+        and node.data % 2 == 0
+    }
+    outer = substituted(builder, number, {**inner, **powers})
+    if outer is None:
+        return None
+    slope = derivative(builder, outer, SQUARE)
+    half = substituted(builder, slope, {square: builder.square(radius)})
+    return None if half is None else builder.mul(builder.const(2), half)
+
+
+def substituted(builder: Builder, number: int, given: dict[int, int | None]) -> int | None:
+    """The node with other nodes in the place of some; None where it needs one that is given as None."""
+    done: dict[int, int | None] = {}
+    for part in live(builder.nodes, [number]):
+        if part in given:
+            done[part] = given[part]
+            continue
+        operation, arguments, data = builder.nodes[part]
+        inner = [done[argument] for argument in arguments]
+        known = [argument for argument in inner if argument is not None]
+        if len(known) < len(inner):
+            done[part] = None
+        else:
+            done[part] = part if tuple(known) == arguments else _made(builder, operation, known, data)
+    return done[number]
+
+
+def _made(builder: Builder, operation: str, arguments: list[int], data: object) -> int:
+    if operation in SIMPLE:
+        return SIMPLE[operation](builder, *arguments)
+    if operation == "powi":
+        return builder.powi(arguments[0], int(str(data)))
+    if operation == "div":
+        return builder.div(*arguments)
+    return builder.make(operation, *arguments, data=data)  # type: ignore[arg-type]

@@ -1,4 +1,13 @@
-"""Fairness of a general body: its principal curvatures are bounded by the verdict; the rest is numerical."""
+"""Fairness of a general body: its principal curvatures are bounded by the verdict; the rest is numerical.
+
+Their gradients along the surface come from the third derivatives of omega. With unit tangent vectors u, v, w, the
+normal N = grad F/g that points inwards and II(u, v) = -F_uv/g, the derivative of the second fundamental form is
+
+    C(u, v, w) = -(F_uvw + II(u, v) F_wN + II(v, w) F_uN + II(w, u) F_vN)/g,
+
+symmetric by Codazzi's equations, and the derivative of a principal curvature k with the direction e along v is
+C(e, e, v).
+"""
 
 from __future__ import annotations
 
@@ -6,21 +15,26 @@ import math
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import combinations_with_replacement
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats
+from rsym.backends.kernel import run_in_blocks
+from rsym.backends.registry import make_function
 from rsym.errors import RsymWarning
 from rsym.model.shape import Shape
+from rsym.program.expansion import expand
+from rsym.program.precision import FLOAT64
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.boxes.local import Interval, Model
 from rsym.verify.fairness.report import Bands, CurvatureBounds, Extremum, FairnessReport, Measure, Peak
-from rsym.verify.fairness.surfaces import QUANTITIES, CurvedSurface, SurfaceBending
 
+QUANTITIES = ("smaller principal curvature", "larger principal curvature", "mean curvature")
 RESOLUTION = 96  # cells along the extent of the mesh; one of half as many tells the error of the measures
 ROUNDING = 1e-12  # what is left of a variation that is zero, of the bending energy by area
 STEPS = 4  # of Newton's method from the middle of a triangle to the surface
@@ -28,6 +42,16 @@ ON_SURFACE = 1e-6  # of a triangle: farther from the surface, as next to an edge
 NAME = "principal curvature"
 Place: TypeAlias = tuple[float, tuple[float, ...]]
 NOWHERE: Place = (math.nan, ())
+# Extrema of curvatures on a surface: found among the vertices of a mesh, refined by Newton's method, not proved.
+MOST = 200  # candidates for one quantity, those farthest from the mean first
+NEWTON_STEPS = 30
+DIFFERENCE = 1e-5  # of the extent: central differences of an exact gradient are right to about 1e-9 of it
+CONVERGED = 1e-11  # of the extent, the last step
+CONSTANT = 1e-9  # of the largest curvature: a quantity that varies less is constant for floating point
+# Second derivatives along the surface whose sizes differ more than this belong to extrema that fill a curve.
+ISOLATED = 1e-4
+# Of the extent: extrema closer are one; how far one may be from its place. Of the largest curvature: its value.
+DISTINCT, RADIUS, ERROR = 1e-7, 1e-9, 1e-12
 
 
 def body_fairness(shape: Shape, smoothness: BodyReport, values: Mapping[str, Interval]) -> FairnessReport:
@@ -137,20 +161,6 @@ def _statements(smoothness: BodyReport, found: Summits, unresolved: bool) -> tup
     for name in found.ridges:
         result.append((f"extrema of the {name} that fill curves are not listed", False))
     return tuple(result)
-
-
-# Extrema of curvatures on a surface: found among the vertices of a mesh, refined by Newton's method, not proved.
-MOST = 200  # candidates for one quantity, those farthest from the mean first
-NEWTON_STEPS = 30
-DIFFERENCE = 1e-5  # of the extent: central differences of an exact gradient are right to about 1e-9 of it
-CONVERGED = 1e-11  # of the extent, the last step
-CONSTANT = 1e-9  # of the largest curvature: a quantity that varies less is constant for floating point
-# Second derivatives along the surface whose sizes differ more than this belong to extrema that fill a curve.
-ISOLATED = 1e-4
-
-
-# Of the extent: extrema closer are one; how far one may be from its place. Of the largest curvature: its value.
-DISTINCT, RADIUS, ERROR = 1e-7, 1e-9, 1e-12
 
 
 @dataclass(frozen=True)
@@ -266,3 +276,67 @@ def _classified(surface: CurvedSurface, points: Floats, number: int, scale: _Sca
         errors = RADIUS * scale.extent, ERROR * scale.curvature
         result.append(Extremum(kind, QUANTITIES[number], place, errors[0], float(value), errors[1], False))
     return result
+
+
+class CurvedSurface:
+    """The surface omega = 0 with what bends it, at any points near it."""
+
+    def __init__(self, model: Model) -> None:
+        self._places = [index for order in range(4) for index in combinations_with_replacement(range(3), order)]
+        nodes = {}
+        for index in self._places:
+            node = model.root
+            for axis in index:
+                node = model.gradient(node)[axis]
+            nodes[str(index)] = node
+        program = model.builder.program(nodes)
+        self._function = make_function(expand(program), "numpy", FLOAT64)
+        self._letters = [float(model.letters[name][0]) for name in program.letters]
+
+    def __call__(self, points: Floats) -> SurfaceBending:
+        """What is known at points (n, 3)."""
+        out = np.empty((len(self._places), len(points)))
+        with np.errstate(all="ignore"):
+            run_in_blocks(self._function, list(points.T), self._letters, out, 1)
+            return SurfaceBending(dict(zip(self._places, out, strict=True)), len(points))
+
+
+class SurfaceBending:
+    """Offset from the surface, normal, the three `QUANTITIES` (n, 3) and their gradients along it (n, 3, 3)."""
+
+    def __init__(self, partials: dict[tuple[int, ...], Floats], count: int) -> None:
+        def tensor(order: int) -> Floats:
+            indices = np.ndindex(*(3,) * order)
+            rows = [partials[tuple(sorted(index))] for index in indices]
+            return np.stack(rows, axis=-1).reshape(count, *(3,) * order)
+
+        gradient, hessian, third = tensor(1), tensor(2), tensor(3)
+        slope = np.linalg.norm(gradient, axis=1)
+        self.normal = gradient / slope[:, None]
+        self.offset = partials[()] / slope
+        frame = _frame(self.normal)
+        form = -np.einsum("nai,nij,nbj->nab", frame, hessian, frame) / slope[:, None, None]
+        good = np.isfinite(form).all(axis=(1, 2))
+        values, vectors = np.linalg.eigh(np.where(good[:, None, None], form, 0.0))
+        self.directions = np.einsum("nab,nai->nbi", vectors, frame)
+        mixed = np.einsum("nai,nij,nj->na", self.directions, hessian, self.normal)
+        slopes = np.empty((count, 2, 2))
+        for k in range(2):
+            for along in range(2):
+                e, v = self.directions[:, k], self.directions[:, along]
+                bent = np.einsum("nijk,ni,nj,nk->n", third, e, e, v) + values[:, k] * mixed[:, along]
+                if k == along:
+                    bent += 2 * values[:, k] * mixed[:, k]
+                slopes[:, k, along] = -bent / slope
+        gradients = np.einsum("nka,nai->nki", slopes, self.directions)
+        self.values = np.concatenate([values, values.mean(axis=1, keepdims=True)], axis=1)
+        self.gradients = np.concatenate([gradients, gradients.mean(axis=1, keepdims=True)], axis=1)
+        self.values[~good] = np.nan
+
+
+def _frame(normal: Floats) -> Floats:
+    """Two unit vectors (n, 2, 3) across each normal."""
+    least = np.eye(3)[np.abs(np.nan_to_num(normal)).argmin(axis=1)]
+    first = np.cross(normal, least)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(normal, first)], axis=1)

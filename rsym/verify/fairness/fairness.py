@@ -26,8 +26,7 @@ from rsym.verify.fairness.bodies import body_fairness
 from rsym.verify.fairness.measuring import Sampler, measures
 from rsym.verify.fairness.pieces import outward
 from rsym.verify.fairness.report import Bands, CurvatureBounds, Extremum, FairnessReport, Measure, Profile
-from rsym.verify.fairness.search import Found, distinct, peaks, search
-from rsym.verify.fairness.zeros import CurvatureZero
+from rsym.verify.fairness.search import CurvatureZero, Found, distinct, peaks, search
 from rsym.verify.revolution import meridian
 from rsym.verify.smoothness import verify_smoothness
 

@@ -2,11 +2,9 @@
 
 In comes a shape; out goes a `LintReport` of findings, each with its formula, part, definition and line in the model.
 
-linting.py          the call, and the words for slopes, faces and saturation
-survey.py           the shape, its logic, its leaves and terms at points of its bounds
+linting.py          the call, what it looks at, and the words for slopes, faces and saturation
 logic.py            gates that join leaves
-functions.py        leaves and terms compiled together
-zeros.py            points on their zero sets
+zeros.py            leaves and terms compiled together, points on their zero sets
 slopes.py           gradients on them, and what to divide by
 sheets.py           faces that two operands share
 saturation.py       terms that are nearly constant

@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats
 from rsym.logic.gates import Gate, through
 from rsym.sampling.form_signs import joined_signs
-from rsym.verify.lint.functions import Functions, Ints
 from rsym.verify.lint.logic import Logic
 from rsym.verify.lint.report import COINCIDENT, LONE_SHEET, ZERO_SHEET
-from rsym.verify.lint.zeros import CONVERGED, Zeros, onto, tangents
+from rsym.verify.lint.zeros import CONVERGED, Functions, Ints, Zeros, onto, tangents
 
 BESIDE = 1e-5  # of the diagonal: where signs ahead of and behind a face are taken
 THIN = 0.1  # of its values beside it is the most that omega may have on a face
@@ -62,7 +61,7 @@ def common_faces(logic: Logic, functions: Functions, zeros: Zeros, size: float) 
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> from rsym.verify.lint.survey import survey_of
+    >>> from rsym.verify.lint.linting import survey_of
     >>> survey = survey_of(rsym.Shape(rsym.disjunction(x, -3 * x), (x, y)), ((-1, 1), (-1, 1)))
     >>> [face.kind for face in common_faces(survey.logic, survey.functions, *survey.near)]
     ['zero sheet']

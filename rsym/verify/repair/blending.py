@@ -27,9 +27,9 @@ from rsym.verify.repair.moves import (
     name_of,
     number_text,
     pair_of,
+    rounded,
     short,
 )
-from rsym.verify.repair.rounding import rounded
 
 
 @dataclass(frozen=True)
