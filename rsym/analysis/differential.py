@@ -21,7 +21,7 @@ from rsym.model.choices import Choice
 from rsym.model.nodes import written_out
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.model.traversal import postorder
+from rsym.model.symbols import postorder
 
 Matrix: TypeAlias = sp.ImmutableDenseMatrix
 

@@ -18,8 +18,7 @@ from rsym.model.nodes import ZeroWith
 from rsym.model.primitives.formulas import normalised
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.model.symbols import as_expression, x, y, z
-from rsym.model.traversal import symbols_of
+from rsym.model.symbols import as_expression, symbols_of, x, y, z
 from rsym.model.vectors import squared
 
 _LOGIC = frozenset({"conjunction", "disjunction", "equivalence", "joining", "SARDF"})

@@ -17,8 +17,7 @@ from rsym.language.pieces import Calls, shown_call
 from rsym.language.syntax import Assignment, Name, PartStatement, names_in
 from rsym.model.letters import Letter
 from rsym.model.shape import Shape
-from rsym.model.symbols import real_symbol
-from rsym.model.traversal import symbols_of
+from rsym.model.symbols import real_symbol, symbols_of
 from rsym.model.wording import listing, proposal
 
 

@@ -10,7 +10,7 @@ from fractions import Fraction
 import sympy as sp
 
 from rsym.language.syntax import Position
-from rsym.model.traversal import postorder
+from rsym.model.symbols import postorder
 
 ONE = Fraction(1)
 LARGEST = Fraction(10) ** 300

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from rsym.language.syntax import Position
-from rsym.model.traversal import postorder
+from rsym.model.symbols import postorder
 
 LARGEST_SIZE = 100_000  # nodes of one formula with every name written out
 DEEPEST = 1_000  # levels of one formula with every name written out

@@ -16,8 +16,7 @@ from rsym.language.syntax import Call
 from rsym.model import powers, rnodes
 from rsym.model.blends import displacement, rho, sardf
 from rsym.model.choices import Choice
-from rsym.model.folds import Fold
-from rsym.model.nodes import Ahead, Held, Scaled, ZeroWith
+from rsym.model.nodes import Ahead, Fold, Held, Scaled, ZeroWith
 from rsym.model.operations import equivalence
 from rsym.model.primitives import curve_nodes
 from rsym.model.primitives.helical import Anomaly

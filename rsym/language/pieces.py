@@ -23,9 +23,8 @@ from rsym.language.syntax import Call
 from rsym.model.letters import Letter
 from rsym.model.nodes import RealNode
 from rsym.model.shape import Shape
-from rsym.model.symbols import real_symbol, x, y, z
+from rsym.model.symbols import real_symbol, substitute, symbols_of, x, y, z
 from rsym.model.systems import RSystem
-from rsym.model.traversal import substitute, symbols_of
 
 # What a formula grows with.
 _MOST = {**dict.fromkeys(("order", "sides", "count", "counts", "starts"), 400), "terms": 100}

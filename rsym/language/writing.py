@@ -21,7 +21,7 @@ from rsym.language.vocabulary import RESERVED
 from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.model.traversal import postorder
+from rsym.model.symbols import postorder
 
 HEADER = "% A model of rsym. After the word verbatim every operation stays as it is written, and decimals are floats."
 LONGEST_LINE = 240  # characters of a formula; what is longer is taken apart

@@ -9,9 +9,9 @@ import sympy as sp
 from rsym.logic.sign_form import SignForm, sign_form
 from rsym.logic.stripping import scaled
 from rsym.model.blends.gates import with_gates
-from rsym.model.folds import Fold
+from rsym.model.nodes import Fold
 from rsym.model.shape import Shape
-from rsym.model.traversal import postorder, symbols_of
+from rsym.model.symbols import postorder, symbols_of
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower_all
 

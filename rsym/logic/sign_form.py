@@ -19,7 +19,7 @@ from rsym.logic.gates import Gate, Operand, gate_of, through
 from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign
 from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
-from rsym.model.traversal import with_operands
+from rsym.model.symbols import with_operands
 from rsym.program.builder import Builder
 from rsym.program.calculus import Calculus
 from rsym.program.fields import fields_program

@@ -3,9 +3,9 @@
 Numbers, points and SymPy expressions come in; a `Shape` goes out: one expression in coordinates and letters, with
 bounds and named parts. In the order of the data:
 
-- `traversal`, `symbols`, `vectors`: expressions walked without recursion, symbols real, vectors of expressions
-- `nodes`, `folds`, `powers`, `choices`, `rnodes`: what SymPy keeps whole;
-  `systems`: nodes of logic made; `functions`: what else a formula may name
+- `symbols`, `vectors`: symbols real, expressions walked without recursion, vectors of expressions
+- `nodes`, `powers`, `choices`, `rnodes`: what SymPy keeps whole; `systems`: nodes of logic made;
+  `functions`: what else a formula may name
 - `letters` and `arguments`: what a shape is given, checked once; `requirements`: what all public functions refuse alike
 - `equation`: the data of a shape; `motions` of it; `named_parts`; `shape`: `Shape`, which joins these
 - `operations`: logic on shapes or expressions; `primitives/`: shapes of numbers; `constructions`,

@@ -13,10 +13,8 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from rsym.model.folds import Fold
-from rsym.model.nodes import ZeroWith
-from rsym.model.symbols import real_symbol
-from rsym.model.traversal import with_arguments
+from rsym.model.nodes import Fold, ZeroWith
+from rsym.model.symbols import real_symbol, with_arguments
 
 ROOM = 160  # parts of a formula that is printed whole
 TOP = 30  # parts of the top of a longer one

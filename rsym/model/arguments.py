@@ -15,8 +15,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.letters import Letter, as_letters
-from rsym.model.symbols import as_expression, real_replacements
-from rsym.model.traversal import substitute, symbols_of
+from rsym.model.symbols import as_expression, real_replacements, substitute, symbols_of
 from rsym.model.vectors import norm
 
 LetterMapping: TypeAlias = Mapping[Any, Letter | float] | None

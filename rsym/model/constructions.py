@@ -14,9 +14,8 @@ from rsym.model.letters import Letters
 from rsym.model.primitives.formulas import ROOM, between
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.model.symbols import as_expression, real_symbol, x
+from rsym.model.symbols import as_expression, real_symbol, substitute, symbols_of, x
 from rsym.model.systems import R0, RSystem
-from rsym.model.traversal import substitute, symbols_of
 
 
 def revolve(shape: Shape, axis: Any = x) -> Shape:

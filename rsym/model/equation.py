@@ -17,8 +17,7 @@ from sympy.functions.elementary.piecewise import ExprCondPair
 from rsym.errors import RsymError
 from rsym.model.choices import Choice
 from rsym.model.letters import Letter, Letters, as_letters
-from rsym.model.symbols import as_expression, real_replacements
-from rsym.model.traversal import postorder, substitute, symbols_of
+from rsym.model.symbols import as_expression, postorder, real_replacements, substitute, symbols_of
 
 Bounds: TypeAlias = tuple[tuple[float, float], ...]
 S = TypeVar("S", bound="Equation")

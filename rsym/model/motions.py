@@ -16,7 +16,7 @@ from rsym.model.arguments import LetterMapping, coordinate, default, number, poi
 from rsym.model.arguments import angle as in_radians
 from rsym.model.equation import Bounds, Equation, substituted
 from rsym.model.letters import Letters
-from rsym.model.traversal import symbols_of
+from rsym.model.symbols import symbols_of
 
 Matrix: TypeAlias = sp.ImmutableDenseMatrix
 S = TypeVar("S", bound="Movable")

@@ -11,14 +11,12 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.equation import Equation, combine
-from rsym.model.folds import Fold
 from rsym.model.letters import Letters
-from rsym.model.nodes import RealNode, ZeroWith
+from rsym.model.nodes import Fold, RealNode, ZeroWith
 from rsym.model.requirements import require_shape
 from rsym.model.rnodes import ROperation
-from rsym.model.symbols import real_symbol
+from rsym.model.symbols import postorder, real_symbol, rebuild, symbols_of, with_arguments, with_operands
 from rsym.model.systems import R0
-from rsym.model.traversal import postorder, rebuild, symbols_of, with_arguments, with_operands
 from rsym.model.wording import listing, proposal
 
 _IDEMPOTENT = (ROperation, sp.Min, sp.Max)

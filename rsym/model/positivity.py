@@ -24,7 +24,7 @@ from sympy.logic.boolalg import Boolean
 
 from rsym.errors import RsymError
 from rsym.model.letters import Letter
-from rsym.model.traversal import rebuild, substitute, symbols_of
+from rsym.model.symbols import rebuild, substitute, symbols_of
 
 HALVINGS = 60  # what is undecided then comes within 2**-120 of its size to zero: a halving quarters what is in doubt
 DIGITS = 60  # to which numbers that are not rational are taken there

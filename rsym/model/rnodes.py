@@ -11,8 +11,7 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
-from rsym.model.folds import Fold
-from rsym.model.nodes import Ahead
+from rsym.model.nodes import Ahead, Fold
 from rsym.model.powers import absolute_power, plain_absolute_power, signed_power
 
 

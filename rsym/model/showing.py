@@ -17,10 +17,9 @@ import sympy as sp
 
 from rsym.model.abridging import ROOM, abridged, weight
 from rsym.model.equation import Equation
-from rsym.model.folds import Fold
 from rsym.model.names import symbol_names
-from rsym.model.symbols import real_symbol
-from rsym.model.traversal import postorder, substitute, symbols_of, with_arguments
+from rsym.model.nodes import Fold
+from rsym.model.symbols import postorder, real_symbol, substitute, symbols_of, with_arguments
 from rsym.model.wording import within
 
 MOST = 1800  # characters of an equation at a glance

@@ -18,7 +18,7 @@ from rsym.model.positivity import positive_polynomial
 from rsym.model.primitives.curve_nodes import PARAMETER, CurveField, CurvePath
 from rsym.model.rnodes import Joining
 from rsym.model.shape import Bounds, Shape
-from rsym.model.traversal import substitute, symbols_of
+from rsym.model.symbols import substitute, symbols_of
 
 ROOM = (
     2  # times the profile, free around a skeleton: enough for four curves that meet, and for profiles up to slope 1/2

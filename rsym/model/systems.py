@@ -28,8 +28,7 @@ from rsym.model.rnodes import (
     RpConjunction,
     RpDisjunction,
 )
-from rsym.model.symbols import as_expression
-from rsym.model.traversal import rebuild
+from rsym.model.symbols import as_expression, rebuild
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from rsym.model.nodes import Composition
 from rsym.model.requirements import require_mapping, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.showing import latex
-from rsym.model.traversal import rebuild
+from rsym.model.symbols import rebuild
 from rsym.output import axes3d
 from rsym.output.looks import PLAIN, Look
 from rsym.output.panels import draw_levels, named

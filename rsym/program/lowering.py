@@ -21,10 +21,9 @@ from sympy.logic.boolalg import BooleanAtom, BooleanFunction
 from rsym.errors import RsymError
 from rsym.model import powers, rnodes
 from rsym.model.choices import Choice
-from rsym.model.folds import Fold
 from rsym.model.functions import FUNCTIONS
-from rsym.model.nodes import Ahead, Composition, Held, RealNode, Trimming, ZeroWith, written_out
-from rsym.model.traversal import postorder, symbols_of
+from rsym.model.nodes import Ahead, Composition, Fold, Held, RealNode, Trimming, ZeroWith, written_out
+from rsym.model.symbols import postorder, symbols_of
 from rsym.program.builder import HALF, Builder
 from rsym.program.operations import OPERATIONS
 

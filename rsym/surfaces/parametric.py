@@ -12,8 +12,7 @@ import sympy as sp
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
-from rsym.model.symbols import real_replacements
-from rsym.model.traversal import symbols_of
+from rsym.model.symbols import real_replacements, symbols_of
 from rsym.surfaces.functions.formulas import CompiledFormulas, entries_and_shape, exact
 from rsym.surfaces.parameters import as_interval
 from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch

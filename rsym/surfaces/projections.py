@@ -29,8 +29,7 @@ from rsym.errors import RsymError
 from rsym.model.abridging import ROOM, in_words, weight
 from rsym.model.letters import as_letters
 from rsym.model.shape import Shape
-from rsym.model.symbols import x, y
-from rsym.model.traversal import substitute, symbols_of
+from rsym.model.symbols import substitute, symbols_of, x, y
 from rsym.surfaces.chords.domain_chords import as_domain, chord_of
 from rsym.surfaces.chords.lines import (
     NEGLIGIBLE,

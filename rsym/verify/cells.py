@@ -12,8 +12,8 @@ from collections.abc import Mapping, Sequence
 import sympy as sp
 
 from rsym.model.choices import Choice
+from rsym.model.symbols import rebuild
 from rsym.model.symmetry.waves import SawtoothWave
-from rsym.model.traversal import rebuild
 
 MOST = 48  # cells; of more the wave stays as it is
 

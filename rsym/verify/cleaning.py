@@ -22,7 +22,7 @@ import sympy as sp
 from rsym.model.nodes import Trimming, expand_nodes
 from rsym.model.powers import absolute_power, signed_power
 from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction, R1Disjunction, R1Operation
-from rsym.model.traversal import postorder, rebuild
+from rsym.model.symbols import postorder, rebuild
 
 ROUNDS = 3  # a rule may make room for another one
 LARGEST = 4_000  # parts of an expression; a larger one is left as it is

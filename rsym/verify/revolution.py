@@ -15,7 +15,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
-from rsym.model.traversal import rebuild, symbols_of
+from rsym.model.symbols import rebuild, symbols_of
 
 
 def meridian(shape: Shape) -> tuple[Shape, int]:

@@ -10,7 +10,7 @@ import rsym
 from rsym import Rp, RsymError, RsymWarning, Shape, x, y, z
 from rsym.model import rnodes
 from rsym.model.nodes import Trimming, ZeroWith
-from rsym.model.traversal import postorder
+from rsym.model.symbols import postorder
 
 pytestmark = pytest.mark.filterwarnings("ignore:the shape has corners")
 DIGITS = 60

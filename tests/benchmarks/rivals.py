@@ -8,7 +8,7 @@ import numpy as np
 import sympy as sp
 
 import rsym
-from rsym.model.traversal import substitute
+from rsym.model.symbols import substitute
 
 C_FLAGS = {
     "gcc -O3 -march=native": (),

@@ -21,9 +21,8 @@ from rsym.model.operations import difference, implication, joining
 from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction
 from rsym.model.shape import Shape
 from rsym.model.showing import latex
-from rsym.model.symbols import real_symbol, x, y, z
+from rsym.model.symbols import postorder, real_symbol, symbols_of, x, y, z
 from rsym.model.systems import Rp
-from rsym.model.traversal import postorder, symbols_of
 
 CAR = Path(rsym.paper.__file__).parent / "car.rf"
 SKELETON = CAR.with_name("skeleton.rf")

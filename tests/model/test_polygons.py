@@ -11,7 +11,7 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import R1, Rp, RsymError, x, y
-from rsym.model.folds import Fold
+from rsym.model.nodes import Fold
 from rsym.model.primitives.outlines import Junction, monotone_formula
 from rsym.model.primitives.polygons import polygon, regular_polygon
 

@@ -12,7 +12,7 @@ from rsym import surfaces, x, y
 from rsym.analysis.latex import field_formulas
 from rsym.model.abridging import TOP, abridged, weight
 from rsym.model.showing import LONGEST, in_common_parts
-from rsym.model.traversal import substitute
+from rsym.model.symbols import substitute
 from rsym.surfaces import symbols
 
 pytestmark = pytest.mark.filterwarnings("ignore:the shape has corners")

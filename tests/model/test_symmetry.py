@@ -7,11 +7,11 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import RsymError, Shape, conjunction, x, y, z
+from rsym.model.symbols import substitute
 from rsym.model.symmetry.cyclic import MOST_IN_A_FAN, cyclic
 from rsym.model.symmetry.evenness import check_even
 from rsym.model.symmetry.rows import grid, row
 from rsym.model.symmetry.waves import triangle_wave
-from rsym.model.traversal import substitute
 
 a, b = sp.symbols("a b", real=True)
 ELLIPSE = Shape((1 - x**2 / 4 - 2 * y**2) / 2 + x / 9, (x, y), bounds=((-3, 3), (-1, 1)))

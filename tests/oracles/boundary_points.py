@@ -15,8 +15,7 @@ import sympy as sp
 from oracles.closeness import assert_close
 from oracles.power_series import FUNCTIONS, REAL, Series, piecewise
 from rsym import Shape
-from rsym.model.folds import Fold
-from rsym.model.nodes import RealNode
+from rsym.model.nodes import Fold, RealNode
 
 PAIR = sp.symbols("f g", real=True, cls=sp.Dummy)
 

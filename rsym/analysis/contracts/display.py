@@ -13,8 +13,7 @@ from rsym.analysis.contracts.leaves import Leaf, is_logical
 from rsym.analysis.contracts.promises import Order, Singularity
 from rsym.model.abridging import weight
 from rsym.model.names import symbol_names
-from rsym.model.symbols import real_symbol
-from rsym.model.traversal import symbols_of
+from rsym.model.symbols import real_symbol, symbols_of
 from rsym.reports.document import Document, Entry, Sentence
 
 _SHOWN = 6  # singular sets of one kind, leaves of one order: a car has 38 and 31

@@ -13,8 +13,7 @@ from rsym.model.nodes import Trimming
 from rsym.model.powers import AbsolutePower
 from rsym.model.rnodes import EquivalenceOperation, ROperation
 from rsym.model.shape import Shape
-from rsym.model.symbols import real_symbol
-from rsym.model.traversal import substitute
+from rsym.model.symbols import real_symbol, substitute
 
 _LOGIC = (ROperation, EquivalenceOperation, Trimming, sp.Min, sp.Max, sp.Abs)
 

@@ -25,7 +25,7 @@ from rsym.analysis.contracts.promises import Order, weakest
 from rsym.analysis.contracts.towers import PRIME, Element, NotShown, Tower, element
 from rsym.model.nodes import Held, RealNode, expand_nodes, without_zeros
 from rsym.model.powers import AbsolutePower
-from rsym.model.traversal import postorder
+from rsym.model.symbols import postorder
 
 HIGHEST = 6  # trimming keeps no more
 _PARTS = 800  # of a leaf: an ellipsoid normalised to order 2 has 250, an ellipse to order 3 2 700 and takes 10 s

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import sympy as sp
 
-from rsym.model.traversal import postorder
+from rsym.model.symbols import postorder
 
 _PARTS = 60  # of what is expanded when a variable is eliminated: the fenders of a car take 25
 

@@ -21,8 +21,7 @@ from rsym.model.choices import Choice
 from rsym.model.letters import Letters
 from rsym.model.nodes import without_zeros
 from rsym.model.shape import Shape
-from rsym.model.symbols import as_expression, real_symbol
-from rsym.model.traversal import substitute
+from rsym.model.symbols import as_expression, real_symbol, substitute
 from rsym.reports.document import Document
 from rsym.reports.render import Report
 

@@ -26,11 +26,10 @@ from rsym.model.blends.rho import (
 )
 from rsym.model.blends.sardf import SardfConjunction, SardfDisjunction, SardfOperation
 from rsym.model.choices import Choice
-from rsym.model.folds import Fold
-from rsym.model.nodes import Trimming, written_out
+from rsym.model.nodes import Fold, Trimming, written_out
 from rsym.model.rnodes import Equivalence, Joining, ROperation
+from rsym.model.symbols import with_operands
 from rsym.model.symmetry.waves import SawtoothWave, TriangleWave, Wave
-from rsym.model.traversal import with_operands
 
 _TRIMMED = 6  # trimming = |f| + |f|**7/(32 t**2) + ...
 

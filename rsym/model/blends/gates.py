@@ -14,7 +14,7 @@ from rsym.model.blends.folds import BlendOperation
 from rsym.model.blends.sardf import SardfOperation
 from rsym.model.nodes import Scaled
 from rsym.model.rnodes import ROperation
-from rsym.model.traversal import postorder
+from rsym.model.symbols import postorder
 
 
 def without_rounded_levels(expression: sp.Expr) -> sp.Expr:

@@ -10,7 +10,7 @@ import sympy as sp
 from rsym.model.arguments import Point
 from rsym.model.nodes import Composition, Trimming
 from rsym.model.powers import absolute_power
-from rsym.model.traversal import substitute
+from rsym.model.symbols import substitute
 from rsym.model.vectors import cross, dot, minus, norm, squared
 
 PARAMETER: sp.Symbol = sp.Dummy("s", real=True)

@@ -11,8 +11,7 @@ from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
 from rsym.model.primitives.formulas import by_differentiation
 from rsym.model.shape import Shape
-from rsym.model.symbols import SPACE
-from rsym.model.traversal import substitute
+from rsym.model.symbols import SPACE, substitute
 
 Sum: TypeAlias = Callable[[sp.Expr, sp.Expr, sp.Expr], sp.Expr]
 

@@ -24,9 +24,8 @@ from rsym.model.primitives.outlines import (
 )
 from rsym.model.primitives.plane import right_of
 from rsym.model.shape import Shape
-from rsym.model.symbols import PLANE, x, y
+from rsym.model.symbols import PLANE, symbols_of, x, y
 from rsym.model.systems import R0, RSystem
-from rsym.model.traversal import symbols_of
 from rsym.model.vectors import minus
 
 

@@ -12,8 +12,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letter
 from rsym.model.nodes import written_out
 from rsym.model.shape import Shape
-from rsym.model.symbols import real_symbol
-from rsym.model.traversal import postorder, substitute, with_arguments
+from rsym.model.symbols import postorder, real_symbol, substitute, with_arguments
 
 PLACES = 48  # a bump of a twentieth of the box is met by chance in 9 of 10 cases; each place costs about 0.1 ms a node
 FEWEST = 8

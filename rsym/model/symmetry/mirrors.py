@@ -14,8 +14,8 @@ from rsym.model.motions import axis_vector
 from rsym.model.nodes import Held
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
+from rsym.model.symbols import rebuild
 from rsym.model.symmetry.reflections import folded, turned_bounds, turned_coordinates, within_half_a_sector
-from rsym.model.traversal import rebuild
 from rsym.model.vectors import Vector, dot
 
 _GOLDEN = (1 + sp.sqrt(5)) / 2

@@ -79,6 +79,7 @@ class MesherKernels:
         for routine in routines:
             self._load(machine_code(routine))
         self._constants = np.zeros(max(1, formulas.points.constants + formulas.bounds.constants))
+        self._cap_letters = [cap_letters(name) for name in self.program.coordinates]
         check_leaves(self)
 
     def _load(self, engine: Any) -> None:
@@ -106,8 +107,8 @@ class MesherKernels:
     def set(self, letters: Mapping[str, float], bounds: Bounds | None = None) -> None:
         """Take the letters of the shape, and the bounds where the form has caps."""
         values = dict(letters)
-        for name, ends in zip(self.program.coordinates, bounds or [(-np.inf, np.inf)] * 3, strict=True):
-            values.update(zip(cap_letters(name), ends, strict=True))
+        for names, ends in zip(self._cap_letters, bounds or [(-np.inf, np.inf)] * 3, strict=True):
+            values.update(zip(names, ends, strict=True))
         self._check_parameters(values)
         plain = [values.get(name, 1.0) for name in self.form.builder.letters]
         twice = np.repeat(plain, 2)

@@ -17,7 +17,7 @@ import sympy as sp
 
 from rsym.model.abridging import weight
 from rsym.model.names import symbol_names
-from rsym.model.traversal import symbols_of
+from rsym.model.symbols import symbols_of
 from rsym.surfaces.symbols import t
 
 LONGEST = 120  # parts of a formula that is written out

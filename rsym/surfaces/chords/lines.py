@@ -16,8 +16,7 @@ from scipy.integrate import quad
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
-from rsym.model.symbols import as_expression, real_replacements, x, y
-from rsym.model.traversal import substitute, symbols_of
+from rsym.model.symbols import as_expression, real_replacements, substitute, symbols_of, x, y
 from rsym.surfaces.functions.formulas import exact
 from rsym.surfaces.symbols import t
 

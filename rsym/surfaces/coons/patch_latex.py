@@ -8,7 +8,7 @@ import sympy as sp
 
 from rsym.model.abridging import weight
 from rsym.model.names import symbol_names
-from rsym.model.traversal import symbols_of
+from rsym.model.symbols import symbols_of
 from rsym.surfaces.blends.blend_families import blend_lines
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.functions.formulas import entries_of

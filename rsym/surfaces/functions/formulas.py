@@ -14,8 +14,7 @@ from rsym.backends.kernel import checked_threads, compiled, run_in_blocks
 from rsym.backends.registry import CompiledFunction, default_backend
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
-from rsym.model.symbols import as_expression, real_replacements
-from rsym.model.traversal import symbols_of
+from rsym.model.symbols import as_expression, real_replacements, symbols_of
 from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative
 from rsym.program.lowering import lower_all

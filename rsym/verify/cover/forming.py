@@ -17,7 +17,7 @@ import sympy as sp
 from rsym.logic.gates import Gate, Operand, gate_of
 from rsym.logic.sign_form import stripped
 from rsym.logic.stripping import Signed
-from rsym.model.traversal import with_operands
+from rsym.model.symbols import with_operands
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower
 from rsym.verify.boxes.local import Model

@@ -24,7 +24,7 @@ import sympy as sp
 
 from rsym.arrays import Flags
 from rsym.model.shape import Shape
-from rsym.model.traversal import postorder, rebuild, symbols_of
+from rsym.model.symbols import postorder, rebuild, symbols_of
 from rsym.verify.boxes.local import Box, Model
 from rsym.verify.cover.images import Boxes
 from rsym.verify.cover.likeness import Likeness

@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats
 from rsym.backends.kernel import compile
 from rsym.bounds.intervals import IntervalFunction
-from rsym.model.folds import Fold
 from rsym.model.letters import Letter, Letters
-from rsym.model.nodes import written_out
+from rsym.model.nodes import Fold, written_out
 from rsym.model.rnodes import EquivalenceOperation, R0mOperation, RAlphaOperation, RpOperation
 from rsym.model.shape import Shape
-from rsym.model.traversal import postorder
+from rsym.model.symbols import postorder
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower
 from rsym.verify.lint.places import ModelPlace, text_of

@@ -10,7 +10,7 @@ import sympy as sp
 from rsym.logic.gates import Gate, Operand
 from rsym.logic.kleene import Literal
 from rsym.model.rnodes import R1Operation, ROperation
-from rsym.model.traversal import with_operands
+from rsym.model.symbols import with_operands
 
 
 @dataclass(frozen=True)

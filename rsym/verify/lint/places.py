@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from rsym.model.shape import Shape
-from rsym.model.symbols import real_symbol
-from rsym.model.traversal import postorder, substitute
+from rsym.model.symbols import postorder, real_symbol, substitute
 
 LONGEST = 60  # characters of a formula in a message
 MOST_PIECES = 60  # a formula of more is not written out: its text may be exponentially longer than it is stored

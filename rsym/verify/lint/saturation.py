@@ -9,7 +9,7 @@ import sympy as sp
 
 from rsym.arrays import Floats
 from rsym.model.functions import FUNCTIONS
-from rsym.model.traversal import postorder
+from rsym.model.symbols import postorder
 
 # u/sqrt(1 + u**2) has a twelfth of its greatest slope where it has reached nine tenths of its greatest value;
 # a strip that the bounds just hold is as high in a third of them, but as flat only in a tenth.

@@ -8,11 +8,10 @@ import numpy as np
 import sympy as sp
 
 from rsym.arrays import Floats
-from rsym.model.folds import Fold
-from rsym.model.nodes import Trimming
+from rsym.model.nodes import Fold, Trimming
 from rsym.model.powers import AbsolutePower
 from rsym.model.rnodes import R0mOperation
-from rsym.model.traversal import postorder
+from rsym.model.symbols import postorder
 from rsym.verify.lint.places import text_of
 
 MOST_PIECES = 60  # of a formula whose divisor is sought

@@ -16,7 +16,7 @@ from rsym.bounds.enclosures import ranges_of
 from rsym.model.nodes import Trimming, written_out
 from rsym.model.rnodes import ROperation
 from rsym.model.shape import Shape
-from rsym.model.traversal import postorder
+from rsym.model.symbols import postorder
 from rsym.program.lowering import lower
 from rsym.program.operations import CHOOSING
 from rsym.program.program import live

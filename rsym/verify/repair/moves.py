@@ -20,7 +20,7 @@ from rsym.model.letters import Letter
 from rsym.model.nodes import Trimming
 from rsym.model.rnodes import R0mOperation, R0Operation, R1Operation, RAlphaOperation, ROperation
 from rsym.model.shape import Shape
-from rsym.model.traversal import postorder, symbols_of, with_arguments
+from rsym.model.symbols import postorder, symbols_of, with_arguments
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.repair.anatomy import Anatomy, Culprit, Verdict, anatomy, troubles
 
