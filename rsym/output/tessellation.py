@@ -12,7 +12,8 @@ from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.sampling.mesh import Mesh
 from rsym.surfaces import forms
-from rsym.surfaces.patch import LetterValues, Orders, Patch
+from rsym.surfaces.parameters import LetterValues
+from rsym.surfaces.patch import Orders, Patch
 
 # Triangles of a picture of two or three thousand points: smaller ones than a few pixels show nothing more.
 CELLS = 32_000

@@ -1,10 +1,11 @@
 """Parametric surfaces: patches over a rectangle of parameters, how they are joined, proved and meshed.
 
 In come edges, curves, points or formulas. Edges, curves or data become functions of one parameter, these the Boolean
-sum p = P_u + P_v - P_u P_v, and that points, normals, curvatures and meshes. The way of `CoonsPatch(...).grid(u, v)`:
-whatever is a curve becomes one (functions/curves.py); ribbons across the edges (coons/coons_patches.py); what both say
-at the corners (coons/corners.py); the Boolean sum (transfinite.py); parameters in its domain (patch.py, parameters.py);
-one kernel of the whole formula (functions/formulas.py), or its factors.
+sum p = P_u + P_v - P_u P_v, and that points, normals, curvatures and meshes. The way of `CoonsPatch(...).grid(u, v)`, a
+module each: curves become functions of one parameter (functions/curves.py, functions/univariate.py); edges and what
+follows from them across are stacked (coons/coons_patches.py); corners agree (coons/corners.py); the Boolean sum is one
+formula or keeps its factors (transfinite.py); parameters are placed in its domain (patch.py, parameters.py); a kernel
+of the formula gives the points (functions/formulas.py).
 
 The order of a spline is one more than its degree, and either may be given; that of a Coons patch, a transition or a
 blend is its class, the number of derivatives given across an edge, the position among them: degree 2 order - 1.

@@ -12,16 +12,14 @@ At the apex of a cone w is not in that plane: the curvature grows as 1/d, and at
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, Protocol, TypeAlias
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats
-from rsym.surfaces.parameters import Interval
-
-LetterValues: TypeAlias = Mapping[Any, float] | None
+from rsym.surfaces.parameters import Interval, LetterValues
 
 # Share d of a length below which a place is taken for one at a pole. At an end of the interval means with three nodes
 # are off by d**6, p_u x p_v by eps/d**2. At a pole inside, whose place is not known so well, its own value is taken,

@@ -14,7 +14,8 @@ from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.sampling.mesh import Mesh
-from rsym.surfaces.patch import LetterValues, Patch, patches_of
+from rsym.surfaces.parameters import LetterValues
+from rsym.surfaces.patch import Patch, patches_of
 
 # Points of neighbouring patches this share of the whole apart are one vertex: far below a cell, far above rounding,
 # unless the whole is far from the origin: coordinates of different formulas differ by some roundings of their size.

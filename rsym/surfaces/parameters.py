@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,6 +13,7 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError
 
 Interval: TypeAlias = tuple[float, float]
+LetterValues: TypeAlias = Mapping[Any, float] | None
 
 # Parameters this share of the interval outside of it are rounding, and moved to its end.
 ROUNDING = 1e-12

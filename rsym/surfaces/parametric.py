@@ -14,8 +14,8 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.model.symbols import real_replacements, symbols_of
 from rsym.surfaces.functions.formulas import CompiledFormulas, entries_and_shape, exact
-from rsym.surfaces.parameters import as_interval
-from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch
+from rsym.surfaces.parameters import LetterValues, as_interval
+from rsym.surfaces.patch import Domain, Orders, Patch
 
 
 class ParametricSurface(Patch):
@@ -106,4 +106,4 @@ class ParametricSurface(Patch):
 
     def evaluate(self, u: Floats, v: Floats, orders: Orders, letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
-        return self._compiled.points(u, v, orders, self._letters.values_with(letters))
+        return self._compiled.evaluate([u, v], orders, self._letters.values_with(letters))

@@ -7,7 +7,7 @@ meshes and formulas follow from them here.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from operator import index
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -21,14 +21,14 @@ from rsym.model.abridging import ROOM, weight
 from rsym.model.letters import Letters
 from rsym.model.requirements import several
 from rsym.surfaces import forms
-from rsym.surfaces.parameters import Interval, inside, parameter_arrays
+from rsym.surfaces.parameters import Interval, LetterValues, inside, parameter_arrays
 
 if TYPE_CHECKING:
     from rsym.sampling.mesh import Mesh
 
 Domain: TypeAlias = tuple[Interval, Interval]
 Orders: TypeAlias = Sequence[tuple[int, int]]
-LetterValues: TypeAlias = Mapping[Any, float] | None
+POSITION = (0, 0)
 
 
 class Patch(ABC):
@@ -82,7 +82,7 @@ class Patch(ABC):
 
     def __call__(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Floats:
         """Points (..., 3)."""
-        return self.derivative(u, v, (0, 0), letters=letters)
+        return self.derivatives(u, v, (POSITION,), letters=letters)[0]
 
     def grid(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Floats:
         """Points (len u, len v, 3) at all pairs of two vectors."""
@@ -93,7 +93,7 @@ class Patch(ABC):
                 code="array",
                 remedy="call the patch itself: patch(u, v) broadcasts",
             )
-        return self(rows[:, None], columns[None, :], letters=letters)
+        return self.derivatives(rows[:, None], columns[None, :], (POSITION,), letters=letters)[0]
 
     def derivative(
         self, u: ArrayLike, v: ArrayLike, order: tuple[int, int] = (1, 0), *, letters: LetterValues = None
@@ -106,14 +106,11 @@ class Patch(ABC):
         whole = [_order(order) for order in orders]
         if letters:
             self.letters.values_with(letters)
-        rows, columns = parameter_arrays(u, v)
-        placed = [inside(one, *which) for one, which in zip((rows, columns), self._axes, strict=True)]
-        return self.evaluate(placed[0], placed[1], whole, letters) if whole else []
-
-    @property
-    def _axes(self) -> tuple[tuple[Interval, bool, str], tuple[Interval, bool, str]]:
-        (first, second), (round_u, round_v) = self.domain, self.closed
-        return (first, round_u, "u"), (second, round_v, "v")
+        rows, columns = (
+            inside(one, interval, closed, name)
+            for one, interval, closed, name in zip(parameter_arrays(u, v), self.domain, self.closed, "uv", strict=True)
+        )
+        return self.evaluate(rows, columns, whole, letters) if whole else []
 
     def normal(self, u: ArrayLike, v: ArrayLike, *, letters: LetterValues = None) -> Floats:
         """Unit normals (..., 3): p_u x p_v over its length; at a pole, where one is 0, the limit from inside."""
@@ -146,8 +143,8 @@ class Patch(ABC):
         return mesh_patches(self, resolution, letters=letters)
 
     def __repr__(self) -> str:
-        intervals = [f"{name} in [{low:.6g}, {high:.6g}]" for (low, high), _, name in self._axes]
-        closed = [f"closed in {name}" for _, closed, name in self._axes if closed]
+        intervals = [f"{name} in [{low:.6g}, {high:.6g}]" for name, (low, high) in zip("uv", self.domain, strict=True)]
+        closed = [f"closed in {name}" for name, closed in zip("uv", self.closed, strict=True) if closed]
         letters = [f"{name} = {letter.default}" for name, letter in self.letters.items()]
         return f"{type(self).__name__}({', '.join([*intervals, *closed, *letters])})"
 

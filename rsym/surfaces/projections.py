@@ -41,8 +41,9 @@ from rsym.surfaces.chords.lines import (
     real_expression,
     refuse_parallel,
 )
+from rsym.surfaces.parameters import LetterValues
 from rsym.surfaces.parametric import ParametricSurface
-from rsym.surfaces.patch import Domain, LetterValues
+from rsym.surfaces.patch import Domain
 from rsym.surfaces.symbols import u, v
 
 # In the mean, of the root mean square: below that "auto" takes the square. A mean of 0.2 makes g_k/<g_k>_k five times

@@ -12,8 +12,8 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
-from rsym.surfaces.parameters import Interval
-from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch, patches_of
+from rsym.surfaces.parameters import Interval, LetterValues
+from rsym.surfaces.patch import Domain, Orders, Patch, patches_of
 
 
 class PatchPiece(Patch):

@@ -24,7 +24,8 @@ from rsym.model.letters import Letters
 from rsym.surfaces import symbols
 from rsym.surfaces.functions.formulas import CompiledFormulas, entries_of
 from rsym.surfaces.functions.univariate import NO_LETTERS, Univariate
-from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch
+from rsym.surfaces.parameters import LetterValues
+from rsym.surfaces.patch import Domain, Orders, Patch
 
 # Points combined at once: their factors stay in the cache of a core.
 BLOCK = 4096
@@ -114,7 +115,7 @@ class BooleanSum(Patch):
         """The derivatives of these orders."""
         values = self._letters.values_with(letters)
         if self._compiled is not None:
-            return self._compiled.points(u, v, orders, values)
+            return self._compiled.evaluate([u, v], orders, values)
         return _Separable(self, orders, values).evaluate(u, v)
 
     @cached_property

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from math import pi
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -23,9 +23,8 @@ from rsym.surfaces.blends.blend_families import BlendFamily, Functions, blend_la
 from rsym.surfaces.blends.blending_checks import Answer
 from rsym.surfaces.functions.formulas import exact, real_expressions
 from rsym.surfaces.functions.univariate import PARAMETERS, Formula
+from rsym.surfaces.parameters import LetterValues
 from rsym.surfaces.symbols import t
-
-LetterValues: TypeAlias = Mapping[Any, float] | None
 
 # Formulas whose numbers are given to ten digits pass, and so does rounding times a shape parameter of a million.
 HERMITE_TOLERANCE = 1e-9
@@ -122,16 +121,19 @@ class HermiteBlend:
         return HermiteBlend(self.functions, self.letters.changed(own), family=self.family, formulas=self.formulas)
 
     @staticmethod
+    @cache
     def linear() -> HermiteBlend:
         """Class 1: F0 = 1 - t, F1 = t."""
         return HermiteBlend(families.LINEAR)
 
     @staticmethod
+    @cache
     def cubic() -> HermiteBlend:
         """Class 2: the cubic Hermite functions (Ferguson 1964), F1 = 3t**2 - 2t**3."""
         return HermiteBlend(families.CUBIC)
 
     @staticmethod
+    @cache
     def quintic() -> HermiteBlend:
         """Class 3: the quintic Hermite functions, F1 = 6t**5 - 15t**4 + 10t**3."""
         return HermiteBlend(families.QUINTIC)

@@ -7,21 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol
 
 import numpy as np
 import sympy as sp
 
 from rsym.arrays import Floats
-from rsym.backends.interpreter import interpret
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.model.symbols import as_expression, real_symbol
 from rsym.surfaces.blends.blend_families import BlendFamily, Functions, resolved
 from rsym.surfaces.functions.formulas import CompiledFormulas, exact
+from rsym.surfaces.parameters import LetterValues
 from rsym.surfaces.symbols import t
-
-LetterValues: TypeAlias = Mapping[Any, float] | None
 
 # Sampled identities hold to this: a thousand times the rounding of blending functions.
 TOLERANCE = 1e-12
@@ -259,9 +257,6 @@ def _with(values: Mapping[str, float]) -> str:
 
 
 def _interpreted(functions: Sequence[sp.Expr], places: Floats, orders: int, values: Mapping[str, float]) -> Floats:
-    """Derivatives of expressions (orders, functions, places), node by node: nothing is compiled for one look."""
+    """Derivatives of expressions (orders, functions, places)."""
     formulas = CompiledFormulas(functions, (t.name,), as_letters(values), ((0.0, 1.0),))
-    program = formulas.program([(order,) for order in range(orders)])
-    found = interpret(program, {t.name: places, **values})
-    rows = [np.broadcast_to(found[name], places.shape) for name, _ in program.outputs]
-    return np.array(rows).reshape(orders, len(functions), len(places))
+    return formulas.interpreted(places, [(order,) for order in range(orders)], values)

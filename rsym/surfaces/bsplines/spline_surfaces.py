@@ -32,8 +32,8 @@ from rsym.surfaces.bsplines.parameter_correction import approximated
 from rsym.surfaces.bsplines.scattered_data import spaces_for_scattered
 from rsym.surfaces.bsplines.spline_spaces import Spaces, checked_space, tensor_values
 from rsym.surfaces.functions.formulas import exact
-from rsym.surfaces.parameters import Interval
-from rsym.surfaces.patch import LetterValues, Orders, Patch
+from rsym.surfaces.parameters import Interval, LetterValues
+from rsym.surfaces.patch import Orders, Patch
 
 Both: TypeAlias = tuple[Any, Any]
 

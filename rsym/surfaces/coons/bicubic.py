@@ -23,7 +23,8 @@ from rsym.surfaces.coons.patch_latex import bicubic_latex
 from rsym.surfaces.corrections import Correction
 from rsym.surfaces.functions.formulas import CompiledFormulas, entries_and_shape
 from rsym.surfaces.functions.univariate import Constant, Formula, Univariate
-from rsym.surfaces.patch import LetterValues, Orders
+from rsym.surfaces.parameters import LetterValues
+from rsym.surfaces.patch import Orders
 from rsym.surfaces.transfinite import BooleanSum
 
 UNIT = ((0.0, 1.0), (0.0, 1.0))
@@ -84,7 +85,7 @@ class BicubicCoons(BooleanSum):
         if not isinstance(self.data, Constant):
             return super().evaluate(u, v, orders, letters)
         values = self.letters.values_with(letters) | corner_values(self.data.values)
-        return formulas_of_blends(self.blend_u, self.blend_v).points(u, v, orders, values)
+        return formulas_of_blends(self.blend_u, self.blend_v).evaluate([u, v], orders, values)
 
     @property
     def matrix(self) -> Floats:

@@ -16,9 +16,10 @@ from rsym.surfaces.coons.corners import CornerData, gregory_of
 from rsym.surfaces.coons.patch_latex import coons_latex
 from rsym.surfaces.corrections import MEETING, Correction, require_tolerance
 from rsym.surfaces.functions.curves import as_curve
-from rsym.surfaces.functions.univariate import Blended, Combination, Row, Sampled, Stack, Univariate, on_interval
+from rsym.surfaces.functions.univariate import Blended, Combination, SingleSample, Stack, Univariate, on_interval
+from rsym.surfaces.parameters import LetterValues
 from rsym.surfaces.parametric import ParametricSurface
-from rsym.surfaces.patch import LetterValues, Orders
+from rsym.surfaces.patch import Orders
 from rsym.surfaces.symbols import t, u, v
 from rsym.surfaces.transfinite import BooleanSum, Loft
 
@@ -94,18 +95,14 @@ class CoonsPatch(BooleanSum):
     ) -> None:
         require_tolerance(tolerance)
         self.order, self.tolerance = order, tolerance
-        self.blend_u, self.blend_v = (
-            blend_of_class(one, order, name) for one, name in ((blend_u, "u"), (blend_v, "v"))
-        )
+        self.blend_u, self.blend_v = blend_of_class(blend_u, order, "u"), blend_of_class(blend_v, order, "v")
         given = dict(zip(EDGES, (curve_u0, curve_u1, curve_v0, curve_v1), strict=True))
         edges = {name: unit_curve(curve, letters, f"the curve of the edge {name}") for name, curve in given.items()}
-        across = ribbons_of(edges, ribbons, order, letters)
-        across_u, across_v = (Stack([row[name + end] for row in across for end in "01"]) for name in "uv")
-        data = CornerData(across_u, across_v)
-        data.check(tolerance)
-        super().__init__(Loft(self.blend_u.curve, across_u), Loft(self.blend_v.curve, across_v), data)
-        self.data = data
-        self.gregory = gregory_of(corners, data, (self.blend_u, self.blend_v), tolerance)
+        across_u, across_v = stacks_across(edges, ribbons, order, letters)
+        self.data = CornerData(across_u, across_v)
+        self.data.check(tolerance)
+        self.gregory = gregory_of(corners, self.data, (self.blend_u, self.blend_v), tolerance)
+        super().__init__(Loft(self.blend_u.curve, across_u), Loft(self.blend_v.curve, across_v), self.data)
 
     @classmethod
     def of_surface(cls, point: Any, *, order: int = 1, letters: Mapping[Any, Any] | None = None) -> CoonsPatch:
@@ -155,24 +152,33 @@ class CoonsPatch(BooleanSum):
         return coons_latex(self.data, lofts, self.blend_u, self.blend_v)
 
 
+def stacks_across(
+    edges: Mapping[str, Univariate], ribbons: Mapping[str, Any] | None, order: int, letters: Mapping[Any, Any] | None
+) -> tuple[Stack, Stack]:
+    """What happens across the edges u = 0, 1 and across v = 0, 1: the edges and their ribbons, order by order."""
+    rows = [edges, *ribbons_of(edges, ribbons, order, letters)]
+    across_u, across_v = (Stack([row[name + end] for row in rows for end in "01"]) for name in "uv")
+    return across_u, across_v
+
+
 def ribbons_of(
     edges: Mapping[str, Univariate], ribbons: Mapping[str, Any] | None, order: int, letters: Mapping[Any, Any] | None
 ) -> list[dict[str, Univariate]]:
-    """The edges and their derivatives across, order by order."""
+    """The derivatives across the edges, order by order, as given or as they follow from the edges."""
     if order == 1 or ribbons is None:
         if order == 3 or (order == 1 and ribbons is not None):
             expected = "no ribbons" if order == 1 else "ribbons (first, second) for each edge"
             raise RsymError(f"a patch of class {order} takes {expected}", code="ribbons", remedy="change order=")
-        return [dict(edges)] if order == 1 else [dict(edges), tangent_ribbons(edges)]
+        return [] if order == 1 else [tangent_ribbons(edges)]
     if set(ribbons) != set(EDGES):
         raise RsymError(
             f"ribbons are given for {', '.join(EDGES)}, got {', '.join(map(str, ribbons))}",
             code="ribbons",
             remedy="a mapping from each edge to the derivative across it",
         )
-    rows: list[dict[str, Univariate]] = [dict(edges)] + [{} for _ in range(order - 1)]
+    rows: list[dict[str, Univariate]] = [{} for _ in range(order - 1)]
     for name in EDGES:
-        for row, one in zip(rows[1:], _derivatives_across(ribbons[name], order, name), strict=True):
+        for row, one in zip(rows, _derivatives_across(ribbons[name], order, name), strict=True):
             row[name] = unit_curve(one, letters, f"the ribbon of the edge {name}")
     return rows
 
@@ -217,7 +223,7 @@ def _adini(edges: Mapping[str, Univariate], i: int, j: int) -> Univariate:
 
 def _at(curve: Univariate, place: int, order: int) -> Univariate:
     """A point or tangent of a curve over [0, 1], as a constant (3,)."""
-    return Row(Sampled(curve, [float(place)], [order]))
+    return SingleSample(curve, float(place), order)
 
 
 def unit_curve(given: Any, letters: Mapping[Any, Any] | None, what: str) -> Univariate:

@@ -24,7 +24,8 @@ from rsym.surfaces import symbols
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.corrections import MEETING, Correction, enough, greatest, sizes
 from rsym.surfaces.functions.formulas import CompiledFormulas, entries_of
-from rsym.surfaces.functions.univariate import LetterValues, Sampled, Univariate, Unvarying
+from rsym.surfaces.functions.univariate import Sampled, Univariate, Unvarying
+from rsym.surfaces.parameters import LetterValues
 from rsym.surfaces.patch import Orders
 
 WORDS = ("point", "first derivative", "second derivative")
@@ -179,7 +180,7 @@ class Gregory:
         jumps = (by_u - by_v)[2:, 2:].reshape(4, 3)
         values = {name: (letters or {})[name] for name in self.letters}
         parts = self._compiled.evaluate([u, v], orders, values)
-        return [np.add.reduce([part[k][..., None] * jumps[k] for k in range(4)]) for part in parts]
+        return [np.add.reduce([part[..., k, None] * jumps[k] for k in range(4)]) for part in parts]
 
     def expression(self) -> sp.ImmutableMatrix:
         """The correction as expressions in u, v and the letters."""

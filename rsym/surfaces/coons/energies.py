@@ -18,15 +18,14 @@ import numpy as np
 import sympy as sp
 
 from rsym.arrays import Floats
-from rsym.backends.interpreter import interpret
 from rsym.errors import RsymError
 from rsym.model.symbols import real_symbol
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.functions.formulas import CompiledFormulas
+from rsym.surfaces.parameters import LetterValues
 from rsym.surfaces.symbols import t
 
-LetterValues: TypeAlias = Mapping[Any, float] | None
 Weights: TypeAlias = tuple[float, float, float]
 
 BENDING: Weights = (0.0, 1.0, 0.0)
@@ -86,13 +85,10 @@ def gram_matrices(
     """
     parts = linear_parts(blend, parameter, values)
     known = CompiledFormulas([one for part in parts for one in part], (t.name,), blend.letters, ((0.0, 1.0),))
-    program = known.program([(order,) for order in orders])
-    inputs = {name: values[name] for name in blend.letters}
 
     def integrals(panels: int) -> Floats:
         places, weights = _gauss(panels)
-        found = interpret(program, {t.name: places, **inputs})
-        rows = np.array([np.broadcast_to(found[name], places.shape) for name, _ in program.outputs])
+        rows = known.interpreted(places, [(order,) for order in orders], values)
         constant, slope = np.moveaxis(rows.reshape(len(orders), 2, -1, len(places)), 1, 0)
         square, mixed, last = (_products(a, b, weights) for a, b in ((constant,) * 2, (constant, slope), (slope,) * 2))
         return np.stack([square, mixed + mixed.transpose(0, 2, 1), last], axis=1)
@@ -108,8 +104,7 @@ def linear_parts(
         return blend.functions, (sp.Integer(0),) * len(blend.functions)
     at = [[one.xreplace({real_symbol(parameter): sp.Integer(k)}) for one in blend.functions] for k in range(3)]
     known = CompiledFormulas([one for row in at for one in row], (t.name,), blend.letters, ((0.0, 1.0),))
-    found = interpret(known.program([(0,)]), {t.name: _gauss(1)[0], **{name: values[name] for name in blend.letters}})
-    rows = np.array([np.broadcast_to(one, PLACES) for one in found.values()]).reshape(3, -1, PLACES)
+    rows = known.interpreted(_gauss(1)[0], [(0,)], values).reshape(3, -1, PLACES)
     if not np.abs(rows[2] - 2 * rows[1] + rows[0]).max() <= LINEAR * np.abs(rows).max():
         raise RsymError(
             f"the blending functions are not linear in {parameter!r}",

@@ -22,8 +22,8 @@ from rsym.model.requirements import require_kind
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.bicubic import BicubicCoons
 from rsym.surfaces.coons.energies import BENDING, Weights, coefficients
+from rsym.surfaces.parameters import LetterValues
 
-LetterValues: TypeAlias = Mapping[Any, float] | None
 Range: TypeAlias = tuple[float, float]
 
 # An energy that changes by less over the whole range is flat: then the parameter stays what it was.

@@ -26,7 +26,8 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError, warn
 from rsym.surfaces.functions.formulas import exact
 from rsym.surfaces.functions.polynomials import Polynomials
-from rsym.surfaces.functions.univariate import Formula, LetterValues, Univariate
+from rsym.surfaces.functions.univariate import Formula, Univariate
+from rsym.surfaces.parameters import LetterValues
 from rsym.surfaces.symbols import t as parameter
 
 Knots: TypeAlias = Sequence[Any]

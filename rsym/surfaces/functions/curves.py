@@ -15,8 +15,8 @@ from scipy.interpolate import CubicSpline, PPoly
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.functions.polynomials import Polynomials
-from rsym.surfaces.functions.univariate import Formula, LetterValues, Univariate
-from rsym.surfaces.parameters import Interval, as_interval, real_array
+from rsym.surfaces.functions.univariate import Formula, Univariate
+from rsym.surfaces.parameters import Interval, LetterValues, as_interval, real_array
 
 Layout: TypeAlias = Callable[[Floats], Floats]
 PROBES = 5  # not 3, so that points and components cannot be mistaken for one another

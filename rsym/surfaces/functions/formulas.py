@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 
 from rsym.arrays import Floats
-from rsym.backends.interpreter import CHECK_POINTS, check_at
+from rsym.backends.interpreter import CHECK_POINTS, check_at, interpret
 from rsym.backends.kernel import checked_threads, compiled, run_in_blocks
 from rsym.backends.registry import CompiledFunction, default_backend
 from rsym.errors import RsymError
@@ -34,7 +34,7 @@ class CompiledFormulas:
     >>> formulas = CompiledFormulas([u * v**2, u + v], ("u", "v"), Letters({}), ((0.0, 1.0), (0.0, 1.0)))
     >>> places = [np.array([2.0, 3.0]), np.array([1.0, 1.0])]
     >>> [part.tolist() for part in formulas.evaluate(places, [(0, 0), (0, 1)], {})]
-    [[[2.0, 3.0], [3.0, 4.0]], [[4.0, 6.0], [1.0, 1.0]]]
+    [[[2.0, 3.0], [3.0, 4.0]], [[4.0, 1.0], [6.0, 1.0]]]
     """
 
     def __init__(
@@ -75,27 +75,27 @@ class CompiledFormulas:
         return builder.program(outputs)
 
     def evaluate(self, arrays: Sequence[Floats], orders: Sequence[Order], letters: Mapping[str, float]) -> list[Floats]:
-        """The derivatives (len expressions, *shape) of each order, which may be asked for twice; arrays broadcast."""
+        """The derivatives (*shape, len expressions) of each order, which may be asked for twice; arrays broadcast."""
         wanted = [tuple(order) for order in orders]
         asked = tuple(dict.fromkeys(wanted))
         if asked not in self._functions:
-            self._functions[asked] = self._compile(asked)
+            program = self.program(asked)
+            function = compiled(program, default_backend(), FLOAT64, lambda made: self._check(program, made))
+            self._functions[asked] = program, function
         program, function = self._functions[asked]
         full = np.broadcast_arrays(*arrays)
         # Side by side in memory, as points are wanted: to bring them there later takes twice as long as all the rest.
         out = np.empty((*full[0].shape, len(asked), len(self.expressions)))
         lines = np.moveaxis(out.reshape(*full[0].shape, len(program.outputs)), -1, 0)
         run_in_blocks(function, full, [letters[name] for name in program.letters], lines, checked_threads(None))
-        parts = dict(zip(asked, np.moveaxis(out, (-2, -1), (0, 1)), strict=True))
-        return [parts[order] for order in wanted]
+        return [np.ascontiguousarray(out[..., asked.index(order), :]) for order in wanted]
 
-    def points(self, u: Floats, v: Floats, orders: Sequence[Order], letters: Mapping[str, float]) -> list[Floats]:
-        """The derivatives of three coordinates, (..., 3) each."""
-        return [np.ascontiguousarray(np.moveaxis(part, 0, -1)) for part in self.evaluate([u, v], orders, letters)]
-
-    def _compile(self, orders: tuple[Order, ...]) -> tuple[Program, CompiledFunction]:
+    def interpreted(self, places: Floats, orders: Sequence[Order], letters: Mapping[str, float]) -> Floats:
+        """Of functions of one parameter (orders, expressions, places), node by node: nothing is compiled."""
         program = self.program(orders)
-        return program, compiled(program, default_backend(), FLOAT64, lambda made: self._check(program, made))
+        found = interpret(program, {self.parameters[0]: places, **{name: letters[name] for name in self.letters}})
+        rows = [np.broadcast_to(found[name], places.shape) for name, _ in program.outputs]
+        return np.array(rows).reshape(len(orders), len(self.expressions), len(places))
 
     def _check(self, program: Program, function: CompiledFunction) -> None:
         generator = np.random.default_rng(19740501)

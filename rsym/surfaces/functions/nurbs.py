@@ -24,8 +24,8 @@ from rsym.surfaces.bsplines.bspline_fitting import Residual, SplineFit
 from rsym.surfaces.bsplines.spline_spaces import checked_space, derivative, inner_pieces
 from rsym.surfaces.functions.formulas import entries_of
 from rsym.surfaces.functions.polynomials import Polynomials
-from rsym.surfaces.functions.univariate import LetterValues, Univariate
-from rsym.surfaces.parameters import real_array
+from rsym.surfaces.functions.univariate import Univariate
+from rsym.surfaces.parameters import LetterValues, real_array
 
 # Share of the size of a curve by which its end may miss its start, and of its speed by which these may differ.
 CLOSED = 1e-12

@@ -9,7 +9,8 @@ from scipy.interpolate import PPoly
 
 from rsym.arrays import Floats
 from rsym.surfaces.functions.formulas import exact
-from rsym.surfaces.functions.univariate import LetterValues, Univariate
+from rsym.surfaces.functions.univariate import Univariate
+from rsym.surfaces.parameters import LetterValues
 from rsym.surfaces.symbols import t as parameter
 
 

@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from math import prod
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -20,10 +20,8 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.surfaces.functions.formulas import CompiledFormulas, entries_and_shape, entries_of, exact, real_expressions
-from rsym.surfaces.parameters import Interval, as_interval, inside, parameter_arrays, real_array
+from rsym.surfaces.parameters import Interval, LetterValues, as_interval, inside, parameter_arrays, real_array
 from rsym.surfaces.symbols import t
-
-LetterValues: TypeAlias = Mapping[Any, float] | None
 
 # The parameter of a curve may be written by any of these names.
 PARAMETERS = ("t", "u", "v", "s")
@@ -100,7 +98,7 @@ class Formula(Univariate):
         """The derivatives of these orders."""
         values = letters or self.letters.values_with(None)
         parts = self._compiled.evaluate([t], [(order,) for order in orders], values)
-        return [np.moveaxis(part, 0, -1).reshape((*t.shape, *self.shape)) for part in parts]
+        return [part.reshape((*t.shape, *self.shape)) for part in parts]
 
     @property
     def is_smooth_formula(self) -> bool:
@@ -118,6 +116,10 @@ class Unvarying(Univariate):
     @abstractmethod
     def value(self, letters: LetterValues = None) -> Floats:
         """What it is everywhere, in the shape."""
+
+    def at_start(self, letters: LetterValues = None) -> Floats:
+        """The same."""
+        return self.value(letters)
 
     def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The value, and zero for every derivative."""
@@ -267,26 +269,16 @@ class Sampled(Unvarying):
         return sp.ImmutableDenseNDimArray(rows, self.shape)
 
 
-class Row(Unvarying):
-    """The first row of a constant (1, 3), as a constant (3,)."""
+class SingleSample(Sampled):
+    """The value or a derivative of a function at one place, as a constant of its shape."""
 
-    def __init__(self, rows: Unvarying) -> None:
-        self.rows, self.shape = rows, rows.shape[1:]
-        self.domain, self.letters = rows.domain, rows.letters
+    def __init__(self, curve: Univariate, place: float, order: int) -> None:
+        super().__init__(curve, [place], [order])
+        self.shape = curve.shape
 
     def value(self, letters: LetterValues = None) -> Floats:
-        """The row."""
-        return np.asarray(self.rows.value(letters)[0])
-
-    @property
-    def is_smooth_formula(self) -> bool:
-        """Whether the rows are."""
-        return self.rows.is_smooth_formula
-
-    def expressions(self) -> sp.ImmutableDenseNDimArray | None:
-        """The row, if it is a formula."""
-        inner = self.rows.expressions()
-        return None if inner is None else sp.ImmutableDenseNDimArray(entries_of(inner), self.shape)
+        """The sample."""
+        return np.asarray(super().value(letters)[0])
 
 
 class Blended(Univariate):

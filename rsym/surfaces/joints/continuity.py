@@ -34,7 +34,8 @@ from rsym.surfaces.joints.edge_report import (
 )
 from rsym.surfaces.joints.edges import edges_of
 from rsym.surfaces.joints.meeting import extent, room_for, sample_grid
-from rsym.surfaces.patch import LetterValues, Patch
+from rsym.surfaces.parameters import LetterValues
+from rsym.surfaces.patch import Patch
 from rsym.surfaces.proofs.edge_formulas import PatchFormula
 from rsym.surfaces.proofs.pole_proofs import Spoke, prove_pole
 from rsym.surfaces.proofs.proving import prove

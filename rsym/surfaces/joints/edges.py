@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from rsym.errors import RsymError
 from rsym.surfaces.forms import SECOND, dot, limit_forms
-from rsym.surfaces.parameters import Interval
-from rsym.surfaces.patch import LetterValues, Patch
+from rsym.surfaces.parameters import Interval, LetterValues
+from rsym.surfaces.patch import Patch
 
 NAMES = ("u0", "u1", "v0", "v1")
 # An edge whose points spread over less than this share of the patch is a point: coordinates are known to 1e-16 of

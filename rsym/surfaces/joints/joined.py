@@ -21,7 +21,8 @@ from rsym.surfaces.functions.formulas import exact
 from rsym.surfaces.functions.univariate import Constant, Formula, Stack, Univariate, on_interval
 from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.joints.meeting import apart
-from rsym.surfaces.patch import Domain, LetterValues, Orders, Patch
+from rsym.surfaces.parameters import LetterValues
+from rsym.surfaces.patch import Domain, Orders, Patch
 from rsym.surfaces.transfinite import BooleanSum, Loft
 
 # Where a function k is asked whether it is positive.

@@ -11,7 +11,8 @@ from rsym.errors import RsymError
 from rsym.surfaces.corrections import enough, greatest, sizes
 from rsym.surfaces.joints.borders import Border, projected
 from rsym.surfaces.joints.edges import PatchEdge
-from rsym.surfaces.patch import LetterValues, Patch
+from rsym.surfaces.parameters import LetterValues
+from rsym.surfaces.patch import Patch
 
 # Coordinates far from the origin carry rounding of their own size.
 ROUNDING = 1e-14

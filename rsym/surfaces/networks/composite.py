@@ -16,7 +16,8 @@ from rsym.surfaces.corrections import MEETING, Correction
 from rsym.surfaces.functions.cardinals import CubicCardinals, SlopeFunctions, hermite_cardinals
 from rsym.surfaces.functions.univariate import Constant, Sampled, Unvarying
 from rsym.surfaces.networks.curve_networks import Network, network, network_latex
-from rsym.surfaces.patch import LetterValues, Orders
+from rsym.surfaces.parameters import LetterValues
+from rsym.surfaces.patch import Orders
 from rsym.surfaces.transfinite import BooleanSum, Loft
 
 Entries: TypeAlias = NDArray[Any]

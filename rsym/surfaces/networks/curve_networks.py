@@ -14,10 +14,11 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.corrections import MEETING, Correction, greatest, require_tolerance, sizes
 from rsym.surfaces.functions.cardinals import checked_knots
-from rsym.surfaces.functions.univariate import LetterValues, Sampled, Stack, Univariate, on_interval
+from rsym.surfaces.functions.univariate import Sampled, Stack, Univariate, on_interval
 from rsym.surfaces.networks.families import family
 from rsym.surfaces.networks.intersections import QUOTIENT, meeting_parameters, polygon
 from rsym.surfaces.networks.reparametrisation import Composed, Part, increasing
+from rsym.surfaces.parameters import LetterValues
 
 # Shares of the size of a network. Curves whose parameters leave a larger gap than the first are given other ones:
 # intersections are found to about 1e-15. Beyond the second the curves themselves do not meet.

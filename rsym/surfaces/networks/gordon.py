@@ -27,8 +27,8 @@ from rsym.surfaces.functions.cardinals import (
 from rsym.surfaces.functions.univariate import Constant, Stack
 from rsym.surfaces.networks.curve_networks import Network, network, network_latex
 from rsym.surfaces.networks.families import across, family
-from rsym.surfaces.parameters import real_array
-from rsym.surfaces.patch import LetterValues, Orders
+from rsym.surfaces.parameters import LetterValues, real_array
+from rsym.surfaces.patch import Orders
 from rsym.surfaces.transfinite import BooleanSum, Loft
 
 

@@ -12,8 +12,8 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 from rsym.arrays import Floats
 from rsym.surfaces.functions.formulas import exact
 from rsym.surfaces.functions.polynomials import Polynomials
-from rsym.surfaces.functions.univariate import LetterValues, Univariate
-from rsym.surfaces.parameters import Interval, inside
+from rsym.surfaces.functions.univariate import Univariate
+from rsym.surfaces.parameters import Interval, LetterValues, inside
 from rsym.surfaces.symbols import t as parameter
 
 # A spline that slows down to less than this share of a chord's slope crowds the lines of a surface and bends it.

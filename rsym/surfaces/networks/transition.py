@@ -15,10 +15,10 @@ from rsym.surfaces import symbols
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.functions.curves import Called, as_curve
 from rsym.surfaces.functions.formulas import entries_of, exact
-from rsym.surfaces.functions.univariate import Formula, LetterValues, Stack, Univariate, backwards, on_interval
+from rsym.surfaces.functions.univariate import Formula, Stack, Univariate, backwards, on_interval
 from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.networks.reparametrisation import Part
-from rsym.surfaces.parameters import inside
+from rsym.surfaces.parameters import LetterValues, inside
 from rsym.surfaces.patch import Patch
 from rsym.surfaces.transfinite import BooleanSum, Loft
 
