@@ -33,7 +33,7 @@ from rsym.verify.cover.bending import UNBOUNDED, bending
 from rsym.verify.cover.box_arrays import at
 from rsym.verify.cover.forming import formation
 from rsym.verify.cover.images import Images
-from rsym.verify.cover.inspection import Inspection
+from rsym.verify.cover.inspection import OPEN
 from rsym.verify.cover.octree import Octree
 from rsym.verify.cover.repetition import Repetition, repetition, turning
 from rsym.verify.cover.subdivision import Subdivision, joined_boxes
@@ -136,7 +136,7 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
         if one.point is not None
     ]
     curves, open_boxes = ([], []) if study.ranging else _curves(study, corners)
-    found = replace(found, left=[*found.left, *((box, Inspection("open")) for box in open_boxes)])
+    found = replace(found, left=[*found.left, *((box, OPEN) for box in open_boxes)])
     effort.begin("points", SHARES[2])
     looked_at = found.left if not study.ranging or len(found.left) <= CROWD else []
     classified = classify_points(model, looked_at, study.extent, study.naming, curves, effort=effort)

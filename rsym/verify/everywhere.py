@@ -17,11 +17,10 @@ from rsym.bounds.balls import ctx
 from rsym.sampling.progress import Effort
 from rsym.verify.boxes.classes import CURVED
 from rsym.verify.boxes.joints import Meeting
-from rsym.verify.boxes.local import Box, Model, side
+from rsym.verify.boxes.local import PRECISION, Box, Model, side
 from rsym.verify.cover.box_arrays import at, listed
-from rsym.verify.cover.covering import PRECISION
 from rsym.verify.cover.images import Boxes, Images
-from rsym.verify.cover.inspection import Inspection
+from rsym.verify.cover.inspection import OPEN
 from rsym.verify.cover.subdivision import Subdivision, joined_boxes
 from rsym.verify.curves.components import halves_of, narrowed
 from rsym.verify.curves.continuation import ZeroCurve
@@ -39,13 +38,13 @@ def for_every_value(model: Model, found: Subdivision, extent: float, effort: Eff
     be proved that no curve passes the boxes at all. A corner is left over.
     """
     joined: dict[Meeting, list[Boxes]] = {}
-    left, order = [*found.left, *((box, Inspection("open")) for box, _ in found.corners)], found.order
+    left, order = [*found.left, *((box, OPEN) for box, _ in found.corners)], found.order
     for meeting, groups in found.joined.items():
         boxes = [box for group in groups for box in listed(group)]
         if meeting.contact > CURVED:
             order = min(order, meeting.contact)
         elif not _never_meet(model, meeting, boxes, extent, effort):
-            left += [(box, Inspection("open")) for box in boxes]
+            left += [(box, OPEN) for box in boxes]
             continue
         joined[meeting] = groups
     return replace(found, joined=joined, corners=[], left=left, order=order)

@@ -7,9 +7,10 @@ from itertools import islice, product
 
 from rsym.bounds.balls import arb, ctx
 from rsym.verify.answers.report import Joint
-from rsym.verify.boxes.local import Box, Model, side
-from rsym.verify.cover.covering import PRECISION, Covering, halves
-from rsym.verify.cover.examination import BoxFinding, examine
+from rsym.verify.boxes.local import PRECISION, Box, Model, side
+from rsym.verify.cover.arcs import ArcInspector
+from rsym.verify.cover.covering import Covering, halves
+from rsym.verify.cover.inspection import Finding
 
 PARTS, LOOKED_AT = 256, 64  # of the ranges of letters, and boxes over each, in search of a boundary for all of them
 DIVIDED, MOST_DIVIDED = 8, 500  # times that boxes are divided in search of a point of the boundary, and how many
@@ -26,12 +27,13 @@ def has_boundary(model: Model, found: Covering, joints: Sequence[Joint], extent:
     if joints:
         return True
     boxes = [pair for pair in found.settled if pair[1].kind != "leap"]
+    inspector = ArcInspector(extent)
     with ctx.workprec(PRECISION):
         for _ in range(DIVIDED):
             if any(_changes_sign(model, box, finding) for box, finding in boxes) or len(boxes) > MOST_DIVIDED:
                 break
             halved = [half for box, _ in boxes for half in halves(model, box)]
-            findings = [examine(model.over(half), extent) for half in halved]
+            findings = [inspector.inspect(model.over(half)) for half in halved]
             boxes = [pair for pair in zip(halved, findings, strict=True) if pair[1].kind not in {"empty", "leap"}]
         if any(_changes_sign(model, box, finding) for box, finding in boxes):
             return True
@@ -59,7 +61,7 @@ def has_boundary_for_every_value(model: Model, found: Covering, ranges: Box) -> 
     return not cells
 
 
-def _over(found: Covering, cell: Box) -> Iterator[tuple[Box, BoxFinding]]:
+def _over(found: Covering, cell: Box) -> Iterator[tuple[Box, Finding]]:
     """Some of the settled boxes that hold a part of the ranges, evenly chosen."""
     own = [
         (box, finding)
@@ -73,7 +75,7 @@ def _sides(cell: Box) -> list[arb]:
     return [side(*ends) for ends in cell]
 
 
-def _changes_sign(model: Model, box: Box, finding: BoxFinding, ranges: Sequence[arb] | None = None) -> bool:
+def _changes_sign(model: Model, box: Box, finding: Finding, ranges: Sequence[arb] | None = None) -> bool:
     number = finding.locus.nodes[0] if finding.locus.kind in {"leaf", "double"} else model.root
     ranges = [one.mid() for one in _sides(box[2:])] if ranges is None else ranges
     points = product(*((low, low + (high - low) / 2, high) for low, high in box[:2]))

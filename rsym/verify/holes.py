@@ -8,9 +8,8 @@ from rsym.bounds.balls import ctx
 from rsym.logic.stripping import bare
 from rsym.verify.boxes.breaks import changes_sign
 from rsym.verify.boxes.generators import generators
-from rsym.verify.boxes.local import Box, Local, Model
+from rsym.verify.boxes.local import PRECISION, Box, Local, Model
 from rsym.verify.boxes.polynomials import polynomial_of
-from rsym.verify.cover.covering import PRECISION
 
 LOOKED_AT = 32  # boxes of those left over
 LONGEST = 60  # letters of an equation: what is longer tells nobody where it holds

@@ -30,11 +30,12 @@ from rsym.verify.answers.conclusions import Tally, badness, sentences, verdict_f
 from rsym.verify.answers.report import UNKNOWN, Cover, Joint, SmoothnessReport, continuity_of, is_defect, level_of
 from rsym.verify.bodies import BUDGET as BODY_BUDGET
 from rsym.verify.bodies import Study, report_body, study_body
-from rsym.verify.boxes.local import Box, Interval, Model
+from rsym.verify.boxes.local import PRECISION, Box, Interval, Model
 from rsym.verify.cells import within_cells
 from rsym.verify.cleaning import cleaned, without_scale
-from rsym.verify.cover.covering import PRECISION, Covering, cover, extent_of, halves
-from rsym.verify.cover.examination import BoxFinding, examine
+from rsym.verify.cover.arcs import ArcInspector
+from rsym.verify.cover.covering import Covering, cover, extent_of, halves
+from rsym.verify.cover.inspection import Finding
 from rsym.verify.cover.pruning import bounds_of_omega, pruner
 from rsym.verify.evidence import NOWHERE, has_boundary, has_boundary_for_every_value
 from rsym.verify.fibres import report_over_ranges
@@ -257,15 +258,19 @@ def _report(study: _Study, *, sharpening: int = SHARPENING) -> SmoothnessReport:
     return replace(draft, verdict=UNDECIDED, continuity=UNKNOWN, statements=(*draft.statements, complaint(wrong)))
 
 
+def _found(study: _Study) -> list[Joint]:
+    """The joints of all boxes."""
+    return [finding.place for _, finding in study.found.settled if isinstance(finding.place, Joint)]
+
+
 def _located(study: _Study) -> list[Joint]:
     """The joints of all boxes; of a body those at negative radii are the images of others, which have their boxes."""
-    joints = [finding.joint for _, finding in study.found.settled if finding.joint is not None]
-    return [joint for joint in joints if not study.model.body or joint.point[1] >= -joint.radius]
+    return [joint for joint in _found(study) if not study.model.body or joint.point[1] >= -joint.radius]
 
 
 def _unaccounted(study: _Study, suspects: Sequence[Joint], draft: SmoothnessReport) -> list[str]:
     """What the boxes hold and the report does not list."""
-    found = [finding.joint for _, finding in study.found.settled if finding.joint is not None]
+    found = _found(study)
     said = [*draft.defects, *draft.joints]
     if study.model.body:  # the meridian is even in the radius: the image of a joint is one too
         away = [joint for joint in found if joint.point[1] >= 0 or is_defect(joint) or not joint.proved]
@@ -328,10 +333,10 @@ TIGHT = 0.05  # the share of the largest bound that may be due to its enclosure
 
 
 def sharpened_bound(
-    model: Model, settled: Sequence[tuple[Box, BoxFinding]], bounds: Box, budget: int, effort: Effort | None = None
+    model: Model, settled: Sequence[tuple[Box, Finding]], bounds: Box, budget: int, effort: Effort | None = None
 ) -> float:
     """The largest curvature on the settled boxes, proved, from at most `budget` further boxes."""
-    extent, effort, allowed = extent_of(bounds), effort or Effort(), budget
+    inspector, effort, allowed = ArcInspector(extent_of(bounds)), effort or Effort(), budget
     heap = [(-f.curvature, n, box, f.slack) for n, (box, f) in enumerate(settled) if f.kind in {"regular", "joined"}]
     heapq.heapify(heap)
     count = len(settled)
@@ -340,7 +345,7 @@ def sharpened_bound(
             effort.reach(1 - budget / allowed)
             bound, _, box, _ = heapq.heappop(heap)
             for half in halves(model, box):
-                finding = examine(model.over(half), extent)
+                finding = inspector.inspect(model.over(half))
                 budget, count = budget - 1, count + 1
                 if finding.kind == "open":
                     heapq.heappush(heap, (bound, count, half, 0.0))

@@ -114,7 +114,7 @@ def test_a_lost_joint_makes_undecided(monkeypatch):
     """Red proof: a filter that drops joints on the axis, as a version once had, is found out by the account."""
 
     def careless(study):
-        joints = [finding.joint for _, finding in study.found.settled if finding.joint is not None]
+        joints = [finding.place for _, finding in study.found.settled if finding.place is not None]
         return [joint for joint in joints if joint.point[1] > 0]
 
     monkeypatch.setattr(smoothness, "_located", careless)

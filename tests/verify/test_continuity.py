@@ -232,7 +232,7 @@ def test_a_curve_that_is_a_point_is_degenerate():
 
 
 def test_parts_that_nobody_examined_are_told(monkeypatch):
-    from rsym.verify import continuity as module
+    from rsym.verify.continuity import continuity as module
     from rsym.verify.continuity.interiors import arcs_of
 
     line, arc_ = Curve((t, 0), t, -1, 0), arc(1, (0, 1), -sp.pi / 2, 0)

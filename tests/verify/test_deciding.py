@@ -16,7 +16,7 @@ from rsym.verify.cover.box_arrays import halves, listed
 from rsym.verify.cover.deciding import MEETING, OPEN, REGULAR, UNKNOWN, Decider, Signs, signs_needed
 from rsym.verify.cover.forming import formation
 from rsym.verify.cover.images import Images
-from rsym.verify.cover.inspection import inspect
+from rsym.verify.cover.surfaces import SheetInspector
 
 BALL, NEAR = 1 - x**2 - y**2 - z**2, 1 - (x - sp.Rational(6, 5)) ** 2 - y**2 - z**2
 LEAVES = {
@@ -47,7 +47,7 @@ def boxes_around(seed: int, count: int = 300) -> np.ndarray:
 
 def seen(images: Images, leaf: int, boxes: np.ndarray, depth: int = 4) -> set[str]:
     """What balls see in boxes or, where that is nothing, in their parts."""
-    found = [inspect(images.model.over(box), leaf).kind for box in listed(boxes)]
+    found = [SheetInspector().inspect(images.model.over(box), leaf).kind for box in listed(boxes)]
     left = boxes[[kind == "open" for kind in found]]
     kinds = {kind for kind in found if kind != "open"}
     if not len(left):

@@ -17,8 +17,8 @@ from rsym.verify.boxes.classes import parted
 from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import Model
 from rsym.verify.boxes.polynomials import ring_of
-from rsym.verify.cover.covering import PRECISION
-from rsym.verify.cover.inspection import inspect
+from rsym.verify.boxes.local import PRECISION
+from rsym.verify.cover.surfaces import SheetInspector
 
 R = sp.Rational
 FLAT, DEEP = ((-2, 2),) * 2, ((-2, 2),) * 3
@@ -106,7 +106,7 @@ def test_an_edge_on_one_mirror_crosses_another_that_the_ball_stands_on(off):
     place = 0.5 - math.sqrt(3 / 25)
     box = ((place - 1e-4, place + 1e-4), (place - 1.1e-4, place + 1e-4), (-1e-4, 1.2e-4))
     with ctx.workprec(PRECISION):
-        found = inspect(model.over(box), model.root)
+        found = SheetInspector().inspect(model.over(box), model.root)
     assert found.kind == ("joined" if off == 0 else "open")
     if found.meeting is not None:
         ring = ring_of(model)

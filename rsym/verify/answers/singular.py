@@ -142,7 +142,7 @@ class SingularPoint:
     ('corner', (0.0, 0.0, 0.0), ('x', 'y', 'z'))
     """
 
-    point: tuple[float, float, float]
+    point: tuple[float, ...]
     radius: float
     kind: str
     continuity: str

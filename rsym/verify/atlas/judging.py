@@ -16,7 +16,7 @@ from rsym.bounds.enclosures import Range, ranges_of
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.verify.atlas.subjects import AnswerOverRanges, AtlasSubject, subject_of
-from rsym.verify.cover.covering import PRECISION
+from rsym.verify.boxes.local import PRECISION
 
 Point: TypeAlias = tuple[float, float]
 Rectangle: TypeAlias = tuple[Point, Point]

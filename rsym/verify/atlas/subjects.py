@@ -29,12 +29,14 @@ from rsym.verify.answers.report import Joint, SmoothnessReport, is_defect
 from rsym.verify.answers.singular import SingularCurve
 from rsym.verify.bodies import report_body, study_body
 from rsym.verify.boxes.generators import generators
-from rsym.verify.boxes.joints import BoundaryArc, Meeting, is_transversal, joint, locate, located, meeting
+from rsym.verify.boxes.joints import BoundaryArc, Meeting, is_transversal, joint, meeting
+from rsym.verify.boxes.krawczyk import common_zero
+from rsym.verify.boxes.krawczyk import narrowed as narrowed_zero
 from rsym.verify.boxes.krawczyk import Point, image, inverse
 from rsym.verify.boxes.local import Interval, Model
 from rsym.verify.boxes.locus import reduce
 from rsym.verify.cleaning import cleaned
-from rsym.verify.cover.covering import PRECISION
+from rsym.verify.boxes.local import PRECISION
 from rsym.verify.revolution import find_meridian, meridian
 from rsym.verify.smoothness import Question
 
@@ -265,9 +267,9 @@ class Refuter:
         local, arcs = self.model.on(sides), self._meeting(sides)
         if arcs is None or not is_transversal(local, arcs):
             return None
-        zero = locate(local, arcs.arcs[0])
-        if zero is None or zero.box is None or not zero.exists:
+        zero = common_zero(local, arcs.arcs[0].ends)
+        if zero is None or not zero.exists:
             return None
         inside = all(low < value and value < high for value, (low, high) in zip(zero.box, self.bounds, strict=True))
-        found = joint(local, arcs, located(local, arcs, zero)) if inside else None
+        found = joint(local, arcs, narrowed_zero(local, arcs.arcs[0].ends, zero)) if inside else None
         return found if found is not None and found.proved and is_defect(found) else None

@@ -1,26 +1,33 @@
 """Breaks: points of a switch at which a boundary ends, or has a point of its own, because omega jumps there.
 
-Let omega be F+ where u > 0, F- where u < 0 and T where u = 0, all four analytic on a box. Let p be the only common
-zero of F+ and u in it, and the gradients of F+ and u nowhere parallel: one arc of {F+ = 0, u > 0} ends in p.
-- If T(p) is not 0, p is no point of the boundary, though the arc leads to it.
-- If F-(p) is not 0, and T is F+ or F- where u = 0 or has no zeros but simple ones there, then no other arc leaves p.
-Either way the boundary is no curve at p: it ends. So it is with F- and F+ exchanged. And if p is a simple common zero
-of T and u at which neither F+ nor F- is 0, it is a point of the boundary with no other one near it.
+Let omega be F+ where u > 0, F- where u < 0 and T where u = 0, all four analytic on a box, the gradients of F+ and u
+nowhere parallel, and p a common zero of both: {F+ = 0, u > 0} is an arc that ends in p, or a sheet that ends in a curve
+through p.
+- If T(p) is not 0, p is no point of the boundary, though the arc or sheet leads to it.
+- If F-(p) is not 0, and T is F+ or F- where u = 0 or its gradient is nowhere parallel to that of u there, no other one
+  leaves p.
+Either way the boundary is no curve or surface at p: it ends. So it is with F- and F+ exchanged. And if p is such a
+common zero of T and u, at which F+ and F- are not 0, it is a point of the boundary that no arc or sheet leads to: in
+the plane alone in its surroundings; in space, if F+ and F- have one sign, omega is zero without changing its sign.
+
+In the plane p is the only common zero in the box, by Krawczyk's operator; in space one on a line across the box, with
+the coordinate that grows along the curve fixed.
 
 If u divides T, omega is zero wherever u is; where F+ and F- have the same sign, it is so on both sides.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import product
 
-from rsym.bounds.balls import arb, ctx, hypotenuse
-from rsym.verify.answers.report import Joint
+from rsym.bounds.balls import arb, ctx
 from rsym.verify.boxes.borders import is_within
 from rsym.verify.boxes.generators import generators
-from rsym.verify.boxes.joints import PRECISE, BoundaryArc, Meeting, crosses, locate
-from rsym.verify.boxes.krawczyk import Point
-from rsym.verify.boxes.local import Local
+from rsym.verify.boxes.joints import BoundaryArc, Meeting, is_crossed, steepest
+from rsym.verify.boxes.krawczyk import common_zero, narrowed, refined, unique_zero
+from rsym.verify.boxes.local import PRECISE, Local
 from rsym.verify.boxes.polynomials import multiplicity
 
 NARROW = 256  # of the extent: what share of it a box is that is not divided in search of a switch that may be zero
@@ -66,8 +73,17 @@ def changes_sign(local: Local, number: int) -> bool:
     return {1, -1} <= found and generators(local, number).analytic
 
 
-def broken(local: Local, around: Local, meeting: Meeting) -> Joint | None:
-    """A point of the box at which the boundary is proved to be no curve, because omega is not continuous there.
+@dataclass(frozen=True)
+class Break:
+    """A place at which a boundary is proved to be no curve or surface, known to lie in the box of `at`, and why."""
+
+    at: Local
+    kind: str
+    reason: str
+
+
+def find_break(local: Local, around: Local, meeting: Meeting) -> Break | None:
+    """A point of a box at which the boundary is proved to be no curve or surface, because omega jumps there.
 
     Parameters
     ----------
@@ -77,57 +93,64 @@ def broken(local: Local, around: Local, meeting: Meeting) -> Joint | None:
         Of the two sides of a switch.
     """
     first, second = meeting.arcs
-    thin = meeting.thin
-    single = thin is None or _is_simple(around, thin)
+    thin, plane = meeting.thin, local.model.dimension == 2
+    end, one, the = (_end, "an arc", "one arc") if plane else (_end_of_sheet, "a sheet", "one sheet")
+    single = thin is None or is_crossed(around, thin)
     for own, other in ((first, second), (second, first)):
-        at = _end(local, around, own)
+        at = end(local, around, own)
         if at is None:
             continue
         if thin is not None and at.nonzero(thin.function):
-            return _joint(at, "end", "an arc leads here, but omega is not zero at the point itself")
-        if single and _is_known(around, other) and at.nonzero(other.function):
-            return _joint(at, "end", "one arc leads here, and omega jumps over zero")
-    if thin is None or not (_is_known(around, first) and _is_known(around, second)):
+            return Break(at, "end", f"{one} leads here, but omega is not zero at the point itself")
+        if single and generators(around, other.function).analytic and at.nonzero(other.function):
+            return Break(at, "end", f"{the} leads here, and omega jumps over zero")
+    if thin is None or not all(generators(around, arc.function).analytic for arc in meeting.arcs):
         return None
-    at = _end(local, around, thin)
-    if at is not None and at.nonzero(first.function) and at.nonzero(second.function):
-        return _joint(at, "isolated point", "omega is zero here, but jumps away from zero on both sides")
+    at = end(local, around, thin)
+    signs = 0 if at is None else at.sign(first.function) * at.sign(second.function)
+    if at is not None and plane and signs:
+        return Break(at, "isolated point", "omega is zero here, but jumps away from zero on both sides")
+    if at is not None and signs > 0:
+        return Break(at, "no sign change", "omega is zero here, but jumps to one sign on both sides")
     return None
-
-
-def _is_known(local: Local, arc: BoundaryArc) -> bool:
-    return generators(local, arc.function).analytic
-
-
-def _is_simple(local: Local, arc: BoundaryArc) -> bool:
-    """Whether the function of an arc has no zeros on those of its side but simple ones."""
-    return _is_known(local, arc) and _is_known(local, BoundaryArc(arc.side, arc.side)) and crosses(local, arc)
 
 
 def _end(local: Local, around: Local, arc: BoundaryArc) -> Local | None:
     """The only common zero of a function and its side around a box, if it is proved and lies in the box."""
-    if not _is_simple(around, arc):
+    zero = common_zero(around, arc.ends) if is_crossed(around, arc) else None
+    if zero is None or not zero.meets(local):
         return None
-    zero = locate(around, arc)
-    if zero is None or zero.box is None or not zero.exists:
-        return None
-    if not all(a.overlaps(b) for a, b in zip(zero.box, local.sides, strict=False)):
-        return None
-    model, rest = local.model, local.sides[2:]
+    at = narrowed(around, arc.ends, zero)
     with ctx.workprec(PRECISE):
-        found = locate(model.on([*zero.box, *rest]), arc, precise=True)
-        if found is None or found.box is None:
-            return None
-        at = model.on([*found.box, *rest])
         # On the axis of a body the other side of the meridian is an image of this one.
-        on_axis = model.body and not at.sides[1] != 0
-        return at if not on_axis and is_within(at, (arc.function, arc.side)) else None
+        on_axis = local.model.body and not at.sides[1] != 0
+        return at if not on_axis and is_within(at, arc.ends) else None
 
 
-def _joint(at: Local, kind: str, reason: str) -> Joint:
-    point: Point = (at.sides[0], at.sides[1])
-    place = float(point[0].mid()), float(point[1].mid())
-    radius = float(hypotenuse(point[0] - point[0].mid(), point[1] - point[1].mid()).upper())
-    radius += 1e-15 * (abs(place[0]) + abs(place[1]))
-    branches = 0 if kind == "isolated point" else 1
-    return Joint(place, radius, kind, "broken", branches=branches, proved=True, reason=reason)
+def _end_of_sheet(local: Local, around: Local, arc: BoundaryArc) -> Local | None:
+    """A point in or beside a box, within the bounds, at which a function and its side vanish, if one is proved."""
+    axis = steepest(around, arc) if is_crossed(around, arc) else None
+    if axis is None:
+        return None
+    model, others = around.model, [k for k in range(3) if k != axis]
+
+    def spread(point: Sequence[arb]) -> Local:
+        sides = list(around.sides)
+        sides[axis] = around.sides[axis].mid()
+        for k, side in zip(others, point, strict=True):
+            sides[k] = side
+        return model.on(sides)
+
+    def values(point: Sequence[arb]) -> list[arb]:
+        return spread(point).balls(arc.ends)
+
+    def jacobian(point: Sequence[arb]) -> list[list[arb]]:
+        at = spread(point)
+        return [[at.gradient(number)[k] for k in others] for number in arc.ends]
+
+    zero = unique_zero(values, jacobian, tuple(around.sides[k] for k in others))
+    if zero is None or not zero.exists:
+        return None
+    with ctx.workprec(PRECISE):
+        at = spread(refined(values, jacobian, zero.box))
+        return at if is_within(at) else None

@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
-from rsym.bounds.balls import arb, ball, ctx, hypotenuse, root
+from rsym.bounds.balls import arb, ball, ctx, root
 from rsym.logic.kleene import Formula, ternary
 from rsym.logic.stripping import bare, factor
 from rsym.program.builder import Builder
@@ -27,25 +27,25 @@ from rsym.program.differentiation import derivative
 from rsym.verify.answers.report import Joint
 from rsym.verify.boxes.borders import is_within
 from rsym.verify.boxes.generators import generators
-from rsym.verify.boxes.joints import PRECISE, BoundaryArc, Meeting, judged, locate, located
-from rsym.verify.boxes.krawczyk import Zero, unique_zero
+from rsym.verify.boxes.joints import judged
+from rsym.verify.boxes.krawczyk import Zero, common_zero, narrowed, unique_zero
 from rsym.verify.boxes.lifting import (
     ROOT,
     Lifted,
     across_of,
     bound_of,
     continues,
-    finite,
     is_regular,
     jet_of,
     lifted,
     with_root,
 )
-from rsym.verify.boxes.local import Local, Model
+from rsym.verify.boxes.local import PRECISE, Local, Model
 from rsym.verify.boxes.polynomials import same_zeros
 from rsym.verify.boxes.resolution import put
 from rsym.verify.boxes.sheets import sheets
 from rsym.verify.boxes.vanishing import vanishes_with
+from rsym.verify.boxes.vectors import floats, radius_of
 
 MOST = 4  # leaves at an edge: two, and what is cut off along the edge
 
@@ -160,11 +160,7 @@ class _Place:
 
     def end(self, leaf: Lifted) -> Zero | None:
         """The end of the arc of a leaf."""
-        return locate(self.around, BoundaryArc(leaf.flat, self.radicand))
-
-    def is_here(self, zero: Zero) -> bool:
-        """Whether a zero may lie in the box itself."""
-        return zero.box is not None and all(a.overlaps(b) for a, b in zip(zero.box, self.local.sides, strict=False))
+        return common_zero(self.around, (leaf.flat, self.radicand))
 
     def sign(self, leaves: Sequence[int], signs: Sequence[int], side: int) -> int:
         """The sign of omega where leaves have some signs, and u has that of `side`."""
@@ -186,10 +182,10 @@ class _Place:
         zero = self.end(arc)
         if zero is None or not generators(above, arc.function).analytic:
             return None
-        if zero.exists and self.is_here(zero):
+        if zero.meets(self.local):
             if self.cut or self.beyond != "undefined" or not above.nonzero(arc.tangent[2]):
                 return None
-            at = located(self.around, Meeting((BoundaryArc(arc.flat, self.radicand),) * 2, 1), zero)
+            at = narrowed(self.around, (arc.flat, self.radicand), zero)
             reason = "omega is an analytic function of a root whose radicand is zero here: one arc leads to its edge"
             return self.broken(at, arc, "end", reason)
         flat = self.around.sign(arc.flat)
@@ -203,12 +199,8 @@ class _Place:
         """No curve at the end of an arc."""
         if is_within(at, (arc.flat, self.radicand)) is not True:
             return None
-        point = at.sides[0], at.sides[1]
-        place = float(point[0].mid()), float(point[1].mid())
-        radius = float(hypotenuse(point[0] - place[0], point[1] - place[1]).upper())
-        radius += 1e-15 * (abs(place[0]) + abs(place[1]))
-        branches = 0 if kind == "isolated point" else 1
-        joint = Joint(place, radius, kind, "broken", branches=branches, proved=True, reason=reason)
+        place, branches = at.sides[:2], 0 if kind == "isolated point" else 1
+        joint = Joint(floats(place), radius_of(place), kind, "broken", branches=branches, proved=True, reason=reason)
         return RootEdge("broken", joint=joint)
 
     def paired(self, first: int, second: int) -> RootEdge | None:
@@ -226,14 +218,14 @@ class _Place:
         if not all(end.exists for end in ends if end is not None) or 0 in turns or not across:
             return None
         assert ends[0] is not None
-        at = located(self.around, Meeting((BoundaryArc(arcs[0].flat, self.radicand),) * 2, 1), ends[0])
+        at = narrowed(self.around, (arcs[0].flat, self.radicand), ends[0])
         if not self.meet(at, arcs):
             return None
         between = across * turns[1], -across * turns[0]  # the signs of the leaves between the arcs
         kind = self.sectors((first, second), between, turns)
         if kind == "both":
             return self.joined(at, arcs, between, above)
-        if kind is None or not self.is_here(ends[0]):
+        if kind is None or not ends[0].meets(self.local):
             return None
         reasons = {
             "end": "one of two arcs that end with a root leads here, the other is no boundary",
@@ -253,8 +245,8 @@ class _Place:
             return with_root(model.on([*point[:2], *rest]), point[2])
 
         zero = unique_zero(
-            lambda point: [finite(local(point).value(node)) for node in nodes],
-            lambda point: [[finite(local(point).value(slope)) for slope in row] for row in slopes],
+            lambda point: [local(point).ball(node) for node in nodes],
+            lambda point: [[local(point).ball(slope) for slope in row] for row in slopes],
             (above.sides[0], above.sides[1], above.inputs[ROOT]),
         )
         if zero is None or zero.exists:

@@ -120,6 +120,23 @@ def root_order(builder: Builder, number: int) -> Fraction | None:
     return exponent
 
 
+def square_roots(builder: Builder, number: int) -> list[int]:
+    """The nodes whose squares are terms of a sum of which nothing is negative: all vanish where the sum does."""
+    roots, stack = [], [number]
+    while stack:
+        part = stack.pop()
+        operation, arguments, _ = builder.nodes[part]
+        if not builder.nonnegative[part]:
+            return []
+        if operation == "add":
+            stack.extend(reversed(arguments))
+        elif operation == "powi" or (operation == "mul" and arguments[0] == arguments[1]):
+            roots.append(arguments[0])
+        elif operation == "mul" and (factor := builder.value(arguments[0])) is not None and factor > 0:
+            stack.append(arguments[1])
+    return roots
+
+
 def is_square(builder: Builder, number: int) -> bool:
     """Whether a node is the product of a node with itself."""
     operation, arguments, _ = builder.nodes[number]

@@ -12,20 +12,17 @@ and that is the point where the arcs meet, or none if they do not.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rsym.bounds.balls import arb, ctx, hypotenuse
 from rsym.verify.answers.report import Joint
 from rsym.verify.boxes.generators import Generators, generators
-from rsym.verify.boxes.krawczyk import Point, Zero, refined, unique_zero
-from rsym.verify.boxes.local import Local, Model
+from rsym.verify.boxes.krawczyk import Point, common_zero
+from rsym.verify.boxes.local import PRECISE, Local, Model
 from rsym.verify.boxes.locus import Locus
 from rsym.verify.boxes.resolution import resolved
 from rsym.verify.boxes.vanishing import vanishes_with
 
-PRECISE = 256  # bits at which a joint is located: 60 digits remain after the third derivative
 _EQUAL = 1e-25  # a jump enclosed in a ball around 0 narrower than this (relative) is called numerically zero
 
 
@@ -35,6 +32,11 @@ class BoundaryArc:
 
     function: int
     side: int
+
+    @property
+    def ends(self) -> tuple[int, int]:
+        """The nodes that vanish where the arc begins or ends."""
+        return self.function, self.side
 
 
 @dataclass(frozen=True)
@@ -78,55 +80,33 @@ def others_of(meeting: Meeting) -> list[BoundaryArc]:
 
 
 def is_transversal(local: Local, meeting: Meeting) -> bool:
-    """Whether all functions are analytic on the box and no arc is tangent to its side anywhere on it."""
+    """Whether all functions are analytic on the box, and nothing that meets is tangent to its side anywhere on it."""
     if meeting.thin is not None and not generators(local, meeting.thin.function).analytic:
         return False
-    for arc in meeting.arcs:
-        if not (generators(local, arc.function).analytic and generators(local, arc.side).analytic):
-            return False
-        if not crosses(local, arc):
-            return False
-    return True
+    return all(is_crossed(local, arc) for arc in meeting.arcs)
 
 
-def _gradient(local: Local, number: int) -> tuple[arb, arb]:
-    x, y = (local.value(node) for node in local.model.gradient(number))
-    whole = arb(0, math.inf)
-    return (whole if x is None else x), (whole if y is None else y)
+def is_crossed(local: Local, arc: BoundaryArc) -> bool:
+    """Whether a function and its side are analytic, and their gradients nowhere parallel, all over the box."""
+    return all(generators(local, number).analytic for number in arc.ends) and steepest(local, arc) is not None
 
 
-def crosses(local: Local, arc: BoundaryArc) -> bool:
-    """Whether the gradients of the function and the side of an arc are nowhere parallel on the box."""
-    return _determinant(local, arc) != 0
+def steepest(local: Local, arc: BoundaryArc) -> int | None:
+    """The axis along which the curve in which a function and its side vanish runs most steeply; of a point the third.
+
+    None where the gradients may be parallel.
+    """
+    p, q = map(local.gradient, arc.ends)
+    minors = {3 - i - j: p[i] * q[j] - p[j] * q[i] for i, j in ((1, 2), (2, 0), (0, 1)) if max(i, j) < len(p)}
+    steepness, axis = max((float(abs(minor).lower()), -axis) for axis, minor in minors.items())
+    return -axis if steepness > 0 else None
 
 
 def _determinant(local: Local, arc: BoundaryArc) -> int:
     """The sign of the growth of G along F = 0, the inside on the left: 1 the arc leaves the joint, -1 it arrives."""
-    (fx, fy), (gx, gy) = _gradient(local, arc.function), _gradient(local, arc.side)
+    (fx, fy), (gx, gy) = local.gradient(arc.function), local.gradient(arc.side)
     value = gx * fy - gy * fx
     return 1 if value > 0 else -1 if value < 0 else 0
-
-
-def locate(local: Local, arc: BoundaryArc, *, precise: bool = False) -> Zero | None:
-    """The common zero of the function and the side of an arc in the box."""
-    model, rest = local.model, local.sides[2:]
-
-    def values(point: Point) -> Sequence[arb]:
-        at = model.on([*point, *rest])
-        return [_finite(at.value(arc.function)), _finite(at.value(arc.side))]
-
-    def jacobian(point: Point) -> Sequence[Sequence[arb]]:
-        at = model.on([*point, *rest])
-        return [_gradient(at, arc.function), _gradient(at, arc.side)]
-
-    box = (local.sides[0], local.sides[1])
-    if precise:
-        return Zero(True, refined(values, jacobian, box))
-    return unique_zero(values, jacobian, box)
-
-
-def _finite(value: arb | None) -> arb:
-    return arb(0, math.inf) if value is None else value
 
 
 @dataclass(frozen=True)
@@ -140,22 +120,12 @@ class ArcJet:
 
 def jet(model: Model, arc: BoundaryArc, at: Local) -> ArcJet:
     """Enclosures at a point of the arc."""
-    gx, gy = _gradient(at, arc.function)
+    gx, gy = at.gradient(arc.function)
     size = hypotenuse(gx, gy)
     tangent = (gy / size, -gx / size)
     curvature = model.curvature(arc.function)
-    kx, ky = _gradient(at, curvature)
-    return ArcJet(tangent, _finite(at.value(curvature)), kx * tangent[0] + ky * tangent[1])
-
-
-def located(local: Local, meeting: Meeting, zero: Zero) -> Local:
-    """A box around the only common zero of a function and its side, as narrow as the precision allows."""
-    assert zero.box is not None
-    with ctx.workprec(PRECISE):
-        found = locate(local.model.on([*zero.box, *local.sides[2:]]), meeting.arcs[0], precise=True)
-        assert found is not None
-        assert found.box is not None
-        return local.model.on([*found.box, *local.sides[2:]])
+    kx, ky = at.gradient(curvature)
+    return ArcJet(tangent, at.ball(curvature), kx * tangent[0] + ky * tangent[1])
 
 
 def joint(local: Local, meeting: Meeting, at: Local) -> Joint | None:
@@ -166,11 +136,11 @@ def joint(local: Local, meeting: Meeting, at: Local) -> Joint | None:
     if meeting.thin is not None and _determinant(local, meeting.thin) != directions[0]:
         return None  # between the arcs the inside lies on the other side
     others = others_of(meeting)  # what may end in different points: each must have one end, and it must be the same
-    if not all(end is not None and end.exists for end in (locate(local, other) for other in others)):
+    if not all(end is not None and end.exists for end in (common_zero(local, other.ends) for other in others)):
         return None
     with ctx.workprec(PRECISE):
         first = meeting.arcs[0]
-        if not all(vanishes_with(at, (first.function, first.side), other.function) for other in others):
+        if not all(vanishes_with(at, first.ends, other.function) for other in others):
             return None
         jets = {direction: jet(model, arc, at) for direction, arc in zip(directions, meeting.arcs, strict=True)}
         return judged(tuple(at.sides[:2]), jets[-1], jets[1], meeting.contact)

@@ -13,7 +13,8 @@ from typing import TypeAlias
 
 from flint import arb_mat
 
-from rsym.bounds.balls import arb
+from rsym.bounds.balls import arb, ctx
+from rsym.verify.boxes.local import PRECISE, Local
 
 Point: TypeAlias = tuple[arb, ...]
 Matrix: TypeAlias = Sequence[Sequence[arb]]
@@ -27,7 +28,37 @@ class Zero:
     """The result: `exists` and is unique in the box it was sought in, and lies in `box`; else there is none."""
 
     exists: bool
-    box: Point | None = None
+    box: Point = ()
+
+    def meets(self, local: Local) -> bool:
+        """Whether there is a zero, and it may lie in a box."""
+        return self.exists and all(a.overlaps(b) for a, b in zip(self.box, local.sides, strict=False))
+
+
+def common_zero(local: Local, numbers: tuple[int, ...]) -> Zero | None:
+    """The only common zero in a box of as many nodes as there are coordinates, or that there is none; None if open."""
+    return unique_zero(*_equations(local, numbers), tuple(local.sides[: len(numbers)]))
+
+
+def narrowed(local: Local, numbers: tuple[int, ...], zero: Zero) -> Local:
+    """A box around such a zero, as narrow as the letters allow."""
+    with ctx.workprec(max(ctx.prec, PRECISE)):
+        return local.model.on([*refined(*_equations(local, numbers), zero.box), *local.sides[len(numbers) :]])
+
+
+def _equations(
+    local: Local, numbers: tuple[int, ...]
+) -> tuple[Callable[[Point], Sequence[arb]], Callable[[Point], Matrix]]:
+    rest = local.sides[len(numbers) :]
+
+    def values(point: Point) -> Sequence[arb]:
+        return local.model.on([*point, *rest]).balls(numbers)
+
+    def jacobian(point: Point) -> Matrix:
+        at = local.model.on([*point, *rest])
+        return [at.gradient(number) for number in numbers]
+
+    return values, jacobian
 
 
 def unique_zero(

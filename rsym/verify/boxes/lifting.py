@@ -87,12 +87,12 @@ def bound_of(above: Local, arcs: Sequence[Lifted]) -> tuple[float, float]:
 def across_of(above: Local, first: Lifted, second: Lifted) -> arb:
     """Grad G_1 . W_2 from enclosures of its entries alone: if it is not 0, no matrix of such is singular."""
     builder = above.model.builder
-    slopes = (*above.gradient(first.function), finite(above.value(derivative(builder, first.function, ROOT))))
+    slopes = (*above.gradient(first.function), above.ball(derivative(builder, first.function, ROOT)))
     return sum((a * b for a, b in zip(slopes, _tangent(above, second), strict=True)), arb(0))
 
 
 def _tangent(above: Local, arc: Lifted) -> tuple[arb, arb, arb]:
-    p, q, r = (finite(above.value(node)) for node in arc.tangent)
+    p, q, r = above.balls(arc.tangent)
     return p, q, r
 
 

@@ -20,6 +20,13 @@ T = TypeVar("T")
 Interval: TypeAlias = tuple[Fraction, Fraction]
 Box: TypeAlias = tuple[tuple[float, float], ...]
 
+PRECISION = 80  # bits of the balls: 53 would do, a few more keep corners from being decided by rounding
+# What meets on a side of a box meets inside the box grown by this share of its width; in the plane joints are located
+# in it at once, and where letters range they move.
+GROWN = 0.25
+GROWN_FOR_RANGES = 1.5
+PRECISE = 256  # bits at which a place is located: 60 digits remain after the third derivative
+
 
 def side(low: float, high: float) -> arb:
     """The ball around an interval of floats."""
@@ -208,10 +215,24 @@ class Local:
             return 0
         return 1 if value > 0 else -1 if value < 0 else 0
 
+    def balls(self, numbers: tuple[int, ...]) -> list[arb]:
+        """Balls around the values of some nodes, the whole line where there is none."""
+        return [arb(0, math.inf) if value is None else value for value in self.all(numbers)]
+
+    def ball(self, number: int) -> arb:
+        """A ball around all values of a node, the whole line where there is none."""
+        return self.balls((number,))[0]
+
     def gradient(self, number: int) -> list[arb]:
         """Balls around the first derivatives of a node, the whole line where there is no bound."""
-        found = self.all(self.model.gradient(number))
-        return [arb(0, math.inf) if value is None else value for value in found]
+        return self.balls(self.model.gradient(number))
+
+    def grown(self) -> Local:
+        """What is known on a box a little larger along the coordinates."""
+        size = self.model.dimension
+        share = GROWN_FOR_RANGES if size == 2 and len(self.sides) > size else GROWN
+        sides = [side + arb(0, 2 * share) * arb(side.rad()) for side in self.sides[:size]]
+        return self.model.on([*sides, *self.sides[size:]])
 
     def nonzero(self, number: int) -> bool:
         """Whether the node is certainly not zero."""

@@ -34,6 +34,7 @@ from rsym.verify.boxes.locus import chosen
 from rsym.verify.boxes.polynomials import polynomial_of
 from rsym.verify.boxes.resolution import put
 from rsym.verify.boxes.vanishing import Exact
+from rsym.verify.boxes.vectors import dot
 from rsym.verify.cleaning import diagonal
 
 RADIUS = "the root"  # no letter of a user has a space in its name
@@ -213,13 +214,13 @@ def curvature_jump(known: Exact, at: Local, leaf: int) -> arb | None:
     if not generators(around, function).analytic or not known.vanishes(odd):
         return None
     normal, slope = at.gradient(even), at.gradient(odd)
-    size = _dot(normal, normal)
+    size = dot(normal, normal)
     if not size > 0:
         return None
-    along = [one - _dot(slope, normal) / size * n for one, n in zip(slope, normal, strict=True)]
+    along = [one - dot(slope, normal) / size * n for one, n in zip(slope, normal, strict=True)]
     rows = [at.gradient(first) for first in model.gradient(arguments[0])]
-    square = _dot(along, [_dot(row, along) for row in rows]) / 2
-    if not square > 0 or not _dot(along, along) > 0:
+    square = dot(along, [dot(row, along) for row in rows]) / 2
+    if not square > 0 or not dot(along, along) > 0:
         return None
     return 4 * square.sqrt() / size.sqrt()
 
@@ -228,7 +229,3 @@ def _largest(local: Local, part: int) -> arb:
     square = local.value(local.model.builder.nodes[part].arguments[0])
     largest = None if square is None else root(square)
     return arb(0, math.inf) if largest is None else arb(largest.upper())
-
-
-def _dot(one: list[arb], other: list[arb]) -> arb:
-    return sum((a * b for a, b in zip(one, other, strict=True)), arb(0))

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats
-from rsym.verify.boxes.local import Box
+from rsym.verify.boxes.local import GROWN, Box
 from rsym.verify.cover.covering import OFF_CENTRE
 from rsym.verify.cover.images import Boxes
-from rsym.verify.cover.inspection import GROWN
 
 
 def listed(boxes: Boxes) -> list[Box]:

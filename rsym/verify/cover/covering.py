@@ -10,11 +10,11 @@ from rsym.bounds.balls import ctx
 from rsym.program.differentiation import derivative
 from rsym.sampling.progress import Effort
 from rsym.verify.answers.account import Balance
-from rsym.verify.boxes.local import Box, Model
-from rsym.verify.cover.examination import OPEN, BoxFinding, examine
+from rsym.verify.boxes.local import PRECISION, Box, Model
+from rsym.verify.cover.arcs import ArcInspector
+from rsym.verify.cover.inspection import OPEN, Finding
 from rsym.verify.cover.pruning import Prune
 
-PRECISION = 80  # bits of the balls: 53 would do, a few more keep corners from being decided by rounding
 COARSEST = 1 / 24  # of the extent: larger regular boxes are divided, so that the cover follows the boundary
 REPORTED = 64  # boxes between two reports of progress
 # The first cut is off centre, so that no side of a box lies on the planes of symmetry of a model.
@@ -28,8 +28,8 @@ class Covering:
     All boxes that were `made` are settled, left, `divided`, or `empty` of zeros.
     """
 
-    settled: list[tuple[Box, BoxFinding]] = field(default_factory=list)
-    left: list[tuple[Box, BoxFinding]] = field(default_factory=list)
+    settled: list[tuple[Box, Finding]] = field(default_factory=list)
+    left: list[tuple[Box, Finding]] = field(default_factory=list)
     examined: int = 0
     made: int = 0
     empty: int = 0
@@ -55,6 +55,7 @@ def cover(
     `prune` says of many boxes at once which certainly hold no zero; the others are examined one by one.
     """
     result, extent, effort = Covering(), extent_of(bounds), effort or Effort()
+    inspector = ArcInspector(extent)
     level = list(_first(bounds))
     with ctx.workprec(PRECISION):
         while level:
@@ -69,7 +70,7 @@ def cover(
                 if result.examined >= budget or effort.is_over:
                     result.left.append((box, OPEN))
                     continue
-                following.extend(_settled(model, box, extent, smallest, result))
+                following.extend(_settled(model, box, inspector, smallest, result))
                 if result.examined % REPORTED == 0:
                     effort.reach(1 - undecided, undecided=undecided)
             level = following
@@ -85,12 +86,12 @@ def _undecided(level: Sequence[Box], found: Covering) -> float:
     return opened / (opened + settled) if opened else 0.0
 
 
-def _settled(model: Model, box: Box, extent: float, smallest: float, result: Covering) -> list[Box]:
+def _settled(model: Model, box: Box, inspector: ArcInspector, smallest: float, result: Covering) -> list[Box]:
     """Examine a box and note what is found on it; what is still open is returned in parts."""
     result.examined += 1
-    finding = examine(model.over(box), extent)
+    finding = inspector.inspect(model.over(box))
     width = max(high - low for low, high in box[:2])
-    coarse = finding.kind == "regular" and width > extent * COARSEST and len(box) == 2
+    coarse = finding.kind == "regular" and width > inspector.extent * COARSEST and len(box) == 2
     if coarse or (finding.kind == "open" and width > smallest):
         result.divided += 1
         return halves(model, box)

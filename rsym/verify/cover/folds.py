@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from rsym.arrays import Flags
 from rsym.bounds.balls import ctx
 from rsym.verify.boxes.classes import CURVED, Pieces, pieces
-from rsym.verify.boxes.local import Box
-from rsym.verify.cover.covering import PRECISION
+from rsym.verify.boxes.local import PRECISION, Box
 from rsym.verify.cover.images import Boxes, Images
 from rsym.verify.cover.simplest import simplest
 

@@ -20,12 +20,12 @@ from rsym.bounds.balls import ctx
 from rsym.logic.kleene import Formula, as_gate, leaves_of
 from rsym.logic.stripping import is_even
 from rsym.sampling.progress import Effort
+from rsym.verify.answers.singular import SingularPoint
 from rsym.verify.boxes.classes import CURVED
 from rsym.verify.boxes.contact_relations import contacts_of
 from rsym.verify.boxes.joints import BoundaryArc, Meeting
-from rsym.verify.boxes.local import Box
+from rsym.verify.boxes.local import PRECISION, Box
 from rsym.verify.cover.box_arrays import area, at, cut, eighths, grown, halves, listed, patterns, reach_from, widths_of
-from rsym.verify.cover.covering import PRECISION
 from rsym.verify.cover.deciding import EMPTY as NO_ZEROS
 from rsym.verify.cover.deciding import MEETING, REGULAR, UNKNOWN, Decider
 from rsym.verify.cover.deciding import OPEN as UNDIVIDED
@@ -33,9 +33,11 @@ from rsym.verify.cover.folds import Folds
 from rsym.verify.cover.formation import DOUBLE, MAX, MIN, OPEN
 from rsym.verify.cover.images import Boxes, Images
 from rsym.verify.cover.independence import apart, independent, step_to_both
-from rsym.verify.cover.inspection import Inspection, inspect
+from rsym.verify.cover.inspection import OPEN as NOTHING
+from rsym.verify.cover.inspection import Finding
 from rsym.verify.cover.repetition import Repetition
 from rsym.verify.cover.subdivision import Subdivision, joined_boxes
+from rsym.verify.cover.surfaces import SheetInspector
 
 COARSEST = 1 / 16  # of the extent: larger boxes are divided, so that the cover follows the boundary
 BALLS_FROM = 1 / 32  # of the extent: on larger boxes balls rarely say more than float64 intervals
@@ -113,7 +115,7 @@ class Octree:
             self.found.examined += len(level)
             self._tell(level)
             level = self._level(level)
-        self.found.left.extend((box, Inspection("open")) for box in listed(level))
+        self.found.left.extend((box, NOTHING) for box in listed(level))
         self._tell(level)
         return self.found
 
@@ -186,7 +188,7 @@ class Octree:
         """Boxes that are neither settled nor divided were lost: nothing is proved on them."""
         lost = ~(state.settled | state.divided)
         self.found.unsettled += int(lost.sum())
-        self.found.left.extend((box, Inspection("open")) for box in listed(state.level[lost]))
+        self.found.left.extend((box, NOTHING) for box in listed(state.level[lost]))
 
     def _is_detail(self, boxes: Boxes) -> bool:
         """Whether so many boxes make so little of the boundary that dividing them further would not be worth it."""
@@ -199,7 +201,7 @@ class Octree:
             if len(settled):
                 self.found.joined.setdefault(self._meeting(sheets), []).append(state.level[settled])
                 own[settled] = False
-        self.found.left.extend((box, Inspection("open")) for box in listed(state.level[own]))
+        self.found.left.extend((box, NOTHING) for box in listed(state.level[own]))
 
     def _grouped(
         self, alive: Flags, joined: NDArray[np.int8], defined: Flags, signs: NDArray[np.int8]
@@ -366,7 +368,7 @@ class Octree:
                 (box,) = listed(state.level[place : place + 1])
                 number = self.images.formed.value if defined[place] else model.root
                 near = bool(widths[place] <= CORNERS_FROM * self.extent)
-                inspected = inspect(model.over(box), number, corners=near)
+                inspected = SheetInspector(corners=near).inspect(model.over(box), number)
                 settled = inspected.kind != "open" and (inspected.corner is None or inspected.corner.point is not None)
                 if settled:
                     state.settled[place] = self._note(box, inspected)
@@ -376,14 +378,14 @@ class Octree:
                 else:
                     state.divided[place] = True
 
-    def _note(self, box: Box, inspected: Inspection) -> bool:
+    def _note(self, box: Box, inspected: Finding) -> bool:
         """Note what was found on a box; whether there was a place for it."""
         found = self.found
         if inspected.kind == "regular":
             found.regular.setdefault(inspected.nodes[0], []).append(np.array([box]))
             found.order = min(found.order, inspected.order)
-        elif inspected.meeting is not None and inspected.point is not None:
-            found.broken.setdefault(inspected.meeting, []).append((box, inspected.point))
+        elif inspected.meeting is not None and isinstance(inspected.place, SingularPoint):
+            found.broken.setdefault(inspected.meeting, []).append((box, inspected.place))
         elif inspected.meeting is not None:
             found.joined.setdefault(inspected.meeting, []).append(np.array([box]))
         elif inspected.corner is not None:

@@ -12,7 +12,7 @@ from rsym.verify.answers.singular import SingularPoint
 from rsym.verify.boxes.joints import Meeting
 from rsym.verify.boxes.local import Box
 from rsym.verify.cover.images import Boxes
-from rsym.verify.cover.inspection import Inspection
+from rsym.verify.cover.inspection import OPEN, Finding
 from rsym.verify.points.corners import Corner
 
 
@@ -27,7 +27,7 @@ class Subdivision:
     broken: dict[Meeting, list[tuple[Box, SingularPoint]]] = field(default_factory=dict)
     double: list[Box] = field(default_factory=list)
     leaps: list[Box] = field(default_factory=list)  # omega changes its sign, and is not zero
-    left: list[tuple[Box, Inspection]] = field(default_factory=list)
+    left: list[tuple[Box, Finding]] = field(default_factory=list)
     late: list[Box] = field(default_factory=list)  # regular, but found so only afterwards
     examined: int = 0
     inspected: int = 0
@@ -58,7 +58,7 @@ class Subdivision:
 
         Where such an edge is in the report, that is the defect; else nobody has followed the edge.
         """
-        open_boxes = [(box, Inspection("open")) for box, one in self.corners if one.point is None]
+        open_boxes = [(box, OPEN) for box, one in self.corners if one.point is None]
         corners = [(box, one) for box, one in self.corners if one.point is not None]
         return replace(self, left=[*self.left, *open_boxes], corners=corners)
 

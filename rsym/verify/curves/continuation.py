@@ -112,12 +112,11 @@ class ZeroCurve:
 
     def values(self, local: Local) -> list[arb]:
         """Both values on a box."""
-        found = local.all(self.pair)
-        return [arb(0, math.inf) if value is None else value for value in found]
+        return local.balls(self.pair)
 
     def slopes(self, local: Local) -> list[list[arb]]:
         """Both gradients on a box."""
-        found = [arb(0, math.inf) if value is None else value for value in local.all(self._slopes)]
+        found = local.balls(self._slopes)
         return [found[:3], found[3:]]
 
     def is_analytic(self, local: Local) -> bool:
@@ -188,7 +187,7 @@ class ZeroCurve:
     def _only(self, box: Sequence[arb], axis: int) -> Point | None:
         section = _Section(self, box[axis], axis)
         zero = unique_zero(section.values, section.jacobian, tuple(box[other] for other in others(axis)))
-        if zero is None or zero.box is None or not self.is_analytic(self.on(box)):
+        if zero is None or not zero.exists or not self.is_analytic(self.on(box)):
             return None
         if all(float(arb(part.rad())) < _NARROW * self.extent for part in zero.box):
             return section.whole(zero.box)
@@ -254,8 +253,3 @@ def _sense(across: Sequence[Sequence[arb]], axis: int) -> int:
     (a, b), (c, d) = [[entry.mid() for entry in row] for row in across]
     component = (b * c - a * d) if axis == 1 else (a * d - b * c)
     return 1 if component > 0 else -1 if component < 0 else 0
-
-
-def dot(a: Sequence[arb], b: Sequence[arb]) -> arb:
-    """The scalar product."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

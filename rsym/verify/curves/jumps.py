@@ -20,10 +20,11 @@ from rsym.bounds.ball_arithmetic import degrees
 from rsym.bounds.balls import arb, ctx, root, square
 from rsym.model.vectors import cross
 from rsym.program.calculus import Calculus
-from rsym.verify.boxes.joints import PRECISE, Meeting, step_of
-from rsym.verify.boxes.local import Local
+from rsym.verify.boxes.joints import Meeting, step_of
+from rsym.verify.boxes.local import PRECISE, Local
 from rsym.verify.boxes.vanishing import vanishes_with
-from rsym.verify.curves.continuation import Knot, Tube, ZeroCurve, dot
+from rsym.verify.boxes.vectors import dot
+from rsym.verify.curves.continuation import Knot, Tube, ZeroCurve
 
 WORDS = {"equal": "proved equal", "zero": "equal to 25 digits, which is no proof", "jump": "proved to differ"}
 
@@ -109,13 +110,13 @@ class SheetJumps:
         slopes, across = local.gradient(arc.function), local.gradient(arc.side)
         size = _size(slopes)
         cosine = dot(slopes, across) / (size * _size(across))
-        return abs(_known(local, self._laplacian)) * (1 - square(cosine)) / size
+        return abs(local.ball(self._laplacian)) * (1 - square(cosine)) / size
 
     def _of_sheets(self, local: Local, normals: Sequence[list[arb]], tangent: list[arb], sizes: Sequence[arb]) -> arb:
         bends = []
         for hessian, normal, size in zip(self._hessians, normals, sizes, strict=True):
             b = cross(tangent, normal)
-            rows = [[_known(local, entry) for entry in row] for row in hessian]
+            rows = [local.balls(tuple(row)) for row in hessian]
             bends.append(-dot(b, [dot(row, b) for row in rows]) / size)
         return abs(bends[0] - bends[1])
 
@@ -125,11 +126,6 @@ class SheetJumps:
         if self.meeting.contact >= 1:
             return True
         return vanishes_with(self.curve.on(knot.sides), (first.function, first.side), second.function)
-
-
-def _known(local: Local, number: int) -> arb:
-    value = local.value(number)
-    return arb(0, math.inf) if value is None else value
 
 
 def _size(vector: Sequence[arb]) -> arb:

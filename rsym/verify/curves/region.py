@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats
-from rsym.verify.boxes.local import Box
-from rsym.verify.cover.examination import GROWN
+from rsym.verify.boxes.local import GROWN, Box
 
 # A hair less than the share by which boxes were grown when they were examined, for the rounding of their sides.
 _GROWN = GROWN * (1 - 2.0**-20)

@@ -15,8 +15,7 @@ from rsym.sampling.progress import Effort
 from rsym.verify.answers.singular import SingularCurve, SingularPoint
 from rsym.verify.boxes.borders import is_within
 from rsym.verify.boxes.joints import Meeting
-from rsym.verify.boxes.local import Box, Model, side
-from rsym.verify.cover.covering import PRECISION
+from rsym.verify.boxes.local import PRECISION, Box, Model, side
 from rsym.verify.curves.components import Component, Search, ends
 from rsym.verify.curves.continuation import Knot, ZeroCurve
 from rsym.verify.curves.jumps import Jump, SheetJumps, judge

@@ -17,8 +17,8 @@ from rsym.verify.boxes.joints import BoundaryArc, meeting
 from rsym.verify.boxes.local import Box, Local, Model, side
 from rsym.verify.boxes.locus import reduce
 from rsym.verify.boxes.resolution import resolve
+from rsym.verify.cover.arcs import ArcInspector
 from rsym.verify.cover.covering import halves
-from rsym.verify.cover.examination import examine
 
 NEWTON_STEPS = 6
 SLOWEST = 0.7  # of the width: a step that leaves more is the last
@@ -60,7 +60,7 @@ def pieces_of(model: Model, box: Box, extent: float) -> list[ArcPiece] | None:
         whole = (box[0], (max(box[1][0], 0.0), box[1][1]))
         if box[1][1] < 0:
             return []
-    finding = examine(model.over(box), extent)
+    finding = ArcInspector(extent).inspect(model.over(box))
     if finding.kind == "empty":
         return []
     if finding.kind not in {"regular", "joined"}:

@@ -16,10 +16,11 @@ from typing import Any
 from rsym.bounds.balls import arb, ctx
 from rsym.sampling.progress import Effort
 from rsym.verify.boxes.borders import is_within
-from rsym.verify.boxes.joints import PRECISE, BoundaryArc, locate
-from rsym.verify.boxes.local import Box, Model, side
+from rsym.verify.boxes.krawczyk import common_zero
+from rsym.verify.boxes.krawczyk import narrowed as narrowed_zero
+from rsym.verify.boxes.local import PRECISE, PRECISION, Box, Model, side
 from rsym.verify.boxes.vanishing import vanishes_with
-from rsym.verify.cover.covering import PRECISION, extent_of
+from rsym.verify.cover.covering import extent_of
 from rsym.verify.fairness.bending import ArcBending, Arcs, BendingBalls
 from rsym.verify.fairness.pieces import (
     GROWN,
@@ -252,21 +253,19 @@ def _located(model: Model, piece: ArcPiece, node: int) -> tuple[arb, ...] | None
     box = _roomy(piece)
     if not goes_on(model, piece, box):
         return None
-    arc = BoundaryArc(piece.arc.function, node)
-    zero = locate(model.over(box), arc)
-    if zero is None or not zero.exists or zero.box is None:
+    ends = piece.arc.function, node
+    zero = common_zero(model.over(box), ends)
+    if zero is None or not zero.exists:
         return None if zero is None else ()
+    at = narrowed_zero(model.over(box), ends, zero)
+    place = tuple(at.sides)
     with ctx.workprec(PRECISE):
-        sharp = locate(model.on(list(zero.box)), arc, precise=True)
-        assert sharp is not None
-        assert sharp.box is not None
-        place = sharp.box
-        within = is_within(model.on(place), (piece.arc.function, node))
+        within = is_within(at, ends)
         if within is False or not _is_in(place, piece.whole):
             return ()
         if within is None:
             return None  # on the border of the bounds, or a hair beside it
-        if piece.joined and not model.on(place).sign(piece.arc.side) > 0:
+        if piece.joined and not at.sign(piece.arc.side) > 0:
             return ()  # on the continuation of the arc, or in the joint itself, of which others speak
     return place
 

@@ -27,8 +27,8 @@ from rsym.logic.stripping import bare
 from rsym.program.builder import Builder
 from rsym.sampling.progress import Effort
 from rsym.verify.boxes.generators import generators
-from rsym.verify.boxes.local import Box, side
-from rsym.verify.cover.covering import OFF_CENTRE, PRECISION
+from rsym.verify.boxes.local import PRECISION, Box, side
+from rsym.verify.cover.covering import OFF_CENTRE
 from rsym.verify.normalisation.derivatives import NormalDerivatives
 
 COARSEST = 8  # boxes along the extent before a bound is tried: on wider ones it would be in vain

@@ -15,15 +15,13 @@ from typing import NamedTuple, TypeAlias
 from flint import arb_mat
 
 from rsym.bounds.balls import arb, ctx, exact
-from rsym.program.builder import Builder
-from rsym.program.expansion import SIMPLE
-from rsym.verify.boxes.generators import generators
-from rsym.verify.boxes.local import Local, Model
+from rsym.verify.boxes.generators import generators, square_roots
+from rsym.verify.boxes.krawczyk import common_zero, narrowed
+from rsym.verify.boxes.local import PRECISION, Local, Model
+from rsym.verify.boxes.resolution import put
 from rsym.verify.boxes.sheets import Sheets
 from rsym.verify.boxes.vanishing import SIMPLE as SIMPLEST
 from rsym.verify.boxes.vanishing import as_fraction
-from rsym.verify.cover.covering import PRECISION
-from rsym.verify.points.corners import common_zero, located
 from rsym.verify.points.locating import CONVERGED, LOCATED, PAIRS, STEPS
 from rsym.verify.points.rays import exact_at
 
@@ -94,9 +92,9 @@ def _pinned(model: Model, point: Point, equations: Equations) -> ZeroPlace:
     local = model.on([part + arb(0, PINNED) for part in point])
     unknown: dict[str, Fraction | None] = dict.fromkeys(model.builder.coordinates)
     if all(generators(local, number).analytic for number in equations.nodes):
-        box = common_zero(local, equations.nodes)
-        if box:
-            point = located(local, equations.nodes, box)
+        zero = common_zero(local, equations.nodes)
+        if zero is not None and zero.exists:
+            point = tuple(narrowed(local, equations.nodes, zero).sides)
             known = exact_at(model, point, unknown, frozenset(equations.nodes))
             implied = (second for first, second in equations.implied if known.vanishes(first))
             return ZeroPlace(point, unknown, frozenset((*equations.nodes, *implied)), True)
@@ -148,55 +146,17 @@ def _of_roots(local: Local, leaf: int, leaves: Sequence[int]) -> Iterator[Equati
     for part in sorted(generators(local, leaf).hard):
         operation, arguments, _ = builder.nodes[part]
         if operation in {"sqrt", "trimming", "gap"}:
-            squares = roots_of_squares(builder, arguments[0])
+            squares = square_roots(builder, arguments[0])
             if operation != "sqrt" and len(squares) == 1:
-                squares = (*squares, arguments[1])
+                squares.append(arguments[1])
         else:
-            squares = arguments[:2] if operation in PAIRS else ()
+            squares = list(arguments[:2]) if operation in PAIRS else []
         for u, v, w in combinations(squares, 3):
             yield Equations((u, v, w))
         for u, v in combinations(squares, 2):
-            rest = substituted(builder, local.model.order(leaf), {part: builder.const(0)})
+            rest = put(local.model, leaf, {part: builder.const(0)})
             yield Equations((u, v, rest), ((part, leaf),))
             yield from (Equations((u, v, other)) for other in leaves if other != leaf)
-
-
-def roots_of_squares(builder: Builder, number: int) -> tuple[int, ...]:
-    """The nodes of which a node is a sum of squares, with positive factors; () if it is none."""
-    operation, arguments, data = builder.nodes[number]
-    if operation == "add":
-        first, second = (roots_of_squares(builder, argument) for argument in arguments)
-        return (*first, *second) if first and second else ()
-    if operation == "powi" and isinstance(data, int) and data % 2 == 0:
-        return arguments
-    if operation == "mul":
-        if arguments[0] == arguments[1]:
-            return arguments[:1]
-        value = builder.value(arguments[0])
-        return roots_of_squares(builder, arguments[1]) if value is not None and value > 0 else ()
-    return ()
-
-
-def substituted(builder: Builder, order: Sequence[int], known: Mapping[int, int]) -> int:
-    """The last of some nodes with others in the place of those known."""
-    done: dict[int, int] = {}
-    for part in order:
-        if part in known:
-            done[part] = known[part]
-            continue
-        operation, arguments, data = builder.nodes[part]
-        inner = tuple(done[argument] for argument in arguments)
-        if inner == arguments:
-            done[part] = part
-        elif operation in SIMPLE:
-            done[part] = SIMPLE[operation](builder, *inner)
-        elif operation == "powi" and isinstance(data, int):
-            done[part] = builder.powi(inner[0], data)
-        elif operation == "div":
-            done[part] = builder.div(*inner)
-        else:
-            done[part] = builder.make(operation, *inner, data=data)
-    return done[order[-1]]
 
 
 def _touching(local: Local, f: int, g: int) -> Equations:

@@ -21,13 +21,13 @@ from rsym.sampling.progress import Effort
 from rsym.verify.answers.singular import SingularCurve, SingularPoint
 from rsym.verify.boxes.borders import is_within
 from rsym.verify.boxes.generators import generators
-from rsym.verify.boxes.local import Box, Local, Model, side
+from rsym.verify.boxes.local import PRECISE, PRECISION, Box, Local, Model, side
 from rsym.verify.boxes.sheets import Sheets, sheets
-from rsym.verify.cover.covering import PRECISION
+from rsym.verify.boxes.vectors import floats
 from rsym.verify.points.candidates import ZeroPlace, places
 from rsym.verify.points.clusters import Cluster, clusters
 from rsym.verify.points.contacts import touch_once
-from rsym.verify.points.corners import PRECISE, Corner, corner, doubted, floats
+from rsym.verify.points.corners import Corner, corner, doubted
 from rsym.verify.points.even_roots import is_regular_through_root
 from rsym.verify.points.judging import Names, called_of, classify_place
 from rsym.verify.points.spheres import COARSE, Sampler, sampler, views

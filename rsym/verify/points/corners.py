@@ -7,26 +7,22 @@ formula of signs says what the boundary is around it, and if it proves none no t
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from rsym.bounds.balls import arb, ctx, hypotenuse
+from rsym.bounds.balls import arb, ctx
 from rsym.logic.kleene import Formula, Literal, replaced
 from rsym.verify.answers.singular import SingularPoint
 from rsym.verify.boxes.borders import is_within
 from rsym.verify.boxes.generators import generators
-from rsym.verify.boxes.krawczyk import refined, unique_zero
-from rsym.verify.boxes.local import Local
+from rsym.verify.boxes.krawczyk import common_zero, narrowed
+from rsym.verify.boxes.local import PRECISE, Local
 from rsym.verify.boxes.sheets import Sheets, sheets
+from rsym.verify.boxes.vectors import Vector, determinant, dot, error, floats, length, radius_of
 from rsym.verify.points.links import Link, octants
 
-Vector: TypeAlias = tuple[arb, arb, arb]
 Names: TypeAlias = Callable[[int], str]
-
-GROWN = 0.25  # a corner on a side of a box lies inside the box grown by this share of its width
-PRECISE = 256  # bits at which a corner is located
 
 
 @dataclass(frozen=True)
@@ -57,7 +53,7 @@ class Corner:
     origins: tuple[int, int, int]
     exists: bool
     point: SingularPoint | None
-    normals: tuple[tuple[float, float, float], ...]
+    normals: tuple[tuple[float, ...], ...]
     edges: tuple[tuple[int, int], ...]
     pinched: tuple[tuple[int, int], ...]
     cracked: bool
@@ -77,7 +73,7 @@ def corner(local: Local, number: int | None = None, names: Names | None = None) 
     ((0.0, 0.0, 1.0), 'corner', 90.0, ((0, 1), (0, 2), (1, 2)))
     """
     model = local.model
-    grown = model.on([*(side + arb(0, 2 * GROWN) * arb(side.rad()) for side in local.sides[:3]), *local.sides[3:]])
+    grown = local.grown()
     found = sheets(grown, model.root if number is None else number)
     if found is None or len(found.leaves) != 3 or not all(generators(grown, leaf).analytic for leaf in found.leaves):
         return None
@@ -87,10 +83,10 @@ def corner(local: Local, number: int | None = None, names: Names | None = None) 
     if zero is None:
         return None
     around = octants(numbered(found))
-    if not zero:
+    if not zero.exists:
         return _made(found, around, None, ())
+    at = narrowed(grown, found.leaves, zero)
     with ctx.workprec(PRECISE):
-        at = model.on([*located(grown, found.leaves, zero), *local.sides[3:]])
         within = is_within(at, found.leaves)
         inside = within is not False and all(a.overlaps(b) for a, b in zip(at.sides, local.sides[:3], strict=False))
         normals = [outward(at, leaf, _inside(around, k)) for k, leaf in enumerate(found.leaves)]
@@ -111,42 +107,6 @@ def numbered(found: Sheets) -> Formula:
     return replaced(found.formula, {leaf: Literal(place) for place, leaf in enumerate(found.leaves)})
 
 
-def determinant(rows: Sequence[Sequence[arb]]) -> arb:
-    """The determinant of three gradients."""
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-
-
-def common_zero(local: Local, numbers: Sequence[int]) -> tuple[arb, ...] | None:
-    """A box around the only common zero of three nodes in a box, () if there is none; None where neither is proved."""
-    zero = unique_zero(*_system(local, numbers), tuple(local.sides[:3]))
-    if zero is None:
-        return None
-    return tuple(zero.box) if zero.exists and zero.box is not None else ()
-
-
-def located(local: Local, numbers: Sequence[int], box: tuple[arb, ...]) -> tuple[arb, ...]:
-    """The box of a zero that is unique in it, as narrow as the working precision allows."""
-    return tuple(refined(*_system(local, numbers), box))
-
-
-def _system(
-    local: Local, numbers: Sequence[int]
-) -> tuple[Callable[[Sequence[arb]], Sequence[arb]], Callable[[Sequence[arb]], Sequence[Sequence[arb]]]]:
-    model, rest = local.model, local.sides[3:]
-
-    def values(point: Sequence[arb]) -> list[arb]:
-        at = model.on([*point, *rest])
-        found = (at.value(number) for number in numbers)
-        return [arb(0, math.inf) if value is None else value for value in found]
-
-    def jacobian(point: Sequence[arb]) -> list[list[arb]]:
-        at = model.on([*point, *rest])
-        return [at.gradient(number) for number in numbers]
-
-    return values, jacobian
-
-
 def _inside(around: Link, sheet: int) -> int:
     """The sign that a sheet has inside wherever it is the boundary; 0 where both are, or none."""
     signs = {sign for edge in around.edges for place, sign in edge.arcs if place == sheet}
@@ -160,32 +120,10 @@ def outward(at: Local, number: int, inside: int) -> Vector:
     return x / size, y / size, z / size
 
 
-def length(vector: Vector) -> arb:
-    """The length of a vector."""
-    return hypotenuse(hypotenuse(vector[0], vector[1]), vector[2])
-
-
 def angle(a: Vector, b: Vector) -> arb:
     """The angle between two vectors in degrees."""
     cross = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-    cosine = sum((u * v for u, v in zip(a, b, strict=True)), arb(0))
-    return arb.atan2(length(cross), cosine) * 180 / arb.pi()
-
-
-def floats(vector: Sequence[arb]) -> tuple[float, float, float]:
-    """The middle of a box of vectors."""
-    x, y, z = (float(part.mid()) for part in vector)
-    return x, y, z
-
-
-def error(value: arb) -> float:
-    """The radius of a ball, and what rounding its middle to float64 adds."""
-    return float(arb(value.rad()).upper()) + 2.0**-52 * float(abs(value).upper())
-
-
-def radius_of(point: Sequence[arb]) -> float:
-    """How far the truth can be from the rounded middle of a box."""
-    return math.hypot(*(error(part) for part in point))
+    return arb.atan2(length(cross), dot(a, b)) * 180 / arb.pi()
 
 
 def largest_angle(around: Link, gradients: Sequence[Vector]) -> arb:
@@ -229,9 +167,7 @@ def describe(around: Link, start: str) -> str:
     return f"{start}; small spheres see {pieces}{crack}"
 
 
-def _made(
-    found: Sheets, around: Link, point: SingularPoint | None, normals: tuple[tuple[float, float, float], ...]
-) -> Corner:
+def _made(found: Sheets, around: Link, point: SingularPoint | None, normals: tuple[tuple[float, ...], ...]) -> Corner:
     edges: dict[tuple[int, int], None] = {}
     pinched: dict[tuple[int, int], None] = {}
     for edge in around.edges:

@@ -28,13 +28,12 @@ from rsym.bounds.balls import arb, ctx, exact, hypotenuse
 from rsym.program.operations import CONJUNCTIONS, LOGICAL
 from rsym.verify.answers.report import Joint
 from rsym.verify.boxes.domains import is_defined, is_legal
-from rsym.verify.boxes.local import Local, Model
+from rsym.verify.boxes.local import PRECISE, Local, Model
 from rsym.verify.boxes.vanishing import Exact
 from rsym.verify.points.slopes import Slopes, slopes_of, squares
 
 Number: TypeAlias = Fraction | arb
 
-PRECISE = 256  # bits
 AROUND = 2.0**-120  # half the width of the neighbourhood on which branches are decided
 FINEST = 2.0**-48  # of the eight units around the square of directions; float64 holds all ends exactly
 NARROW = 2.0**-38  # a cone that stays wider than this is taken for an arc on which H vanishes

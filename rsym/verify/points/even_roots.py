@@ -14,7 +14,7 @@ from rsym.program.differentiation import derivative
 from rsym.verify.boxes.domains import is_defined
 from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import Local, Model
-from rsym.verify.points.candidates import substituted
+from rsym.verify.boxes.resolution import put
 
 RADIUS = "the root"  # no letter of a user has a space in its name
 FREE, EVEN, ODD = 0, 2, 1
@@ -44,7 +44,7 @@ def is_regular_through_root(local: Local, leaf: int) -> bool:
     if operation != "sqrt" or not builder.nonnegative[arguments[0]] or not is_defined(local, arguments[0]):
         return False
     radius = builder.input(RADIUS)
-    function = substituted(builder, model.order(leaf), {part: radius})
+    function = put(model, leaf, {part: radius})
     square = local.value(arguments[0])
     if square is None or not generators(local, arguments[0]).analytic or not is_even(model, function, radius):
         return False

@@ -22,22 +22,13 @@ from rsym.bounds.balls import arb, ctx
 from rsym.logic.kleene import ternary
 from rsym.verify.answers.singular import SingularPoint
 from rsym.verify.boxes.generators import generators
-from rsym.verify.boxes.local import Local, Model
+from rsym.verify.boxes.local import PRECISE, Local, Model
 from rsym.verify.boxes.root_classes import curvature_jump
 from rsym.verify.boxes.sheets import Sheets, sheets
+from rsym.verify.boxes.vectors import determinant, error, floats, radius_of
 from rsym.verify.points.candidates import ZeroPlace, across
 from rsym.verify.points.contacts import Judgement, touching, without_gradient
-from rsym.verify.points.corners import (
-    PRECISE,
-    describe,
-    determinant,
-    error,
-    floats,
-    largest_angle,
-    numbered,
-    outward,
-    radius_of,
-)
+from rsym.verify.points.corners import describe, largest_angle, numbered, outward
 from rsym.verify.points.cusps import KIND as CUSP
 from rsym.verify.points.cusps import cusp
 from rsym.verify.points.links import Link, link

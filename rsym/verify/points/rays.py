@@ -29,9 +29,9 @@ from scipy.sparse.csgraph import connected_components
 
 from rsym.arrays import Floats
 from rsym.bounds.balls import arb, ctx
-from rsym.verify.boxes.local import Model
+from rsym.verify.boxes.local import PRECISE, Model
 from rsym.verify.boxes.vanishing import Exact
-from rsym.verify.points.directions import AROUND, PRECISE, same_sign
+from rsym.verify.points.directions import AROUND, same_sign
 from rsym.verify.points.slope_rules import Vector
 from rsym.verify.points.slopes import Slopes, slopes_of
 

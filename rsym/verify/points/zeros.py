@@ -9,11 +9,11 @@ import sympy as sp
 
 from rsym.bounds.balls import arb, ctx
 from rsym.verify.boxes.constants import vanishes
-from rsym.verify.boxes.local import Model
+from rsym.verify.boxes.local import PRECISE, Model
 from rsym.verify.boxes.polynomials import LARGEST
 from rsym.verify.boxes.vanishing import ZERO, Exact
 from rsym.verify.points.candidates import ZeroPlace
-from rsym.verify.points.directions import AROUND, PRECISE
+from rsym.verify.points.directions import AROUND
 
 MOST_TRIED = 24  # nodes at one point that algebra is asked about, which may take a tenth of a second each
 

@@ -1,0 +1,49 @@
+"""Sheets of a boundary in space on one box."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rsym.verify.answers.singular import SingularPoint
+from rsym.verify.boxes.breaks import Break
+from rsym.verify.boxes.joints import Meeting
+from rsym.verify.boxes.local import Local
+from rsym.verify.boxes.locus import Locus
+from rsym.verify.boxes.vectors import floats, radius_of
+from rsym.verify.cover.inspection import Finding, Inspector
+from rsym.verify.points.corners import corner
+
+
+@dataclass(frozen=True)
+class SheetInspector(Inspector):
+    """Looks for one sheet, two that meet in a curve, or the corner of three, the last only with `corners`."""
+
+    corners: bool = True
+
+    def regular(self, local: Local, locus: Locus, nodes: tuple[int, ...], order: float) -> Finding:
+        """A regular sheet where a component of the gradient excludes zero, by the implicit function theorem.
+
+        The gradient of the leaf is everywhere that of one of the nodes: one component has one sign in all of them.
+        """
+        columns = list(zip(*map(local.gradient, nodes), strict=True))
+        if not any(all(slope > 0 for slope in column) or all(slope < 0 for slope in column) for column in columns):
+            return Finding("open", locus=locus)
+        return Finding("regular", locus.nodes, order, locus=locus)
+
+    def meeting(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Finding:
+        """Two sheets that meet in a curve, if at all: others follow it."""
+        if not pair.continuous:
+            return Finding("open", locus=locus)
+        return Finding("joined", tuple(arc.function for arc in pair.arcs), meeting=pair, locus=locus)
+
+    def broken(self, found: Break) -> SingularPoint:
+        """A point at which the boundary is no surface."""
+        place = found.at.sides[:3]
+        return SingularPoint(floats(place), radius_of(place), found.kind, "broken", proved=True, reason=found.reason)
+
+    def further(self, local: Local, number: int, finding: Finding) -> Finding:
+        """A corner of three sheets."""
+        if finding.locus.kind != "several" or not self.corners:
+            return finding
+        found = corner(local, number)
+        return finding if found is None else Finding("corner", corner=found)
