@@ -10,7 +10,7 @@ from rsym.verify.answers.report import Joint
 from rsym.verify.boxes.local import PRECISION, Box, Model, side
 from rsym.verify.cover.arcs import ArcInspector
 from rsym.verify.cover.covering import Covering, halves
-from rsym.verify.cover.inspection import Finding
+from rsym.verify.cover.inspection import Inspection
 
 PARTS, LOOKED_AT = 256, 64  # of the ranges of letters, and boxes over each, in search of a boundary for all of them
 DIVIDED, MOST_DIVIDED = 8, 500  # times that boxes are divided in search of a point of the boundary, and how many
@@ -61,7 +61,7 @@ def has_boundary_for_every_value(model: Model, found: Covering, ranges: Box) -> 
     return not cells
 
 
-def _over(found: Covering, cell: Box) -> Iterator[tuple[Box, Finding]]:
+def _over(found: Covering, cell: Box) -> Iterator[tuple[Box, Inspection]]:
     """Some of the settled boxes that hold a part of the ranges, evenly chosen."""
     own = [
         (box, finding)
@@ -75,7 +75,7 @@ def _sides(cell: Box) -> list[arb]:
     return [side(*ends) for ends in cell]
 
 
-def _changes_sign(model: Model, box: Box, finding: Finding, ranges: Sequence[arb] | None = None) -> bool:
+def _changes_sign(model: Model, box: Box, finding: Inspection, ranges: Sequence[arb] | None = None) -> bool:
     number = finding.locus.nodes[0] if finding.locus.kind in {"leaf", "double"} else model.root
     ranges = [one.mid() for one in _sides(box[2:])] if ranges is None else ranges
     points = product(*((low, low + (high - low) / 2, high) for low, high in box[:2]))

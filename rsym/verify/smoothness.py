@@ -35,7 +35,7 @@ from rsym.verify.cells import within_cells
 from rsym.verify.cleaning import cleaned, without_scale
 from rsym.verify.cover.arcs import ArcInspector
 from rsym.verify.cover.covering import Covering, cover, extent_of, halves
-from rsym.verify.cover.inspection import Finding
+from rsym.verify.cover.inspection import Inspection
 from rsym.verify.cover.pruning import bounds_of_omega, pruner
 from rsym.verify.evidence import NOWHERE, has_boundary, has_boundary_for_every_value
 from rsym.verify.fibres import report_over_ranges
@@ -333,7 +333,7 @@ TIGHT = 0.05  # the share of the largest bound that may be due to its enclosure
 
 
 def sharpened_bound(
-    model: Model, settled: Sequence[tuple[Box, Finding]], bounds: Box, budget: int, effort: Effort | None = None
+    model: Model, settled: Sequence[tuple[Box, Inspection]], bounds: Box, budget: int, effort: Effort | None = None
 ) -> float:
     """The largest curvature on the settled boxes, proved, from at most `budget` further boxes."""
     inspector, effort, allowed = ArcInspector(extent_of(bounds)), effort or Effort(), budget

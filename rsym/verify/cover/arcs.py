@@ -18,7 +18,7 @@ from rsym.verify.boxes.local import PRECISE, Local
 from rsym.verify.boxes.locus import Locus
 from rsym.verify.boxes.vanishing import vanishes_with
 from rsym.verify.boxes.vectors import floats, radius_of
-from rsym.verify.cover.inspection import EMPTY, OPEN, Finding, Inspector
+from rsym.verify.cover.inspection import EMPTY, OPEN, Inspection, Inspector
 
 FINE = 1 / 4096  # of the extent: on smaller boxes an arc may be regular though its curvature has no bound there
 
@@ -29,45 +29,45 @@ class ArcInspector(Inspector):
 
     extent: float
 
-    def regular(self, local: Local, locus: Locus, nodes: tuple[int, ...], order: float) -> Finding:
+    def regular(self, local: Local, locus: Locus, nodes: tuple[int, ...], order: float) -> Inspection:
         """A regular arc where one component of the gradient excludes zero, by the implicit function theorem."""
         slopes = [local.gradient(node) for node in nodes]
         if len(nodes) == 1 and _centred_excludes_zero(local, nodes[0], slopes[0]):
             return EMPTY
         columns = list(zip(*slopes, strict=True))
         if not any(all(slope > 0 for slope in column) or all(slope < 0 for slope in column) for column in columns):
-            return Finding("open", locus=locus)
+            return Inspection("open", locus=locus)
         bounds = [curvature_bound(local, node) for node in nodes]
         if None in bounds and not (order < math.inf and self._is_small(local)):
-            return Finding("open", locus=locus)
+            return Inspection("open", locus=locus)
         # Derivatives of |u|**a with a fractional a have no enclosure at 0.
         bound = max((math.inf, 0.0) if bound is None else bound for bound in bounds)
-        return Finding("regular", nodes, order, locus, curvature=bound[0], slack=bound[1])
+        return Inspection("regular", nodes, order, locus, curvature=bound[0], slack=bound[1])
 
     def _is_small(self, local: Local) -> bool:
         return all(float(arb(side.rad())) < self.extent * FINE for side in local.sides[:2])
 
-    def meeting(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Finding:
+    def meeting(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Inspection:
         """Two arcs on the grown box: they meet in one point there, or do not meet at all."""
         bounds = [curvature_bound(around, arc.function) for arc in pair.arcs]
         zero = common_zero(around, pair.arcs[0].ends)
         on_axis = local.model.body and around.sides[1].contains(0)  # where a cone has no bound
         if zero is None or (None in bounds and not (on_axis and zero.exists)):
-            return Finding("open", locus=locus)
+            return Inspection("open", locus=locus)
         curvature, slack = max((math.inf, 0.0) if bound is None else bound for bound in bounds)
         place, within = None, None
         if zero.meets(local):
             place = narrowed(around, pair.arcs[0].ends, zero)
             within = is_within(place, pair.arcs[0].ends)
         if place is None or within is False:  # what meets outside a neighbour will find, if it is within the bounds
-            return Finding("regular", locus=locus, curvature=curvature, slack=slack) if pair.continuous else OPEN
+            return Inspection("regular", locus=locus, curvature=curvature, slack=slack) if pair.continuous else OPEN
         found = joint(around, pair, place)
         if found is None or (within is None and len(local.sides) > 2):
-            return Finding("open", locus=locus)
+            return Inspection("open", locus=locus)
         if within is None:
             doubt = f"{found.reason}; whether within the bounds or beside them is not decided"
             found = replace(found, proved=False, reason=doubt)
-        return Finding("joined", (), pair.contact, locus, pair, found, curvature=curvature, slack=slack)
+        return Inspection("joined", (), pair.contact, locus, pair, found, curvature=curvature, slack=slack)
 
     def broken(self, found: Break) -> Joint:
         """A point at which the boundary is no curve."""
@@ -76,7 +76,7 @@ class ArcInspector(Inspector):
         where, radius = floats(place), radius_of(place)
         return Joint(where, radius, found.kind, "broken", branches=branches, proved=True, reason=found.reason)
 
-    def further(self, local: Local, number: int, finding: Finding) -> Finding:
+    def further(self, local: Local, number: int, finding: Inspection) -> Inspection:
         """A factor that is zero in one point only, or the edge of a root."""
         if finding.locus.kind == "product":
             finding = self._product(local, finding.locus)
@@ -85,9 +85,9 @@ class ArcInspector(Inspector):
         found = edge(local, local.grown(), number)
         if found is None:
             return finding
-        return Finding(found.kind, place=found.joint, curvature=found.curvature, slack=found.slack)
+        return Inspection(found.kind, place=found.joint, curvature=found.curvature, slack=found.slack)
 
-    def _product(self, local: Local, locus: Locus) -> Finding:
+    def _product(self, local: Local, locus: Locus) -> Inspection:
         """A factor that is zero in one point only, a sum of squares, where the other factor is zero too, drops."""
         for factor, other in (locus.nodes, locus.nodes[::-1]):
             roots = tuple(square_roots(local.model.builder, factor)[:2])
@@ -102,7 +102,7 @@ class ArcInspector(Inspector):
             with ctx.workprec(PRECISE):
                 if vanishes_with(narrowed(around, roots, zero), roots, other):
                     return self.inspect(local, other)
-        return Finding("open", locus=locus)
+        return Inspection("open", locus=locus)
 
 
 def _centred_excludes_zero(local: Local, leaf: int, slopes: list[arb]) -> bool:

@@ -12,7 +12,7 @@ from rsym.sampling.progress import Effort
 from rsym.verify.answers.account import Balance
 from rsym.verify.boxes.local import PRECISION, Box, Model
 from rsym.verify.cover.arcs import ArcInspector
-from rsym.verify.cover.inspection import OPEN, Finding
+from rsym.verify.cover.inspection import OPEN, Inspection
 from rsym.verify.cover.pruning import Prune
 
 COARSEST = 1 / 24  # of the extent: larger regular boxes are divided, so that the cover follows the boundary
@@ -28,8 +28,8 @@ class Covering:
     All boxes that were `made` are settled, left, `divided`, or `empty` of zeros.
     """
 
-    settled: list[tuple[Box, Finding]] = field(default_factory=list)
-    left: list[tuple[Box, Finding]] = field(default_factory=list)
+    settled: list[tuple[Box, Inspection]] = field(default_factory=list)
+    left: list[tuple[Box, Inspection]] = field(default_factory=list)
     examined: int = 0
     made: int = 0
     empty: int = 0

@@ -25,7 +25,7 @@ from rsym.verify.points.corners import Corner
 
 
 @dataclass(frozen=True)
-class Finding:
+class Inspection:
     """What is proved on a box.
 
     kind: "empty"; "regular", a curve or surface of class C^j, j < order, analytic if the order is infinite; "joined",
@@ -48,29 +48,29 @@ class Finding:
     slack: float = math.inf
 
 
-EMPTY, OPEN = Finding("empty"), Finding("open")
+EMPTY, OPEN = Inspection("empty"), Inspection("open")
 
 
 class Inspector(ABC):
     """Asks what the zero set of a node is on one box."""
 
-    def inspect(self, local: Local, number: int | None = None) -> Finding:
+    def inspect(self, local: Local, number: int | None = None) -> Inspection:
         """What is proved of the zero set of a node, of the root if none is named, on a box."""
         number = local.model.root if number is None else number
         locus = locus_of(local, number)
         if locus.kind == "none":
             return EMPTY
-        finding = Finding("open", locus=locus)
+        finding = Inspection("open", locus=locus)
         if locus.kind == "double":
             # Proved where the inner node changes sign on the box.
-            finding = Finding("double" if changes_sign(local, locus.nodes[0]) else "open", locus=locus)
+            finding = Inspection("double" if changes_sign(local, locus.nodes[0]) else "open", locus=locus)
         elif locus.kind == "leaf":
             finding = self._leaf(local, number, locus)
         elif locus.kind in {"conjunction", "disjunction", "several"}:
             finding = self._joined(local, number, locus)
         return self.further(local, number, finding) if finding.kind == "open" else finding
 
-    def _leaf(self, local: Local, number: int, locus: Locus) -> Finding:
+    def _leaf(self, local: Local, number: int, locus: Locus) -> Inspection:
         """One leaf: analytic, or with switches, across which it is smooth enough, or two pieces of one switch."""
         (leaf,) = locus.nodes
         found = generators(local, leaf)
@@ -88,9 +88,9 @@ class Inspector(ABC):
         elif len(found.switches) == 1 and (finding := self._joined(local, number, locus)).kind != "open":
             return finding
         order = root_order(local, leaf)
-        return self.regular(local, locus, (leaf,), order) if order > CURVED else Finding("open", locus=locus)
+        return self.regular(local, locus, (leaf,), order) if order > CURVED else Inspection("open", locus=locus)
 
-    def _joined(self, local: Local, number: int, locus: Locus) -> Finding:
+    def _joined(self, local: Local, number: int, locus: Locus) -> Inspection:
         """Two pieces on the grown box, analytic and nowhere tangent to what ends them; or one that is all."""
         around = local.grown()
         outer = locus_of(around, number)
@@ -98,7 +98,7 @@ class Inspector(ABC):
             return EMPTY
         found: Generators | None = generators(around, outer.nodes[0]) if outer.kind == "leaf" else None
         if found is not None and found.analytic:
-            return Finding("open", locus=locus)
+            return Inspection("open", locus=locus)
         pair = meeting(around, outer, found)
         if pair is None and found is not None:
             pair = parted(around, outer.nodes[0], found)
@@ -115,31 +115,31 @@ class Inspector(ABC):
                 return self.regular(local, Locus("leaf", (touched,)), (touched,), math.inf)
             pair = touched
         if pair is None or not is_transversal(around, pair):
-            return Finding("open", locus=locus)
+            return Inspection("open", locus=locus)
         return self.meeting(local, around, pair, outer)
 
-    def _jumping(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Finding:
+    def _jumping(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Inspection:
         """Sides of a switch between which omega may jump."""
         kind = emptiness(local, around, pair)
         if kind is not None:
-            return Finding(kind, locus=Locus("double", (pair.arcs[0].side,)))
+            return Inspection(kind, locus=Locus("double", (pair.arcs[0].side,)))
         found = find_break(local, around, pair)
         if found is None:
-            return Finding("open", locus=locus)
-        return Finding("broken", locus=locus, meeting=pair, place=self.broken(found))
+            return Inspection("open", locus=locus)
+        return Inspection("broken", locus=locus, meeting=pair, place=self.broken(found))
 
     @abstractmethod
-    def regular(self, local: Local, locus: Locus, nodes: tuple[int, ...], order: float) -> Finding:
+    def regular(self, local: Local, locus: Locus, nodes: tuple[int, ...], order: float) -> Inspection:
         """Whether a leaf, whose gradient is everywhere that of one of some nodes, is regular on the box."""
 
     @abstractmethod
-    def meeting(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Finding:
+    def meeting(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Inspection:
         """What two pieces make of a box, transversal on one a little larger."""
 
     @abstractmethod
     def broken(self, found: Break) -> Joint | SingularPoint:
         """The place of a break."""
 
-    def further(self, local: Local, number: int, finding: Finding) -> Finding:
+    def further(self, local: Local, number: int, finding: Inspection) -> Inspection:
         """What else may be tried on a box that is open."""
         return finding

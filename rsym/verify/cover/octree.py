@@ -20,7 +20,6 @@ from rsym.bounds.balls import ctx
 from rsym.logic.kleene import Formula, as_gate, leaves_of
 from rsym.logic.stripping import is_even
 from rsym.sampling.progress import Effort
-from rsym.verify.answers.singular import SingularPoint
 from rsym.verify.boxes.classes import CURVED
 from rsym.verify.boxes.contact_relations import contacts_of
 from rsym.verify.boxes.joints import BoundaryArc, Meeting
@@ -33,10 +32,8 @@ from rsym.verify.cover.folds import Folds
 from rsym.verify.cover.formation import DOUBLE, MAX, MIN, OPEN
 from rsym.verify.cover.images import Boxes, Images
 from rsym.verify.cover.independence import apart, independent, step_to_both
-from rsym.verify.cover.inspection import OPEN as NOTHING
-from rsym.verify.cover.inspection import Finding
 from rsym.verify.cover.repetition import Repetition
-from rsym.verify.cover.subdivision import Subdivision, joined_boxes
+from rsym.verify.cover.subdivision import Subdivision, settled_boxes
 from rsym.verify.cover.surfaces import SheetInspector
 
 COARSEST = 1 / 16  # of the extent: larger boxes are divided, so that the cover follows the boundary
@@ -115,7 +112,7 @@ class Octree:
             self.found.examined += len(level)
             self._tell(level)
             level = self._level(level)
-        self.found.left.extend((box, NOTHING) for box in listed(level))
+        self.found.leave(level)
         self._tell(level)
         return self.found
 
@@ -188,7 +185,7 @@ class Octree:
         """Boxes that are neither settled nor divided were lost: nothing is proved on them."""
         lost = ~(state.settled | state.divided)
         self.found.unsettled += int(lost.sum())
-        self.found.left.extend((box, NOTHING) for box in listed(state.level[lost]))
+        self.found.leave(state.level[lost])
 
     def _is_detail(self, boxes: Boxes) -> bool:
         """Whether so many boxes make so little of the boundary that dividing them further would not be worth it."""
@@ -201,7 +198,7 @@ class Octree:
             if len(settled):
                 self.found.joined.setdefault(self._meeting(sheets), []).append(state.level[settled])
                 own[settled] = False
-        self.found.left.extend((box, NOTHING) for box in listed(state.level[own]))
+        self.found.leave(state.level[own])
 
     def _grouped(
         self, alive: Flags, joined: NDArray[np.int8], defined: Flags, signs: NDArray[np.int8]
@@ -371,32 +368,9 @@ class Octree:
                 inspected = SheetInspector(corners=near).inspect(model.over(box), number)
                 settled = inspected.kind != "open" and (inspected.corner is None or inspected.corner.point is not None)
                 if settled:
-                    state.settled[place] = self._note(box, inspected)
+                    state.settled[place] = found.note(box, inspected)
                 elif widths[place] <= self.smallest:
                     found.left.append((box, inspected))
                     state.settled[place] = True
                 else:
                     state.divided[place] = True
-
-    def _note(self, box: Box, inspected: Finding) -> bool:
-        """Note what was found on a box; whether there was a place for it."""
-        found = self.found
-        if inspected.kind == "regular":
-            found.regular.setdefault(inspected.nodes[0], []).append(np.array([box]))
-            found.order = min(found.order, inspected.order)
-        elif inspected.meeting is not None and isinstance(inspected.place, SingularPoint):
-            found.broken.setdefault(inspected.meeting, []).append((box, inspected.place))
-        elif inspected.meeting is not None:
-            found.joined.setdefault(inspected.meeting, []).append(np.array([box]))
-        elif inspected.corner is not None:
-            found.corners.append((box, inspected.corner))
-        elif inspected.kind in {"double", "leap"}:
-            (found.double if inspected.kind == "double" else found.leaps).append(box)
-        else:
-            return inspected.kind == "empty"
-        return True
-
-
-def settled_boxes(found: Subdivision) -> Sequence[Boxes]:
-    """All boxes of which it is known what they hold, but for those left over and zeros without a change of sign."""
-    return [*(part for parts in found.regular.values() for part in parts), *joined_boxes(found)]

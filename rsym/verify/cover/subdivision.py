@@ -11,8 +11,9 @@ from rsym.verify.answers.account import Balance
 from rsym.verify.answers.singular import SingularPoint
 from rsym.verify.boxes.joints import Meeting
 from rsym.verify.boxes.local import Box
+from rsym.verify.cover.box_arrays import listed
 from rsym.verify.cover.images import Boxes
-from rsym.verify.cover.inspection import OPEN, Finding
+from rsym.verify.cover.inspection import OPEN, Inspection
 from rsym.verify.points.corners import Corner
 
 
@@ -27,11 +28,32 @@ class Subdivision:
     broken: dict[Meeting, list[tuple[Box, SingularPoint]]] = field(default_factory=dict)
     double: list[Box] = field(default_factory=list)
     leaps: list[Box] = field(default_factory=list)  # omega changes its sign, and is not zero
-    left: list[tuple[Box, Finding]] = field(default_factory=list)
+    left: list[tuple[Box, Inspection]] = field(default_factory=list)
     late: list[Box] = field(default_factory=list)  # regular, but found so only afterwards
     examined: int = 0
     inspected: int = 0
     unsettled: int = 0  # boxes that no step had settled: they count as left, and as a defect of the search
+
+    def note(self, box: Box, inspected: Inspection) -> bool:
+        """Note what was found on a box; whether there was a place for it."""
+        if inspected.kind == "regular":
+            self.regular.setdefault(inspected.nodes[0], []).append(np.array([box]))
+            self.order = min(self.order, inspected.order)
+        elif inspected.meeting is not None and isinstance(inspected.place, SingularPoint):
+            self.broken.setdefault(inspected.meeting, []).append((box, inspected.place))
+        elif inspected.meeting is not None:
+            self.joined.setdefault(inspected.meeting, []).append(np.array([box]))
+        elif inspected.corner is not None:
+            self.corners.append((box, inspected.corner))
+        elif inspected.kind in {"double", "leap"}:
+            (self.double if inspected.kind == "double" else self.leaps).append(box)
+        else:
+            return inspected.kind == "empty"
+        return True
+
+    def leave(self, boxes: Boxes) -> None:
+        """Note boxes on which nothing is proved."""
+        self.left.extend((box, OPEN) for box in listed(boxes))
 
     @property
     def breaks(self) -> list[tuple[Box, SingularPoint]]:
@@ -73,3 +95,8 @@ def joined_boxes(found: Subdivision) -> Sequence[Boxes]:
     """All boxes in which sheets meet."""
     corners = [np.array([box]) for box, _ in found.corners]
     return [*(boxes for group in found.joined.values() for boxes in group), *corners]
+
+
+def settled_boxes(found: Subdivision) -> Sequence[Boxes]:
+    """All boxes of which it is known what they hold, but for those left over and zeros without a change of sign."""
+    return [*(part for parts in found.regular.values() for part in parts), *joined_boxes(found)]

@@ -10,7 +10,7 @@ from rsym.verify.boxes.joints import Meeting
 from rsym.verify.boxes.local import Local
 from rsym.verify.boxes.locus import Locus
 from rsym.verify.boxes.vectors import floats, radius_of
-from rsym.verify.cover.inspection import Finding, Inspector
+from rsym.verify.cover.inspection import Inspection, Inspector
 from rsym.verify.points.corners import corner
 
 
@@ -20,30 +20,30 @@ class SheetInspector(Inspector):
 
     corners: bool = True
 
-    def regular(self, local: Local, locus: Locus, nodes: tuple[int, ...], order: float) -> Finding:
+    def regular(self, local: Local, locus: Locus, nodes: tuple[int, ...], order: float) -> Inspection:
         """A regular sheet where a component of the gradient excludes zero, by the implicit function theorem.
 
         The gradient of the leaf is everywhere that of one of the nodes: one component has one sign in all of them.
         """
         columns = list(zip(*map(local.gradient, nodes), strict=True))
         if not any(all(slope > 0 for slope in column) or all(slope < 0 for slope in column) for column in columns):
-            return Finding("open", locus=locus)
-        return Finding("regular", locus.nodes, order, locus=locus)
+            return Inspection("open", locus=locus)
+        return Inspection("regular", locus.nodes, order, locus=locus)
 
-    def meeting(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Finding:
+    def meeting(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Inspection:
         """Two sheets that meet in a curve, if at all: others follow it."""
         if not pair.continuous:
-            return Finding("open", locus=locus)
-        return Finding("joined", tuple(arc.function for arc in pair.arcs), meeting=pair, locus=locus)
+            return Inspection("open", locus=locus)
+        return Inspection("joined", tuple(arc.function for arc in pair.arcs), meeting=pair, locus=locus)
 
     def broken(self, found: Break) -> SingularPoint:
         """A point at which the boundary is no surface."""
         place = found.at.sides[:3]
         return SingularPoint(floats(place), radius_of(place), found.kind, "broken", proved=True, reason=found.reason)
 
-    def further(self, local: Local, number: int, finding: Finding) -> Finding:
+    def further(self, local: Local, number: int, finding: Inspection) -> Inspection:
         """A corner of three sheets."""
         if finding.locus.kind != "several" or not self.corners:
             return finding
         found = corner(local, number)
-        return finding if found is None else Finding("corner", corner=found)
+        return finding if found is None else Inspection("corner", corner=found)

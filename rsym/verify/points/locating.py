@@ -13,7 +13,7 @@ from rsym.verify.boxes.generators import generators, square_roots
 from rsym.verify.boxes.local import PRECISION, Box, Model
 from rsym.verify.boxes.resolution import resolve
 from rsym.verify.boxes.vanishing import SIMPLE, as_fraction
-from rsym.verify.cover.inspection import Finding
+from rsym.verify.cover.inspection import Inspection
 
 PAIRS = LOGICAL | {"trimming", "gap", "norm", "joining", "equivalence", "atan2", "normalised"}
 LOCATED = 320  # bits of the search
@@ -30,7 +30,7 @@ class Place:
     pair: tuple[int, int] | None = None
 
 
-def places(model: Model, box: Box, finding: Finding, centre: Sequence[float], radius: float) -> Iterator[Place]:
+def places(model: Model, box: Box, finding: Inspection, centre: Sequence[float], radius: float) -> Iterator[Place]:
     """Points within the radius where omega and one pair of equations vanish to the working precision."""
     for pair in _equations(model, box, finding):
         with ctx.workprec(LOCATED):
@@ -54,7 +54,7 @@ def _vanishes(model: Model, point: tuple[arb, arb]) -> bool:
     return value is not None and float(abs(value).upper()) < 1e-20
 
 
-def _equations(model: Model, box: Box, finding: Finding) -> Iterator[tuple[int, int]]:
+def _equations(model: Model, box: Box, finding: Inspection) -> Iterator[tuple[int, int]]:
     """Pairs of nodes whose common zero may be the point."""
     nodes = model.builder.nodes
     if finding.locus.kind in {"conjunction", "disjunction", "product"}:

@@ -21,7 +21,7 @@ from rsym.verify.boxes.polynomials import polynomial_of
 from rsym.verify.boxes.root_classes import curvature_jump
 from rsym.verify.boxes.vanishing import SIMPLE, Exact, as_fraction
 from rsym.verify.cover.covering import Covering
-from rsym.verify.cover.inspection import Finding
+from rsym.verify.cover.inspection import Inspection
 from rsym.verify.points.directions import AROUND, classify_by_directions
 from rsym.verify.points.locating import LOCATED, Place, places
 from rsym.verify.points.newton_polygon import classify_polynomial
@@ -52,9 +52,9 @@ def classify_suspects(model: Model, found: Covering, extent: float, effort: Effo
     return joints
 
 
-def clusters(boxes: Sequence[tuple[Box, Finding]]) -> list[list[tuple[Box, Finding]]]:
+def clusters(boxes: Sequence[tuple[Box, Inspection]]) -> list[list[tuple[Box, Inspection]]]:
     """The boxes in groups of those that touch."""
-    groups: list[list[tuple[Box, Finding]]] = []
+    groups: list[list[tuple[Box, Inspection]]] = []
     for box in boxes:
         touching = [group for group in groups if any(_touch(box[0], other[0]) for other in group)]
         groups = [group for group in groups if not any(group is one for one in touching)]
@@ -66,7 +66,7 @@ def _touch(a: Box, b: Box) -> bool:
     return all(a[k][0] <= b[k][1] and b[k][0] <= a[k][1] for k in range(2))
 
 
-def _classified(model: Model, group: Sequence[tuple[Box, Finding]], extent: float, *, probe: bool) -> Joint:
+def _classified(model: Model, group: Sequence[tuple[Box, Inspection]], extent: float, *, probe: bool) -> Joint:
     """What a cluster is: by its Newton polygon or by directions, which are proofs, else by one-sided limits."""
     boxes = [box for box, _ in group]
     centre = [math.fsum(box[k][0] + box[k][1] for box in boxes) / (2 * len(boxes)) for k in range(2)]
@@ -118,7 +118,7 @@ def _directed(model: Model, place: Place) -> Joint | None:
     return classify_by_directions(model, (zero.box[0], zero.box[1]), frozenset(place.pair))
 
 
-def _at_rational(model: Model, finding: Finding, place: Place) -> Joint | None:
+def _at_rational(model: Model, finding: Inspection, place: Place) -> Joint | None:
     """At a rational point: two leaves that touch, or one with a root of class 1, whose curvatures differ."""
     rational = _rational(place.point)
     if rational is None:
@@ -146,7 +146,7 @@ def _at_rational(model: Model, finding: Finding, place: Place) -> Joint | None:
     )
 
 
-def _polygon(model: Model, finding: Finding, point: tuple[arb, arb]) -> Joint | None:
+def _polygon(model: Model, finding: Inspection, point: tuple[arb, arb]) -> Joint | None:
     fractions = _rational(point)
     if fractions is None or finding.locus.kind != "leaf":
         return None
