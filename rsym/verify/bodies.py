@@ -40,7 +40,7 @@ from rsym.verify.cover.subdivision import Subdivision, joined_boxes
 from rsym.verify.curves.tracing import trace
 from rsym.verify.everywhere import exists_for_every_value, for_every_value
 from rsym.verify.holes import holes
-from rsym.verify.points.classifying import classify_points
+from rsym.verify.points.space import classify_points
 
 BUDGET = 1_000_000  # boxes: a ball takes 8 000, the car 120 000
 INSPECTIONS = 20_000  # boxes that balls look at, a millisecond or a few each; the car takes 1 300

@@ -40,7 +40,7 @@ from rsym.verify.cover.pruning import bounds_of_omega, pruner
 from rsym.verify.evidence import NOWHERE, has_boundary, has_boundary_for_every_value
 from rsym.verify.fibres import report_over_ranges
 from rsym.verify.holes import holes
-from rsym.verify.points.suspects import classify_suspects
+from rsym.verify.points.plane import classify_joints
 from rsym.verify.revolution import find_meridian, meridian
 
 BUDGET = 20_000  # boxes: the body of Fig. 11 takes 130, a lemniscate with its node 240, the car 200 to 900
@@ -250,7 +250,8 @@ def _half_plane(box: Any, axis: int) -> Box:
 def _report(study: _Study, *, sharpening: int = SHARPENING) -> SmoothnessReport:
     """What follows from the findings, if all of them are in it."""
     study.effort.begin("points", SHARES[1])
-    suspects = classify_suspects(study.model, study.found, extent_of(study.region), study.effort)
+    left = [(box, finding.locus) for box, finding in study.found.left]
+    suspects = classify_joints(study.model, left, extent_of(study.region), study.effort)
     draft = _drafted(study, suspects, sharpening)
     wrong = _unaccounted(study, suspects, draft)
     if not wrong:

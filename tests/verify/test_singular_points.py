@@ -16,16 +16,17 @@ import rsym
 from rsym import x, y, z
 from rsym.bounds.balls import exact
 from rsym.logic.kleene import ternary
+from rsym.sampling.progress import Effort
 from rsym.verify.answers.conclusions import is_degenerate
 from rsym.verify.answers.singular import SingularPoint
 from rsym.verify.boxes.local import Model, side
 from rsym.verify.boxes.sheets import sheets
 from rsym.verify.curves.components import narrowed
 from rsym.verify.curves.continuation import ZeroCurve
-from rsym.verify.points.classifying import Classified, classify_points
 from rsym.verify.points.clusters import clusters
 from rsym.verify.points.corners import Corner, corner
 from rsym.verify.points.even_roots import is_regular_through_root
+from rsym.verify.points.space import Classified, classify_points
 
 
 def model_of(expression):
@@ -376,7 +377,7 @@ def test_thousands_of_boxes_fall_into_clusters():
     line = [((k * width, (k + 1) * width), (0.0, width), (0.0, width)) for k in range(3000)]
     apart = [tuple((2.0 * n, 2.0 * n + w) for _ in range(3)) for n, w in ((2, width), (3, 4 * width))]
     small = ((4.0 - width / 4, 4.0),) * 3  # touches the first of them in a corner, and is smaller
-    found = clusters([*line, *apart, small])
+    found = list(clusters([*line, *apart, small], 3, Effort()))
     assert [len(one.boxes) for one in found] == [3000, 2, 1]
     assert found[0].is_long
     assert not found[1].is_long

@@ -15,9 +15,8 @@ from rsym import Shape, x, y, z
 from rsym.bounds.balls import ctx
 from rsym.verify.boxes.classes import parted
 from rsym.verify.boxes.generators import generators
-from rsym.verify.boxes.local import Model
+from rsym.verify.boxes.local import PRECISION, Model
 from rsym.verify.boxes.polynomials import ring_of
-from rsym.verify.boxes.local import PRECISION
 from rsym.verify.cover.surfaces import SheetInspector
 
 R = sp.Rational

@@ -30,13 +30,10 @@ from rsym.verify.answers.singular import SingularCurve
 from rsym.verify.bodies import report_body, study_body
 from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.joints import BoundaryArc, Meeting, is_transversal, joint, meeting
-from rsym.verify.boxes.krawczyk import common_zero
-from rsym.verify.boxes.krawczyk import narrowed as narrowed_zero
-from rsym.verify.boxes.krawczyk import Point, image, inverse
-from rsym.verify.boxes.local import Interval, Model
+from rsym.verify.boxes.krawczyk import Point, common_zero, image, inverse, narrowed_zero
+from rsym.verify.boxes.local import PRECISION, Interval, Model
 from rsym.verify.boxes.locus import reduce
 from rsym.verify.cleaning import cleaned
-from rsym.verify.boxes.local import PRECISION
 from rsym.verify.revolution import find_meridian, meridian
 from rsym.verify.smoothness import Question
 

@@ -26,7 +26,7 @@ from rsym.bounds.balls import arb, ctx
 from rsym.verify.boxes.borders import is_within
 from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.joints import BoundaryArc, Meeting, is_crossed, steepest
-from rsym.verify.boxes.krawczyk import common_zero, narrowed, refined, unique_zero
+from rsym.verify.boxes.krawczyk import common_zero, narrowed_zero, refined, unique_zero
 from rsym.verify.boxes.local import PRECISE, Local
 from rsym.verify.boxes.polynomials import multiplicity
 
@@ -120,7 +120,7 @@ def _end(local: Local, around: Local, arc: BoundaryArc) -> Local | None:
     zero = common_zero(around, arc.ends) if is_crossed(around, arc) else None
     if zero is None or not zero.meets(local):
         return None
-    at = narrowed(around, arc.ends, zero)
+    at = narrowed_zero(around, arc.ends, zero)
     with ctx.workprec(PRECISE):
         # On the axis of a body the other side of the meridian is an image of this one.
         on_axis = local.model.body and not at.sides[1] != 0

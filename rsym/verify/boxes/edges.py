@@ -28,7 +28,7 @@ from rsym.verify.answers.report import Joint
 from rsym.verify.boxes.borders import is_within
 from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.joints import judged
-from rsym.verify.boxes.krawczyk import Zero, common_zero, narrowed, unique_zero
+from rsym.verify.boxes.krawczyk import Zero, common_zero, narrowed_zero, unique_zero
 from rsym.verify.boxes.lifting import (
     ROOT,
     Lifted,
@@ -185,7 +185,7 @@ class _Place:
         if zero.meets(self.local):
             if self.cut or self.beyond != "undefined" or not above.nonzero(arc.tangent[2]):
                 return None
-            at = narrowed(self.around, (arc.flat, self.radicand), zero)
+            at = narrowed_zero(self.around, (arc.flat, self.radicand), zero)
             reason = "omega is an analytic function of a root whose radicand is zero here: one arc leads to its edge"
             return self.broken(at, arc, "end", reason)
         flat = self.around.sign(arc.flat)
@@ -218,7 +218,7 @@ class _Place:
         if not all(end.exists for end in ends if end is not None) or 0 in turns or not across:
             return None
         assert ends[0] is not None
-        at = narrowed(self.around, (arcs[0].flat, self.radicand), ends[0])
+        at = narrowed_zero(self.around, (arcs[0].flat, self.radicand), ends[0])
         if not self.meet(at, arcs):
             return None
         between = across * turns[1], -across * turns[0]  # the signs of the leaves between the arcs

@@ -40,7 +40,7 @@ def common_zero(local: Local, numbers: tuple[int, ...]) -> Zero | None:
     return unique_zero(*_equations(local, numbers), tuple(local.sides[: len(numbers)]))
 
 
-def narrowed(local: Local, numbers: tuple[int, ...], zero: Zero) -> Local:
+def narrowed_zero(local: Local, numbers: tuple[int, ...], zero: Zero) -> Local:
     """A box around such a zero, as narrow as the letters allow."""
     with ctx.workprec(max(ctx.prec, PRECISE)):
         return local.model.on([*refined(*_equations(local, numbers), zero.box), *local.sides[len(numbers) :]])

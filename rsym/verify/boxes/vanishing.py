@@ -7,16 +7,17 @@ common zero of two nodes), where the value follows in rational arithmetic, or by
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from fractions import Fraction
 
-from rsym.bounds.balls import arb, exact
+from rsym.bounds.balls import arb, ctx, exact
 from rsym.logic.stripping import bare
 from rsym.program.operations import CHOOSING, OPERATIONS
 from rsym.verify.boxes.domains import is_legal
-from rsym.verify.boxes.local import Local
+from rsym.verify.boxes.local import PRECISE, Local, Model
 from rsym.verify.boxes.locus import chosen
 
+AROUND = 2.0**-120  # half the width of the neighbourhood on which branches are decided
 SIMPLE = 10_000  # a fraction with a smaller denominator that agrees with a point is tried in its place
 _BITS = 4096  # rational numbers longer than this only cost time
 ZERO = Fraction(0)
@@ -135,3 +136,11 @@ def as_fraction(value: arb) -> Fraction:
     """The exact middle of a ball."""
     mantissa, exponent = value.mid().man_exp()
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def exact_at(
+    model: Model, point: Sequence[arb], coordinates: Mapping[str, Fraction | None], zeros: Set[int] = frozenset()
+) -> Exact:
+    """What is known exactly at a point, with all branches decided on a tiny box around it."""
+    with ctx.workprec(PRECISE):
+        return Exact(model.on([part + arb(0, AROUND) for part in point]), coordinates, frozenset(zeros))

@@ -13,7 +13,7 @@ from rsym.verify.boxes.domains import is_defined
 from rsym.verify.boxes.edges import edge, has_edges
 from rsym.verify.boxes.generators import generators, square_roots
 from rsym.verify.boxes.joints import Meeting, joint
-from rsym.verify.boxes.krawczyk import common_zero, narrowed
+from rsym.verify.boxes.krawczyk import common_zero, narrowed_zero
 from rsym.verify.boxes.local import PRECISE, Local
 from rsym.verify.boxes.locus import Locus
 from rsym.verify.boxes.vanishing import vanishes_with
@@ -57,7 +57,7 @@ class ArcInspector(Inspector):
         curvature, slack = max((math.inf, 0.0) if bound is None else bound for bound in bounds)
         place, within = None, None
         if zero.meets(local):
-            place = narrowed(around, pair.arcs[0].ends, zero)
+            place = narrowed_zero(around, pair.arcs[0].ends, zero)
             within = is_within(place, pair.arcs[0].ends)
         if place is None or within is False:  # what meets outside a neighbour will find, if it is within the bounds
             return Inspection("regular", locus=locus, curvature=curvature, slack=slack) if pair.continuous else OPEN
@@ -100,7 +100,7 @@ class ArcInspector(Inspector):
             if not zero.exists:
                 return self.inspect(local, other)
             with ctx.workprec(PRECISE):
-                if vanishes_with(narrowed(around, roots, zero), roots, other):
+                if vanishes_with(narrowed_zero(around, roots, zero), roots, other):
                     return self.inspect(local, other)
         return Inspection("open", locus=locus)
 

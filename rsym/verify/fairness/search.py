@@ -16,8 +16,7 @@ from typing import Any
 from rsym.bounds.balls import arb, ctx
 from rsym.sampling.progress import Effort
 from rsym.verify.boxes.borders import is_within
-from rsym.verify.boxes.krawczyk import common_zero
-from rsym.verify.boxes.krawczyk import narrowed as narrowed_zero
+from rsym.verify.boxes.krawczyk import common_zero, narrowed_zero
 from rsym.verify.boxes.local import PRECISE, PRECISION, Box, Model, side
 from rsym.verify.boxes.vanishing import vanishes_with
 from rsym.verify.cover.covering import extent_of

@@ -1,132 +1,28 @@
-"""Where a singular point can be: three equations for each way to be one, solved by Newton's method, then proved.
+"""What vanishes at a singular point: as many equations as there are coordinates, for each way to be one.
 
-A corner of three leaves; the place where the squares under a root vanish; a zero of the gradient of a leaf; a point
-where two leaves touch, which is a critical point of one on the other.
+In space a corner of three leaves; the place where the squares under a root vanish; a zero of the gradient of a leaf; a
+point where two leaves touch, which is a critical point of one on the other. In the plane two leaves, what is under
+roots, two switches, a switch and a leaf on one of its sides, the gradient of a leaf.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from fractions import Fraction
-from itertools import combinations, islice
-from typing import NamedTuple, TypeAlias
+from collections.abc import Iterator, Sequence
+from itertools import combinations, islice, pairwise
 
-from flint import arb_mat
-
-from rsym.bounds.balls import arb, ctx, exact
+from rsym.bounds.balls import ctx
 from rsym.verify.boxes.generators import generators, square_roots
-from rsym.verify.boxes.krawczyk import common_zero, narrowed
-from rsym.verify.boxes.local import PRECISION, Local, Model
-from rsym.verify.boxes.resolution import put
+from rsym.verify.boxes.local import PRECISION, Box, Local, Model
+from rsym.verify.boxes.locus import Locus
+from rsym.verify.boxes.resolution import put, resolve
 from rsym.verify.boxes.sheets import Sheets
-from rsym.verify.boxes.vanishing import SIMPLE as SIMPLEST
-from rsym.verify.boxes.vanishing import as_fraction
-from rsym.verify.points.locating import CONVERGED, LOCATED, PAIRS, STEPS
-from rsym.verify.points.rays import exact_at
-
-Point: TypeAlias = tuple[arb, ...]
+from rsym.verify.points.locating import PAIRS, Equations
 
 TRIPLES = 12  # of leaves: a pyramid of six sides has twenty, of which one will do
-PINNED = 2.0**-90  # half the width of the box in which the equations must have just one zero
-SMALLEST = 1e-12  # of a value that may be zero at a point that was found
 
 
-class Equations(NamedTuple):
-    """Three nodes whose common zero is sought, and pairs of nodes: where the first vanishes too, the second does."""
-
-    nodes: tuple[int, int, int]
-    implied: tuple[tuple[int, int], ...] = ()
-
-
-@dataclass(frozen=True)
-class ZeroPlace:
-    """A point where omega vanishes to the working precision.
-
-    `coordinates` are exact where they are simple fractions; `zeros`, the nodes proved to vanish, are those whose only
-    common zero it is, or none where nothing is proved; `proved` says whether the point is known at all.
-    """
-
-    point: Point
-    coordinates: Mapping[str, Fraction | None]
-    zeros: frozenset[int]
-    proved: bool
-
-
-def places(model: Model, local: Local, found: Sheets, centre: Sequence[float], reach: float) -> Iterator[ZeroPlace]:
-    """Points within the reach of the centre that satisfy some equations, the sheets being known on a box around it."""
-    seen: list[Point] = []
-    for equations in _equations(local, found):
-        with ctx.workprec(LOCATED):
-            point = _newton(model, equations.nodes, centre)
-            if point is None or max(abs(float(p) - c) for p, c in zip(point, centre, strict=True)) > reach:
-                continue
-            if any(all(abs(p - q) < CONVERGED for p, q in zip(point, other, strict=True)) for other in seen):
-                continue
-            place = _snapped(model, point) or _pinned(model, point, equations)
-            if not _vanishes(model, place.point):
-                continue
-        seen.append(point)
-        yield place
-
-
-def _vanishes(model: Model, point: Point) -> bool:
-    value = model.on(point).value(model.root)
-    return value is not None and float(abs(value).upper()) < SMALLEST
-
-
-def _snapped(model: Model, point: Point) -> ZeroPlace | None:
-    """The simple fractions that the coordinates agree with, if all do."""
-    fractions = [as_fraction(part).limit_denominator(SIMPLEST) for part in point]
-    if any(
-        abs(as_fraction(part) - fraction) > 4 * Fraction(CONVERGED)
-        for part, fraction in zip(point, fractions, strict=True)
-    ):
-        return None
-    coordinates = dict(zip(model.builder.coordinates, fractions, strict=True))
-    return ZeroPlace(tuple(exact(fraction) for fraction in fractions), coordinates, frozenset(), True)
-
-
-def _pinned(model: Model, point: Point, equations: Equations) -> ZeroPlace:
-    """The only common zero of the equations in a tiny box, if that is proved."""
-    local = model.on([part + arb(0, PINNED) for part in point])
-    unknown: dict[str, Fraction | None] = dict.fromkeys(model.builder.coordinates)
-    if all(generators(local, number).analytic for number in equations.nodes):
-        zero = common_zero(local, equations.nodes)
-        if zero is not None and zero.exists:
-            point = tuple(narrowed(local, equations.nodes, zero).sides)
-            known = exact_at(model, point, unknown, frozenset(equations.nodes))
-            implied = (second for first, second in equations.implied if known.vanishes(first))
-            return ZeroPlace(point, unknown, frozenset((*equations.nodes, *implied)), True)
-    return ZeroPlace(point, unknown, frozenset(), False)
-
-
-def _newton(model: Model, nodes: Sequence[int], start: Sequence[float]) -> Point | None:
-    """Newton's method; a multiple zero halves the error at each step."""
-    point = tuple(arb(part) for part in start)
-    slopes = [model.gradient(number) for number in nodes]
-    for _ in range(STEPS):
-        at = model.on(point)
-        values = [at.value(number) for number in (*nodes, *(part for row in slopes for part in row))]
-        if any(value is None or not value.is_finite() for value in values):
-            return None
-        middles = [value.mid() for value in values if value is not None]
-        if not any(middles[:3]):
-            return point
-        try:
-            step = arb_mat(3, 3, middles[3:]).solve(arb_mat(3, 1, middles[:3])).entries()
-        except ZeroDivisionError:
-            return None
-        point = tuple((part - change).mid() for part, change in zip(point, step, strict=True))
-        if not all(part.is_finite() for part in point):
-            return None
-        if all(abs(change) < CONVERGED for change in step):
-            return point
-    return None
-
-
-def _equations(local: Local, found: Sheets) -> Iterator[Equations]:
-    """The systems, those first that say most."""
+def systems_in_space(local: Local, found: Sheets) -> Iterator[Equations]:
+    """Three nodes that may vanish together where the sheets of a box are singular, those first that say most."""
     with ctx.workprec(PRECISION):
         for leaf in found.leaves:
             yield from _of_roots(local, leaf, found.leaves)
@@ -171,3 +67,27 @@ def across(model: Model, f: int, g: int, k: int) -> tuple[int, int]:
     i, j = (axis for axis in range(3) if axis != k)
     first, second = (b.sub(b.mul(p[k], q[axis]), b.mul(p[axis], q[k])) for axis in (i, j))
     return first, second
+
+
+def systems_in_plane(model: Model, box: Box, locus: Locus) -> Iterator[Equations]:
+    """Two nodes that may vanish together where the locus of a box is singular."""
+    if locus.kind in {"conjunction", "disjunction", "product"}:
+        yield Equations(locus.nodes[:2])
+    leaf = locus.nodes[0] if locus.kind == "leaf" else model.root
+    with ctx.workprec(PRECISION):
+        local = model.over(box)
+        found = generators(local, leaf)
+    for number in sorted(found.hard):
+        operation, arguments, _ = model.builder.nodes[number]
+        roots = square_roots(model.builder, arguments[0]) if operation == "sqrt" else []
+        if len(roots) > 1:
+            yield Equations((roots[0], roots[1]))
+        elif arguments:
+            yield Equations((arguments[0], arguments[1] if operation in PAIRS else leaf))
+    yield from map(Equations, pairwise(found.switches))
+    for switch in found.switches:
+        for way in (1, -1):
+            with ctx.workprec(PRECISION):
+                beside = resolve(local, leaf, switch, way)
+            yield Equations((switch, beside))
+    yield Equations(model.gradient(leaf))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement
@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from rsym.bounds.balls import arb
+from rsym.sampling.progress import Effort
 from rsym.verify.boxes.local import Box, side
 
 LONG = 50  # widths of a box: a longer cluster of few boxes is a curve
@@ -23,14 +24,15 @@ FEW = 40  # boxes for each width of length: a curve that is undecided leaves up 
 
 @dataclass(frozen=True)
 class Cluster:
-    """Boxes that hang together, of a model of three coordinates."""
+    """Boxes that hang together, of a model of so many coordinates."""
 
     boxes: tuple[Box, ...]
+    dimension: int
 
     @cached_property
     def ends(self) -> NDArray[np.float64]:
-        """(n, 3, 2)."""
-        return np.array([box[:3] for box in self.boxes], dtype=np.float64)
+        """(n, dimension, 2)."""
+        return np.array([box[: self.dimension] for box in self.boxes], dtype=np.float64)
 
     @cached_property
     def width(self) -> float:
@@ -46,14 +48,13 @@ class Cluster:
     @property
     def ranges(self) -> Box:
         """The hull of the ranges of letters, the sides of the boxes after those in space."""
-        letters = zip(*(box[3:] for box in self.boxes), strict=True)
+        letters = zip(*(box[self.dimension :] for box in self.boxes), strict=True)
         return tuple((min(low for low, _ in ends), max(high for _, high in ends)) for ends in letters)
 
     @property
-    def centre(self) -> tuple[float, float, float]:
+    def centre(self) -> tuple[float, ...]:
         """The middle of the hull."""
-        x, y, z = (low + (high - low) / 2 for low, high in self.hull)
-        return x, y, z
+        return tuple(low + (high - low) / 2 for low, high in self.hull)
 
     @property
     def radius(self) -> float:
@@ -63,7 +64,7 @@ class Cluster:
     def may_hold(self, point: Sequence[arb]) -> bool:
         """Whether a point may lie in one of the boxes."""
         return any(
-            all(part.overlaps(side(*ends)) for part, ends in zip(point, box[:3], strict=True)) for box in self.boxes
+            all(part.overlaps(side(*ends)) for part, ends in zip(point, box, strict=False)) for box in self.boxes
         )
 
     @property
@@ -94,29 +95,39 @@ class Cluster:
         return np.concatenate([points, points[:1]]) if closed else points
 
 
-def clusters(boxes: Sequence[Box]) -> list[Cluster]:
-    """The boxes in groups of those that touch, in the order of their first boxes.
+def clusters(boxes: Sequence[Box], dimension: int, effort: Effort) -> Iterator[Cluster]:
+    """The boxes in groups of those that touch, in the order of their first boxes, as long as there is time.
 
     Examples
     --------
     >>> unit = ((0.0, 1.0), (0.0, 1.0))
-    >>> [len(one.boxes) for one in clusters([((0.0, 1.0), *unit), ((5.0, 6.0), *unit), ((1.0, 1.5), *unit)])]
+    >>> boxes = [((0.0, 1.0), *unit), ((5.0, 6.0), *unit), ((1.0, 1.5), *unit)]
+    >>> [len(one.boxes) for one in clusters(boxes, 3, Effort())]
     [2, 1]
     """
-    if not boxes:
-        return []
-    pairs = _touching(np.array(boxes, dtype=np.float64))
+    if not boxes or effort.is_over:
+        return
+    groups = _gathered(boxes, dimension)
+    for number, group in enumerate(groups):
+        if effort.is_over:
+            return
+        effort.reach(number / len(groups))
+        yield Cluster(group, dimension)
+
+
+def _gathered(boxes: Sequence[Box], dimension: int) -> list[tuple[Box, ...]]:
+    pairs = _touching(np.array(boxes, dtype=np.float64), dimension)
     graph = coo_array((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(len(boxes),) * 2)
     groups: dict[int, list[Box]] = {}
     for box, label in zip(boxes, connected_components(graph, directed=False)[1].tolist(), strict=True):
         groups.setdefault(label, []).append(box)
-    return [Cluster(tuple(group)) for group in groups.values()]
+    return [tuple(group) for group in groups.values()]
 
 
-def _touching(ends: NDArray[np.float64]) -> NDArray[np.int64]:
+def _touching(ends: NDArray[np.float64], dimension: int) -> NDArray[np.int64]:
     """Pairs of boxes (n, axes, 2) that touch: among those with near middles, for each two sizes."""
     low, high = ends[..., 0], ends[..., 1]
-    middles, widths = (low + (high - low) / 2)[:, :3], (high - low)[:, :3].max(axis=1)
+    middles, widths = (low + (high - low) / 2)[:, :dimension], (high - low)[:, :dimension].max(axis=1)
     rounded = 4 * np.spacing(np.abs(ends).max())
     sizes = np.frexp(widths)[1]
     groups = [np.flatnonzero(sizes == size) for size in np.unique(sizes)]

@@ -16,7 +16,7 @@ from rsym.logic.kleene import Formula, Literal, replaced
 from rsym.verify.answers.singular import SingularPoint
 from rsym.verify.boxes.borders import is_within
 from rsym.verify.boxes.generators import generators
-from rsym.verify.boxes.krawczyk import common_zero, narrowed
+from rsym.verify.boxes.krawczyk import common_zero, narrowed_zero
 from rsym.verify.boxes.local import PRECISE, Local
 from rsym.verify.boxes.sheets import Sheets, sheets
 from rsym.verify.boxes.vectors import Vector, determinant, dot, error, floats, length, radius_of
@@ -85,7 +85,7 @@ def corner(local: Local, number: int | None = None, names: Names | None = None) 
     around = octants(numbered(found))
     if not zero.exists:
         return _made(found, around, None, ())
-    at = narrowed(grown, found.leaves, zero)
+    at = narrowed_zero(grown, found.leaves, zero)
     with ctx.workprec(PRECISE):
         within = is_within(at, found.leaves)
         inside = within is not False and all(a.overlaps(b) for a, b in zip(at.sides, local.sides[:3], strict=False))

@@ -29,12 +29,11 @@ from rsym.program.operations import CONJUNCTIONS, LOGICAL
 from rsym.verify.answers.report import Joint
 from rsym.verify.boxes.domains import is_defined, is_legal
 from rsym.verify.boxes.local import PRECISE, Local, Model
-from rsym.verify.boxes.vanishing import Exact
+from rsym.verify.boxes.vanishing import Exact, exact_at
 from rsym.verify.points.slopes import Slopes, slopes_of, squares
 
 Number: TypeAlias = Fraction | arb
 
-AROUND = 2.0**-120  # half the width of the neighbourhood on which branches are decided
 FINEST = 2.0**-48  # of the eight units around the square of directions; float64 holds all ends exactly
 NARROW = 2.0**-38  # a cone that stays wider than this is taken for an arc on which H vanishes
 CROWD = 64  # undecided arcs at once: a simple zero of H leaves two or three
@@ -65,13 +64,12 @@ def classify_by_directions(model: Model, point: tuple[Number, Number], zeros: fr
         return None
     with ctx.workprec(PRECISE):
         balls = [exact(part) if isinstance(part, Fraction) else part for part in point]
-        local = model.on([part + arb(0, AROUND) for part in balls])
         coordinates = dict(zip(model.builder.coordinates, (_rational(part) for part in point), strict=True))
-        known = Exact(local, coordinates, zeros)
-        node = same_sign(local, known, model.root)
+        known = exact_at(model, balls, coordinates, zeros)
+        node = same_sign(known.local, known, model.root)
         if not known.vanishes(node):
             return None
-        slopes = slopes_of(local, known, node)
+        slopes = slopes_of(known.local, known, node)
         cones = None if slopes is None else _cones(slopes)
         if slopes is None or cones is None or any(cone.before == cone.after for cone in cones):
             return None

@@ -26,12 +26,13 @@ from rsym.verify.boxes.local import PRECISE, Local, Model
 from rsym.verify.boxes.root_classes import curvature_jump
 from rsym.verify.boxes.sheets import Sheets, sheets
 from rsym.verify.boxes.vectors import determinant, error, floats, radius_of
-from rsym.verify.points.candidates import ZeroPlace, across
+from rsym.verify.points.candidates import across
 from rsym.verify.points.contacts import Judgement, touching, without_gradient
 from rsym.verify.points.corners import describe, largest_angle, numbered, outward
 from rsym.verify.points.cusps import KIND as CUSP
 from rsym.verify.points.cusps import cusp
 from rsym.verify.points.links import Link, link
+from rsym.verify.points.locating import ZeroPlace
 from rsym.verify.points.rays import FINE, FINEST, Rays, rays_at
 from rsym.verify.points.zeros import Apparent, Known, known_at
 
@@ -194,7 +195,8 @@ def largest_turn(rays: Rays) -> tuple[float, float]:
     >>> import rsym
     >>> from fractions import Fraction
     >>> from rsym import x, y, z
-    >>> from rsym.verify.points.rays import exact_at, rays_at
+    >>> from rsym.verify.boxes.vanishing import exact_at
+    >>> from rsym.verify.points.rays import rays_at
     >>> from rsym.verify.boxes.local import Model
     >>> model = Model(rsym.Shape(z - sp.sqrt(x**2 + y**2), (x, y, z)), {})
     >>> origin = [arb(0)] * 3

@@ -1,111 +1,137 @@
-"""Where exactly a suspect point is: Newton's method on the equations that make it one, then a simple fraction."""
+"""Where exactly a singular point is: Newton's method on the equations that make it one, a simple fraction, a proof.
+
+A zero that the equations have alone in a tiny box is proved by Krawczyk's operator; one whose coordinates agree with
+simple fractions is tried there.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
+from typing import NamedTuple, TypeAlias
+
+from flint import arb_mat
 
 from rsym.bounds.balls import arb, ctx, exact
 from rsym.program.operations import LOGICAL
-from rsym.verify.boxes.generators import generators, square_roots
-from rsym.verify.boxes.local import PRECISION, Box, Model
-from rsym.verify.boxes.resolution import resolve
-from rsym.verify.boxes.vanishing import SIMPLE, as_fraction
-from rsym.verify.cover.inspection import Inspection
+from rsym.verify.boxes.generators import generators
+from rsym.verify.boxes.krawczyk import common_zero, narrowed_zero
+from rsym.verify.boxes.local import Model
+from rsym.verify.boxes.vanishing import SIMPLE, as_fraction, exact_at
+
+Point: TypeAlias = tuple[arb, ...]
 
 PAIRS = LOGICAL | {"trimming", "gap", "norm", "joining", "equivalence", "atan2", "normalised"}
 LOCATED = 320  # bits of the search
 STEPS = 300  # a multiple zero halves the error at each step
 CONVERGED = 2.0**-120
-ROUND = 64  # the largest denominator of a point that is guessed where no equations find it
+PINNED = 2.0**-90  # half the width of the box in which the equations must have just one zero
+
+
+class Equations(NamedTuple):
+    """Nodes whose common zero is sought, and pairs of nodes: where the first vanishes there, the second does."""
+
+    nodes: tuple[int, ...]
+    implied: tuple[tuple[int, int], ...] = ()
 
 
 @dataclass(frozen=True)
-class Place:
-    """A point where omega vanishes to the working precision, and the pair of nodes whose common zero it is."""
+class ZeroPlace:
+    """A point where omega vanishes to the working precision.
 
-    point: tuple[arb, arb]
-    pair: tuple[int, int] | None = None
+    `coordinates` are exact where they are simple fractions; `zeros`, the nodes proved to vanish, are those whose only
+    common zero it is, or none where nothing is proved; `proved` says whether the point is known at all.
+    """
+
+    point: Point
+    coordinates: Mapping[str, Fraction | None]
+    zeros: frozenset[int]
+    proved: bool
+
+    @property
+    def exact(self) -> bool:
+        """Whether all coordinates are known as fractions."""
+        return None not in self.coordinates.values()
 
 
-def places(model: Model, box: Box, finding: Inspection, centre: Sequence[float], radius: float) -> Iterator[Place]:
-    """Points within the radius where omega and one pair of equations vanish to the working precision."""
-    for pair in _equations(model, box, finding):
+def located(
+    model: Model, systems: Iterable[Equations], centre: Sequence[float], reach: float, least: float
+) -> Iterator[ZeroPlace]:
+    """Points within the reach of the centre that satisfy some equations, and where omega is smaller than `least`."""
+    seen: list[Point] = []
+    for equations in systems:
         with ctx.workprec(LOCATED):
-            point = _newton(model, pair, centre)
-            if point is None or _distance(point, centre) > 4 * radius:
+            point = _newton(model, equations.nodes, centre)
+            if point is None or away(point, centre) > reach:
                 continue
-            snapped = (_simple(point[0]), _simple(point[1]))
-            found = next((candidate for candidate in (snapped, point) if _vanishes(model, candidate)), None)
-        if found is not None:
-            yield Place(found, pair)
-    with ctx.workprec(LOCATED):
-        whole = tuple(Fraction(value).limit_denominator(ROUND) for value in centre)
-        candidate = (exact(whole[0]), exact(whole[1]))
-        found = candidate if _distance(candidate, centre) <= radius and _vanishes(model, candidate) else None
-    if found is not None:
-        yield Place(found)
+            if any(all(abs(p - q) < CONVERGED for p, q in zip(point, other, strict=True)) for other in seen):
+                continue
+            place = snapped(model, point) or _pinned(model, point, equations)
+            if not vanishes_at(model, place.point, least):
+                continue
+        seen.append(point)
+        yield place
 
 
-def _vanishes(model: Model, point: tuple[arb, arb]) -> bool:
+def away(point: Point, centre: Sequence[float]) -> float:
+    """How far a point is from the centre along a coordinate, at most."""
+    return max(abs(float(part) - middle) for part, middle in zip(point, centre, strict=True))
+
+
+def vanishes_at(model: Model, point: Point, least: float) -> bool:
+    """Whether omega is certainly smaller than `least` at a point."""
     value = model.on(point).value(model.root)
-    return value is not None and float(abs(value).upper()) < 1e-20
+    return value is not None and float(abs(value).upper()) < least
 
 
-def _equations(model: Model, box: Box, finding: Inspection) -> Iterator[tuple[int, int]]:
-    """Pairs of nodes whose common zero may be the point."""
-    nodes = model.builder.nodes
-    if finding.locus.kind in {"conjunction", "disjunction", "product"}:
-        yield finding.locus.nodes[0], finding.locus.nodes[1]
-    leaf = finding.locus.nodes[0] if finding.locus.kind == "leaf" else model.root
-    with ctx.workprec(PRECISION):
-        local = model.over(box)
-        found = generators(local, leaf)
-    for number in sorted(found.hard):
-        operation, arguments, _ = nodes[number]
-        roots = square_roots(model.builder, arguments[0]) if operation == "sqrt" else []
-        if len(roots) > 1:
-            yield roots[0], roots[1]
-        elif arguments:
-            yield arguments[0], arguments[1] if operation in PAIRS else leaf
-    yield from pairwise(found.switches)
-    for switch in found.switches:
-        for way in (1, -1):
-            with ctx.workprec(PRECISION):
-                resolved = resolve(local, leaf, switch, way)
-            yield switch, resolved
-    x, y = model.gradient(leaf)
-    yield x, y
+def snapped(model: Model, point: Sequence[arb]) -> ZeroPlace | None:
+    """The simple fractions that the coordinates agree with, if all do."""
+    fractions = [as_fraction(part).limit_denominator(SIMPLE) for part in point]
+    if any(abs(as_fraction(p) - f) > 4 * Fraction(CONVERGED) for p, f in zip(point, fractions, strict=True)):
+        return None
+    return at_fractions(model, fractions)
 
 
-def _newton(model: Model, pair: tuple[int, int], start: Sequence[float]) -> tuple[arb, arb] | None:
-    point = (arb(start[0]), arb(start[1]))
-    slopes = [model.gradient(number) for number in pair]
+def at_fractions(model: Model, fractions: Sequence[Fraction]) -> ZeroPlace:
+    """The place with these coordinates."""
+    coordinates = dict(zip(model.builder.coordinates, fractions, strict=True))
+    return ZeroPlace(tuple(map(exact, fractions)), coordinates, frozenset(), True)
+
+
+def _pinned(model: Model, point: Point, equations: Equations) -> ZeroPlace:
+    """The only common zero of the equations in a tiny box, if that is proved."""
+    local = model.on([part + arb(0, PINNED) for part in point])
+    unknown: dict[str, Fraction | None] = dict.fromkeys(model.builder.coordinates)
+    if all(generators(local, number).analytic for number in equations.nodes):
+        zero = common_zero(local, equations.nodes)
+        if zero is not None and zero.exists:
+            point = tuple(narrowed_zero(local, equations.nodes, zero).sides)
+            known = exact_at(model, point, unknown, frozenset(equations.nodes))
+            implied = (second for first, second in equations.implied if known.vanishes(first))
+            return ZeroPlace(point, unknown, frozenset((*equations.nodes, *implied)), True)
+    return ZeroPlace(point, unknown, frozenset(), False)
+
+
+def _newton(model: Model, nodes: Sequence[int], start: Sequence[float]) -> Point | None:
+    """Newton's method; a multiple zero halves the error at each step."""
+    point, size = tuple(arb(part) for part in start), len(nodes)
+    slopes = [model.gradient(number) for number in nodes]
     for _ in range(STEPS):
         at = model.on(point)
-        found = [at.value(number) for number in (*pair, *slopes[0], *slopes[1])]
-        if any(value is None or not value.is_finite() for value in found):
+        values = [at.value(number) for number in (*nodes, *(part for row in slopes for part in row))]
+        if any(value is None or not value.is_finite() for value in values):
             return None
-        f, g, a, b, c, d = (value.mid() for value in found if value is not None)
-        if f == 0 and g == 0:
+        middles = [value.mid() for value in values if value is not None]
+        if not any(middles[:size]):
             return point
-        determinant = (a * d - b * c).mid()
-        if determinant == 0:
+        try:
+            step = arb_mat(size, size, middles[size:]).solve(arb_mat(size, 1, middles[:size])).entries()
+        except ZeroDivisionError:
             return None
-        step = (((d * f - b * g) / determinant).mid(), ((a * g - c * f) / determinant).mid())
-        point = ((point[0] - step[0]).mid(), (point[1] - step[1]).mid())
+        point = tuple((part - change).mid() for part, change in zip(point, step, strict=True))
+        if not all(part.is_finite() for part in point):
+            return None
         if all(abs(change) < CONVERGED for change in step):
             return point
     return None
-
-
-def _distance(point: tuple[arb, arb], centre: Sequence[float]) -> float:
-    return max(abs(float(point[k]) - centre[k]) for k in range(2))
-
-
-def _simple(value: arb) -> arb:
-    """The simple fraction that a number agrees with, if there is one."""
-    fraction = as_fraction(value).limit_denominator(SIMPLE)
-    return exact(fraction) if abs(as_fraction(value) - fraction) < Fraction(CONVERGED) * 4 else value

@@ -15,9 +15,7 @@ Directions are points of the cube [-1, 1]^3; its faces are divided where H is no
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 from itertools import product
 
@@ -31,7 +29,7 @@ from rsym.arrays import Floats
 from rsym.bounds.balls import arb, ctx
 from rsym.verify.boxes.local import PRECISE, Model
 from rsym.verify.boxes.vanishing import Exact
-from rsym.verify.points.directions import AROUND, same_sign
+from rsym.verify.points.directions import same_sign
 from rsym.verify.points.slope_rules import Vector
 from rsym.verify.points.slopes import Slopes, slopes_of
 
@@ -158,15 +156,6 @@ def rays_at(model: Model, known: Exact, finest: int = FINE) -> Rays | None:
         everything = [*settled, *zip(cells, signs, strict=True)]
         boxes = np.array([box for box, _ in everything])
         return Rays(slopes, boxes, np.array([sign for _, sign in everything], np.int8))
-
-
-def exact_at(
-    model: Model, point: Sequence[arb], coordinates: Mapping[str, Fraction | None], zeros: frozenset[int]
-) -> Exact:
-    """What is known exactly at a point, with all branches decided on a tiny box around it."""
-    with ctx.workprec(PRECISE):
-        local = model.on([part + arb(0, AROUND) for part in point])
-        return Exact(local, coordinates, zeros)
 
 
 def _sign(slopes: Slopes, direction: Vector) -> int:

@@ -11,9 +11,8 @@ from rsym.bounds.balls import arb, ctx
 from rsym.verify.boxes.constants import vanishes
 from rsym.verify.boxes.local import PRECISE, Model
 from rsym.verify.boxes.polynomials import LARGEST
-from rsym.verify.boxes.vanishing import ZERO, Exact
-from rsym.verify.points.candidates import ZeroPlace
-from rsym.verify.points.directions import AROUND
+from rsym.verify.boxes.vanishing import AROUND, ZERO, Exact
+from rsym.verify.points.locating import ZeroPlace
 
 MOST_TRIED = 24  # nodes at one point that algebra is asked about, which may take a tenth of a second each
 

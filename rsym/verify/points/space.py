@@ -24,17 +24,19 @@ from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import PRECISE, PRECISION, Box, Local, Model, side
 from rsym.verify.boxes.sheets import Sheets, sheets
 from rsym.verify.boxes.vectors import floats
-from rsym.verify.points.candidates import ZeroPlace, places
+from rsym.verify.points.candidates import systems_in_space
 from rsym.verify.points.clusters import Cluster, clusters
 from rsym.verify.points.contacts import touch_once
 from rsym.verify.points.corners import Corner, corner, doubted
 from rsym.verify.points.even_roots import is_regular_through_root
 from rsym.verify.points.judging import Names, called_of, classify_place
+from rsym.verify.points.locating import ZeroPlace, located
 from rsym.verify.points.spheres import COARSE, Sampler, sampler, views
 
 MOST_CLASSIFIED = 48  # clusters that are looked at closer, each for some tenths of a second
 MOST_PROBED = 12  # of them by numbers
 MOST_PLACES = 6  # guesses of the point of one cluster
+LEAST = 1e-12  # of a value that may be zero at a point that was found
 APPARENT = (30, 12)  # digits of what is taken for zero where nothing is proved: all, or those of a model in floats
 SHORT = 1_000  # of the extent: what is undecided along less than that is a point, of a cusp perhaps
 VIEWS = 5  # spheres around a point, each a quarter as large as the one before
@@ -97,11 +99,7 @@ def classify_points(
     ('node', (0.0, 0.0, 0.0), True, True)
     """
     classifier, effort = _Classifier(model, extent, names), effort or Effort()
-    groups = [] if effort.is_over else clusters([box for box, _ in left])
-    for number, cluster in enumerate(groups):
-        if effort.is_over:
-            break
-        effort.reach(number / len(groups))
+    for cluster in clusters([box for box, _ in left], 3, effort):
         if cluster.is_long and cluster.radius > extent / SHORT:
             classifier.curves += _unless_known(_curve(cluster), curves)
         else:
@@ -208,7 +206,8 @@ class _Classifier:
         with ctx.workprec(PRECISION):
             local = model.over(cluster.hull)
             found = sheets(local, model.root) or Sheets((model.root,), Literal(model.root), (model.root,))
-        guesses = islice(places(model, local, found, cluster.centre, cluster.radius), MOST_PLACES)
+        systems = systems_in_space(local, found)
+        guesses = islice(located(model, systems, cluster.centre, cluster.radius, LEAST), MOST_PLACES)
         near: list[ZeroPlace] = []
         for place in guesses:
             if cluster.may_hold(place.point) and (within := _is_within(model, place)) is not False:
