@@ -148,16 +148,12 @@ def _target() -> llvm.Target:
     return llvm.Target.from_default_triple()
 
 
-def _target_machine(effort: int) -> llvm.TargetMachine:
-    """A fresh one: the engine that is made with it owns it."""
-    features = llvm.get_host_cpu_features().flatten()
-    return _target().create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=effort)
-
-
 def machine_code(source: str, effort: int = 2) -> llvm.ExecutionEngine:
     """The engine that holds the compiled functions of a module; they live as long as it does."""
     with _COMPILING:
-        machine = _target_machine(effort)
+        features = llvm.get_host_cpu_features().flatten()
+        # A fresh one: the engine that is made with it owns it.
+        machine = _target().create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=effort)
         module = llvm.parse_assembly(source)
         module.verify()
         engine = llvm.create_mcjit_compiler(module, machine)

@@ -65,10 +65,6 @@ def _root(a: Series) -> Series | None:
     return a.sqrt() if first(a) > ZERO else None
 
 
-def _logarithm(a: Series) -> Series | None:
-    return a.log() if first(a) > ZERO else None
-
-
 def _size(a: Series) -> Series | None:
     return a if first(a) > ZERO else -a if first(a) < ZERO else None
 
@@ -98,7 +94,7 @@ IMAGES: Mapping[str, Callable[..., Series | None]] = {
     "sin": lambda a: a.sin(),
     "cos": lambda a: a.cos(),
     "exp": lambda a: a.exp(),
-    "log": _logarithm,
+    "log": lambda a: a.log() if first(a) > ZERO else None,
     "atan2": _angle,
     "normalised": _normalised,
     "zero_with": lambda f, g: g,

@@ -45,10 +45,6 @@ def _given(value: arb) -> arb:
     return value
 
 
-def _nowhere() -> None:
-    return None
-
-
 class BallImages(dict[str, Image]):
     """By operation: balls of the arguments, then the data of the node, if any. What is monotone is left to its row."""
 
@@ -60,7 +56,7 @@ IMAGES = BallImages(
     {
         "const": constant,
         "input": _given,
-        "undefined": _nowhere,
+        "undefined": lambda: None,
         "add": operator.add,
         "mul": ball_arithmetic.product,
         "div": ball_arithmetic.quotient,

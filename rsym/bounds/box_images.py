@@ -135,11 +135,6 @@ def _zero_with(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval
     return Interval(end(g.lower, both.lower), end(g.upper, both.upper))
 
 
-def _gap_share(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
-    """Half the versine of (t, s)."""
-    return scaled(b, HALF, versine(b, node, operands[::-1]))
-
-
 class IntervalImages(dict[str, Rule]):
     """By operation, or by the name of a relation; what is monotone is left to its row."""
 
@@ -173,7 +168,8 @@ IMAGES = IntervalImages(
         "direction": partial(monotone, "sign"),
         "share": lambda b, node, operands: cosine(b, *operands),
         "norm_share": norm_share,
-        "gap_share": _gap_share,
+        # half the versine of (t, s)
+        "gap_share": lambda b, node, operands: scaled(b, HALF, versine(b, node, operands[::-1])),
     }
 )
 

@@ -186,7 +186,8 @@ class Verbatim(FormulaBuilder):
     def _combine(self, node: Expression, parts: list[Built], known: Mapping[str, Built]) -> Built:
         match node:
             case Number():
-                return self._number(node)
+                number = exact_part(node.value)
+                return Built(sp.Float(float(node.value)), number.extent) if node.point else number
             case Sum():
                 written = zip(node.signs, parts, node.parts, strict=True)
                 terms = [_opposite_written(part, text) if sign < 0 else part for sign, part, text in written]
@@ -215,10 +216,6 @@ class Verbatim(FormulaBuilder):
                 return super()._combine(node, parts, known)
         extent = replace(joined(part.extent for part in parts), width=1, bits=0)
         return Built(made, self._budget.afford(extent.of_terms() if made.is_Add else extent, node.place))
-
-    def _number(self, node: Number) -> Built:
-        number = exact_part(node.value)
-        return Built(sp.Float(float(node.value)), number.extent) if node.point else number
 
     def _factors(self, node: Product, parts: list[Built]) -> list[Built]:
         """The factors of a product, the rational coefficient first if it is not 1."""

@@ -50,12 +50,7 @@ def parse(text: str, notes: list[str] | None = None) -> tuple[Statement, ...]:
     statements: list[Statement] = []
     while statement := parser.next_statement():
         statements.append(statement)
-    return unrolled(tuple(statements), _whole_number)
-
-
-def _whole_number(expression: Expression) -> Fraction:
-    """The end of a run of a loop, which is a number."""
-    return Fraction(closed_number(expression))
+    return unrolled(tuple(statements), lambda end: Fraction(closed_number(end)))
 
 
 class _StatementParser:

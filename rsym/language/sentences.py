@@ -165,14 +165,12 @@ class Sentences:
         items: list[str] = []
         for value, condition in (pair.args for pair in part.args):
             items.append(self._of(value).text)
-            if condition is not sp.true:
-                items.append(self._condition(condition))
+            if condition is sp.true:
+                continue
+            if isinstance(condition, BooleanAtom):
+                raise unspeakable(f"the condition {condition}")
+            items.append(self._of(condition).text)
         return Written(f"{PIECEWISE}({', '.join(items)})", ATOM)
-
-    def _condition(self, condition: sp.Basic) -> str:
-        if isinstance(condition, BooleanAtom):
-            raise unspeakable(f"the condition {condition}")
-        return self._of(condition).text
 
     def _comparison(self, part: Relational) -> Written:
         signs: dict[type[sp.Basic], str] = {sp.Lt: "<", sp.Le: "<=", sp.Gt: ">", sp.Ge: ">="}

@@ -122,8 +122,11 @@ class _Writer:
         """A statement for this part; its name stands for it from now on."""
         if part == self._shape.expression:
             name = self._fresh("omega")
+        elif part in self._names:
+            name = self._names[part]
         else:
-            name = self._names.get(part) or self._fresh_numbered()
+            self._count += 1
+            name = self._fresh(f"t{self._count}")
         self._formulas.append(f"{name} = {written.text}")
         return Written(name, ATOM)
 
@@ -134,10 +137,6 @@ class _Writer:
             name = f"{wish}_{count}"
         self._taken.add(name)
         return name
-
-    def _fresh_numbered(self) -> str:
-        self._count += 1
-        return self._fresh(f"t{self._count}")
 
     def _wanted_names(self) -> dict[sp.Basic, str]:
         """Names for parts and definitions that stand in the formula as they are."""

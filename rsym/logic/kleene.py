@@ -136,16 +136,13 @@ def as_gate(formula: Formula) -> tuple[str, tuple[int, ...]] | None:
     leaves = leaves_of(formula)
     if not 1 <= len(leaves) <= 2:
         return None
-    table = {values: ternary(formula, dict(zip(leaves, values, strict=True))) for values in _ternaries(len(leaves))}
+    every = product((-1, 0, 1), repeat=len(leaves))
+    table = {values: ternary(formula, dict(zip(leaves, values, strict=True))) for values in every}
     for operation, signs in product(("min", "max"), product((1, -1), repeat=len(leaves))):
         own = Connective(operation, tuple(Literal(place, sign) for place, sign in enumerate(signs)))
         if all(ternary(own, dict(enumerate(values))) == value for values, value in table.items()):
             return operation, signs
     return None
-
-
-def _ternaries(count: int) -> Iterator[tuple[int, ...]]:
-    return product((-1, 0, 1), repeat=count)
 
 
 def replaced(formula: Formula, substitutes: Mapping[int, Formula]) -> Formula:

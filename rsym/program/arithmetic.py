@@ -34,14 +34,6 @@ Given = Sequence[int]
 Parts = Sequence[Far]
 
 
-def _undefined(b: Nodes, number: int, node: Node, d: Given) -> int:
-    return b.undefined()
-
-
-def _add(b: Nodes, number: int, node: Node, d: Given) -> int:
-    return b.add(d[0], d[1])
-
-
 def _far_sum(b: Nodes, node: Node, parts: Parts) -> Far:
     (u, v), degree = aligned(b, parts)
     return Far(b.add(u, v), degree)
@@ -67,10 +59,6 @@ def _far_product(b: Nodes, node: Node, parts: Parts) -> Far:
     return Far(b.mul(u.node, v.node), u.degree + v.degree)
 
 
-def _div(b: Nodes, number: int, node: Node, d: Given) -> int:
-    return b.div(b.sub(d[0], b.mul(number, d[1])), node.arguments[1])
-
-
 def _jump_of_quotient(b: Nodes, number: int, node: Node, jumps: Given) -> int:
     """(j_u + |u/v| j_v)/(|v| - j_v) for j_v < |v|."""
     p, q = jumps
@@ -82,14 +70,6 @@ def _jump_of_quotient(b: Nodes, number: int, node: Node, jumps: Given) -> int:
 def _far_quotient(b: Nodes, node: Node, parts: Parts) -> Far:
     u, v = parts
     return Far(b.div(u.node, v.node), u.degree - v.degree)
-
-
-def _neg(b: Nodes, number: int, node: Node, d: Given) -> int:
-    return b.neg(d[0])
-
-
-def _far_negative(b: Nodes, node: Node, parts: Parts) -> Far:
-    return Far(b.neg(parts[0].node), parts[0].degree)
 
 
 def _powi(b: Nodes, number: int, node: Node, d: Given) -> int:
@@ -114,10 +94,6 @@ def _far_whole_power(b: Nodes, node: Node, parts: Parts) -> Far:
     return Far(b.powi(parts[0].node, node.data), parts[0].degree * node.data)
 
 
-def _sqrt(b: Nodes, number: int, node: Node, d: Given) -> int:
-    return b.div(b.mul(b.const(HALF), d[0]), number)
-
-
 def _jump_of_root(b: Nodes, number: int, node: Node, jumps: Given) -> int:
     """|sqrt(u + j) - sqrt(u)| <= j/sqrt(u), and sqrt(j)."""
     near = b.make("div", jumps[0], number)
@@ -130,15 +106,6 @@ def _far_root(b: Nodes, node: Node, parts: Parts) -> Far:
     return Far(b.sqrt(raised(b, parts[0], degree)), degree // 2)
 
 
-def _abs(b: Nodes, number: int, node: Node, d: Given) -> int:
-    """U' u/|u|: NaN at 0."""
-    return b.mul(d[0], b.div(node.arguments[0], number))
-
-
-def _far_size(b: Nodes, node: Node, parts: Parts) -> Far:
-    return Far(b.abs(parts[0].node), parts[0].degree)
-
-
 def _sign(b: Nodes, number: int, node: Node, d: Given) -> int:
     return b.const(0)
 
@@ -147,10 +114,6 @@ def _chosen_sign(b: Nodes, node: Node) -> int:
     """1, -1, or the argument itself: 0 stays 0 and NaN stays NaN."""
     (u,) = node.arguments
     return b.select(u, b.const(0), b.const(1), b.select(b.const(0), u, b.const(-1), u))
-
-
-def _jump_of_sign(b: Nodes, number: int, node: Node, jumps: Given) -> int:
-    return b.select(b.abs(node.arguments[0]), jumps[0], b.const(0), b.const(2))
 
 
 def _extremum(sign: int) -> Rule:
@@ -248,12 +211,16 @@ ARITHMETIC: dict[str, Operation] = {
     "const": Operation(0, lambda np: None, analytic=()),  # data: Fraction, "pi" or "e"
     "input": Operation(0, lambda np: None, analytic=()),  # data: the name
     "undefined": Operation(
-        0, lambda np: np.float64(np.nan), derivative=_undefined, formula=lambda: sp.S.NaN, domain=NOWHERE
+        0,
+        lambda np: np.float64(np.nan),
+        derivative=lambda b, number, node, d: b.undefined(),
+        formula=lambda: sp.S.NaN,
+        domain=NOWHERE,
     ),
     "add": Operation(
         2,
         lambda np, a, b: np.add(a, b),
-        derivative=_add,
+        derivative=lambda b, number, node, d: b.add(d[0], d[1]),
         jump=lipschitz(1),
         far=_far_sum,
         formula=lambda a, b: a + b,
@@ -279,7 +246,7 @@ ARITHMETIC: dict[str, Operation] = {
     "div": Operation(
         2,
         lambda np, a, b: np.divide(a, b),
-        derivative=_div,
+        derivative=lambda b, number, node, d: b.div(b.sub(d[0], b.mul(number, d[1])), node.arguments[1]),
         jump=_jump_of_quotient,
         far=_far_quotient,
         formula=lambda a, b: a / b,
@@ -292,9 +259,9 @@ ARITHMETIC: dict[str, Operation] = {
     "neg": Operation(
         1,
         lambda np, a: np.negative(a),
-        derivative=_neg,
+        derivative=lambda b, number, node, d: b.neg(d[0]),
         jump=lipschitz(1),
-        far=_far_negative,
+        far=lambda b, node, parts: Far(b.neg(parts[0].node), parts[0].degree),
         formula=lambda a: -a,
         texts=_texts("-{}", "-{}", "fneg {type} {0}"),
         analytic=(),
@@ -316,7 +283,7 @@ ARITHMETIC: dict[str, Operation] = {
     "sqrt": Operation(
         1,
         lambda np, a: np.sqrt(a),
-        derivative=_sqrt,
+        derivative=lambda b, number, node, d: b.div(b.mul(b.const(HALF), d[0]), number),
         jump=_jump_of_root,
         far=_far_root,
         formula=sp.sqrt,
@@ -330,9 +297,10 @@ ARITHMETIC: dict[str, Operation] = {
     "abs": Operation(
         1,
         lambda np, a: np.abs(a),
-        derivative=_abs,
+        # u' u/|u|: NaN at 0
+        derivative=lambda b, number, node, d: b.mul(d[0], b.div(node.arguments[0], number)),
         jump=lipschitz(1),
-        far=_far_size,
+        far=lambda b, node, parts: Far(b.abs(parts[0].node), parts[0].degree),
         formula=sp.Abs,
         texts=_texts("numpy.abs({})", "fabs({})", "call {type} @llvm.fabs.{suffix}({type} {0})"),
         analytic=(apart(SWITCH),),
@@ -348,7 +316,7 @@ ARITHMETIC: dict[str, Operation] = {
         lambda np, a: np.sign(a),
         _chosen_sign,
         _sign,
-        _jump_of_sign,
+        lambda b, number, node, jumps: b.select(b.abs(node.arguments[0]), jumps[0], b.const(0), b.const(2)),
         formula=sp.sign,
         grows=(UP,),
         rounding="none",

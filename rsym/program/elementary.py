@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
 
 import sympy as sp
 
@@ -16,26 +15,6 @@ from rsym.program.row import UP, Nodes, Operation, lipschitz, nonzero, of_power,
 
 Given = Sequence[int]
 TURN = Fraction(44, 7)  # a little more than 2 pi
-
-
-def _sin(b: Nodes, number: int, node: Node, d: Given) -> int:
-    return b.mul(b.make("cos", node.arguments[0]), d[0])
-
-
-def _cos(b: Nodes, number: int, node: Node, d: Given) -> int:
-    return b.neg(b.mul(b.make("sin", node.arguments[0]), d[0]))
-
-
-def _exp(b: Nodes, number: int, node: Node, d: Given) -> int:
-    return b.mul(number, d[0])
-
-
-def _jump_of_exponential(b: Nodes, number: int, node: Node, jumps: Given) -> int:
-    return b.mul(b.mul(number, b.make("exp", jumps[0])), jumps[0])
-
-
-def _log(b: Nodes, number: int, node: Node, d: Given) -> int:
-    return b.div(d[0], node.arguments[0])
 
 
 def _jump_of_logarithm(b: Nodes, number: int, node: Node, jumps: Given) -> int:
@@ -121,7 +100,7 @@ ELEMENTARY: dict[str, Operation] = {
     "sin": Operation(  # of jumps of its angle whole turns do not count: `jumps` bounds those of sine and cosine
         1,
         lambda np, u: np.sin(u),
-        derivative=_sin,
+        derivative=lambda b, number, node, d: b.mul(b.make("cos", node.arguments[0]), d[0]),
         formula=sp.sin,
         texts=_texts("sin", "sin"),
         analytic=(),
@@ -132,7 +111,7 @@ ELEMENTARY: dict[str, Operation] = {
     "cos": Operation(
         1,
         lambda np, u: np.cos(u),
-        derivative=_cos,
+        derivative=lambda b, number, node, d: b.neg(b.mul(b.make("sin", node.arguments[0]), d[0])),
         formula=sp.cos,
         texts=_texts("cos", "cos"),
         analytic=(),
@@ -142,8 +121,8 @@ ELEMENTARY: dict[str, Operation] = {
     "exp": Operation(
         1,
         lambda np, u: np.exp(u),
-        derivative=_exp,
-        jump=_jump_of_exponential,
+        derivative=lambda b, number, node, d: b.mul(number, d[0]),
+        jump=lambda b, number, node, jumps: b.mul(b.mul(number, b.make("exp", jumps[0])), jumps[0]),
         formula=sp.exp,
         texts=_texts("exp", "exp"),
         grows=(UP,),
@@ -155,7 +134,7 @@ ELEMENTARY: dict[str, Operation] = {
     "log": Operation(
         1,
         lambda np, u: np.log(u),
-        derivative=_log,
+        derivative=lambda b, number, node, d: b.div(d[0], node.arguments[0]),
         jump=_jump_of_logarithm,
         formula=sp.log,
         texts=_texts("log", "log"),
@@ -280,15 +259,6 @@ def _softplus_expansion(b: Nodes, node: Node) -> int:
     return b.make("add", b.make("max", u, b.const(0)), log1p(b, small))
 
 
-def _softplus(b: Nodes, number: int, node: Node, d: Given) -> int:
-    """exp(-softplus(-u)) u', which is u'/(1 + exp(-u)); exp(-u) overflows, and its derivatives with it."""
-    return b.mul(b.make("exp", b.neg(b.make("softplus", b.neg(node.arguments[0])))), d[0])
-
-
-def _softplus_at(u: Any) -> Any:
-    return u + (-u).exp().log1p() if u > 0 else u.exp().log1p()
-
-
 SMOOTH_STEPS: dict[str, Operation] = {
     "erf": Operation(
         1,
@@ -309,11 +279,12 @@ SMOOTH_STEPS: dict[str, Operation] = {
         1,
         lambda np, u: np.logaddexp(0.0, u),
         _softplus_expansion,
-        _softplus,
+        # u'/(1 + exp(-u)): exp(-u) overflows, and its derivatives with it
+        lambda b, number, node, d: b.mul(b.make("exp", b.neg(b.make("softplus", b.neg(node.arguments[0])))), d[0]),
         lipschitz(1),
         formula=Softplus,
         grows=(UP,),
-        at=_softplus_at,
+        at=lambda u: u + (-u).exp().log1p() if u > 0 else u.exp().log1p(),
         rounding="elementary",
         analytic=(),
         strict=True,

@@ -179,15 +179,11 @@ def program_of(
     Where a derivative does not exist it is NaN; without a `share` that tells a jump from rounding it is that of one
     side on the border of a choice. Gradients that are `one_sided` are that at corners too.
     """
-    builder = _builder_for(shape)
+    builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(shape.letters))
     calculus = (OneSided if one_sided else Calculus)(builder, lower(builder, shape.expression))
     if of != "value":
         calculus = Calculus(builder, calculus.nodes(of))
     return fields_program(calculus, fields, share)
-
-
-def _builder_for(shape: Shape) -> Builder:
-    return Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(shape.letters))
 
 
 def fields_program(calculus: Calculus, fields: Sequence[str], share: Fraction | None = None) -> Program:

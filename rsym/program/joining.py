@@ -26,10 +26,6 @@ def _joining_meaning(np: Any, f: Any, g: Any, m: Any) -> Any:
     return np.where(((large == 0) | np.isinf(large) | (value == 0)) & ~np.isnan(m), small, value)
 
 
-def _equivalence_meaning(np: Any, f: Any, g: Any, m: Any) -> Any:
-    return np.sign(f) * np.sign(g) * _joining_meaning(np, f, g, m)
-
-
 def _joining_expansion(b: Nodes, node: Node) -> int:
     """m/(1 + (m/M)**k)**(1/k), m the smaller and M the larger size, k the order; what rounds to 0 is m."""
     f, g, order = node.arguments
@@ -76,7 +72,7 @@ def _joining_at(f: Any, g: Any, m: Any) -> Any:
 JOINING: dict[str, Operation] = {
     "equivalence": Operation(
         3,
-        _equivalence_meaning,
+        lambda np, f, g, m: np.sign(f) * np.sign(g) * _joining_meaning(np, f, g, m),
         _equivalence_expansion,
         _equivalence,
         lipschitz(1),

@@ -206,14 +206,6 @@ def _tanh(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
     return b.sub(b.const(1), b.div(b.const(2), b.add(double, b.const(1))))
 
 
-def _asin(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
-    return b.make("atan2", arguments[0], _complement(b, arguments[0]))
-
-
-def _acos(b: Builder, part: sp.Basic, arguments: Lowered) -> int:
-    return b.make("atan2", _complement(b, arguments[0]), arguments[0])
-
-
 def _complement(b: Builder, u: int) -> int:
     return b.sqrt(b.mul(b.sub(b.const(1), u), b.add(b.const(1), u)))
 
@@ -384,8 +376,8 @@ LOWERINGS: dict[type[sp.Basic], Callable[..., int]] = {
     sp.tan: lambda b, part, arguments: b.div(b.make("sin", arguments[0]), b.make("cos", arguments[0])),
     sp.cot: lambda b, part, arguments: b.div(b.make("cos", arguments[0]), b.make("sin", arguments[0])),
     sp.atan: lambda b, part, arguments: b.make("atan2", arguments[0], b.const(1)),
-    sp.asin: _asin,
-    sp.acos: _acos,
+    sp.asin: lambda b, part, arguments: b.make("atan2", arguments[0], _complement(b, arguments[0])),
+    sp.acos: lambda b, part, arguments: b.make("atan2", _complement(b, arguments[0]), arguments[0]),
     sp.sinh: _sinh,
     sp.cosh: _cosh,
     sp.tanh: _tanh,

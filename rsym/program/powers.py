@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from rsym.model.powers import absolute_power, signed_power
 from rsym.program.program import Node
@@ -119,11 +118,6 @@ def expm1(b: Nodes, u: int) -> int:
     return b.select(b.abs(logarithm), b.const(0), quotient, u)
 
 
-def _signed_meaning(np: Any, u: Any, a: Any) -> Any:
-    """For a = 0 undefined at u = 0."""
-    return np.where(u == 0, np.where(a > 0, 0.0, np.nan), np.sign(u) * np.float_power(np.abs(u), a))
-
-
 def _signed_expansion(b: Nodes, node: Node) -> int:
     """At u = 0 zero where a > 0, NaN elsewhere."""
     base, exponent = node.arguments
@@ -158,7 +152,8 @@ SIGNED_POWERS: dict[str, Operation] = {
     ),
     "signed_power": Operation(
         2,
-        _signed_meaning,
+        # for a = 0 undefined at u = 0
+        lambda np, u, a: np.where(u == 0, np.where(a > 0, 0.0, np.nan), np.sign(u) * np.float_power(np.abs(u), a)),
         _signed_expansion,
         _signed,
         of_power,

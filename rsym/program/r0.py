@@ -138,10 +138,6 @@ def _gap_expansion(b: Nodes, node: Node) -> int:
     return b.select(t, b.const(0), quotient, b.mul(b.const(HALF), b.sub(size, t)))
 
 
-def _trimming_expansion(b: Nodes, node: Node) -> int:
-    return b.sqrt(b.add(node.arguments[0], b.square(_gap_expansion(b, node))))
-
-
 def _gap(b: Nodes, number: int, node: Node, d: Given) -> int:
     """(s s'/2 - u t')/q with q = sqrt(t**2 + s**2), u the node."""
     s, t = node.arguments
@@ -264,7 +260,7 @@ R0: dict[str, Operation] = {
     "trimming": Operation(
         2,
         _trimming_meaning,
-        _trimming_expansion,
+        lambda b, node: b.sqrt(b.add(node.arguments[0], b.square(_gap_expansion(b, node)))),
         _trimming,
         formula=lambda s, t: sp.sqrt(s + _gap_formula(s, t) ** 2),
         grows=(UP, DOWN),

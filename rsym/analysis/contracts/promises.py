@@ -40,18 +40,6 @@ class Singularity:
         return sp.Add(*(equation**2 for equation in self.equations))
 
 
-def _no_law(signs: Signs) -> int | None:
-    return None
-
-
-def _not_shown(orders: Sequence[Order]) -> Order:
-    return None
-
-
-def _anything(*ends: Ends) -> Ends:
-    return sp.nan, sp.nan
-
-
 @dataclass(frozen=True)
 class Promise:
     """What one node promises.
@@ -73,12 +61,12 @@ class Promise:
     operands: tuple[sp.Expr, ...]
     through: tuple[sp.Expr, ...] | None = None
     law: str = ""
-    truth: Callable[[Signs], int | None] = _no_law
+    truth: Callable[[Signs], int | None] = lambda signs: None
     singular: tuple[Singularity, ...] = ()
-    order: Callable[[Sequence[Order]], Order] = _not_shown
+    order: Callable[[Sequence[Order]], Order] = lambda orders: None
     exception: str = ""
     monotone: tuple[int | None, ...] = ()
-    image: Callable[..., Ends] = _anything
+    image: Callable[..., Ends] = lambda *ends: (sp.nan, sp.nan)
 
 
 def weakest(*orders: Order) -> Order:

@@ -194,10 +194,6 @@ def _trimming(part: Trimming, least: Least) -> Promise:
     )
 
 
-def _alpha_order(parameter: sp.Expr | None) -> Order:
-    return math.inf if parameter == 1 else 1
-
-
 def declared(part: rnodes.ROperation, least: Least) -> Promise:
     """The promise of an operation whose class says what order it keeps."""
     kept = part.kept or 0
@@ -207,7 +203,10 @@ def declared(part: rnodes.ROperation, least: Least) -> Promise:
 OPERATIONS: dict[type[sp.Basic], Rule] = {
     **dict.fromkeys((rnodes.R0Conjunction, rnodes.R0Disjunction), _operation(lambda parameter: 1, _corner)),
     **dict.fromkeys((rnodes.R1Conjunction, rnodes.R1Disjunction), _operation(lambda parameter: math.inf, _tie)),
-    **dict.fromkeys((rnodes.RAlphaConjunction, rnodes.RAlphaDisjunction), _operation(_alpha_order, _alpha)),
+    **dict.fromkeys(
+        (rnodes.RAlphaConjunction, rnodes.RAlphaDisjunction),
+        _operation(lambda parameter: math.inf if parameter == 1 else 1, _alpha),
+    ),
     **dict.fromkeys((rnodes.RpConjunction, rnodes.RpDisjunction), _operation(_kept, _p)),
     **dict.fromkeys((rnodes.R0mConjunction, rnodes.R0mDisjunction), _r0m),
     Equivalence: _equivalence,

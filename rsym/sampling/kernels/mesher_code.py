@@ -155,7 +155,8 @@ def boxes(s: LeafFormulas) -> Routine:
                 idle = lower > 0.0 if operation == "min" else upper < 0.0
                 word, bit = divmod(2 * number + position, WORD)
                 words[word] = _with_bit(r, words[word], idle.name, bit)
-            ends.append([_extreme(operation, a, b) for a, b in zip(ends[first], ends[second], strict=True)])
+            operands = zip(ends[first], ends[second], strict=True)
+            ends.append([better(operation, a, b).choose(a, b) for a, b in operands])
         lower, upper = ends[-1]
         keep = r.emit(f"and <{LANES} x i1> {lower.compare('ole', 0.0).name}, {upper.compare('oge', 0.0).name}")
         r.store(r.mask(keep), "%keep", r.emit(f"lshr i64 {i}, 3"), "i8")
@@ -228,10 +229,6 @@ def crossings(s: LeafFormulas) -> Routine:
             r.store_some(leaf, SHORTS, short, r.place("%leaf", "i16", i), count)
     r.do("ret void")
     return r
-
-
-def _extreme(operation: str, a: Value, b: Value) -> Value:
-    return better(operation, a, b).choose(a, b)
 
 
 def _with_bit(r: Routine, word: str, truths: str, bit: int) -> str:
