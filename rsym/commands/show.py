@@ -68,7 +68,11 @@ def run(options: argparse.Namespace) -> None:
         print(_field(chosen, options.field, options.latex))
         return
     formulas = definitions(chosen.path, shape=options.shape)
-    print(_latex(chosen, formulas) if options.latex else _text(chosen, formulas))
+    print(
+        _document(chosen, [one.latex.replace(" = ", " &= ", 1) for one in formulas])
+        if options.latex
+        else _text(chosen, formulas)
+    )
 
 
 def _text(chosen: Chosen, formulas: tuple[Definition, ...]) -> str:
@@ -91,10 +95,6 @@ def _text(chosen: Chosen, formulas: tuple[Definition, ...]) -> str:
 
 def _wrapped(text: str, indent: int) -> str:
     return textwrap.fill(text, WIDTH, subsequent_indent=" " * indent, break_long_words=False, break_on_hyphens=False)
-
-
-def _latex(chosen: Chosen, formulas: tuple[Definition, ...]) -> str:
-    return _document(chosen, [one.latex.replace(" = ", " &= ", 1) for one in formulas])
 
 
 def _field(chosen: Chosen, field: str, latex: bool) -> str:

@@ -100,7 +100,9 @@ def plot_atlas(
     require_axes(ax)
     _draw_parts(ax, atlas, outlines=rectangles)
     colours = _draw_curvature(ax, atlas, levels, limits, str(checked_map(colour_map)))
-    _draw_thresholds(ax, atlas)
+    for curve in atlas.thresholds:
+        for line in curve.middle:
+            ax.plot(*line.T, color=DEFECT, linewidth=1.8, zorder=6, solid_capstyle="butt")
     (a, b), (c, d) = atlas.region
     u, v = atlas.defaults
     shown = a <= u <= b and c <= v <= d
@@ -175,12 +177,6 @@ def _draw_levels(ax: Axes, u: Floats, v: Floats, shown: Floats, levels: Sequence
         text.set_color("white")
         text.set_path_effects([matplotlib.patheffects.withStroke(linewidth=1.6, foreground="#303030")])
         text.set_zorder(6)
-
-
-def _draw_thresholds(ax: Axes, atlas: SmoothnessAtlas) -> None:
-    for curve in atlas.thresholds:
-        for line in curve.middle:
-            ax.plot(*line.T, color=DEFECT, linewidth=1.8, zorder=6, solid_capstyle="butt")
 
 
 def _colour_bar(figure: Figure, ax: Axes, artist: ScalarMappable) -> None:

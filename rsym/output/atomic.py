@@ -22,7 +22,10 @@ def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
         )
     temporary = target.parent / f".{secrets.token_hex(8)}.part"
     try:
-        _write_safely(temporary, data)
+        with temporary.open("xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
         if target.exists():
             shutil.copymode(target, temporary)
         os.replace(temporary, target)
@@ -38,13 +41,6 @@ def write_atomically(path: str | os.PathLike[str], data: bytes) -> Path:
             temporary.unlink(missing_ok=True)
     _sync_folder(target.parent)
     return path
-
-
-def _write_safely(path: Path, data: bytes) -> None:
-    with path.open("xb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
 
 
 def _sync_folder(folder: Path) -> None:

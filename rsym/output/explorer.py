@@ -160,8 +160,8 @@ class Explorer(LetterSliders):
         for coordinate in self.section[:1]:
             coordinate.observe(self._move_section, "value")
         self.reset.on_click(lambda _: self.attempt(self.reset_letters))
-        self.save.on_click(lambda _: self.attempt(self._save))
-        self.load.on_click(lambda _: self.attempt(self._load))
+        self.save.on_click(lambda _: self.attempt(lambda: save_letters(self.values, self.path.value)))
+        self.load.on_click(lambda _: self.attempt(lambda: self.set_letters(load_letters(self.path.value))))
 
     def draw(self) -> Figure:
         """The sheet or the body at the letters as the sliders stand."""
@@ -196,12 +196,6 @@ class Explorer(LetterSliders):
         with self.together(), place.hold_trait_notifications():
             place.min, place.max = self._box[coordinate.value]
             place.value = (place.min + place.max) / 2
-
-    def _save(self) -> None:
-        save_letters(self.values, self.path.value)
-
-    def _load(self) -> None:
-        self.set_letters(load_letters(self.path.value))
 
 
 class PatchExplorer(LetterSliders):

@@ -23,10 +23,6 @@ from rsym.sampling.leaf_fields import LeafFields
 from rsym.sampling.mesh import Mesh
 
 
-def _whole(values: Floats) -> Floats:
-    return values
-
-
 class SurfaceMap(NamedTuple):
     """A map that a surface may be coloured by: the field of curvature that it is made of, its label, and how.
 
@@ -36,7 +32,7 @@ class SurfaceMap(NamedTuple):
     field: str
     label: str
     power: int = 1
-    of: Callable[[Floats], Floats] = _whole
+    of: Callable[[Floats], Floats] = np.asarray
 
 
 # A map is a row: `plot_mesh`, `plot_patches`, their docstrings and refusals and the explorer of patches read it.

@@ -88,7 +88,9 @@ def plot_sections(
         _, ax = matplotlib.pyplot.subplots(figsize=(8, 6), layout="constrained")
     require_axes(ax)
     screen = _screen(elevation, azimuth)
-    colours = _colours(shown, str(checked_map(colour_map)), limits)
+    low, high = (shown[0].value, shown[-1].value) if limits is None else checked_limits(limits)
+    margin = (high - low or 1.0) * (1 / LIGHTEST - 1)
+    colours = ScalarMappable(Normalize(low, high + margin), colormaps[str(checked_map(colour_map))])
     toward = screen[2, shown[0].normal]
     drawn = [
         one
@@ -135,12 +137,6 @@ def _screen(elevation: float, azimuth: float) -> Floats:
             [np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)],
         ]
     )
-
-
-def _colours(shown: Sequence[Section], colour_map: str, limits: tuple[float, float] | None) -> ScalarMappable:
-    low, high = (shown[0].value, shown[-1].value) if limits is None else checked_limits(limits)
-    margin = (high - low or 1.0) * (1 / LIGHTEST - 1)
-    return ScalarMappable(Normalize(low, high + margin), colormaps[colour_map])
 
 
 def _outlines(section: Section, screen: Floats, colour: Floats) -> Iterator[tuple[Outline, Floats, Floats]]:

@@ -130,7 +130,9 @@ def show(artist: ShadedMesh, ax: Axes3D | None, elevation: float, azimuth: float
         axes = axes3d.new_axes(artist.low, artist.high, elevation, azimuth)
     else:
         axes = axes3d.require_axes3d(ax)
-    low, high = _with_others(axes, artist.low, artist.high)
+    shown = [artist, *(other for other in axes.artists if isinstance(other, ShadedMesh))]
+    low = np.minimum.reduce([one.low for one in shown])
+    high = np.maximum.reduce([one.high for one in shown])
     axes3d.frame(axes, low, high, elevation, azimuth)
     axes3d.style(axes)
     axes.add_artist(artist)
@@ -149,14 +151,6 @@ def explain(artist: ShadedMesh) -> None:
         axes3d.colour_bar(axes, bar)
     if artist.parts:
         axes3d.legend(axes, artist.parts)
-
-
-def _with_others(axes: Axes3D, low: Floats, high: Floats) -> tuple[Floats, Floats]:
-    """Widen a box by the meshes that the axes already show."""
-    for other in axes.artists:
-        if isinstance(other, ShadedMesh):
-            low, high = np.minimum(low, other.low), np.maximum(high, other.high)
-    return low, high
 
 
 class ShadedMesh(Artist):

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.sampling.mesh import Mesh
 from rsym.surfaces import forms
+from rsym.surfaces.meshes import grid_triangles
 from rsym.surfaces.parameters import LetterValues
 from rsym.surfaces.patch import Orders, Patch
 
@@ -118,8 +119,9 @@ def joined(parts: Sequence[Tessellation]) -> Mesh:
     """One mesh of all patches, side by side; each is a leaf of its name."""
     faces, first = [], 0
     for part in parts:
-        faces.append(_faces(*part.points.shape[:2]) + first)
-        first += part.points.shape[0] * part.points.shape[1]
+        rows, columns, _ = part.points.shape
+        faces.append(grid_triangles(rows - 1, columns - 1) + first)
+        first += rows * columns
     normals = np.concatenate([part.normals.reshape(-1, 3) for part in parts])
     leaf = np.repeat(np.arange(len(parts)), [len(one) for one in faces])
     corners = np.concatenate(faces)
@@ -147,10 +149,3 @@ def _grid(interval: tuple[float, float], cells: int, chosen: Floats) -> Floats:
     counts = np.ceil(np.diff(ends) / (high - low) * cells - 1e-9).astype(np.int64).clip(1)
     spans = [np.linspace(a, b, count, endpoint=False) for a, b, count in zip(ends[:-1], ends[1:], counts, strict=True)]
     return np.concatenate([*spans, [high]])
-
-
-def _faces(rows: int, columns: int) -> Ints:
-    """Triangles of a grid, counter-clockwise seen from where p_u x p_v points."""
-    number = np.arange(rows * columns).reshape(rows, columns)
-    a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
-    return np.stack([np.stack([a, b, c], axis=-1), np.stack([a, c, d], axis=-1)], axis=2).reshape(-1, 3)

@@ -76,7 +76,10 @@ def sized(mesh: Mesh, *, unit: Any = None, size: Any = None, scale: Any = None) 
     if size is not None:
         length, own = _length(size)
         unit = unit or own
-        factor = length * (UNITS[own].metres / UNITS[unit].metres if own and own != unit else 1.0) / _longest(mesh)
+        longest = max(high - low for low, high in mesh.bounds)
+        if not longest:
+            raise RsymError("a mesh of one point has no size", code="size", remedy="give scale instead")
+        factor = length * (UNITS[own].metres / UNITS[unit].metres if own and own != unit else 1.0) / longest
     return mesh if factor == 1.0 else mesh.scale(factor), unit
 
 
@@ -121,10 +124,3 @@ def _length(size: Any) -> tuple[float, str | None]:
             remedy='for example size=120 or size="120mm"',
         )
     return length, unit
-
-
-def _longest(mesh: Mesh) -> float:
-    longest = max(high - low for low, high in mesh.bounds)
-    if not longest:
-        raise RsymError("a mesh of one point has no size", code="size", remedy="give scale instead")
-    return longest

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rsym.model.constructions import revolve
@@ -58,13 +57,18 @@ def draw_listing() -> Drawing:
     """Fig. 2: the formulas of the model file, and the meridian section that they make."""
     shape = valve()
     figure = Figure(figsize=(9.6, 5.6))
-    text = figure.text(0.01, 0.97, _formulas(), family="monospace", fontsize=9.5, va="top", linespacing=1.32)
+    listing = model_path("valve").read_text(encoding="utf-8")
+    formulas = listing[listing.index("rho =") :].rstrip()
+    text = figure.text(0.01, 0.97, formulas, family="monospace", fontsize=9.5, va="top", linespacing=1.32)
     text.set_parse_math(False)
     ax = figure.add_axes((0.72, 0.06, 0.27, 0.90))
     (cut,) = sections(shape, [0.0], axis="y", resolution=600)
     for line in cut.lines:
         ax.fill(*line.T, facecolor="#dfe6f0", edgecolor="black", linewidth=1.1)
-    _name_parts(ax)
+    for name, place, height in NAMES:
+        arrow = {"arrowstyle": "-", "linewidth": 0.6, "color": "0.35", "shrinkB": 0}
+        at = (NAMES_AT, height)
+        ax.annotate(name, place, at, family="monospace", fontsize=9, va="center", arrowprops=arrow)
     ax.set(aspect="equal", xlabel="$x$", ylabel="$z$", xlim=(-19, 38), ylim=(-6, 104))
     ax.set_title("the plane $y = 0$", fontsize=10)
     ax.spines[["top", "right"]].set_visible(False)
@@ -72,19 +76,6 @@ def draw_listing() -> Drawing:
     return Drawing(
         figure, letters_text(shape.letters), 0, f"{OURS}; the formulas of valve.rf and the section that they make"
     )
-
-
-def _formulas() -> str:
-    """The part of the file that follows the letters."""
-    text = model_path("valve").read_text(encoding="utf-8")
-    return text[text.index("rho =") :].rstrip()
-
-
-def _name_parts(ax: Axes) -> None:
-    for name, place, height in NAMES:
-        arrow = {"arrowstyle": "-", "linewidth": 0.6, "color": "0.35", "shrinkB": 0}
-        at = (NAMES_AT, height)
-        ax.annotate(name, place, at, family="monospace", fontsize=9, va="center", arrowprops=arrow)
 
 
 def _car_recipe(

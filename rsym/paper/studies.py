@@ -16,8 +16,6 @@ from dataclasses import dataclass
 from itertools import cycle
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
@@ -253,14 +251,10 @@ def drawn_laplacians() -> Figure:
         r"their difference, $\frac{1}{\rho}\,\frac{\partial\omega_n}{\partial\rho}$",
     )
     for ax, artist, title in zip(axes, artists, titles, strict=True):
-        _finish(figure, ax, artist, title)
+        ax.set_title(title, fontsize=11)
+        ax.label_outer()
+        figure.colorbar(artist, ax=ax, pad=0.02, fraction=0.04).ax.tick_params(labelsize=7)
     return figure
-
-
-def _finish(figure: Figure, ax: Axes, artist: QuadContourSet, title: str) -> None:
-    ax.set_title(title, fontsize=11)
-    ax.label_outer()
-    figure.colorbar(artist, ax=ax, pad=0.02, fraction=0.04).ax.tick_params(labelsize=7)
 
 
 def gain(shape: Shape) -> Shape:

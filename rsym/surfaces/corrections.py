@@ -11,6 +11,7 @@ import numpy as np
 
 from rsym.arrays import Floats
 from rsym.model.requirements import require_positive
+from rsym.surfaces.functions.univariate import Univariate
 from rsym.surfaces.parameters import Interval
 
 # Share of their size by which patches and curves may miss one another: rounding of data given to nine digits.
@@ -99,6 +100,12 @@ def greatest(distance: Callable[..., Floats], *intervals: Interval) -> tuple[flo
             for at, step, (low, high) in zip(place, steps, intervals, strict=True)
         ]
     return best, place
+
+
+def longest(functions: Univariate, vectors: Floats) -> tuple[float, float]:
+    """The greatest length of the sum of constant vectors (n, 3) times functions (n,), and the parameter where it is."""
+    away, (place,) = greatest(lambda t: sizes(functions(t) @ vectors), functions.domain)
+    return away, place
 
 
 def sizes(vectors: Floats) -> Floats:

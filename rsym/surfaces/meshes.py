@@ -12,10 +12,9 @@ from scipy.spatial import cKDTree
 
 from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
-from rsym.model.letters import Letters
 from rsym.sampling.mesh import Mesh
 from rsym.surfaces.parameters import LetterValues
-from rsym.surfaces.patch import Patch, patches_of
+from rsym.surfaces.patch import Patch, own_letters, patches_of
 
 # Points of neighbouring patches this share of the whole apart are one vertex: far below a cell, far above rounding,
 # unless the whole is far from the origin: coordinates of different formulas differ by some roundings of their size.
@@ -63,16 +62,16 @@ def mesh_patches(
     if not given:
         raise RsymError("expected patches, got none", code="patch", remedy="give a patch or a list of patches")
     cells = _cells(resolution)
-    # Patches may give different defaults to one letter; a letter that none of them has is refused.
-    Letters({name: letter for patch in given for name, letter in patch.letters.items()}).values_with(letters)
+    values = own_letters(given, letters)
     points, normals = [], []
-    for number, patch in enumerate(given):
-        at, across = _samples(patch, cells, letters)
+    for number, (patch, own) in enumerate(zip(given, values, strict=True)):
+        u, v = _places(patch, cells)
+        at, across = patch(u, v, letters=own), patch.normal(u, v, letters=own)
         if not np.isfinite(at).all():
             raise RsymError(f"patch {number} is not finite everywhere", code="patch", remedy="look at its curves")
         points.append(at.reshape(-1, 3))
         normals.append(across.reshape(-1, 3))
-    corners = _triangles(*cells)
+    corners = grid_triangles(*cells)
     step = (cells[0] + 1) * (cells[1] + 1)
     faces = np.concatenate([corners + step * number for number in range(len(given))])
     leaf = np.repeat(np.arange(len(given)), len(corners))
@@ -83,7 +82,7 @@ def mesh_patches(
     leaves = tuple(f"patch {number}" for number in range(len(given)))
 
     def curvatures(name: str) -> Floats:
-        found = [_curvature(patch, name, cells, letters) for patch in given]
+        found = [_curvature(patch, name, cells, own) for patch, own in zip(given, values, strict=True)]
         return np.asarray(np.concatenate(found)[faces[kept]])
 
     return Mesh(vertices, welded[kept], shading, leaf=leaf[kept], leaves=leaves, curvatures=curvatures)
@@ -100,26 +99,20 @@ def _cells(resolution: Any) -> tuple[int, int]:
     return int(given[0]), int(given[1])
 
 
-def _places(patch: Patch, cells: tuple[int, int], letters: LetterValues) -> tuple[Floats, Floats, dict[Any, float]]:
-    """The parameters of a patch's grid, as they broadcast, and the letters that it has."""
+def _places(patch: Patch, cells: tuple[int, int]) -> tuple[Floats, Floats]:
+    """The parameters of a patch's grid, as they broadcast."""
     u, v = (np.linspace(*interval, count + 1) for interval, count in zip(patch.domain, cells, strict=True))
-    return u[:, None], v[None, :], {name: one for name, one in (letters or {}).items() if str(name) in patch.letters}
-
-
-def _samples(patch: Patch, cells: tuple[int, int], letters: LetterValues) -> tuple[Floats, Floats]:
-    """Points and unit normals on the grid of a patch; NaN, for that of the triangle, where the surface has none."""
-    u, v, own = _places(patch, cells, letters)
-    return patch(u, v, letters=own), patch.normal(u, v, letters=own)
+    return u[:, None], v[None, :]
 
 
 def _curvature(patch: Patch, name: str, cells: tuple[int, int], letters: LetterValues) -> Floats:
     """The curvature of this name at the points of the grid of a patch, row by row."""
-    u, v, own = _places(patch, cells, letters)
-    values: Floats = getattr(patch, name)(u, v, letters=own)
+    u, v = _places(patch, cells)
+    values: Floats = getattr(patch, name)(u, v, letters=letters)
     return values.reshape(u.size * v.size, *values.shape[2:])
 
 
-def _triangles(rows: int, columns: int) -> Ints:
+def grid_triangles(rows: int, columns: int) -> Ints:
     """Two triangles for each cell of a grid, (2 rows columns, 3), turning from u to v."""
     i, j = (one.ravel() for one in np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij"))
     first = i * (columns + 1) + j

@@ -74,6 +74,18 @@ def as_interval(given: Any, what: str) -> Interval:
     return low, high
 
 
+def wrapped(values: Floats, interval: Interval) -> Floats:
+    """The values modulo the length of an interval, from its lower end on.
+
+    Examples
+    --------
+    >>> wrapped(np.array([-0.25, 1.0]), (0.0, 1.0)).tolist()
+    [0.75, 0.0]
+    """
+    low, high = interval
+    return np.asarray(low + np.mod(values - low, high - low))
+
+
 def inside(values: Floats, interval: Interval, closed: bool, name: str) -> Floats:
     """The values in the interval: modulo its length if it is closed, otherwise refused if they lie outside.
 
@@ -84,9 +96,8 @@ def inside(values: Floats, interval: Interval, closed: bool, name: str) -> Float
     """
     low, high = interval
     if closed:
-        turned: Floats = low + np.mod(values - low, high - low)
         # The upper end stays where it is, so that a closed grid ends where it should.
-        return np.where((values >= low) & (values <= high), values, turned)
+        return np.where((values >= low) & (values <= high), values, wrapped(values, interval))
     if not values.size or (values.min() >= low and values.max() <= high):
         return values
     room = ROUNDING * (high - low)

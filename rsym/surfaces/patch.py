@@ -171,6 +171,23 @@ def patches_of(given: Any) -> list[Patch]:
     return several(Patch, given, "patch")  # type: ignore[type-abstract]
 
 
+def own_letters(patches: Sequence[Patch], letters: LetterValues) -> list[dict[str, float]]:
+    """For each patch the values of its own letters; a letter of none of them is refused.
+
+    Patches may give different defaults to one letter.
+
+    Examples
+    --------
+    >>> own_letters([], {"a": 1})
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: no letter 'a'; the letters are: none; remedy: use one of these, or none
+    """
+    Letters({name: letter for patch in patches for name, letter in patch.letters.items()}).values_with(letters)
+    given = {str(key): value for key, value in (letters or {}).items()}
+    return [{name: given[name] for name in patch.letters if name in given} for patch in patches]
+
+
 def _order(given: Any) -> tuple[int, int]:
     """A pair of integers of Python."""
     try:

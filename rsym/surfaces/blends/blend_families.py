@@ -86,7 +86,7 @@ def class1(lam: sp.Expr, alpha: sp.Expr) -> tuple[Functions, Functions]:
     c_f1 = _constant(2 * s / j) * of_c - _constant(4 * cosine / j) * of_s
     c_g1 = _constant(2 * s / j) * of_s - _constant(4 * sine_excess(sp.Integer(1), alpha) / (s * j)) * of_c
     f1, g1 = (_mixed(lam, one, other) for one, other in ((CUBIC[1], c_f1), (CUBIC[3], c_g1)))
-    return _mirrored(f1, g1), class1_formulas(lam, alpha)
+    return (1 - f1, f1, -g1.subs(t, 1 - t), g1), class1_formulas(lam, alpha)
 
 
 def class1_formulas(lam: sp.Expr, alpha: sp.Expr) -> Functions:
@@ -186,10 +186,6 @@ def _constant(value: sp.Expr) -> sp.Expr:
 
 def _mixed(share: sp.Expr, one: sp.Expr, other: sp.Expr) -> sp.Expr:
     return one if share == 0 else other if share == 1 else (1 - share) * one + share * other
-
-
-def _mirrored(f1: sp.Expr, g1: sp.Expr) -> Functions:
-    return 1 - f1, f1, -g1.subs(t, 1 - t), g1
 
 
 def blend_latex(formulas: Sequence[sp.Expr]) -> str:

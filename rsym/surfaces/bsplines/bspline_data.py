@@ -30,7 +30,7 @@ from rsym.surfaces.bsplines.data_parameters import (
     given_parameters,
 )
 from rsym.surfaces.bsplines.spline_spaces import Spaces, SplineSpace, checked_order, checked_space, uniform_space
-from rsym.surfaces.parameters import Interval, real_array
+from rsym.surfaces.parameters import Interval, real_array, wrapped
 
 Both: TypeAlias = tuple[Any, Any]
 # What has one parameter of this name: rows and columns of a net, points of a curve.
@@ -177,7 +177,7 @@ def _placed(data: DataParameters, space: SplineSpace, name: str) -> Floats:
             raise RsymError(
                 f"the knots along {name} have the period {high - low:g}, the parameters {period:g}", code="knots"
             )
-        return low + np.mod(data.values - low, high - low)
+        return wrapped(data.values, space.domain)
     if (data.values < low).any() or (data.values > high).any():
         raise RsymError(
             f"the parameters along {name} reach from {data.values.min():g} to {data.values.max():g},"

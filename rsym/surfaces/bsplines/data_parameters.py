@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.surfaces.bsplines.spline_spaces import ROUNDING, SplineSpace, around, clamped
-from rsym.surfaces.parameters import Interval, real_array
+from rsym.surfaces.parameters import Interval, real_array, wrapped
 
 EXPONENTS = {"chord-length": 1.0, "centripetal": 0.5}
 # A line of points shorter than so many roundings of their coordinates for each point is one point, a pole: the row
@@ -106,12 +106,7 @@ def given_parameters(given: Any, axis: int, name: str, shape: tuple[int, ...], c
         raise RsymError(f"the period of the parameters {name} must be one and the same", code="parameters")
     interval = float(mean[0]), float(mean[-1])
     values = values[:-1] if values.ndim == 1 else values.take(range(shape[axis]), axis=axis)
-    return DataParameters(_turned(values, interval), mean[:-1], interval)
-
-
-def _turned(values: Floats, interval: Interval) -> Floats:
-    low, high = interval
-    return low + np.mod(values - low, high - low)
+    return DataParameters(wrapped(values, interval), mean[:-1], interval)
 
 
 def _check_order(values: Floats, name: str) -> None:

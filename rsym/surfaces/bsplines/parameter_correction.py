@@ -32,6 +32,7 @@ from rsym.surfaces.bsplines.bspline_fitting import (
 from rsym.surfaces.bsplines.spline_spaces import Spaces, SplineSpace, tensor_values
 from rsym.surfaces.functions.curves import as_curve
 from rsym.surfaces.functions.univariate import Univariate
+from rsym.surfaces.parameters import wrapped
 
 # Halvings of a step that leads a point away, before it stays where it is.
 HALVINGS = 6
@@ -132,7 +133,7 @@ def _slid(space: SplineSpace, values: Floats, step: Floats) -> Floats:
     """Parameters a step further; those at an end stay there, since the edges of data belong to those of the surface."""
     low, high = space.domain
     if space.closed:
-        return np.asarray(low + np.mod(values + step - low, high - low))
+        return wrapped(values + step, space.domain)
     at_end = (values == low) | (values == high)
     return np.where(at_end, values, np.clip(values + step, low, high))
 
@@ -225,8 +226,8 @@ class Along:
         return Frames(place, (speed / np.where(lengths > 0, lengths, 1.0)[:, None])[:, :, None], ends)
 
     def _inside(self, t: Floats) -> Floats:
-        low, high = self.curve.domain
-        return low + np.mod(t - low, high - low) if self.curve.closed else np.clip(t, low, high)
+        domain = self.curve.domain
+        return wrapped(t, domain) if self.curve.closed else np.clip(t, *domain)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from rsym.surfaces.bsplines.bspline_data import directions, pair_of, space_for
 from rsym.surfaces.bsplines.bspline_fitting import Pair
 from rsym.surfaces.bsplines.data_parameters import DataParameters
 from rsym.surfaces.bsplines.spline_spaces import Spaces, SplineSpace, checked_order, checked_space
-from rsym.surfaces.parameters import real_array
+from rsym.surfaces.parameters import real_array, wrapped
 
 # Points whose breadth is less than this share of their length lie on a line: they have no plane.
 LINE = 1e-9
@@ -109,7 +109,7 @@ def _space(values: Floats, count: Any, order: Any, knots: Any, closed: bool, nam
 def _placed(values: Floats, space: SplineSpace, name: str) -> Floats:
     low, high = space.domain
     if space.closed:
-        return low + np.mod(values - low, high - low)
+        return wrapped(values, space.domain)
     if values.min() < low or values.max() > high:
         raise RsymError(
             f"the parameters along {name} reach from {values.min():g} to {values.max():g}, the knots from {low:g} to "

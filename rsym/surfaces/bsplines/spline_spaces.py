@@ -119,7 +119,7 @@ def tensor_values(spaces: Spaces, net: Floats, u: Floats, v: Floats, order: tupl
     Arrays that vary along different axes are combined one direction after the other.
     """
     shape = np.broadcast_shapes(u.shape, v.shape)
-    rows, columns = (_padded(one, len(shape)) for one in (u, v))
+    rows, columns = ((1,) * (len(shape) - one.ndim) + one.shape for one in (u, v))
     if any(k > one.degree for k, one in zip(order, spaces, strict=True)):
         return np.zeros(3) * (u + v)[..., None]
     if all(m == 1 or n == 1 for m, n in zip(rows, columns, strict=True)):
@@ -127,10 +127,6 @@ def tensor_values(spaces: Spaces, net: Floats, u: Floats, v: Floats, order: tupl
     control = spaces[1].unrolled(spaces[0].unrolled(net).swapaxes(0, 1)).swapaxes(0, 1)
     surface = NdBSpline(tuple(one.knots for one in spaces), control, tuple(one.degree for one in spaces))
     return np.asarray(surface(np.stack(np.broadcast_arrays(u, v), axis=-1), nu=order))
-
-
-def _padded(values: Floats, dimensions: int) -> tuple[int, ...]:
-    return (1,) * (dimensions - values.ndim) + values.shape
 
 
 def _separable(spaces: Spaces, net: Floats, u: Floats, v: Floats, order: tuple[int, int]) -> Floats:
@@ -164,7 +160,8 @@ def checked_space(order: Any, knots: ArrayLike | None, count: int, closed: bool,
             remedy="as many knots as vertices and order together",
         )
     _check_multiplicities(given, degree, name)
-    if closed and not np.allclose(around(given[degree : -degree or None], degree), given, rtol=0, atol=_room(given)):
+    room = ROUNDING * float(given[-1] - given[0])
+    if closed and not np.allclose(around(given[degree : -degree or None], degree), given, rtol=0, atol=room):
         raise RsymError(
             f"the knots of a closed direction must repeat after one period, those along {name} do not",
             code="knots",
@@ -203,10 +200,6 @@ def around(period: Floats, degree: int) -> Floats:
     """The knots of one period with `degree` more on each side."""
     length = period[-1] - period[0]
     return np.concatenate([period[-degree - 1 : -1] - length, period, period[1 : degree + 1] + length])
-
-
-def _room(knots: Floats) -> float:
-    return ROUNDING * float(knots[-1] - knots[0])
 
 
 def _finite_knots(knots: ArrayLike, name: str) -> Floats:

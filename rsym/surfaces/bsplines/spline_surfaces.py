@@ -92,7 +92,9 @@ class BSplineSurface(Patch):
 
     @classmethod
     def _fitted(cls, spaces: Spaces, net: Floats, fit: SplineFit) -> BSplineSurface:
-        surface = cls(net, *_description(spaces))
+        first, second = spaces
+        orders = (first.degree + 1, second.degree + 1)
+        surface = cls(net, orders, (first.knots, second.knots), (first.closed, second.closed))
         surface.fit = fit
         return surface
 
@@ -339,8 +341,3 @@ def _all_vertices(vertices: Any, available: int) -> Both:
             remedy="vertices=(n, m) with that product, or least_squares with fewer",
         )
     return counts
-
-
-def _description(spaces: Spaces) -> tuple[tuple[int, int], Pair, tuple[bool, bool]]:
-    first, second = spaces
-    return (first.degree + 1, second.degree + 1), (first.knots, second.knots), (first.closed, second.closed)

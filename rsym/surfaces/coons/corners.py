@@ -11,8 +11,7 @@ corner itself it has no value, and the mean is taken (Gregory 1974).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 import sympy as sp
@@ -22,7 +21,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.surfaces import symbols
 from rsym.surfaces.blends.blending import HermiteBlend
-from rsym.surfaces.corrections import MEETING, Correction, enough, greatest, sizes
+from rsym.surfaces.corrections import MEETING, Correction, enough, longest, sizes
 from rsym.surfaces.functions.formulas import CompiledFormulas, entries_of
 from rsym.surfaces.functions.univariate import Sampled, Univariate, Unvarying
 from rsym.surfaces.parameters import LetterValues
@@ -70,7 +69,7 @@ class CornerData(Unvarying):
             return None
         turned = sp.permutedims(by_u, (1, 0, 2))
         pairs = zip(entries_of(turned), entries_of(by_v), strict=True)
-        return sp.ImmutableDenseNDimArray([_mean(a, b) for a, b in pairs], self.shape)
+        return sp.ImmutableDenseNDimArray([a if a == b else (a + b) / 2 for a, b in pairs], self.shape)
 
     def check(self, tolerance: float, letters: LetterValues = None) -> None:
         """Refuse points and tangents at corners on which the edges do not agree."""
@@ -78,7 +77,8 @@ class CornerData(Unvarying):
         size = max(float(np.ptp(by_u[:2, :2], axis=(0, 1)).max()), float(np.abs(by_u[:2, :2]).max()) * 1e-6)
         _, orders = ends(self.shape[0] // 2)
         shares = np.zeros(self.shape[:2])
-        for a, b in self._single(orders):
+        # Of points and of derivatives in one parameter alone: twists are another matter.
+        for a, b in np.argwhere(np.outer(orders, orders) == 0).tolist():
             gap = float(sizes(by_u[a, b] - by_v[a, b]))
             shares[a, b] = gap / max(size, float(np.abs(by_u[a, b]).max()))
             shares[a, b] = np.inf if np.isnan(shares[a, b]) else shares[a, b]
@@ -99,26 +99,14 @@ class CornerData(Unvarying):
         found = []
         for end in (0, 1):
             for across, data, functions in ((0, missed[end], functions_v), (1, missed[:, end], functions_u)):
-                away, (along,) = greatest(partial(_distance, functions, data), functions.domain)
+                away, along = longest(functions, data)
                 found.append((away, (float(end), along) if across == 0 else (along, float(end))))
         return Correction(gap, *max(found))
-
-    def _single(self, orders: Sequence[int]) -> Iterator[tuple[int, int]]:
-        """The places of points and of derivatives in one parameter alone: twists are another matter."""
-        return ((a, b) for a, k in enumerate(orders) for b, j in enumerate(orders) if not k * j)
 
     def twist_gap(self) -> float:
         """The largest distance between what both pairs of edges say of a mixed derivative."""
         by_u, by_v = self.both()
         return float(np.sqrt(((by_u - by_v)[2:, 2:] ** 2).sum(axis=-1)).max(initial=0.0))
-
-
-def _mean(a: sp.Expr, b: sp.Expr) -> sp.Expr:
-    return a if a == b else (a + b) / 2
-
-
-def _distance(functions: Univariate, data: Floats, t: Floats) -> Floats:
-    return sizes(functions(t) @ data)
 
 
 def _disagreement(i: int, j: int, order: tuple[int, int], by_u: Floats, by_v: Floats, share: float) -> RsymError:

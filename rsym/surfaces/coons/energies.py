@@ -90,7 +90,9 @@ def gram_matrices(
         places, weights = _gauss(panels)
         rows = known.interpreted(places, [(order,) for order in orders], values)
         constant, slope = np.moveaxis(rows.reshape(len(orders), 2, -1, len(places)), 1, 0)
-        square, mixed, last = (_products(a, b, weights) for a, b in ((constant,) * 2, (constant, slope), (slope,) * 2))
+        square, mixed, last = (
+            np.einsum("kmp,knp,p->kmn", a, b, weights) for a, b in ((constant,) * 2, (constant, slope), (slope,) * 2)
+        )
         return np.stack([square, mixed + mixed.transpose(0, 2, 1), last], axis=1)
 
     return dict(zip(orders, _settled(integrals), strict=True))
@@ -131,12 +133,6 @@ def _gauss(panels: int) -> tuple[Floats, Floats]:
     places, weights = np.polynomial.legendre.leggauss(PLACES)
     starts = np.arange(panels)[:, None] / panels
     return (starts + (places + 1) / (2 * panels)).reshape(-1), np.tile(weights / (2 * panels), panels)
-
-
-def _products(a: Floats, b: Floats, weights: Floats) -> Floats:
-    """Integrals of the products of functions (orders, n, places)."""
-    result: Floats = np.einsum("kmp,knp,p->kmn", a, b, weights)
-    return result
 
 
 def _settled(integrals: Any) -> Floats:

@@ -11,7 +11,6 @@ import numpy as np
 from rsym.arrays import Floats
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
-from rsym.model.letters import Letters
 from rsym.surfaces.joints.borders import DIRECTIONS, Border, clusters, fan, spread
 from rsym.surfaces.joints.edge_matching import (
     Comparison,
@@ -35,7 +34,7 @@ from rsym.surfaces.joints.edge_report import (
 from rsym.surfaces.joints.edges import edges_of
 from rsym.surfaces.joints.meeting import extent, room_for, sample_grid
 from rsym.surfaces.parameters import LetterValues
-from rsym.surfaces.patch import Patch
+from rsym.surfaces.patch import Patch, own_letters
 from rsym.surfaces.proofs.edge_formulas import PatchFormula
 from rsym.surfaces.proofs.pole_proofs import Spoke, prove_pole
 from rsym.surfaces.proofs.proving import prove
@@ -116,13 +115,17 @@ normals to different sides
     """
     patches = tuple(surfaces or ()) if surfaces is None or isinstance(surfaces, Iterable) else (surfaces,)
     _check(patches, {"gap": gap, "angle": angle, "curvature": curvature, "reach": reach})
-    values = _values(patches, letters)
+    values = own_letters(patches, letters)
     grids = [sample_grid(patch, own) for patch, own in zip(patches, values, strict=True)]
     borders = [one for k, patch in enumerate(patches) for one in _borders(k, patch, grids[k], gap, reach, values[k])]
     lines, points = ([one for one in borders if one.is_point == which] for which in (False, True))
     stretches = shared_stretches(lines)
     joined = covered(stretches, lines)
-    free = [_free_edge(border, one) for border in lines for one in free_intervals(border, joined[border])]
+    free = [
+        FreeEdge(border.index, border.edge.name, one, border.edge.position(np.linspace(*one, FREE_POINTS)))
+        for border in lines
+        for one in free_intervals(border, joined[border])
+    ]
     edges = [_common_edge(one, angle, curvature) for one in stretches]
     groups = clusters(points)
     poles = [_pole(group, angle, curvature) for group in groups]
@@ -146,13 +149,6 @@ def _check(patches: Sequence[object], tolerances: dict[str, float]) -> None:
     for name, value in tolerances.items():
         if not isinstance(value, int | float | np.number) or not value > 0:
             raise RsymError(f"{name} must be positive, got {value!r}", code="tolerance", remedy="leave it out")
-
-
-def _values(patches: Sequence[Patch], letters: LetterValues) -> list[LetterValues]:
-    """For each patch the values of its own letters; a letter of none of them is refused."""
-    Letters({name: item for patch in patches for name, item in patch.letters.items()}).values_with(letters)
-    given = {str(key): value for key, value in (letters or {}).items()}
-    return [{name: given[name] for name in patch.letters if name in given} for patch in patches]
 
 
 def _borders(
@@ -218,11 +214,6 @@ def _pole(group: Sequence[Border], angle: float, curvature: float) -> Pole:
         int(np.isnan(fine.normals).any(axis=-1).sum()),
         tuple(map(float, fine.points[0])),
     )
-
-
-def _free_edge(border: Border, interval: tuple[float, float]) -> FreeEdge:
-    points = border.edge.position(np.linspace(*interval, FREE_POINTS))
-    return FreeEdge(border.index, border.edge.name, interval, points)
 
 
 # Common edges with what is proved of them.

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.surfaces.corrections import MEETING, Correction, greatest, require_tolerance, sizes
+from rsym.surfaces.corrections import MEETING, Correction, longest, require_tolerance
 from rsym.surfaces.functions.cardinals import checked_knots
 from rsym.surfaces.functions.univariate import Sampled, Stack, Univariate, on_interval
 from rsym.surfaces.networks.families import family
@@ -64,7 +63,7 @@ class Network:
         missed = np.swapaxes(over.evaluate(start, [0])[0], 0, 1) - self.points.evaluate(start, [0])[0]
         found = []
         for j, v in enumerate(self.v_knots[: missed.shape[1]]):
-            away, (u,) = greatest(partial(_distance, functions, missed[:, j]), functions.domain)
+            away, u = longest(functions, missed[:, j])
             found.append((away, (u, v)))
         return Correction(float(gaps.max()), *max(found))
 
@@ -246,10 +245,6 @@ def _placed(curve: Univariate, knots: tuple[float, ...], own: Floats | None, clo
             curve, increasing(np.array(knots), np.append(own, own[0] + high - low), closed=True), closed=True
         )
     return Composed(curve, increasing(grid, own))
-
-
-def _distance(functions: Univariate, data: Floats, u: Floats) -> Floats:
-    return sizes(functions(u) @ data)
 
 
 def _at_knots(curves: Stack, knots: tuple[float, ...], count: int) -> Sampled:

@@ -195,7 +195,11 @@ def _drop_out_of_order(table: Table, u_polygons: Sequence[Polygon], v_polygons: 
             for j, found in enumerate(row):
                 along = [] if u_polygons[j].closes else _neighbours(table, i, j, (1, 0), rows, 0)
                 over = [] if v_polygons[i].closes else _neighbours(table, i, j, (0, 1), columns, 1)
-                kept = [one for one in found if all(_fits(one[axis], *limits) for axis, limits in (*along, *over))]
+                kept = [
+                    one
+                    for one in found
+                    if not any(one[axis] <= low or one[axis] >= high for axis, (low, high) in (*along, *over))
+                ]
                 if kept and len(kept) < len(found):
                     row[j], changed = kept, True
 
@@ -210,10 +214,6 @@ def _neighbours(
     low = min((one[axis] for one in before), default=-np.inf)
     high = max((one[axis] for one in after), default=np.inf)
     return [(axis, (low, high))]
-
-
-def _fits(value: float, low: float, high: float) -> bool:
-    return not (value <= low or value >= high)
 
 
 def _several(i: int, j: int, found: list[Intersection]) -> RsymError:

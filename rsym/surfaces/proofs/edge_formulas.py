@@ -12,7 +12,6 @@ from rsym.errors import RsymError
 from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative
 from rsym.program.lowering import lower_all
-from rsym.surfaces.bsplines.spline_spaces import SplineSpace
 from rsym.surfaces.bsplines.spline_surfaces import BSplineSurface
 from rsym.surfaces.functions.formulas import exact
 from rsym.surfaces.joints.edges import PatchEdge
@@ -214,7 +213,7 @@ def spline_jet(
     """
     spaces = surface.spaces if edge.across == 0 else surface.spaces[::-1]
     net = surface.net if edge.across == 0 else surface.net.swapaxes(0, 1)
-    knots = [_knots(space) for space in spaces]
+    knots = [[_fraction(one) for one in space.knots] for space in spaces]
     end = _fraction(edge.patch.domain[edge.across][int(edge.upper)])
     first, fixed = _pieces(knots[0], spaces[0].degree, end, edge.upper)
     second, moving = _pieces(knots[1], spaces[1].degree, (part[0] + part[1]) / 2, False)
@@ -230,10 +229,6 @@ def spline_jet(
 
 def _fraction(value: float) -> Fraction:
     return Fraction(str(exact(value)))
-
-
-def _knots(space: SplineSpace) -> list[Fraction]:
-    return [_fraction(one) for one in space.knots]
 
 
 def _pieces(knots: list[Fraction], degree: int, place: Fraction, before: bool) -> tuple[range, list[Polynomial]]:

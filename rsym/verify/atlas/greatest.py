@@ -151,7 +151,8 @@ def _stepped(field: _Field, walkers: _Walkers, best: Floats, cell: float, bounds
     aim = walkers.points + walkers.step[:, None] * tangents
     points, normals, sizes, arrived = _on_boundary(field, aim, walkers.letters, cell)
     with np.errstate(invalid="ignore"):
-        turn = np.abs(np.arctan2(_cross(walkers.normals, normals), np.einsum("ij,ij->i", walkers.normals, normals)))
+        cross = walkers.normals[:, 0] * normals[:, 1] - walkers.normals[:, 1] * normals[:, 0]
+        turn = np.abs(np.arctan2(cross, np.einsum("ij,ij->i", walkers.normals, normals)))
         astray = np.hypot(*(points - aim).T) > walkers.step / 4
     good = arrived & ~astray & (turn <= TURN)
     low, high = np.array(bounds).T
@@ -169,11 +170,6 @@ def _stepped(field: _Field, walkers: _Walkers, best: Floats, cell: float, bounds
         left,
     )
     return moved.only((left > 0) & (step > SHORTEST * cell) & (inside | ~good))
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    product: Floats = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    return product
 
 
 @dataclass(frozen=True, eq=False)

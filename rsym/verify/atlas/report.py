@@ -130,11 +130,13 @@ class SmoothnessAtlas(Report):
             "greatest_curvature": greatest,
             "judged": self.judged,
         }
+        counts = [(word, sum(one == word for one in self.verdicts), part) for word, part in self.share.items()]
+        rows = [(word, str(count), tenths(part, up=word == UNDECIDED)) for word, count, part in counts if count]
         return Document(
             "smoothness-atlas",
             self._headline(),
             sentences=tuple(self._sentences()),
-            tables=(self._shares(),),
+            tables=(Tabular(("verdict", "rectangles", "share"), tuple(rows), told=False),),
             data=data,
         )
 
@@ -154,11 +156,6 @@ class SmoothnessAtlas(Report):
             low, high = (number(end, 3) for end in (self.curvature.values.min(), self.curvature.values.max()))
             found = f"the greatest curvature found is {low} to {high}"
             yield Sentence(f"Where it is smooth {found}; this is no proof.", False)
-
-    def _shares(self) -> Tabular:
-        counts = [(word, sum(one == word for one in self.verdicts), part) for word, part in self.share.items()]
-        rows = [(word, str(count), tenths(part, up=word == UNDECIDED)) for word, count, part in counts if count]
-        return Tabular(("verdict", "rectangles", "share"), tuple(rows), told=False)
 
 
 def _threshold(curve: ThresholdCurve) -> dict[str, Any]:

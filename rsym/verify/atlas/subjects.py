@@ -141,7 +141,11 @@ class BodySubject(AtlasSubject[BodyReport]):
     def is_refuted(self, ranges: Mapping[str, Range], report: BodyReport) -> bool:
         """By a section across the worst curve."""
         curves = [one for one in report.defects if isinstance(one, SingularCurve) and one.proved]
-        return any(self._is_cut(ranges, curve, at) for curve in curves[:1] for at in _evenly(len(curve.points)))
+        return any(
+            self._is_cut(ranges, curve, at)
+            for curve in curves[:1]
+            for at in sorted({(2 * k + 1) * len(curve.points) // (2 * CUT) for k in range(CUT)})
+        )
 
     def _is_cut(self, ranges: Mapping[str, Range], curve: SingularCurve, number: int) -> bool:
         """Whether the section across a curve, near one of its points, has a joint that jumps for every value."""
@@ -152,10 +156,6 @@ class BodySubject(AtlasSubject[BodyReport]):
         model = Model(flat.replace(expression=cleaned(flat.expression)), ranges)
         joint = Joint((near[0], near[1]), curve.radius, curve.kind, curve.continuity, proved=True)
         return Refuter(model, bounds_of(flat, None)).joint(ranges, [joint]) is not None
-
-
-def _evenly(count: int) -> list[int]:
-    return sorted({(2 * k + 1) * count // (2 * CUT) for k in range(CUT)})
 
 
 def subject_of(shape: Shape, values: Mapping[str, Range]) -> AtlasSubject[Any]:

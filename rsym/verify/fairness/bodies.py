@@ -195,17 +195,13 @@ def summits(surface: CurvedSurface, mesh: Mesh, marked: NDArray[np.bool_], exten
             constant.append(name)
             continue
         candidates = _candidates(mesh, values, marked)
-        reach = 4 * _spacing(mesh)
+        first = mesh.vertices[mesh.faces[:, 1]] - mesh.vertices[mesh.faces[:, 0]]
+        reach = 4 * float(np.linalg.norm(first, axis=1).max())
         points, isolated = _refined(surface, mesh.vertices[candidates], number, _Scale(extent, size), reach)
         if not isolated.all():
             ridges.append(name)
         extrema += _classified(surface, points[isolated], number, _Scale(extent, size))
     return Summits(tuple(extrema), tuple(constant), tuple(ridges))
-
-
-def _spacing(mesh: Mesh) -> float:
-    first = mesh.vertices[mesh.faces[:, 1]] - mesh.vertices[mesh.faces[:, 0]]
-    return float(np.linalg.norm(first, axis=1).max())
 
 
 def _candidates(mesh: Mesh, values: Floats, marked: NDArray[np.bool_]) -> NDArray[np.intp]:

@@ -128,7 +128,8 @@ def _of_a_curve(
     region: Box = tuple((float(low), float(high)) for low, high in smoothness.cover.bounds)
     model = Model(plane.replace(expression=cleaned(plane.expression)), values, body=body, bounds=region)
     arcs = Arcs(model)
-    boxes = _boxes(smoothness)
+    covered = np.concatenate([smoothness.cover.certified, smoothness.cover.joined])
+    boxes: list[Box] = [tuple((float(low), float(high)) for low, high in box) for box in covered]
     effort.begin("curvatures", Stages.TOTAL)
     found = search(arcs, boxes, region, tolerance=tolerance, budget=budget, effort=effort)
     if not found.done and effort.is_over:
@@ -147,11 +148,6 @@ def _of_a_curve(
     return replace(report, statements=(*report.statements, *effort.statements))
 
 
-def _boxes(smoothness: SmoothnessReport) -> list[Box]:
-    boxes = np.concatenate([smoothness.cover.certified, smoothness.cover.joined])
-    return [tuple((float(low), float(high)) for low, high in box) for box in boxes]
-
-
 def _report(
     kind: str,
     coordinates: tuple[str, ...],
@@ -165,7 +161,9 @@ def _report(
     zeros.sort(key=lambda one: (NAMES[kind].index(one.quantity), *_place_along(profiles, one.point)))
     undecided = sum(settled.open for _, settled in found.done)
     alike = sum(settled.alike for _, settled in found.done)
-    constant = _constant(found, arcs)
+    flags = [arcs.constant(bent.piece.arc.function) for bent, _ in found.done]
+    constant = tuple(map(all, zip(*flags, strict=True)))
+    boxes = np.array([bent.piece.box for bent, _ in found.done])
     return FairnessReport(
         kind=kind,
         coordinates=coordinates,
@@ -178,14 +176,9 @@ def _report(
         constant=constant,
         measures=sizes,
         profiles=profiles,
-        bands=_bands(found),
+        bands=Bands(boxes, np.array([[outward(one.value) for one in bent.curvatures] for bent, _ in found.done])),
         statements=_statements(found, smoothness, undecided, alike),
     )
-
-
-def _constant(found: Found, arcs: Arcs) -> tuple[bool, ...]:
-    flags = [arcs.constant(bent.piece.arc.function) for bent, _ in found.done]
-    return tuple(map(all, zip(*flags, strict=True)))
 
 
 def _extremum(names: Sequence[str], zero: CurvatureZero) -> Extremum:
@@ -211,11 +204,6 @@ def _place_along(profiles: Sequence[Profile], point: Sequence[float]) -> tuple[i
     away = [math.dist(profile.points[k], point) for profile, k in zip(profiles, nearest, strict=True)]
     line = away.index(min(away))
     return line, float(profiles[line].length[nearest[line]])
-
-
-def _bands(found: Found) -> Bands:
-    boxes = np.array([bent.piece.box for bent, _ in found.done])
-    return Bands(boxes, np.array([[outward(one.value) for one in bent.curvatures] for bent, _ in found.done]))
 
 
 def _statements(found: Found, smoothness: SmoothnessReport, undecided: int, alike: int) -> tuple[tuple[str, bool], ...]:

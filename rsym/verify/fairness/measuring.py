@@ -100,16 +100,12 @@ def measures(
         nodes, weights = np.polynomial.legendre.leggauss(count)
         totals.append([_integrals(sampler, points, nodes, weights, body) for points in lines])
     result = {}
-    for k, name in enumerate(_names(body, all(map(_closed, lines)))):
+    for k, name in enumerate(_names(body, all(np.array_equal(line[0], line[-1]) for line in lines))):
         fine, rough = (np.concatenate([part[k] for part in total]) for total in totals)
         value, doubt = float(fine.sum()), float(np.abs(fine - rough).sum())
         result[name] = Measure(value, doubt + ROUNDING * abs(value))
     profiles = [_profile(sampler, points, part[-1]) for points, part in zip(lines, totals[0], strict=True)]
     return result, tuple(half for one in profiles for half in (_upper(one) if body else [one]))
-
-
-def _closed(points: Floats) -> bool:
-    return bool(np.array_equal(points[0], points[-1]))
 
 
 def _names(body: bool, closed: bool) -> Sequence[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -51,7 +51,9 @@ def places_of(shape: Shape, wanted: Sequence[sp.Expr]) -> tuple[ModelPlace, ...]
     resolved: dict[sp.Basic, sp.Basic] = {}
     for name, value in shape.definitions:
         resolved[real_symbol(name)] = substitute(value, resolved)
-    parts = _smallest(wanted, shape.parts)
+    parts = _first(
+        wanted, sorted(((set(postorder(value)), name) for name, value in shape.parts), key=lambda item: len(item[0]))
+    )
     definitions = _first(wanted, [(set(postorder(value)), symbol.name) for symbol, value in resolved.items()])
     return tuple(
         ModelPlace(shortened(one), *names)
@@ -71,13 +73,6 @@ def text_of(formula: sp.Expr) -> str:
     """A formula in the words of the model language."""
     plain: str = sp.sstr(formula)
     return plain.replace("Abs(", "abs(").replace("**", "^")
-
-
-def _smallest(wanted: Sequence[sp.Expr], named: Iterable[tuple[str, sp.Expr]]) -> list[str]:
-    """The name of the smallest named expression that contains each; empty where none does."""
-    return _first(
-        wanted, sorted(((set(postorder(value)), name) for name, value in named), key=lambda item: len(item[0]))
-    )
 
 
 def _first(wanted: Sequence[sp.Expr], contents: Sequence[tuple[set[sp.Basic], str]]) -> list[str]:
