@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.registry import CompiledFunction
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
@@ -16,7 +17,7 @@ from rsym.program.precision import FLOAT64, Precision
 from rsym.program.program import Program, constant_value
 
 
-def interpret(program: Program, inputs: Mapping[str, ArrayLike]) -> dict[str, NDArray[np.float64]]:
+def interpret(program: Program, inputs: Mapping[str, ArrayLike]) -> dict[str, Floats]:
     """The outputs at the given inputs."""
     values = interpret_nodes(program, inputs)
     return {name: np.asarray(values[number], np.float64) for name, number in program.outputs}
@@ -83,14 +84,14 @@ def check_at(
             )
 
 
-def _sway(program: Program, points: Sequence[NDArray[Any]], letters: Sequence[float], name: str) -> NDArray[np.float64]:
+def _sway(program: Program, points: Sequence[NDArray[Any]], letters: Sequence[float], name: str) -> Floats:
     """What last places of the coordinates may do to an output: all there is to say of a direction on a plane."""
     number, values = dict(program.outputs)[name], []
     for steps in SWAYS:
         moved = [point + steps * np.spacing(point) for point in points]
         inputs = dict(zip((*program.coordinates, *program.letters), [*moved, *letters], strict=True))
         values.append(np.broadcast_to(interpret_nodes(program, inputs)[number], CHECK_POINTS))
-    sway: NDArray[np.float64] = SEEN_ERRORS * np.ptp(values, axis=0)
+    sway: Floats = SEEN_ERRORS * np.ptp(values, axis=0)
     return sway
 
 

@@ -21,6 +21,7 @@ import llvmlite.binding as llvm
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.vector_code import number_text
 from rsym.backends.vector_functions import ARITIES, definitions
 from rsym.program.operations import OPERATIONS
@@ -261,7 +262,7 @@ class LlvmFunction:
     def _call(
         self,
         coordinates: Sequence[NDArray[Any]],
-        letters: NDArray[np.float64],
+        letters: Floats,
         outputs: Sequence[NDArray[Any]],
         count: int,
     ) -> None:

@@ -32,6 +32,7 @@ from rsym.bounds.ball_arithmetic import (
 )
 from rsym.program.operations import OPERATIONS
 from rsym.program.row import DOWN, UP_IN_SIZE, Admissible, Operation
+from rsym.program.rp import stretch
 
 FROM_0_TO_2 = ball(ZERO, TWO)
 
@@ -190,12 +191,7 @@ def norm(f: arb, g: arb, p: arb) -> arb:
 def _norm_at(f: arb, g: arb, p: arb) -> arb:
     """At a point with f, g >= 0: M (1 + (m/M)**p)**(1/p), M the larger and m the smaller."""
     small, large = f.min(g), f.max(g)
-    return large if small.is_zero() else large * _stretch(small / large, p).exp()
-
-
-def _stretch(ratio: arb, p: arb) -> arb:
-    """log((1 + ratio**p)**(1/p))."""
-    return (ratio**p).log1p() / p
+    return large if small.is_zero() else large * stretch(small / large, p).exp()
 
 
 def rp_versine(f: arb, g: arb, p: arb) -> arb | None:
@@ -219,7 +215,7 @@ def _rp_versine_at(f: arb, g: arb, p: arb) -> arb:
     if g.is_zero():
         return ZERO if f > ZERO else TWO
     ratio = g / abs(f)
-    logarithm = _stretch(ratio, p) if ratio <= ONE else ratio.log() + _stretch(ONE / ratio, p)
+    logarithm: arb = stretch(ratio, p) if ratio <= ONE else ratio.log() + stretch(ONE / ratio, p)
     less = -(_less_one(p) * logarithm)
     return -less.expm1() if f > ZERO else ONE + less.exp()
 
@@ -236,7 +232,7 @@ def joining(f: arb, g: arb, m: arb) -> arb | None:
 def _joining_at(f: arb, g: arb, m: arb) -> arb:
     """At a point with f, g >= 0: the smaller over (1 + (m/M)**k)**(1/k)."""
     small, large = f.min(g), f.max(g)
-    return ZERO if small.is_zero() else small * (-_stretch(small / large, m)).exp()
+    return ZERO if small.is_zero() else small * (-stretch(small / large, m)).exp()
 
 
 def equivalence(f: arb, g: arb, m: arb) -> arb | None:

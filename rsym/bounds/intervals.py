@@ -20,8 +20,9 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rsym.arrays import Floats
 from rsym.backends.interpreter import CHECK_POINTS, check_at
 from rsym.backends.kernel import checked_threads, compiled, run_in_blocks
 from rsym.backends.registry import CompiledFunction, default_backend
@@ -33,7 +34,7 @@ from rsym.program.builder import Builder
 from rsym.program.precision import FLOAT64
 from rsym.program.program import Program
 
-Bounds: TypeAlias = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
+Bounds: TypeAlias = dict[str, tuple[Floats, Floats]]
 Range: TypeAlias = Fraction | float | tuple[Fraction | float, Fraction | float]
 
 # Up to 30 000 nodes LLVM takes 0.1 to 0.3 ms a node (NumPy 0.04), at 40 000 it may take 52 s (1.5), at 465 000 it had
@@ -151,7 +152,7 @@ class IntervalFunction:
         run_in_blocks(self.function, arrays, ends, out, checked_threads(self.threads))
         return {name: (out[2 * k], out[2 * k + 1]) for k, (name, _) in enumerate(self.program.outputs)}
 
-    def _coordinates(self, lower: Sequence[ArrayLike], upper: Sequence[ArrayLike]) -> list[NDArray[np.float64]]:
+    def _coordinates(self, lower: Sequence[ArrayLike], upper: Sequence[ArrayLike]) -> list[Floats]:
         names = self.program.coordinates
         if len(lower) != len(names) or len(upper) != len(names):
             raise RsymError(

@@ -16,6 +16,7 @@ from rsym.program.row import (
     SWITCH,
     UP,
     Far,
+    Given,
     Nodes,
     Operation,
     Rule,
@@ -30,7 +31,6 @@ from rsym.program.row import (
     unbounded,
 )
 
-Given = Sequence[int]
 Parts = Sequence[Far]
 
 

@@ -11,9 +11,20 @@ import sympy as sp
 from rsym.model.functions import Softplus
 from rsym.program.powers import log1p
 from rsym.program.program import Node
-from rsym.program.row import UP, Nodes, Operation, lipschitz, nonzero, of_power, positive, summed, unbounded, within
+from rsym.program.row import (
+    UP,
+    Given,
+    Nodes,
+    Operation,
+    lipschitz,
+    nonzero,
+    of_power,
+    positive,
+    summed,
+    unbounded,
+    within,
+)
 
-Given = Sequence[int]
 TURN = Fraction(44, 7)  # a little more than 2 pi
 
 

@@ -5,16 +5,13 @@ Joining grows with |f|, |g| and m, for n falls as m grows.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from rsym.model.rnodes import Equivalence, Joining
 from rsym.program.powers import at_least_one, power, radical, signed_like, sizes, where_fails
 from rsym.program.program import Node
-from rsym.program.row import UP, UP_IN_SIZE, Admissible, Nodes, Operation, homogeneous, lipschitz, nonzero
+from rsym.program.row import UP, UP_IN_SIZE, Admissible, Given, Nodes, Operation, homogeneous, lipschitz, nonzero
 from rsym.program.rp import stretch
-
-Given = Sequence[int]
 
 
 def _joining_meaning(np: Any, f: Any, g: Any, m: Any) -> Any:

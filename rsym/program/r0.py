@@ -22,6 +22,7 @@ from rsym.program.row import (
     UP,
     UP_IN_SIZE,
     Far,
+    Given,
     Nodes,
     Operation,
     Rule,
@@ -34,8 +35,6 @@ from rsym.program.row import (
     summed,
     within,
 )
-
-Given = Sequence[int]
 
 
 def r0_meaning(sign: int) -> Callable[..., Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import sympy as sp
@@ -11,9 +11,8 @@ from rsym.model.rnodes import R0mConjunction, R0mDisjunction
 from rsym.program.powers import at_least_one, power, root, smallest, whole_power
 from rsym.program.program import Node
 from rsym.program.r0 import r0_expansion, r0_meaning, versine_expansion, versine_meaning
-from rsym.program.row import Admissible, Expansion, Nodes, Operation, Rule, nonzero, summed
+from rsym.program.row import Admissible, Expansion, Given, Nodes, Operation, Rule, nonzero, summed
 
-Given = Sequence[int]
 TINY = 5e-324  # the smallest positive float64
 
 

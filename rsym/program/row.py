@@ -154,9 +154,10 @@ class Admissible(NamedTuple):
         return bool(short) or bool(value >= self.high if self.below else value > self.high)
 
 
+Given: TypeAlias = Sequence[int]  # the derivatives or jumps of the arguments
 Meaning: TypeAlias = Callable[..., Any]
 Expansion: TypeAlias = Callable[[Nodes, Node], int]
-Rule: TypeAlias = Callable[[Nodes, int, Node, Sequence[int]], int]
+Rule: TypeAlias = Callable[[Nodes, int, Node, Given], int]
 FarRule: TypeAlias = Callable[[Nodes, Node, Sequence[Far]], Far]
 
 

@@ -6,7 +6,7 @@ n falls as p grows: its logarithm has the derivative -(entropy of the two shares
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import sympy as sp
@@ -32,6 +32,7 @@ from rsym.program.row import (
     UP_IN_SIZE,
     Admissible,
     Expansion,
+    Given,
     Nodes,
     Operation,
     Rule,
@@ -39,8 +40,6 @@ from rsym.program.row import (
     lipschitz,
     nonzero,
 )
-
-Given = Sequence[int]
 
 
 def norm_meaning(np: Any, f: Any, g: Any, p: Any) -> Any:

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
@@ -20,7 +20,7 @@ NEAR = 2.0
 EXACT = 1e-9  # of a step: what is rounded already stays
 
 
-def missing_boundary(shape: Shape, omega: PlaneSampler, values: NDArray[np.float64], lines: Sequence[Any]) -> str:
+def missing_boundary(shape: Shape, omega: PlaneSampler, values: Floats, lines: Sequence[Any]) -> str:
     """The words for a picture without boundary: what is seen, and where there is one; empty if nothing is missing.
 
     Parameters
@@ -48,7 +48,7 @@ remedy: bounds=((7.98, 10.02), (-1.02, 1.02)), where the boundary lies
     return "; remedy: ".join(_outside_bounds(shape, omega)) if omega.fixed else ""
 
 
-def undefined_picture(field: str, values: NDArray[np.float64]) -> str:
+def undefined_picture(field: str, values: Floats) -> str:
     """The words for a field that is undefined on most of a picture; empty for one that is not.
 
     Examples
@@ -81,7 +81,7 @@ def where_it_lies(shape: Shape, letters: Mapping[Any, float] | None) -> str:
     return f"bounds={_written(found)}" if isinstance(found, tuple) else ""
 
 
-def _no_boundary(shape: Shape, omega: PlaneSampler, values: NDArray[np.float64]) -> str:
+def _no_boundary(shape: Shape, omega: PlaneSampler, values: Floats) -> str:
     names = omega.kernel.program.coordinates
     signs = "positive" if np.nanmin(values) > 0 else "negative" if np.nanmax(values) < 0 else "of no sign that changes"
     signs = "0" if _is_zero(values) else signs
@@ -112,12 +112,12 @@ def _outside_bounds(shape: Shape, omega: PlaneSampler) -> Iterator[str]:
                 return
 
 
-def _is_zero(values: NDArray[np.float64]) -> bool:
+def _is_zero(values: Floats) -> bool:
     """Whether a field is 0 wherever it is defined."""
     return bool((np.abs(values) > 0).sum() == 0 < np.isfinite(values).sum())
 
 
-def _may_touch_zero(omega: PlaneSampler, values: NDArray[np.float64]) -> bool:
+def _may_touch_zero(omega: PlaneSampler, values: Floats) -> bool:
     """Whether there may be a zero between samples, beside the one that is nearest to it."""
     if np.isnan(values).all():
         return True

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from skimage.measure import find_contours
 
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats
 from rsym.model.shape import Shape
 from rsym.sampling.plane import PlaneSampler, plane_sampler
 
@@ -115,8 +114,8 @@ def _crossings(sampler: PlaneSampler, line: Floats) -> Floats:
     return kept
 
 
-def _inside(sampler: PlaneSampler, points: Floats) -> NDArray[np.bool_]:
-    inside: NDArray[np.bool_] = sampler.value_and_gradient(points)[0] > 0
+def _inside(sampler: PlaneSampler, points: Floats) -> Flags:
+    inside: Flags = sampler.value_and_gradient(points)[0] > 0
     return inside
 
 
@@ -134,7 +133,7 @@ def _refined(sampler: PlaneSampler, line: Floats, finest: float) -> Floats:
     return line
 
 
-def _bends(along: Floats, *, closed: bool) -> NDArray[np.bool_]:
+def _bends(along: Floats, *, closed: bool) -> Flags:
     """At each vertex, whether the polyline turns there."""
     angle = np.arctan2(along[:, 1], along[:, 0])
     turn = np.abs(np.angle(np.exp(1j * np.diff(angle))))
@@ -142,13 +141,13 @@ def _bends(along: Floats, *, closed: bool) -> NDArray[np.bool_]:
     return np.concatenate([[around], turn, [around]]) > BEND
 
 
-def _over(sampler: PlaneSampler, start: Floats, end: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+def _over(sampler: PlaneSampler, start: Floats, end: Floats) -> tuple[Floats, Flags]:
     """The nearest point of the boundary on the normal through the middle of each segment, and whether there is one."""
     middle = (start + end) / 2
     along = end - start
     normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
 
-    def sign(share: Floats) -> NDArray[np.bool_]:
+    def sign(share: Floats) -> Flags:
         return _inside(sampler, middle + share[:, None] * normal)
 
     rest = np.zeros(len(middle))

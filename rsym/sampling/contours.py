@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skimage.measure import find_contours
 
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.requirements import optional_package, require_shape
@@ -23,7 +23,7 @@ NEWTON_STEPS = 12
 # A vertex is on the level when one more Newton step would move it by less than this share of a cell.
 ON_LEVEL = 1e-9
 
-_Moved: TypeAlias = tuple[NDArray[np.float64], NDArray[np.bool_]]  # vertices (n, 2), and which of them arrived
+_Moved: TypeAlias = tuple[Floats, Flags]  # vertices (n, 2), and which of them arrived
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class LevelLinesStatus:
 
 
 @dataclass(frozen=True, repr=False)
-class LevelLines(Sequence[NDArray[np.float64]]):
+class LevelLines(Sequence[Floats]):
     """A sequence of polylines, each (n, 2); a closed line repeats its first vertex.
 
     The region where the field exceeds the level, the inside of a shape at level 0, is **to the left** of every line as
@@ -71,22 +71,22 @@ class LevelLines(Sequence[NDArray[np.float64]]):
     0 closed and 2 open lines with 48 vertices on the level.
     """
 
-    lines: tuple[NDArray[np.float64], ...]
+    lines: tuple[Floats, ...]
     level: float
     field: str
     status: LevelLinesStatus
 
     @overload
-    def __getitem__(self, index: int) -> NDArray[np.float64]: ...
+    def __getitem__(self, index: int) -> Floats: ...
     @overload
-    def __getitem__(self, index: slice) -> Sequence[NDArray[np.float64]]: ...
-    def __getitem__(self, index: int | slice) -> NDArray[np.float64] | Sequence[NDArray[np.float64]]:
+    def __getitem__(self, index: slice) -> Sequence[Floats]: ...
+    def __getitem__(self, index: int | slice) -> Floats | Sequence[Floats]:
         return self.lines[index]
 
     def __len__(self) -> int:
         return len(self.lines)
 
-    def __iter__(self) -> Iterator[NDArray[np.float64]]:
+    def __iter__(self) -> Iterator[Floats]:
         return iter(self.lines)
 
     @property
@@ -162,13 +162,13 @@ class LevelLines(Sequence[NDArray[np.float64]]):
         return f"<div>{line_picture(self.lines)}<br>{words}</div>"
 
 
-def _signed_area(line: NDArray[np.float64]) -> float:
+def _signed_area(line: Floats) -> float:
     """The area of a closed polygon, positive where it runs counter-clockwise."""
     (u, v) = (line - line[0]).T
     return float(u[:-1] @ v[1:] - u[1:] @ v[:-1]) / 2
 
 
-def _turned_like(moved: _Moved, before: NDArray[np.float64]) -> _Moved:
+def _turned_like(moved: _Moved, before: Floats) -> _Moved:
     """A line that was moved; a closed one smaller than a cell may have been turned over, and is turned back."""
     line, good = moved
     closed = (before[0] == before[-1]).all()
@@ -190,7 +190,7 @@ def level_lines(
 @overload
 def level_lines(
     shape: Shape,
-    level: Sequence[float] | NDArray[np.float64],
+    level: Sequence[float] | Floats,
     *,
     field: str = "value",
     resolution: int | Sequence[int] = 512,
@@ -201,7 +201,7 @@ def level_lines(
 ) -> tuple[LevelLines, ...]: ...
 def level_lines(
     shape: Shape,
-    level: float | Sequence[float] | NDArray[np.float64] = 0.0,
+    level: float | Sequence[float] | Floats = 0.0,
     *,
     field: str = "value",
     resolution: int | Sequence[int] = 512,
@@ -269,7 +269,7 @@ def trace(
     level: float,
     field: str = "value",
     *,
-    values: NDArray[np.float64] | None = None,
+    values: Floats | None = None,
     bounds: Bounds | None = None,
 ) -> LevelLines:
     """The level lines of a prepared field over its lattice, or within bounds; `values` are its samples, if known."""
@@ -306,7 +306,7 @@ def _within(sampler: PlaneSampler, moved: Sequence[_Moved], level: float, bounds
 
 
 def move_onto_level(
-    sampler: PlaneSampler, line: NDArray[np.float64], level: float, *, fixed: NDArray[np.intp] | None = None
+    sampler: PlaneSampler, line: Floats, level: float, *, fixed: NDArray[np.intp] | None = None
 ) -> _Moved:
     """Newton along the gradient; a vertex that does not arrive within a cell keeps its place, and its flag is False.
 

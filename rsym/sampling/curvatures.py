@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.leaf_fields import LeafFields, distances, longest_side, refuse_foreign
@@ -147,7 +146,7 @@ def _known(mesh: Mesh, shape: Shape, letters: Mapping[Any, float] | None) -> _Kn
     return _KnownFields(vertex[first], place.reshape(mesh.faces.shape), found)
 
 
-def _steady(here: Mapping[str, Floats], there: Mapping[str, Floats], unit: float) -> NDArray[np.bool_]:
+def _steady(here: Mapping[str, Floats], there: Mapping[str, Floats], unit: float) -> Flags:
     """Whether fields at points are those of points close by."""
     one, other = (_bending(found) for found in (here, there))
     sizes = np.maximum(np.abs(other[:, 3:]).max(axis=1), unit)
@@ -165,7 +164,7 @@ def _bending(found: Mapping[str, Floats]) -> Floats:
     return np.concatenate([normal, operator[:, *np.triu_indices(3)]], axis=1)
 
 
-def _alike(known: _KnownFields, count: int, unit: float) -> tuple[NDArray[np.bool_], Ints]:
+def _alike(known: _KnownFields, count: int, unit: float) -> tuple[Flags, Ints]:
     """Which vertices have one normal and one shape operator on all their sides, and a place of each."""
     order = np.argsort(known.vertex, kind="stable")
     vertex, starts = np.unique(known.vertex[order], return_index=True)

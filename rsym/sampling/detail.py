@@ -9,6 +9,7 @@ import numpy as np
 
 from rsym.arrays import Floats, Ints
 from rsym.sampling.lattice import Lattice
+from rsym.sampling.manifolds import point
 
 # The cosine below which two normals face away from each other: at a wedge of more than 25 degrees they do not,
 # for it is thinner than any cell near its edge, and no resolution changes that.
@@ -48,7 +49,7 @@ def thin_walls(index: Floats, vertices: Floats, normals: Floats, lattice: Lattic
         return None
     finest = int(cells.argmin())
     place = (vertices[one[finest]] + vertices[other[finest]]) / 2
-    return Detail(int((cells < 1).sum()), _point(place), float(cells[finest]))
+    return Detail(int((cells < 1).sum()), point(place), float(cells[finest]))
 
 
 def _pairs(lower: Ints, axis: Ints, k: int, counts: Sequence[int]) -> Ints:
@@ -72,9 +73,4 @@ def small_pieces(vertices: Floats, piece: Ints, spacing: Sequence[float]) -> Det
     if not small.any():
         return None
     finest = int(cells.argmin())
-    return Detail(int(small.sum()), _point((low + high)[finest] / 2), float(cells[finest]))
-
-
-def _point(place: Floats) -> tuple[float, float, float]:
-    x, y, z = (float(f"{value:.4g}") for value in place)
-    return x, y, z
+    return Detail(int(small.sum()), point((low + high)[finest] / 2), float(cells[finest]))

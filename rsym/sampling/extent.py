@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
 from rsym.logic.sign_form import surface_form
 from rsym.model.equation import checked_bounds
@@ -147,7 +147,7 @@ def _trimmed(signs: FormSigns, box: Boxes, outside: int) -> Boxes:
     return box
 
 
-def _free(signs: FormSigns, sides: Boxes, outside: int) -> tuple[NDArray[np.bool_], Floats]:
+def _free(signs: FormSigns, sides: Boxes, outside: int) -> tuple[Flags, Floats]:
     """Which slabs at the sides of a box have the sign of the outside all over, (dim, 2).
 
     For the others, how far from the side the nearest point with another sign was met.

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
 
@@ -33,18 +34,18 @@ class Lattice:
     spacing: tuple[float, ...]
     counts: tuple[int, ...]
 
-    def axis(self, k: int) -> NDArray[np.float64]:
+    def axis(self, k: int) -> Floats:
         """The coordinates along axis k."""
         return self.origin[k] + self.spacing[k] * np.arange(self.counts[k], dtype=np.float64)
 
-    def open_axes(self) -> list[NDArray[np.float64]]:
+    def open_axes(self) -> list[Floats]:
         """All axes, shaped to broadcast against each other."""
         size = len(self.counts)
         return [self.axis(k).reshape([-1 if j == k else 1 for j in range(size)]) for k in range(size)]
 
-    def points(self, index: NDArray[Any]) -> NDArray[np.float64]:
+    def points(self, index: NDArray[Any]) -> Floats:
         """The coordinates of (fractional) indices (n, dim)."""
-        places: NDArray[np.float64] = np.asarray(self.origin) + np.asarray(self.spacing) * index
+        places: Floats = np.asarray(self.origin) + np.asarray(self.spacing) * index
         return places
 
 

@@ -12,9 +12,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats, Integers
 from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
@@ -25,8 +24,6 @@ from rsym.program.calculus import Calculus
 from rsym.program.fields import fields_program
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.plane_leaves import active_leaf
-
-Ints = NDArray[np.integer[Any]]
 
 NEWTON_STEPS = 3
 SIDES = 6  # of the bounds, behind the leaves of a shape
@@ -66,7 +63,7 @@ class LeafFields:
         return tuple(dict.fromkeys(("value", "gradient", *self.fields)))
 
     @cached_property
-    def kinked(self) -> NDArray[np.bool_]:
+    def kinked(self) -> Flags:
         """Which leaves may have kinks, the sides of the bounds last."""
         return np.array([*(has_kinks(self.form.builder, leaf) for leaf in self.form.leaves), *[False] * SIDES])
 
@@ -75,13 +72,13 @@ class LeafFields:
         """What the leaves are called."""
         return leaf_names(self.form, self.shape)
 
-    def of_corners(self, mesh: Mesh) -> Ints:
+    def of_corners(self, mesh: Mesh) -> Integers:
         """The leaf of each face corner, (m, 3)."""
         if self._tells(mesh):
             return np.repeat(np.asarray(mesh.leaf, np.int64)[:, None], 3, axis=1)
         return self.active(mesh.vertices)[mesh.faces]
 
-    def on_faces(self, mesh: Mesh) -> Callable[[Ints, Floats], dict[str, Floats]]:
+    def on_faces(self, mesh: Mesh) -> Callable[[Integers, Floats], dict[str, Floats]]:
         """The fields inside faces (n,), by the weights of their corners (n, 3), on the surface.
 
         A face is on its leaf up to an edge. Where leaves go on as each other, triangles end beside the seam, and the
@@ -92,7 +89,7 @@ class LeafFields:
         refuse_foreign(self.at(self.of_corners(mesh)[some, 0], mesh.vertices[mesh.faces[some, 0]]), reach)
         seam = _on_seams(mesh) if tells else np.zeros(len(mesh.faces), bool)
 
-        def found(faces: Ints, weights: Floats) -> dict[str, Floats]:
+        def found(faces: Integers, weights: Floats) -> dict[str, Floats]:
             points = np.einsum("ij,ijk->ik", weights, mesh.vertices[mesh.faces[faces]])
             leaf = np.asarray(mesh.leaf, np.int64)[faces] if tells else self.active(points)
             result = self.at(leaf, points, reach)
@@ -112,12 +109,12 @@ class LeafFields:
         """Whether the faces of a mesh know their leaves of this shape, and not those of another one."""
         return mesh.leaf is not None and mesh.leaves in (self.leaves, (*self.leaves, *mesh.leaves[-SIDES:]))
 
-    def active(self, points: Floats) -> Ints:
+    def active(self, points: Floats) -> Integers:
         """The leaf that gives omega its sign at points (n, 3)."""
         found = self._values(*points.T, letters=self.letters)
         return active_leaf(self.form.gates, [found[name] for name in self._values.fields])[1]
 
-    def at(self, leaf: Ints, points: Floats, reach: float = 0.0) -> dict[str, Floats]:
+    def at(self, leaf: Integers, points: Floats, reach: float = 0.0) -> dict[str, Floats]:
         """The fields of leaf[k] at point k of (n, 3), after Newton steps of no more than `reach` together.
 
         ``point`` says where. Each step doubles the power of the triangle's size by which a point of it is off, the
@@ -194,7 +191,7 @@ def longest_side(mesh: Mesh) -> float:
     return float(np.sqrt(np.einsum("ijk,ijk->ij", sides, sides).max()))
 
 
-def _on_seams(mesh: Mesh) -> NDArray[np.bool_]:
+def _on_seams(mesh: Mesh) -> Flags:
     """Which faces have a vertex where two leaves meet that go on as each other."""
     vertex, leaf = mesh.faces.ravel(), np.repeat(np.asarray(mesh.leaf), 3)
     order = np.lexsort((leaf, vertex))

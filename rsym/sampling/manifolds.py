@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Floats, Integers
 from rsym.errors import RsymError
 from rsym.sampling.lattice import BoundsSide
 
-Ints = NDArray[np.integer[Any]]
 Point = tuple[float, float, float]
 
 # An open edge this close to a side, against the length of the loop, lies on it: rounding of the lattice is below 1e-14.
@@ -88,7 +86,9 @@ class Measures:
     loops: tuple[Loop, ...]
 
 
-def measure(vertices: Floats, faces: Ints, outward: Floats | None = None, sides: Sequence[BoundsSide] = ()) -> Measures:
+def measure(
+    vertices: Floats, faces: Integers, outward: Floats | None = None, sides: Sequence[BoundsSide] = ()
+) -> Measures:
     """Count, add up and look for the worst.
 
     Parameters
@@ -145,7 +145,7 @@ def measure(vertices: Floats, faces: Ints, outward: Floats | None = None, sides:
     )
 
 
-def area_of(vertices: Floats, faces: Ints) -> float:
+def area_of(vertices: Floats, faces: Integers) -> float:
     """The area of the triangles.
 
     Examples
@@ -159,7 +159,7 @@ def area_of(vertices: Floats, faces: Ints) -> float:
     return float(np.sqrt(np.einsum("ij,ij->i", normals, normals)).sum()) / 2
 
 
-def enclosed(vertices: Floats, faces: Ints) -> EnclosedSolid:
+def enclosed(vertices: Floats, faces: Integers) -> EnclosedSolid:
     """The volume, centroid and inertia of a closed polyhedron, exact but for rounding.
 
     By the divergence theorem each is the sum over the triangles (a, b, c) of that of the tetrahedron (o, a, b, c), with
@@ -192,7 +192,7 @@ def enclosed(vertices: Floats, faces: Ints) -> EnclosedSolid:
     return EnclosedSolid(volume, middle + centroid, np.trace(about) * np.eye(3) - about)
 
 
-def _require_closed(vertices: Floats, faces: Ints) -> None:
+def _require_closed(vertices: Floats, faces: Integers) -> None:
     """Refuse triangles that leave an edge open, and say how many and where the first is."""
     starts, ends = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
     keys = np.minimum(starts, ends) * len(vertices) + np.maximum(starts, ends)
@@ -214,7 +214,7 @@ def _place(vertex: Floats) -> str:
     return "(" + ", ".join(f"{value:.4g}" for value in vertex) + ")"
 
 
-def checked(vertices: Floats, faces: Ints) -> tuple[Floats, NDArray[np.int32]]:
+def checked(vertices: Floats, faces: Integers) -> tuple[Floats, NDArray[np.int32]]:
     """Arrays as the loops want them, which look up what they are told to."""
     if not len(faces):
         raise RsymError("a mesh needs at least one triangle, got none", code="empty-mesh")
@@ -230,7 +230,7 @@ def checked(vertices: Floats, faces: Ints) -> tuple[Floats, NDArray[np.int32]]:
     return vertices, np.ascontiguousarray(faces, np.int32)
 
 
-def _genera(label: Ints, faces: Ints, mates: Ints, heads: Ints) -> tuple[int, ...]:
+def _genera(label: Integers, faces: Integers, mates: Integers, heads: Integers) -> tuple[int, ...]:
     """V - E + F = 2 - 2 genus - loops for each piece, with 2 E = 3 F + the half-edges without a mate."""
     of_face, corners = label[faces[:, 0]], faces.ravel()
     count = int(label.max()) + 1
@@ -242,7 +242,7 @@ def _genera(label: Ints, faces: Ints, mates: Ints, heads: Ints) -> tuple[int, ..
     return tuple(genus[np.argsort(-f, kind="stable")].tolist())
 
 
-def _loops(vertices: Floats, chains: Sequence[Ints], sides: Sequence[BoundsSide]) -> tuple[Loop, ...]:
+def _loops(vertices: Floats, chains: Sequence[Integers], sides: Sequence[BoundsSide]) -> tuple[Loop, ...]:
     found = []
     for chain in chains:
         places = vertices[chain]
@@ -254,7 +254,7 @@ def _loops(vertices: Floats, chains: Sequence[Ints], sides: Sequence[BoundsSide]
     return tuple(found)
 
 
-def _duplicates(faces: Ints) -> int:
+def _duplicates(faces: Integers) -> int:
     """Equal triangles share edges: they repeat one, or are mates along all three. Only then is it worth a sort."""
     return len(faces) - len(np.unique(np.sort(faces, axis=1), axis=0))
 

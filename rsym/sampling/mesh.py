@@ -11,9 +11,8 @@ from html import escape
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats, Integers
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds
 from rsym.sampling.lattice import BoundsSide
@@ -23,9 +22,8 @@ from rsym.sampling.sharp.features import Feature, features_of
 from rsym.sampling.status import Findings, MeshStatus
 from rsym.sampling.stills import surface_picture
 
-Ints: TypeAlias = NDArray[np.integer[Any]]
 # Leaves (k,) and points (k, 3) to outward directions (k, 3) of any length: -grad of the leaf there.
-Outward: TypeAlias = Callable[[Ints, Floats], Floats]
+Outward: TypeAlias = Callable[[Integers, Floats], Floats]
 
 
 @dataclass(frozen=True)
@@ -75,10 +73,10 @@ class Mesh:
     """
 
     vertices: Floats
-    faces: Ints
+    faces: Integers
     shading: Floats | Outward | None = None
     found: Findings | Callable[[], Findings] = field(default_factory=Findings)
-    leaf: Ints | None = None
+    leaf: Integers | None = None
     leaves: tuple[str, ...] = ()
     curvatures: Callable[[str], Floats] | None = None
 
@@ -87,7 +85,7 @@ class Mesh:
         """The outward unit normal of each corner of each face, (m, 3, 3); that of the triangle where there is none."""
         return self.normals_of(np.arange(len(self.faces)))
 
-    def normals_of(self, which: Ints) -> Floats:
+    def normals_of(self, which: Integers) -> Floats:
         """The normals (k, 3, 3) of a few faces (k,), for which those of all others need not be computed."""
         if self.shading is None:
             return np.repeat(self._flat(which)[:, None], 3, axis=1)
@@ -97,7 +95,7 @@ class Mesh:
         else:
             given = self.shading[which]
         normals = _unit(given)
-        missing: NDArray[np.bool_] = np.any(np.isnan(normals), axis=2)
+        missing: Flags = np.any(np.isnan(normals), axis=2)
         bare = np.flatnonzero(np.any(missing, axis=1))
         normals[bare] = np.where(missing[bare][:, :, None], self._flat(which[bare])[:, None], normals[bare])
         return normals
@@ -248,7 +246,7 @@ class Mesh:
         if callable(given):
             rule = given
 
-            def outward(leaf: Ints, points: Floats) -> Floats:
+            def outward(leaf: Integers, points: Floats) -> Floats:
                 return rule(leaf, (points - shift) @ back.T) @ back
 
             shading = outward
@@ -271,11 +269,11 @@ class Mesh:
             _bent(self.curvatures, matrix, turned),
         )
 
-    def _outward(self, rule: Outward, which: Ints, points: Floats) -> Floats:
+    def _outward(self, rule: Outward, which: Integers, points: Floats) -> Floats:
         """The rule at points (k, 3), each on one of the faces (k,)."""
         return rule(np.zeros(len(which), np.int16) if self.leaf is None else self.leaf[which], points)
 
-    def _flat(self, which: Ints) -> Floats:
+    def _flat(self, which: Integers) -> Floats:
         """The normals of triangles; zero where they have none."""
         a, b, c = (self.vertices[self.faces[which, k]] for k in range(3))
         return np.nan_to_num(_unit(np.cross(b - a, c - a)))

@@ -12,9 +12,8 @@ from functools import cache, cached_property, partial
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Floats, Integers, Ints
 from rsym.backends.kernel import checked_threads
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
@@ -27,7 +26,7 @@ from rsym.sampling.form_signs import FormBounds, FormSigns
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, mesher_kernels
 from rsym.sampling.lattice import lattice_over, sides_of
 from rsym.sampling.memory import SURE, Budget, TooLarge, free_memory, refusal, scaled
-from rsym.sampling.mesh import Ints, Mesh, MeshRequest
+from rsym.sampling.mesh import Mesh, MeshRequest
 from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.assembly import MOST_BLOCKS, USUAL_BYTES, Job, Unfinished, claim_whole, whole
 from rsym.sampling.sharp.certificates import Form, Unresolved, certify, joined
@@ -147,9 +146,7 @@ class SharpMesher:
         return suspects(CompiledLeaves(job.kernels), job.lattice, unresolved, self.leaves if len(unresolved) else ())
 
 
-def _unresolved(
-    gates: NDArray[np.int64], kernels: MesherKernels, blocks: Blocks, lattice: Floats, pool: Executor
-) -> Unresolved:
+def _unresolved(gates: Ints, kernels: MesherKernels, blocks: Blocks, lattice: Floats, pool: Executor) -> Unresolved:
     """The cells of blocks that have no certificate."""
     form = Form(CompiledLeaves(kernels), len(kernels.form.leaves), gates)
     return certify(form, lattice, blocks.corner, blocks.words, pool=pool)
@@ -161,7 +158,7 @@ class _Outward:
     def __init__(self, kernels: MesherKernels) -> None:
         self._kernels = kernels
 
-    def __call__(self, leaf: Ints, points: Floats) -> Floats:
+    def __call__(self, leaf: Integers, points: Floats) -> Floats:
         _, gradient = CompiledLeaves(self._kernels).evaluate(leaf.astype(np.int16), points.T)
         return -gradient.T
 

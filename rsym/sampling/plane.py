@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
@@ -51,21 +52,21 @@ class PlaneSampler:
                 raise RsymError("the section must fix the same coordinates as before", code="section")
         return replace(self, letters=letters, fixed=fixed)
 
-    def values(self) -> NDArray[np.float64]:
+    def values(self) -> Floats:
         """The field on the lattice, (nx, ny); infinite and undefined values as NaN."""
         return self.samples()["value"]
 
-    def samples(self) -> dict[str, NDArray[np.float64]]:
+    def samples(self) -> dict[str, Floats]:
         """Every scalar field of the kernel on the lattice, as `values`."""
         found = self._call(*self.lattice.open_axes())
         return {name: np.where(np.isfinite(found[name]), found[name], np.nan) for name in found if name in SCALARS}
 
-    def value_and_gradient(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def value_and_gradient(self, points: Floats) -> tuple[Floats, Floats]:
         """At points (n, 2): the value (n,) and the gradient (n, 2)."""
         result = self._call(points[:, 0], points[:, 1])
         return result["value"], result["gradient"][:, list(self.free)]
 
-    def _call(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> dict[str, NDArray[Any]]:
+    def _call(self, u: Floats, v: Floats) -> dict[str, NDArray[Any]]:
         coordinates: list[Any] = [None] * (2 + len(self.fixed))
         coordinates[self.free[0]], coordinates[self.free[1]] = u, v
         for position, value in self.fixed.items():

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Floats, Ints
 
 # With a thousand cells along the box the ends of a lattice edge are themselves rounded to about this share of it.
 NEAR_ENOUGH = 1e-13
@@ -15,7 +14,7 @@ NEAR_ENOUGH = 1e-13
 MOST_STEPS = 60
 
 
-def bracketed_roots(function: Callable[[Floats, NDArray[np.int64]], Floats], low: Floats, high: Floats) -> Floats:
+def bracketed_roots(function: Callable[[Floats, Ints], Floats], low: Floats, high: Floats) -> Floats:
     """Roots t in [0, 1] of functions with values `low` at 0 and `high` at 1 of different sign.
 
     Chandrupatla's method (1997): inverse quadratic interpolation where it is safe,

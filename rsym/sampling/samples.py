@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError, warn
 from rsym.logic.leaf_names import leaf_names
@@ -368,7 +368,7 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
     return draw
 
 
-def _wanted(shape: Shape, names: Names, over: str) -> NDArray[np.bool_]:
+def _wanted(shape: Shape, names: Names, over: str) -> Flags:
     """Which pieces of the boundary belong to the part."""
     if not len(names):
         raise RsymError(

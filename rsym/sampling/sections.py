@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.requirements import require_shape
@@ -54,7 +54,7 @@ class Section:
     lines: LevelLines
     normal: int
 
-    def in_space(self, line: NDArray[np.float64]) -> NDArray[np.float64]:
+    def in_space(self, line: Floats) -> Floats:
         """Points (n, 2) of the plane as points (n, 3) of space."""
         return np.insert(line, self.normal, self.value, axis=1)
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from skimage.measure import marching_cubes
 
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.logic.sign_form import surface_program
@@ -163,7 +163,7 @@ def _for_marching_cubes(samples: Floats) -> tuple[NDArray[np.float32], int]:
     return scaled, int(samples.size - np.count_nonzero(samples))
 
 
-def _near_surface(samples: Floats, inside: NDArray[np.bool_]) -> float:
+def _near_surface(samples: Floats, inside: Flags) -> float:
     """The median size of samples before a change of sign along the first axis that has one."""
     for axis in range(3):
         before = (slice(None),) * axis + (slice(None, -1),)
@@ -210,14 +210,14 @@ def _edge_roots(
     kernel: Kernel,
     letters: Mapping[Any, float] | None,
     lattice: Lattice,
-    corner: NDArray[np.int64],
-    along: NDArray[np.int64],
+    corner: Ints,
+    along: Ints,
     start: Floats,
     end: Floats,
 ) -> Floats:
     """Where omega is zero on edges of the lattice, from 0 to 1; `start` and `end` are its values there."""
 
-    def omega(t: Floats, active: NDArray[np.int64]) -> Floats:
+    def omega(t: Floats, active: Ints) -> Floats:
         place = corner[active].astype(np.float64)
         place[np.arange(len(active)), along[active]] += t
         points = lattice.points(place)
@@ -226,7 +226,7 @@ def _edge_roots(
     return bracketed_roots(omega, start, end)
 
 
-def _edges(samples: Floats, index: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+def _edges(samples: Floats, index: Floats) -> tuple[Ints, Ints, Flags]:
     """The lattice edge of each vertex: its lower end, its axis, and whether it has one.
 
     A vertex that float32 rounded onto a lattice point takes an edge of that point that nobody else has.
@@ -248,13 +248,13 @@ def _edges(samples: Floats, index: Floats) -> tuple[NDArray[np.int64], NDArray[n
     return lower, axis, known
 
 
-def _edge_numbers(samples: Floats, edges: ArrayLike) -> NDArray[np.int64]:
+def _edge_numbers(samples: Floats, edges: ArrayLike) -> Ints:
     """One integer for each edge (i, j, k, axis)."""
     i, j, k, axis = np.asarray(edges, np.int64).reshape(-1, 4).T
     return np.asarray(np.ravel_multi_index((i, j, k), samples.shape) * 3 + axis, np.int64)
 
 
-def _crossing_edges(samples: Floats, point: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
+def _crossing_edges(samples: Floats, point: Ints) -> list[tuple[int, int, int, int]]:
     """The edges of a lattice point along which omega changes sign."""
     edges = []
     for axis in range(3):

@@ -16,7 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Floats, Ints
 from rsym.backends.interpreter import CHECK_POINTS, check_at, interpret
 from rsym.backends.llvm_code import machine_code
 from rsym.errors import RsymError
@@ -198,7 +198,7 @@ class MesherKernels:
         self,
         first: int,
         last: int,
-        starts: NDArray[np.int64],
+        starts: Ints,
         words: NDArray[np.uint64],
         edges: NDArray[np.float32],
         axis: Floats,

@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints, Shorts
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.memory import Budget
@@ -55,7 +55,7 @@ class Job:
     """A surface to compute: kernels with their letters, which leaves are smooth, lattice, and cells along each axis."""
 
     kernels: MesherKernels
-    smooth: NDArray[np.bool_]
+    smooth: Flags
     lattice: Floats
     cells: tuple[int, ...]
     inspect: Inspect | None = None
@@ -103,7 +103,7 @@ class Unfinished:
     (crossings,). ``blocks`` are there if they have not been inspected yet, else ``notes``.
     """
 
-    points: NDArray[np.float64]
+    points: Floats
     vertices: int
     faces: NDArray[np.int32]
     leaf: NDArray[np.int16]
@@ -190,8 +190,6 @@ def _faces(
     return faces
 
 
-Shorts: TypeAlias = NDArray[np.int16]
-
 # From a hundredth of a cell off, four steps end at rounding: 1e-2, 1e-4, 1e-8, 1e-16.
 STEPS = 4
 
@@ -211,7 +209,7 @@ class Vertices:
 
 def place_vertices(
     kernels: MesherKernels,
-    smooth: NDArray[np.bool_],
+    smooth: Flags,
     surface: Topology,
     crossings: Crossings,
     lattice: Floats,
@@ -241,7 +239,7 @@ def middles(
     ring: Any,
     crossing: Floats,
     leaf: Shorts,
-    smooth: NDArray[np.bool_],
+    smooth: Flags,
     points: Floats,
     single: Shorts,
     feature: NDArray[np.uint8],

@@ -9,20 +9,18 @@ from __future__ import annotations
 
 from concurrent.futures import Executor
 from itertools import combinations
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints, Shorts
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
 from rsym.sampling.sharp.crossings import Crossings, evaluate
 from rsym.sampling.sharp.faces import smallest
 from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.topology import Topology
 from rsym.sampling.status import OffSurface
-
-Shorts: TypeAlias = NDArray[np.int16]
 
 # A fixed number, so that no point depends on the others. Planes take one step, the edges of the car at most five.
 STEPS = 8
@@ -81,7 +79,7 @@ def distinct_leaves(which: Any, ring_start: Any, ring: Any, leaf: Shorts, leaves
                 kinds[w] += 1
 
 
-def _subsets(leaves: Shorts, kinds: NDArray[np.int8], size: int, open_: NDArray[np.bool_]) -> tuple[Ints, Shorts]:
+def _subsets(leaves: Shorts, kinds: NDArray[np.int8], size: int, open_: Flags) -> tuple[Ints, Shorts]:
     """The subsets of `size` leaves of each open vertex: whose they are, and the leaves (3, m), -1 for none."""
     owners, chosen = [], []
     for kind in range(size, MOST_LEAVES + 1):
@@ -146,9 +144,7 @@ def _best(
 ) -> Ints:
     """Which solution each owner takes, if any: on the surface, within reach, and the nearest of those."""
     away = ((points - start[:, owner]) / lattice[3:].max()) ** 2
-    good: NDArray[np.bool_] = (away <= REACH**2).all(axis=0) & on_surface(
-        off_surface(kernels, points, lattice, pool), lattice
-    )
+    good: Flags = (away <= REACH**2).all(axis=0) & on_surface(off_surface(kernels, points, lattice, pool), lattice)
     order: Ints = np.lexsort((away.sum(axis=0), owner))
     order = order[good[order]]
     return order[np.flatnonzero(np.diff(owner[order], prepend=-1))]
@@ -167,7 +163,7 @@ def off_surface(kernels: MesherKernels, points: Floats, lattice: Floats, pool: E
     return cells
 
 
-def on_surface(cells: Floats, lattice: Floats) -> NDArray[np.bool_]:
+def on_surface(cells: Floats, lattice: Floats) -> Flags:
     """Whether so many cells off the surface are none, to rounding."""
     return np.asarray(cells * lattice[3:].min() < smallest(lattice))
 
@@ -213,7 +209,7 @@ def _on_all_active(
     return solve(kernels, leaves, points, lattice, pool)
 
 
-def _is_zero(kernels: MesherKernels, points: Floats, lattice: Floats) -> NDArray[np.bool_]:
+def _is_zero(kernels: MesherKernels, points: Floats, lattice: Floats) -> Flags:
     """Whether the form is zero, to rounding: also on kinks. Leaves have gradients of length 1 or so."""
     count = points.shape[1]
     places, value = np.zeros((3, padded(count))), np.empty(padded(count))

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Floats, Shorts
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
 from rsym.sampling.sharp.loops import in_threads
@@ -108,19 +108,16 @@ def evaluate(
     in_threads(lambda a, b: kernels.leaf(b - a, leaf, points, value, gradients, first=a), count, LEAF_GRAIN, pool)
 
 
-Numbers = NDArray[np.int16]
-
-
 class Leaves(Protocol):
     """What certificates, and the measures of what is thin, need of a sign form; arrays are of any layout."""
 
-    def enclose(self, leaf: Numbers, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+    def enclose(self, leaf: Shorts, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
         """Bounds (2, n) of leaf[k] over box k of (3, n), and (3, 2, n) of its gradient; infinite where it may fail."""
 
-    def evaluate(self, leaf: Numbers, points: Floats) -> tuple[Floats, Floats]:
+    def evaluate(self, leaf: Shorts, points: Floats) -> tuple[Floats, Floats]:
         """Values (n,) of leaf[k] at point k of (3, n), and gradients (3, n)."""
 
-    def active(self, points: Floats) -> tuple[Floats, Numbers]:
+    def active(self, points: Floats) -> tuple[Floats, Shorts]:
         """Values (n,) of the form at points (3, n), and the number of the leaf that gives each."""
 
 
@@ -130,21 +127,21 @@ class CompiledLeaves:
     def __init__(self, kernels: MesherKernels) -> None:
         self._kernels = kernels
 
-    def enclose(self, leaf: Numbers, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+    def enclose(self, leaf: Shorts, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
         """Bounds of leaves and gradients over boxes."""
         count = len(leaf)
         bounds = np.empty((8, padded(count)))
         self._kernels.enclose(count, _numbers(leaf), columns(lower), columns(upper), bounds)
         return bounds[:2, :count].copy(), bounds[2:, :count].reshape(3, 2, count)
 
-    def evaluate(self, leaf: Numbers, points: Floats) -> tuple[Floats, Floats]:
+    def evaluate(self, leaf: Shorts, points: Floats) -> tuple[Floats, Floats]:
         """Values and gradients of leaves at points."""
         count = len(leaf)
         value, gradient = np.empty(padded(count)), np.empty((3, padded(count)))
         self._kernels.leaf(count, _numbers(leaf), columns(points), value, gradient)
         return value[:count], gradient[:, :count]
 
-    def active(self, points: Floats) -> tuple[Floats, Numbers]:
+    def active(self, points: Floats) -> tuple[Floats, Shorts]:
         """The form at points, and its active leaf."""
         count = points.shape[1]
         value, leaf = np.empty(padded(count)), np.empty(padded(count), np.int16)
@@ -152,8 +149,8 @@ class CompiledLeaves:
         return value[:count], leaf[:count]
 
 
-def _numbers(leaf: Numbers) -> Numbers:
-    """Numbers of leaves, and behind them -1, which asks for nothing."""
+def _numbers(leaf: Shorts) -> Shorts:
+    """Shorts of leaves, and behind them -1, which asks for nothing."""
     array = np.full(padded(len(leaf)), -1, np.int16)
     array[: len(leaf)] = leaf
     return array

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Faces, Flags, Floats, Ints
 from rsym.sampling.sharp.clusters import components
 from rsym.sampling.sharp.faces import FLATNESS, Adjacency, smallest
 
@@ -31,7 +31,6 @@ BESIDE = 2
 # Cutting may bring vertices on one point together, and joining may leave triangles without area.
 TURNS = 16
 
-Faces: TypeAlias = NDArray[np.int32]
 Corners: TypeAlias = tuple[int, int, int]
 Edge: TypeAlias = tuple[int, int]
 
@@ -40,7 +39,7 @@ class Edited(NamedTuple):
     """Which faces may have changed, and which remain; new points (3, k), behind the others; new faces, their leaves."""
 
     changed: Ints
-    remain: NDArray[np.bool_]
+    remain: Flags
     points: Floats
     faces: Faces
     leaf: NDArray[Any]
@@ -69,7 +68,7 @@ def edit(
     return Edited(some, remain, stitched.points, stitched.faces[len(kept) :], leaf[kept[stitched.part_of[len(kept) :]]])
 
 
-def _are_flawed(points: Floats, quads: Faces, no_length: float) -> NDArray[np.bool_]:
+def _are_flawed(points: Floats, quads: Faces, no_length: float) -> Flags:
     """Which quads (m, 2, 3) have a triangle without area or an edge without length."""
     corners = points[:, quads]
     short = np.abs(np.roll(corners, -1, axis=3) - corners).max(axis=0).min(axis=2) <= no_length
@@ -164,7 +163,7 @@ class _Soup:
                     seen[min(_turns((a, b, c)))].append(face)
 
 
-def is_flat(points: Floats, faces: Any) -> NDArray[np.bool_]:
+def is_flat(points: Floats, faces: Any) -> Flags:
     """Which triangles have no area."""
     a, b, c = points[:, faces].transpose(2, 1, 0)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)

@@ -12,13 +12,11 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Faces, Flags, Floats, Ints
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.sharp.crossings import CompiledLeaves, evaluate
 from rsym.sampling.sharp.loops import in_threads, loop, step
 from rsym.sampling.sharp.signs import ABSENT, Bytes, Numbers
-
-Faces: TypeAlias = NDArray[np.int32]
 
 # Costs this close, as a share of both, say nothing: then the better shape decides.
 EVEN = 1e-3
@@ -218,9 +216,7 @@ def _inspect(
                 flaws[e] |= SHORT
 
 
-def facing_inwards(
-    leaves: CompiledLeaves, corners: Floats, leaf: NDArray[np.int16]
-) -> tuple[NDArray[np.bool_], Floats]:
+def facing_inwards(leaves: CompiledLeaves, corners: Floats, leaf: NDArray[np.int16]) -> tuple[Flags, Floats]:
     """Which triangles (n, 3, 3) face inwards or have no area, and how far each turns away from its leaf."""
     a, b, c = corners.transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)

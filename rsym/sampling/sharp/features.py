@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rsym.arrays import Floats
-
-Ints: TypeAlias = NDArray[np.integer[Any]]
+from rsym.arrays import Floats, Integers
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +66,7 @@ class Feature:
 
 
 def features_of(
-    vertices: Floats, faces: Ints, leaf: Ints, leaves: Sequence[str], normals: Callable[[Ints], Floats]
+    vertices: Floats, faces: Integers, leaf: Integers, leaves: Sequence[str], normals: Callable[[Integers], Floats]
 ) -> tuple[Feature, ...]:
     """The features of a mesh, in the order of their first vertices.
 
@@ -108,14 +105,14 @@ class _Seams(NamedTuple):
     The left one runs along the edge, in the face of the lower leaf; the right one runs back.
     """
 
-    start: Ints
-    end: Ints
-    left: Ints
-    right: Ints
-    pair: Ints
+    start: Integers
+    end: Integers
+    left: Integers
+    right: Integers
+    pair: Integers
 
 
-def _seams(faces: Ints, leaf: Ints, count: int) -> _Seams:
+def _seams(faces: Integers, leaf: Integers, count: int) -> _Seams:
     # Any one leaf of each vertex: faces that disagree with it find all vertices of two leaves, and few edges are left.
     one = np.zeros(count, leaf.dtype)
     one[faces] = leaf[:, None]
@@ -161,7 +158,7 @@ def _chains(seams: _Seams) -> list[list[int]]:
     return chains
 
 
-def _beside(seams: _Seams, normals: Callable[[Ints], Floats]) -> Floats:
+def _beside(seams: _Seams, normals: Callable[[Integers], Floats]) -> Floats:
     """The normals at both ends of each edge, on its left and on its right, (k, 2, 2, 3)."""
     edges = np.arange(len(seams.start))[:, None]
     # The right half-edge runs back: its start is the end of the edge.

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Faces, Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.sharp.assembly import Unfinished
@@ -27,8 +27,6 @@ from rsym.sampling.sharp.edits import edit
 from rsym.sampling.sharp.faces import FLAT, FOLDED, SHORT, TURNED, Adjacency, facing_inwards, find_flaws, turn_diagonals
 from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.unfolding import unfold
-
-Faces: TypeAlias = NDArray[np.int32]
 
 GRAIN = 16384
 
@@ -41,7 +39,7 @@ class Finished:
     faces: Faces
     leaf: NDArray[np.int16]
 
-    def some(self, which: NDArray[np.bool_]) -> Finished:
+    def some(self, which: Flags) -> Finished:
         """Some of the faces, and their vertices."""
         return Finished(self.vertices, self.faces[which], self.leaf[which]).renumbered()
 
@@ -56,7 +54,7 @@ class Finished:
 
 
 @loop
-def _mark(faces: Faces, used: NDArray[np.bool_]) -> None:
+def _mark(faces: Faces, used: Flags) -> None:
     for f in range(len(faces)):
         for k in range(3):
             used[faces[f, k]] = True
@@ -102,9 +100,9 @@ def _edited(
     adjacency: Adjacency,
     flawed: Ints,
     points: Floats,
-    suspects: NDArray[np.bool_],
+    suspects: Flags,
     lattice: Floats,
-) -> tuple[Finished, NDArray[np.bool_]]:
+) -> tuple[Finished, Flags]:
     """The triangles edited around their flaws, and which of them may face inwards."""
     found = edit(adjacency, flawed, points, whole.faces, whole.leaf, lattice)
     suspects[found.changed] = True
@@ -234,7 +232,7 @@ class _Patch:
         faces.reshape(-1, 6)[self.quads] = self.ids[self.faces.reshape(-1, 6)]
         return self.quads[self._folds()]
 
-    def _move(self, which: Ints, meets: NDArray[np.bool_], start: Floats) -> Ints:
+    def _move(self, which: Ints, meets: Flags, start: Floats) -> Ints:
         """Onto their leaves from where they start; those that end there, not far from where they were."""
         leaves = np.full((3, len(which)), -1, np.int16)
         for row, vertex_meets in enumerate(meets):
@@ -242,9 +240,7 @@ class _Patch:
             leaves[: len(own), row] = own
         moved = solve(self.kernels, leaves, start, self.lattice, self.pool)
         near = (np.abs(moved - self.points[:, which]) < RINGS * self.lattice[3:].max()).all(axis=0)
-        good: NDArray[np.bool_] = near & on_surface(
-            off_surface(self.kernels, moved, self.lattice, self.pool), self.lattice
-        )
+        good: Flags = near & on_surface(off_surface(self.kernels, moved, self.lattice, self.pool), self.lattice)
         self.points[:, which[good]] = moved[:, good]
         done: Ints = which[good]
         return done
@@ -259,10 +255,10 @@ class _Patch:
         faces[of_vertex[faces[:, 0]]] = self.faces[of_vertex[faces[:, 0]]]
         self.best = points, faces
 
-    def _count(self, folds: NDArray[np.bool_]) -> Ints:
+    def _count(self, folds: Flags) -> Ints:
         return np.bincount(self.cluster[self.faces[::2, 0]][folds], minlength=self.cluster.max() + 1)
 
-    def _folds(self) -> NDArray[np.bool_]:
+    def _folds(self) -> Flags:
         """Which quads are folded against the gradient of their leaf at the middle of their corners."""
         count = len(self.leaf)
         middles, gradients = np.zeros((3, padded(count))), np.zeros((3, padded(count)))
@@ -273,7 +269,7 @@ class _Patch:
         return find_flaws(self.faces, self.points, gradients, self.lattice, self.pool) & FOLDED > 0
 
 
-def _seams(faces: Faces, code: Ints) -> NDArray[np.bool_]:
+def _seams(faces: Faces, code: Ints) -> Flags:
     """Which half-edges have another leaf on the other side."""
     tail, head = faces.ravel().astype(np.int64), faces[:, [1, 2, 0]].ravel()
     code = np.repeat(code, 3)

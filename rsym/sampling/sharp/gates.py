@@ -14,8 +14,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rsym.arrays import Ints
 from rsym.logic.sign_form import SignForm
 from rsym.sampling.sharp.loops import loop, step
 
@@ -26,7 +26,7 @@ DISCARDED, SIMPLE, OPEN, UNRESOLVED = 0, 1, 2, 3
 TURNS = 12
 
 
-def gate_table(form: SignForm) -> NDArray[np.int64]:
+def gate_table(form: SignForm) -> Ints:
     """The gates as rows (1 for max and 0 for min, first operand, second operand).
 
     Examples

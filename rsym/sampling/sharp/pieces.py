@@ -22,9 +22,8 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rsym.arrays import Ints
+from rsym.arrays import Flags, Ints
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import padded
 from rsym.sampling.memory import Budget, free_memory
@@ -200,19 +199,19 @@ def crossing_places(surface: Topology) -> Numbers:
     return place
 
 
-def vertex_names(surface: Topology, extent: tuple[int, int, int]) -> NDArray[np.int64]:
+def vertex_names(surface: Topology, extent: tuple[int, int, int]) -> Ints:
     """(Block, cell, patch) of each vertex as one integer, on a lattice of extent blocks."""
     patch = np.arange(surface.vertices) - np.repeat(surface.start[:-1], np.diff(surface.start))
     return np.asarray(_names(surface, extent, vertex_places(surface)) * PATCHES + patch)
 
 
-def crossing_names(surface: Topology, extent: tuple[int, int, int]) -> NDArray[np.int64]:
+def crossing_names(surface: Topology, extent: tuple[int, int, int]) -> Ints:
     """(Axis, block, lattice edge) of each crossing as one integer, on a lattice of extent blocks."""
     axis = np.repeat(np.arange(3), np.diff(surface.axes))
     return axis * (CELLS * extent[0] * extent[1] * extent[2]) + _names(surface, extent, crossing_places(surface))
 
 
-def _names(surface: Topology, extent: tuple[int, int, int], place: Numbers) -> NDArray[np.int64]:
+def _names(surface: Topology, extent: tuple[int, int, int], place: Numbers) -> Ints:
     i, j, k = surface.corner >> 3
     block = (i * extent[1] + j) * extent[2] + k
     return np.asarray(block[place >> 9] * CELLS + (place & CELLS - 1), np.int64)
@@ -228,12 +227,12 @@ class Piece:
     may touch, ``rim_number`` which ones they are.
     """
 
-    corner: NDArray[np.int64]
+    corner: Ints
     vertices: Numbers
     crossings: Numbers
     surface: Unfinished
-    strangers: NDArray[np.int64]
-    rim: NDArray[np.int64]
+    strangers: Ints
+    rim: Ints
     rim_number: Numbers
 
     @property
@@ -242,9 +241,7 @@ class Piece:
         return self.surface.points.nbytes + self.surface.faces.nbytes + self.surface.leaf.nbytes
 
 
-def own_piece(
-    made: Assembly, box: NDArray[np.int64], extent: tuple[int, int, int], notes: tuple[Any, ...] = ()
-) -> Piece:
+def own_piece(made: Assembly, box: Ints, extent: tuple[int, int, int], notes: tuple[Any, ...] = ()) -> Piece:
     """What belongs to a box, from the surface of its blocks and their neighbours.
 
     `box` (2, 3): its first cells, and those past its last.
@@ -279,7 +276,7 @@ def own_piece(
     )
 
 
-def inside(corner: NDArray[np.int64], box: NDArray[np.int64]) -> NDArray[np.bool_]:
+def inside(corner: Ints, box: Ints) -> Flags:
     """Which cells are in a box (2, 3)."""
     return np.asarray(((corner >= box[0, :, None]) & (corner < box[1, :, None])).all(axis=0))
 
@@ -311,7 +308,7 @@ def weld(pieces: list[Piece]) -> Unfinished:
     return Unfinished(points, total, faces.reshape(-1, 3), leaf, flaws, tuple(notes))
 
 
-def _ranks(counts: list[Numbers], order: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+def _ranks(counts: list[Numbers], order: Ints) -> list[Ints]:
     """The number of the first of each (row, block), row by row, in each row block by block in this order."""
     all_ = np.concatenate(counts, axis=1).astype(np.int64)
     ranked = all_[:, order]
@@ -320,7 +317,7 @@ def _ranks(counts: list[Numbers], order: NDArray[np.int64]) -> list[NDArray[np.i
     return np.split(first, np.cumsum([count.shape[1] for count in counts])[:-1], axis=1)
 
 
-def _numbers(first: NDArray[np.int64], counts: Numbers) -> Numbers:
+def _numbers(first: Ints, counts: Numbers) -> Numbers:
     """Number of each member of a piece, from that of the first of each (row, block)."""
     here = np.cumsum(counts) - counts.ravel()
     total = int(counts.sum())

@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns
 from rsym.sampling.sharp.loops import in_threads, loop, lowest, popcount, step
 
@@ -90,18 +90,18 @@ def rank(block: int, i: int, j: int, k: int, fields: Words, before: Numbers) -> 
 
 
 @step
-def block_at(i: int, j: int, k: int, blocks: Numbers, origin: NDArray[np.int64]) -> Any:
+def block_at(i: int, j: int, k: int, blocks: Numbers, origin: Ints) -> Any:
     """Give the number of the block that holds a cell of the lattice, at most one block away from some kept block."""
     return blocks[(i >> 3) - origin[0], (j >> 3) - origin[1], (k >> 3) - origin[2]]
 
 
 @step
-def find(i: int, j: int, k: int, blocks: Numbers, origin: NDArray[np.int64], fields: Words, before: Numbers) -> Any:
+def find(i: int, j: int, k: int, blocks: Numbers, origin: Ints, fields: Words, before: Numbers) -> Any:
     """Give the number of a cell (or lattice edge) of the lattice, -1 where it has none."""
     return rank(block_at(i, j, k, blocks, origin), i & 7, j & 7, k & 7, fields, before)
 
 
-def lookup(corner: NDArray[np.int64]) -> tuple[Numbers, NDArray[np.int64]]:
+def lookup(corner: Ints) -> tuple[Numbers, Ints]:
     """Numbers of the blocks over the box that they fill, with a margin of one block, and the first block of that box.
 
     Examples
@@ -136,9 +136,7 @@ def list_cells(bits: Bytes, cells: Words, before: Numbers, first: int, last: int
 
 
 @loop
-def list_edges(
-    corner: NDArray[np.int64], edges: Words, before: Numbers, first: int, last: int, x: Any, y: Any, z: Any
-) -> None:
+def list_edges(corner: Ints, edges: Words, before: Numbers, first: int, last: int, x: Any, y: Any, z: Any) -> None:
     """Lower ends, as integers of the lattice, of the edges of one axis that cross the surface."""
     for b in range(first, last):
         for i in range(8):
@@ -218,7 +216,7 @@ def find_blocks(
 
 def _kept(
     kernels: MesherKernels, corner: Floats, size: int, lattice: Floats, pool: Executor | None
-) -> tuple[NDArray[np.bool_], NDArray[Any]]:
+) -> tuple[Flags, NDArray[Any]]:
     count = corner.shape[1]
     places = columns(corner)
     keep = np.empty(places.shape[1] // 8, np.uint8)

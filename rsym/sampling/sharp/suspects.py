@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rsym.arrays import Flags, Floats, Ints
+from rsym.arrays import Flags, Floats, Ints, Shorts
 from rsym.sampling.sharp.certificates import STEEPEST, Unresolved
 from rsym.sampling.sharp.clusters import clusters
-from rsym.sampling.sharp.crossings import Leaves, Numbers
+from rsym.sampling.sharp.crossings import Leaves
 from rsym.sampling.sharp.thickness import FIRST, ThinRays, across, closest, common, level
 from rsym.sampling.status import KINDS, Suspect
 
@@ -82,7 +82,7 @@ class _Clusters:
         self.high = np.maximum.reduceat(unresolved.cells[:, by_cluster], first, axis=1)
         self.cells = np.diff([*first, len(by_cluster)])
 
-    def seeds(self) -> tuple[Numbers, Floats, Ints]:
+    def seeds(self) -> tuple[Shorts, Floats, Ints]:
         """Leaves, points to start from, and their clusters: about the middles of the boxes of measured conflicts."""
         some = []
         for first, last in pairwise(self.start):
@@ -102,7 +102,7 @@ class _Clusters:
         place = (points - self.lattice[:3, None]) / self.lattice[3:, None]
         return np.asarray(((place > self.low[:, cluster] - 1) & (place < self.high[:, cluster] + 2)).all(axis=0))
 
-    def common_cells(self, cluster: int, pair: Numbers) -> int:
+    def common_cells(self, cluster: int, pair: Shorts) -> int:
         """In how many cells of a cluster both leaves are in conflict."""
         here = slice(self.start[cluster], self.start[cluster + 1])
         one, other = (np.unique(self.owner[here][self.leaf[here] == leaf]) for leaf in pair)
@@ -113,7 +113,7 @@ class _Pairs(NamedTuple):
     """Leaves (2, n) that face each other in a cluster across a wall or a gap, where it is thinnest, and how thin."""
 
     cluster: Ints
-    leaves: Numbers
+    leaves: Shorts
     inward: Flags
     place: Floats
     thickness: Floats

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.sharp.crossings import Leaves, Numbers
+from rsym.arrays import Flags, Floats, Ints, Shorts
+from rsym.sampling.sharp.crossings import Leaves
 
 # Newton's method halves the distance to a double zero, so 40 turns take a cell to 1e-12; a simple zero takes six.
 TURNS = 40
@@ -48,10 +48,10 @@ class ThinRays:
     inward: Flags
     place: Floats
     cells: Floats
-    leaves: Numbers
+    leaves: Shorts
 
 
-def project(leaves: Leaves, ids: Numbers, points: Floats, spacing: Floats) -> tuple[Floats, Floats, Flags]:
+def project(leaves: Leaves, ids: Shorts, points: Floats, spacing: Floats) -> tuple[Floats, Floats, Flags]:
     """Newton's method onto the zero sets of leaves: points, unit normals, and which got there.
 
     A step is at most a cell long.
@@ -76,7 +76,7 @@ def project(leaves: Leaves, ids: Numbers, points: Floats, spacing: Floats) -> tu
     return points, normal, (moved < FIRST) & np.isfinite(normal).all(axis=0)
 
 
-def across(leaves: Leaves, ids: Numbers, seeds: Floats, spacing: Floats, opposed: float) -> ThinRays:
+def across(leaves: Leaves, ids: Shorts, seeds: Floats, spacing: Floats, opposed: float) -> ThinRays:
     """From each seed to the surface on its leaf, and from there straight through the body and away from it.
 
     Kept are sides that face each other, the cosine of their normals below `opposed`.
@@ -102,7 +102,7 @@ def across(leaves: Leaves, ids: Numbers, seeds: Floats, spacing: Floats, opposed
     return ThinRays(source[facing], inward[facing], place[:, facing], cells[facing], pair[:, facing])
 
 
-def _on_surface(leaves: Leaves, ids: Numbers, points: Floats, spacing: Floats) -> Flags:
+def _on_surface(leaves: Leaves, ids: Shorts, points: Floats, spacing: Floats) -> Flags:
     """Whether the form vanishes where a leaf does."""
     value, which = leaves.active(points)
     _, gradient = leaves.evaluate(ids, points)
@@ -133,7 +133,7 @@ def _first_change(leaves: Leaves, start: Floats, ray: Floats, inside: Flags) -> 
     return distance
 
 
-def closest(leaves: Leaves, pair: Numbers, points: Floats, spacing: Floats) -> tuple[Floats, Floats, Flags]:
+def closest(leaves: Leaves, pair: Shorts, points: Floats, spacing: Floats) -> tuple[Floats, Floats, Flags]:
     """Where two leaves come closest: the middle, by Gauss and Newton from given points, the distance, and if found.
 
     The equations for three coordinates are f/|f'| = g/|g'| and f'/|f'| = -g'/|g'|. From where they hold both leaves
@@ -153,7 +153,7 @@ def closest(leaves: Leaves, pair: Numbers, points: Floats, spacing: Floats) -> t
     return (one + other) / 2, between, found
 
 
-def _facing(leaves: Leaves, pair: Numbers, points: Floats, spacing: Floats) -> Floats:
+def _facing(leaves: Leaves, pair: Shorts, points: Floats, spacing: Floats) -> Floats:
     """The equations of `closest` at points (3, n, m), in cells."""
     _, count, many = points.shape
     flat = points.reshape(3, -1)
@@ -161,7 +161,7 @@ def _facing(leaves: Leaves, pair: Numbers, points: Floats, spacing: Floats) -> F
     return np.concatenate([[f - g], u + v]).reshape(4, count, many)
 
 
-def _signed_distance(leaves: Leaves, ids: Numbers, points: Floats, spacing: Floats) -> tuple[Floats, Floats]:
+def _signed_distance(leaves: Leaves, ids: Shorts, points: Floats, spacing: Floats) -> tuple[Floats, Floats]:
     """A Newton step in cells, and the unit normal."""
     value, gradient = leaves.evaluate(ids, points)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -169,7 +169,7 @@ def _signed_distance(leaves: Leaves, ids: Numbers, points: Floats, spacing: Floa
         return value / np.linalg.norm(gradient * spacing[:, None], axis=0), normal
 
 
-def common(leaves: Leaves, pair: Numbers, points: Floats, spacing: Floats) -> tuple[Floats, Flags]:
+def common(leaves: Leaves, pair: Shorts, points: Floats, spacing: Floats) -> tuple[Floats, Flags]:
     """The nearest points where two leaves vanish together, by Newton's shortest steps, and where they exist."""
     for _ in range(STEPS):
         values, rows = [], []
@@ -187,7 +187,7 @@ def common(leaves: Leaves, pair: Numbers, points: Floats, spacing: Floats) -> tu
         return points, good & np.asarray(np.abs(right).max(axis=1) < FIRST)
 
 
-def level(leaves: Leaves, ids: Numbers, points: Floats, spacing: Floats) -> tuple[Floats, Flags]:
+def level(leaves: Leaves, ids: Shorts, points: Floats, spacing: Floats) -> tuple[Floats, Flags]:
     """Where the gradients of leaves vanish, by Newton's method, and whether the leaf vanishes there too."""
     for _ in range(STEPS):
         around = _around(points, spacing)

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Ints
 from rsym.sampling.sharp.loops import in_threads, loop, popcount
 from rsym.sampling.sharp.signs import (
     ABSENT,
@@ -59,14 +60,14 @@ class Topology:
     faces whose corners were joined.
     """
 
-    corner: NDArray[np.int64]
+    corner: Ints
     bits: Bytes
     cells: Words
     cells_before: Numbers
     edges: Words
     edges_before: Numbers
     blocks: Numbers
-    origin: NDArray[np.int64]
+    origin: Ints
     case: NDArray[np.uint16]
     place: Numbers
     start: Numbers
@@ -92,7 +93,7 @@ class Topology:
 
 
 def topology(
-    corner: NDArray[np.int64],
+    corner: Ints,
     bits: Bytes,
     pool: Executor | None = None,
     claim: Callable[[int, int], None] = lambda cells, crossings: None,
@@ -167,9 +168,9 @@ def tally(case: NDArray[np.uint16], patches: Bytes, edges: Bytes, start: Numbers
 def link(
     first: int,
     last: int,
-    corner: NDArray[np.int64],
+    corner: Ints,
     blocks: Numbers,
-    origin: NDArray[np.int64],
+    origin: Ints,
     cells_before: Numbers,
     edges: Words,
     edges_before: Numbers,
@@ -216,11 +217,11 @@ def link(
 
 
 def separate(
-    corner: NDArray[np.int64],
+    corner: Ints,
     case: NDArray[np.uint16],
     place: Numbers,
     blocks: Numbers,
-    origin: NDArray[np.int64],
+    origin: Ints,
     cells: Words,
     before: Numbers,
 ) -> int:
@@ -242,11 +243,11 @@ def separate(
 
 @loop
 def _separate(
-    corner: NDArray[np.int64],
+    corner: Ints,
     case: NDArray[np.uint16],
     place: Numbers,
     blocks: Numbers,
-    origin: NDArray[np.int64],
+    origin: Ints,
     cells: Words,
     before: Numbers,
     twice: Bytes,
@@ -291,7 +292,7 @@ FACE_CORNERS = np.array(
 
 
 @cache
-def face_edges() -> NDArray[np.int64]:
+def face_edges() -> Ints:
     """Edges of each face: number q joins its corners q and q + 1."""
     number = {frozenset(ends): edge for edge, ends in enumerate(EDGE_ENDS.tolist())}
     return np.array([[number[frozenset((c[q], c[(q + 1) % 4]))] for q in range(4)] for c in FACE_CORNERS.tolist()])
@@ -337,7 +338,7 @@ def patch_table() -> PatchTable:
     return PatchTable(patch, *(array.astype(np.uint8) for array in (order, patches, edges, twice)))
 
 
-def _patches(masks: NDArray[np.int64], joined: NDArray[np.int64]) -> NDArray[np.int64]:
+def _patches(masks: Ints, joined: Ints) -> Ints:
     """Patch of each edge of cells of these masks; the inside corners of face `joined` are joined.
 
     The segments on the six faces send every edge on which the boundary of a patch leaves the inside of a face to the
@@ -355,7 +356,7 @@ def _patches(masks: NDArray[np.int64], joined: NDArray[np.int64]) -> NDArray[np.
     return np.where(crossed, number, NO_PATCH)
 
 
-def _follow(masks: NDArray[np.int64], joined: NDArray[np.int64]) -> NDArray[np.int64]:
+def _follow(masks: Ints, joined: Ints) -> Ints:
     """Edge after each edge on the loop around its patch, -1 where it is not crossed."""
     edges, rule, follow = face_edges(), _rule(), np.full((len(masks), 12), -1)
     for face in range(6):
@@ -366,7 +367,7 @@ def _follow(masks: NDArray[np.int64], joined: NDArray[np.int64]) -> NDArray[np.i
     return follow
 
 
-def _rule() -> NDArray[np.int64]:
+def _rule() -> Ints:
     """[corners inside, joined, side] of one face: the side on which the segment that begins on this side ends.
 
     A side along which the inside ends is followed by the one before it along which the inside begins, or, where the

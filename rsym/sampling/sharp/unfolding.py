@@ -14,21 +14,18 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Executor
 from itertools import chain
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Faces, Flags, Floats, Ints
 from rsym.sampling.kernels.mesher_kernels import MesherKernels
 from rsym.sampling.sharp.corners import off_surface, on_active_leaf, on_surface, solve
 from rsym.sampling.sharp.crossings import CompiledLeaves
+from rsym.sampling.sharp.edits import Corners, Edge
 from rsym.sampling.sharp.faces import facing_inwards
 from rsym.sampling.sharp.loops import loop
-
-Faces: TypeAlias = NDArray[np.int32]
-Corners: TypeAlias = tuple[int, int, int]
-Edge: TypeAlias = tuple[int, int]
 
 # Around a fold: steps change the triangles around its corners and their neighbours, and make way for further steps.
 RINGS = 4
@@ -50,10 +47,10 @@ def unfold(
     vertices: Floats,
     faces: Faces,
     leaf: NDArray[np.int16],
-    folded: NDArray[np.int64],
+    folded: Ints,
     lattice: Floats,
     pool: Executor | None,
-) -> NDArray[np.bool_]:
+) -> Flags:
     """Turn folded faces outwards where that can be done, in place; which faces remain."""
     around = np.zeros(len(faces), np.bool_)
     around[folded] = True
@@ -75,7 +72,7 @@ def unfold(
 
 
 @loop
-def _corners(faces: Faces, which: NDArray[np.bool_], vertices: int) -> Any:
+def _corners(faces: Faces, which: Flags, vertices: int) -> Any:
     """Which vertices some faces have."""
     held = np.zeros(vertices, np.bool_)
     for f in range(len(faces)):
@@ -85,7 +82,7 @@ def _corners(faces: Faces, which: NDArray[np.bool_], vertices: int) -> Any:
 
 
 @loop
-def _mark_faces(faces: Faces, held: NDArray[np.bool_], which: NDArray[np.bool_]) -> None:
+def _mark_faces(faces: Faces, held: Flags, which: Flags) -> None:
     """Which faces have some vertices."""
     for f in range(len(faces)):
         which[f] |= held[faces[f, 0]] | held[faces[f, 1]] | held[faces[f, 2]]
