@@ -17,12 +17,11 @@ from rsym.model.blends.gates import without_rounded_levels
 from rsym.model.shape import Bounds, Shape
 from rsym.program.builder import Builder
 from rsym.program.program import live
-from rsym.reports.document import REFUTED, UNDECIDED
 from rsym.sampling.progress import Effort
-from rsym.verify.answers.account import complaint, distinct, missing
+from rsym.verify.answers.account import audited, distinct, missing
 from rsym.verify.answers.body_report import BodyCover, BodyReport
-from rsym.verify.answers.conclusions import Tally, badness, sentences, verdict_from
-from rsym.verify.answers.report import UNKNOWN, continuity_of, is_defect, level_of
+from rsym.verify.answers.conclusions import Tally, badness, conclude
+from rsym.verify.answers.report import is_defect
 from rsym.verify.answers.singular import Defect, SingularCurve, SingularPoint
 from rsym.verify.boxes.contact_relations import contacts_of
 from rsym.verify.boxes.domains import is_legal
@@ -150,27 +149,24 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
         found = found.without_crossings()
     exists = exists_for_every_value(study.images, found, TRIED) if study.ranging else _exists(study.images, found)
     tally = _tally(found, exists)
-    verdict = verdict_from(tally, everything)
-    counted = [one for one in everything if one.proved or verdict != REFUTED]
     effort.begin("curvatures", SHARES[3])
     bent = bending(study.images, found, effort) if sharpened and exists else UNBOUNDED
     effort.finish()
     gaps = () if study.ranging else holes(model, [box for box, _ in found.left])
+    said = conclude(tally, everything, 3, (*gaps, *_repeated(study), *effort.statements), ranging=study.ranging)
     draft = BodyReport(
-        verdict=verdict,
-        continuity=continuity_of(verdict, map(level_of, counted), found.order),
+        verdict=said.verdict,
+        continuity=said.continuity,
         curves=tuple(sorted(curves, key=badness)),
         points=tuple(sorted(points, key=badness)),
         curvatures=(-math.inf, math.inf) if found.has_gaps else bent.enclosure,
         attained=bent.attained,
         cover=_cover(study, found),
         letters={name: (float(low), float(high)) for name, (low, high) in model.letters.items()},
-        statements=(*sentences(tally, 3, ranging=study.ranging), *gaps, *_repeated(study), *effort.statements),
+        statements=said.statements,
     )
     wrong = missing(located, draft.points, found.balance, near=SAME * study.extent, boxes=_unlisted(study, draft))
-    if not wrong:
-        return draft
-    return replace(draft, verdict=UNDECIDED, continuity=UNKNOWN, statements=(*draft.statements, complaint(wrong)))
+    return audited(draft, wrong)
 
 
 def _unlisted(study: Study, draft: BodyReport) -> int:

@@ -247,8 +247,8 @@ PLANE = (
     Mutation("arcs: all boxes are small", "cover.arcs:ArcInspector._is_small", always(True)),
     Mutation("arcs: the mean value form excludes zero", "cover.arcs:_centred_excludes_zero", always(True)),
     Mutation("arcs: curvature bound a third", "cover.arcs:curvature_bound", _shrunk),
-    Mutation("smoothness: a third of the bound", "smoothness:sharpened_bound", _shrunk),
-    Mutation("evidence: there is always a boundary", "evidence:has_boundary", always(True)),
+    Mutation("plane: a third of the bound", "plane:sharpened_bound", _shrunk),
+    Mutation("plane: there is always a boundary", "plane:has_boundary", always(True)),
     Mutation("points: limits are proofs", "points.plane:_probed", _proved),
     Mutation("points: none is looked at", "points.plane:classify_joints", always([])),
     Mutation(
@@ -263,7 +263,7 @@ PLANE = (
     ),
     Mutation(
         "revolution: the axis is no place",
-        "smoothness:_located",
+        "plane:_located",
         lambda f: lambda study: [j for j in f(study) if not study.model.body or j.point[1] > j.radius],
     ),
 )
@@ -369,8 +369,8 @@ AIMS = {
     "arcs: all boxes are small": (),
     "arcs: the mean value form excludes zero": (_PLAIN,),
     "arcs: curvature bound a third": (DISC, y - 3 * x**2),
-    "smoothness: a third of the bound": (DISC, y - 3 * x**2),
-    "evidence: there is always a boundary": (DISC,),
+    "plane: a third of the bound": (DISC, y - 3 * x**2),
+    "plane: there is always a boundary": (DISC,),
     "points: limits are proofs": (disjunction(y, y + 1 - sp.cos(x) + Q(1, 10**30) * x),),
     "points: none is looked at": (y**2 - x**3,),
     "newton: every branch is smooth": (y**5 - x**7,),

@@ -10,7 +10,7 @@ import rsym
 from rsym import x, y, z
 from rsym.bounds.balls import arb
 from rsym.verify import bodies as verdict
-from rsym.verify import smoothness
+from rsym.verify import plane
 from rsym.verify.answers import account
 from rsym.verify.answers.report import Joint
 from rsym.verify.atlas.dividing import accounted
@@ -117,21 +117,21 @@ def test_a_lost_joint_makes_undecided(monkeypatch):
         joints = [finding.place for _, finding in study.found.settled if finding.place is not None]
         return [joint for joint in joints if joint.point[1] > 0]
 
-    monkeypatch.setattr(smoothness, "_located", careless)
+    monkeypatch.setattr(plane, "_located", careless)
     report = rsym.verify_smoothness(body(z - R))
     assert report.verdict == "UNDECIDED"
     assert "a defect of rsym to report" in str(report)
 
 
 def test_a_lost_box_in_the_plane_makes_undecided(monkeypatch):
-    whole = smoothness.cover
+    whole = plane.cover
 
     def careless(*args, **options):
         found = whole(*args, **options)
         found.settled.pop()
         return found
 
-    monkeypatch.setattr(smoothness, "cover", careless)
+    monkeypatch.setattr(plane, "cover", careless)
     report = rsym.verify_smoothness(profile(1 - x**2 - y**2))
     assert report.verdict == "UNDECIDED"
     assert "boxes were made" in str(report)
@@ -195,8 +195,8 @@ def test_edges_and_corners_on_the_border_itself_are_within():
 
 @pytest.mark.parametrize("budget", [1, 500, 2000])
 def test_what_is_found_to_be_regular_late_is_a_boundary(budget):
-    plane = body(z, bounds=((-0.1, 0.1),) * 3)
-    assert rsym.verify_smoothness(plane, method="space", budget=budget).verdict in {"CERTIFIED", "UNDECIDED"}
+    level = body(z, bounds=((-0.1, 0.1),) * 3)
+    assert rsym.verify_smoothness(level, method="space", budget=budget).verdict in {"CERTIFIED", "UNDECIDED"}
 
 
 LEFT, RIGHT, REGION = ((0.0, 1.0), (0.0, 2.0)), ((1.0, 3.0), (0.0, 2.0)), ((0.0, 3.0), (0.0, 2.0))

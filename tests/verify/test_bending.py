@@ -11,8 +11,7 @@ from rsym import x, y, z
 from rsym.bounds.enclosures import ranges_of
 from rsym.verify.bodies import study_body
 from rsym.verify.boxes.local import Model
-from rsym.verify.cover.bending import bending
-from rsym.verify.cover.curvature_bounds import bent, contraction
+from rsym.verify.cover.bending import bending, bent, contraction
 from rsym.verify.cover.forming import formation
 from rsym.verify.cover.images import Images
 from rsym.verify.cover.simplest import simplest

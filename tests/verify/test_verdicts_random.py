@@ -9,7 +9,7 @@ from oracles.planted import Field, largest_curvature, planted, regular
 from oracles.tiers import some
 
 import rsym
-from rsym.verify import smoothness
+from rsym.verify.plane import Question
 
 SEEDS = 50
 
@@ -34,10 +34,8 @@ def test_a_planted_defect_is_not_certified_and_what_is_proved_of_it_is_true(seed
 @pytest.fixture(scope="module")
 def verdicts():
     """Reports of regular shapes; the bound of the curvature is as the cover gives it, not sharpened, to save time."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(smoothness, "SHARPENING", 0)
-        cases = [regular(seed, leaves=2, reach=0.5) for seed in some(range(SEEDS), 6)]
-        return [(case, rsym.verify_smoothness(case.shape, budget=4000)) for case in cases]
+    cases = [regular(seed, leaves=2, reach=0.5) for seed in some(range(SEEDS), 6)]
+    return [(case, Question(case.shape).report(None, budget=4000)) for case in cases]
 
 
 @pytest.mark.slow

@@ -16,8 +16,7 @@ from rsym.verify.boxes.krawczyk import refined, unique_zero
 from rsym.verify.boxes.local import Model, side
 from rsym.verify.boxes.locus import reduce
 from rsym.verify.boxes.resolution import contact, resolve
-from rsym.verify.cover.covering import cover
-from rsym.verify.cover.pruning import bounds_of_omega, pruner
+from rsym.verify.cover.covering import bounds_of_omega, cover, pruner
 from rsym.verify.revolution import meridian
 
 DISC = 1 - x**2 - y**2

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeVar
 
+from rsym.reports.document import UNDECIDED
 from rsym.reports.numbers import point
-from rsym.verify.answers.report import BROKEN, CONTINUITIES, is_defect, level_of
+from rsym.verify.answers.body_report import BodyReport
+from rsym.verify.answers.report import BROKEN, CONTINUITIES, UNKNOWN, SmoothnessReport, is_defect, level_of
 
 
 class Located(Protocol):
@@ -38,6 +40,7 @@ class Located(Protocol):
 
 
 P = TypeVar("P", bound=Located)
+V = TypeVar("V", bound=SmoothnessReport | BodyReport)
 
 
 def answers(said: Located, found: Located, near: float = 0.0) -> bool:
@@ -91,6 +94,9 @@ def missing(
     return result
 
 
-def complaint(wrong: Sequence[str]) -> tuple[str, bool]:
-    """The sentence of a report whose account does not balance."""
-    return f"the account of the search does not balance, which is a defect of rsym to report: {'; '.join(wrong)}", False
+def audited(draft: V, wrong: Sequence[str]) -> V:
+    """A report whose account balances as it is; of another nothing is said but what is wrong."""
+    if not wrong:
+        return draft
+    complaint = f"the account of the search does not balance, which is a defect of rsym to report: {'; '.join(wrong)}"
+    return replace(draft, verdict=UNDECIDED, continuity=UNKNOWN, statements=(*draft.statements, (complaint, False)))

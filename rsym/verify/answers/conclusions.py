@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.reports.words import plural
-from rsym.verify.answers.report import is_defect, level_of
+from rsym.verify.answers.report import continuity_of, is_defect, level_of
 
 # Kinds for which there is no curve or surface whose curvature could be continuous.
 DEGENERATIONS = frozenset({"node", "isolated point", "no sign change", "end"})
@@ -75,6 +75,25 @@ def verdict_from(tally: Tally, places: Sequence[Any]) -> str:
     if tally["open"] or tally["leap"] or len(proved) < len(places):
         return UNDECIDED
     return CERTIFIED if tally.exists else UNDECIDED
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """What is said of the whole boundary: a verdict, a continuity, sentences with whether they are proved."""
+
+    verdict: str
+    continuity: str
+    statements: tuple[tuple[str, bool], ...]
+
+
+def conclude(
+    tally: Tally, places: Sequence[Any], dimension: int, further: Iterable[tuple[str, bool]], *, ranging: bool = False
+) -> Conclusion:
+    """What follows from boxes and places; `further` sentences are said last."""
+    verdict = verdict_from(tally, places)
+    counted = [place for place in places if place.proved or verdict != REFUTED]
+    said = (*sentences(tally, dimension, ranging=ranging), *further)
+    return Conclusion(verdict, continuity_of(verdict, map(level_of, counted), tally.order), said)
 
 
 def badness(place: Any) -> tuple[float, ...]:

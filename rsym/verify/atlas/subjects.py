@@ -34,8 +34,8 @@ from rsym.verify.boxes.krawczyk import Point, common_zero, image, inverse, narro
 from rsym.verify.boxes.local import PRECISION, Interval, Model
 from rsym.verify.boxes.locus import reduce
 from rsym.verify.cleaning import cleaned
+from rsym.verify.plane import Question
 from rsym.verify.revolution import find_meridian, meridian
-from rsym.verify.smoothness import Question
 
 # A box that holds its image is found by growing it to a little more than its image, as often as it is worth trying.
 INFLATION, GROWTHS = 1.1, 10

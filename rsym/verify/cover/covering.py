@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from rsym.bounds.balls import ctx
+from rsym.bounds.intervals import IntervalFunction
+from rsym.model.shape import Shape
+from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative
+from rsym.program.lowering import lower
 from rsym.sampling.progress import Effort
 from rsym.verify.answers.account import Balance
-from rsym.verify.boxes.local import PRECISION, Box, Model
+from rsym.verify.boxes.local import PRECISION, Box, Interval, Model
 from rsym.verify.cover.arcs import ArcInspector
 from rsym.verify.cover.inspection import OPEN, Inspection
-from rsym.verify.cover.pruning import Prune
 
 COARSEST = 1 / 24  # of the extent: larger regular boxes are divided, so that the cover follows the boundary
 REPORTED = 64  # boxes between two reports of progress
 # The first cut is off centre, so that no side of a box lies on the planes of symmetry of a model.
 OFF_CENTRE = 0.4375 + 1 / 64
+
+
+Prune = Callable[[Sequence[Box]], Sequence[bool]]
 
 
 @dataclass
@@ -144,3 +152,26 @@ def _widest_letter(model: Model, box: Box) -> int | None:
     smears = [min(slope, known) * (high - low) for slope, (low, high) in zip(slopes, box, strict=True)]
     widest = max(range(2, len(box)), key=smears.__getitem__)
     return widest if smears[widest] > max(smears[:2]) else None
+
+
+def bounds_of_omega(shape: Shape, axes: Sequence[str], letters: Iterable[str]) -> IntervalFunction:
+    """Omega over boxes with sides along the axes; letters that range are axes."""
+    builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(letters))
+    program = builder.program({"value": lower(builder, shape.expression)})
+    return IntervalFunction(program.varying(axes[2:]), "numpy", 1)
+
+
+def pruner(function: IntervalFunction, axes: Sequence[str], letters: Mapping[str, Interval]) -> Prune:
+    """A function of boxes, with sides along the axes, that is true for those on which omega is not zero anywhere.
+
+    Letters that range are axes: each box has its own part of the range.
+    """
+    fixed = {name: value for name, value in letters.items() if name not in axes}
+
+    def prune(boxes: Sequence[Box]) -> Sequence[bool]:
+        ends = np.array(boxes, dtype=np.float64)
+        low, high = function(list(ends[..., 0].T), list(ends[..., 1].T), fixed)["value"]
+        empty: list[bool] = ((low > 0) | (high < 0)).tolist()
+        return empty
+
+    return prune
