@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from html import escape
 from typing import Any, TypeAlias, overload
 
@@ -16,6 +16,8 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.requirements import optional_package, require_shape
 from rsym.model.shape import Bounds, Shape
+from rsym.reports.document import Document, Sentence, numerical
+from rsym.reports.render import Report
 from rsym.sampling.plane import PlaneSampler, plane_sampler
 from rsym.sampling.stills import line_picture
 
@@ -27,7 +29,7 @@ _Moved: TypeAlias = tuple[Floats, Flags]  # vertices (n, 2), and which of them a
 
 
 @dataclass(frozen=True)
-class LevelLinesStatus:
+class LevelLinesStatus(Report):
     """How many vertices reached the level, how many kept their place, how many samples were undefined.
 
     `unresolved_corners` counts neighbours on different leaves without a corner between them: the
@@ -41,15 +43,16 @@ class LevelLinesStatus:
     open: int
     unresolved_corners: int = 0
 
-    def __str__(self) -> str:
-        text = f"{self.closed} closed and {self.open} open lines with {self.vertices} vertices on the level."
-        if self.kept:
-            text += f" Vertices unresolved, kept where linear interpolation put them: {self.kept}."
-        if self.unresolved_corners:
-            text += f" Corners unresolved, where a cell holds too much: {self.unresolved_corners}."
-        if self.undefined_samples:
-            text += f" The field is undefined at {self.undefined_samples} samples."
-        return text
+    def document(self) -> Document:
+        """All that the status says; nothing of it is proved."""
+        lines = f"{self.closed} closed and {self.open} open lines with {self.vertices} vertices on the level."
+        troubles = {
+            f"Vertices unresolved, kept where linear interpolation put them: {self.kept}.": self.kept,
+            f"Corners unresolved, where a cell holds too much: {self.unresolved_corners}.": self.unresolved_corners,
+            f"The field is undefined at {self.undefined_samples} samples.": self.undefined_samples,
+        }
+        told = numerical(text for text, count in troubles.items() if count)
+        return Document("level-lines", Sentence(lines, False), sentences=told, data=asdict(self))
 
 
 @dataclass(frozen=True, repr=False)

@@ -11,6 +11,9 @@ import numpy as np
 
 from rsym.arrays import Floats
 from rsym.model.requirements import require_positive
+from rsym.reports.document import Document, Sentence
+from rsym.reports.numbers import number, point
+from rsym.reports.render import Report
 from rsym.surfaces.functions.univariate import Univariate
 from rsym.surfaces.parameters import Interval
 
@@ -22,7 +25,7 @@ CLOSER, ROUNDS = 9, 5
 
 
 @dataclass(frozen=True)
-class Correction:
+class Correction(Report):
     """How far what had to meet was apart, and how far points were moved so that it meets.
 
     Parameters
@@ -44,10 +47,12 @@ class Correction:
     moved: float
     parameters: tuple[float, float]
 
-    def __str__(self) -> str:
-        u, v = self.parameters
-        closed = f"a gap of {self.gap:.3g} closed" if self.gap else "no gap"
-        return f"{closed}; points moved by {self.moved:.3g} at most, at (u, v) = ({u:.6g}, {v:.6g})"
+    def document(self) -> Document:
+        """How far what had to meet was apart, and how far points were moved; measured, not proved."""
+        closed = f"a gap of {number(self.gap, 3)} closed" if self.gap else "no gap"
+        moved = f"points moved by {number(self.moved, 3)} at most, at (u, v) = {point(self.parameters, 6)}"
+        data = {"gap": self.gap, "moved": self.moved, "parameters": self.parameters}
+        return Document("correction", Sentence(f"{closed}; {moved}", False), data=data)
 
 
 def require_tolerance(given: Any) -> None:

@@ -21,9 +21,9 @@ from rsym.reports import render
 from rsym.reports.document import Document, Entry, Sentence, Tabular
 from rsym.reports.numbers import at_least, at_most, extents, interval, measured, share
 from rsym.reports.render import Report, as_html, as_text
-from rsym.surfaces import continuity_report, torus
+from rsym.surfaces import BSplineSurface, CoonsPatch, HermiteBlend, continuity_report, torus
 from rsym.surfaces.parametric import ParametricSurface
-from rsym.surfaces.symbols import u, v
+from rsym.surfaces.symbols import t, u, v
 from rsym.verify.answers.report import Verdict
 from rsym.verify.threshold import Threshold
 
@@ -97,6 +97,23 @@ def clipped_mesh():
         return rsym.mesh(tube, 8).status
 
 
+def level_lines():
+    return rsym.level_lines(rsym.Shape(1 - x**2 - y**2, (x, y), bounds=BOX), resolution=16).status
+
+
+def refused_blend():
+    return HermiteBlend.class2(4, 1).is_monotone()
+
+
+def corrected_patch():
+    return CoonsPatch((0, t, 0), (1, t, t), (t, 0, 0), (t, 1, 0.99 * t), tolerance=0.02).correction
+
+
+def corrected_fit():
+    points = [[[i, j, abs(i - 3) * j] for j in range(5)] for i in range(7)]
+    return BSplineSurface.least_squares(points, (5, 4), corrections=3).fit
+
+
 def contract():
     return rsym.Shape(rsym.conjunction(x, 2 * y), (x, y)).contract()
 
@@ -115,6 +132,7 @@ REAL = [
     edges,
 ]
 REAL += [edges_by_samples, threshold, systems, mesh_status, clipped_mesh]
+REAL += [level_lines, refused_blend, corrected_patch, corrected_fit]
 MAKERS = [functools.cache(make) for make in (*reports.EVERY, *body_reports.EVERY, *REAL)]
 
 

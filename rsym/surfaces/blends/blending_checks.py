@@ -16,6 +16,9 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letters, as_letters
 from rsym.model.symbols import as_expression, real_symbol
+from rsym.reports.document import Document, Sentence
+from rsym.reports.numbers import number
+from rsym.reports.render import Report
 from rsym.surfaces.blends.blend_families import BlendFamily, Functions, resolved
 from rsym.surfaces.functions.formulas import CompiledFormulas, exact
 from rsym.surfaces.parameters import LetterValues
@@ -24,6 +27,7 @@ from rsym.surfaces.symbols import t
 # Sampled identities hold to this: a thousand times the rounding of blending functions.
 TOLERANCE = 1e-12
 SAMPLES = 1025
+DIGITS = 6  # of what is found
 
 
 class Blend(Protocol):
@@ -47,7 +51,7 @@ class Blend(Protocol):
 
 
 @dataclass(frozen=True)
-class Answer:
+class Answer(Report):
     """Yes or no, and how that is known.
 
     Attributes
@@ -81,10 +85,15 @@ class Answer:
     def __bool__(self) -> bool:
         return self.holds
 
-    def __str__(self) -> str:
-        place = f", by {self.worst:.6g} at t = {self.where:.6g}" if not self.holds and self.where is not None else ""
-        status = "proved" if self.proved else "sampled"
-        return f"{self.statement}: {'yes' if self.holds else 'no'}{place}; {status} ({self.reason})"
+    def document(self) -> Document:
+        """The statement, the answer and how it is known."""
+        place = ""
+        if not self.holds and self.where is not None:
+            place = f", by {number(self.worst, DIGITS)} at t = {number(self.where, DIGITS)}"
+        known = f"{'proved' if self.proved else 'sampled'} ({self.reason})"
+        text = f"{self.statement}: {'yes' if self.holds else 'no'}{place}; {known}"
+        data = {"statement": self.statement, "holds": self.holds, "worst": self.worst, "where": self.where}
+        return Document("blend-answer", Sentence(text, self.proved), data=data)
 
 
 def end_values(functions: Functions, letters: Letters, orders: int) -> Floats:
@@ -159,7 +168,8 @@ def monotonicity(blend: Blend, letters: LetterValues = None) -> Answer:
         low, high = monotone_range(blend, letters)
         parameter = blend.family.parameter.xreplace(numbers)
         holds = bool(sp.And(low <= parameter, parameter <= high))
-        text = f"the parameter {float(parameter):.6g} in [{float(low):.6g}, {float(high):.6g}]"
+        value, least, most = (number(float(one), DIGITS) for one in (parameter, low, high))
+        text = f"the parameter {value} in [{least}, {most}]"
         return Answer(statement, holds, True, 0.0 if holds else worst, where, text)
     return Answer(statement, worst <= TOLERANCE, False, worst, where, f"{SAMPLES} places{_with(values)}")
 
@@ -253,7 +263,7 @@ def _numbers(values: Mapping[str, float]) -> dict[sp.Symbol, sp.Expr]:
 
 
 def _with(values: Mapping[str, float]) -> str:
-    return "".join(f", {name} = {value:.6g}" for name, value in values.items())
+    return "".join(f", {name} = {number(value, DIGITS)}" for name, value in values.items())
 
 
 def _interpreted(functions: Sequence[sp.Expr], places: Floats, orders: int, values: Mapping[str, float]) -> Floats:

@@ -23,6 +23,10 @@ from scipy.linalg.lapack import dtrcon
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
+from rsym.reports.document import Document, Sentence, Tabular, numerical
+from rsym.reports.numbers import number
+from rsym.reports.render import Report
+from rsym.reports.words import plural
 from rsym.sampling.memory import free_memory
 from rsym.surfaces.bsplines.band_qr import DEPENDENT, BandQR
 from rsym.surfaces.bsplines.data_parameters import are_settled, check_data
@@ -70,12 +74,12 @@ class Residual:
     def __str__(self) -> str:
         datum = self.worst if len(self.worst) > 1 else self.worst[0]
         names = "uv" if len(self.place) > 1 else "t"
-        place = ", ".join(f"{name} = {value:.6g}" for name, value in zip(names, self.place, strict=True))
-        return f"at most {self.maximum:.3g}, rms {self.rms:.3g}; worst at datum {datum}, {place}"
+        place = ", ".join(f"{name} = {number(value, 6)}" for name, value in zip(names, self.place, strict=True))
+        return f"at most {number(self.maximum, 3)}, rms {number(self.rms, 3)}; worst at datum {datum}, {place}"
 
 
 @dataclass(frozen=True, eq=False)
-class SplineFit:
+class SplineFit(Report):
     """The data of a surface or a curve, and how it came to them.
 
     Parameters
@@ -96,6 +100,8 @@ class SplineFit:
     >>> fit = BSplineSurface.least_squares(points, (5, 4), corrections=3).fit
     >>> len(fit.history), fit.history[0].rms > fit.residual.rms
     (4, True)
+    >>> print(BSplineSurface.interpolate(points).fit)  # doctest: +ELLIPSIS
+    35 data are missed by at most ...
     """
 
     points: Floats
@@ -107,6 +113,18 @@ class SplineFit:
     def residual(self) -> Residual:
         """The residual of the surface."""
         return self.history[-1]
+
+    def document(self) -> Document:
+        """How far the surface misses the data, step by step; measured, not proved."""
+        steps = tuple((f"{k}", number(one.maximum, 3), number(one.rms, 3)) for k, one in enumerate(self.history))
+        moving = () if self.converged else numerical(["Vertices kept on planes or curves were still moving."])
+        return Document(
+            "spline-fit",
+            Sentence(f"{plural(self.points.size // 3, 'datum', 'data')} are missed by {self.residual}.", False),
+            sentences=moving,
+            tables=(Tabular(("step", "greatest distance", "rms"), steps),) if len(steps) > 1 else (),
+            data={"history": self.history, "converged": self.converged},
+        )
 
 
 def broadcast(parameters: Pair) -> Pair:

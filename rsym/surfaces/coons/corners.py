@@ -19,6 +19,7 @@ import sympy as sp
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
+from rsym.reports.numbers import point
 from rsym.surfaces import symbols
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.corrections import MEETING, Correction, enough, longest, sizes
@@ -120,15 +121,11 @@ def _disagreement(i: int, j: int, order: tuple[int, int], by_u: Floats, by_v: Fl
     else:
         first, second = f"the {WORDS[along]} along the edge u{i} at v = {j}", f"that across the edge v{j} at u = {i}"
     return RsymError(
-        f"{first} is {_point(by_u)} and {second} is {_point(by_v)}: a gap of {float(sizes(by_u - by_v)):.3g}",
+        f"{first} is {point(by_u, 6)} and {second} is {point(by_v, 6)}: a gap of {float(sizes(by_u - by_v)):.3g}",
         code="corner",
         where=f"corner ({i}, {j})",
         remedy=f"{mend}, or blend the gaps in: tolerance={enough(share)}" if np.isfinite(share) else mend,
     )
-
-
-def _point(values: Floats) -> str:
-    return f"({', '.join(f'{value:.6g}' for value in values)})"
 
 
 def gregory_of(
