@@ -38,15 +38,13 @@ from .model.operations import (
     rfOR,
     trimming,
 )
-from .model.primitives.arcs import arc, circle
-from .model.primitives.cones import cone, double_cone, frustum, nappe
-from .model.primitives.curves import graph, helix, polyline, segment, space_curve
+from .model.primitives.curves import arc, circle, graph, helix, polyline, segment, space_curve
 from .model.primitives.helical import helicoid, helix_tube
 from .model.primitives.periodic import gyroid, lidinoid, neovius, schwarz_d, schwarz_p
 from .model.primitives.plane import disc, ellipse, half_plane, line, rectangle, strip, superellipse
 from .model.primitives.polygons import polygon, regular_polygon
 from .model.primitives.quadrics import ellipsoid, quadric, torus
-from .model.primitives.space import box, capsule, cylinder, half_space, slab, sphere
+from .model.primitives.space import box, capsule, cone, cylinder, double_cone, frustum, half_space, nappe, slab, sphere
 from .model.shape import Shape
 from .model.skeletons import analytic_condition, blend_on_skeleton
 from .model.symbols import x, y, z

@@ -13,8 +13,7 @@ from rsym.backends.registry import CompiledFunction
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.program.operations import OPERATIONS
-from rsym.program.precision import FLOAT64, Precision
-from rsym.program.program import Program, constant_value
+from rsym.program.program import FLOAT64, Precision, Program, constant_value
 
 
 def interpret(program: Program, inputs: Mapping[str, ArrayLike]) -> dict[str, Floats]:

@@ -26,8 +26,7 @@ from rsym.model.wording import documented, within
 from rsym.program.calculus import LISTED
 from rsym.program.expansion import expand
 from rsym.program.fields import checked_fields, gather, program_of
-from rsym.program.precision import FLOAT64, Precision, precision_named
-from rsym.program.program import Program
+from rsym.program.program import FLOAT64, Precision, Program, precision_named
 
 
 @dataclass(frozen=True, repr=False)

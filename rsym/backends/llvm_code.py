@@ -25,8 +25,7 @@ from rsym.arrays import Floats
 from rsym.backends.vector_code import number_text
 from rsym.backends.vector_functions import ARITIES, definitions
 from rsym.program.operations import OPERATIONS
-from rsym.program.precision import FLOAT64, Precision
-from rsym.program.program import Node, Program, constant_value
+from rsym.program.program import FLOAT64, Node, Precision, Program, constant_value
 
 _COMPILING = threading.Lock()  # LLVM's global context is not safe against two compilations at once
 

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.program.operations import OPERATIONS
-from rsym.program.precision import FLOAT64, Precision
-from rsym.program.program import Node, Program, constant_value
+from rsym.program.program import FLOAT64, Node, Precision, Program, constant_value
 
 
 def numpy_source(program: Program, precision: Precision = FLOAT64) -> str:

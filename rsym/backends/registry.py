@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from rsym.backends.numpy_backend import NumpyFunction
 from rsym.errors import RsymError
-from rsym.program.precision import FLOAT64, Precision
-from rsym.program.program import Program
+from rsym.program.program import FLOAT64, Precision, Program
 
 
 class CompiledFunction(Protocol):

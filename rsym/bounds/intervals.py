@@ -31,8 +31,7 @@ from rsym.bounds.interval_arithmetic import Interval, neighbours
 from rsym.bounds.mean_values import sharpen
 from rsym.errors import RsymError
 from rsym.program.builder import Builder
-from rsym.program.precision import FLOAT64
-from rsym.program.program import Program
+from rsym.program.program import FLOAT64, Program
 
 Bounds: TypeAlias = dict[str, tuple[Floats, Floats]]
 Range: TypeAlias = Fraction | float | tuple[Fraction | float, Fraction | float]

@@ -107,7 +107,7 @@ def _field(chosen: Chosen, field: str, latex: bool) -> str:
 
 
 def _document(chosen: Chosen, lines: list[str]) -> str:
-    from rsym.model.names import typeset_name
+    from rsym.model.abridging import typeset_name
 
     shape = chosen.shape
     names = [typeset_name(symbol.name) for symbol in shape.coordinates]

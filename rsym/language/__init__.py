@@ -2,10 +2,10 @@
 
 Text comes in; a `Shape` goes out, or an error with line and column. And back: a shape goes out as text.
 
-- `vocabulary`: words with a meaning of their own; `functions`, `nodes`, `pieces`: what formulas may call
+- `functions`, `pieces`: what formulas may call
 - `scanner`: text to tokens; `expressions`, `parser`: tokens to the tree of `syntax`, loops unrolled
 - `model`: what each statement declares, every name once
-- `exact`, `extent`: numbers and work bounded before SymPy sees them; `parts`: what is built; `building`: the tree to
-  SymPy; `assembly`: a shape of it; `loading`: from a file
+- `exact`, `extent`: numbers and work bounded before SymPy sees them; `building`: the tree to SymPy; `assembly`: a shape
+  of it; `loading`: from a file
 - `sentences`, `writing`: a shape as text that loads to the same; `listing`: the formulas of a file as LaTeX
 """

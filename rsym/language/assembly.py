@@ -8,11 +8,10 @@ from collections.abc import Mapping
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.language.building import FormulaBuilder, Verbatim
+from rsym.language.building import Built, FormulaBuilder, Verbatim, symbol_part
 from rsym.language.extent import Extent
 from rsym.language.functions import operations
 from rsym.language.model import ModelFile
-from rsym.language.parts import Built, symbol_part
 from rsym.language.pieces import Calls, shown_call
 from rsym.language.syntax import Assignment, Name, PartStatement, names_in
 from rsym.model.letters import Letter

@@ -11,11 +11,10 @@ from itertools import pairwise
 from typing import TypeVar
 
 from rsym.language.exact import literal
-from rsym.language.nodes import COMPARISONS, CONNECTIVES, NODES, PIECEWISE
+from rsym.language.functions import COMPARISONS, CONNECTIVES, NODES, PIECEWISE
 from rsym.language.pieces import PIECES
 from rsym.language.scanner import Cursor, Token
-from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Quoted, Sum, Vector
-from rsym.language.vocabulary import ARITIES, KEYWORDS
+from rsym.language.syntax import ARITIES, KEYWORDS, Call, Expression, Name, Number, Power, Product, Quoted, Sum, Vector
 from rsym.model.wording import listing, proposal
 
 DEEPEST_NESTING = 100

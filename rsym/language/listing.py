@@ -16,14 +16,13 @@ from typing import NamedTuple
 import sympy as sp
 
 from rsym.language.assembly import assemble
+from rsym.language.functions import PIECEWISE
 from rsym.language.loading import read_text
 from rsym.language.model import collect
-from rsym.language.nodes import PIECEWISE
 from rsym.language.parser import parse
-from rsym.language.syntax import Call, Expression, Name, Number, Power, Product, Quoted, Sum, Vector, postorder
-from rsym.language.vocabulary import ARITIES
+from rsym.language.syntax import ARITIES, Call, Expression, Name, Number, Power, Product, Quoted, Sum, Vector, postorder
+from rsym.model.abridging import typeset_name
 from rsym.model.functions import FUNCTIONS
-from rsym.model.names import typeset_name
 from rsym.model.systems import RSystem
 
 _LOGIC, _SUM, _PRODUCT, _POWER, _ATOM = range(5)  # how firmly the parts of a text hold together

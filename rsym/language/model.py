@@ -10,6 +10,8 @@ from rsym.language.building import FormulaBuilder
 from rsym.language.functions import FAMILIES, SYSTEMS, operations
 from rsym.language.pieces import SPACE
 from rsym.language.syntax import (
+    ARITIES,
+    RESERVED,
     Assignment,
     BoundsStatement,
     Call,
@@ -30,7 +32,6 @@ from rsym.language.syntax import (
     postorder,
 )
 from rsym.language.syntax import Number as NumberWord
-from rsym.language.vocabulary import ARITIES, RESERVED
 from rsym.model.letters import Letter, Number
 from rsym.model.shape import Bounds
 from rsym.model.symbols import real_symbol

@@ -15,6 +15,7 @@ from rsym.language.expressions import ExpressionParser
 from rsym.language.model import closed_number
 from rsym.language.scanner import UNSUPPORTED, Cursor, Token, scan
 from rsym.language.syntax import (
+    KEYWORDS,
     Assignment,
     BoundsStatement,
     CoordinatesStatement,
@@ -33,7 +34,6 @@ from rsym.language.syntax import (
     VerbatimStatement,
     postorder,
 )
-from rsym.language.vocabulary import KEYWORDS
 
 MOST_LOOPS = 8  # in one another
 

@@ -18,7 +18,7 @@ from typing import Any
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.language.parts import Built
+from rsym.language.building import Built
 from rsym.language.syntax import Call
 from rsym.model.letters import Letter
 from rsym.model.nodes import RealNode
@@ -95,11 +95,11 @@ PIECES: Mapping[str, PieceRow] = dict(
         *_row(_PLANE, "model.primitives.plane", "half_plane strip line disc ellipse superellipse rectangle"),
         *_row(_PLANE, "model.primitives.polygons", "polygon regular_polygon"),
         *_row(_CURVES, "model.primitives.curves", "segment polyline graph"),
-        *_row(_CURVES, "model.primitives.arcs", "circle arc"),
+        *_row(_CURVES, "model.primitives.curves", "circle arc"),
         *_row(_CURVES, "model.primitives.curves", "helix", space=True),
         *_row(_CURVES, "model.primitives.curves", "space_curve", shapes=2, space=True),
         *_row(_SPACE, "model.primitives.space", "half_space slab sphere box cylinder capsule", space=True),
-        *_row(_SPACE, "model.primitives.cones", "cone frustum nappe double_cone", space=True),
+        *_row(_SPACE, "model.primitives.space", "cone frustum nappe double_cone", space=True),
         *_row(_SPACE, "model.primitives.quadrics", "ellipsoid torus", space=True),
         *_row(_SPACE, "model.primitives.quadrics", "quadric"),
         *_row(_PERIODIC, "model.primitives.helical", "helicoid helix_tube", space=True),

@@ -13,8 +13,7 @@ from sympy.functions.elementary.piecewise import ExprCondPair
 from sympy.logic.boolalg import BooleanAtom
 
 from rsym.errors import RsymError
-from rsym.language.functions import FAMILIES, SYSTEMS
-from rsym.language.nodes import NODES, PIECEWISE
+from rsym.language.functions import FAMILIES, NODES, PIECEWISE, SYSTEMS
 from rsym.model.functions import FUNCTIONS
 from rsym.model.letters import Number
 from rsym.model.nodes import Trimming

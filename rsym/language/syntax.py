@@ -1,4 +1,4 @@
-"""What a model file says, as frozen data: places, expressions and statements.
+"""What a model file says, as frozen data: places, expressions and statements, and the words with a meaning.
 
 Sums, products and powers are n-ary, so a long chain is wide and never deep.
 """
@@ -11,6 +11,29 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from rsym.errors import RsymError
+from rsym.model.functions import FUNCTIONS
+
+KEYWORDS = ("letter", "variant", "coordinates", "bounds", "system", "in")
+
+# Fewest and most arguments; None: any number.
+ARITIES: dict[str, tuple[int, int | None]] = {
+    "rfAND": (2, None),
+    "rfOR": (2, None),
+    "rfNOT": (1, 1),
+    "conjunction": (2, None),
+    "disjunction": (2, None),
+    "negation": (1, 1),
+    "difference": (2, None),
+    "implication": (2, 2),
+    "exclusive_or": (2, 2),
+    "equivalence": (2, None),
+    "joining": (2, None),
+    "trimming": (2, 2),
+    "sqrt": (1, 1),
+    **{name: row.arity for name, row in FUNCTIONS.items()},
+}
+
+RESERVED = frozenset((*KEYWORDS, *ARITIES, "pi"))
 
 
 @dataclass(frozen=True, slots=True)

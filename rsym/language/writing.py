@@ -11,13 +11,12 @@ from sympy.logic.boolalg import BooleanAtom
 
 from rsym.analysis.contracts.leaves import names_of
 from rsym.errors import RsymError
-from rsym.language.functions import written_system
+from rsym.language.functions import NODES, PIECEWISE, written_system
 from rsym.language.loading import loads
-from rsym.language.nodes import NODES, PIECEWISE
 from rsym.language.pieces import PIECES
 from rsym.language.scanner import LONGEST_NAME
 from rsym.language.sentences import ATOM, CODE, Sentences, Written, common_system, number_text, unspeakable
-from rsym.language.vocabulary import RESERVED
+from rsym.language.syntax import RESERVED
 from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape

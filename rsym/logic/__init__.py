@@ -3,8 +3,7 @@
 In comes a shape or a node of a program; out go its leaves, the gates that join them, and formulas of signs.
 
 - `stripping`: a node without what does not change its zeros: negations, factors of one sign, odd powers
-- `gates`: R-operations are a min or a max for the sign; gates of two operands, evaluated in order
-- `sign_form`: a shape as leaves and gates, for the mesher and for sections
+- `sign_form`: a shape as leaves and gates, for the sign a min or a max of two, for the mesher and for sections
 - `leaf_names`: what the leaves are called, by the parts of the shape
 - `kleene`: formulas of leaves with three signs, for boxes on which some are known
 """

@@ -6,16 +6,16 @@ omega = 0 off the edges, its gradient has the direction of that of the active
 argument. Positive factors drop, odd powers and normalisation too, and negations
 move to the leaves: -(f and g) is -f or -g. What remains at the ends, a *leaf*,
 has no R-operation on top: blends, trimming, joining and R-operations inside
-arithmetic stay as they are.
+arithmetic stay as they are. A *gate* is a min or a max of two operands; gates are evaluated in order.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from typing import NamedTuple, Protocol, TypeVar
 
-from rsym.logic.gates import Gate, Operand, gate_of, through
 from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign
 from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
@@ -24,8 +24,71 @@ from rsym.program.builder import Builder
 from rsym.program.calculus import Calculus
 from rsym.program.fields import fields_program
 from rsym.program.lowering import lower
-from rsym.program.operations import KINKED
+from rsym.program.operations import CONJUNCTIONS, DISJUNCTIONS, KINKED
 from rsym.program.program import Program, live
+
+
+class Gate(NamedTuple):
+    """A min or max of two operands: the number of a leaf, or the number of leaves plus that of an earlier gate."""
+
+    operation: str
+    first: int
+    second: int
+
+
+class Operand(NamedTuple):
+    """A gate or a leaf by its number among its kind."""
+
+    is_gate: bool
+    number: int
+
+    def after(self, leaves: int) -> int:
+        """The number among leaves and gates together."""
+        return self.number + leaves * self.is_gate
+
+
+class OfTwo(Protocol):
+    """What joins two operands by their numbers."""
+
+    @property
+    def first(self) -> int:
+        """The number of one."""
+
+    @property
+    def second(self) -> int:
+        """The number of the other."""
+
+
+T = TypeVar("T")
+G = TypeVar("G", bound=OfTwo)
+
+
+def gate_of(operation: str, sign: int = 1) -> str:
+    """The "min" or "max" that an operation times 1 or -1 is for the sign; empty if it is none.
+
+    Examples
+    --------
+    >>> gate_of("rp_conjunction"), gate_of("rp_conjunction", -1), gate_of("add")
+    ('min', 'max', '')
+    """
+    if operation in CONJUNCTIONS:
+        return "min" if sign > 0 else "max"
+    return ("max" if sign > 0 else "min") if operation in DISJUNCTIONS else ""
+
+
+def through(gates: Iterable[G], leaves: Iterable[T], join: Callable[[G, T, T], T]) -> list[T]:
+    """The leaves, and what each gate makes of its operands.
+
+    Examples
+    --------
+    >>> rules = {"min": min, "max": max}
+    >>> through([Gate("min", 0, 1), Gate("max", 3, 2)], [1, 5, 2], lambda gate, a, b: rules[gate.operation](a, b))
+    [1, 5, 2, 1, 2]
+    """
+    parts = list(leaves)
+    for gate in gates:
+        parts.append(join(gate, parts[gate.first], parts[gate.second]))
+    return parts
 
 
 @dataclass(frozen=True)

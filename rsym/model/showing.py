@@ -15,9 +15,8 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from rsym.model.abridging import ROOM, abridged, weight
+from rsym.model.abridging import ROOM, abridged, symbol_names, weight
 from rsym.model.equation import Equation
-from rsym.model.names import symbol_names
 from rsym.model.nodes import Fold
 from rsym.model.symbols import postorder, real_symbol, substitute, symbols_of, with_arguments
 from rsym.model.wording import within

@@ -19,7 +19,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.model.names import typeset_name
+from rsym.model.abridging import typeset_name
 from rsym.output.certificates import DEFECT
 from rsym.output.paints import checked_limits, checked_map
 from rsym.output.pictures import figure_of, require_axes, require_report

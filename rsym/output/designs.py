@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure, SubFigure
 
 from rsym.errors import RsymError
-from rsym.model.names import typeset_name
+from rsym.model.abridging import typeset_name
 from rsym.output.fairness import colour_bar, curvature_label, curvature_norm, draw_curvature
 from rsym.output.pictures import checked_titles, page, require_report, whole
 from rsym.reports.numbers import at_most, number

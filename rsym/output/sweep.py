@@ -12,8 +12,8 @@ from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError, warn
+from rsym.model.abridging import typeset_name
 from rsym.model.letters import Letter
-from rsym.model.names import typeset_name
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.output import axes3d

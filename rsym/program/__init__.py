@@ -3,7 +3,7 @@
 A `Shape` or an expression comes in; a `Program` goes out: numbered nodes, equal ones once, for values and fields. In
 the order of the data:
 
-- `program`, with the number formats of `precision`: nodes, and programs of them
+- `program`: nodes, programs of them, the number formats
 - `row`: what is known of an operation; rows: `arithmetic`, `elementary`, `powers`, `r0`, `r_alpha`, `r0m`, `rp`,
   `joining`; `operations`: the table, and the sets that follow from it
 - `builder`: makes nodes and simplifies what is exact

@@ -18,8 +18,7 @@ from rsym.program.calculus import FORMS, HIGHEST, ONE_SIDED, SCALARS, Calculus, 
 from rsym.program.elementary import bearing
 from rsym.program.lowering import lower
 from rsym.program.operations import JUMPING, OPERATIONS
-from rsym.program.precision import FLOAT64
-from rsym.program.program import Node, Program, live
+from rsym.program.program import FLOAT64, Node, Program, live
 from rsym.program.row import unbounded
 
 SIX: tuple[str, ...] = (

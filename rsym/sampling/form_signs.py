@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats
 from rsym.bounds.far_forms import far_leaves
 from rsym.bounds.intervals import IntervalFunction
-from rsym.logic.gates import Gate, through
-from rsym.logic.sign_form import SignForm
+from rsym.logic.sign_form import Gate, SignForm, through
 from rsym.program.builder import Builder
 from rsym.program.program import Program
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from rsym.arrays import Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
-from rsym.logic.gates import Gate, through
-from rsym.logic.sign_form import shape_form
+from rsym.logic.sign_form import Gate, shape_form, through
 from rsym.model.shape import Shape
 from rsym.program.differentiation import derivative
 

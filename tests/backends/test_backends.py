@@ -14,7 +14,7 @@ from rsym.backends.numpy_backend import NumpyFunction
 from rsym.program.builder import Builder
 from rsym.program.expansion import expand
 from rsym.program.operations import OPERATIONS, PRIMITIVES
-from rsym.program.precision import FLOAT32, FLOAT64, PRECISIONS
+from rsym.program.program import FLOAT32, FLOAT64, PRECISIONS
 
 AWKWARD = [0.0, -0.0, 1.0, -1.0, 0.5, -3.0, 1e-9, -1e-20, 1e-170, 5e-324, 1e20, -1e170, 1e300, np.inf, -np.inf, np.nan]
 # The same for float32: squares leave its range in both directions.

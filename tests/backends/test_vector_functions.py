@@ -7,7 +7,7 @@ from backends.test_backends import run, single
 
 from rsym.backends import vector_functions
 from rsym.backends.vector_functions import ARITIES, definitions
-from rsym.program.precision import FLOAT32, FLOAT64
+from rsym.program.program import FLOAT32, FLOAT64
 
 TRUTH = {
     "sin": mpmath.sin,

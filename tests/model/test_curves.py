@@ -14,8 +14,7 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import RsymError, Shape, x, y, z
-from rsym.model.primitives.arcs import arc, circle
-from rsym.model.primitives.curves import graph, helix, polyline, segment, space_curve
+from rsym.model.primitives.curves import arc, circle, graph, helix, polyline, segment, space_curve
 
 BITS = 720  # some 216 digits: series beside a curve lose 7*18 of them, trimming another 72
 BESIDE = arb(2) ** -60  # where one-sided limits are taken: what is not constant there is below every tolerance

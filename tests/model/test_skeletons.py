@@ -9,8 +9,7 @@ import sympy as sp
 import rsym
 from rsym import Letter, RsymError, Shape, x, y, z
 from rsym.model.positivity import positive_polynomial
-from rsym.model.primitives.arcs import arc, circle
-from rsym.model.primitives.curves import graph, helix, polyline, segment, space_curve
+from rsym.model.primitives.curves import arc, circle, graph, helix, polyline, segment, space_curve
 from rsym.model.skeletons import analytic_condition, blend_on_skeleton
 from rsym.paper.models import model_path
 

@@ -4,8 +4,8 @@ import sympy as sp
 from rsym import RsymError
 from rsym.language.listing import definitions
 from rsym.language.loading import loads
-from rsym.language.vocabulary import ARITIES
-from rsym.model.names import typeset_name
+from rsym.language.syntax import ARITIES
+from rsym.model.abridging import typeset_name
 from rsym.model.shape import Shape
 from rsym.model.showing import latex
 from rsym.model.symbols import x, y

@@ -5,7 +5,7 @@ import numpy as np
 from rsym.backends.kernel import compiled, run_in_blocks
 from rsym.bounds.intervals import IntervalFunction
 from rsym.program.differentiation import gradient
-from rsym.program.precision import FLOAT64
+from rsym.program.program import FLOAT64
 
 
 class LeafKernels:

@@ -10,7 +10,7 @@ import sympy as sp
 
 import rsym
 from rsym.analysis.contracts import elementary, table
-from rsym.language import functions, vocabulary
+from rsym.language import functions, syntax
 from rsym.model.functions import FUNCTIONS, Function
 from rsym.model.nodes import RealNode
 from rsym.model.rnodes import R0Operation
@@ -26,7 +26,7 @@ HOWTO = Path(rsym.__file__).parent / "HOWTO.md"
 @pytest.fixture
 def taken_back():
     """Tables as they were."""
-    tables = (OPERATIONS, FUNCTIONS, LOWERINGS, table.PROMISES, functions.SYSTEMS, vocabulary.ARITIES)
+    tables = (OPERATIONS, FUNCTIONS, LOWERINGS, table.PROMISES, functions.SYSTEMS, syntax.ARITIES)
     before = [dict(one) for one in tables]
     yield
     for one, kept in zip(tables, before, strict=True):
@@ -78,7 +78,7 @@ def test_an_operation_is_a_row_and_its_class(taken_back):
     register({"arsinh": ARSINH})
     row = Function(Arsinh, math.asinh, "arsinh", analytic=True, entire=True, grows=1, sign="odd")
     FUNCTIONS["arsinh"] = row
-    vocabulary.ARITIES["arsinh"] = row.arity
+    syntax.ARITIES["arsinh"] = row.arity
     table.PROMISES[Arsinh] = elementary.growing(row)
     text = "coordinates x y z\nbounds x [-2, 2] y [-2, 2] z [-2, 2]\nshape = 1 - arsinh(x)^2 - y^2 - z^2"
     body = rsym.loads(text)

@@ -11,8 +11,7 @@ import sympy as sp
 
 from rsym.analysis.contracts.leaves import Leaf, is_logical
 from rsym.analysis.contracts.promises import Order, Singularity
-from rsym.model.abridging import weight
-from rsym.model.names import symbol_names
+from rsym.model.abridging import symbol_names, weight
 from rsym.model.symbols import real_symbol, symbols_of
 from rsym.reports.document import Document, Entry, Sentence
 

@@ -5,6 +5,6 @@ where it has an extent. A primitive is a function with its docstring here and it
 
 - `formulas`: fields and boxes that many share
 - `plane`, `polygons` (`outlines` of corners, with their formula): in the plane
-- `curve_nodes`: curves that know where they run; `curves`, `arcs` are made of them
-- `space`, `cones`, `quadrics`, `helical`, `periodic`: in space
+- `curve_nodes`: curves that know where they run; `curves` are made of them
+- `space`, `quadrics`, `helical`, `periodic`: in space
 """

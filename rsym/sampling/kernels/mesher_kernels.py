@@ -23,8 +23,7 @@ from rsym.errors import RsymError
 from rsym.logic.sign_form import SignForm, cap_letters
 from rsym.model.shape import Bounds
 from rsym.program.operations import OPERATIONS
-from rsym.program.precision import FLOAT64
-from rsym.program.program import Program
+from rsym.program.program import FLOAT64, Program
 from rsym.sampling.kernels.form_code import LeafFormulas
 from rsym.sampling.kernels.mesher_code import mesher_code
 from rsym.sampling.kernels.routines import LANES

@@ -15,8 +15,7 @@ from typing import NamedTuple, TypeAlias
 
 import sympy as sp
 
-from rsym.model.abridging import weight
-from rsym.model.names import symbol_names
+from rsym.model.abridging import symbol_names, weight
 from rsym.model.symbols import symbols_of
 from rsym.surfaces.symbols import t
 

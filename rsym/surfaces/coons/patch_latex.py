@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from rsym.model.abridging import weight
-from rsym.model.names import symbol_names
+from rsym.model.abridging import symbol_names, weight
 from rsym.model.symbols import symbols_of
 from rsym.surfaces.blends.blend_families import blend_lines
 from rsym.surfaces.blends.blending import HermiteBlend

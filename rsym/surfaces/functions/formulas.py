@@ -18,8 +18,7 @@ from rsym.model.symbols import as_expression, real_replacements, symbols_of
 from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative
 from rsym.program.lowering import lower_all
-from rsym.program.precision import FLOAT64
-from rsym.program.program import Program
+from rsym.program.program import FLOAT64, Program
 from rsym.surfaces.parameters import Interval
 
 Order: TypeAlias = tuple[int, ...]

@@ -17,7 +17,7 @@ from rsym.backends.registry import CompiledFunction, make_function
 from rsym.model.shape import Bounds, Shape
 from rsym.program.expansion import expand
 from rsym.program.fields import program_of
-from rsym.program.precision import FLOAT64
+from rsym.program.program import FLOAT64
 from rsym.sampling.isolines import isolines
 
 PIXELS = 400  # along each letter, of the map from which level lines are read

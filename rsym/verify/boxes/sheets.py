@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from rsym.logic.gates import gate_of
 from rsym.logic.kleene import Connective, Formula, Literal, as_gate, joined, leaves_of, replaced, without_idle
+from rsym.logic.sign_form import gate_of
 from rsym.logic.stripping import bare, factor
 from rsym.program.operations import PARTIAL
 from rsym.verify.boxes.domains import is_defined, is_defined_itself, is_legal

@@ -14,8 +14,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from rsym.logic.gates import Gate, Operand, gate_of
-from rsym.logic.sign_form import stripped
+from rsym.logic.sign_form import Gate, Operand, gate_of, stripped
 from rsym.logic.stripping import Signed
 from rsym.model.symbols import with_operands
 from rsym.program.builder import Builder

@@ -27,7 +27,7 @@ from rsym.backends.registry import make_function
 from rsym.errors import RsymWarning
 from rsym.model.shape import Shape
 from rsym.program.expansion import expand
-from rsym.program.precision import FLOAT64
+from rsym.program.program import FLOAT64
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 from rsym.verify.answers.body_report import BodyReport

@@ -14,7 +14,7 @@ from rsym.arrays import Floats
 from rsym.backends.kernel import run_in_blocks
 from rsym.backends.registry import make_function
 from rsym.program.expansion import expand
-from rsym.program.precision import FLOAT64
+from rsym.program.program import FLOAT64
 from rsym.sampling.combs import Comb
 from rsym.verify.boxes.joints import BoundaryArc
 from rsym.verify.fairness.bending import Arcs
