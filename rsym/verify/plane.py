@@ -48,7 +48,7 @@ BELOW_AXIS = 0.02  # the share of the radius on the far side of the axis of a bo
 
 
 @dataclass(frozen=True)
-class Study:
+class CurveStudy:
     """A model and what was found on its boxes."""
 
     model: Model
@@ -71,7 +71,7 @@ class Question:
         self._over_boxes: dict[tuple[str, ...], IntervalFunction] = {}
         self._model: Model | None = None
 
-    def study(self, letters: Mapping[Any, Any] | None, smallest: float, budget: int, effort: Effort) -> Study:
+    def study(self, letters: Mapping[Any, Any] | None, smallest: float, budget: int, effort: Effort) -> CurveStudy:
         """The boxes of the boundary for some letters."""
         values = ranges_of(self._letters, letters)
         self._model = model = Model(self._plane, values, body=self._body, bounds=self._within, like=self._model)
@@ -81,7 +81,7 @@ class Question:
         prune = pruner(self._over_boxes[model.axes], model.axes, values)
         effort.begin("boxes", SHARES[0])
         found = cover(model, region, smallest=smallest * extent_of(region), budget=budget, prune=prune, effort=effort)
-        return Study(model, region, found, values, effort)
+        return CurveStudy(model, region, found, values, effort)
 
     def report(
         self, letters: Mapping[Any, Any] | None, *, budget: int, sharpening: int = 0, effort: Effort | None = None
@@ -104,7 +104,7 @@ def _half_plane(box: Any, axis: int) -> Box:
     return ((along[0], along[1]), (near or -BELOW_AXIS * far, far))
 
 
-def report_curve(study: Study, *, sharpening: int = SHARPENING) -> SmoothnessReport:
+def report_curve(study: CurveStudy, *, sharpening: int = SHARPENING) -> SmoothnessReport:
     """The report on a curve that was studied, with a bound of the curvature on which only so many boxes are spent.
 
     It says UNDECIDED where something that was found is not in it.
@@ -137,7 +137,7 @@ def report_curve(study: Study, *, sharpening: int = SHARPENING) -> SmoothnessRep
     return audited(draft, _unaccounted(study, suspects, draft))
 
 
-def _tally(study: Study, places: Sequence[Joint]) -> Tally:
+def _tally(study: CurveStudy, places: Sequence[Joint]) -> Tally:
     """What the boxes hold; where letters range a boundary counts for a certificate if there is one for every value."""
     model, found, region = study.model, study.found, study.region
     order = min((f.order for _, f in found.settled if f.kind == "regular"), default=math.inf)
@@ -154,17 +154,17 @@ def _is_curve(tally: Tally) -> bool:
     return bool(tally.exists) and not any(tally[kind] for kind in ("open", *NO_CURVE))
 
 
-def _found(study: Study) -> list[Joint]:
+def _found(study: CurveStudy) -> list[Joint]:
     """The joints of all boxes."""
     return [finding.place for _, finding in study.found.settled if isinstance(finding.place, Joint)]
 
 
-def _located(study: Study) -> list[Joint]:
+def _located(study: CurveStudy) -> list[Joint]:
     """The joints of all boxes; of a body those at negative radii are the images of others, which have their boxes."""
     return [joint for joint in _found(study) if not study.model.body or joint.point[1] >= -joint.radius]
 
 
-def _unaccounted(study: Study, suspects: Sequence[Joint], draft: SmoothnessReport) -> list[str]:
+def _unaccounted(study: CurveStudy, suspects: Sequence[Joint], draft: SmoothnessReport) -> list[str]:
     """What the boxes hold and the report does not list."""
     found = _found(study)
     said = [*draft.defects, *draft.joints]
@@ -177,7 +177,7 @@ def _unaccounted(study: Study, suspects: Sequence[Joint], draft: SmoothnessRepor
     return missing([*found, *suspects], said, study.found.balance, boxes=boxes)
 
 
-def _cover(study: Study) -> Cover:
+def _cover(study: CurveStudy) -> Cover:
     def boxes(*kinds: str) -> Floats:
         held = [box[:2] for box, finding in (*study.found.settled, *study.found.left) if finding.kind in kinds]
         return np.array(held, dtype=np.float64).reshape(-1, 2, 2)
