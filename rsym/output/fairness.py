@@ -95,7 +95,9 @@ def plot_fairness(
 def _page(report: FairnessReport, figure: Figure | SubFigure | None) -> tuple[Figure | SubFigure, Axes, Axes, str]:
     """A figure, the curve, the graph beside it or, if the curve is flat, below it, and where the colour bar goes."""
     points = np.concatenate([profile.points for profile in report.profiles])
-    wide, high = np.ptp(_mirrored(report, points), axis=0)
+    # Of a meridian its mirror image too.
+    shown = points if report.kind == "curve" else np.concatenate([points, points * [1.0, -1.0]])
+    wide, high = np.ptp(shown, axis=0)
     if wide > FLAT * high:
         upper = float(np.clip(STACKED * high / wide, 0.8, STACKED / 2)) + 0.8
         drawn = page(figure, size=(STACKED, upper + GRAPH), layout="constrained")
@@ -105,11 +107,6 @@ def _page(report: FairnessReport, figure: Figure | SubFigure | None) -> tuple[Fi
     drawn = page(figure, size=(WIDTH, height), layout="constrained")
     curve, graph = drawn.subplots(1, 2, width_ratios=(1.15, 1))
     return drawn, curve, graph, "bottom"
-
-
-def _mirrored(report: FairnessReport, points: Floats) -> Floats:
-    """Of a meridian its mirror image too."""
-    return points if report.kind == "curve" else np.concatenate([points, points * [1.0, -1.0]])
 
 
 def colour_bar(figure: Figure | SubFigure, lines: LineCollection, axes: Any, place: str, label: str) -> None:

@@ -95,8 +95,11 @@ def mark_curves(
     [('dihedral angle in degrees', (60.0, 90.0, 120.0))]
     """
     known = [*(one for one in curves if isinstance(one, SingularCurve)), *_edges(curves)]
+    between = angles or angle_limits(known)
+    first, last = (math.ceil(end / ROUND) for end in between)
+    ticks = tuple(ROUND * k for k in range(first, last + 1))
     bars = {
-        "angle": _angle_bar(angles or angle_limits(known)),
+        "angle": Bar(_scale("angle", between), "dihedral angle in degrees", "neither", ticks),
         "jump": Bar(_scale("jump", jumps or jump_limits(known)), "jump of normal curvature, dashed", "neither"),
     }
     known, places = [one for one in known if len(one.points) > 1], [one for one in known if len(one.points) == 1]
@@ -227,12 +230,6 @@ def _scale(name: str, limits: Limits) -> ScalarMappable:
     colours, first, last = MAPS[name]
     table = ListedColormap(colormaps[colours](np.linspace(first, last, 256)), f"part of {colours}")
     return ScalarMappable(Normalize(*limits), table)
-
-
-def _angle_bar(limits: Limits) -> Bar:
-    low, high = (math.ceil(end / ROUND) for end in limits)
-    ticks = tuple(ROUND * k for k in range(low, high + 1))
-    return Bar(_scale("angle", limits), "dihedral angle in degrees", "neither", ticks)
 
 
 def angle_limits(curves: Sequence[SingularCurve]) -> Limits:

@@ -252,7 +252,9 @@ class ShadedMesh(Artist):
             depth[row, column] = (weights * triangles.depth[faces]).sum(axis=1)
             shifted = partial(_shifted_weights, triangles, faces, row, column)
             side = triangles.facing[faces] * mirrored
-            light = self._light(Spots(names[faces], weights, shifted, side, turn))
+            spots = Spots(names[faces], weights, shifted, side, turn)
+            normals = unit(np.einsum("ij,ijk->ik", weights, self.normals[spots.faces]) @ turn.T)
+            light = shade(normals * side[:, None], self.paint(spots))
             if line:
                 light *= _edge_light(triangles.distances(faces, row, column), line)[:, None]
             samples[row, column, :3] = light
@@ -276,11 +278,6 @@ class ShadedMesh(Artist):
             return triangles, np.arange(len(corners))
         names = np.flatnonzero(triangles.facing == mirrored)
         return triangles[names], names
-
-    def _light(self, spots: Spots) -> Floats:
-        """Return the linear light of samples, seen from outside (side 1) or from inside (-1)."""
-        normals = unit(np.einsum("ij,ijk->ik", spots.weights, self.normals[spots.faces]) @ spots.turn.T)
-        return shade(normals * spots.side[:, None], self.paint(spots))
 
 
 def _lines(mesh: Mesh, least: float) -> tuple[Floats, Floats]:

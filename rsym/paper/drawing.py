@@ -80,6 +80,11 @@ def figure_of(artist: Artist) -> Figure:
     return figure
 
 
+def drawing_of(figure: Figure, shape: Shape, body: Mesh, remark: str) -> Drawing:
+    """The drawing of one mesh of a shape; its status stands behind the remark."""
+    return Drawing(figure, letters_text(shape.letters), body.status.triangles, f"{remark}; {body.status}")
+
+
 def triangles_in(figure: Figure) -> int:
     """The triangles of all bodies that a figure shows."""
     bodies = [artist for ax in figure.axes for artist in ax.artists if isinstance(artist, ShadedMesh)]

@@ -11,7 +11,7 @@ from rsym.output.axes3d import add_axes
 from rsym.output.fields import plot_fields
 from rsym.output.surfaces import plot_mesh
 from rsym.paper import claims, coons, curves, studies, verdicts
-from rsym.paper.drawing import Drawing, Recipe, figure_of, letters_text, mesh_quietly
+from rsym.paper.drawing import Drawing, Recipe, drawing_of, figure_of, letters_text, mesh_quietly
 from rsym.paper.models import BODIES, car, model_path, skeleton_body, streamlined, valve
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.sections import sections
@@ -31,6 +31,7 @@ NAMES = (
     ("slot", (1.0, 0.9), -3.5),
 )
 NAMES_AT = 22.0
+RESTORED = "roof and boot restored"
 # 3.4 million samples, as the source in 27 sub-boxes of 125 000 points; in 125 it had 15.6 million.
 RESOLUTION = 252
 FRONT, REAR = 48.0, -52.0
@@ -50,7 +51,7 @@ def draw_valve() -> Drawing:
     for position, (elevation, azimuth) in enumerate(VIEWS):
         axes = add_axes(figure, (0.5 * position - 0.25, -0.04, 1.0, 1.08))
         plot_mesh(body, ax=axes, elevation=elevation, azimuth=azimuth)
-    return Drawing(figure, letters_text(shape.letters), body.status.triangles, f"{OURS}; {body.status}")
+    return drawing_of(figure, shape, body, OURS)
 
 
 def draw_listing() -> Drawing:
@@ -91,16 +92,14 @@ def _car_mesh(stage: str, variant: str) -> Mesh:
 
 def _draw_car(stage: str, variant: str, azimuth: float) -> Drawing:
     shape, body = car(variant, stage), _car_mesh(stage, variant)
-    figure = figure_of(plot_mesh(body, azimuth=azimuth))
-    return Drawing(figure, letters_text(shape.letters), body.status.triangles, f"roof and boot restored; {body.status}")
+    return drawing_of(figure_of(plot_mesh(body, azimuth=azimuth)), shape, body, RESTORED)
 
 
 def _draw_triangulation() -> Drawing:
     """125 000 points, as the source: 50 along each axis."""
     shape = car()
     body = mesh_quietly(shape, (50, 50, 50))
-    figure = figure_of(plot_mesh(body, azimuth=FRONT, edges=True))
-    return Drawing(figure, letters_text(shape.letters), body.status.triangles, f"roof and boot restored; {body.status}")
+    return drawing_of(figure_of(plot_mesh(body, azimuth=FRONT, edges=True)), shape, body, RESTORED)
 
 
 def _draw_sheet() -> Drawing:
@@ -136,14 +135,13 @@ def _draw_streamlined() -> Drawing:
     figure = Figure(figsize=(7.0, 7.0))
     for bottom, elevation, azimuth in ((0.26, 20.0, 42.0), (-0.19, 24.0, -130.0)):
         plot_mesh(body, ax=add_axes(figure, (0.0, bottom, 1.0, 1.0)), elevation=elevation, azimuth=azimuth)
-    return Drawing(figure, letters_text(shape.letters), body.status.triangles, f"ours; {body.status}")
+    return drawing_of(figure, shape, body, "ours")
 
 
 def _draw_streamlined_triangulation() -> Drawing:
     shape = streamlined()
     body = mesh_quietly(shape, COARSE)
-    figure = figure_of(plot_mesh(body, elevation=20.0, azimuth=42.0, edges=True))
-    return Drawing(figure, letters_text(shape.letters), body.status.triangles, f"ours; {body.status}")
+    return drawing_of(figure_of(plot_mesh(body, elevation=20.0, azimuth=42.0, edges=True)), shape, body, "ours")
 
 
 # Those of parametric surfaces.

@@ -14,7 +14,7 @@ from rsym.model.blends.fillets import fillet
 from rsym.model.constructions import revolve
 from rsym.model.primitives.space import box, capsule, half_space
 from rsym.model.shape import Shape
-from rsym.output.axes3d import Bar, add_axes
+from rsym.output.axes3d import add_axes
 from rsym.output.body_verdicts import draw_body_verdict
 from rsym.output.cards import Place, fill, plot_gallery
 from rsym.output.singular import Limits, angle_limits, jump_limits, mark_curves
@@ -120,7 +120,10 @@ def draw_verdicts() -> Drawing:
     for one, place in zip(judged, _places(), strict=False):
         _draw(figure, one, place, angles, jumps)
     for bar, bottom in zip(mark_curves(curves, 1.0, angles, jumps).bars, (0.65, 0.15), strict=False):
-        _draw_bar(figure, bar, bottom)
+        axes = figure.add_axes((WIDE + 0.01, bottom, 0.014, 0.3))
+        drawn = figure.colorbar(bar.scale, cax=axes, ticks=bar.ticks)
+        drawn.set_label(bar.label, fontsize=9)
+        axes.tick_params(labelsize=8)
     table = Table(("body", "verdict", *PARTS), tuple(row for one in judged for row in _rows(one)))
     return Drawing(figure, letters_text(car().letters), triangles_in(figure), REMARK, table)
 
@@ -151,13 +154,6 @@ def _draw(figure: Figure, one: Judged, place: Place, angles: Limits, jumps: Limi
     title = f"{one.name}: {one.report.verdict}, {one.report.continuity}"
     figure.text(left + width / 2, bottom + height - 0.012, title, ha="center", va="center", fontsize=10)
     figure.text(left + width / 2, bottom + height - 0.03, one.summary, ha="center", va="center", fontsize=8)
-
-
-def _draw_bar(figure: Figure, bar: Bar, bottom: float) -> None:
-    axes = figure.add_axes((WIDE + 0.01, bottom, 0.014, 0.3))
-    drawn = figure.colorbar(bar.scale, cax=axes, ticks=bar.ticks)
-    drawn.set_label(bar.label, fontsize=9)
-    axes.tick_params(labelsize=8)
 
 
 def _rows(one: Judged) -> Iterator[tuple[str, ...]]:

@@ -21,7 +21,7 @@ from rsym.verify.boxes.local import Model
 from rsym.verify.continuity import curves
 from rsym.verify.cover import images
 from rsym.verify.cover.images import conditions
-from rsym.verify.lint import saturation
+from rsym.verify.lint import slopes
 
 
 def test_a_norm_is_defined_for_all_orders_above_0():
@@ -78,8 +78,8 @@ def test_kinks_of_zero_sets_follow_from_the_rows():
 
 
 def test_functions_that_level_off_are_some_that_a_program_holds():
-    assert set(saturation._BOUNDED) <= set(LOWERINGS)
-    assert saturation._BOUNDED
+    assert set(slopes._BOUNDED) <= set(LOWERINGS)
+    assert slopes._BOUNDED
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)

@@ -218,16 +218,13 @@ class Along:
             square = np.einsum("ni,ni->n", speed, speed)
             rise = square + np.einsum("ni,ni->n", bend, gap)
             # Where Newton's step would climb, that of Gauss and Newton does not.
-            t = self._inside(t - slope / np.where(rise > 0.1 * square, rise, np.where(square > 0, square, 1.0)))
+            t = t - slope / np.where(rise > 0.1 * square, rise, np.where(square > 0, square, 1.0))
+            t = wrapped(t, (low, high)) if self.curve.closed else np.clip(t, low, high)
         place, speed = self.curve.evaluate(t, [0, 1])
         lengths = np.sqrt(np.einsum("ni,ni->n", speed, speed))
         ends = np.zeros(len(t)) if self.curve.closed else (t == high) * 1.0 - (t == low)
         # Where a curve stands still it has no tangent, and a vertex stays.
         return Frames(place, (speed / np.where(lengths > 0, lengths, 1.0)[:, None])[:, :, None], ends)
-
-    def _inside(self, t: Floats) -> Floats:
-        domain = self.curve.domain
-        return wrapped(t, domain) if self.curve.closed else np.clip(t, *domain)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,10 +16,8 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from rsym.arrays import Floats
 from rsym.bounds.intervals import IntervalFunction
 from rsym.errors import RsymError
 from rsym.model.letters import Letters
@@ -260,7 +258,10 @@ def roots_between(expression: sp.Expr, low: float, high: float) -> tuple[list[sp
     lower, upper = edges[:-1], edges[1:]
     found: list[float] = []
     while len(lower):
-        doubtful, monotone = _sorted(function, lower, upper)
+        height, slope = (function([lower], [upper])[name] for name in ("0_0", "0_1"))
+        possible = (height[0] <= 0) & (height[1] >= 0)
+        monotone = possible & ((slope[0] > 0) | (slope[1] < 0))
+        doubtful = possible & ~monotone
         found += [root for a, b in zip(lower[monotone], upper[monotone], strict=True) for root in _single(value, a, b)]
         short = doubtful & (upper - lower <= SHORTEST * (high - low))
         found += ((lower[short] + upper[short]) / 2).tolist()
@@ -274,14 +275,6 @@ def roots_between(expression: sp.Expr, low: float, high: float) -> tuple[list[sp
                 remedy="describe the boundary of the domain by functions that are defined and not 0 along a stretch",
             )
     return [sp.Float(root) for root in sorted(found)], lambda place: int(np.sign(value(place)))
-
-
-def _sorted(function: IntervalFunction, lower: Floats, upper: Floats) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which pieces may hold any number of roots, and which at most one."""
-    value, slope = (function([lower], [upper])[name] for name in ("0_0", "0_1"))
-    possible = (value[0] <= 0) & (value[1] >= 0)
-    monotone = possible & ((slope[0] > 0) | (slope[1] < 0))
-    return possible & ~monotone, monotone
 
 
 def _single(value: Callable[[float], float], low: float, high: float) -> list[float]:

@@ -135,7 +135,9 @@ class LagrangeCardinals(Univariate):
         shares = self._weights / np.where(at_knot, 1.0, gaps)
         values = shares / shares.sum(axis=-1, keepdims=True)
         values = np.where(at_knot.any(axis=-1, keepdims=True), at_knot * 1.0, values)
-        return [_times(values, np.linalg.matrix_power(self._slopes, order)) if order else values for order in orders]
+        powers = [np.linalg.matrix_power(self._slopes, order) if order else None for order in orders]
+        # Each point by itself: the bits do not depend on the others.
+        return [values if power is None else np.einsum("...i,ij->...j", values, power) for power in powers]
 
     @property
     def is_smooth_formula(self) -> bool:
@@ -183,7 +185,11 @@ def named_cardinals(kind: Any, knots: Knots, closed: bool, name: str) -> Univari
             code="cardinals",
             remedy='"spline" suits any family',
         )
-    given = kind if isinstance(kind, Univariate) else _functions(kind, knots, closed)
+    given: Univariate
+    if isinstance(kind, Univariate):
+        given = kind
+    else:
+        given = Formula(kind, None, (knots[0], knots[-1]), closed=closed, what="a cardinal function")
     count = len(knots) - closed
     values = given(np.array(knots, np.float64)) if given.shape == (count,) else np.zeros((len(knots), 0))
     expected = np.eye(count)[np.arange(len(knots)) % count]
@@ -195,10 +201,6 @@ def named_cardinals(kind: Any, knots: Knots, closed: bool, name: str) -> Univari
             remedy="divide by the value at the knot, or take cardinal functions by name",
         )
     return given
-
-
-def _functions(given: Any, knots: Knots, closed: bool) -> Formula:
-    return Formula(given, None, (knots[0], knots[-1]), closed=closed, what="a cardinal function")
 
 
 def checked_knots(knots: Knots, closed: bool) -> tuple[float, ...]:
@@ -248,8 +250,3 @@ def _cubic(knots: Sequence[float], values: sp.Matrix, slopes: sp.Matrix) -> sp.E
         piece = values[j] * (1 - 3 * w**2 + 2 * w**3) + values[k] * (3 * w**2 - 2 * w**3)
         pieces.append((piece + h * (slopes[j] * (w - 2 * w**2 + w**3) + slopes[k] * (w**3 - w**2)), parameter < end))
     return sp.Piecewise(*pieces[:-1], (pieces[-1][0], True)) if len(pieces) > 1 else pieces[0][0]
-
-
-def _times(values: Floats, matrix: Floats) -> Floats:
-    """Rows times a matrix, each point by itself: the bits do not depend on the others."""
-    return np.asarray(np.einsum("...i,ij->...j", values, matrix))

@@ -148,7 +148,10 @@ def nearest_edges(p: Patch, q: Patch) -> tuple[str, str, bool]:
         for other in NAMES:
             for reverse in (False, True):
                 edges = PatchEdge(p, name, reverse), PatchEdge(q, other)
-                first, second = (edge.position(low + shares * (high - low)) for edge, low, high in _ends(edges))
+                first, second = (
+                    edge.position(low + shares * (high - low))
+                    for edge, (low, high) in ((edge, edge.interval) for edge in edges)
+                )
                 found.append((float(np.linalg.norm(first - second, axis=-1).max()), name, other, reverse))
     best, second_best = sorted(found)[:2]
     if second_best[0] <= 1.01 * best[0]:
@@ -158,10 +161,6 @@ def nearest_edges(p: Patch, q: Patch) -> tuple[str, str, bool]:
             remedy="say which edges are to be joined, and whether one is reversed",
         )
     return best[1:]
-
-
-def _ends(edges: tuple[PatchEdge, PatchEdge]) -> list[tuple[PatchEdge, float, float]]:
-    return [(edge, *edge.interval) for edge in edges]
 
 
 # Joining patches that are matrices of corner information: rows of one become rows of the other.

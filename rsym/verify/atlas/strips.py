@@ -171,8 +171,8 @@ def _harmonic(values: Floats, free: Flags) -> Floats:
     right = np.zeros(np.count_nonzero(free))
     degree = np.zeros(len(right))
     for axis in (0, 1):
-        for way in (slice(None, -1), slice(1, None)):
-            here, there = ((way, slice(None)), (_other(way), slice(None)))
+        for way, back in ((slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1))):
+            here, there = ((way, slice(None)), (back, slice(None)))
             if axis:
                 here, there = here[::-1], there[::-1]
             inner = free[here] & (free[there] | (values[there] != 0))
@@ -192,10 +192,6 @@ def _harmonic(values: Floats, free: Flags) -> Floats:
     result = values.copy()
     result[free] = spsolve(system.tocsc(), right)
     return result
-
-
-def _other(way: slice) -> slice:
-    return slice(1, None) if way == slice(None, -1) else slice(None, -1)
 
 
 # Edges of a lattice, joined to lines.
@@ -222,21 +218,18 @@ def chains(edges: Iterable[tuple[Node, Node]]) -> list[list[Node]]:
 
 
 def _walk(ends: dict[Node, list[Node]], start: Node) -> list[Node]:
-    """A line from a node along edges that are taken away."""
+    """A line from a node along edges that are taken away.
+
+    Where lines cross one turns: two strips that touch in a corner have borders that do.
+    """
     line = [start]
     while ends[line[-1]]:
         here = line[-1]
-        there = min(ends[here], key=lambda node: _bend(line, node))
+        there = min(ends[here], key=lambda node: (len(line) > 1 and _is_straight(line[-2], line[-1], node), node))
         ends[here].remove(there)
         ends[there].remove(here)
         line.append(there)
     return line
-
-
-def _bend(line: list[Node], node: Node) -> tuple[bool, Node]:
-    """Where lines cross one turns: two strips that touch in a corner have borders that do."""
-    straight = len(line) > 1 and _is_straight(line[-2], line[-1], node)
-    return straight, node
 
 
 def _is_straight(a: Node, b: Node, c: Node) -> bool:

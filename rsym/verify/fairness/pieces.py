@@ -93,13 +93,12 @@ def narrowed(model: Model, piece: ArcPiece) -> ArcPiece | None:
     across = 0 if slopes[0] > slopes[1] else 1
     box = _with_rim(model, piece, across)
     found = _graph(model, piece.arc.function, box, across)
-    if found is None or not _touches(found[0][across], piece.whole[across]):
+    if found is None:
+        return None
+    (low, high), (least, most) = found[0][across], piece.whole[across]
+    if low > most or least > high:
         return None
     return replace(piece, box=found[0], free=1 - across, crosses=found[1] and piece.analytic)
-
-
-def _touches(one: tuple[float, float], other: tuple[float, float]) -> bool:
-    return one[0] <= other[1] and other[0] <= one[1]
 
 
 def _with_rim(model: Model, piece: ArcPiece, across: int) -> Box:

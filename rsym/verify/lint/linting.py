@@ -22,9 +22,17 @@ from rsym.verify.lint.letter_findings import letter_findings
 from rsym.verify.lint.logic import Logic, logic_of
 from rsym.verify.lint.places import ModelPlace, places_of
 from rsym.verify.lint.report import COINCIDENT, LONE_SHEET, NOT_NORMALISED, SATURATES, ZERO_SHEET, Finding, LintReport
-from rsym.verify.lint.saturation import MUCH, level, terms_of
 from rsym.verify.lint.sheets import CommonFace, common_faces
-from rsym.verify.lint.slopes import CONSTANT, breaks_normalisation, message_of, operands_of, remedy_of
+from rsym.verify.lint.slopes import (
+    CONSTANT,
+    MUCH,
+    breaks_normalisation,
+    level,
+    message_of,
+    operands_of,
+    remedy_of,
+    terms_of,
+)
 from rsym.verify.lint.zeros import (
     SCATTERED,
     Box,
@@ -126,8 +134,9 @@ def lint(
         *_saturated(survey),
         *letter_findings(shape, survey.cloud),
     ]
-    values, notes = shape.letters.values_with(None), tuple(_notes(survey))
-    return LintReport(tuple(found), len(survey.orders), survey.box, values, notes)
+    silent = [leaf for leaf, order in survey.orders.items() if not order and not len(survey.slopes(leaf))]
+    notes = tuple(f"no regular zero within the bounds, so nothing is said of {survey.place(leaf)}" for leaf in silent)
+    return LintReport(tuple(found), len(survey.orders), survey.box, shape.letters.values_with(None), notes)
 
 
 def _not_normalised(survey: Survey, tolerance: float) -> Iterator[Finding]:
@@ -174,12 +183,6 @@ def _saturated(survey: Survey) -> Iterator[Finding]:
             "rsym.normalise(f, length=L)",
             range=(share, share),
         )
-
-
-def _notes(survey: Survey) -> Iterator[str]:
-    for leaf, order in survey.orders.items():
-        if not order and not len(survey.slopes(leaf)):
-            yield f"no regular zero within the bounds, so nothing is said of {survey.place(leaf)}"
 
 
 def face_findings(survey: Survey, faces: Sequence[CommonFace]) -> Iterator[Finding]:

@@ -62,9 +62,10 @@ def logic_of(expression: sp.Expr) -> Logic:
             done[_key(signed)] = Operand(False, len(literals) - 1)
             continue
         first, *rest = (done[_key(operand)] for operand in operands)
+        exact = isinstance(signed.part, R1Operation) or not isinstance(signed.part, ROperation)
         for second in rest:
             joined.append((_kind(signed), first, second))
-            keeps.append(signed.mended or not _loses(signed.part))
+            keeps.append(signed.mended or exact)
             first = Operand(True, len(joined) - 1)
         done[_key(signed)] = first
     count = len(literals)
@@ -102,10 +103,6 @@ def _kind(signed: _Signed) -> str:
     part = signed.part
     meets = isinstance(part, sp.Min) or (isinstance(part, ROperation) and part.sign < 0)
     return "min" if meets == (signed.sign > 0) else "max"
-
-
-def _loses(part: sp.Expr) -> bool:
-    return isinstance(part, ROperation) and not isinstance(part, R1Operation)
 
 
 def _operands(signed: _Signed) -> list[_Signed]:
