@@ -10,7 +10,9 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
+from rsym.verify.boxes.local import Model
 from rsym.verify.cover.box_arrays import cut, halves
+from rsym.verify.cover.surfaces import SheetInspector
 from rsym.verify.fibres import simplest_between
 
 c, d = sp.symbols("c d", real=True)
@@ -140,3 +142,15 @@ def test_the_simplest_fraction():
         assert low <= found <= high
         below = range(1, found.denominator)
         assert not any((low * q).__ceil__() <= (high * q).__floor__() for q in below)
+
+
+def test_a_jump_on_a_box_with_letters_that_range_is_left_open():
+    """It may be there for some values only; of the value in the middle a report says what it is."""
+    a = sp.Symbol("a", real=True)
+    jump = sp.Piecewise((sp.Integer(1), x > a), (-1, True))
+    model = Model(rsym.Shape(jump, (x, y, z), letters={a: 0.25}), {"a": (Fraction(1, 5), Fraction(3, 10))})
+    box = ((0.0, 0.5), (0.0, 0.5), (0.0, 0.5))
+    kinds = [SheetInspector().inspect(model.over((*box, ends))).kind for ends in ((0.2, 0.3), (0.25, 0.25))]
+    assert kinds == ["open", "open"]
+    fixed = Model(rsym.Shape(jump.subs(a, sp.Rational(1, 4)), (x, y, z)), {})
+    assert SheetInspector().inspect(fixed.over(box)).kind == "leap"

@@ -105,7 +105,7 @@ class Inspector(ABC):
         if pair is not None and pair.continuous and are_empty(around, pair):
             return EMPTY
         if pair is not None and not pair.continuous:
-            finding = self._jumping(local, around, pair, locus)
+            finding = self.jumping(local, around, pair, locus)
             if finding.kind != "open":
                 return finding
         if (pair is None or not is_transversal(around, pair)) and outer.kind != "leaf":
@@ -118,7 +118,7 @@ class Inspector(ABC):
             return Inspection("open", locus=locus)
         return self.meeting(local, around, pair, outer)
 
-    def _jumping(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Inspection:
+    def jumping(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Inspection:
         """Sides of a switch between which omega may jump."""
         kind = emptiness(local, around, pair)
         if kind is not None:

@@ -30,6 +30,11 @@ class SheetInspector(Inspector):
             return Inspection("open", locus=locus)
         return Inspection("regular", locus.nodes, order, locus=locus)
 
+    def jumping(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Inspection:
+        """Where a letter ranges, omega may jump for some values only: a box is empty, or open."""
+        found = super().jumping(local, around, pair, locus)
+        return found if found.kind == "empty" or len(local.sides) == 3 else Inspection("open", locus=locus)
+
     def meeting(self, local: Local, around: Local, pair: Meeting, locus: Locus) -> Inspection:
         """Two sheets that meet in a curve, if at all: others follow it."""
         if not pair.continuous:
