@@ -49,7 +49,8 @@ def smooth_mesh(
     progress: Progress | None,
 ) -> Mesh:
     """Mesh omega = 0 on the lattice."""
-    slabs = _slabs(lattice)
+    per_slab = max(1, SLAB_POINTS // (lattice.counts[1] * lattice.counts[2]))
+    slabs = [slice(start, start + per_slab) for start in range(0, lattice.counts[0], per_slab)]
     # Beside slabs and blocks: the connections, the normals, the counting.
     steps = Steps(len(slabs) + VERTEX_BLOCKS + 3, progress)
     samples = sample(shape, lattice, slabs, letters, executor, steps)
@@ -84,11 +85,6 @@ def _findings(
         thin=thin_walls(index, vertices, normals, lattice),
         small=small_pieces(vertices, piece, lattice.spacing) if piece.max() else None,
     )
-
-
-def _slabs(lattice: Lattice) -> list[slice]:
-    per_slab = max(1, SLAB_POINTS // (lattice.counts[1] * lattice.counts[2]))
-    return [slice(start, start + per_slab) for start in range(0, lattice.counts[0], per_slab)]
 
 
 def sample(
