@@ -153,7 +153,7 @@ def _pole_forms(
     normal, forms = _forms_by_means(
         axis, side, distance, _lengths(surface)[axis], (p_v, p_vv, p_uv, p_uvv, p_uuv, p_uuvv)
     )
-    vanished = _size(p_u[0]) <= VANISHED * (high - low) * _size(p_uv[0])
+    vanished = norm(p_u[0]) <= VANISHED * (high - low) * norm(p_uv[0])
     vanished &= np.isfinite(forms).all(axis=0) | (distance == 0)  # derivatives of high order may not exist
     away = np.abs(places[1 - axis] - pole)
     hold = [np.where(at_end, vanished, away < room) for room in (NORMAL_LIMIT * (high - low), inner)]
@@ -176,7 +176,7 @@ def _forms_by_means(
         alpha, beta = g * in_a - f * in_v, e * in_v - f * in_a
         steep = np.where(distance == 0, np.nan, out / distance)
     L = dot(n, _mean(p_uuvv, back) - alpha[:, None] * _mean(p_uvv, back) - beta[:, None] * _mean(p_vv))
-    L += np.where(np.abs(out) > APEX * (_size(w) + _size(pole_a) / length), steep, 0.0)
+    L += np.where(np.abs(out) > APEX * (norm(w) + norm(pole_a) / length), steep, 0.0)
     return n, [E, F, G, L, dot(n, _mean(p_uvv, NODES)), dot(n, p_vv[-1])]
 
 
@@ -188,8 +188,8 @@ def _mean(values: Floats, weights: Sequence[float] = (1.0, 1.0, 1.0)) -> Floats:
 
 def _poles(tangents: tuple[Floats, Floats], p_uv: Floats, near: Sequence[Any]) -> tuple[Flags, Flags]:
     """Where p_u vanishes beside p_uv, nearer in v than the second of two distances, and where p_v does."""
-    turning = _size(p_uv)
-    at_u, at_v = (_size(one) < distance * turning for one, distance in zip(tangents, near[::-1], strict=True))
+    turning = norm(p_uv)
+    at_u, at_v = (norm(one) < distance * turning for one, distance in zip(tangents, near[::-1], strict=True))
     return at_u & ~at_v, at_v & ~at_u
 
 
@@ -201,7 +201,7 @@ def _lengths(surface: HasDerivatives) -> list[float]:
 def _turning_length(first: Floats, second: Floats) -> Floats:
     """The change of the parameter in which the tangent changes by itself; infinite along a line."""
     with np.errstate(all="ignore"):
-        length = _size(first) / _size(second)
+        length = norm(first) / norm(second)
     return np.where(np.isfinite(length), length, np.inf)
 
 
@@ -231,7 +231,8 @@ def _limit_normal(axis: int, side: Floats, p_u: Floats, p_v: Floats, p_uv: Float
     return _unit(np.cross(limit, p_v) if axis == 0 else np.cross(p_u, limit))
 
 
-def _size(vectors: Floats) -> Floats:
+def norm(vectors: Floats) -> Floats:
+    """The lengths of vectors along the last axis."""
     return np.sqrt(dot(vectors, vectors))
 
 
@@ -241,5 +242,5 @@ def _matrix(a: Floats, b: Floats, c: Floats) -> Floats:
 
 def _unit(vectors: Floats) -> Floats:
     with np.errstate(all="ignore"):
-        lengths = _size(vectors)[..., None]
+        lengths = norm(vectors)[..., None]
         return np.where(lengths > 0, vectors / lengths, np.nan)

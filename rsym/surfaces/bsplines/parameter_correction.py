@@ -30,6 +30,7 @@ from rsym.surfaces.bsplines.bspline_fitting import (
     residual_of,
 )
 from rsym.surfaces.bsplines.spline_spaces import Spaces, SplineSpace, tensor_values
+from rsym.surfaces.forms import dot
 from rsym.surfaces.functions.curves import as_curve
 from rsym.surfaces.functions.univariate import Univariate
 from rsym.surfaces.parameters import wrapped
@@ -112,7 +113,7 @@ def moved(spaces: Spaces, net: Floats, points: Floats, parameters: Pair) -> Pair
 
 def _distances(spaces: Spaces, net: Floats, points: Floats, parameters: Pair) -> Floats:
     gaps = points - tensor_values(spaces, net, *parameters)
-    return _dot(gaps, gaps)
+    return dot(gaps, gaps)
 
 
 def _steps(spaces: Spaces, net: Floats, points: Floats, parameters: Pair) -> Pair:
@@ -120,12 +121,12 @@ def _steps(spaces: Spaces, net: Floats, points: Floats, parameters: Pair) -> Pai
     p, p_u, p_v = (tensor_values(spaces, net, *broadcast(parameters), order) for order in ((0, 0), (1, 0), (0, 1)))
     gap = points - p
     with np.errstate(all="ignore"):
-        share = _dot(p_u, p_v) / _dot(p_u, p_u)
+        share = dot(p_u, p_v) / dot(p_u, p_u)
         share = np.where(np.isfinite(share), share, 0.0)
         rest = p_v - share[..., None] * p_u
-        dv = _dot(gap, rest) / _dot(rest, rest)
+        dv = dot(gap, rest) / dot(rest, rest)
         dv = np.where(np.isfinite(dv), dv, 0.0)
-        du = _dot(gap, p_u) / _dot(p_u, p_u) - share * dv
+        du = dot(gap, p_u) / dot(p_u, p_u) - share * dv
     return np.where(np.isfinite(du), du, 0.0), dv
 
 
@@ -136,10 +137,6 @@ def _slid(space: SplineSpace, values: Floats, step: Floats) -> Floats:
         return wrapped(values + step, space.domain)
     at_end = (values == low) | (values == high)
     return np.where(at_end, values, np.clip(values + step, low, high))
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    return np.asarray(np.einsum("...i,...i->...", a, b))
 
 
 # Vertices kept on planes or along curves while the others are fitted to data.

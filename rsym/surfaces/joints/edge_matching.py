@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats
-from rsym.surfaces.forms import dot
+from rsym.surfaces.forms import dot, norm
 from rsym.surfaces.joints.borders import SAMPLES, Border, closest, projected
 from rsym.surfaces.parameters import Interval
 
@@ -294,10 +294,10 @@ def compare(stretch: Stretch, t: Floats) -> Comparison:
     (n1, out1, k1), (n2, out2, k2) = (
         edge.bend(at) for edge, at in zip((first, second), stretch.calm(t, s), strict=True)
     )
-    tilt = np.degrees(np.arctan2(_length(np.cross(n1, n2)), np.abs(dot(n1, n2))))
+    tilt = np.degrees(np.arctan2(norm(np.cross(n1, n2)), np.abs(dot(n1, n2))))
     angles = np.where(dot(out1, out2) > 0, 180 - tilt, tilt)
     k2 = -k2 if flipped(stretch) else k2
-    return Comparison(t, s, points, _length(points - others), angles, np.abs(k1 - k2), np.maximum(abs(k1), abs(k2)))
+    return Comparison(t, s, points, norm(points - others), angles, np.abs(k1 - k2), np.maximum(abs(k1), abs(k2)))
 
 
 def flipped(stretch: Stretch) -> bool:
@@ -364,7 +364,3 @@ def _climbed(stretch: Stretch, found: Comparison, tolerated: Floats) -> Comparis
 
 def _known(values: Floats) -> Floats:
     return np.where(np.isfinite(values), values, -1.0)
-
-
-def _length(vectors: Floats) -> Floats:
-    return np.sqrt(dot(vectors, vectors))
