@@ -130,6 +130,7 @@ def rays_at(model: Model, known: Exact, finest: int = FINE) -> Rays | None:
     >>> from fractions import Fraction
     >>> from rsym import x, y, z
     >>> import sympy as sp
+    >>> from rsym.verify.boxes.vanishing import exact_at
     >>> model = Model(rsym.Shape(z - sp.sqrt(x**2 + y**2), (x, y, z)), {})
     >>> origin = [arb(0)] * 3
     >>> rays = rays_at(model, exact_at(model, origin, dict.fromkeys("xyz", Fraction(0)), frozenset()))
