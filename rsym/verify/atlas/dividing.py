@@ -48,6 +48,10 @@ class _Known:
         """Whether a rectangle holds values of both kinds."""
         return len({label for (u, v), label in self.labels.items() if _holds(rectangle, u, v)}) == len(LABELS)
 
+    def is_certified_somewhere(self, rectangle: Rectangle) -> bool:
+        """Whether a rectangle holds a value that is certified."""
+        return any(label == LABELS[CERTIFIED] and _holds(rectangle, u, v) for (u, v), label in self.labels.items())
+
     def axis_to_cut(self, rectangle: Rectangle) -> int:
         """The letter along which a rectangle spans more of the change from refuted to certified."""
         slope = np.abs(self._slope(rectangle))
@@ -160,7 +164,9 @@ def _area(rectangle: Rectangle) -> Fraction:
 def _judged(judge: RectangleJudge, rectangle: Rectangle, silent: int, known: _Known) -> _Rectangle:
     if known.is_mixed(rectangle):
         return _Rectangle(RectangleJudgement(rectangle, UNDECIDED, UNDECIDED), 0)
-    judgement = judge.judged(rectangle, lambda: known.is_refuted_at_a_corner(rectangle))
+    judgement = judge.judged(
+        rectangle, lambda: known.is_refuted_at_a_corner(rectangle), lambda: known.is_certified_somewhere(rectangle)
+    )
     known.add(middle_of(rectangle), judgement.middle)
     return _Rectangle(judgement, silent + 1 if judgement.middle == UNDECIDED else 0)
 

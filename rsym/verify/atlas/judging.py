@@ -71,23 +71,53 @@ class RectangleJudge:
         self.letters = {str(name): value for name, value in (letters or {}).items()}
         self.subject = subject_of(self.shape, self._ranges(region))
         self.samples = _Samples(self.subject)
+        self._widths = [high - low for low, high in region]
+        self._refuted: dict[Point, Any] = {}  # reports by place
 
     def at(self, point: Point) -> str:
         """The verdict at one pair of values."""
-        verdict: str = self.subject.at(_middles(self._ranges(((point[0],) * 2, (point[1],) * 2)))).verdict
+        values = _middles(self._ranges(((point[0],) * 2, (point[1],) * 2)))
+        verdict: str = (self._followed(point, values) or self._searched(point, values)).verdict
         return verdict
 
-    def judged(self, rectangle: Rectangle, suspect: Callable[[], bool] = lambda: False) -> RectangleJudgement:
+    def _searched(self, point: Point, values: Mapping[str, Fraction]) -> Any:
+        report = self.subject.at(values)
+        if report.verdict == REFUTED:
+            self._refuted[point] = report
+        return report
+
+    def _followed(self, point: Point, values: Mapping[str, Fraction]) -> Any:
+        """The report that is refuted by a defect at the nearest values that were; None if that is not there any more."""
+        (u, v), (width, height) = point, self._widths
+        near = min(self._refuted, key=lambda at: math.hypot((at[0] - u) / width, (at[1] - v) / height), default=None)
+        report = None if near is None else self.subject.followed(values, self._refuted[near])
+        if report is not None:
+            self._refuted[point] = report
+        return report
+
+    def judged(
+        self,
+        rectangle: Rectangle,
+        suspect: Callable[[], bool] = lambda: False,
+        certified: Callable[[], bool] = lambda: False,
+    ) -> RectangleJudgement:
         """The verdict for every value in a rectangle: first that of its middle, then whether it spreads.
 
-        `suspect` is asked before the costly proof that a rectangle with a smooth middle is smooth throughout; where
-        it answers True that is not tried.
+        `suspect` is asked before the costly proof that a rectangle with a smooth middle is smooth throughout, and
+        `certified`, whether one of its values is, before the proof that none is; where they answer True that is not
+        tried.
         """
         ranges = self._ranges(rectangle)
         middle = _middles(ranges)
-        report = self.subject.at(middle)
+        report = self._followed(middle_of(rectangle), middle)
+        if report is not None:
+            if certified():
+                return RectangleJudgement(rectangle, UNDECIDED, REFUTED)
+            if self.subject.is_refuted(ranges, report):
+                return RectangleJudgement(rectangle, REFUTED, REFUTED)
+        report = self._searched(middle_of(rectangle), middle)
         found = AnswerOverRanges(UNDECIDED)
-        if report.verdict == REFUTED and self.subject.is_refuted(ranges, report):
+        if report.verdict == REFUTED and not certified() and self.subject.is_refuted(ranges, report):
             found = AnswerOverRanges(REFUTED)
         elif report.verdict in {CERTIFIED, DEGENERATE} and not suspect():
             found = self.subject.spread(ranges, report, self.sharpening)

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, Generic, TypeVar
 
@@ -76,6 +76,10 @@ class AtlasSubject(ABC, Generic[R]):
     def at(self, values: Mapping[str, Any]) -> R:
         """The report at single values."""
 
+    def followed(self, values: Mapping[str, Any], report: R) -> R | None:
+        """What the report at other values holds of defects of this one: REFUTED, if there are any that are proved."""
+        return None
+
     @abstractmethod
     def spread(self, ranges: Mapping[str, Range], report: R, sharpening: int) -> AnswerOverRanges:
         """What is proved for every value in ranges, from the report on the middle."""
@@ -97,6 +101,13 @@ class PlaneSubject(AtlasSubject[SmoothnessReport]):
     def at(self, values: Mapping[str, Any]) -> SmoothnessReport:
         """The report at single values."""
         return self._report(values, POINT_BUDGET, 0)
+
+    def followed(self, values: Mapping[str, Any], report: SmoothnessReport) -> SmoothnessReport | None:
+        """By joints that are followed to these values, which takes a tenth of the time of a search."""
+        at = ranges_of(self.shape.letters, values)
+        defects = self._refuter.joints(at, report.defects, report.letters)
+        letters = {name: (float(low), float(high)) for name, (low, high) in at.items()}
+        return replace(report, defects=tuple(defects), letters=letters) if defects else None
 
     def spread(self, ranges: Mapping[str, Range], report: SmoothnessReport, sharpening: int) -> AnswerOverRanges:
         """By `verify_smoothness` with letters as intervals."""
@@ -218,17 +229,32 @@ class Refuter:
 
     def joint(self, ranges: Mapping[str, Interval], defects: Sequence[Joint]) -> Joint | None:
         """A defect for every value in the ranges, from those at their middle."""
-        with ctx.workprec(PRECISION):
-            followed = (self._followed(ranges, defect) for defect in defects[:TRIED] if defect.proved)
-            return next((found for found in followed if found is not None), None)
+        return next(self._each(ranges, defects), None)
 
-    def _followed(self, ranges: Mapping[str, Interval], defect: Joint) -> Joint | None:
+    def joints(
+        self, ranges: Mapping[str, Interval], defects: Sequence[Joint], start: Mapping[str, tuple[float, float]]
+    ) -> list[Joint]:
+        """Those of defects at the letters `start` that are ones for every value in the ranges too."""
+        return list(self._each(ranges, defects, [arb(sum(start[name]) / 2) for name in self.model.axes[2:]]))
+
+    def _each(
+        self, ranges: Mapping[str, Interval], defects: Sequence[Joint], start: Sequence[arb] | None = None
+    ) -> Iterator[Joint]:
+        for defect in defects[:TRIED]:
+            with ctx.workprec(PRECISION):
+                found = self._followed(ranges, defect, start) if defect.proved else None
+            if found is not None:
+                yield found
+
+    def _followed(
+        self, ranges: Mapping[str, Interval], defect: Joint, start: Sequence[arb] | None
+    ) -> Joint | None:
         """The joint in a box that grows until it holds its own image, at most so many times."""
         sides = [ball(exact(ranges[name][0]), exact(ranges[name][1])) for name in self.model.axes[2:]]
         extent = max(float(high) - float(low) for low, high in self.bounds)
         least = max(2 * defect.radius, NEAREST * extent)
         box = [arb(value, least) for value in defect.point]
-        arcs = self._meeting([*box, *(side.mid() for side in sides)])
+        arcs = self._meeting([*box, *([side.mid() for side in sides] if start is None else start)])
         if arcs is None:
             return None
         for _ in range(GROWTHS):
