@@ -71,8 +71,7 @@ class Those(Set[str]):
     def __len__(self) -> int:
         return len(self._now())
 
-    def __hash__(self) -> int:
-        return id(self)
+    __hash__ = object.__hash__  # by identity, as the keys of what is kept of nodes need it, and fast
 
     def __or__(self, other: Set[Any]) -> Those:
         return Those(lambda name: name in self or name in other)

@@ -87,7 +87,7 @@ class RectangleJudge:
         return report
 
     def _followed(self, point: Point, values: Mapping[str, Fraction]) -> Any:
-        """The report that is refuted by a defect at the nearest values that were; None if that is not there any more."""
+        """The report that a defect at the nearest refuted values makes here; None where it is not found any more."""
         (u, v), (width, height) = point, self._widths
         near = min(self._refuted, key=lambda at: math.hypot((at[0] - u) / width, (at[1] - v) / height), default=None)
         report = None if near is None else self.subject.followed(values, self._refuted[near])

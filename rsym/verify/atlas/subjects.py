@@ -246,9 +246,7 @@ class Refuter:
             if found is not None:
                 yield found
 
-    def _followed(
-        self, ranges: Mapping[str, Interval], defect: Joint, start: Sequence[arb] | None
-    ) -> Joint | None:
+    def _followed(self, ranges: Mapping[str, Interval], defect: Joint, start: Sequence[arb] | None) -> Joint | None:
         """The joint in a box that grows until it holds its own image, at most so many times."""
         sides = [ball(exact(ranges[name][0]), exact(ranges[name][1])) for name in self.model.axes[2:]]
         extent = max(float(high) - float(low) for low, high in self.bounds)

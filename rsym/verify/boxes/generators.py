@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from rsym.logic.stripping import bare
 from rsym.program.builder import Builder
@@ -40,11 +41,36 @@ class Generators:
 ANALYTIC = Generators((), frozenset())
 
 
+class _Part(NamedTuple):
+    """What a node says of its generators on any box: itself, and where to look below it."""
+
+    entire: bool
+    choosing: bool
+    below: tuple[int, ...]
+    clauses: Clauses | None
+
+
+def _part(builder: Builder, number: int) -> _Part:
+    """The nodes below that are not entire, past those that are, in the order in which a walk finds them."""
+    operation, arguments, _ = builder.nodes[number]
+    stack, seen, found = list(arguments), set(), []
+    while stack:
+        part = stack.pop()
+        if part in seen:
+            continue
+        seen.add(part)
+        if builder.nodes[part].operation in ENTIRE:
+            stack.extend(builder.nodes[part].arguments)
+        else:
+            found.append(part)
+    return _Part(operation in ENTIRE, operation in CHOOSING, tuple(reversed(found)), analytic_clauses(builder, number))
+
+
 def generators(local: Local, number: int) -> Generators:
     """The live generators of a node that the box does not exclude."""
-    if local.model.uses_only(number, ENTIRE):
+    model = local.model
+    if model.uses_only(number, ENTIRE):
         return ANALYTIC
-    nodes = local.model.builder.nodes
     switches: dict[int, None] = {}  # in the order of the walk
     switched: list[int] = []
     hard: set[int] = set()
@@ -52,32 +78,32 @@ def generators(local: Local, number: int) -> Generators:
     stack = [number]
     local.value(number)
     while stack:
-        part = stack.pop()
-        if part in seen:
+        number = stack.pop()
+        if number in seen:
             continue
-        seen.add(part)
-        operation, arguments, _ = nodes[part]
-        if operation in ENTIRE:
-            stack.extend(arguments)
-            continue
-        if operation in CHOOSING and (branch := chosen(local, part)) is not None:
+        seen.add(number)
+        part = model.made(_part, number)
+        if part.choosing and (branch := chosen(local, number)) is not None:
             stack.append(branch[0])
             continue
-        stack.extend(arguments)
-        if is_analytic_at(local, part):
+        stack.extend(part.below)
+        if part.entire or _is_analytic_at(local, number, part.clauses):
             continue
-        switch = _switch(local, part)
+        switch = _switch(local, number)
         if switch is None:
-            hard.add(part)
+            hard.add(number)
         else:
             switches[switch] = None
-            switched.append(part)
+            switched.append(number)
     return Generators(tuple(switches), frozenset(hard), tuple(switched))
 
 
 def is_analytic_at(local: Local, number: int) -> bool:
     """Whether an operation is analytic at all arguments that it takes on the box."""
-    clauses = analytic_clauses(local.model.builder, number)
+    return _is_analytic_at(local, number, analytic_clauses(local.model.builder, number))
+
+
+def _is_analytic_at(local: Local, number: int, clauses: Clauses | None) -> bool:
     return clauses is not None and meets(local, number, clauses) and is_legal(local, number, analytic=True)
 
 

@@ -63,6 +63,7 @@ class _Formula:
         self.parts: dict[tuple[int, Set[str]], list[int]] = {}
         self.made_of: dict[tuple[int, Set[str]], bool] = {}
         self.plans: dict[tuple[int, ...], _Plan] = {}
+        self.made: dict[tuple[Any, ...], Any] = {}
 
 
 class Model:
@@ -103,6 +104,14 @@ class Model:
         if key not in self._remembered:
             self._remembered[key] = maker(self, *arguments)
         found: T = self._remembered[key]
+        return found
+
+    def made(self, maker: Callable[..., T], number: int) -> T:
+        """What `maker(builder, number)` gives, made when it is first asked for, whatever the letters are."""
+        key = (maker, number)
+        if key not in self._formula.made:
+            self._formula.made[key] = maker(self.builder, number)
+        found: T = self._formula.made[key]
         return found
 
     def order(self, number: int) -> list[int]:

@@ -25,9 +25,13 @@ FINE = 1 / 4096  # of the extent: on smaller boxes an arc may be regular though 
 
 @dataclass(frozen=True)
 class ArcInspector(Inspector):
-    """Looks for one arc, or two that meet in a joint; `extent` is the size of the whole."""
+    """Looks for one arc, or two that meet in a joint; `extent` is the size of the whole.
+
+    Where not `bounded`, one arc need not have a bound of its curvature: the box is divided in any case.
+    """
 
     extent: float
+    bounded: bool = True
 
     def regular(self, local: Local, locus: Locus, nodes: tuple[int, ...], order: float) -> Inspection:
         """A regular arc where one component of the gradient excludes zero, by the implicit function theorem."""
@@ -37,6 +41,8 @@ class ArcInspector(Inspector):
         columns = list(zip(*slopes, strict=True))
         if not any(all(slope > 0 for slope in column) or all(slope < 0 for slope in column) for column in columns):
             return Inspection("open", locus=locus)
+        if not self.bounded and not has_edges(local, local.model.root):
+            return Inspection("regular", nodes, order, locus)
         bounds = [curvature_bound(local, node) for node in nodes]
         if None in bounds and not (order < math.inf and self._is_small(local)):
             return Inspection("open", locus=locus)

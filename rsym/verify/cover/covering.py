@@ -63,7 +63,7 @@ def cover(
     `prune` says of many boxes at once which certainly hold no zero; the others are examined one by one.
     """
     result, extent, effort = Covering(), extent_of(bounds), effort or Effort()
-    inspector = ArcInspector(extent)
+    inspectors = ArcInspector(extent), ArcInspector(extent, bounded=False)
     level = list(_first(bounds))
     with ctx.workprec(PRECISION):
         while level:
@@ -78,7 +78,7 @@ def cover(
                 if result.examined >= budget or effort.is_over:
                     result.left.append((box, OPEN))
                     continue
-                following.extend(_settled(model, box, inspector, smallest, result))
+                following.extend(_settled(model, box, inspectors, smallest, result))
                 if result.examined % REPORTED == 0:
                     effort.reach(1 - undecided, undecided=undecided)
             level = following
@@ -94,13 +94,18 @@ def _undecided(level: Sequence[Box], found: Covering) -> float:
     return opened / (opened + settled) if opened else 0.0
 
 
-def _settled(model: Model, box: Box, inspector: ArcInspector, smallest: float, result: Covering) -> list[Box]:
-    """Examine a box and note what is found on it; what is still open is returned in parts."""
+def _settled(
+    model: Model, box: Box, inspectors: tuple[ArcInspector, ArcInspector], smallest: float, result: Covering
+) -> list[Box]:
+    """Examine a box and note what is found on it; what is still open is returned in parts.
+
+    The second inspector is for boxes that are divided though there is one regular arc on them.
+    """
     result.examined += 1
-    finding = inspector.inspect(model.over(box))
     width = max(high - low for low, high in box[:2])
-    coarse = finding.kind == "regular" and width > inspector.extent * COARSEST and len(box) == 2
-    if coarse or (finding.kind == "open" and width > smallest):
+    coarse = width > inspectors[0].extent * COARSEST and len(box) == 2
+    finding = inspectors[coarse and width > smallest].inspect(model.over(box))
+    if (coarse and finding.kind == "regular") or (finding.kind == "open" and width > smallest):
         result.divided += 1
         return halves(model, box)
     if finding.kind == "empty":
