@@ -1,11 +1,12 @@
 """The suite draws without a screen, and has two tiers.
 
-`pytest` is the quick one: without what is marked `slow`, and of each battery, marked `random`, three items that rotate
+`pytest` is the quick one: without what is marked `slow`, and of each battery, marked `random`, two items that rotate
 with the day. `pytest --everything` is all of it, `pytest --rest` what the quick one leaves out. The seed is told at the
 head of a run; `--seed` repeats it.
 """
 
 import datetime
+import gc
 import os
 import random
 
@@ -13,7 +14,7 @@ import pytest
 
 os.environ["MPLBACKEND"] = "Agg"
 
-KEPT = 3  # of the items of a battery
+KEPT = 2  # of the items of a battery
 
 
 def pytest_addoption(parser):
@@ -54,6 +55,18 @@ def quick(items, seed):
     return [
         item for item in items if item.get_closest_marker("slow") is None and (item not in rotating or item in kept)
     ]
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """What is collected lives as long as the run: to look for garbage in it, again and again, took a tenth of it."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.set_threshold(20_000, 20, 20)
+        gc.enable()
 
 
 @pytest.hookimpl(trylast=True)
