@@ -161,12 +161,27 @@ def test_the_number_of_threads_changes_nothing(body, whole, count):
         assert_same(assembly.whole(job_of(body), Crew(threads), PLENTY), whole)
 
 
-@pytest.mark.slow
-def test_a_halo_is_needed(body, whole, monkeypatch):
-    """Red proof."""
-    monkeypatch.setattr(assembly, "HALO", 0)
-    with ThreadPoolExecutor(2) as threads, pytest.raises((AssertionError, IndexError)):
-        assert_same(run(job_of(body), threads), whole)
+def lacking(surface, box, halo):
+    """How many crossings of a box, of the uncut surface, need a vertex beyond so many blocks around it."""
+    blocks = pieces.crossing_places(surface) >> 9, pieces.vertex_places(surface)[surface.quads] >> 9
+    crossing, vertices = (np.moveaxis(surface.corner[:, block], 0, -1) for block in blocks)
+    own = ((crossing >= box[0]) & (crossing < box[1])).all(axis=-1)
+    reach = halo * pieces.BLOCK
+    there = ((vertices >= box[0] - reach) & (vertices < box[1] + reach)).all(axis=-1)
+    return int((own & ~there.all(axis=1)).sum())
+
+
+def test_a_halo_is_needed(body, monkeypatch):
+    """Red proof, on the uncut surface: a piece without its halo would read what is not there, whatever that is."""
+    monkeypatch.setattr(pieces, "LEAST", 40)
+    monkeypatch.setattr(pieces, "MOST", 40)
+    job = job_of(body)
+    blocks = job.blocks(Crew(), PLENTY)
+    surface = assembly.assemble(job, blocks, Crew(), PLENTY).surface
+    boxes = pieces.cut(blocks.corner)
+    assert len(boxes) > 3
+    assert not any(lacking(surface, box, assembly.HALO) for box in boxes)
+    assert sum(lacking(surface, box, assembly.HALO - 1) > 0 for box in boxes) > 3
 
 
 def test_one_mesher_in_many_threads(cut_cube):
