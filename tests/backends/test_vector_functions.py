@@ -86,6 +86,7 @@ def test_against_fifty_digits(operation, case):
     assert errors_in_ulp(operation, ARGUMENTS[operation][case]).max() <= ULPS[operation]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("operation", TRUTH)
 def test_in_float32_the_nearest_but_for_a_millionth(operation):
     within = [tuple(np.clip(np.abs(a), 1e-4, 80) for a in case) for case in ARGUMENTS[operation][:2]]

@@ -22,6 +22,7 @@ def boxes_of(rng, count, size=0.3, dimension=2):
     return np.stack([low, low + size * rng.random((count, dimension))], axis=-1)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("shape", [rsym.paper.skeleton_body(), CORNER], ids=["skeleton", "corner"])
 def test_what_a_kernel_computes_lies_in_its_enclosure(shape, backend):

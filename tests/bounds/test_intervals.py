@@ -305,6 +305,7 @@ def arithmetic_program():
     return program_of(rsym.Shape(tree, (x, y, z), letters={a: 1}), ("value", "gradient"))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("block", [8, 1000, None])
 def test_the_same_bits_from_every_backend_block_and_thread(block, monkeypatch):
     program = arithmetic_program()

@@ -30,6 +30,7 @@ def sharpened(expression):
     return len(function_of(expression).bounds) > len(function_of(expression, sharpened=False).bounds)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("expression", [SADDLE, TORUS, GYROID, BLEND, KINKS], ids=str)
 def test_a_hundred_thousand_points_lie_within_the_bounds(expression):
     """The oracle is NumPy's own arithmetic, whose rounding is far below what a wrong centre or slope would cost."""

@@ -204,6 +204,7 @@ def test_a_wrong_run_of_values_is_refused(text):
         values(text)
 
 
+@pytest.mark.slow
 def test_sections_are_layers_or_a_stack(tmp_path, model):
     cut = ["sections", model, "--shape", "ball", "--values", "0,0.6", "--resolution", "32"]
     assert main([*cut, "-o", str(tmp_path / "layers.svg"), "--scale", "10"]) == 0

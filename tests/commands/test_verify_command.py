@@ -38,6 +38,7 @@ def model(tmp_path):
     return str(path)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("arguments", "verdict", "code"),
     [
@@ -71,6 +72,7 @@ omega = ball
 """
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("arguments", "verdict", "code", "told"),
     [

@@ -218,6 +218,7 @@ def test_a_script_on_the_command_line(tmp_path, capsys):
     assert main(["show", str(path), "--latex"]) == 0
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("text", "code"),
     [

@@ -349,6 +349,7 @@ def test_blends_nest_and_share_what_they_have_in_common():
     assert not isinstance(written_out(body), type(body))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("family", [Rho, Sardf, lambda r: Rho(r, "G2")])
 def test_intervals_stay_sharp_in_nests_with_letters(family, random):
     """Not so where a comparison asks for what may be undefined anywhere: then both sides of every choice count."""

@@ -21,6 +21,7 @@ def over_root(f, squared):
     return f / sp.sqrt(f**2 + squared)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("leaf", "order"),
     [

@@ -245,6 +245,7 @@ def test_what_goes_on_beyond_the_ends_is_cut_off():
         assert (values > ends / 2).all()
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", sorted(CASES.keys() - CLOSED - {"polyline", "graph"}))
 def test_beyond_an_end_the_field_begins_as_the_distance(name):
     """Straight on, and also across: what trims the curve is at right angles to it."""
@@ -276,6 +277,7 @@ def test_trimming_begins_with_f_and_its_seventh_power():
     assert sp.simplify((rod - disc.subs(t, x * (length - x) / length)).subs(y, f)) == 0
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("order", [1, 2, 4])
 def test_joining_is_associative(order):
     """As an identity, to fifty digits and as a program."""

@@ -103,6 +103,7 @@ def test_positive_inside_and_negative_outside(name):
     assert np.isfinite(value).all()
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", BOUNDED)
 def test_bounds_leave_a_tenth_of_the_largest_side_free(name):
     shape = PIECES[name][0]

@@ -129,6 +129,7 @@ def value_of(parts, result, point):
     return substitute(result, known).evalf(30)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("field", ["gradient", "hessian", "laplacian", "normalised", "normalised_2", "curvature"])
 def test_common_parts_mean_the_same_formula(field):
     shape = rsym.conjunction(rsym.ellipse(2, 1), rsym.Shape(x - y**2 / 3, (x, y)))

@@ -61,6 +61,7 @@ def in_the_first_sector(u, v, order):
     return np.cos(turn) * u + np.sin(turn) * v, np.cos(turn) * v - np.sin(turn) * u, turn
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("motif", "order", "kind"),
     [(ELLIPSE, n, "even") for n in (1, 2, 3, 4, 6, 7, 10, MOST_IN_A_FAN + 2)] + [(DROP, 1, "any"), (DROP, 5, "any")],
@@ -115,6 +116,7 @@ def in_the_nearest_cell(t, period, count):
     return t - period * np.clip(np.round(t / period), 0, np.inf if count is None else count - 1)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("kind", ["even", "any"])
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 7, None])
 def test_rows(count, kind):

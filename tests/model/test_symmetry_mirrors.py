@@ -56,6 +56,7 @@ def assert_folded(shape, made, normals):
         assert_close(kernel(*image)["value"], got["value"], atol=1e-12)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("group", list(GROUPS))
 def test_polyhedral_groups(group):
     made = mirror_group(LOPSIDED, group)

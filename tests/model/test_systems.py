@@ -66,6 +66,7 @@ def test_r_alpha_joins_r0_and_r1():
     assert_close(kernel(*points, letters={"alpha": 0})["value"], points.sum(0) + np.hypot(*points), atol=4e-15)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("order", [2, 4, 6])
 def test_rp_keeps_order_p_minus_one_and_no_more(order, kind):
@@ -238,6 +239,7 @@ def test_the_runtime_of_a_node_agrees_with_its_formula(node):
     )
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("system", [R0, RAlpha(sp.Rational(1, 3)), R0m(1), R0m(3), Rp(4), Rp(3), Rp(sp.Rational(5, 2))])
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_partial_derivative_keeps_its_digits_where_one_operand_is_far_larger(system, kind):

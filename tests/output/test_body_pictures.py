@@ -123,6 +123,7 @@ def test_a_jump_of_the_curvature_is_dashed():
     assert (np.diff(inked.astype(int)) != 0).sum() > 6
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("make", "shape", "label", "limits"),
     [

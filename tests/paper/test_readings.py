@@ -77,6 +77,7 @@ def test_the_strip_decides_the_width_of_figure_7(reading, reach):
     assert_close(np.abs(body.vertices[:, 0]).max(), reach, atol=0.01)
 
 
+@pytest.mark.slow
 def test_roof_and_boot_reach_as_far_as_their_letters_say():
     roof, boot = rsym.paper.car(stage="f1"), rsym.paper.car(stage="f2")
     assert_close([value(roof, 0, 8, 4), value(roof, 0, -8, 4), value(roof, 0, 0, 8)], [0, 0, 0], atol=1e-12)

@@ -58,6 +58,7 @@ def test_a_vertex_of_a_can_has_a_curvature_unless_it_is_on_a_rim():
     assert_close(found["mean_curvature"][inner], expected, atol=1e-12)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("system", [rsym.R0, rsym.R1, rsym.Rp(4)])
 def test_a_box_is_flat_at_every_corner_and_has_no_curvature_on_its_edges(system):
     sides = rsym.conjunction(1 - x**2, 1 - y**2, 1 - z**2, system=system)

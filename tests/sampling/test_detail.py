@@ -31,6 +31,7 @@ PLAIN = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", PLAIN)
 @pytest.mark.parametrize("resolution", [24, 32])
 def test_plain_bodies_raise_no_alarm(name, resolution):
@@ -38,6 +39,7 @@ def test_plain_bodies_raise_no_alarm(name, resolution):
     assert mesh_smoothly(shape(PLAIN[name]), resolution).status.remarks == ()
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("thickness", [0.4, 0.8, 1.3])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_slanting_wall_or_gap_is_measured(thickness, sign):

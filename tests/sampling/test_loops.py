@@ -63,6 +63,7 @@ def test_other_types_and_other_parts_are_other_entries(folder, monkeypatch):
     assert len(list(folder.iterdir())) == 4
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("damage", [b"", b"short", None])
 def test_a_damaged_entry_is_compiled_again(folder, damage):
     run()

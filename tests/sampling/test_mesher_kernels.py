@@ -104,6 +104,7 @@ def test_slide_ends_on_the_leaf_and_leaves_others_alone():
     assert np.array_equal(points[:, :9][:, 2::3], before[:, :9][:, 2::3])
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("scale", [1e-250, 1e-30, 1e30, 1e250])
 def test_the_scale_of_a_leaf_does_not_matter(scale):
     kernels = kernels_of(rsym.conjunction(sp.Float(scale) * (1 - x**2 - y**2 - z**2), z + sp.Rational(1, 2)))
@@ -147,6 +148,7 @@ def test_an_illegal_parameter_is_refused(value):
     assert caught.value.code == "parameter"
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "expression",
     [
@@ -188,6 +190,7 @@ def test_points_of_a_block_are_in_the_order_of_its_bits():
     assert isinstance(kernels_of(x), MesherKernels)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("expression", [abs(x), x**2, rsym.disjunction(x, -x)])
 def test_a_zero_without_a_change_of_sign_is_kept(expression):
     """Every block that the plane x = 0 passes through, those in the middle of the bounds too."""

@@ -83,6 +83,7 @@ def test_numbers_that_would_grow_without_end_are_refused_before_they_do(text):
     assert "line 1" in str(refusal.value)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "shape", [rsym.cyclic(DISC, 5, radius=2), rsym.cyclic(rsym.strip(), 5, radius=2, motif="any"), rsym.row(DISC, 3)]
 )

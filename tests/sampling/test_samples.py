@@ -184,6 +184,7 @@ def test_faces_of_a_drilled_box_by_area_and_nothing_in_the_hole():
 # what is common
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("over", ["inside", "boundary"])
 @pytest.mark.parametrize("shape", [RING, rsym.torus(1, 0.4)], ids=["plane", "space"])
 def test_the_same_seed_gives_the_same_points(shape, over):

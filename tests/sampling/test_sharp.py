@@ -105,6 +105,7 @@ def test_a_rotated_cube_is_exact(polyhedra, seed):
     assert_close([edge.angle for edge in mesh.features], [90] * 12, rtol=1e-12)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("sides", [3, 4, 5, 6, 7])
 def test_pyramids_are_exact(polyhedra, sides):
     """As many planes as sides meet in the tip."""
@@ -345,6 +346,7 @@ def test_corners_at_caps_that_no_crossing_shows_are_found():
     assert [mesher(cells).status.off_surface for cells in (12, 17, 21, 24)] == [None] * 4
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("thickness", [0.01, 0.001])
 @pytest.mark.parametrize("cells", [16, 48])
 def test_shells_thinner_than_a_cell_are_named(thickness, cells):

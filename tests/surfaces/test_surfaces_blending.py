@@ -54,6 +54,7 @@ def basis_by_solving(a, order):
         return np.array([[float(mp.fdot(one, found[:, column])) for column in range(4)] for one in values[0]])
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("order", [0, 1, 2, 3])
 def test_class_one_against_120_digits_for_every_angle(order):
     letters = HermiteBlend.class1(1, ALPHA, letters={ALPHA: 1})
@@ -89,6 +90,7 @@ def completion(mu, a, order):
     return np.array([[float(value) for value in row] for row in rows])
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("order", [0, 1, 2, 3])
 def test_class_two_against_120_digits_for_every_angle(order):
     letters = HermiteBlend.class2(MU, ALPHA, letters={MU: 0, ALPHA: 1})
@@ -109,6 +111,7 @@ def test_at_the_angle_zero_both_families_are_polynomials():
         assert_close(blend(PLACES)[:, 1] + blend(PLACES)[:, 2] + blend(PLACES)[:, 3], PLACES, atol=1e-15)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("blend", all_blends(), ids=lambda blend: str(blend.functions[1])[:30])
 def test_conditions_at_the_ends_by_high_precision_limits(blend):
     values = {symbol: sp.Rational(str(blend.letters[symbol.name].default)) for symbol in symbols_in(blend)}

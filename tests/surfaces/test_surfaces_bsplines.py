@@ -159,6 +159,7 @@ def test_a_system_that_rounding_spoils_is_refused():
     refused("ill-conditioned", "reach to", lambda: BSplineSurface.interpolate(wave(46, 46), per_point=True))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("per_point", [False, True])
 @pytest.mark.parametrize("knots", ["averaged", "uniform"])
 @pytest.mark.parametrize("rows", [8, 9])

@@ -107,6 +107,7 @@ def mixed_by_ribbons(grid, i, j):
     return slope(lambda w: grid.D(i, w), grid.b[j]), slope(lambda s: grid.E(j, s), grid.a[i])
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("knots", [UNIFORM, GENERAL])
 @pytest.mark.parametrize("kind", ["mean", "zero", "any"])
 def test_every_cell_is_the_cubic_coons_patch_of_the_source(knots, kind):

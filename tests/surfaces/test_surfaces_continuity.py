@@ -226,6 +226,7 @@ def test_a_moebius_band_is_smooth_and_one_sided():
     assert {one.edge for one in report.free} == {"v0", "v1"}
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("radius", "shift"), [(1, (1e4, -2e4, 3e3)), (1e-4, (1, 0, 0)), (1e5, (0, 0, 0))])
 def test_size_and_place_do_not_matter(radius, shift):
     pieces = [sphere(east, (0, QUARTER), radius, shift) for east in ((0, QUARTER), (2 * QUARTER, QUARTER))]

@@ -45,6 +45,7 @@ def turning(rho, height, theta, scale=(1, 1)):
     return np.stack([scale[0] * rho * np.cos(theta), scale[1] * rho * np.sin(theta), height + 0 * theta], axis=-1)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("number", range(len(KEEPING)))
 def test_octants_and_quarters_are_exact_for_every_blend_that_promises_it(number):
     blend_u, blend_v = KEEPING[number], KEEPING[number - 3]
@@ -83,6 +84,7 @@ def test_the_corner_data_and_what_the_cubic_blend_and_zero_twists_make_of_them()
     assert np.abs(np.linalg.norm(ferguson(U, V), axis=-1) - 1).max() > 0.04
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("longitude", "start", "span"), [((0.3, 1.1), -0.4, 0.7), ((2, 3.5), 1, 4.5), ((-1, 1e-4), 0, 1e-5)]
 )

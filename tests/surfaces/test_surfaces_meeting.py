@@ -39,6 +39,7 @@ def corner_data(surface):
     return np.concatenate([np.concatenate(found[2 * i : 2 * i + 2], axis=1) for i in (0, 1)])
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("form", ["formulas", "matrices"])
 @pytest.mark.parametrize(("edges", "shift"), [(("u1", "u0"), 10), ((None, None), 0.5)])
 def test_a_patch_far_away_is_not_joined(form, edges, shift):
@@ -65,6 +66,7 @@ def test_the_gap_is_found_where_it_is_greatest_and_the_remedy_is_enough():
     refused(["0.028 apart"], lambda: join(SQUARE, "u1", q, "u0", tolerance=0.9 * share))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("tiny", [1e-6, 1, 1e6])
 def test_rounding_is_no_gap_and_the_size_of_the_patches_does_not_matter(tiny):
     p, q = (ParametricSurface(tuple(tiny * one for one in patch.expression())) for patch in (SQUARE, BEYOND))

@@ -56,6 +56,7 @@ def step(blend):
     return BicubicCoons(matrix, blend_u=blend)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("weights", [STRETCH, BENDING, JERK, (0.3, 1.0, 0.02)])
 def test_energies_are_double_integrals(weights):
     patch = BicubicCoons(random_matrix(1), class1(-3), class2(2))

@@ -119,6 +119,7 @@ def test_an_operator_applied_twice_is_the_operator(domain):
     assert sp.expand(operator(once).expression - once.expression) == 0
 
 
+@pytest.mark.slow
 def test_the_means_of_a_disc_are_the_integrals_of_sympy():
     """Exact, though the ends of the chords are roots."""
     s = sp.Symbol("s")

@@ -178,6 +178,7 @@ def test_a_corner_counts_within_the_bounds_alone(low, verdict):
     assert rsym.verify_smoothness(shape).verdict == verdict
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(("low", "verdict"), [(1e-10, "CERTIFIED"), (0, "REFUTED"), (-1e-10, "REFUTED")])
 def test_an_edge_counts_within_the_bounds_alone(low, verdict):
     half = body(rsym.conjunction(1 - x**2 - y**2 - z**2, z), bounds=((-1.2, 1.3), (-1.3, 1.2), (low, 1.3)))

@@ -54,6 +54,7 @@ def test_the_rectangles_tile_the_region(nose):
     assert_close(sum(nose.share.values()), 1.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_threshold_is_enclosed_as_narrowly_as_wanted(nose):
     (curve,) = nose.thresholds
     assert curve.graph == "a2"
@@ -72,6 +73,7 @@ def test_the_threshold_is_enclosed_as_narrowly_as_wanted(nose):
         curve.between(50)
 
 
+@pytest.mark.slow
 def test_bounds_of_the_curvature_are_no_less_than_what_is_found(nose):
     for point, value in zip(nose.curvature.points, nose.curvature.values, strict=True):
         here = ((nose.rectangles[..., 0] <= point) & (point <= nose.rectangles[..., 1])).all(axis=1)
@@ -80,6 +82,7 @@ def test_bounds_of_the_curvature_are_no_less_than_what_is_found(nose):
     assert len(nose.curvature.values) > 20
 
 
+@pytest.mark.slow
 def test_the_record_is_complete(nose):
     record = json.loads(nose.to_json())
     assert len(record["rectangles"]) == len(nose.verdicts)
@@ -138,6 +141,7 @@ def test_a_threshold_that_is_no_graph():
         curve.between(0)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("expression", "verdict"),
     [

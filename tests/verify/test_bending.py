@@ -64,6 +64,7 @@ def assert_encloses(found, low, high, share=0.1, flat=0.0):
     assert_close(found.attained, (least, most), atol=max(0.02 * abs(most), flat))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("shape", "low", "high"),
     [
@@ -205,6 +206,7 @@ def dressed(body):
     }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", dressed(x))
 def test_the_simplest_function_has_the_same_signs(name):
     body = 1 - x**2 / 4 - y**2 - z**2

@@ -25,6 +25,7 @@ JUMPS = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", JUMPS)
 def test_a_jump_across_zero_is_no_smooth_boundary(name):
     report = body(JUMPS[name])

@@ -40,6 +40,7 @@ CASES = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("before", CASES, ids=str)
 def test_the_form_changes_and_the_function_does_not(before):
     after = cleaned(before)
@@ -115,6 +116,7 @@ def test_the_corners_of_a_rectangle_in_roots_are_proved():
     assert_close([joint.tangent_jump for joint in report.defects], [90] * 4, atol=1e-10)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("factor", [sp.Rational(1, 10**300), -sp.Rational(1, 10**300), sp.Integer(10) ** 200, 1e-200])
 def test_a_factor_of_omega_beyond_the_range_of_squares_drops(factor):
     """The boundary is the same, the sign too; with -factor the inside is the outside of the ball."""

@@ -77,6 +77,7 @@ def test_the_stadium_closed_has_four_jumps():
     assert len(continuity(pieces).joints) == 3
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("curve", [PLANE, SPACE], ids=["plane", "space"])
 @pytest.mark.parametrize(("order", "grade"), [(1, "G0"), (2, "G1"), (3, "G2"), (0, "G3")])
 def test_pieces_joined_by_beta_constraints(curve, order, grade):

@@ -60,6 +60,7 @@ def model_of(expression):
     return Model(rsym.Shape(expression, (x, y, z)), {})
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("order", [3, 4, 5, 7, 8, 9, 12, 16, 24])
 def test_a_turn_leaves_the_distance_from_the_axis(order):
     """Sines and cosines as SymPy writes them, roots within roots among them."""

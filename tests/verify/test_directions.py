@@ -25,6 +25,7 @@ def proved(expression, point=ORIGIN):
     return classify_by_directions(model, (Fraction(point[0]), Fraction(point[1])), frozenset())
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("omega", "point", "turn"),
     [
@@ -73,6 +74,7 @@ def test_what_is_no_curve(omega, kind, branches):
     assert (joint.kind, joint.branches, joint.proved) == (kind, branches, True)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "omega",
     [

@@ -77,6 +77,7 @@ def test_two_boxes_that_touch_have_a_zero_sheet():
     assert -1 < up < 0.3
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "other",
     [
@@ -329,6 +330,7 @@ def test_letters_inside_compositions():
     assert "r = " in finding.message
 
 
+@pytest.mark.slow
 def test_reports_are_text_json_and_a_table(car):
     report = car
     record = json.loads(report.to_json())

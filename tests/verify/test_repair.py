@@ -91,6 +91,7 @@ def test_the_letter_goes_just_over_its_exact_threshold(nose):
     assert letter.shape.expression == nose.shape.expression
 
 
+@pytest.mark.slow
 def test_the_rounded_root_is_the_trimming_by_name(nose):
     rounding = nose.candidates[1]
     assert rounding.change == "f_o rounded by 0.02"
@@ -102,6 +103,7 @@ def test_the_rounded_root_is_the_trimming_by_name(nose):
     assert_close(values, expected, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_price_of_the_nose_by_hand(nose):
     """The farthest points of both boundaries are their tips; areas slice by slice."""
     letter, rounding = nose.candidates
@@ -326,6 +328,7 @@ def test_false_cancels():
     assert raised.value.code == "cancelled"
 
 
+@pytest.mark.slow
 def test_the_report_for_people_and_for_programs(nose):
     text = str(nose)
     assert "1. a2 from 5.3 to 5.30" in text

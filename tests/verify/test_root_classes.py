@@ -61,6 +61,7 @@ def test_a_graph_with_a_homogeneous_term_of_degree_two_is_g1(second, point, jump
     assert jump is None or found.reason.endswith(f"differ by {jump:.4g}")
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     ("second", "expected"),
     [(x * R, ("REFUTED", "G1")), (x**2 * R, ("CERTIFIED", "G2")), (R**3, ("CERTIFIED", "G2")), (R, ("REFUTED", "G0"))],

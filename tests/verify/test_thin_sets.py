@@ -228,6 +228,7 @@ def test_a_curve_that_belongs_to_no_sheet():
     assert [point.kind for point in report.points if point.proved] == ["no sign change"]
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("form", ["three", "and", "nested", "sign"])
 def test_meridians(form):
     def body(*parts):

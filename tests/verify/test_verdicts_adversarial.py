@@ -87,6 +87,7 @@ def test_what_is_smooth_is_not_refuted(omega, bounds):
     assert verdict(omega, bounds) in SMOOTH
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("scale", [1e-100, 1e-6, 1e6, 1e100])
 def test_the_scales_of_omega_and_of_space_do_not_matter(scale):
     r = sp.Rational(scale)

@@ -102,6 +102,7 @@ def strip(width):
 BUMP = y * (1 + sp.exp(-((200 * (x - sp.Rational(3, 10))) ** 2)) / 400)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("omega", [BUMP, strip(0.01), strip(1e-4), strip(1e-9)], ids=["bump", "0.01", "1e-4", "1e-9"])
 def test_a_defect_that_sampling_misses_is_not_certified(omega):
     shape = Shape(omega, (x, y), bounds=LINE)
@@ -119,6 +120,7 @@ def test_a_bound_is_not_below_the_truth():
     assert verify_normalisation(shape, tolerance=0.0099, resolution=32).verdict == "REFUTED"
 
 
+@pytest.mark.random
 @pytest.mark.parametrize(
     "omega", [UNIT.expression, ELLIPSE.expression + x * y / 5, rsym.conjunction(x + 2, 1 - y - x / 9)]
 )
