@@ -23,6 +23,7 @@ from rsym.model.nodes import Trimming, expand_nodes
 from rsym.model.powers import absolute_power, signed_power
 from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction, R1Disjunction, R1Operation
 from rsym.model.symbols import postorder, rebuild
+from rsym.verify.boxes.polynomials import sum_of_squares
 
 ROUNDS = 3  # a rule may make room for another one
 LARGEST = 4_000  # parts of an expression; a larger one is left as it is
@@ -310,34 +311,10 @@ def _root_of_squares(power: sp.Pow) -> sp.Expr | None:
         return None
     if all(max(powers) in (0, 2) for powers in found[0].monoms()):
         return None  # it is one already, or none
-    squares = diagonal(found[0])
+    squares = sum_of_squares(found[0])
     if not squares:
         return None
     return sp.Pow(sp.Add(*(factor * atoms.unmasked(form) ** 2 for factor, form in squares)), power.exp)
-
-
-def diagonal(polynomial: sp.Poly) -> list[tuple[sp.Rational, sp.Poly]]:
-    """Positive factors and linear polynomials of whose squares a quadratic one is the sum; none if it is not.
-
-    Examples
-    --------
-    >>> x, y = sp.symbols("x y")
-    >>> [(factor, form.as_expr()) for factor, form in diagonal(sp.Poly(x**2 + x * y + y**2, x, y, domain=sp.QQ))]
-    [(1, x + y/2), (3/4, y)]
-    >>> diagonal(sp.Poly(x**2 + 3 * x * y + y**2, x, y, domain=sp.QQ))
-    []
-    """
-    squares: list[tuple[sp.Rational, sp.Poly]] = []
-    while not polynomial.is_zero:
-        gens = polynomial.gens
-        leading = next((x for x in gens if polynomial.total_degree() == 2 == polynomial.degree(x)), None)
-        factor = sp.Integer(0) if leading is None else polynomial.as_expr().coeff(leading, 2)
-        if leading is None or not factor > 0:
-            return []
-        form = sp.Poly(polynomial.diff(leading).as_expr() / (2 * factor), *gens, domain=sp.QQ)
-        squares.append((factor, form))
-        polynomial = sp.Poly(polynomial.as_expr() - factor * form.as_expr() ** 2, *gens, domain=sp.QQ)
-    return squares
 
 
 def _modulus_without_squares(modulus: sp.Abs) -> sp.Expr | None:

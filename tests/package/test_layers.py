@@ -70,6 +70,21 @@ NAMED_TWICE = {
 }
 FORBIDDEN_NAMES = {"utils", "helpers", "misc", "common", "core", "base", "tools"}
 ORDER = list(LAYERS)
+# The rooms of the proofs, in the order of the data; "" is verify itself, what is asked.
+PROOFS = (
+    "answers",
+    "boxes",
+    "points",
+    "curves",
+    "cover",
+    "continuity",
+    "normalisation",
+    "",
+    "fairness",
+    "repair",
+    "atlas",
+    "lint",
+)
 
 
 @functools.cache
@@ -140,6 +155,25 @@ def test_a_module_imports_only_to_its_left():
 def test_the_test_sees_a_wrong_import(line):
     """Red proof."""
     assert complaints(ast.parse(line), "model")
+
+
+def against_the_flow(graph):
+    """The imports of the rooms of the proofs from a room to the right."""
+    places = {name: name.split(".")[2:-1] for name in graph if name.startswith("rsym.verify.")}
+    rooms = {name: PROOFS.index(place[0] if place else "") for name, place in places.items()}
+    pairs = [(name, other) for name in rooms for other, _ in graph[name] if other in rooms]
+    return [(name, other) for name, other in pairs if rooms[other] > rooms[name]]
+
+
+def test_rooms_of_proofs_import_to_their_left():
+    modules = {name: found for name, found in graph().items() if not (PACKAGE.parent / name.replace(".", "/")).is_dir()}
+    assert against_the_flow(modules) == []
+
+
+def test_a_room_of_proofs_that_imports_to_its_right_is_seen():
+    """Red proof."""
+    wrong = {"rsym.verify.boxes.local": {("rsym.verify.points.plane", "type")}, "rsym.verify.points.plane": set()}
+    assert against_the_flow(wrong) == [("rsym.verify.boxes.local", "rsym.verify.points.plane")]
 
 
 def test_names_and_sizes_of_modules():

@@ -253,3 +253,27 @@ def same_zeros(model: Model, a: int, b: int, *, free: bool = False) -> bool:
         return f is not None and g is not None and (f == g or f == -g)
     p, q = polynomial_of(model, a, free=free), polynomial_of(model, b, free=free)
     return p is not None and q is not None and 0 in (sp.expand(p - q), sp.expand(p + q))
+
+
+def sum_of_squares(polynomial: sp.Poly) -> list[tuple[sp.Rational, sp.Poly]]:
+    """Positive factors and linear polynomials of whose squares a quadratic one is the sum; none if it is not.
+
+    Examples
+    --------
+    >>> x, y = sp.symbols("x y")
+    >>> [(factor, form.as_expr()) for factor, form in sum_of_squares(sp.Poly(x**2 + x * y + y**2, x, y, domain=sp.QQ))]
+    [(1, x + y/2), (3/4, y)]
+    >>> sum_of_squares(sp.Poly(x**2 + 3 * x * y + y**2, x, y, domain=sp.QQ))
+    []
+    """
+    squares: list[tuple[sp.Rational, sp.Poly]] = []
+    while not polynomial.is_zero:
+        gens = polynomial.gens
+        leading = next((x for x in gens if polynomial.total_degree() == 2 == polynomial.degree(x)), None)
+        factor = sp.Integer(0) if leading is None else polynomial.as_expr().coeff(leading, 2)
+        if leading is None or not factor > 0:
+            return []
+        form = sp.Poly(polynomial.diff(leading).as_expr() / (2 * factor), *gens, domain=sp.QQ)
+        squares.append((factor, form))
+        polynomial = sp.Poly(polynomial.as_expr() - factor * form.as_expr() ** 2, *gens, domain=sp.QQ)
+    return squares

@@ -31,11 +31,10 @@ from rsym.program.operations import CHOOSING
 from rsym.verify.boxes.generators import generators, is_square
 from rsym.verify.boxes.local import Local, Model
 from rsym.verify.boxes.locus import chosen
-from rsym.verify.boxes.polynomials import polynomial_of
+from rsym.verify.boxes.polynomials import polynomial_of, sum_of_squares
 from rsym.verify.boxes.resolution import put
 from rsym.verify.boxes.vanishing import Exact
 from rsym.verify.boxes.vectors import dot
-from rsym.verify.cleaning import diagonal
 
 RADIUS = "the root"  # no letter of a user has a space in its name
 ANALYTIC = math.inf
@@ -86,7 +85,7 @@ def _axis_of(model: Model, radicand: int) -> Axis | None:
         linear = len(polynomials) == len(nodes) and all(one.total_degree() == 1 for one in polynomials)
         return Axis(nodes, tuple(polynomials) if linear else ())
     expression = polynomial_of(model, radicand)
-    squares = [] if expression is None else diagonal(sp.Poly(expression, *symbols, domain=sp.QQ))
+    squares = [] if expression is None else sum_of_squares(sp.Poly(expression, *symbols, domain=sp.QQ))
     forms = tuple(form for _, form in squares)
     return Axis(tuple(lower(model.builder, form.as_expr()) for form in forms), forms) if forms else None
 
