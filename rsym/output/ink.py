@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats, Ints
-from rsym.output.rasteriser import ScreenTriangles
+from rsym.output.rasteriser import ScreenTriangles, picked
 from rsym.output.shading import linear
 from rsym.sampling.sharp.features import Feature
 
@@ -110,13 +110,13 @@ def _is_visible(dots: Floats, nearest: Ints, triangles: ScreenTriangles) -> NDAr
     row, column, padded = np.where(inside, row, 0), np.where(inside, column, 0), np.pad(nearest, 1, constant_values=-1)
     sample = np.ptp(triangles.depth) / max(nearest.shape)
     visible, empty = np.zeros(len(dots), np.bool_), np.ones(len(dots), np.bool_)
+    limits = triangles.depth.max(axis=1, initial=-np.inf) + SLANT * sample
     for i, j in AROUND:
         face = padded[row + 1 + i, column + 1 + j]
         there = np.flatnonzero(face >= 0)
-        face, dot = face[there], dots[there]
+        face, dot = face[there], picked(dots, there)
         plane = triangles.depths(face, dot[:, 0], dot[:, 1])
-        farthest = triangles.depth[face].max(axis=1) + SLANT * sample
-        visible[there] |= dot[:, 2] <= np.minimum(plane, farthest) + NEAR * sample
+        visible[there] |= dot[:, 2] <= np.minimum(plane, limits[face]) + NEAR * sample
         empty[there] = False
     return np.asarray(inside & (visible | empty))
 
@@ -125,14 +125,18 @@ def _spread(dots: Floats, names: Ints, width: float, size: tuple[int, ...]) -> t
     """The samples that round dots cover, the share of each, and the name of the dot that covers it most, the last."""
     best = np.zeros(size[0] * size[1], np.int64)
     reach = int(np.ceil(width / 2 + 0.5))
-    corner = np.floor(dots[:, :2]).astype(np.int64)
+    x, y = dots[:, 0].copy(), dots[:, 1].copy()
+    left, bottom = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
     for i in range(-reach, reach + 1):
+        row = bottom + i
+        across, inside = (row + 0.5 - y) ** 2, (row >= 0) & (row < size[0])
         for j in range(-reach, reach + 1):
-            row, column = corner[:, 1] + i, corner[:, 0] + j
-            away = np.hypot(column + 0.5 - dots[:, 0], row + 0.5 - dots[:, 1])
-            share = np.clip(width / 2 + 0.5 - away, 0.0, min(width, 1.0))
-            there = (share > 0) & (row >= 0) & (row < size[0]) & (column >= 0) & (column < size[1])
-            keys = np.rint(share[there] * SHADES).astype(np.int64) << 32 | names[there]
+            column = left + j
+            square = across + (column + 0.5 - x) ** 2
+            near = inside & (square < (width / 2 + 0.5) ** 2) & (column >= 0) & (column < size[1])
+            there = np.flatnonzero(near)
+            share = np.clip(width / 2 + 0.5 - np.sqrt(square[there]), 0.0, min(width, 1.0))
+            keys = np.rint(share * SHADES).astype(np.int64) << 32 | names[there]
             np.maximum.at(best, row[there] * size[1] + column[there], keys)
     where = np.flatnonzero(best)
     return where, (best[where] >> 32) / SHADES, best[where] & 0xFFFFFFFF

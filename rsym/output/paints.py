@@ -18,6 +18,7 @@ from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.model.wording import proposal
 from rsym.output.parts import face_colours, part_colours
+from rsym.output.rasteriser import picked
 from rsym.output.shading import INSIDE, decode, linear, unit
 from rsym.sampling.leaf_fields import LeafFields
 from rsym.sampling.mesh import Mesh
@@ -69,6 +70,15 @@ class Spots:
     shifted: Callable[[int, int], Floats]
     side: Ints
     turn: Floats
+
+    def mean(self, corners: Floats, weights: Floats) -> Floats:
+        """What lies between vectors at the corners of faces (m, 3, 3), for the weights (n, 3) of the corners."""
+        first, second, third = (
+            weight * picked(corner, self.faces).T
+            for weight, corner in zip(weights.T, np.moveaxis(corners, 1, 0), strict=True)
+        )
+        between: Floats = (first + second + third).T
+        return between
 
 
 Paint: TypeAlias = Callable[[Spots], Floats]  # linear colours (n, 3)
@@ -126,7 +136,7 @@ def coat_of(
 def one_colour(colour: str, inside: str = INSIDE) -> Coat:
     """The colour of a body outside, and of its surface seen from inside."""
     colours = np.stack([linear(inside), linear(colour)])
-    return Coat(lambda spots: colours[(spots.side > 0).astype(int)])
+    return Coat(lambda spots: picked(colours, (spots.side > 0).astype(int)))
 
 
 def part_coat(mesh: Mesh, inside: str | None = INSIDE) -> Coat:
@@ -284,25 +294,21 @@ def zebra(mesh: Mesh, normals: Floats, shape: Shape | None = None, letters: Mapp
     dark, light = linear(DARK), linear(LIGHT)
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     places = (mesh.vertices - (low + high) / 2) / (ROOM * max(float(np.linalg.norm(high - low)) / 2, 1e-300))
+    at = places[mesh.faces]
 
     def paint(spots: Spots) -> Floats:
-        corners, at = normals[spots.faces], places[mesh.faces[spots.faces]]
         here, right, above = (
-            reflected_heights(_mean(weights, corners), _mean(weights, at), spots.turn)
+            reflected_heights(spots.mean(normals, weights), spots.mean(at, weights), spots.turn)
             for weights in (spots.weights, spots.shifted(0, 1), spots.shifted(1, 0))
         )
         width = np.abs(right - here) + np.abs(above - here)
         if on_faces is not None:
             exact = -on_faces(spots.faces, spots.weights)["gradient"]
-            true = reflected_heights(exact, _mean(spots.weights, at), spots.turn)
+            true = reflected_heights(exact, spots.mean(at, spots.weights), spots.turn)
             here = np.where(np.isfinite(true), true, here)
         return dark + (light - dark) * stripes(STRIPES * here, STRIPES * width)[:, None]
 
     return paint
-
-
-def _mean(weights: Floats, corners: Floats) -> Floats:
-    return np.asarray(np.einsum("ij,ijk->ik", weights, corners))
 
 
 def reflected_heights(normals: Floats, places: Floats, turn: Floats) -> Floats:

@@ -82,7 +82,7 @@ def shade(normals: Floats, colours: Floats) -> Floats:
     """
     key, fill = unit(KEY), unit(FILL)
     # A normal that turns away from the eye comes from interpolation: take the nearest one that does not.
-    normals = normals.copy()
+    normals = normals.copy(order="K")
     normals[:, 2] = np.maximum(normals[:, 2], 0.0)
     normals = unit(normals)
     # Powers make both lights fade out without a visible line.
@@ -132,7 +132,8 @@ def mean_depth(depth: Floats, factor: int) -> Floats:
 def reduce(samples: NDArray[np.float32], factor: int) -> NDArray[np.uint8]:
     """Average (h*factor, w*factor, 4) samples of light and coverage, light times coverage, to an (h, w, 4) image."""
     height, width = samples.shape[0] // factor, samples.shape[1] // factor
-    mean = samples.reshape(height, factor, width, factor, 4).mean(axis=(1, 3), dtype=np.float64)
+    parts = [samples[row::factor, column::factor] for row in range(factor) for column in range(factor)]
+    mean = np.add.reduce([part[:height, :width] for part in parts], dtype=np.float64) / factor**2
     coverage = mean[..., 3:]
     # White where there is nothing: some formats do not know what shows through.
     colour = np.where(coverage > 0, encode(mean[..., :3] / np.where(coverage > 0, coverage, 1.0)), 1.0)

@@ -21,7 +21,7 @@ from rsym.model.wording import documented
 from rsym.output import axes3d
 from rsym.output.ink import SMOOTH, Stroke, draw_lines, visible
 from rsym.output.paints import NAMES_OF_MAPS, Coat, Spots, coat_of
-from rsym.output.rasteriser import ScreenTriangles, rasterise, snap
+from rsym.output.rasteriser import ScreenTriangles, picked, rasterise, snap
 from rsym.output.shading import AZIMUTH, BODY, ELEVATION, hollows, mean_depth, reduce, shade, unit
 from rsym.output.singular import mark_curves
 from rsym.sampling.mesh import Mesh
@@ -244,21 +244,22 @@ class ShadedMesh(Artist):
         """Return linear light and coverage of samples, (h, w, 4)."""
         size = nearest.shape
         samples, depth = np.zeros((*size, 4), np.float32), np.full(size, np.nan)
-        rows, columns = np.nonzero(nearest >= 0)
-        for start in range(0, len(rows), BATCH):
-            row, column = rows[start : start + BATCH], columns[start : start + BATCH]
-            faces = nearest[row, column]
+        places = np.flatnonzero(nearest >= 0)
+        for start in range(0, len(places), BATCH):
+            place = places[start : start + BATCH]
+            row, column = np.divmod(place, size[1])
+            faces = nearest.ravel()[place]
             weights = triangles.weights(faces, row, column)
-            depth[row, column] = (weights * triangles.depth[faces]).sum(axis=1)
+            depth.ravel()[place] = (weights * picked(triangles.depth, faces)).sum(axis=1)
             shifted = partial(_shifted_weights, triangles, faces, row, column)
             side = triangles.facing[faces] * mirrored
             spots = Spots(names[faces], weights, shifted, side, turn)
-            normals = unit(np.einsum("ij,ijk->ik", weights, self.normals[spots.faces]) @ turn.T)
+            normals = unit((turn @ spots.mean(self.normals, weights).T).T)
             light = shade(normals * side[:, None], self.paint(spots))
             if line:
                 light *= _edge_light(triangles.distances(faces, row, column), line)[:, None]
-            samples[row, column, :3] = light
-            samples[row, column, 3] = 1.0
+            for channel, shown in zip(samples.reshape(-1, 4).T, (*light.T, 1.0), strict=True):
+                channel[place] = shown
         factors = hollows(mean_depth(depth, SAMPLES), max(int(HOLLOW_RADIUS * max(size) / SAMPLES), 1))
         samples[..., :3] *= factors.repeat(SAMPLES, axis=0).repeat(SAMPLES, axis=1)[..., None]
         return samples.clip(0.0, 1.0)

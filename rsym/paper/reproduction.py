@@ -103,12 +103,10 @@ def _matches(recipe: Recipe, name: str) -> bool:
 
 
 def _rows(recipes: Sequence[Recipe]) -> list[list[Recipe]]:
-    """The figures in rows that one process draws, the costliest first."""
-    place = {name: number for number, row in enumerate(ROWS) for name in row}
-    rows: dict[int, list[Recipe]] = {}
-    for number, recipe in enumerate(recipes):
-        rows.setdefault(place.get(recipe.name, len(ROWS) + number), []).append(recipe)
-    return [rows[number] for number in sorted(rows)]
+    """The figures in rows that one process draws, in their order there, the costliest row first."""
+    left = {recipe.name: recipe for recipe in recipes}
+    rows = [[left.pop(name) for name in row if name in left] for row in ROWS]
+    return [row for row in (*rows, *([recipe] for recipe in left.values())) if row]
 
 
 @dataclass(frozen=True)
