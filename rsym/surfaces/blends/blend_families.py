@@ -11,6 +11,7 @@ which stay what they are as alpha goes to 0. So do all quotients below: none is 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple, TypeAlias
 
 import sympy as sp
@@ -178,6 +179,7 @@ def _stable(series: sp.Expr, closed: sp.Expr, alpha: sp.Expr) -> sp.Expr:
     return sp.Piecewise((series, below), (closed, True))
 
 
+@lru_cache(maxsize=256)  # the same angle comes back with every patch
 def _constant(value: sp.Expr) -> sp.Expr:
     """A number in its shortest form, so that the formulas of a patch can be read."""
     return sp.radsimp(sp.cancel(value)) if value.is_number else value
