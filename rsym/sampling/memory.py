@@ -26,9 +26,9 @@ def free_memory(root: Path = Path("/")) -> float:
 
 
 def _of_machine(root: Path) -> Iterator[float]:
-    fields = _table(root / "proc/meminfo", ":")
-    if "MemAvailable" in fields:
-        yield 1024.0 * fields["MemAvailable"]
+    available = _entry(root / "proc/meminfo", "MemAvailable:")
+    if available is not None:
+        yield 1024.0 * available
 
 
 def _of_group(root: Path) -> Iterator[float]:
@@ -43,8 +43,8 @@ def _of_group(root: Path) -> Iterator[float]:
         for folder in (inner, *inner.parents):
             limit, used = (_number(group / folder / name) for name in names)
             if limit is not None and used is not None:
-                cached = _table(group / folder / "memory.stat", " ").get("inactive_file", 0)
-                yield float(max(0, limit - used + cached))
+                cached = _entry(group / folder / "memory.stat", "inactive_file ")
+                yield float(max(0, limit - used + (cached or 0)))
 
 
 def _of_process(root: Path) -> Iterator[float]:
@@ -58,10 +58,11 @@ def _of_process(root: Path) -> Iterator[float]:
         yield float(max(0, limit - int(pages[0]) * resource.getpagesize()))
 
 
-def _table(path: Path, mark: str) -> dict[str, int]:
-    """The numbers of a file of lines, name, mark, number."""
-    rows = (line.partition(mark) for line in _lines(path))
-    return {name: int(rest.split()[0]) for name, _, rest in rows if rest.split()[:1] and rest.split()[0].isdigit()}
+def _entry(path: Path, name: str) -> int | None:
+    """The number that follows a name in a file of lines."""
+    found = next((line for line in _lines(path) if line.startswith(name)), "")
+    number = found[len(name) :].split()[:1]
+    return int(number[0]) if number and number[0].isdigit() else None
 
 
 def _number(path: Path) -> int | None:

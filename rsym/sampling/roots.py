@@ -46,8 +46,9 @@ def bracketed_roots(function: Callable[[Floats, Ints], Floats], low: Floats, hig
         going = (tolerance < 0.5) & (np.where(nearer, fa, fb) != 0) & np.isfinite(fx)
         if not going.any():
             break
-        a, b, c, fa, fb, fc, active = (v[going] for v in (a, b, c, fa, fb, fc, active))
-        t = np.clip(_interpolated(a, b, c, fa, fb, fc), tolerance[going], 1 - tolerance[going])
+        if not going.all():
+            a, b, c, fa, fb, fc, active, tolerance = (v[going] for v in (a, b, c, fa, fb, fc, active, tolerance))
+        t = np.clip(_interpolated(a, b, c, fa, fb, fc), tolerance, 1 - tolerance)
     return result
 
 
