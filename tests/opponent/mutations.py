@@ -89,8 +89,8 @@ SMOOTH_OFF_CORNERS = (
 
 def _analytic_for(*operations: str) -> Callable[[Any], Any]:
     def made(original: Any) -> Any:
-        def changed(local: Any, number: int) -> bool:
-            return local.model.builder.nodes[number].operation in operations or original(local, number)
+        def changed(local: Any, number: int, clauses: Any) -> bool:
+            return local.model.builder.nodes[number].operation in operations or original(local, number, clauses)
 
         return changed
 
@@ -228,12 +228,12 @@ PLANE = (
     Mutation("kinks: all is analytic", "boxes.generators:Generators.analytic", property_of(True)),
     Mutation(
         "kinks: |u|, min, max, select, sign",
-        "boxes.generators:is_analytic_at",
+        "boxes.generators:_is_analytic_at",
         _analytic_for("abs", "min", "max", "select", "sign"),
     ),
-    Mutation("kinks: roots", "boxes.generators:is_analytic_at", _analytic_for("sqrt", "pow", "absolute_power")),
-    Mutation("kinks: denominators", "boxes.generators:is_analytic_at", _analytic_for("div")),
-    Mutation("kinks: R-operations", "boxes.generators:is_analytic_at", _analytic_for(*SMOOTH_OFF_CORNERS)),
+    Mutation("kinks: roots", "boxes.generators:_is_analytic_at", _analytic_for("sqrt", "pow", "absolute_power")),
+    Mutation("kinks: denominators", "boxes.generators:_is_analytic_at", _analytic_for("div")),
+    Mutation("kinks: R-operations", "boxes.generators:_is_analytic_at", _analytic_for(*SMOOTH_OFF_CORNERS)),
     Mutation("domains: all is defined", "boxes.domains:is_defined", always(True)),
     Mutation("domains: every parameter is legal", "boxes.domains:is_legal", always(True)),
     Mutation("locus: every power keeps the sign", "boxes.locus:_keeps_sign", always(True)),
@@ -331,7 +331,7 @@ NEWER = (
     Mutation("account: nothing is missing", "answers.account:missing", always([])),
 )
 NEWEST = (
-    Mutation("kinks: the cut of an angle", "boxes.generators:is_analytic_at", _analytic_for("atan2")),
+    Mutation("kinks: the cut of an angle", "boxes.generators:_is_analytic_at", _analytic_for("atan2")),
     Mutation(
         "resolution: above and below a cut", "boxes.resolution:_angle", lambda f: lambda b, u, v, side: f(b, u, v, 1)
     ),
