@@ -46,7 +46,7 @@ def unpacked(bits):
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(12), deadline=None)
+@settings(max_examples=examples(6), deadline=None)
 @given(trees(max_leaves=7, more=(abs(x) - y, sp.sin(3 * x) * y + z / 4, sp.exp(x) - y**2 - z)))
 def test_signs_of_all_lattice_points(expression):
     """Kept blocks have the signs of omega; in blocks that are not kept omega has one sign."""
