@@ -37,8 +37,7 @@ LAPLACIAN_LEVELS = (-4.0, 2.0)  # what the Laplacians of a profile one unit thic
 LAPLACIAN_BOX = ((-7.0, 7.5), (-3.0, 3.0))
 LAPLACIAN_RESOLUTION = 400
 # Along each axis: 0.125, 1, 3.375 and 15.625 million points; the source has 27 and 125 boxes of 50 points cubed.
-POINTS = (50, 100, 150, 250)
-BOXES = (1, 3, 5)
+COMBINATIONS = ((50, (1, 3)), (100, (1, 3, 5)), (150, (1, 3, 5)), (250, (1, 5)))  # the sub-boxes for each
 HEIGHTS = tuple(0.25 + 0.5 * k for k in range(-6, 16))  # z = -2.75, -2.25, ..., 7.75
 LAYERS = "car-sections.svg"
 APART = {"h5": 5.1, "ho2": 5.1}  # the lower edges of the windows, out of the plane of the boot's lid
@@ -93,7 +92,7 @@ class Cost:
 
 
 def measure() -> tuple[Cost, ...]:
-    """Every combination once: first for the seconds, then again for the memory, since watching memory takes time.
+    """Each once: first for the seconds, then again for the memory, since watching memory takes time.
 
     Then boxes that hold no surface are left out: they take less than those that do.
 
@@ -102,7 +101,7 @@ def measure() -> tuple[Cost, ...]:
     """
     shape = valve()
     meshes(shape, 20, 1)  # compiles
-    return tuple(_cost(shape, points, boxes) for points in POINTS for boxes in BOXES)
+    return tuple(_cost(shape, points, count) for points, boxes in COMBINATIONS for count in boxes)
 
 
 def _cost(shape: Shape, points: int, boxes: int) -> Cost:

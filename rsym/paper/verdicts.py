@@ -26,7 +26,7 @@ from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.singular import kinds_text
 from rsym.verify.smoothness import verify_smoothness
 
-GALLERY_RESOLUTION = 160
+GALLERY_RESOLUTION = 144
 GALLERY_COLUMNS = 4
 GALLERY_REMARK = "ours; rsym show prints the formulas of each, rsym mesh makes a mesh of it"
 # A name, the model, one of its definitions, and what the body is there to show.

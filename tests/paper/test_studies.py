@@ -86,8 +86,7 @@ def test_sub_boxes_cover_the_body(boxes):
 
 @pytest.mark.slow
 def test_the_cost_counts_what_it_is_asked_for(monkeypatch):
-    monkeypatch.setattr(studies, "POINTS", (20, 30))
-    monkeypatch.setattr(studies, "BOXES", (1, 2))
+    monkeypatch.setattr(studies, "COMBINATIONS", ((20, (1, 2)), (30, (1, 2))))
     costs = studies.measure()
     assert [(one.points, one.boxes) for one in costs] == [(8000, 1), (8000, 8), (27000, 1), (27000, 8)]
     assert all(one.seconds > 0 and one.megabytes > 8e-6 * one.points / one.boxes for one in costs)
