@@ -45,7 +45,7 @@ from rsym.verify.boxes.polynomials import same_zeros
 from rsym.verify.boxes.resolution import put
 from rsym.verify.boxes.sheets import sheets
 from rsym.verify.boxes.vanishing import vanishes_with
-from rsym.verify.boxes.vectors import floats, radius_of
+from rsym.verify.boxes.vectors import floats, radius_of, sign_of
 
 MOST = 4  # leaves at an edge: two, and what is cut off along the edge
 
@@ -210,7 +210,7 @@ class _Place:
             return None
         ends = [self.end(arc) for arc in arcs]
         turns = [above.sign(arc.tangent[2]) for arc in arcs]
-        across = _sign(across_of(above, arcs[0], arcs[1]))
+        across = sign_of(across_of(above, arcs[0], arcs[1]))
         if any(end is None for end in ends):
             return None
         if not any(end.exists for end in ends if end is not None):
@@ -326,7 +326,3 @@ class _Place:
         zero = b.const(0)
         flat = put(model, sum_, {b.input(ROOT): zero, self.radicand: zero})
         return same_zeros(model, flat, zero, free=True) or vanishes_with(at, (arcs[0].flat, self.radicand), flat)
-
-
-def _sign(value: arb) -> int:
-    return 1 if value > 0 else -1 if value < 0 else 0

@@ -22,6 +22,7 @@ from rsym.verify.boxes.local import PRECISE, Local, Model
 from rsym.verify.boxes.locus import Locus
 from rsym.verify.boxes.resolution import resolved
 from rsym.verify.boxes.vanishing import vanishes_with
+from rsym.verify.boxes.vectors import sign_of
 
 _EQUAL = 1e-25  # a jump enclosed in a ball around 0 narrower than this (relative) is called numerically zero
 
@@ -98,15 +99,15 @@ def steepest(local: Local, arc: BoundaryArc) -> int | None:
     """
     p, q = map(local.gradient, arc.ends)
     minors = {3 - i - j: p[i] * q[j] - p[j] * q[i] for i, j in ((1, 2), (2, 0), (0, 1)) if max(i, j) < len(p)}
-    steepness, axis = max((float(abs(minor).lower()), -axis) for axis, minor in minors.items())
-    return -axis if steepness > 0 else None
+    least = {axis: float(abs(minor).lower()) for axis, minor in minors.items()}
+    steep = [axis for axis in least if least[axis] > 0]  # NaN is not
+    return max(steep, key=lambda axis: (least[axis], -axis), default=None)
 
 
 def _determinant(local: Local, arc: BoundaryArc) -> int:
     """The sign of the growth of G along F = 0, the inside on the left: 1 the arc leaves the joint, -1 it arrives."""
     (fx, fy), (gx, gy) = local.gradient(arc.function), local.gradient(arc.side)
-    value = gx * fy - gy * fx
-    return 1 if value > 0 else -1 if value < 0 else 0
+    return sign_of(gx * fy - gy * fx)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from rsym.program.calculus import Calculus
 from rsym.program.differentiation import derivative
 from rsym.program.lowering import lower
 from rsym.program.program import live
+from rsym.verify.boxes.vectors import sign_of
 
 T = TypeVar("T")
 Interval: TypeAlias = tuple[Fraction, Fraction]
@@ -219,10 +220,7 @@ class Local:
 
     def sign(self, number: int) -> int:
         """1 or -1 where the node certainly has that sign wherever it is defined, else 0."""
-        value = self.value(number)
-        if value is None:
-            return 0
-        return 1 if value > 0 else -1 if value < 0 else 0
+        return sign_of(self.value(number))
 
     def balls(self, numbers: tuple[int, ...]) -> list[arb]:
         """Balls around the values of some nodes, the whole line where there is none."""

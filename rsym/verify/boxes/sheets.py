@@ -20,6 +20,7 @@ from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import Local
 from rsym.verify.boxes.locus import NONE, Locus, chosen, reduce, stripping
 from rsym.verify.boxes.polynomials import same_zeros
+from rsym.verify.boxes.vectors import dot, sign_of
 
 MOST = 12  # leaves: a box with more of them is divided
 
@@ -226,5 +227,4 @@ def _direction(local: Local, first: int, second: int) -> int:
     a, b = local.gradient(first), local.gradient(second)
     if not all((a[i] * b[j] - a[j] * b[i]).contains(0) for i in range(len(a)) for j in range(i)):
         return 0
-    dot = sum((u * v for u, v in zip(a, b, strict=True)), 0 * a[0])
-    return 1 if dot > 0 else -1 if dot < 0 else 0
+    return sign_of(dot(a, b))

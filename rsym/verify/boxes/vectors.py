@@ -1,4 +1,4 @@
-"""Vectors of balls: lengths and angles, and the numbers that a report gives for them."""
+"""Balls and vectors of them: signs and lengths, and the numbers that a report gives for them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,11 @@ from typing import TypeAlias
 from rsym.bounds.balls import arb, hypotenuse
 
 Vector: TypeAlias = tuple[arb, arb, arb]
+
+
+def sign_of(value: arb | None) -> int:
+    """The sign that a ball certainly has, 0 where it may have several or there is none."""
+    return 0 if value is None else 1 if value > 0 else -1 if value < 0 else 0
 
 
 def dot(a: Sequence[arb], b: Sequence[arb]) -> arb:

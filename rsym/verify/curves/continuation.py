@@ -22,6 +22,7 @@ from rsym.model.vectors import cross
 from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.krawczyk import Point, image, inverse, refined, unique_zero
 from rsym.verify.boxes.local import Local, Model
+from rsym.verify.boxes.vectors import sign_of
 
 # A tube is longer than its chord by this share at either end, so that tubes overlap.
 OVERLAP = 0.125
@@ -251,5 +252,4 @@ class _Section:
 def _sense(across: Sequence[Sequence[arb]], axis: int) -> int:
     """The sign of grad F x grad G along an axis: one for all matrices of a regular set, so that of the middle."""
     (a, b), (c, d) = [[entry.mid() for entry in row] for row in across]
-    component = (b * c - a * d) if axis == 1 else (a * d - b * c)
-    return 1 if component > 0 else -1 if component < 0 else 0
+    return sign_of((b * c - a * d) if axis == 1 else (a * d - b * c))

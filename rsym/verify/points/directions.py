@@ -30,6 +30,7 @@ from rsym.verify.answers.report import Joint
 from rsym.verify.boxes.domains import is_defined, is_legal
 from rsym.verify.boxes.local import PRECISE, Local, Model
 from rsym.verify.boxes.vanishing import Exact, exact_at
+from rsym.verify.boxes.vectors import sign_of
 from rsym.verify.points.slopes import Slopes, slopes_of, squares
 
 Number: TypeAlias = Fraction | arb
@@ -195,8 +196,7 @@ def _cones(slopes: Slopes) -> list[Cone] | None:
     """The arcs around the circle on which the sign of H is not proved; None if they do not become narrow."""
 
     def sign(low: float, high: float) -> int:
-        value = slopes.at(_direction(low, high))[slopes.number]
-        return 0 if value is None else 1 if value > 0 else -1 if value < 0 else 0
+        return sign_of(slopes.at(_direction(low, high))[slopes.number])
 
     pieces = [(k / 2, k / 2 + 0.5, sign(k / 2, k / 2 + 0.5)) for k in range(16)]
     while max((high - low for low, high, own in pieces if own == 0), default=0) > FINEST:

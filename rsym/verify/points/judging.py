@@ -25,7 +25,7 @@ from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import PRECISE, Local, Model
 from rsym.verify.boxes.root_classes import curvature_jump
 from rsym.verify.boxes.sheets import Sheets, sheets
-from rsym.verify.boxes.vectors import determinant, error, floats, radius_of
+from rsym.verify.boxes.vectors import determinant, error, floats, radius_of, sign_of
 from rsym.verify.points.candidates import across
 from rsym.verify.points.contacts import Judgement, touching, without_gradient
 from rsym.verify.points.corners import describe, largest_angle, numbered, outward
@@ -115,8 +115,7 @@ def _arrangement(at: Local, found: Sheets) -> tuple[Link, bool] | None:
     gradients = [at.gradient(leaf) for leaf in found.leaves]
 
     def orientation(i: int, j: int, k: int) -> int:
-        value = determinant([gradients[i], gradients[j], gradients[k]])
-        return 1 if value > 0 else -1 if value < 0 else 0
+        return sign_of(determinant([gradients[i], gradients[j], gradients[k]]))
 
     around = link(numbered(found), orientation, len(gradients))
     return None if around is None else (around, around.is_stable)

@@ -29,6 +29,7 @@ from rsym.arrays import Floats
 from rsym.bounds.balls import arb, ctx
 from rsym.verify.boxes.local import PRECISE, Model
 from rsym.verify.boxes.vanishing import Exact
+from rsym.verify.boxes.vectors import sign_of
 from rsym.verify.points.directions import same_sign
 from rsym.verify.points.slope_rules import Vector
 from rsym.verify.points.slopes import Slopes, slopes_of
@@ -160,8 +161,7 @@ def rays_at(model: Model, known: Exact, finest: int = FINE) -> Rays | None:
 
 
 def _sign(slopes: Slopes, direction: Vector) -> int:
-    value = slopes.at(direction)[slopes.number]
-    return 0 if value is None else 1 if value > 0 else -1 if value < 0 else 0
+    return sign_of(slopes.at(direction)[slopes.number])
 
 
 def _direction(box: Floats) -> Vector:
