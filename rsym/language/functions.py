@@ -17,6 +17,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.language.syntax import Call
 from rsym.model import powers, rnodes
+from rsym.model.abridging import name_of
 from rsym.model.blends import displacement, rho, sardf
 from rsym.model.blends.rho import Rho
 from rsym.model.blends.sardf import Sardf
@@ -157,10 +158,10 @@ _ALL = (
     NodeKind(displacement.Displacement, (5,)),
     NodeKind(displacement.BoundedDisplacement, (7,)),
     # In the plane or in space: coordinates, other vectors, numbers.
-    NodeKind(curve_nodes.Segment, (6, 9)),
-    NodeKind(curve_nodes.Circle, (10, 14)),
-    NodeKind(curve_nodes.Arc, (12, 16)),
-    NodeKind(curve_nodes.Helix, (5, 6)),
+    NodeKind(curve_nodes.SegmentField, (6, 9)),
+    NodeKind(curve_nodes.CircleField, (10, 14)),
+    NodeKind(curve_nodes.ArcField, (12, 16)),
+    NodeKind(curve_nodes.HelixField, (5, 6)),
 )
 # What is not differentiated through: which argument it is, and what it must be.
 _SAME_EVERYWHERE = {
@@ -168,7 +169,7 @@ _SAME_EVERYWHERE = {
     "AbsolutePower": (1, "number or an expression in letters"),
     "SignedPower": (1, "number or an expression in letters"),
 }
-NODES: Mapping[str, NodeKind] = {node.kind.__name__: node for node in _ALL}
+NODES: Mapping[str, NodeKind] = {name_of(node.kind): node for node in _ALL}
 MADE = frozenset((*NODES, *COMPARISONS, *CONNECTIVES, PIECEWISE))
 
 

@@ -14,6 +14,7 @@ from sympy.logic.boolalg import BooleanAtom
 
 from rsym.errors import RsymError
 from rsym.language.functions import FAMILIES, NODES, PIECEWISE, SYSTEMS
+from rsym.model.abridging import name_of
 from rsym.model.functions import FUNCTIONS
 from rsym.model.letters import Number
 from rsym.model.nodes import Trimming
@@ -182,8 +183,9 @@ class Sentences:
         arguments, name = part.args, _FUNCTIONS.get(type(part))
         if isinstance(part, ROperation) and _system_of(part) == self._system:
             arguments, name = part.operands, "rfAND" if part.sign < 0 else "rfOR"
-        if name is None and type(part).__name__ in NODES and NODES[type(part).__name__].kind is type(part):
-            name = type(part).__name__
+        node = NODES.get(name_of(type(part)))
+        if name is None and node is not None and node.kind is type(part):
+            name = name_of(node.kind)
         if name is None:
             raise unspeakable(f"{type(part).__name__}: {sp.sstr(part)[:80]}")
         return Written(f"{name}({', '.join(self._of(argument).text for argument in arguments)})", ATOM)

@@ -153,9 +153,21 @@ def weight(expression: sp.Basic, limit: int) -> int:
     return met
 
 
+def name_of(kind: type[sp.Basic]) -> str:
+    """What texts call a kind of node: the noun that it gives, or the name of its class.
+
+    Examples
+    --------
+    >>> from rsym.model.primitives.curve_nodes import SegmentField
+    >>> name_of(sp.Add), name_of(SegmentField)
+    ('Add', 'Segment')
+    """
+    return str(getattr(kind, "noun", kind.__name__))
+
+
 def in_words(part: sp.Expr) -> str:
     """What a part is, and of how many distinct parts."""
-    kind = next((word for kind, word in _KINDS if isinstance(part, kind)), type(part).__name__.lower())
+    kind = next((word for kind, word in _KINDS if isinstance(part, kind)), name_of(type(part)).lower())
     size = distinct(part)
     return f"{kind} of {f'more than {COUNTED}' if size > COUNTED else size} parts"
 

@@ -34,6 +34,7 @@ class CurvePath:
 class CurveField(Composition):
     """A field that is zero on a curve and positive elsewhere: coordinates, other vectors, then scalars."""
 
+    noun: ClassVar[str]  # in model files and formulas
     vectors: ClassVar[int]  # with the coordinates, which are the first
     scalars: ClassVar[int]
 
@@ -66,19 +67,19 @@ class CurveField(Composition):
         return [", ".join(printer._print(item) for item in group) for group in groups if group]
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:
-        name = rf"\mathrm{{{type(self).__name__.lower()}}}"
+        name = rf"\mathrm{{{self.noun.lower()}}}"
         groups = r";\, ".join(self._groups(printer))
         text = rf"{name}\left({groups}\right)"
         return text if exp is None else f"{text}^{{{exp}}}"
 
     def _sympystr(self, printer: Any) -> str:
-        return f"{type(self).__name__.lower()}({'; '.join(self._groups(printer))})"
+        return f"{self.noun.lower()}({'; '.join(self._groups(printer))})"
 
 
-class Segment(CurveField):
+class SegmentField(CurveField):
     """From p to q: the line, trimmed by the disc that has the segment as its diameter."""
 
-    vectors, scalars = 3, 0
+    noun, vectors, scalars = "Segment", 3, 0
 
     def composition(self) -> sp.Expr:
         """Trimming of the distance f to the line by t = (place - p).(q - place)/L."""
@@ -99,10 +100,10 @@ class Segment(CurveField):
         return (CurvePath(point, sp.S.Zero, sp.S.One, (start, end)),)
 
 
-class Circle(CurveField):
+class CircleField(CurveField):
     """About a centre in the plane of two unit vectors, of a radius; the last number tells if distances are exact."""
 
-    vectors, scalars = 4, 2
+    noun, vectors, scalars = "Circle", 4, 2
 
     def composition(self) -> sp.Expr:
         """The absolute value of (R**2 - r**2)/(2 R) or R - r; in space with the height over the plane."""
@@ -143,10 +144,10 @@ class Circle(CurveField):
         return self.path(sp.S.Zero, sp.pi), self.path(sp.pi, 2 * sp.pi)
 
 
-class Arc(Circle):
+class ArcField(CircleField):
     """The circle from one angle on to another: trimmed by the circle that meets it at right angles at both ends."""
 
-    vectors, scalars = 4, 4  # radius, start, end, exact
+    noun, vectors, scalars = "Arc", 4, 4  # radius, start, end, exact
 
     def composition(self) -> sp.Expr:
         """Trimming by t = (2 R u - cos h (R**2 + r**2))/(2 R sin h): half the angle h, u along the middle."""
@@ -161,10 +162,10 @@ class Arc(Circle):
         return (self.path(self.numbers[1], self.numbers[2]),)
 
 
-class Helix(CurveField):
+class HelixField(CurveField):
     """(R cos a, R sin a, p a/(2 pi)), endless, or for a from 0 to 2 pi n: coordinates, R, p and then n."""
 
-    vectors = 1
+    noun, vectors = "Helix", 1
 
     @property
     def scalars(self) -> int:  # type: ignore[override]

@@ -16,7 +16,7 @@ from rsym.model.arguments import LetterMapping, Point, default, point, positive,
 from rsym.model.arguments import angle as in_radians
 from rsym.model.equation import combine
 from rsym.model.operations import joining
-from rsym.model.primitives.curve_nodes import Arc, Circle, Helix, Segment
+from rsym.model.primitives.curve_nodes import ArcField, CircleField, HelixField, SegmentField
 from rsym.model.primitives.formulas import box_around
 from rsym.model.shape import Shape
 from rsym.model.symbols import SPACE, x, y, z
@@ -164,7 +164,7 @@ def _segments(points: list[Point], edges: list[tuple[int, int]], order: Any, let
     coordinates = SPACE[: len(points[0])]
     # Drawn twice, a segment would be 1/2**(1/m) of the distance to it.
     once = {frozenset((points[a], points[b])): (a, b) for a, b in reversed(edges)}
-    nodes = [Segment(*coordinates, *points[a], *points[b]) for a, b in reversed(once.values())]
+    nodes = [SegmentField(*coordinates, *points[a], *points[b]) for a, b in reversed(once.values())]
     expression = joining(*nodes, order=order)
     return Shape(expression, coordinates, letters=letters, bounds=box_around(places))
 
@@ -238,11 +238,11 @@ def helix(radius: Any = 1, pitch: Any = 1, turns: Any = None, *, letters: Letter
     """
     numbers = [positive(radius, "the radius of a helix", letters), positive(pitch, "the pitch of a helix", letters)]
     if turns is None:
-        return Shape(Helix(x, y, z, *numbers), (x, y, z), letters=letters)
+        return Shape(HelixField(x, y, z, *numbers), (x, y, z), letters=letters)
     numbers.append(positive(turns, "the number of turns", letters))
     reach, rise, count = (default(item, letters, "a helix") for item in numbers)
     bounds = box_around([(-reach, -reach, 0.0), (reach, reach, rise * count)])
-    return Shape(Helix(x, y, z, *numbers), (x, y, z), letters=letters, bounds=bounds)
+    return Shape(HelixField(x, y, z, *numbers), (x, y, z), letters=letters, bounds=bounds)
 
 
 def circle(
@@ -281,7 +281,7 @@ def circle(
     """
     middle, first, second = _frame(centre, axis, letters)
     size = positive(radius, "the radius of a circle", letters)
-    node = Circle(*SPACE[: len(middle)], *middle, *first, *second, size, sp.Integer(bool(exact)))
+    node = CircleField(*SPACE[: len(middle)], *middle, *first, *second, size, sp.Integer(bool(exact)))
     return _on_circle(node, 0.0, math.tau, letters)
 
 
@@ -349,7 +349,7 @@ def arc(
             code="angles",
             remedy="add 2 pi to the end, exchange the two, or take circle(radius, centre) for a whole one",
         )
-    node = Arc(*SPACE[: len(middle)], *middle, *first, *second, size, *angles, sp.Integer(bool(exact)))
+    node = ArcField(*SPACE[: len(middle)], *middle, *first, *second, size, *angles, sp.Integer(bool(exact)))
     return _on_circle(node, low, high, letters)
 
 
@@ -372,7 +372,7 @@ def _frame(centre: Any, axis: Any, letters: LetterMapping) -> tuple[Point, Point
     return point(centre, 3, "the centre"), first, cross(normal, first)
 
 
-def _on_circle(node: Circle, start: float, end: float, letters: LetterMapping) -> Shape:
+def _on_circle(node: CircleField, start: float, end: float, letters: LetterMapping) -> Shape:
     """The shape; a coordinate is largest or smallest at the ends, or where the circle runs at right angles to it."""
     centre, first, second = ([default(c, letters, "a curve") for c in node.vector(k)] for k in (1, 2, 3))
     radius = default(node.numbers[0], letters, "the radius")
