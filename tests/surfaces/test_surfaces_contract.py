@@ -198,6 +198,7 @@ def test_normals_and_curvatures_follow_from_the_derivatives(patch):
     assert_close(patch.mean_curvature(*at), np.trace(shape, axis1=-2, axis2=-1) / 2, atol=1e-10 * size)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("axis", [0, 1])
 def test_closed_directions_close_and_repeat_and_others_end(patch, axis):
     low, high = patch.domain[axis]
@@ -219,6 +220,7 @@ def test_closed_directions_close_and_repeat_and_others_end(patch, axis):
             at(low - 0.1)
 
 
+@pytest.mark.random
 def test_nothing_that_is_given_changes_and_nan_stays(patch):
     at_u, at_v = places(patch)
     before = at_u.copy(), at_v.copy()
@@ -231,10 +233,11 @@ def test_nothing_that_is_given_changes_and_nan_stays(patch):
     assert np.isfinite(np.delete(found, 3, axis=0)).all()
 
 
-@pytest.mark.parametrize("order", [3, (1,), (1, -1), (0.5, 1), (True, 0), "uv"])
-def test_orders_that_are_refused(patch, order):
-    with pytest.raises(rsym.RsymError, match="an order is a pair of integers >= 0"):
-        patch.derivative(patch.domain[0][0], patch.domain[1][0], order)
+@pytest.mark.random
+def test_orders_that_are_refused(patch):
+    for order in (3, (1,), (1, -1), (0.5, 1), (True, 0), "uv"):
+        with pytest.raises(rsym.RsymError, match="an order is a pair of integers >= 0"):
+            patch.derivative(patch.domain[0][0], patch.domain[1][0], order)
 
 
 @pytest.mark.random
@@ -244,6 +247,7 @@ def test_orders_may_be_integers_of_numpy(patch):
     assert np.array_equal(patch.derivative(*at, order), patch.derivative(*at, (1, 0)))
 
 
+@pytest.mark.random
 def test_unknown_letters_are_refused(patch):
     with pytest.raises(rsym.RsymError, match="no letter 'nobody'"):
         patch(patch.domain[0][0], patch.domain[1][0], letters={"nobody": 1})
@@ -279,6 +283,7 @@ def test_a_domain_that_is_no_pair_is_refused():
         ParametricSurface((u, v, u * v), (0, 1, 2))
 
 
+@pytest.mark.random
 def test_a_patch_says_what_it_is(patch):
     said = repr(patch)
     assert said.startswith(type(patch).__name__ + "(u in [")
