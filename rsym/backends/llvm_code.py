@@ -148,12 +148,17 @@ def _target() -> llvm.Target:
     return llvm.Target.from_default_triple()
 
 
+@cache
+def _host() -> dict[str, str]:
+    """The processor and what it can do: to ask takes as long as to read a short module."""
+    return {"cpu": llvm.get_host_cpu_name(), "features": llvm.get_host_cpu_features().flatten()}
+
+
 def machine_code(source: str, effort: int = 2) -> llvm.ExecutionEngine:
     """The engine that holds the compiled functions of a module; they live as long as it does."""
     with _COMPILING:
-        features = llvm.get_host_cpu_features().flatten()
         # A fresh one: the engine that is made with it owns it.
-        machine = _target().create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=effort)
+        machine = _target().create_target_machine(**_host(), opt=effort)
         module = llvm.parse_assembly(source)
         module.verify()
         engine = llvm.create_mcjit_compiler(module, machine)

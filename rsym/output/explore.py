@@ -58,7 +58,7 @@ def explore(
     Examples
     --------
     >>> import rsym
-    >>> widget = rsym.explore(rsym.paper.skeleton_body(), resolution=32)
+    >>> widget = rsym.explore(rsym.paper.skeleton_body(), ["normalised"], resolution=32)
     >>> widget.letters["a2"].value = 6.0
     >>> widget.values["a2"], widget.message.value
     (6.0, '')

@@ -112,7 +112,7 @@ class Explorer(LetterSliders):
     Examples
     --------
     >>> import rsym
-    >>> widget = Explorer(rsym.paper.skeleton_body(), resolution=16)
+    >>> widget = Explorer(rsym.paper.skeleton_body(), ["normalised"], resolution=16)
     >>> widget.children[0].value = 4.5
     >>> widget.values["a"]
     4.5

@@ -26,9 +26,9 @@ class SheetView:
     Examples
     --------
     >>> import rsym
-    >>> view = SheetView(rsym.paper.skeleton_body(), ("value", "normalised"), resolution=16)
+    >>> view = SheetView(rsym.paper.skeleton_body(), ("normalised",), resolution=16)
     >>> [len(view.draw({"a2": value}).axes) for value in (5.3, 6)]
-    [4, 4]
+    [2, 2]
     """
 
     def __init__(

@@ -23,6 +23,7 @@ PASSES = 64  # from a cell to FINEST a tip of 35 degrees takes 45
 # 28 degrees cut off by a segment rises twice its length, one of 7 degrees eight times.
 REACH = (0.0, 1 / 64, 1 / 16, 1 / 4, 1 / 2, 1.0, 2.0, 4.0, 8.0)
 HALVINGS = 50
+TOGETHER, FEW = 5, 128  # so many halvings in one call, of so few segments: a call takes as long as some 2 000 points
 NODES = (np.array([-1.0, 0.0, 1.0]) * np.sqrt(0.6) + 1) / 2  # of Gauss, exact to degree 5
 WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18
 TOP = 256  # points whose distance is found exactly at a time
@@ -147,23 +148,40 @@ def _over(sampler: PlaneSampler, start: Floats, end: Floats) -> tuple[Floats, Fl
     along = end - start
     normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
 
-    def sign(share: Floats) -> Flags:
-        return _inside(sampler, middle + share[:, None] * normal)
+    def at(shares: Floats) -> Floats:
+        return middle + shares[..., None] * normal
 
-    rest = np.zeros(len(middle))
-    here = sign(rest)
-    low, high = rest.copy(), rest.copy()
-    found = np.zeros(len(middle), bool)
-    for before, after in pairwise(REACH):
-        for side in (1.0, -1.0):
-            fresh = ~found & (sign(rest + side * after) != here)
-            low[fresh], high[fresh] = side * before, side * after
-            found |= fresh
-    for _ in range(HALVINGS):
-        half = (low + high) / 2
-        same = sign(half) == here
-        low, high = np.where(same, half, low), np.where(same, high, half)
-    return np.where(found[:, None], middle + ((low + high) / 2)[:, None] * normal, middle), found
+    def sign(shares: Floats) -> Flags:
+        return _inside(sampler, at(shares).reshape(-1, 2)).reshape(shares.shape)
+
+    # All that is asked before the halving, in one call: the nearest share first, and this side before the other.
+    sides = [(side * before, side * after) for before, after in pairwise(REACH) for side in (1.0, -1.0)]
+    near, far = np.array([(0.0, 0.0), *sides]).T
+    signs = sign(np.broadcast_to(far[:, None], (len(far), len(middle))))
+    here = signs[0]
+    first = (signs != here).argmax(axis=0)  # the first of all where there is none
+    low, high = near[first], far[first]
+    together = TOGETHER if len(middle) <= FEW else 1
+    for _ in range(0, HALVINGS, together):
+        if (at(low) == at(high)).all():  # rounded, a point between them is no other
+            break
+        low, high = _halved(low, high, sign, here, together)
+    found = first > 0
+    return np.where(found[:, None], at((low + high) / 2), middle), found
+
+
+def _halved(
+    low: Floats, high: Floats, sign: Callable[[Floats], Flags], here: Flags, times: int
+) -> tuple[Floats, Floats]:
+    """What halving intervals so many times leaves of each, `here` being the sign at its lower end, in one call."""
+    marks = np.stack([low, high])
+    for _ in range(times):
+        marks = np.insert(marks, range(1, len(marks)), (marks[:-1] + marks[1:]) / 2, axis=0)
+    same = sign(marks[1:-1]) == here
+    every, place = np.arange(len(low)), np.zeros(len(low), int)
+    for step in (2**k for k in reversed(range(times))):
+        place += np.where(same[place + step - 1, every], step, 0)
+    return marks[place, every], marks[place + 1, every]
 
 
 def distance(first: Boundary, second: Boundary) -> float:

@@ -45,7 +45,7 @@ def report_over_ranges(
     >>> c = sp.Symbol("c", real=True)
     >>> shape = rsym.Shape(c - x**2 - y**2 - z**2, (x, y, z), letters={c: 1})
     >>> box = ((-2, 2.1), (-2, 2.2), (-2, 2.3))
-    >>> report_over_ranges(shape, box, {"c": (Fraction(1), Fraction(2))}).verdict
+    >>> report_over_ranges(shape, box, {"c": (Fraction(1), Fraction(11, 10))}).verdict
     'CERTIFIED'
     >>> report = report_over_ranges(shape, box, {"c": (Fraction(0), Fraction(2))})
     >>> report.verdict, report.statements[0]

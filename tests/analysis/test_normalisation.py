@@ -102,11 +102,14 @@ def along(function, point, normal):
 
 
 CASES = [(name, order) for name in (*PLANE, *SPACE) for order in (1, 2, 3) if (name, order) != ("skeleton", 3)]
+LARGE = {("ellipsoid", 3), ("corner", 3)}  # formulas of seconds
 
 
 @pytest.mark.random
 @pytest.mark.parametrize("keep_sign", [False, True])
-@pytest.mark.parametrize(("name", "order"), CASES)
+@pytest.mark.parametrize(
+    ("name", "order"), [pytest.param(*case, marks=[pytest.mark.slow] if case in LARGE else []) for case in CASES]
+)
 def test_the_derivatives_along_the_normal(name, order, keep_sign):
     equation, start = {**PLANE, **SPACE}[name]
     unit = rsym.normalise(Shape(equation, (x, y, z)[: len(start)]), order=order, length=2, keep_sign=keep_sign)

@@ -52,70 +52,78 @@ def test_stages_and_readings_of_the_car_too():
     same(rsym.paper.skeleton_body("literal"))
 
 
-def made():
-    square, disc = rsym.rectangle(2, 2), rsym.disc(1)
-    ball, block = rsym.sphere(1), rsym.box(1, 2, 3)
-    root, third = sp.sqrt(2), sp.Rational(1, 3)
-    piece = sp.Piecewise((x + y, sp.And(x > 0, y <= 1)), (x**2, sp.Or(x < -1, sp.Not(y >= 2))), (y, True))
-    open_ended = sp.Piecewise((x, x > y), (1 - x, x < y - 1))
-    yield (
-        "letters",
-        Shape(
-            a * x - b + y,
-            (x, y),
-            letters={
-                a: Letter(0.1, minimum=0.05, unit="mm", doc='the "long" side; 50% of it'),
-                b: Letter(Fraction(5, 3), minimum=-1, maximum=2.5),
-                "idle": Letter(7, maximum=1e9),
-            },
-            bounds=((-0.1, 1 / 3), (-1e-7, 12345678.9)),
-        ),
-    )
-    yield "floats", Shape(0.1 * x - 2.5e-7 * y + 1e22 - x * 3.0, (x, y))
-    yield "constants", Shape(root * x - sp.pi * y**third + sp.E + sp.exp(x) - sp.exp(1) * y, (x, y))
-    yield (
-        "powers",
-        Shape(x**a - 1 / (y**2 + 1) + (x**2 + 1) ** sp.Rational(-3, 2) - 1 / sp.sqrt(1 + y**2), (x, y), letters={a: 2}),
-    )
-    yield (
-        "unevaluated",
-        Shape(sp.Mul(2, sp.Add(x, y), evaluate=False) + sp.Mul(-1, sp.Add(x, 1), evaluate=False), (x, y)),
-    )
-    yield "functions", Shape(
-        sp.sin(x) + sp.tan(y) - sp.asin(x / 9) + sp.acos(y / 9) * sp.atan(x) - sp.sinh(x) + sp.cosh(y) * sp.tanh(x)
-        + sp.log(1 + x**2) - sp.Abs(x) + sp.sign(y) + sp.Min(x, y, 1) - sp.Max(x, y) + sp.atan2(y, x) + sp.cot(x + 5),
+SQUARE, DISC = rsym.rectangle(2, 2), rsym.disc(1)
+BALL, BLOCK = rsym.sphere(1), rsym.box(1, 2, 3)
+ROOT, THIRD = sp.sqrt(2), sp.Rational(1, 3)
+PIECE = sp.Piecewise((x + y, sp.And(x > 0, y <= 1)), (x**2, sp.Or(x < -1, sp.Not(y >= 2))), (y, True))
+OPEN_ENDED = sp.Piecewise((x, x > y), (1 - x, x < y - 1))
+MADE = {
+    "letters": lambda: Shape(
+        a * x - b + y,
         (x, y),
-    )  # fmt: skip
-    yield "piecewise", Shape(piece, (x, y))
-    yield "open piecewise", Shape(open_ended, (x, y)) & disc
-    yield "motions", (square.rotate(0.3).translate(1, -2).scale(1.7).mirror((1, 2), 0.5) | disc).named("moved")
-    yield "parts", (square.named("plate") - disc.named("hole") - disc.translate(2, 0).named("hole")).rotate(sp.pi / 7)
-    yield (
-        "strange part names",
-        (square.named("omega") | disc.named("3 wheels, £") | disc.scale(2).named("x")).named("sin"),
-    )
-    yield "half-planes", Shape(x, (x, y)).named("right") & Shape(-x, (x, y)).named("left")
-    yield "systems", rsym.conjunction(square, disc, system=Rp(4)) | rsym.disjunction(square, disc, system=R0m(2))
-    yield "letter of a system", (square & disc).with_system(RAlpha(a), letters={a: 0.5})
-    yield "one system", (square & disc).with_system(Rp(4))
-    yield "decimal of a system", (square & disc).with_system(RAlpha(0.5))
-    yield "negative decimal of a system", (square & disc).with_system(RAlpha(-0.25))
-    yield "blends", rsym.conjunction(square, disc, system=Rho(sp.Rational(1, 5)))
-    yield "cubic", rsym.disjunction(square, disc, square.translate(1, 1), system=Rho(0.2, "G2", 0.1))
-    yield "sardf", rsym.conjunction(square, disc, system=Sardf(0.5))
-    yield "equivalence", rsym.exclusive_or(square, disc) | rsym.equivalence(square, disc, order=3)
-    yield "curves", rsym.joining(rsym.segment((0, 0), (1, 1)), rsym.arc(1, 0, 2))
-    yield "space", rsym.revolve(square.translate(3, 0)) | ball - block.rotate(0.7, axis=(1, 2, 2))
-    yield "rows", rsym.grid(ball, (3, 2.5, 2), counts=(3, 2, 1))
-    yield "endless rows", Shape(1 - rsym.triangle_wave(x, 2) ** 2 - y**2, (x, y))
-    yield "cyclic", rsym.cyclic(disc.translate(3, 0), 5)
-    yield "helix", rsym.helix_tube(2, 1, 0.3)
-    yield "normalised", rsym.normalise(square)
-    yield "normalised to order 2", rsym.normalise(rsym.ellipse(2, 1), order=2)
-    yield "shell", rsym.shell(ball, 0.1)
-    yield "displaced", rsym.displacement_blend(square, disc, 0.1, 0.2, 0.3)
-    yield "deep", _nest(60)
-    yield "other coordinates", Shape(1 - sp.Symbol("u", real=True) ** 2, (sp.Symbol("u", real=True), y))
+        letters={
+            a: Letter(0.1, minimum=0.05, unit="mm", doc='the "long" side; 50% of it'),
+            b: Letter(Fraction(5, 3), minimum=-1, maximum=2.5),
+            "idle": Letter(7, maximum=1e9),
+        },
+        bounds=((-0.1, 1 / 3), (-1e-7, 12345678.9)),
+    ),
+    "floats": lambda: Shape(0.1 * x - 2.5e-7 * y + 1e22 - x * 3.0, (x, y)),
+    "constants": lambda: Shape(ROOT * x - sp.pi * y**THIRD + sp.E + sp.exp(x) - sp.exp(1) * y, (x, y)),
+    "powers": lambda: Shape(
+        x**a - 1 / (y**2 + 1) + (x**2 + 1) ** sp.Rational(-3, 2) - 1 / sp.sqrt(1 + y**2), (x, y), letters={a: 2}
+    ),
+    "unevaluated": lambda: Shape(
+        sp.Mul(2, sp.Add(x, y), evaluate=False) + sp.Mul(-1, sp.Add(x, 1), evaluate=False), (x, y)
+    ),
+    "functions": lambda: Shape(
+        sp.sin(x)
+        + sp.tan(y)
+        - sp.asin(x / 9)
+        + sp.acos(y / 9) * sp.atan(x)
+        - sp.sinh(x)
+        + sp.cosh(y) * sp.tanh(x)
+        + sp.log(1 + x**2)
+        - sp.Abs(x)
+        + sp.sign(y)
+        + sp.Min(x, y, 1)
+        - sp.Max(x, y)
+        + sp.atan2(y, x)
+        + sp.cot(x + 5),
+        (x, y),
+    ),
+    "piecewise": lambda: Shape(PIECE, (x, y)),
+    "open piecewise": lambda: Shape(OPEN_ENDED, (x, y)) & DISC,
+    "motions": lambda: (SQUARE.rotate(0.3).translate(1, -2).scale(1.7).mirror((1, 2), 0.5) | DISC).named("moved"),
+    "parts": lambda: (SQUARE.named("plate") - DISC.named("hole") - DISC.translate(2, 0).named("hole")).rotate(
+        sp.pi / 7
+    ),
+    "strange part names": lambda: (SQUARE.named("omega") | DISC.named("3 wheels, £") | DISC.scale(2).named("x")).named(
+        "sin"
+    ),
+    "half-planes": lambda: Shape(x, (x, y)).named("right") & Shape(-x, (x, y)).named("left"),
+    "systems": lambda: rsym.conjunction(SQUARE, DISC, system=Rp(4)) | rsym.disjunction(SQUARE, DISC, system=R0m(2)),
+    "letter of a system": lambda: (SQUARE & DISC).with_system(RAlpha(a), letters={a: 0.5}),
+    "one system": lambda: (SQUARE & DISC).with_system(Rp(4)),
+    "decimal of a system": lambda: (SQUARE & DISC).with_system(RAlpha(0.5)),
+    "negative decimal of a system": lambda: (SQUARE & DISC).with_system(RAlpha(-0.25)),
+    "blends": lambda: rsym.conjunction(SQUARE, DISC, system=Rho(sp.Rational(1, 5))),
+    "cubic": lambda: rsym.disjunction(SQUARE, DISC, SQUARE.translate(1, 1), system=Rho(0.2, "G2", 0.1)),
+    "sardf": lambda: rsym.conjunction(SQUARE, DISC, system=Sardf(0.5)),
+    "equivalence": lambda: rsym.exclusive_or(SQUARE, DISC) | rsym.equivalence(SQUARE, DISC, order=3),
+    "curves": lambda: rsym.joining(rsym.segment((0, 0), (1, 1)), rsym.arc(1, 0, 2)),
+    "space": lambda: rsym.revolve(SQUARE.translate(3, 0)) | BALL - BLOCK.rotate(0.7, axis=(1, 2, 2)),
+    "rows": lambda: rsym.grid(BALL, (3, 2.5, 2), counts=(3, 2, 1)),
+    "endless rows": lambda: Shape(1 - rsym.triangle_wave(x, 2) ** 2 - y**2, (x, y)),
+    "cyclic": lambda: rsym.cyclic(DISC.translate(3, 0), 5),
+    "helix": lambda: rsym.helix_tube(2, 1, 0.3),
+    "normalised": lambda: rsym.normalise(SQUARE),
+    "normalised to order 2": lambda: rsym.normalise(rsym.ellipse(2, 1), order=2),
+    "shell": lambda: rsym.shell(BALL, 0.1),
+    "displaced": lambda: rsym.displacement_blend(SQUARE, DISC, 0.1, 0.2, 0.3),
+    "deep": lambda: _nest(60),
+    "other coordinates": lambda: Shape(1 - sp.Symbol("u", real=True) ** 2, (sp.Symbol("u", real=True), y)),
+}
 
 
 def _nest(depth):
@@ -125,13 +133,10 @@ def _nest(depth):
     return shape
 
 
-MADE = dict(made())
-
-
 @pytest.mark.random
 @pytest.mark.parametrize("name", MADE)
 def test_shapes_made_in_python_load_as_they_were(name):
-    shape = MADE[name]
+    shape = MADE[name]()
     same(shape if isinstance(shape, Shape) else Shape(shape, (x, y)))
 
 

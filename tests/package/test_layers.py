@@ -88,10 +88,18 @@ def tree_of(path):
     return ast.parse(path.read_text())
 
 
+def statements(tree):
+    """The statements of a module, those inside of others too: none stands in an expression."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.stmt | ast.ExceptHandler | ast.match_case):
+            yield node
+            yield from statements(node)
+
+
 def complaints(tree, layer):
     """What the imports of a module in this layer break."""
     found = []
-    for node in ast.walk(tree):
+    for node in statements(tree):
         if isinstance(node, ast.ImportFrom):
             if node.level:
                 found.append(f"relative import of {node.module}")
@@ -176,7 +184,7 @@ def test_names_and_sizes_of_modules():
         assert module.stem not in FORBIDDEN_NAMES
         lines = (PACKAGE / module).read_text().splitlines()
         assert len(lines) <= 400, module
-        for node in ast.walk(tree_of(PACKAGE / module)):
+        for node in statements(tree_of(PACKAGE / module)):
             if isinstance(node, ast.FunctionDef):
                 body = node.body[1:] if ast.get_docstring(node) else node.body
                 assert not body or body[-1].end_lineno - body[0].lineno < 60, f"{module}: {node.name}"
@@ -198,7 +206,7 @@ def arrows(tree, module, known):
     found = set()
 
     def visit(node, when):
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             when = "deferred"
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
             when = "type"
@@ -210,7 +218,8 @@ def arrows(tree, module, known):
             names = [alias.name for alias in node.names]
         found.update((name, when) for name in names if name != module and f"{name}.".startswith("rsym."))
         for child in ast.iter_child_nodes(node):
-            visit(child, when)
+            if isinstance(child, ast.stmt | ast.ExceptHandler | ast.match_case):
+                visit(child, when)
 
     visit(tree, "at once")
     return found

@@ -83,9 +83,11 @@ class BodyReport(Verdict):
     Examples
     --------
     >>> import rsym
-    >>> report = rsym.verify_smoothness(rsym.box(1, 1, 1))
+    >>> from rsym import x, y, z
+    >>> corner = rsym.Shape(rsym.conjunction(x, y, z), (x, y, z), bounds=((-1, 1.1),) * 3)
+    >>> report = rsym.verify_smoothness(corner)
     >>> report.verdict, report.continuity, len(report.curves), len(report.points)
-    ('REFUTED', 'G0', 12, 8)
+    ('REFUTED', 'G0', 3, 1)
     """
 
     verdict: str

@@ -87,7 +87,7 @@ def smoothness_atlas(
     --------
     >>> import rsym
     >>> atlas = rsym.smoothness_atlas(
-    ...     rsym.paper.skeleton_body(), "a2", "p1", between=((5.2, 5.4), (39, 41)), tolerance=0.2, sharpening=0
+    ...     rsym.paper.skeleton_body(), "a2", "p1", between=((5.2, 5.4), (39, 41)), tolerance=0.5, sharpening=0
     ... )
     >>> atlas.verdict_at(5.22, 40), atlas.verdict_at(5.39, 40)
     ('REFUTED', 'CERTIFIED')

@@ -111,8 +111,8 @@ def repair(
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> quarter = rsym.Shape(rsym.conjunction(x, y, 1 - x**2 - y**2), (x, y), bounds=((-0.5, 1.5), (-0.5, 1.5)))
-    >>> found = rsym.repair(quarter, moves=["rho"], radius=0.1)
+    >>> quadrant = rsym.Shape(rsym.conjunction(x, y), (x, y), bounds=((-0.5, 1.5), (-0.5, 1.5)))
+    >>> found = rsym.repair(quadrant, moves=["rho"], radius=0.1)
     >>> found.before.verdict, [one.report.continuity for one in found.candidates]
     ('REFUTED', ['G2'])
     """
