@@ -49,7 +49,11 @@ def loop(function: F) -> F:
 
 def step(function: F) -> F:
     """Compile a function that only loops call: it is part of them and of their cache entries."""
-    return cast(F, njit(nogil=True, error_model="numpy")(function))
+    compiled = njit(nogil=True, error_model="numpy")(function)
+    template = compiled.get_call_template
+    # One version for all whole numbers: a counter, while its type is inferred, passes for the literal that it starts as.
+    compiled.get_call_template = lambda args, keywords: template([*map(types.unliteral, args)], keywords)
+    return cast(F, compiled)
 
 
 @intrinsic  # type: ignore[untyped-decorator]
