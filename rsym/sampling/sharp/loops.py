@@ -52,7 +52,7 @@ def step(function: F) -> F:
     """Compile a function that only loops call: it is part of them and of their cache entries."""
     compiled = njit(no_cpython_wrapper=True, **HOW)(function)
     template = compiled.get_call_template
-    # One version for all whole numbers: a counter, while its type is inferred, passes for the literal that it starts as.
+    # One version for all whole numbers: a counter whose type is not inferred yet is the literal that it starts as.
     compiled.get_call_template = lambda args, keywords: template([*map(types.unliteral, args)], keywords)
     return cast(F, compiled)
 
