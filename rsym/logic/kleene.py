@@ -90,15 +90,16 @@ def signed(formula: Formula, sign: int) -> Formula:
 
 def leaves_of(formula: Formula) -> tuple[int, ...]:
     """The leaves of a formula, in the order in which they are first met."""
-    return tuple(dict.fromkeys(_leaves(formula)))
+    return tuple(dict.fromkeys(part.leaf for part in _parts(formula) if isinstance(part, Literal)))
 
 
-def _leaves(formula: Formula) -> Iterator[int]:
-    if isinstance(formula, Literal):
-        yield formula.leaf
-    elif isinstance(formula, Connective):
+def _parts(formula: Formula) -> Iterator[int | Literal]:
+    """What a formula joins, each as often as it is met."""
+    if isinstance(formula, Connective):
         for operand in formula.operands:
-            yield from _leaves(operand)
+            yield from _parts(operand)
+    else:
+        yield formula
 
 
 def essential(formula: Formula) -> tuple[int, ...]:
@@ -112,6 +113,8 @@ def essential(formula: Formula) -> tuple[int, ...]:
     (1, 2)
     """
     leaves = leaves_of(formula)
+    if len(leaves) == sum(1 for _ in _parts(formula)):
+        return leaves  # each is met once, beside no known sign: the others can be such that it decides
     found = []
     for leaf in leaves:
         others = [other for other in leaves if other != leaf]
@@ -167,4 +170,6 @@ def without_idle(formula: Formula) -> Formula:
     """The formula without leaves on which it does not depend, if it has few."""
     leaves = leaves_of(formula)
     needed = essential(formula) if len(leaves) <= FEW else leaves
+    if needed == leaves:
+        return formula
     return replaced(formula, {leaf: 1 for leaf in leaves if leaf not in needed})

@@ -132,7 +132,8 @@ class CompiledLeaves:
         count = len(leaf)
         bounds = np.empty((8, padded(count)))
         self._kernels.enclose(count, _numbers(leaf), columns(lower), columns(upper), bounds)
-        return bounds[:2, :count].copy(), bounds[2:, :count].reshape(3, 2, count)
+        # Contiguous whatever the padding: loops are compiled for each layout of their arrays.
+        return bounds[:2, :count].copy(), bounds[2:, :count].copy().reshape(3, 2, count)
 
     def evaluate(self, leaf: Shorts, points: Floats) -> tuple[Floats, Floats]:
         """Values and gradients of leaves at points."""

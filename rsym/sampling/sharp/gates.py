@@ -54,7 +54,8 @@ def reach(gates: Any, skip: Any, reached: Any) -> None:
                 for operand in range(2):
                     if not _skipped(skip, box, 2 * gate + operand):
                         need[gates[gate, 1 + operand]] = True
-        reached[box] = need[:leaves]
+        for leaf in range(leaves):  # a slice would have numba compile the text of an error of shapes: 2 seconds
+            reached[box, leaf] = need[leaf]
 
 
 @loop

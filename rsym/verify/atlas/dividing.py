@@ -59,14 +59,23 @@ class _Known:
         return int(np.argmax(steepness * [high - low for low, high in rectangle] / self._widths))
 
     def is_refuted_at_a_corner(self, rectangle: Rectangle) -> bool:
-        """Whether the corner that is most likely to be refuted is."""
+        """Whether the corner that is most likely to be refuted is known to be, or a known defect is found there."""
+        corner = self.worst_corner(rectangle)
+        if corner is not None and corner not in self.labels and self.judge.is_refuted_at(corner):
+            self.add(corner, REFUTED)
+        return corner is not None and self.labels.get(corner) == LABELS[REFUTED]
+
+    def add_corner(self, judgement: RectangleJudgement) -> None:
+        """Note the verdict at the corner that tells most of where to cut; that of a certified rectangle is known."""
+        corner = self.worst_corner(judgement.rectangle)
+        if corner is not None and corner not in self.labels:
+            self.add(corner, CERTIFIED if judgement.verdict == CERTIFIED else self.judge.at(corner))
+
+    def worst_corner(self, rectangle: Rectangle) -> Point | None:
+        """The corner that is most likely to be refuted, if one is more likely than the others."""
         slope = self._slope(rectangle)
-        if not slope.any():
-            return False
         a, b = (ends[int(down < 0)] for ends, down in zip(rectangle, slope, strict=True))
-        if (a, b) not in self.labels:
-            self.add((a, b), self.judge.at((a, b)))
-        return self.labels.get((a, b)) == LABELS[REFUTED]
+        return (a, b) if slope.any() else None
 
     @property
     def _widths(self) -> Floats:
@@ -167,6 +176,8 @@ def _judged(judge: RectangleJudge, rectangle: Rectangle, silent: int, known: _Kn
     judgement = judge.judged(
         rectangle, lambda: known.is_refuted_at_a_corner(rectangle), lambda: known.is_certified_somewhere(rectangle)
     )
+    if judgement.middle == CERTIFIED:
+        known.add_corner(judgement)
     known.add(middle_of(rectangle), judgement.middle)
     return _Rectangle(judgement, silent + 1 if judgement.middle == UNDECIDED else 0)
 

@@ -73,17 +73,26 @@ class RectangleJudge:
         self.samples = _Samples(self.subject)
         self._widths = [high - low for low, high in region]
         self._refuted: dict[Point, Any] = {}  # reports by place
+        self._certified: Any = None  # the last report that is
 
     def at(self, point: Point) -> str:
         """The verdict at one pair of values."""
-        values = _middles(self._ranges(((point[0],) * 2, (point[1],) * 2)))
-        verdict: str = (self._followed(point, values) or self._searched(point, values)).verdict
+        verdict: str = (self._followed(*self._values(point)) or self._searched(*self._values(point))).verdict
         return verdict
+
+    def is_refuted_at(self, point: Point) -> bool:
+        """Whether a defect that is known elsewhere is found at one pair of values; nothing is searched there."""
+        return self._followed(*self._values(point)) is not None
+
+    def _values(self, point: Point) -> tuple[Point, dict[str, Fraction]]:
+        return point, _middles(self._ranges(((point[0],) * 2, (point[1],) * 2)))
 
     def _searched(self, point: Point, values: Mapping[str, Fraction]) -> Any:
         report = self.subject.at(values)
         if report.verdict == REFUTED:
             self._refuted[point] = report
+        elif report.verdict == CERTIFIED:
+            self._certified = report
         return report
 
     def _followed(self, point: Point, values: Mapping[str, Fraction]) -> Any:
@@ -101,29 +110,36 @@ class RectangleJudge:
         suspect: Callable[[], bool] = lambda: False,
         certified: Callable[[], bool] = lambda: False,
     ) -> RectangleJudgement:
-        """The verdict for every value in a rectangle: first that of its middle, then whether it spreads.
+        """The verdict for every value in a rectangle, and that of its middle, which need not be searched if it spreads.
 
-        `suspect` is asked before the costly proof that a rectangle with a smooth middle is smooth throughout, and
-        `certified`, whether one of its values is, before the proof that none is; where they answer True that is not
-        tried.
+        `suspect` is asked before the costly proof that a rectangle is smooth throughout, and `certified`, whether one
+        of its values is, before the proof that none is; where they answer True that is not tried.
         """
         ranges = self._ranges(rectangle)
         middle = _middles(ranges)
-        report = self._followed(middle_of(rectangle), middle)
+        report, tried = self._followed(middle_of(rectangle), middle), False
         if report is not None:
             if certified():
                 return RectangleJudgement(rectangle, UNDECIDED, REFUTED)
             if self.subject.is_refuted(ranges, report):
                 return RectangleJudgement(rectangle, REFUTED, REFUTED)
+        elif self._certified is not None and (tried := not suspect()):
+            # No known defect is here: what was certified last tells how much the proof may cost.
+            found = self._spread(ranges, self._certified)
+            if found.verdict != UNDECIDED:
+                return RectangleJudgement(rectangle, found.verdict, found.verdict, found.bound, found.greatest)
         report = self._searched(middle_of(rectangle), middle)
         found = AnswerOverRanges(UNDECIDED)
         if report.verdict == REFUTED and not certified() and self.subject.is_refuted(ranges, report):
             found = AnswerOverRanges(REFUTED)
-        elif report.verdict in {CERTIFIED, DEGENERATE} and not suspect():
-            found = self.subject.spread(ranges, report, self.sharpening)
-            if found.verdict == CERTIFIED and not self.samples.has_boundary(middle, ranges):
-                found = AnswerOverRanges(UNDECIDED)
+        elif report.verdict in {CERTIFIED, DEGENERATE} and not (tried or suspect()):
+            found = self._spread(ranges, report)
         return RectangleJudgement(rectangle, found.verdict, report.verdict, found.bound, found.greatest)
+
+    def _spread(self, ranges: Mapping[str, Range], report: Any) -> AnswerOverRanges:
+        found = self.subject.spread(ranges, report, self.sharpening)
+        lost = found.verdict == CERTIFIED and not self.samples.has_boundary(_middles(ranges), ranges)
+        return AnswerOverRanges(UNDECIDED) if lost else found
 
     def _ranges(self, rectangle: Rectangle) -> dict[str, Range]:
         return ranges_of(self.shape.letters, {**self.letters, **dict(zip(self.names, rectangle, strict=True))})

@@ -82,7 +82,7 @@ class AtlasSubject(ABC, Generic[R]):
 
     @abstractmethod
     def spread(self, ranges: Mapping[str, Range], report: R, sharpening: int) -> AnswerOverRanges:
-        """What is proved for every value in ranges, from the report on the middle."""
+        """What is proved for every value in ranges, at a cost that the report on one of them, or beside them, tells."""
 
     @abstractmethod
     def is_refuted(self, ranges: Mapping[str, Range], report: R) -> bool:

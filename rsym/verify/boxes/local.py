@@ -133,7 +133,7 @@ class Model:
         for number, name in plan.inputs:
             known[number] = inputs[name]
         known.update(given)
-        run([one for one in plan.steps if one.number not in given] if given else plan.steps, known)
+        run([one for one in plan.steps if one[0] not in given] if given else plan.steps, known)
 
     def _plan(self, numbers: tuple[int, ...]) -> _Plan:
         if numbers not in self._plans:

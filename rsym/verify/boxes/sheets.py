@@ -14,7 +14,9 @@ from functools import partial
 from rsym.logic.kleene import Connective, Formula, Literal, as_gate, joined, leaves_of, replaced, without_idle
 from rsym.logic.sign_form import gate_of
 from rsym.logic.stripping import bare, factor
+from rsym.program.builder import Builder
 from rsym.program.operations import PARTIAL
+from rsym.program.program import live
 from rsym.verify.boxes.domains import is_defined, is_defined_itself, is_legal
 from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import Local
@@ -65,18 +67,18 @@ def sheets(local: Local, number: int) -> Sheets | None:
 
 def _drops_undefined(local: Local, number: int, leaves: tuple[int, ...]) -> bool:
     """Whether a part that no leaf keeps may be undefined on the box: there the node has no boundary either."""
-    nodes = local.model.builder.nodes
-    if not any(nodes[part].operation in PARTIAL for part in local.model.order(number)):
+    model = local.model
+    nodes, doubtful = model.builder.nodes, model.made(_doubtful, number)
+    if not doubtful:
         return False
-    kept = {part for leaf in leaves for part in local.model.order(leaf)}
-    stack, seen = [number], set(kept)
+    local.value(number)  # and of all that it is made of
+    stack, seen = [number], set().union(*(model.made(_doubtful, leaf) for leaf in leaves))
     while stack:
         part = stack.pop()
-        if part in seen:
+        if part in seen or part not in doubtful:
             continue
         seen.add(part)
         operation, arguments, _ = nodes[part]
-        local.value(part)
         if operation == "normalised":
             if not is_defined(local, arguments[1], but_for_thin_sets=True):
                 return True
@@ -88,6 +90,16 @@ def _drops_undefined(local: Local, number: int, leaves: tuple[int, ...]) -> bool
         else:
             stack.extend(arguments)
     return False
+
+
+def _doubtful(builder: Builder, number: int) -> frozenset[int]:
+    """The parts of a node that may be undefined somewhere, by themselves or by what they are made of."""
+    found: set[int] = set()
+    for part in live(builder.nodes, [number]):
+        operation, arguments, _ = builder.nodes[part]
+        if operation in PARTIAL or not found.isdisjoint(arguments):
+            found.add(part)
+    return frozenset(found)
 
 
 def locus_of(local: Local, number: int) -> Locus:

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rsym.bounds.balls import Step, arb, exact, run
+from rsym.bounds.balls import arb, exact, run
 from rsym.program.differentiation import RULES
 from rsym.program.operations import BRANCHING, CHOOSING, HOMOGENEOUS, POWERS, those
 from rsym.verify.boxes.domains import is_defined, is_legal
@@ -42,7 +42,7 @@ class Slopes:
     def at(self, direction: Vector) -> dict[int, arb | None]:
         """The slopes in some directions, by node."""
         known: dict[int, arb | None] = dict(zip(self.coordinates, direction, strict=True))
-        run([Step(part, rule.slope, rule.arguments) for part, rule in self.rules], known)
+        run([(part, rule.slope, rule.arguments) for part, rule in self.rules], known)
         return known
 
     def gradient(self, direction: Vector) -> Vector | None:
