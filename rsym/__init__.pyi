@@ -77,6 +77,8 @@ from .program.fields import SIX
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
 from .sampling.extent import extent
+from .sampling.fit_report import Fit
+from .sampling.fitting import fit
 from .sampling.mesh import Mesh
 from .sampling.meshing import Mesher, mesh
 from .sampling.samples import Samples, sample
@@ -115,6 +117,7 @@ __all__ = [
     "FairnessReport",
     "Feature",
     "Finding",
+    "Fit",
     "Joint",
     "Kernel",
     "Letter",
@@ -181,6 +184,7 @@ __all__ = [
     "extrude",
     "fairness",
     "fillet",
+    "fit",
     "frustum",
     "gaussian_curvature",
     "gradient",
