@@ -83,6 +83,7 @@ from .sampling.mesh import Mesh
 from .sampling.meshing import Mesher, mesh
 from .sampling.samples import Samples, sample
 from .sampling.sections import Section, sections
+from .sampling.sensitivity import Sensitivity, sensitivity
 from .sampling.sharp.features import Feature
 from .verify.answers.body_report import BodyCover, BodyReport
 from .verify.answers.report import Joint, SmoothnessReport
@@ -137,6 +138,7 @@ __all__ = [
     "Samples",
     "Sardf",
     "Section",
+    "Sensitivity",
     "Shape",
     "SingularCurve",
     "SingularPoint",
@@ -258,6 +260,7 @@ __all__ = [
     "section",
     "sections",
     "segment",
+    "sensitivity",
     "shell",
     "slab",
     "smoothness_atlas",
