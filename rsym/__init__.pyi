@@ -63,6 +63,7 @@ from .output.explore import explore, explore_patches
 from .output.fairness import plot_fairness
 from .output.fields import plot_field, plot_fields
 from .output.files import write, write_features
+from .output.fits import plot_fit, plot_sensitivity
 from .output.joins import plot_continuity
 from .output.models import load_letters, save, save_letters
 from .output.patches import compare_patches, plot_patches
@@ -230,11 +231,13 @@ __all__ = [
     "plot_fairness",
     "plot_field",
     "plot_fields",
+    "plot_fit",
     "plot_gallery",
     "plot_mesh",
     "plot_patches",
     "plot_repair",
     "plot_sections",
+    "plot_sensitivity",
     "plot_sweep",
     "plot_verdict",
     "polygon",

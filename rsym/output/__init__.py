@@ -15,6 +15,7 @@ sections.py, sweep.py, systems.py                  stacks of sections, one lette
 certificates.py, combs.py, singular.py             the parts of verdicts: proofs and defects, teeth, edges
 verdicts.py, body_verdicts.py                      verdicts as figures, in the plane and in space
 atlas.py, repairs.py, fairness.py, designs.py      an atlas, a repair, fairness, designs
+fits.py                                            letters and data: residuals, the speed of a boundary
 cards.py, equations.py, pictures.py                small pictures with formulas, LaTeX, figures to files
 views.py, explorer.py, explore.py                  exploring in a notebook; needs ipywidgets
 """

@@ -118,10 +118,13 @@ class Sensitivity(Report):
 
     @cached_property
     def lines(self) -> tuple[Floats, ...]:
-        """The boundary in the plane as lines (k, 2), refined at bends and corners; RsymError for a shape in space."""
+        """The boundary in the plane as lines (k, 2), refined at bends and corners, the inside to their left.
+
+        Raises RsymError for a shape in space.
+        """
         self._require(2, "lines", "mesh")
         found = boundary(self.shape.with_letters(self.letters), self.bounds, self.resolution)
-        return tuple(cropped(found.lines, self.bounds)[0])
+        return tuple(self._turned(line) for line in cropped(found.lines, self.bounds)[0])
 
     @cached_property
     def values(self) -> Floats | tuple[Floats, ...]:
@@ -229,6 +232,14 @@ class Sensitivity(Report):
         form = shape_form(self.shape)
         outputs = {f"leaf {k}": derivative(form.builder, leaf, self.letter) for k, leaf in enumerate(form.leaves)}
         return compile_program(form.builder.program(outputs), tuple(outputs), self.shape)
+
+    def _turned(self, line: Floats) -> Floats:
+        """The line in the direction that has the inside to its left."""
+        middles, along = (line[1:] + line[:-1]) / 2, np.diff(line, axis=0)
+        values, gradients = self._leaves(middles)
+        inwards = gradients[self._leaves.active(values)[1], np.arange(len(middles))]
+        left = np.nansum(along[:, 0] * inwards[:, 1] - along[:, 1] * inwards[:, 0])
+        return line if left >= 0 else line[::-1]
 
     def _of_leaves(self, points: Floats, leaf: Ints, gradients: Floats) -> Floats:
         """The speed of a leaf at each point (n, 2), with the gradients (leaves, n, 2) of all of them there."""
