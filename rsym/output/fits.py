@@ -15,6 +15,7 @@ from matplotlib.colors import Colormap, Normalize
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
+from rsym.model.equation import hull
 from rsym.model.shape import Bounds
 from rsym.output.axes3d import Bar
 from rsym.output.ink import dots
@@ -229,13 +230,14 @@ def _scale(values: Floats, limits: tuple[float, float] | None, colour_map: str |
 
 
 def _bounds_of_body(fit: Fit) -> Bounds:
-    """The bounds of a body or the box that it needs; one that goes on without end is shown around the points."""
+    """The bounds of a body, or the box that it needs, and its points; without an end it is shown around the points."""
+    boxes = [] if fit.silhouette is not None else [_around(fit.points)]
     try:
-        return bounds_or_extent(fit.shape, None)
+        boxes.append(bounds_or_extent(fit.shape, None))
     except RsymError:
-        if fit.silhouette is not None:
+        if not boxes:
             raise
-        return _around(fit.points)
+    return hull(boxes) or boxes[0]
 
 
 def _around(points: Floats) -> Bounds:

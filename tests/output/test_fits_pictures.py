@@ -92,4 +92,4 @@ def test_axes_of_the_wrong_dimension():
     with pytest.raises(rsym.RsymError):
         rsym.plot_sensitivity(ball, ax=Figure().add_subplot())
     with pytest.raises(rsym.RsymError):
-        rsym.plot_fit(rsym.fit(rsym.sphere(r, letters={r: 1}), [[0, 0, 2]], [r]), ax=z)
+        rsym.plot_fit(rsym.fit(rsym.sphere(r, letters={r: 1}), [*np.eye(3), *-np.eye(3)], [r]), ax=z, resolution=12)
