@@ -114,12 +114,15 @@ def _plane_fit(fit: Fit, ax: Axes | None, scale: ScalarMappable, known: Any, cel
     require_axes(ax)
     lines = level_lines(fit.shape, resolution=cells, bounds=_around(fit.points), section=fit.section)
     ax.add_collection(LineCollection(list(lines), colors="black", linewidths=1.4, zorder=2))
-    ax.scatter(*fit.points[~known].T, s=DOT**2, c=LEFT_OUT, marker="x", zorder=3)
+    x, y = fit.points.T
+    ax.scatter(x[~known], y[~known], s=DOT**2, c=LEFT_OUT, marker="x", zorder=3)
     drawn = ax.scatter(
-        *fit.points[known].T,
+        x[known],
+        y[known],
         c=fit.residuals[known],
         cmap=scale.get_cmap(),
-        norm=scale.norm,
+        vmin=scale.get_clim()[0],
+        vmax=scale.get_clim()[1],
         s=2 * DOT**2,
         edgecolors="0.3",
         linewidths=0.3,
@@ -193,7 +196,7 @@ def plot_sensitivity(
     require_axes(ax)
     speed = np.concatenate([np.empty(0), *(one.mean(axis=1) for one in found.values)])
     scale = _scale(speed, limits, colour_map)
-    look = {"cmap": scale.get_cmap(), "norm": scale.norm}
+    look: dict[str, Any] = {"cmap": scale.get_cmap(), "norm": scale.norm}
     ax.add_collection(LineCollection(list(pieces), array=speed, linewidths=2.6, zorder=3, **look))
     teeth = _teeth(pieces, speed)
     drawn = LineCollection(list(teeth[0]), array=teeth[1], linewidths=0.9, zorder=2, **look)
@@ -212,8 +215,7 @@ def _teeth(pieces: Floats, speed: Floats) -> tuple[Floats, Floats]:
     length = np.hypot(*along.T)
     place = np.cumsum(length) - length / 2
     wanted = (np.arange(TEETH) + 0.5) * (length.sum() / TEETH)
-    which = np.unique(np.searchsorted(place, wanted).clip(max=max(len(place) - 1, 0))) if len(place) else []
-    chosen = np.asarray(which, np.int64)
+    chosen = np.unique(np.searchsorted(place, wanted).clip(max=len(place) - 1)) if len(place) else np.zeros(0, int)
     chosen = chosen[np.isfinite(speed[chosen]) & (length[chosen] > 0)]
     diagonal = float(np.hypot(*np.ptp(pieces.reshape(-1, 2), axis=0))) if len(pieces) else 0.0
     most = float(np.nanmax(np.abs(speed[chosen]), initial=0.0)) or 1.0
@@ -224,6 +226,7 @@ def _teeth(pieces: Floats, speed: Floats) -> tuple[Floats, Floats]:
 
 
 def _scale(values: Floats, limits: tuple[float, float] | None, colour_map: str | None) -> ScalarMappable:
+    """Colours between limits, of two sides if those are about zero."""
     low, high = checked_limits(limits) if limits is not None else robust_limits(values)
     colours: Colormap = colormaps[checked_map(colour_map) or ("coolwarm" if low == -high else "viridis")]
     return ScalarMappable(Normalize(low, high), colours)

@@ -32,7 +32,7 @@ def load_points(path: str | os.PathLike[str], columns: int) -> Floats:
     ...     load_points(path, 2).tolist()
     [[1.0, 2.5], [3.0, 0.4]]
     """
-    rows = []
+    rows: list[list[float]] = []
     lines = [line.partition("#")[0].strip() for line in _text(path).splitlines()]
     for number, line in enumerate(lines, 1):
         if not line:

@@ -23,7 +23,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
 from rsym.analysis.differential import boundary_speed
 from rsym.arrays import Floats, Ints
@@ -90,7 +89,7 @@ class Sensitivity(Report):
     bounds: Bounds
 
     @cached_property
-    def expression(self) -> sp.Expr:
+    def expression(self) -> Any:
         """(d omega/d letter)/|grad omega|, R-nodes kept: on the boundary the speed, off it that of the level sets."""
         return boundary_speed(self.shape, self.letter)
 
