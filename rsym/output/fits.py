@@ -197,7 +197,7 @@ def plot_sensitivity(
     speed = np.concatenate([np.empty(0), *(one.mean(axis=1) for one in found.values)])
     scale = _scale(speed, limits, colour_map)
     look: dict[str, Any] = {"cmap": scale.get_cmap(), "norm": scale.norm}
-    ax.add_collection(LineCollection(list(pieces), array=speed, linewidths=2.6, zorder=3, **look))
+    ax.add_collection(LineCollection(list(pieces), array=speed, linewidths=2.6, capstyle="round", zorder=3, **look))
     teeth = _teeth(pieces, speed)
     drawn = LineCollection(list(teeth[0]), array=teeth[1], linewidths=0.9, zorder=2, **look)
     ax.add_collection(drawn)
