@@ -31,9 +31,9 @@ PEAKS = 3  # the largest maxima between neighbours are all refined, for the orde
 GOLDEN = (5**0.5 - 1) / 2
 # 0.618**44 is below 1e-9 of a step between places: omega_1 there differs from its maximum by rounding.
 STEPS = 44
-# Of a line. Where D is smooth the mean of both sides is off by the square of it, beside 1e-9 that t* is known to; at an
-# edge by as much as leaves turn within it: derivatives of a box are off by 1e-5, which costs a search no step.
-ASIDE = 1e-6
+# Of a line: a hundred times what t* is off by at an edge. Derivatives are off by what D turns within it; where D is
+# smooth t* is off by more, 1e-8, but both sides are alike there.
+ASIDE = 1e-8
 
 
 @dataclass(frozen=True)
