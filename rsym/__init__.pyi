@@ -63,6 +63,7 @@ from .output.explore import explore, explore_patches
 from .output.fairness import plot_fairness
 from .output.fields import plot_field, plot_fields
 from .output.files import write, write_features
+from .output.fits import plot_fit, plot_sensitivity
 from .output.joins import plot_continuity
 from .output.models import load_letters, save, save_letters
 from .output.patches import compare_patches, plot_patches
@@ -77,10 +78,13 @@ from .program.fields import SIX
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
 from .sampling.extent import extent
+from .sampling.fit_report import Fit
+from .sampling.fitting import fit
 from .sampling.mesh import Mesh
 from .sampling.meshing import Mesher, mesh
 from .sampling.samples import Samples, sample
 from .sampling.sections import Section, sections
+from .sampling.sensitivity import Sensitivity, sensitivity
 from .sampling.sharp.features import Feature
 from .verify.answers.body_report import BodyCover, BodyReport
 from .verify.answers.report import Joint, SmoothnessReport
@@ -115,6 +119,7 @@ __all__ = [
     "FairnessReport",
     "Feature",
     "Finding",
+    "Fit",
     "Joint",
     "Kernel",
     "Letter",
@@ -134,6 +139,7 @@ __all__ = [
     "Samples",
     "Sardf",
     "Section",
+    "Sensitivity",
     "Shape",
     "SingularCurve",
     "SingularPoint",
@@ -181,6 +187,7 @@ __all__ = [
     "extrude",
     "fairness",
     "fillet",
+    "fit",
     "frustum",
     "gaussian_curvature",
     "gradient",
@@ -224,11 +231,13 @@ __all__ = [
     "plot_fairness",
     "plot_field",
     "plot_fields",
+    "plot_fit",
     "plot_gallery",
     "plot_mesh",
     "plot_patches",
     "plot_repair",
     "plot_sections",
+    "plot_sensitivity",
     "plot_sweep",
     "plot_verdict",
     "polygon",
@@ -254,6 +263,7 @@ __all__ = [
     "section",
     "sections",
     "segment",
+    "sensitivity",
     "shell",
     "slab",
     "smoothness_atlas",

@@ -21,7 +21,7 @@ from rsym.model.choices import Choice
 from rsym.model.nodes import written_out
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.model.symbols import postorder
+from rsym.model.symbols import postorder, real_symbol
 
 Matrix: TypeAlias = sp.ImmutableDenseMatrix
 
@@ -105,6 +105,24 @@ def gradient(shape: Shape) -> Matrix:
     """
     require_shape(shape)
     return Matrix([derivative(shape.expression, symbol) for symbol in shape.coordinates])
+
+
+def boundary_speed(shape: Shape, letter: str) -> sp.Expr:
+    """How fast the boundary moves outwards when a letter grows: (d omega/d letter)/|grad omega|.
+
+    omega(x(p), p) = 0 along a point that stays on the boundary, so d omega/dp + grad omega . dx/dp = 0, and the outer
+    normal is -grad omega/|grad omega|. Where omega is not 0 it is the speed of the level set there.
+
+    Examples
+    --------
+    >>> import rsym, sympy as sp
+    >>> from rsym import x, y
+    >>> r = sp.Symbol("r", real=True)
+    >>> boundary_speed(rsym.Shape(r**2 - x**2 - y**2, (x, y), letters={r: 2}), "r")
+    2*r/sqrt(4*x**2 + 4*y**2)
+    """
+    slope = sp.Add(*(component**2 for component in gradient(shape)))
+    return derivative(shape.expression, real_symbol(letter)) / sp.sqrt(slope)
 
 
 def hessian(shape: Shape) -> Matrix:

@@ -40,9 +40,9 @@ class AbsolutePower(RealNode):
         return plain_absolute_power(*self.args)
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """A sign(u) |u|**(a - 1); the exponent is a parameter of an R-operation and does not vary."""
+        """A sign(u) |u|**(a - 1), and |u|**a log|u| by the exponent, which is a letter at most."""
         base, exponent = self.args
-        return exponent * signed_power(base, exponent - 1) if argindex == 1 else sp.S.Zero
+        return exponent * signed_power(base, exponent - 1) if argindex == 1 else self * sp.log(sp.Abs(base))
 
     def numeric(self, arguments: list[sp.Float]) -> sp.Expr:
         """The value."""
@@ -66,9 +66,9 @@ class SignedPower(RealNode):
         return self.args[0] * sp.Abs(self.args[0], evaluate=False) ** (self.args[1] - 1)
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """A |u|**(a - 1)."""
+        """A |u|**(a - 1), and sign(u) |u|**a log|u| by the exponent."""
         base, exponent = self.args
-        return exponent * absolute_power(base, exponent - 1) if argindex == 1 else sp.S.Zero
+        return exponent * absolute_power(base, exponent - 1) if argindex == 1 else self * sp.log(sp.Abs(base))
 
     def numeric(self, arguments: list[sp.Float]) -> sp.Expr:
         """The value."""

@@ -5,7 +5,7 @@ takes `ax=` or a figure and returns its artist.
 
 files.py, formats.py, units.py, atomic.py          meshes to files: a row per format, lengths, whole or not at all
 interactive.py, viewing.py                         the page that turns; the browser
-exchange.py, dxf.py, models.py                     other packages' meshes; curves; model files, values of letters
+exchange.py, dxf.py, models.py, points.py          other packages' meshes; curves; model files, letters; measured points
 looks.py, panels.py, fields.py                     level lines: looks, one panel, what users call, several at once
 shading.py, rasteriser.py, ink.py                  bodies: light and normals, triangles to pixels, lines
 paints.py, parts.py                                what a surface is painted with: a row per map; parts
@@ -15,6 +15,7 @@ sections.py, sweep.py, systems.py                  stacks of sections, one lette
 certificates.py, combs.py, singular.py             the parts of verdicts: proofs and defects, teeth, edges
 verdicts.py, body_verdicts.py                      verdicts as figures, in the plane and in space
 atlas.py, repairs.py, fairness.py, designs.py      an atlas, a repair, fairness, designs
+fits.py                                            letters and data: residuals, the speed of a boundary
 cards.py, equations.py, pictures.py                small pictures with formulas, LaTeX, figures to files
 views.py, explorer.py, explore.py                  exploring in a notebook; needs ipywidgets
 """

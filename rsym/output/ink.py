@@ -142,7 +142,7 @@ def _spread(dots: Floats, names: Ints, width: float, size: tuple[int, ...]) -> t
     return where, (best[where] >> 32) / SHADES, best[where] & 0xFFFFFFFF
 
 
-def dots(points: Floats, colour: str, size: float, hidden: float) -> list[Stroke]:
+def dots(points: Floats, colour: str | Floats, size: float, hidden: float) -> list[Stroke]:
     """Round dots with a white rim, so that they stand out from lines and dark surfaces."""
     twice = np.stack([points, points], axis=1)
     return [Stroke(twice, "white", size + RIM), Stroke(twice, colour, size, hidden)]

@@ -8,6 +8,7 @@ drawing.py                   what a recipe makes: a figure and what it was made 
 claims.py                    what the source claims of surfaces; for which letters it holds
 studies.py, preference.py    what it proposes beyond its figures, measured
 verdicts.py                  bodies with their verdicts; the gallery
+data.py                      letters from data: a fitted body
 coons.py, curves.py          parametric surfaces: of edges and corners; through curves and data
 figures.py                   all figures as recipes, those of the source in full
 readings.py, page.py         how doubtful places are read; the page of a reproduction

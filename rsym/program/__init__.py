@@ -9,6 +9,7 @@ the order of the data:
 - `builder`: makes nodes and simplifies what is exact
 - `lowering`: from SymPy to nodes, squares completed on the way
 - `differentiation`: derivatives, of one side at corners; `normalisation` to the next order
+- `by_letters`: distances of first order, and how they change with a letter
 - `calculus`, with the curvatures, `fields`: what is computed of a shape, where it exists
 - `expansion`: all operations in those that a backend must know
 """

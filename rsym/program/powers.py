@@ -126,14 +126,23 @@ def _signed_expansion(b: Nodes, node: Node) -> int:
     return b.select(base, zero, size, b.select(zero, base, b.neg(size), at_zero))
 
 
+def _by_exponent(b: Nodes, number: int, node: Node, slope: int, found: int) -> int:
+    """What is found, and the power times log|u| a' where the exponent varies: with a letter, say."""
+    if b.value(slope) == 0:
+        return found
+    return b.add(found, b.mul(b.mul(number, b.make("log", b.abs(node.arguments[0]))), slope))
+
+
 def _absolute(b: Nodes, number: int, node: Node, d: Sequence[int]) -> int:
     base, exponent = node.arguments
-    return b.mul(b.mul(exponent, b.signed_power(base, b.sub(exponent, b.const(1)))), d[0])
+    slope = b.mul(exponent, b.signed_power(base, b.sub(exponent, b.const(1))))
+    return _by_exponent(b, number, node, d[1], b.mul(slope, d[0]))
 
 
 def _signed(b: Nodes, number: int, node: Node, d: Sequence[int]) -> int:
     base, exponent = node.arguments
-    return b.mul(b.mul(exponent, b.absolute_power(base, b.sub(exponent, b.const(1)))), d[0])
+    slope = b.mul(exponent, b.absolute_power(base, b.sub(exponent, b.const(1))))
+    return _by_exponent(b, number, node, d[1], b.mul(slope, d[0]))
 
 
 SIGNED_POWERS: dict[str, Operation] = {

@@ -9,5 +9,7 @@ In come shapes and compiled kernels, out come arrays with what is known of them.
 - in space: `meshing` (`rsym.mesh`), `mesher` with `sharp/` and `kernels/`, or `smooth` by marching cubes with `detail`
 - `mesh`: triangles; `triangles`, `manifolds`: their measures; `status`: what is known, in brief and in full
 - on meshes: `curvatures`, `leaf_fields`, `distances`; `samples`: points on a boundary or inside
+- letters from data: `boundary_distances` of points, or of the lines of sight of `silhouettes`; `fitting` (`rsym.fit`)
+  and its `fit_report`; `sensitivity`: how fast the boundary moves with a letter
 - `stills`: small pictures that results show of themselves
 """

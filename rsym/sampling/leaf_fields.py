@@ -21,10 +21,12 @@ from rsym.logic.sign_form import SignForm, has_kinks, shape_form
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.program.calculus import Calculus
-from rsym.program.fields import fields_program
+from rsym.program.differentiation import derivative
+from rsym.program.fields import outputs_of
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.plane_leaves import active_leaf
 
+BY_LETTER = "by_letter"  # the derivative by a letter, beside the fields
 NEWTON_STEPS = 3
 SIDES = 6  # of the bounds, behind the leaves of a shape
 # A mesh with more vertices than this share farther from a shape than a triangle is long is one of another shape, or was
@@ -36,11 +38,15 @@ GOES_ON = np.cos(np.radians(10.0))
 
 @dataclass(frozen=True)
 class LeafFields:
-    """Value, gradient and other fields of the leaves of a shape in space, each compiled when it is asked for."""
+    """Value, gradient and other fields of the leaves of a shape in space, each compiled when it is asked for.
+
+    With a letter the derivative by it is a field too, ``by_letter``.
+    """
 
     shape: Shape
     fields: Sequence[str] = ()
     letters: Mapping[Any, float] | None = None
+    letter: str | None = None
     _kernels: dict[int, Kernel] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
@@ -140,8 +146,13 @@ class LeafFields:
 
     def _kernel(self, number: int) -> Kernel:
         if number not in self._kernels:
-            program = fields_program(Calculus(self.form.builder, self._node(number)), self.names)
-            self._kernels[number] = compile_program(program, self.names, self.shape)
+            b, node = self.form.builder, self._node(number)
+            calculus = Calculus(b, node)
+            outputs = {name: part for field in self.names for name, part in outputs_of(calculus, field).items()}
+            if self.letter is not None:
+                outputs[BY_LETTER] = derivative(b, node, self.letter)
+            names = (*self.names, *(() if self.letter is None else (BY_LETTER,)))
+            self._kernels[number] = compile_program(b.program(outputs), names, self.shape)
         return self._kernels[number]
 
     def _node(self, number: int) -> int:

@@ -38,11 +38,13 @@ TABLE = {
     "plot_fairness": ("figure", Figure, {"limits"}),
     "plot_field": ("ax", Artist, {"levels", "limits", "title", "colour_map", "outside"}),
     "plot_fields": ("figure", Figure, {"levels", "limits", "titles", "colour_map", "outside"}),
+    "plot_fit": ("ax", Artist, {"limits", "colour_map"}),
     "plot_gallery": ("figure", Figure, {"limits", "titles", "colour_map"}),
     "plot_mesh": ("ax3d", Artist, {"limits", "colour_map", "colour_by"}),
     "plot_patches": ("ax3d", Artist, {"limits", "colour_map", "colour_by"}),
     "plot_repair": ("figure", Figure, {"titles"}),
     "plot_sections": ("ax", Artist, {"limits", "colour_map"}),
+    "plot_sensitivity": ("ax", Artist, {"limits", "colour_map"}),
     "plot_sweep": ("figure", Figure, {"levels", "limits", "titles", "colour_map", "outside"}),
     "plot_verdict": ("ax", Figure, {"colour_by"}),
 }
@@ -75,6 +77,8 @@ def pictures():
         Shape(a**2 - (x - b) ** 2 - y**2, (x, y), letters=letters, bounds=((-4, 4), (-4, 4))), "a", "b"
     )
     octant = sphere_octant(1.0)
+    fitted = rsym.fit(ROUND, [[2, 0], [0, 2.1], [-1.9, 0], [0, -2]], letters=["r"])
+    moving = rsym.sensitivity(ROUND, "r", resolution=32)
     return {
         "plot_atlas": lambda **place: rsym.plot_atlas(atlas, **place),
         "plot_continuity": lambda **place: rsym.plot_continuity([octant, octant], resolution=6, **place),
@@ -83,11 +87,13 @@ def pictures():
         "plot_fairness": lambda **place: rsym.plot_fairness(fair, **place),
         "plot_field": lambda **place: rsym.plot_field(DISC, resolution=24, **place),
         "plot_fields": lambda **place: rsym.plot_fields(DISC, ("value", "laplacian"), resolution=24, **place),
+        "plot_fit": lambda **place: rsym.plot_fit(fitted, resolution=32, **place),
         "plot_gallery": lambda **place: rsym.plot_gallery({"disc": DISC, "ball": BALL}, resolution=16, **place),
         "plot_mesh": lambda **place: rsym.plot_mesh(body, **place),
         "plot_patches": lambda **place: rsym.plot_patches(octant, resolution=6, **place),
         "plot_repair": lambda **place: rsym.plot_repair(repaired, **place),
         "plot_sections": lambda **place: rsym.plot_sections(stack, **place),
+        "plot_sensitivity": lambda **place: rsym.plot_sensitivity(moving, **place),
         "plot_sweep": lambda **place: rsym.plot_sweep(ROUND, "r", [1, 2], resolution=24, **place),
         "plot_verdict": lambda **place: rsym.plot_verdict(reports.undecided_disc(), DISC, resolution=24, **place),
     }

@@ -164,6 +164,24 @@ def test_the_lines_about_smoothness():
     assert Path("verdict.png").stat().st_size > 20_000
 
 
+def test_the_lines_about_data(capsys):
+    (code,) = [code for code in PYTHON if "rsym.fit(" in code]
+    space = {"rsym": rsym}
+    for line in filter(None, code.splitlines()):
+        statement, _, comment = line.partition("  # ")
+        if re.match(r"\w+ = |from", statement):
+            exec(statement, space)
+        else:
+            found = eval(statement, space)
+            assert comment.split(", ")[0] == str(found) or not re.match("True|[0-9]", comment)
+    assert "500 points determine a, a1, a2 and p1" in capsys.readouterr().out
+    np.savetxt("points.csv", space["points"], delimiter=",")
+    (command,) = [code for code in PLAIN if code.startswith("rsym fit")]
+    assert main(command.split()[1:]) == 0
+    assert rsym.load_letters("found.json")["p1"] == space["found"].letters["p1"]
+    assert Path("found.png").stat().st_size > 20_000
+
+
 @pytest.mark.slow
 def test_the_lines_about_bodies(monkeypatch):
     (code,) = [code for code in PYTHON if "smoothness_atlas" in code]

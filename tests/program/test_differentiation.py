@@ -8,9 +8,12 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import R0, R1, R0m, RAlpha, Rp, Shape, equivalence, joining, trimming, x, y
+from rsym.backends.interpreter import interpret
 from rsym.model.functions import Softplus
 from rsym.model.nodes import ZeroWith
-from rsym.program.differentiation import RULES
+from rsym.model.powers import absolute_power, signed_power
+from rsym.program.builder import Builder
+from rsym.program.differentiation import RULES, derivative
 from rsym.program.fields import program_of
 from rsym.program.operations import OPERATIONS
 
@@ -105,3 +108,17 @@ def test_the_angle_of_a_sine_and_a_cosine_is_the_angle():
         expected = np.stack([slope * (3 - 2 * places[1]), slope * -2 * places[0]], axis=1)
         assert_close(kernel(*places)["gradient"], expected, rtol=1e-9, atol=1e-9)
         assert sum(node.operation == "div" for node in kernel.program.nodes) == quotients
+
+
+@pytest.mark.parametrize("base", [-1.7, 0.6])
+def test_powers_are_differentiated_by_an_exponent_that_is_a_letter(base):
+    p = sp.Symbol("p", real=True)
+    for power in (absolute_power, signed_power):
+        builder = Builder(("x",), ("p",))
+        number = builder.make(power.__name__, builder.input("x"), builder.input("p"))
+        program = builder.program({"by": derivative(builder, number, "p")})
+        found = interpret(program, {"x": base, "p": 2.5})["by"]
+        sign = np.sign(base) if power is signed_power else 1.0
+        exact = float(mpmath.diff(lambda e, sign=sign: sign * mpmath.mpf(abs(base)) ** e, 2.5))
+        assert_close(found, exact, rtol=1e-14)
+        assert_close(float(power(x, p).diff(p).subs({x: base, p: 2.5})), exact, rtol=1e-14)

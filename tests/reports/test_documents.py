@@ -35,6 +35,16 @@ def fair_ellipse():
     return rsym.fairness(rsym.Shape(1 - x**2 / 4 - y**2, (x, y), bounds=((-3, 3), (-2, 2))))
 
 
+def fitted():
+    return rsym.fit(
+        rsym.disc(a, letters={a: rsym.Letter(1.5, minimum=1.2)}), [[1, 0], [0, 1], [-1, 0.1]], [a], loss="huber"
+    )
+
+
+def moving():
+    return rsym.sensitivity(rsym.disc(a, letters={a: 1}), a, resolution=32)
+
+
 def designs():
     oval = rsym.Shape(1 - x**2 / a**2 - y**2, (x, y), letters={a: 2}, bounds=((-4, 4), (-2, 2)))
     return rsym.compare_designs(oval, {"round": {"a": 1.25}, "long": {"a": 3}}, tolerance=0.1)
@@ -132,7 +142,7 @@ REAL = [
     edges,
 ]
 REAL += [edges_by_samples, threshold, systems, mesh_status, clipped_mesh]
-REAL += [level_lines, refused_blend, corrected_patch, corrected_fit]
+REAL += [level_lines, refused_blend, corrected_patch, corrected_fit, fitted, moving]
 MAKERS = [functools.cache(make) for make in (*reports.EVERY, *body_reports.EVERY, *REAL)]
 
 
