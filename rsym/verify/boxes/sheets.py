@@ -49,6 +49,10 @@ def sheets(local: Local, number: int) -> Sheets | None:
     >>> len(found.leaves), found.formula.operation, found.formula.operands[1].operation
     (3, 'min', 'max')
     """
+    return local.made(_sheets, number)
+
+
+def _sheets(local: Local, number: int) -> Sheets | None:
     origins: dict[int, int] = {}
     formula = _formula(local, number, origins)
     if formula is None or len(leaves_of(formula)) > 2 * MOST:
@@ -66,7 +70,7 @@ def sheets(local: Local, number: int) -> Sheets | None:
 def _drops_undefined(local: Local, number: int, leaves: tuple[int, ...]) -> bool:
     """Whether a part that no leaf keeps may be undefined on the box: there the node has no boundary either."""
     nodes = local.model.builder.nodes
-    if not any(nodes[part].operation in PARTIAL for part in local.model.order(number)):
+    if not local.model.parts(number, PARTIAL):
         return False
     kept = {part for leaf in leaves for part in local.model.order(leaf)}
     stack, seen = [number], set(kept)
