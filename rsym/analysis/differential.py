@@ -38,10 +38,14 @@ def derivative(expression: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
     -y/sqrt(x**2 + y**2) + 1
     """
     expression = written_out(expression)
-    known: dict[int, sp.Expr] = {}
-    for part in postorder(expression):
-        known[id(part)] = _rule(part, [known[id(argument)] for argument in part.args], symbol)
-    return known[id(expression)]
+    # Equal parts are often several objects; one of each is derived, and a derivative that is a part is that object:
+    # SymPy compares objects at once, trees for ever.
+    unique = {part: part for part in postorder(expression)}
+    known: dict[sp.Basic, sp.Expr] = {}
+    for part in unique:
+        made = _rule(part, [known[argument] for argument in part.args], symbol)
+        known[part] = unique.get(made, made)
+    return known[expression]
 
 
 def _rule(part: sp.Basic, inner: list[sp.Expr], symbol: sp.Symbol) -> sp.Expr:

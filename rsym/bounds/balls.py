@@ -265,8 +265,15 @@ def holds(condition: Condition, *operands: arb) -> bool:
 def is_defined(operation: str, *operands: arb) -> bool:
     """Whether an operation is certainly defined wherever its arguments are. It may be too strict, never too lax."""
     row = OPERATIONS[operation]
-    legal = row.parameter is None or row.parameter.holds(operands[-1])
-    return legal and all(any(holds(condition, *operands) for condition in clause) for clause in row.domain)
+    if row.parameter is not None and not row.parameter.holds(operands[-1]):
+        return False
+    for clause in row.domain:  # asked a million times: without generators
+        for condition in clause:
+            if holds(condition, *operands):
+                break
+        else:
+            return False
+    return True
 
 
 def doubts(nodes: Sequence[Node], numbers: Sequence[int]) -> list[tuple[Test, tuple[int, ...]]]:

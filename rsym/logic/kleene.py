@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 from typing import TypeAlias
 
@@ -30,6 +31,8 @@ class Connective:
 
 
 Formula: TypeAlias = int | Literal | Connective  # a whole number is a sign that is known
+
+RECURRING = 4096  # formulas of which it is kept what they depend on: neighbouring boxes have the same
 
 _VALUES: dict[str, Callable[[list[int]], int]] = {"min": min, "max": max, "product": math.prod}
 
@@ -102,6 +105,7 @@ def _parts(formula: Formula) -> Iterator[int | Literal]:
         yield formula
 
 
+@lru_cache(RECURRING)
 def essential(formula: Formula) -> tuple[int, ...]:
     """The leaves on which the sign of a formula depends anywhere, its zeros included.
 
@@ -126,6 +130,7 @@ def essential(formula: Formula) -> tuple[int, ...]:
     return tuple(found)
 
 
+@lru_cache(RECURRING)
 def as_gate(formula: Formula) -> tuple[str, tuple[int, ...]] | None:
     """The operation and the signs of one or two leaves that a formula joins by a "min" or "max"; None if it does not.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence, Set
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from rsym.bounds.balls import Step, arb, ball, ctx, exact, run, step
@@ -205,6 +206,7 @@ class Local:
         self.values: dict[int, arb | None] = {}
         self.decided: dict[int, tuple[int, ...]] = {}
         self.defined: dict[tuple[int, bool], bool] = {}
+        self._made: dict[tuple[Callable[..., Any], int], Any] = {}
 
     def value(self, number: int) -> arb | None:
         """A ball around all values of a node; None if it is nowhere defined."""
@@ -217,6 +219,14 @@ class Local:
         if any(number not in self.values for number in numbers):
             self.model.enclose_all(numbers, self.inputs, self.values)
         return [self.values[number] for number in numbers]
+
+    def made(self, maker: Callable[[Local, int], T], number: int) -> T:
+        """What `maker(local, number)` gives, made when it is first asked for."""
+        key = (maker, number)
+        if key not in self._made:
+            self._made[key] = maker(self, number)
+        found: T = self._made[key]
+        return found
 
     def sign(self, number: int) -> int:
         """1 or -1 where the node certainly has that sign wherever it is defined, else 0."""
@@ -233,6 +243,11 @@ class Local:
     def gradient(self, number: int) -> list[arb]:
         """Balls around the first derivatives of a node, the whole line where there is no bound."""
         return self.balls(self.model.gradient(number))
+
+    @cached_property
+    def surroundings(self) -> Local:
+        """The box that `grown` gives, one and the same to all who ask."""
+        return self.grown()
 
     def grown(self) -> Local:
         """What is known on a box a little larger along the coordinates."""

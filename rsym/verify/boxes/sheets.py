@@ -51,6 +51,10 @@ def sheets(local: Local, number: int) -> Sheets | None:
     >>> len(found.leaves), found.formula.operation, found.formula.operands[1].operation
     (3, 'min', 'max')
     """
+    return local.made(_sheets, number)
+
+
+def _sheets(local: Local, number: int) -> Sheets | None:
     origins: dict[int, int] = {}
     formula = _formula(local, number, origins)
     if formula is None or len(leaves_of(formula)) > 2 * MOST:

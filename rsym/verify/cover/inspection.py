@@ -92,7 +92,7 @@ class Inspector(ABC):
 
     def _joined(self, local: Local, number: int, locus: Locus) -> Inspection:
         """Two pieces on the grown box, analytic and nowhere tangent to what ends them; or one that is all."""
-        around = local.grown()
+        around = local.surroundings
         outer = locus_of(around, number)
         if outer.kind == "none":
             return EMPTY

@@ -34,12 +34,26 @@ class Region:
         self.low, self.high = sides[..., 0], sides[..., 1]
         margin = _GROWN * (self.high - self.low)
         self._low, self._high = self.low - margin, self.high + margin
+        # Along each axis the boxes by their lower ends, and how far below a point one can begin that reaches it.
+        self._lines = [(ends.argsort(), np.sort(ends)) for ends in self._low.T]
+        self._reach = (1 + 2.0**-20) * (self._high - self._low).max(axis=0, initial=0) + 2 * tolerance
+
+    def _candidates(self, low: Floats, high: Floats) -> NDArray[np.intp]:
+        """All that may hold a box, to within the tolerance: those that reach it along the axis where these are fewest."""
+        beyond = low + 2 * self.tolerance
+        least = high - self._reach
+        ranges = [
+            (order, line.searchsorted(least[axis]), line.searchsorted(beyond[axis], "right"))
+            for axis, (order, line) in enumerate(self._lines)
+        ]
+        order, first, last = min(ranges, key=lambda item: item[2] - item[1])
+        return order[first:last]
 
     def around(self, point: Floats) -> NDArray[np.intp]:
         """The boxes that a point lies in, to within the tolerance."""
-        near = (self.low - self.tolerance <= point) & (point <= self.high + self.tolerance)
-        found: NDArray[np.intp] = np.flatnonzero(near.all(axis=1))
-        return found
+        some = np.sort(self._candidates(point, point))
+        near = (self.low[some] - self.tolerance <= point) & (point <= self.high[some] + self.tolerance)
+        return some[near.all(axis=1)]
 
     def holds(self, point: Floats) -> bool:
         """Whether a point lies in the union, to within the tolerance."""
@@ -47,7 +61,8 @@ class Region:
 
     def surrounds(self, low: Floats, high: Floats) -> bool:
         """Whether one of the grown boxes holds a box."""
-        return bool(((self._low <= low) & (high <= self._high)).all(axis=1).any())
+        some = self._candidates(low, high)
+        return bool(((self._low[some] <= low) & (high <= self._high[some])).all(axis=1).any())
 
     def face(self, inner: Floats, outer: Floats) -> tuple[int, float] | None:
         """The axis and the value of the face between two points that are close together; None if there is none."""

@@ -73,7 +73,7 @@ def corner(local: Local, number: int | None = None, names: Names | None = None) 
     ((0.0, 0.0, 1.0), 'corner', 90.0, ((0, 1), (0, 2), (1, 2)))
     """
     model = local.model
-    grown = local.grown()
+    grown = local.surroundings
     found = sheets(grown, model.root if number is None else number)
     if found is None or len(found.leaves) != 3 or not all(generators(grown, leaf).analytic for leaf in found.leaves):
         return None

@@ -62,7 +62,7 @@ def located(
     seen: list[Point] = []
     for equations in systems:
         with ctx.workprec(LOCATED):
-            point = _newton(model, equations.nodes, centre)
+            point = model.remembered(_newton, equations.nodes, tuple(centre))  # many boxes suggest the same
             if point is None or away(point, centre) > reach:
                 continue
             if any(all(abs(p - q) < CONVERGED for p, q in zip(point, other, strict=True)) for other in seen):
@@ -113,13 +113,12 @@ def _pinned(model: Model, point: Point, equations: Equations) -> ZeroPlace:
     return ZeroPlace(point, unknown, frozenset(), False)
 
 
-def _newton(model: Model, nodes: Sequence[int], start: Sequence[float]) -> Point | None:
+def _newton(model: Model, nodes: tuple[int, ...], start: tuple[float, ...]) -> Point | None:
     """Newton's method; a multiple zero halves the error at each step."""
     point, size = tuple(arb(part) for part in start), len(nodes)
-    slopes = [model.gradient(number) for number in nodes]
+    wanted = (*nodes, *(part for number in nodes for part in model.gradient(number)))
     for _ in range(STEPS):
-        at = model.on(point)
-        values = [at.value(number) for number in (*nodes, *(part for row in slopes for part in row))]
+        values = model.on(point).all(wanted)
         if any(value is None or not value.is_finite() for value in values):
             return None
         middles = [value.mid() for value in values if value is not None]
