@@ -1,9 +1,8 @@
 """The suite draws without a screen, and has two tiers.
 
 `pytest` is the quick one: without what is marked `slow`, and of each battery, marked `random`, two items that rotate
-with the day. `pytest --everything` is all of it, `pytest --rest` what the quick one leaves out, but of a battery that
-says how many items are enough for a day, `random(12)`, no more than these: the others have other days. The seed is told
-at the head of a run; `--seed` repeats it.
+with the day. `pytest --everything` is all of it, `pytest --rest` what the quick one leaves out. The seed is told at the
+head of a run; `--seed` repeats it.
 """
 
 import datetime
@@ -43,20 +42,19 @@ def pytest_report_header(config):
     return f"tier: {tier}; --seed {config.option.seed}"
 
 
-def tiers(items, seed):
-    """Those of the quick tier and those of the rest: of each battery its first in an order that rotates, and others."""
-    quick, rest, batteries = set(), set(), {}
+def quick(items, seed):
+    """Those of the quick tier, in their order."""
+    batteries = {}
     for item in items:
         if item.get_closest_marker("random") is not None:
             batteries.setdefault(item.nodeid.partition("[")[0], []).append(item)
-        else:
-            (quick if item.get_closest_marker("slow") is None else rest).add(item)
+    kept = set()
     for name, battery in batteries.items():
-        turns = random.Random(f"{seed} {name}").sample(battery, len(battery))
-        slow, (size,) = battery[0].get_closest_marker("slow"), battery[0].get_closest_marker("random").args or (None,)
-        quick.update([] if slow else turns[:KEPT])
-        rest.update(turns[:size] if slow else turns[KEPT:size])
-    return quick, rest
+        kept.update(random.Random(f"{seed} {name}").sample(battery, min(KEPT, len(battery))))
+    rotating = {item for battery in batteries.values() for item in battery}
+    return [
+        item for item in items if item.get_closest_marker("slow") is None and (item not in rotating or item in kept)
+    ]
 
 
 @pytest.hookimpl(wrapper=True)
@@ -75,6 +73,8 @@ def pytest_collection():
 def pytest_collection_modifyitems(config, items):
     if config.option.everything or any("::" in name for name in config.args):
         return  # a test that is asked for by its name is run
-    chosen = tiers(items, config.option.seed)[config.option.rest]
-    config.hook.pytest_deselected(items=[item for item in items if item not in chosen])
-    items[:] = [item for item in items if item in chosen]
+    chosen = quick(items, config.option.seed)
+    taken = set(chosen)
+    left = [item for item in items if item not in taken]
+    items[:], dropped = (left, chosen) if config.option.rest else (chosen, left)
+    config.hook.pytest_deselected(items=dropped)

@@ -102,7 +102,7 @@ def deviations(shape, contract, random):
     return np.concatenate(found, axis=1)
 
 
-@pytest.mark.random(8)
+@pytest.mark.random
 @pytest.mark.parametrize("part", PARTS)
 def test_the_order_holds(part):
     """To order m the deviation is smaller than any multiple of h**(m - 1); for R_5/2, m = 2, it is h**(3/2)."""
@@ -165,7 +165,7 @@ def broken(expression, lost, random):
     return np.array([wrong, count])
 
 
-@pytest.mark.random(8)
+@pytest.mark.random
 @pytest.mark.parametrize("part", PARTS)
 def test_the_class_holds(part):
     random = np.random.default_rng(part)
@@ -185,7 +185,7 @@ def falls(promises, leaf, random):
     return (slope_of(promises, leaf) * (after - before) < -1e-15).any()
 
 
-@pytest.mark.random(8)
+@pytest.mark.random
 @pytest.mark.parametrize("part", PARTS)
 def test_monotonicity_holds(part):
     random, checked = np.random.default_rng(part), 0

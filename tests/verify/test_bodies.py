@@ -227,7 +227,7 @@ def test_a_range_of_letters():
     assert 1 <= report.curvatures[1]
 
 
-@pytest.mark.random(14)
+@pytest.mark.random
 @pytest.mark.parametrize("number", range(50))
 def test_regular_bodies_are_never_refuted(number):
     expression = random_bodies.numbered(random_bodies.regular, number)
@@ -235,7 +235,7 @@ def test_regular_bodies_are_never_refuted(number):
     assert report.verdict == "CERTIFIED"
 
 
-@pytest.mark.random(14)
+@pytest.mark.random
 @pytest.mark.parametrize("number", range(50))
 def test_planted_defects_are_never_certified(number):
     _, expression = random_bodies.numbered(random_bodies.planted, number)
