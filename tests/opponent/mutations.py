@@ -32,8 +32,8 @@ from opponent import aimed
 from opponent.aimed import BALL, BEAK, DISC, FOLDED, HIDDEN, LEFT_CUT, NO_SCREW, ROW, SLIVER, SPIRAL, WAIST, C, Q, r
 from rsym import conjunction, disjunction, x, y, z
 from rsym.bounds.balls import arb
-from rsym.verify.cover import bending
 from rsym.model.powers import AbsolutePower
+from rsym.verify.cover import bending
 
 
 @dataclass(frozen=True)
