@@ -13,7 +13,7 @@ from rsym.backends.dialects import LANGUAGES, Language
 from rsym.backends.interpreter import interpret_nodes
 from rsym.errors import RsymError
 from rsym.program.operations import OPERATIONS
-from rsym.program.program import Program, constant_value
+from rsym.program.program import Precision, Program, constant_value
 
 
 class Statements(NamedTuple):
@@ -30,6 +30,7 @@ def statements(
     *,
     inputs: Mapping[str, str] | None = None,
     known: Mapping[int, str | float] | None = None,
+    precision: Precision | None = None,
 ) -> Statements:
     """The statements that compute the nodes of an expanded program, in order; what depends on no input is a number.
 
@@ -44,6 +45,8 @@ def statements(
     known : mapping of int to str or float, optional
         Nodes that need no statement: names that hold them already, or their numbers. What only they need is
         left out.
+    precision : Precision, optional
+        The format that numbers are for, by default that of the language.
 
     Raises
     ------
@@ -68,7 +71,7 @@ def statements(
     for number, node in enumerate(program.nodes):
         name = known.get(number)
         if name is None and node.operation in ("const", "undefined"):
-            name = math.nan if node.operation == "undefined" else constant_value(node.data, row.precision)
+            name = math.nan if node.operation == "undefined" else constant_value(node.data, precision or row.precision)
         if name is not None or number not in needed:
             result.names.append(name if isinstance(name, str) else "" if name is None else row.literal(name))
             continue
