@@ -9,5 +9,7 @@ goes out. In the order of the data:
 - `registry`: the backends by name; `kernel`: `rsym.compile`
 - `dialects`: a row for each other language; `languages`: programs as their statements; `vm`: the text of fidget and
   MPR; `source`: `rsym.source`
+- `derivatives`: fields and their derivatives, level by level; `jax_functions`, `torch_functions`: what those packages
+  are given
 - `runtime`, `plain`: what `sympy.lambdify` calls for R-nodes, and that way in whole
 """

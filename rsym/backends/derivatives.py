@@ -22,7 +22,7 @@ from rsym.program.fields import Jumps, doubt, order_of, part_names, program_of, 
 from rsym.program.operations import OPERATIONS, POWERS, those
 from rsym.program.program import Node, Precision, Program
 
-CHOICES = ("one-sided", "zero", "nan")
+CHOICES = ("zero", "one-sided", "nan")
 # Their rules of derivation take the last argument for a constant; where it is a letter, the expansion is derived.
 PARAMETRIC = those(lambda row: row.parameter is not None) | POWERS | {"monomial"}
 
@@ -88,8 +88,8 @@ class Differentiable:
     >>> from rsym import x, y
     >>> from rsym.program.program import FLOAT64
     >>> shape = rsym.Shape(rsym.conjunction(x, y), (x, y))
-    >>> found = differentiable(shape, ("value",), "one-sided", FLOAT64).along(("x",))
-    >>> [name for name, _ in found.program.outputs]
+    >>> found = differentiable(shape, ("value",), "zero", FLOAT64).along(("x",))
+    >>> list(found.names)
     ['value', 'value along x']
     """
 
@@ -111,7 +111,7 @@ class Differentiable:
     @cached_property
     def program(self) -> Program:
         """The program of primitive operations."""
-        return expand(self.setting.builder.program({one.name: one.found for one in self.outputs}))
+        return expand(self.setting.builder.program({str(k): one.found for k, one in enumerate(self.outputs)}))
 
     def along(self, names: tuple[str, ...]) -> Differentiable:
         """The functions themselves, then the derivatives of each along each of these inputs."""
@@ -168,7 +168,9 @@ def _copied(builder: Builder, program: Program) -> dict[str, int]:
 
 def without_gaps(whole: Mapping[str, Any], xp: Any) -> dict[str, Any]:
     """Fields made of derivatives as 0 where they are no numbers."""
-    return {name: finite(array, xp) if order_of(name) and name != "singular" else array for name, array in whole.items()}
+    return {
+        name: finite(array, xp) if order_of(name) and name != "singular" else array for name, array in whole.items()
+    }
 
 
 def finite(array: Any, xp: Any) -> Any:

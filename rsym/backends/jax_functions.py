@@ -20,7 +20,7 @@ from rsym.program.fields import checked_fields, gather
 from rsym.program.program import FLOAT32, FLOAT64, precision_named
 
 
-def to_jax(shape: Shape, fields: Sequence[str] = ("value",), *, at_corners: str = "one-sided") -> Callable[..., Any]:
+def to_jax(shape: Shape, fields: Sequence[str] = ("value",), *, at_corners: str = "zero") -> Callable[..., Any]:
     """Fields of a shape as a function of JAX, ``function(x, y[, z], letters)``, to differentiate, map and compile.
 
     Its derivatives, along coordinates and letters, are programs of rsym (a `jax.custom_jvp`), and so are theirs, to
@@ -33,12 +33,12 @@ def to_jax(shape: Shape, fields: Sequence[str] = ("value",), *, at_corners: str 
         What to evaluate.
     fields : sequence of str
         As for `compile`.
-    at_corners : {"one-sided", "zero", "nan"}
+    at_corners : {"zero", "one-sided", "nan"}
         What stands for a derivative that does not exist, in fields made of derivatives and in the derivatives of all
-        fields. ``one-sided``: first derivatives are those of one side, as `compile` has them, 0 where there is none,
-        and higher ones are 0. ``zero``: all are 0, so a sum over points is that over the other points. ``nan``: NaN,
-        as a kernel has it, which spoils every sum. Whatever is chosen ``singular`` says where the gradient is none,
-        and omega itself is NaN where the formula is undefined.
+        fields. ``zero``: 0, so a sum over points is that over the other points. ``one-sided``: first derivatives of
+        omega are those of one side, as `compile` has them; where there is none, and for higher ones, 0. ``nan``: NaN,
+        as a kernel has it, which spoils every sum. Whatever is chosen, ``singular`` is as a kernel has it, and omega
+        itself is NaN where the formula is undefined.
 
     Returns
     -------
