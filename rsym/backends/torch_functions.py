@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
@@ -87,6 +88,7 @@ class _Names:
     def __init__(self, torch: Any, like: Any) -> None:
         self.sqrt, self.abs, self.sin, self.cos = torch.sqrt, torch.abs, torch.sin, torch.cos
         self.exp, self.log, self.power = torch.exp, torch.log, torch.pow
+        self.nan, self.inf = math.nan, math.inf
         self._torch, self._like = torch, like
 
     def _tensor(self, value: Any) -> Any:

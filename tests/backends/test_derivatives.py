@@ -13,6 +13,9 @@ import sympy as sp
 import rsym
 from rsym import RsymError, x, y
 
+# PyTorch's own, of what it loads for derivatives forwards.
+pytestmark = pytest.mark.filterwarnings("ignore:.torch.jit:DeprecationWarning")
+
 a, p = sp.symbols("a p", real=True)
 CORNER = rsym.Shape(rsym.conjunction(x + a * y, y - x**2), (x, y), letters={a: 1})
 CREASE = rsym.Shape(sp.Min(x, a * y) + x**2, (x, y), letters={a: 1})
