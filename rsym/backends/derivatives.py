@@ -16,9 +16,10 @@ from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
 from rsym.program.builder import Builder
+from rsym.program.calculus import order_of
 from rsym.program.differentiation import ONE_SIDED, derivative
 from rsym.program.expansion import expand
-from rsym.program.fields import Jumps, doubt, order_of, part_names, program_of, unless
+from rsym.program.fields import Jumps, doubt, part_names, program_of, unless
 from rsym.program.operations import OPERATIONS, POWERS, those
 from rsym.program.program import Node, Precision, Program
 
@@ -144,11 +145,11 @@ def differentiable(shape: Shape, fields: Sequence[str], at_corners: str, precisi
     builder = Builder((*smooth.coordinates, *smooth.letters), ())
     nodes, existing, ends = (_copied(builder, program) for program in (smooth, kept, found))
     zero = builder.const(0)
-    orders = {name: order_of(field) for field in fields for name in part_names(field, shape.dimension).flat}
+    orders = {str(name): order_of(field) for field in fields for name in part_names(field, shape.dimension).flat}
     outputs = []
     for name, node in nodes.items():
         missing = builder.select(builder.abs(existing[name]), builder.const(-1), zero, builder.const(1))
-        outputs.append(Output(name, node, ends[name], orders[name], missing if orders[name] else zero))
+        outputs.append(Output(str(name), node, ends[name], orders[name], missing if orders[name] else zero))
     return Differentiable(Setting(builder, smooth.coordinates, at_corners, precision), outputs)
 
 

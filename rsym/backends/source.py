@@ -149,8 +149,8 @@ def _head(program: Program, row: Language, defaults: Mapping[str, float], consta
     """The comment that says what goes in and what comes out."""
     rows = [(f"c{k}", name) for k, name in enumerate(program.coordinates)]
     for k, name in enumerate(program.letters):
-        place = "constant" if constants else _LETTER.search(row.letter.format(k=k, k1=k + 1))[0]
-        rows.append((place, f"{name} = {defaults[name]!r}"))
+        places = ["constant"] if constants else _LETTER.findall(row.letter.format(k=k, k1=k + 1))
+        rows.append((places[0], f"{name} = {defaults[name]!r}"))
     rows += [(f"out{k}", name) for k, (name, _) in enumerate(program.outputs)]
     said = [
         "An R-function, positive inside its shape, and functions derived from it.",

@@ -53,10 +53,11 @@ def to_torch(shape: Shape, fields: Sequence[str] = ("value",), *, at_corners: st
 
     Examples
     --------
-    >>> import rsym, torch  # doctest: +SKIP
+    >>> import rsym
     >>> from rsym import x, y
     >>> disc = rsym.Shape(4 - x**2 - y**2, (x, y))
     >>> function = rsym.to_torch(disc & rsym.Shape(x, (x, y)))  # doctest: +SKIP
+    >>> import torch  # doctest: +SKIP
     >>> place = torch.tensor([0.5, 1.0], requires_grad=True)  # doctest: +SKIP
     >>> function(*place)["value"].backward()  # doctest: +SKIP
     """

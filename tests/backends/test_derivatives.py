@@ -142,6 +142,7 @@ def test_letters_are_inputs_like_others(package, shape, name, value):
     assert float(found) == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-8, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_batches_maps_and_precisions(package):
     function = package.function(CORNER, ("value", "gradient"))
     column = function(package.array(POINTS[0])[:, None], package.array(POINTS[1]))
