@@ -1,8 +1,9 @@
 """A sign form along rays: a sequence of calls of image functions, for a processor and for a page alike.
 
-Each operation of the leaves, not expanded, is one call. What a call does is a small program of its own in the `library`:
-printed once in some language it is a function of models (four numbers) and numbers that gives a model. So the text of a
-form stays short, and compiles fast. What depends on letters alone is a program of its own, computed once in float64.
+Each operation of the leaves, not expanded, is one call. What a call does is a small program of its own in the
+`library`: printed once in some language it is a function of models (four numbers) and numbers that gives a model. So
+the text of a form stays short, and compiles fast. What depends on letters alone is a program of its own, computed once
+in float64.
 """
 
 from __future__ import annotations

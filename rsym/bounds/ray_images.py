@@ -1,14 +1,13 @@
 """The image of every operation on quadratic models: an R-operation has its own, as its row says.
 
 What is monotone has the range through its values at the ends of its operands; where it is smooth, away from corners, it
-is also composed of sums, products and roots of models, and the narrower of both is taken. A row without a rule of its own
-is followed through its expansion.
+is also composed of sums, products and roots of models, and the narrower of both is taken. A row without a rule of its
+own is followed through its expansion.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from fractions import Fraction
 from functools import partial
 from typing import TypeAlias
 
@@ -21,7 +20,6 @@ from rsym.program.row import DOWN, UP_IN_SIZE
 
 Operands: TypeAlias = Sequence[RayModel]
 Rule: TypeAlias = Callable[[RayArithmetic, Node, Operands], RayModel]
-
 
 
 def minimum(m: RayArithmetic, u: RayModel, v: RayModel) -> RayModel:

@@ -11,11 +11,11 @@ it: the radius is part of low and high of the coordinates. Quadrics are exact; o
 
 Smooth functions are composed by Taylor's formula of order 2 with its remainder, where that is narrower than a range.
 
-Every end is finite: what is beyond `huge` counts as that large, so no quotient makes a NaN, and languages whose min, max
-and comparisons of NaN are undefined compute the same. Values beyond it lie closer to a pole than 1/huge; what is less
-than that counts as 0.
+Every end is finite: what is beyond `huge` counts as that large, so no quotient makes a NaN, and languages whose min,
+max and comparisons of NaN are undefined compute the same. Values beyond it lie closer to a pole than 1/huge; what is
+smaller than that counts as 0.
 
-RayRounding is part of each result: a share `slack` of the largest term moves low and high outwards; of functions of libm,
+Rounding is part of each result: a share `slack` of the largest term moves low and high outwards; of functions of libm,
 of powers and what else is not basic arithmetic, a share `elementary` of the value.
 """
 
@@ -142,7 +142,9 @@ class RayArithmetic:
         """The same of what may be next to unknown, and as steep as a pole: where it is, the range alone."""
         moved, reach = self.outward(u, size), self.reach(u)
         low, high = self.b.sub(moved.low, reach), self.b.add(moved.high, reach)
-        return self.chosen(self.b.mul(self.b.const(QUARTER), self.huge), self.b.sub(high, low), moved, self.hull(low, high))
+        return self.chosen(
+            self.b.mul(self.b.const(QUARTER), self.huge), self.b.sub(high, low), moved, self.hull(low, high)
+        )
 
     def lowered(self, u: RayModel, by: int) -> RayModel:
         """Low moved down by that much."""
@@ -272,7 +274,9 @@ class RayArithmetic:
             b.mul(b.abs(g), b.add(distance, b.abs(self.centre(u)))),
             b.mul(b.abs(h), b.square(distance)),
         )
-        return self.settled(RayModel(low, high, linear, quadratic), b.mul(b.make("div", self.elementary, self.slack), scale))
+        return self.settled(
+            RayModel(low, high, linear, quadratic), b.mul(b.make("div", self.elementary, self.slack), scale)
+        )
 
     def better(self, u: RayModel, low: int, high: int) -> RayModel:
         """The model, or the range where that is not twice as wide as low and high leave open."""
