@@ -50,6 +50,7 @@ class Row(IntEnum):
 
 
 ROWS = 20
+BLOCK = ("state", "constants", "words")  # the first parameters of what works on eight rays
 GONE, MARCHING, MET, LOST = -1.0, 0.0, 1.0, 2.0
 
 
@@ -108,9 +109,9 @@ def form_at(r: Routine, t: Value) -> tuple[Value, Value]:
 
 
 def first_root(r: Routine, end: Value, linear: Value, quadratic: Value) -> Value:
-    """The smallest w >= 0 at which the parabola end + linear*(w - 1) + quadratic*((w - 1)**2 - 1) is 0; beyond 2 if none.
+    """The smallest w = s + 1 >= 0 at which a parabola with these coefficients of s and s**2 is 0; beyond 2 if none.
 
-    `end` is its value at w = 0, where it is negative; where it is not, w is 0.
+    `end` is its value at w = 0; where that is not negative, w is 0.
     """
     slope = linear - quadratic * 2.0
     discriminant = slope * slope - quadratic * end * 4.0
@@ -127,9 +128,7 @@ def first_root(r: Routine, end: Value, linear: Value, quadratic: Value) -> Value
 
 def march(s: RayFormulas) -> Routine:
     """Until each ray has met the form, is gone or lost."""
-    r = Routine(
-        "march", {"state": "ptr", "constants": "ptr", "words": "ptr", "pixel": "double", "growth": "double"}, internal=True
-    )
+    r = Routine("march", dict.fromkeys(BLOCK, "ptr") | {"pixel": "double", "growth": "double"}, internal=True)
     pixel, growth = (r.value(r.splat(name)) for name in ("%pixel", "%growth"))
     with r.loop("0", f"{MOST_STEPS}", 1, lambda: get(r, Row.STATUS).compare("oeq", MARCHING)):
         t, stop, status = get(r, Row.T), get(r, Row.STOP), get(r, Row.STATUS)
@@ -179,7 +178,7 @@ def march(s: RayFormulas) -> Routine:
 
 def settle(s: RayFormulas) -> Routine:
     """The root on the active leaf within the bracket of each ray, and the normal there."""
-    r = Routine("settle", {"state": "ptr", "constants": "ptr", "words": "ptr", "planes": "ptr", "cuts": "i64"}, internal=True)
+    r = Routine("settle", dict.fromkeys(BLOCK, "ptr") | {"planes": "ptr", "cuts": "i64"}, internal=True)
     todo = r.emit(f"alloca i{LANES}, align 8")
     status, tolerance = get(r, Row.STATUS), r.element("%constants", s.tolerance)
     lost, met = status.compare("oeq", LOST), status.compare("oeq", MET)

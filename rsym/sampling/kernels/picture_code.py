@@ -1,7 +1,7 @@
 """The routines of a caster as LLVM text: a picture tile by tile, beams first, and rays one by one.
 
-A beam runs around the rays of a tile of pixels: how far it is negative all rays are, and what does not matter on its rest
-matters to none of them.
+A beam runs around the rays of a tile of pixels: how far it is negative all rays are, and what does not matter on its
+rest matters to none of them.
 """
 
 from __future__ import annotations
@@ -35,13 +35,15 @@ NEAR = 0.5
 FIRST_STEP = 2.0
 WORDS = f"<{LANES} x i64>"
 # What a camera is, as numbers in a row.
-CAMERA = ("corner", "across", "down", "eye", "perspective", "near", "far", "pixel", "growth", "radius", "spread", "reach")
+VECTORS_OF_CAMERA = ("corner", "across", "down", "eye")
+NUMBERS_OF_CAMERA = ("perspective", "near", "far", "pixel", "growth", "radius", "spread", "reach")
 
 
 def place_of(name: str) -> int:
-    """Where a part of a camera begins: the first four are vectors."""
-    k = CAMERA.index(name)
-    return 3 * min(k, 4) + max(0, k - 4)
+    """Where a part of a camera begins."""
+    if name in VECTORS_OF_CAMERA:
+        return 3 * VECTORS_OF_CAMERA.index(name)
+    return 3 * len(VECTORS_OF_CAMERA) + NUMBERS_OF_CAMERA.index(name)
 
 
 class Picture(Routine):
