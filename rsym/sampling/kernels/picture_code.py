@@ -32,9 +32,9 @@ BLOCK = (4, 2)  # columns and rows of the eight pixels that march together
 MOST_BEAM_STEPS = 60
 # Of the side of a tile: where a beam that may meet something ends.
 NEAR = 0.5
-FIRST_STEP = 2.0
+FIRST_STEP = 4.0
 # Of the side of a tile: how far behind its start it is asked once more what matters, for there most rays end.
-NEAR_DEPTH = 6.0
+NEAR_DEPTH = 12.0
 WORDS = f"<{LANES} x i64>"
 # What a camera is, as numbers in a row.
 VECTORS_OF_CAMERA = ("corner", "across", "down", "eye")
