@@ -198,6 +198,10 @@ class _Calls:
         name, arguments = relation(self.b.nodes, number) or (node.operation, node.arguments)
         if name == "direction":
             return self._call("sign", arguments)
+        if name == "square" and self.b.nodes[arguments[0]].operation == "atan2":  # even, so without a cut
+            u, v = (self._value(argument) for argument in self.b.nodes[arguments[0]].arguments)
+            if u.kind == MODEL:
+                return self._called("square", [self._called("atan2", [self._called("abs", [u]), v])])
         if name == "share":  # f/sqrt(f**2 + g**2)
             f, g = (self._value(argument) for argument in arguments)
             return self._called("normalised", [f, self._called("square", [g])])

@@ -54,13 +54,18 @@ def logarithm(m: RayArithmetic, u: RayModel) -> RayModel:
 
 
 def angle(m: RayArithmetic, u: RayModel, v: RayModel) -> RayModel:
-    """atan2(u, v): by the arc tangent of u/v or of -v/u, where one of them is away from 0."""
+    """atan2(u, v): a quarter turn or none or half of one, and the arc tangent of the smaller over the larger."""
     b = m.b
-    (u_low, u_high), (v_low, _) = m.range(u), m.range(v)
-    right, up, down = (v_low, m.zero), (u_low, m.zero), (m.zero, u_high)
-    above = m.chosen(*right, u, m.negative(v))
-    below = m.chosen(*right, v, m.chosen(*up, u, m.chosen(*down, u, m.number(m.one))))
-    ratio = quotient(m, above, below)
+    (u_low, u_high), (v_low, v_high) = m.range(u), m.range(v)
+    least = m.greater(v_low, b.neg(v_high), m.zero)
+    up, down, right = (u_low, least), (b.neg(least), u_high), (v_low, m.zero)
+    behind = b.neg(v_high)
+    left = (b.select(m.zero, u_low, m.zero, behind), m.zero)  # on the cut u = 0 it is that of u > 0
+    beyond = (b.select(m.zero, u_high, behind, m.zero), m.zero)
+    steep = m.chosen(*up, m.negative(v), m.chosen(*down, m.negative(v), u))
+    divisor = m.chosen(*left, v, m.chosen(*beyond, v, m.number(m.one)))
+    divisor = m.chosen(*up, u, m.chosen(*down, u, m.chosen(*right, v, divisor)))
+    ratio = quotient(m, steep, divisor)
     c = m.centre(ratio)
     f, slope = b.make("atan2", c, m.one), b.make("div", m.one, b.add(m.one, b.square(c)))
     h = b.neg(b.mul(c, b.square(slope)))
@@ -69,12 +74,16 @@ def angle(m: RayArithmetic, u: RayModel, v: RayModel) -> RayModel:
     ends = m.widened(b.sub(f, distance), b.add(f, distance))
     ends = RayRange(m.greater(ends.low, b.neg(quarter)), m.lesser(ends.high, quarter))
     arc = m.better(m.composed(ratio, (f, slope, h), b.const(ATAN_BOUND)), *ends)
-    turn = b.mul(b.const(HALF), b.make("const", data="pi"))
-    turn = b.select(*right, m.zero, b.select(*up, turn, b.neg(turn)))
+    pi = b.make("const", data="pi")
+    quarter_turn = b.mul(b.const(HALF), pi)
+    turn = b.select(*right, m.zero, b.select(*left, pi, b.neg(pi)))
+    turn = b.select(*up, quarter_turn, b.select(*down, b.neg(quarter_turn), turn))
     half = b.const(Fraction(22, 7))
     known = m.add(arc, m.number(turn))  # pi as rounded: less than the slack of a quarter turn away
-    everywhere = m.hull(b.neg(half), half)
-    return m.chosen(*right, known, m.chosen(*up, known, m.chosen(*down, known, everywhere)))
+    result = m.hull(b.neg(half), half)
+    for condition in (up, down, right, left, beyond):
+        result = m.chosen(*condition, known, result)
+    return result
 
 
 def power(m: RayArithmetic, u: RayModel, exponent: int) -> RayModel:

@@ -161,6 +161,7 @@ def picture(s: RayFormulas) -> Routine:
             x, y = r.emit(f"add i64 {x0}, {i}"), r.emit(f"add i64 {y0}, {j}")
             left, top = (r.value(r.splat(r.emit(f"sitofp i64 {number} to double"))) for number in (x, y))
             put(r, Row.STATUS, r.number(GONE))
+            put(r, Row.DOUBT, r.number(0.0))
             with r.where(start < float("inf")):
                 r.rays(left + across, top + down)
                 r.do("call void @clip(ptr %state, ptr %planes, i64 %cuts, double 0.0)")
