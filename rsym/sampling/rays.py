@@ -1,0 +1,205 @@
+"""Rays cast at the sign form of a shape: what they meet first, without a mesh and without a resolution."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rsym.arrays import Floats, Shorts
+from rsym.backends.kernel import checked_threads
+from rsym.errors import RsymError
+from rsym.model.equation import checked_bounds
+from rsym.model.shape import Bounds, Shape
+from rsym.sampling.extent import extent
+from rsym.sampling.form_signs import check_parameters
+from rsym.sampling.hits import Hits, Rays, Seen
+from rsym.sampling.kernels.ray_kernels import Crowd, ray_kernels
+from rsym.sampling.leaf_fields import SIDES, LeafFields
+from rsym.sampling.pencils import Cut, Pencil, as_cuts
+
+# Of the diagonal of the bounds: how fine rays look that are not those of a picture.
+FINE = 1e-4
+
+
+class Caster:
+    """Casts rays at a shape in space; compiled once, for all letters.
+
+    The body is cut off at its bounds, as meshes are: the sides are leaves too, and cuts likewise.
+
+    Parameters
+    ----------
+    shape : Shape
+        In space.
+    letters : mapping, optional
+        Values of letters; `set` changes them, and compiles nothing.
+    bounds : sequence of pairs, optional
+        Instead of those of the shape; without any its extent.
+    threads : int, optional
+        By default as many as there are processors; the bits do not depend on it.
+
+    Raises
+    ------
+    RsymError
+        For a shape in the plane, unknown letters, or a body without bounds that goes on for ever.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> half = rsym.Shape(rsym.conjunction((4 - x**2 - y**2 - z**2) / 4, z), (x, y, z), bounds=((-3, 3),) * 3)
+    >>> caster = Caster(half)
+    >>> hits = caster.cast([[0.0, 0.0, 5.0], [0.0, 0.0, -5.0], [4.0, 0.0, 0.0]], [[0, 0, -1], [0, 0, 1], [0, 1, 0]])
+    >>> hits.depth.round(9).tolist(), hits.leaf.tolist()
+    ([3.0, 5.0, inf], [0, 1, -1])
+    >>> hits.normal[1].round(9).tolist()
+    [-0.0, -0.0, -1.0]
+    """
+
+    def __init__(
+        self,
+        shape: Shape,
+        letters: Mapping[Any, float] | None = None,
+        *,
+        bounds: Any = None,
+        threads: int | None = None,
+    ) -> None:
+        self._leaf_fields = LeafFields(shape)
+        self.shape = shape
+        self._crowd = Crowd(checked_threads(threads))
+        self._kernels = ray_kernels(self._leaf_fields.form)
+        self._bounds = None if bounds is None else checked_bounds(bounds, 3)
+        self.letters: dict[str, float] = {}
+        self.set(letters)
+
+    def set(self, letters: Mapping[Any, float] | None = None) -> None:
+        """Take letters, the others at their defaults."""
+        self.letters = self.shape.letters.values_with(letters)
+        check_parameters(self._leaf_fields.form, self.letters)
+        for name in ("bounds", "_constants"):
+            self.__dict__.pop(name, None)
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """The box that the body is cut off at, for the letters as they are."""
+        return self._bounds or self.shape.bounds or extent(self.shape, self.letters)
+
+    @cached_property
+    def leaves(self) -> tuple[str, ...]:
+        """The names of the leaves, the sides of the bounds last."""
+        sides = [f"cap {name} {end}" for name in self.shape.coordinates for end in ("lower", "upper")]
+        return (*self._leaf_fields.leaves, *sides)
+
+    def cast(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        *,
+        near: float = 0.0,
+        far: float = np.inf,
+        cuts: Iterable[Cut] = (),
+        pixel: tuple[float, float] | None = None,
+    ) -> Hits:
+        """What rays meet first between the distances `near` and `far`.
+
+        Parameters
+        ----------
+        origins, directions : array_like (..., 3)
+            They broadcast; directions may have any length, distances are in the unit of the coordinates.
+        near, far : float
+            Where the rays begin and end; a ray that begins inside the body meets it there.
+        cuts : sequence of Cut
+            Half-spaces that the body is cut by: cut k is leaf ``len(caster.leaves) + k``.
+        pixel : (float, float), optional
+            How fine to look: a pixel has the size ``pixel[0] + distance*pixel[1]``; what is far smaller may be missed.
+
+        Raises
+        ------
+        RsymError
+            For arrays that do not broadcast, or a direction without length.
+        """
+        start, along = _checked_rays(origins, directions)
+        size = self._fine if pixel is None else pixel
+        chosen = as_cuts(cuts)
+        flat = start.reshape(-1, 3), along.reshape(-1, 3)
+        seen = self._kernels.rays(*flat, (near, far), size, self._planes(chosen), self._constants, self._crowd)
+        return self._hits(seen.reshaped(start.shape[:-1]), lambda: (start, along), chosen)
+
+    def look(self, pencil: Pencil, *, near: float = -np.inf, far: float = np.inf, cuts: Iterable[Cut] = ()) -> Hits:
+        r"""What the rays of a picture meet first, in arrays (rows, columns); with an eye they begin at it.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> from rsym import x, y, z
+        >>> ball = rsym.Shape((4 - x**2 - y**2 - z**2) / 4, (x, y, z), bounds=((-3, 3),) * 3)
+        >>> pencil = Pencil((8, 4), (-4, 2, 9), (1, 0, 0), (0, -1, 0), direction=(0, 0, -1))
+        >>> print("\n".join("".join("-#"[int(met)] for met in row) for row in Caster(ball).look(pencil).met))
+        ---##---
+        --####--
+        --####--
+        ---##---
+        """
+        chosen, begin = as_cuts(cuts), max(near, 0.0) if pencil.eye is not None else near
+        seen = self._kernels.picture(
+            pencil, begin, far, self._planes(chosen), self.bounds, self._constants, self._crowd
+        )
+        return self._hits(seen, pencil.rays, chosen)
+
+    @property
+    def _fine(self) -> tuple[float, float]:
+        return FINE * float(np.linalg.norm([high - low for low, high in self.bounds])), 0.0
+
+    def _hits(self, seen: Seen, rays_of: Rays, cuts: tuple[Cut, ...]) -> Hits:
+        return Hits(
+            seen.depth,
+            seen.leaf,
+            np.moveaxis(seen.normal, 0, -1),
+            seen.doubt > 0,
+            rays_of,
+            partial(self._fields_at, self.letters, cuts),
+        )
+
+    def _planes(self, cuts: tuple[Cut, ...]) -> Floats:
+        """The half-spaces of the bounds and of the cuts: outer normal and offset."""
+        planes = []
+        for axis, (low, high) in enumerate(self.bounds):
+            unit = np.eye(3)[axis]
+            planes += [[*-unit, -low], [*unit, high]]
+        return np.array([*planes, *([*cut.normal, cut.offset] for cut in cuts)])
+
+    @cached_property
+    def _constants(self) -> Floats:
+        return self._kernels.constants(self.letters, self.bounds)
+
+    def _fields_at(
+        self, letters: Mapping[str, float], cuts: tuple[Cut, ...], names: tuple[str, ...], leaf: Shorts, points: Floats
+    ) -> dict[str, Floats]:
+        """Fields of leaves; those of a cut are those of a side of the bounds, but for their directions."""
+        fields = LeafFields(self.shape, names, letters, self._leaf_fields._kernels if not names else {})
+        count = len(fields.form.leaves)
+        known = np.where(leaf < count + SIDES, leaf, count).astype(np.int64)
+        found = fields.at(known, points) if len(points) else fields.at(np.zeros(1, np.int64), np.zeros((1, 3)))
+        result = {name: values[: len(points)] for name, values in found.items()}
+        for k, cut in enumerate(cuts):
+            result["gradient"][leaf == count + SIDES + k] = -np.array(cut.normal)
+        return result
+
+
+def _checked_rays(origins: ArrayLike, directions: ArrayLike) -> tuple[Floats, Floats]:
+    """Origins and unit directions of one shape (..., 3)."""
+    try:
+        start, along = np.broadcast_arrays(np.asarray(origins, np.float64), np.asarray(directions, np.float64))
+    except (TypeError, ValueError) as error:
+        raise RsymError(
+            "origins and directions of rays must be arrays (..., 3) that broadcast", code="array"
+        ) from error
+    if start.shape[-1:] != (3,):
+        raise RsymError(f"origins and directions of rays are (..., 3), got {start.shape}", code="array")
+    lengths = np.sqrt(np.einsum("...k,...k->...", along, along))
+    if not ((lengths > 0) & np.isfinite(lengths)).all() or not np.isfinite(start).all():
+        raise RsymError("the direction of a ray is finite and not 0, its origin finite", code="rays")
+    return start, along / lengths[..., None]
