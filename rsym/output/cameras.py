@@ -130,8 +130,10 @@ class Camera:
             up = np.cross(towards, right)
         return np.stack([right, up, towards])
 
-    def frame(self, points: Floats, size: tuple[int, int]) -> View:
+    def frame(self, points: Floats, size: tuple[int, int], whole: Floats | None = None) -> View:
         """What a picture of so many pixels, width and height, shows: all points (n, 3), as large as they go.
+
+        Parallel rays begin before all points of the `whole`, by default these.
 
         Examples
         --------
@@ -147,13 +149,14 @@ class Camera:
         middle = (low + high) / 2 if self.target is None else axes @ self.target
         offsets = seen - middle
         reach = np.maximum(np.abs(offsets[:, :2]).max(axis=0), 1e-6 * span)
-        front = float(offsets[:, 2].max()) + 0.01 * span
+        beyond = seen if whole is None else whole @ axes.T
+        front = float((beyond[:, 2] - middle[2]).max()) + 0.01 * span
         if self.field_of_view is None:
             pixel = float((reach / room).max()) / self.zoom
             return View(size, axes, axes.T @ middle, pixel, None, max(front, 0.0))
         slope = 2 * math.tan(math.radians(self.field_of_view) / 2) / size[1]
         near = offsets[:, 2] + (np.abs(offsets[:, :2]) / (slope * room)).max(axis=1)
-        distance = max(float(near.max()), front) if self.distance is None else self.distance
+        distance = max(float(near.max()), float(offsets[:, 2].max()) + 0.01 * span) if self.distance is None else self.distance
         return View(size, axes, axes.T @ middle, slope * distance / self.zoom, distance, 0.0)
 
 

@@ -9,36 +9,19 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Flags, Floats, Ints
-from rsym.output.cameras import View
+from rsym.arrays import Flags, Floats, Ints, Shorts
 from rsym.output.ink import SMOOTH
+from rsym.output.sights import UNDECIDED, Sight
 
 Single: TypeAlias = NDArray[np.float32]
 # A surface goes on from one pixel to the next if each lies on the other's tangent plane but for so many pixels: even
 # beside an outline a ball of any size strays by less than one.
 STRAY = 2.5
-NOTHING, UNDECIDED = -1, -2  # in the place of the number of a leaf
 # What another ray says of the place of an edge between two pixels, each time by half: to a 16th of a pixel.
 HALVINGS = 3
 
-
-@dataclass(frozen=True)
-class Sight:
-    """What rays of a view see, those that meet the body: places, leaves, depths, points and unit normals towards the eye.
-
-    `column`, `row` (n,) are places in the picture, `leaf` (n,), `depth` (n,), `points` (n, 3), `normals` (n, 3).
-    """
-
-    column: Floats
-    row: Floats
-    leaf: Ints
-    depth: Floats
-    points: Floats
-    normals: Floats
-
-
-# The rays of places (n,), columns and rows: the leaf that each sees or NOTHING or UNDECIDED, and the depth.
-Look: TypeAlias = Callable[[Floats, Floats], tuple[Ints, Floats]]
+# The leaves that the rays of places (n,), columns and rows, see as `Sight.labels` says it, and their depths.
+Look: TypeAlias = Callable[[Floats, Floats], tuple[Shorts, Floats]]
 
 
 @dataclass(frozen=True)
@@ -69,47 +52,37 @@ class Edges:
         return np.flatnonzero(mask)
 
 
-def edges_of(sight: Sight, index: NDArray[np.int32], leaf: NDArray[np.int16], view: View, look: Look) -> Edges:
-    """Find the edges of a picture.
+def edges_of(sight: Sight, size: tuple[int, int], look: Look) -> Edges:
+    """Find the edges of a picture of so many pixels, height and width, whose pixels see what a sight says.
 
     An outline, where something covers what is farther away, is found by rays between the two pixels; a crease, where two
-    leaves meet at an angle, where their tangent planes do.
-
-    Parameters
-    ----------
-    sight : Sight
-        What the pixels see.
-    index : (h, w) array
-        Which row of the sight a pixel is; anything where it sees nothing.
-    leaf : (h, w) array
-        The leaf that a pixel sees, or NOTHING, or UNDECIDED.
-    look : callable
-        Casts more rays.
+    leaves meet at an angle, where their tangent planes do. Pixels that are undecided have no edges.
     """
-    depth = np.full(leaf.shape, np.inf, np.float32)
-    depth.reshape(-1)[(leaf >= 0).reshape(-1)] = sight.depth
-    steep = STRAY * np.float32(view.pixel_at(sight.depth.min(initial=np.inf)))
+    leaf, depth = sight.labels.reshape(size), sight.depths.reshape(size)
+    if not len(sight.depth):
+        nothing = np.zeros(0, np.int64)
+        return Edges(nothing, nothing, np.zeros(0, np.float32), size)
+    steep = STRAY * np.float32(sight.view.pixel_at(sight.depth.min()))
     first, second, found = _candidates(leaf, depth, steep)
-    flat, rows = leaf.reshape(-1), index.reshape(-1)
+    flat, rows = leaf.reshape(-1), sight.number
     seen = (flat[first] >= 0) & (flat[second] >= 0)
-    outline, crease = _kinds(sight, rows, first, second, seen, found, view)
+    outline, crease = _kinds(sight, rows, first, second, seen, found)
     kept = outline | crease
     first, second, outline = first[kept], second[kept], outline[kept]
     place = np.full(len(first), 0.5, np.float32)
     meeting = np.flatnonzero(~outline)
-    place[meeting], apart = _meetings(sight, rows[first[meeting]], rows[second[meeting]], view)
+    place[meeting], apart = _meetings(sight, rows[first[meeting]], rows[second[meeting]])
     outline[meeting[apart]] = True
     between = np.flatnonzero(outline)
-    ends = (first[between], second[between])
-    place[between] = _between(*ends, flat, depth.reshape(-1), leaf.shape[1], look)
-    return Edges(first, second, place, (leaf.shape[0], leaf.shape[1]))
+    place[between] = _between(first[between], second[between], flat, depth.reshape(-1), size[1], look)
+    return Edges(first, second, place, size)
 
 
-def _candidates(leaf: NDArray[np.int16], depth: Single, steep: np.float32) -> tuple[Ints, Ints, Flags]:
+def _candidates(leaf: Shorts, depth: Single, steep: np.float32) -> tuple[Ints, Ints, Flags]:
     """Neighbours that see different leaves, or one leaf at depths that differ by more than so much; which of both."""
     width, parts = leaf.shape[1], []
     for step, one, other in ((1, np.s_[:, :-1], np.s_[:, 1:]), (width, np.s_[:-1], np.s_[1:])):
-        differ = leaf[one] != leaf[other]
+        differ = (leaf[one] != leaf[other]) & (np.minimum(leaf[one], leaf[other]) > UNDECIDED)
         with np.errstate(invalid="ignore"):
             found = differ | (np.abs(depth[one] - depth[other]) > steep)
         row, column = np.nonzero(found)
@@ -119,45 +92,42 @@ def _candidates(leaf: NDArray[np.int16], depth: Single, steep: np.float32) -> tu
 
 
 def _kinds(
-    sight: Sight, rows: Ints, first: Ints, second: Ints, seen: Flags, differ: Flags, view: View
+    sight: Sight, rows: NDArray[np.int32], first: Ints, second: Ints, seen: Flags, differ: Flags
 ) -> tuple[Flags, Flags]:
     """Which pairs have an outline between them, and which a crease."""
     outline, crease = ~seen, np.zeros(len(first), np.bool_)
     both = np.flatnonzero(seen)
     one, other = rows[first[both]], rows[second[both]]
-    way = sight.points[other] - sight.points[one]
+    way = sight.points_at(other) - sight.points_at(one)
     strays = [np.abs(np.einsum("ij,ij->i", sight.normals[end], way)) for end in (one, other)]
-    pixel = view.pixel_at(np.minimum(sight.depth[one], sight.depth[other]))
+    pixel = sight.view.pixel_at(np.minimum(sight.depth[one], sight.depth[other]))
     outline[both] = np.maximum(*strays) > STRAY * pixel
     turned = np.einsum("ij,ij->i", sight.normals[one], sight.normals[other]) < np.cos(np.radians(SMOOTH))
     crease[both] = turned & differ[both] & ~outline[both]
     return outline, crease
 
 
-def _meetings(sight: Sight, one: Ints, other: Ints, view: View) -> tuple[Single, Flags]:
+def _meetings(sight: Sight, one: Ints, other: Ints) -> tuple[Single, Flags]:
     """Where between pixels their tangent planes meet; and which of them do not meet there."""
-    before = _plane_depth(sight, other, one, view) - sight.depth[one]
-    behind = sight.depth[other] - _plane_depth(sight, one, other, view)
+    before = _plane_depth(sight, other, one) - sight.depth[one]
+    behind = sight.depth[other] - _plane_depth(sight, one, other)
     with np.errstate(all="ignore"):
         place = before / (before + behind)
     apart = ~((place >= 0) & (place <= 1))
     return np.where(apart, 0.5, place).astype(np.float32), apart
 
 
-def _plane_depth(sight: Sight, plane: Ints, at: Ints, view: View) -> Floats:
+def _plane_depth(sight: Sight, plane: Ints, at: Ints) -> Floats:
     """How far the rays of places go to the tangent planes of others."""
-    origins, ways = view.rays(sight.column[at], sight.row[at])
+    origins, ways = sight.view.rays(sight.column[at], sight.row[at])
     normals = sight.normals[plane]
     with np.errstate(all="ignore"):
-        depths: Floats = np.einsum("ij,ij->i", normals, sight.points[plane] - origins) / np.einsum(
-            "ij,ij->i", normals, ways
-        )
+        depths: Floats = np.einsum("ij,ij->i", normals, sight.points_at(plane) - origins)
+        depths /= np.einsum("ij,ij->i", normals, ways)
     return depths
 
 
-def _between(
-    first: Ints, second: Ints, leaf: NDArray[np.int16], depth: Single, width: int, look: Look
-) -> Single:
+def _between(first: Ints, second: Ints, leaf: Shorts, depth: Single, width: int, look: Look) -> Single:
     """Where between pixels rays cease to see what the first sees and see what the second does."""
     low, high = np.zeros(len(first)), np.ones(len(first))
     row, column = np.divmod(first, width)

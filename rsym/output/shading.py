@@ -34,6 +34,7 @@ KEY_STRENGTH, FILL_STRENGTH, AMBIENT, SKY = 0.84, 0.20, 0.20, 0.06
 SHINE, SHINE_EXPONENT = 0.16, 36
 # How much darker a place gets that lies this share of the body's depth behind its surroundings, and at most.
 HOLLOW, HOLLOW_MOST = 9.0, 0.5
+HOLLOW_RADIUS = 0.025  # of a picture's longer side
 COARSER = 6  # samples of a radius that are enough for the mean over it
 # Grazing surfaces lose this share of their light: a light body then keeps its outline on white paper.
 RIM = 0.30

@@ -22,7 +22,7 @@ from rsym.output import axes3d
 from rsym.output.ink import SMOOTH, Stroke, draw_lines, visible
 from rsym.output.paints import NAMES_OF_MAPS, Coat, Spots, coat_of
 from rsym.output.rasteriser import ScreenTriangles, picked, rasterise, snap
-from rsym.output.shading import AZIMUTH, BODY, ELEVATION, hollows, mean_depth, reduce, shade, unit
+from rsym.output.shading import AZIMUTH, BODY, ELEVATION, HOLLOW_RADIUS, hollows, mean_depth, reduce, shade, unit
 from rsym.output.singular import mark_curves
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.sharp.features import Feature
@@ -31,7 +31,6 @@ from rsym.verify.answers.singular import SingularCurve
 SAMPLES = 2  # per pixel and direction
 BATCH = 1 << 14  # samples shaded at once: what is between steps stays in the cache, three times as fast as 1 << 18
 EDGE_WIDTH, FEATURE_WIDTH = 0.3, 0.7  # points
-HOLLOW_RADIUS = 0.025  # of the picture's longer side
 EDGE_LIGHT = 0.25  # what is left of the light on an edge
 
 

@@ -1,0 +1,145 @@
+"""What the pixels of a picture of rays are painted with: by the rows of the table of maps, as meshes are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from numpy.typing import NDArray
+
+from rsym.arrays import Floats
+from rsym.errors import RsymError
+from rsym.model.wording import proposal
+from rsym.output.edges import Edges
+from rsym.output.paints import MAPS, ValueColours, in_room, reflected_heights, zebra_colours
+from rsym.output.parts import PALETTE, colours_of
+from rsym.output.shading import BODY, decode, linear
+from rsym.output.sights import Sight
+
+COLOURINGS = ("part", "zebra", "normal", *MAPS)
+# Caps of sections: paper, and lines at 45 degrees across it, so many to the shorter side of a picture.
+CAP, HATCH = "#f4e6d0", "#9c6b3c"
+HATCHES, HATCH_WIDTH, CLOSEST = 70, 0.17, 5.0  # lines; their width as a share of the distance; pixels between them
+VALUES = 1 << 16  # of a map that choose its scale
+
+# The linear colours (m, 3) of what a sight meets; the sight, and of each ray the row of the picture's own sight that is
+# nearest, for what only neighbours tell.
+Colouring: TypeAlias = Callable[[Sight, Any], NDArray[np.floating[Any]]]
+
+
+@dataclass(frozen=True)
+class Brush:
+    """Colours of what is seen, whether light falls on them, and what they mean."""
+
+    colours: Colouring
+    lit: bool = True
+    scale: ScalarMappable | None = None
+    label: str = ""
+    parts: Mapping[str, str] = field(default_factory=dict)
+
+
+def checked_colouring(name: Any) -> str | None:
+    """What pictures may be coloured by, or None."""
+    if name is None or (isinstance(name, str) and name in COLOURINGS):
+        return name
+    remedy = f"choose from {', '.join(COLOURINGS)}, or leave it out"
+    raise RsymError(
+        f"no colouring {name!r}", code="colour-by", remedy=proposal(name, COLOURINGS, remedy) if name else remedy
+    )
+
+
+def brush_of(name: str | None, sight: Sight, edges: Edges, leaves: Sequence[str], box: Floats) -> Brush:
+    """The brush of a colouring for a picture, whose leaves are so called, of a body in the box [low, high]."""
+    if name is None:
+        body = linear(BODY).astype(np.float32)
+        return Brush(lambda seen, rows: np.broadcast_to(body, (len(seen.met), 3)))
+    if name == "part":
+        return _of_parts(part_colours_of(sight, edges, leaves), leaves)
+    if name == "zebra":
+        return Brush(_zebra(sight, box))
+    if name == "normal":
+        return Brush(lambda seen, rows: decode((seen.normals + 1) / 2), lit=False)
+    return _of_values(name, sight, box)
+
+
+def part_colours_of(sight: Sight, edges: Edges, leaves: Sequence[str]) -> dict[str, str]:
+    """The parts that a picture shows, each with its colour, that of meshes."""
+    known = sight.leaf[sight.leaf < len(leaves)]
+    pairs = np.stack([sight.labels[edges.first], sight.labels[edges.second]], axis=1)
+    inside = ((pairs >= 0) & (pairs < len(leaves))).all(axis=1)
+    meeting = np.unique(pairs[inside], axis=0).tolist()
+    seen = np.flatnonzero(np.bincount(known, minlength=1))
+    return colours_of(leaves, seen.tolist(), [(leaves[first], leaves[second]) for first, second in meeting])
+
+
+def _of_parts(parts: Mapping[str, str], leaves: Sequence[str]) -> Brush:
+    table = np.array([linear(parts.get(name, PALETTE[0])) for name in leaves] + [linear(CAP)], np.float32)
+    return Brush(lambda seen, rows: table[np.minimum(seen.leaf, len(leaves))], parts=parts)
+
+
+def _of_values(name: str, sight: Sight, box: Floats) -> Brush:
+    field, label, power, of = MAPS[name]
+    unit = (2 / float(np.ptp(box, axis=0).max())) ** power
+    values = of(sight.field(field)) if len(sight.met) else np.zeros(1)
+    # A pixel stands for more of a surface that is seen at a slant.
+    towards = np.maximum(np.abs(sight.normals @ sight.view.axes[2]), 0.1) if len(sight.met) else np.ones(1)
+    some = slice(None, None, 1 + len(values) // VALUES)
+    colours = ValueColours.of(values[some], label, unit, shares=1 / towards[some])
+
+    def paint(seen: Sight, rows: Any) -> Floats:
+        return colours(values if seen is sight else of(seen.field(field)))
+
+    return Brush(paint, scale=colours.scale, label=colours.label)
+
+
+def _zebra(sight: Sight, box: Floats) -> Colouring:
+    """Stripes as wide as pixels see them: heights differ between neighbours, the less of two on either side."""
+    low, high = box
+
+    def heights(seen: Sight) -> NDArray[np.float32]:
+        places = in_room(seen.points_at(slice(None)), low, high)
+        return reflected_heights(seen.normals, places, sight.view.axes).astype(np.float32)
+
+    here = heights(sight)
+    width, height = sight.view.size
+    whole = np.full(height * width, np.nan, np.float32)
+    whole[sight.met] = here
+    steps = _steps(whole.reshape(height, width)).reshape(-1)[sight.met]
+
+    def paint(seen: Sight, rows: Any) -> Floats:
+        if seen is sight:
+            return zebra_colours(here, steps)
+        return zebra_colours(heights(seen), steps[rows])
+
+    return paint
+
+
+def _steps(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """How much values differ from one pixel to the next, along rows and columns together; 0 where none is known."""
+    total = np.zeros_like(values)
+    for one, other in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
+        difference = np.abs(values[other] - values[one])
+        least = np.full_like(values, np.nan)
+        least[one] = difference
+        least[other] = np.fmin(least[other], difference)
+        total += np.nan_to_num(least)
+    return total
+
+
+def hatched(column: Floats, row: Floats, size: tuple[int, int]) -> NDArray[np.float32]:
+    """The linear colours (n, 3) of caps at places of a picture of so many pixels: lines at 45 degrees.
+
+    Examples
+    --------
+    >>> caps = hatched(np.arange(400.0), np.zeros(400), (400, 400))
+    >>> bool(caps.max() == np.float32(linear(CAP)).max()), bool(abs(caps[8, 0] - caps[0, 0]) < 1e-6)
+    (True, True)
+    """
+    apart = max(min(size) / HATCHES, CLOSEST) * np.sqrt(2.0)
+    apart = float(np.round(apart))  # along rows and columns, so that every line looks alike
+    from_line = np.abs((column + row + apart / 2) % apart - apart / 2) / np.sqrt(2.0)
+    ink = np.clip(HATCH_WIDTH * apart / np.sqrt(2.0) / 2 + 0.5 - from_line, 0.0, 1.0)[:, None]
+    return np.asarray(ink * linear(HATCH) + (1 - ink) * linear(CAP), np.float32)

@@ -1,0 +1,307 @@
+"""Pictures straight from the equation: rays cast at it, light, edges between pixels, sections; no mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from numbers import Integral
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.arrays import Floats, Ints, Shorts
+from rsym.errors import RsymError, warn
+from rsym.model.requirements import require_count, require_shape
+from rsym.model.shape import Bounds, Shape
+from rsym.model.wording import documented
+from rsym.output.brushes import Brush, brush_of, checked_colouring, hatched, part_colours_of
+from rsym.output.cameras import VIEWS, Camera, View, camera_of
+from rsym.output.edges import Edges, Single, edges_of, inked, smoothed
+from rsym.output.images import Image
+from rsym.output.ink import INK
+from rsym.output.paints import NAMES_OF_MAPS
+from rsym.output.shading import HOLLOW_RADIUS, hollows_at, levels, linear, lit
+from rsym.output.sights import UNDECIDED, Sight
+from rsym.sampling.pencils import Cut
+from rsym.sampling.plane import fixed_coordinates
+from rsym.sampling.rays import Caster
+
+SIGNAL = "#ff00c8"  # of rays that came to a limit: nothing else is of that colour
+LINE = 1.5e-3  # the width of lines, of the mean side of a picture; at least
+THINNEST = 0.75  # pixels
+COARSE, FEWEST = 10, 48  # a picture so much smaller finds where the body is; pixels of its shorter side
+MOST_PIXELS = 1 << 26  # of a picture: 5 GB of memory
+MOST_SAMPLES = 64
+BATCH = 1 << 14  # pixels shaded at once: what is between steps stays in the cache
+
+
+@documented(maps=NAMES_OF_MAPS, views=", ".join(VIEWS))
+def render(
+    shape: Shape,
+    *,
+    camera: Camera | str | None = None,
+    size: tuple[int, int] = (1600, 1200),
+    colour_by: str | None = None,
+    letters: Mapping[Any, float] | None = None,
+    section: Mapping[Any, float] | None = None,
+    lines: bool = True,
+    shadows: bool = False,
+    background: str | None = "white",
+    samples: int = 1,
+    threads: int | None = None,
+) -> Image:
+    """Draw a shape in space by rays cast at its equation: exact edges, normals and curvatures, no mesh.
+
+    A ray meets the surface at the first zero of the sign form along it, found by enclosures; the light is that of
+    `plot_mesh`. Beyond its bounds a body is cut off, as meshes are.
+
+    Parameters
+    ----------
+    shape : Shape
+        In space; without bounds its extent is found.
+    camera : Camera or str, optional
+        Where the eye stands: a camera, or {views}. The body fills the picture, whatever is cut off.
+    size : (int, int)
+        Width and height in pixels.
+    colour_by : str, optional
+        ``part``: a colour for each part of the shape (`Shape.named`); ``zebra``: the reflection of level stripes;
+        ``normal``: the outer unit normal n as the colour (n + 1)/2; {maps}: a map of the exact curvature.
+    letters : mapping, optional
+        Override the defaults.
+    section : mapping, optional
+        Cut the body in planes, such as ``{{x: 0}}``: the half that faces away from the eye is kept, its cut hatched.
+    lines : bool
+        Whether outlines and the edges where leaves meet are drawn in ink.
+    shadows : bool
+        Whether places that the body hides from the light or from the sky are darker.
+    background : str or None
+        A colour; None for a transparent picture.
+    samples : int
+        A square number of rays for each pixel beside an edge, such as 4 or 16; 1 smooths edges by where they cross
+        the rows and columns of pixels.
+    threads : int, optional
+        By default as many as there are processors; the picture does not depend on it.
+
+    Returns
+    -------
+    Image
+        An array (h, w, 4) with depth, points, normals, leaves, parts and curvatures; it shows itself in a notebook.
+
+    Raises
+    ------
+    RsymError
+        For a shape in the plane, one without bounds that goes on for ever, an unknown camera, colouring, letter or
+        colour, a size that is not two positive integers, a section outside of the bounds, or samples that are no square.
+
+    Warns
+    -----
+    RsymWarning
+        Where nothing of the body is seen.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> image = rsym.render(rsym.sphere(2), camera="front", size=(80, 60))
+    >>> image.shape, round(float(image.depth.min() - image.depth[30, 27]), 2)
+    ((60, 80, 4), -0.04)
+    >>> image.normal[29:31, 39:41].mean(axis=(0, 1)).round(3).tolist()
+    [0.0, 0.999, 0.0]
+    """
+    size, camera = _checked_size(size), camera_of(camera)
+    _check(shape, samples, background)
+    colouring = checked_colouring(colour_by)
+    caster = Caster(shape, letters, threads=threads)
+    cuts = cuts_of(section, shape, caster.bounds, camera)
+    view = framed(caster, camera, size)
+    hits = caster.look(view.pencil, cuts=cuts)
+    sight = Sight.of_pixels(view, hits)
+    if not len(sight.met):
+        warn("nothing of the body is seen; remedy: other bounds, another camera or section")
+    scene = Scene(caster, view, cuts)
+    edges = edges_of(sight, (size[1], size[0]), scene.look)
+    box = np.array(caster.bounds).T
+    brush = brush_of(colouring, sight, edges, caster.leaves, box)
+    canvas = scene.painted(sight, edges, brush, shadows, samples)
+    if lines:
+        _draw(canvas, edges)
+    names = (*caster.leaves, *(f"section {name} = {value:g}" for name, value in (section or {}).items()))
+    parts = brush.parts or (lambda: part_colours_of(sight, edges, caster.leaves))
+    return Image(
+        pixels=_developed(canvas, background).reshape(size[1], size[0], 4),
+        view=view,
+        camera=camera,
+        hits=hits,
+        leaves=names,
+        coordinates=tuple(symbol.name for symbol in shape.coordinates),
+        scale=brush.scale,
+        scale_label=brush.label,
+        parts_seen=parts if callable(parts) else lambda: brush.parts,
+        legend=colouring == "part",
+    )
+
+
+def _check(shape: Any, samples: Any, background: Any) -> None:
+    require_shape(shape)
+    if shape.dimension != 3:
+        raise RsymError(
+            "rays are cast at a shape in space, got one in the plane",
+            code="dimension",
+            remedy="rsym.revolve(shape) or rsym.extrude(shape, 0, 1) first; in the plane rsym.plot_fields(shape)",
+        )
+    require_count("samples", samples, "1, 4 or 16")
+    if samples > MOST_SAMPLES or int(np.sqrt(samples)) ** 2 != samples:
+        raise RsymError(
+            f"samples are a square number up to {MOST_SAMPLES}, got {samples}", code="samples", remedy="1, 4 or 16"
+        )
+    if background is not None:
+        linear(background)
+
+
+def _checked_size(size: Any) -> tuple[int, int]:
+    try:
+        width, height = size
+    except (TypeError, ValueError):
+        width = height = None
+    if not all(isinstance(side, Integral) and not isinstance(side, bool) and side > 0 for side in (width, height)):
+        raise RsymError(f"a size is two positive integers, got {size!r}", code="size", remedy="size=(1600, 1200)")
+    if width * height > MOST_PIXELS:
+        raise RsymError(
+            f"a picture has at most {MOST_PIXELS:,} pixels, got {width} x {height}", code="size", remedy="a smaller one"
+        )
+    return int(width), int(height)
+
+
+def cuts_of(section: Any, shape: Shape, bounds: Bounds, camera: Camera) -> tuple[Cut, ...]:
+    """The half-spaces of a section, which face away from the eye."""
+    if section is not None and not isinstance(section, Mapping):
+        raise RsymError(f"a section is a mapping, got {section!r}", code="section", remedy="section={x: 0}")
+    names = [symbol.name for symbol in shape.coordinates]
+    cuts = []
+    for number, place in fixed_coordinates(names, section).items():
+        low, high = bounds[number]
+        if not low < place < high:
+            raise RsymError(
+                f"the section {names[number]} = {place:g} lies outside of the bounds, [{low:g}, {high:g}]",
+                code="section",
+                remedy=f"for example section={{{names[number]}: {(low + high) / 2:g}}}",
+            )
+        sign = 1.0 if camera.axes[2, number] >= 0 else -1.0
+        normal = [0.0, 0.0, 0.0]
+        normal[number] = sign
+        cuts.append(Cut((normal[0], normal[1], normal[2]), sign * place))
+    return tuple(cuts)
+
+
+def framed(caster: Caster, camera: Camera, size: tuple[int, int]) -> View:
+    """The view of a camera that the body fills, as a coarse picture finds it; without a body the bounds."""
+    corners = np.stack(np.meshgrid(*caster.bounds, indexing="ij"), axis=-1).reshape(-1, 3)
+    factor = max(min(COARSE, min(size) / FEWEST), 1.0)
+    coarse = camera.frame(corners, (-(-size[0] // int(factor)), -(-size[1] // int(factor))))
+    found = Sight.of_pixels(coarse, caster.look(coarse.pencil))
+    if not len(found.met):
+        return camera.frame(corners, size)
+    points = found.points_at(slice(None))
+    # The body may go on for a pixel of the coarse picture.
+    room = coarse.pixel_at(found.depth)[:, None]
+    around = [points + sign * room * axis for axis in coarse.axes[:2] for sign in (-1, 1)]
+    return camera.frame(np.concatenate(around), size, corners)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What rays are cast at: a body, how it is seen, and what is cut off."""
+
+    caster: Caster
+    view: View
+    cuts: tuple[Cut, ...]
+
+    def sight(self, columns: Floats, rows: Floats) -> Sight:
+        """What the rays of places see."""
+        near = -np.inf if self.view.distance is None else 0.0
+        origins, ways = self.view.rays(columns, rows)
+        hits = self.caster.cast(origins, ways, near=near, cuts=self.cuts, pixel=self.view.pencil.pixel)
+        return Sight(self.view, columns, rows, hits)
+
+    def look(self, columns: Floats, rows: Floats) -> tuple[Shorts, Floats]:
+        """The leaves, and the depths, that the rays of places see."""
+        sight = self.sight(columns, rows)
+        return sight.labels, sight.hits.depth
+
+    def painted(self, sight: Sight, edges: Edges, brush: Brush, shadows: bool, samples: int) -> Single:
+        """Light times coverage and coverage of all pixels (h*w, 4)."""
+        width, height = self.view.size
+        canvas = np.zeros((width * height, 4), np.float32)
+        depth = np.where(np.isinf(sight.depths), np.float32(np.nan), sight.depths).reshape(height, width)
+        dark = hollows_at(depth, max(int(HOLLOW_RADIUS * max(self.view.size)), 1)) if len(sight.met) else np.ones(0)
+        canvas[sight.met, :3] = self.light(sight, brush, slice(None), dark.astype(np.float32))
+        canvas[sight.met, 3] = 1.0
+        if samples == 1:
+            crossed, shown = smoothed(edges, canvas)
+            canvas[crossed] = shown
+        else:
+            pixels = edges.pixels
+            canvas[pixels] = self._refined(sight, pixels, brush, dark, samples)
+        canvas[sight.labels == UNDECIDED] = (*linear(SIGNAL), 1.0)
+        return canvas
+
+    def light(self, sight: Sight, brush: Brush, rows: Any, dark: Any) -> Single:
+        """The linear light (m, 3) of what a sight meets."""
+        light = np.asarray(brush.colours(sight, rows), np.float32)
+        if brush.lit:
+            light = _lit(sight, light, dark)
+        caps = np.flatnonzero(sight.leaf >= len(self.caster.leaves))
+        if caps.size:
+            light = light.copy() if light.base is not None else light
+            light[caps] = hatched(sight.column[caps], sight.row[caps], self.view.size)
+        return light
+
+    def _refined(self, sight: Sight, pixels: Ints, brush: Brush, dark: Floats, samples: int) -> Single:
+        """What pixels show, the mean of so many rays on a square lattice in each."""
+        side = int(np.sqrt(samples))
+        row, column = np.divmod(pixels, self.view.size[0])
+        total = np.zeros((len(pixels), 4), np.float32)
+        for i, j in np.ndindex(side, side):
+            places = (column + (j + 0.5) / side - 0.5, row + (i + 0.5) / side - 0.5)
+            seen = self.sight(*places)
+            rows = sight.number[pixels[seen.met]]
+            total[seen.met, :3] += self.light(seen, brush, rows, dark[rows].astype(np.float32))
+            total[seen.met, 3] += 1.0
+        return total / np.float32(samples)
+
+
+def _lit(sight: Sight, colours: Single, dark: Single) -> Single:
+    """Colours in the light of printed pictures."""
+    result = np.empty((len(colours), 3), np.float32)
+    turn = sight.view.axes.astype(np.float32)
+    for start in range(0, len(colours), BATCH):
+        part = slice(start, start + BATCH)
+        x, y, z = sight.normals[part].T.astype(np.float32)
+        right, up, towards = (row[0] * x + row[1] * y + row[2] * z for row in turn)
+        diffuse, shine = lit(right, up, np.maximum(towards, np.float32(0.0)))
+        for channel in range(3):
+            result[part, channel] = (colours[part, channel] * diffuse + shine) * dark[part]
+    return result.clip(0.0, 1.0)
+
+
+def _draw(canvas: Single, edges: Edges) -> None:
+    """Draw lines of ink along the edges."""
+    height, width = edges.size
+    where, share = inked(edges, max(LINE * float(np.sqrt(height * width)), THINNEST))
+    canvas[where] *= 1 - share[:, None]
+    canvas[where] += share[:, None] * np.append(linear(INK), 1.0).astype(np.float32)
+
+
+def _developed(canvas: Single, background: str | None) -> NDArray[np.uint8]:
+    """What a screen shows, (h*w, 4)."""
+    pixels = np.zeros((len(canvas), 4), np.uint8)
+    behind = np.ones(3) if background is None else linear(background)
+    pixels[:] = (*levels(behind), 0 if background is None else 255)
+    there = np.flatnonzero(canvas[:, 3] > 0)
+    light, coverage = canvas[there, :3], canvas[there, 3:]
+    if background is None:
+        pixels[there, :3] = levels(light / coverage)
+        pixels[there, 3] = np.rint(255 * coverage[:, 0])
+    else:
+        pixels[there, :3] = levels(light + (1 - coverage) * behind.astype(np.float32))
+    return pixels
