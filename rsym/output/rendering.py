@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints, Shorts
+from rsym.arrays import Flags, Floats, Ints, Shorts
 from rsym.errors import RsymError, warn
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
@@ -22,6 +22,7 @@ from rsym.output.images import Image
 from rsym.output.ink import INK
 from rsym.output.paints import NAMES_OF_MAPS
 from rsym.output.shading import HOLLOW_RADIUS, hollows_at, levels, linear, lit
+from rsym.output.shadows import shade_of
 from rsym.output.sights import UNDECIDED, Sight
 from rsym.sampling.pencils import Cut
 from rsym.sampling.plane import fixed_coordinates
@@ -232,31 +233,46 @@ class Scene:
         """Light times coverage and coverage of all pixels (h*w, 4)."""
         width, height = self.view.size
         canvas = np.zeros((width * height, 4), np.float32)
-        depth = np.where(np.isinf(sight.depths), np.float32(np.nan), sight.depths).reshape(height, width)
-        dark = hollows_at(depth, max(int(HOLLOW_RADIUS * max(self.view.size)), 1)) if len(sight.met) else np.ones(0)
-        canvas[sight.met, :3] = self.light(sight, brush, slice(None), dark.astype(np.float32))
+        shares = self._shares(sight, shadows)
+        canvas[sight.met, :3] = self.light(sight, brush, slice(None), shares)
         canvas[sight.met, 3] = 1.0
         if samples == 1:
             crossed, shown = smoothed(edges, canvas)
             canvas[crossed] = shown
         else:
             pixels = edges.pixels
-            canvas[pixels] = self._refined(sight, pixels, brush, dark, samples)
+            canvas[pixels] = self._refined(sight, pixels, brush, shares, samples)
         canvas[sight.labels == UNDECIDED] = (*linear(SIGNAL), 1.0)
         return canvas
 
-    def light(self, sight: Sight, brush: Brush, rows: Any, dark: Any) -> Single:
+    def _shares(self, sight: Sight, shadows: bool) -> Single:
+        """The shares (3, m) of all light, of the key light and of the others that what a sight meets is given."""
+        shares = np.ones((3, len(sight.met)), np.float32)
+        if shadows:
+            size = float(np.ptp(np.array(self.caster.bounds), axis=1).max())
+            shade = shade_of(sight, size, self._hidden)
+            shares[1:] = shade.key, shade.sky
+        elif len(sight.met):
+            depth = np.where(np.isinf(sight.depths), np.float32(np.nan), sight.depths).reshape(self.view.size[::-1])
+            shares[0] = hollows_at(depth, max(int(HOLLOW_RADIUS * max(self.view.size)), 1))
+        return shares
+
+    def _hidden(self, origins: Floats, ways: Floats, far: float) -> Flags:
+        hits = self.caster.cast(origins, ways, far=far, cuts=self.cuts, pixel=(self.view.pixel, 0.0))
+        return hits.met
+
+    def light(self, sight: Sight, brush: Brush, rows: Any, shares: Single) -> Single:
         """The linear light (m, 3) of what a sight meets."""
         light = np.asarray(brush.colours(sight, rows), np.float32)
         if brush.lit:
-            light = _lit(sight, light, dark)
+            light = _lit(sight, light, shares)
         caps = np.flatnonzero(sight.leaf >= len(self.caster.leaves))
         if caps.size:
             light = light.copy() if light.base is not None else light
             light[caps] = hatched(sight.column[caps], sight.row[caps], self.view.size)
         return light
 
-    def _refined(self, sight: Sight, pixels: Ints, brush: Brush, dark: Floats, samples: int) -> Single:
+    def _refined(self, sight: Sight, pixels: Ints, brush: Brush, shares: Single, samples: int) -> Single:
         """What pixels show, the mean of so many rays on a square lattice in each."""
         side = int(np.sqrt(samples))
         row, column = np.divmod(pixels, self.view.size[0])
@@ -265,12 +281,12 @@ class Scene:
             places = (column + (j + 0.5) / side - 0.5, row + (i + 0.5) / side - 0.5)
             seen = self.sight(*places)
             rows = sight.number[pixels[seen.met]]
-            total[seen.met, :3] += self.light(seen, brush, rows, dark[rows].astype(np.float32))
+            total[seen.met, :3] += self.light(seen, brush, rows, shares[:, rows])
             total[seen.met, 3] += 1.0
         return total / np.float32(samples)
 
 
-def _lit(sight: Sight, colours: Single, dark: Single) -> Single:
+def _lit(sight: Sight, colours: Single, shares: Single) -> Single:
     """Colours in the light of printed pictures."""
     result = np.empty((len(colours), 3), np.float32)
     turn = sight.view.axes.astype(np.float32)
@@ -278,9 +294,10 @@ def _lit(sight: Sight, colours: Single, dark: Single) -> Single:
         part = slice(start, start + BATCH)
         x, y, z = sight.normals[part].T.astype(np.float32)
         right, up, towards = (row[0] * x + row[1] * y + row[2] * z for row in turn)
-        diffuse, shine = lit(right, up, np.maximum(towards, np.float32(0.0)))
+        dark, key, sky = shares[:, part]
+        diffuse, shine = lit(right, up, np.maximum(towards, np.float32(0.0)), key, sky)
         for channel in range(3):
-            result[part, channel] = (colours[part, channel] * diffuse + shine) * dark[part]
+            result[part, channel] = (colours[part, channel] * diffuse + shine) * dark
     return result.clip(0.0, 1.0)
 
 
@@ -294,9 +311,9 @@ def _draw(canvas: Single, edges: Edges) -> None:
 
 def _developed(canvas: Single, background: str | None) -> NDArray[np.uint8]:
     """What a screen shows, (h*w, 4)."""
-    pixels = np.zeros((len(canvas), 4), np.uint8)
     behind = np.ones(3) if background is None else linear(background)
-    pixels[:] = (*levels(behind), 0 if background is None else 255)
+    one = np.array([*levels(behind), 0 if background is None else 255], np.uint8)
+    pixels = np.full(len(canvas), one.view(np.uint32)[0]).view(np.uint8).reshape(-1, 4)
     there = np.flatnonzero(canvas[:, 3] > 0)
     light, coverage = canvas[there, :3], canvas[there, 3:]
     if background is None:

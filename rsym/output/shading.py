@@ -87,21 +87,23 @@ def shade(normals: Floats, colours: Floats) -> Floats:
     return colours * diffuse[:, None] + shine[:, None]
 
 
-def lit(right: Light, up: Light, towards: Light, shadow: Light | float = 1.0) -> tuple[Light, Light]:
+def lit(
+    right: Light, up: Light, towards: Light, key_share: Light | float = 1.0, sky_share: Light | float = 1.0
+) -> tuple[Light, Light]:
     """Return the share of its colour that a place gives back and the highlight on it, for the parts of its unit normal.
 
     A key light that wraps round the body, a fill light from the other side, a sky that is brighter than the ground, and
-    a soft highlight. `shadow` is the share of the key light that reaches the place.
+    a soft highlight. The shares are those of the key light, and of all other light, that reach the place.
     """
     key, fill, gloss = (unit(way).tolist() for way in (KEY, FILL, unit(KEY) + np.array([0.0, 0.0, 1.0])))
     # Written out: sums by BLAS depend on how many there are. Powers make both lights fade out without a visible line.
     wrapped = ((key[0] * right + key[1] * up + key[2] * towards + 0.35) / 1.35).clip(0.0)
-    wrapped *= np.sqrt(wrapped) * shadow
+    wrapped *= np.sqrt(wrapped) * key_share
     filled = (0.5 + 0.5 * (fill[0] * right + fill[1] * up + fill[2] * towards)) ** 2
-    diffuse = KEY_STRENGTH * wrapped + FILL_STRENGTH * filled + AMBIENT + SKY * up
+    diffuse = KEY_STRENGTH * wrapped + (FILL_STRENGTH * filled + AMBIENT + SKY * up) * sky_share
     diffuse *= 1 - RIM * (1 - towards) ** 2
     shine = _power((gloss[0] * right + gloss[1] * up + gloss[2] * towards).clip(0.0), SHINE_EXPONENT)
-    return diffuse, SHINE * shadow * shine
+    return diffuse, SHINE * key_share * shine
 
 
 def _power(values: Light, exponent: int) -> Light:
