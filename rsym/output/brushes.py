@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -13,28 +14,26 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.wording import proposal
-from rsym.output.edges import Edges
 from rsym.output.paints import MAPS, ValueColours, in_room, reflected_heights, zebra_colours
 from rsym.output.parts import PALETTE, colours_of
 from rsym.output.shading import BODY, decode, linear
-from rsym.output.sights import Sight
+from rsym.output.sights import Probe, Sight, neighbours
 
 COLOURINGS = ("part", "zebra", "normal", *MAPS)
 # Caps of sections: paper, and lines at 45 degrees across it, so many to the shorter side of a picture.
 CAP, HATCH = "#f4e6d0", "#9c6b3c"
 HATCHES, HATCH_WIDTH, CLOSEST = 70, 0.17, 5.0  # lines; their width as a share of the distance; pixels between them
-VALUES = 1 << 16  # of a map that choose its scale
 
-# The linear colours (m, 3) of what a sight meets; the sight, and of each ray the row of the picture's own sight that is
-# nearest, for what only neighbours tell.
+# The linear colours (m, 3) of what a sight meets; the sight, and of each of its hits the number of the nearest one in
+# the picture's own sight, for what only neighbours tell.
 Colouring: TypeAlias = Callable[[Sight, Any], NDArray[np.floating[Any]]]
 
 
 @dataclass(frozen=True)
 class Brush:
-    """Colours of what is seen, whether light falls on them, and what they mean."""
+    """Colours of what a picture sees, whether light falls on them, and what they mean."""
 
-    colours: Colouring
+    begin: Callable[[Sight], Colouring]
     lit: bool = True
     scale: ScalarMappable | None = None
     label: str = ""
@@ -51,70 +50,79 @@ def checked_colouring(name: Any) -> str | None:
     )
 
 
-def brush_of(name: str | None, sight: Sight, edges: Edges, leaves: Sequence[str], box: Floats) -> Brush:
-    """The brush of a colouring for a picture, whose leaves are so called, of a body in the box [low, high]."""
+def brush_of(
+    name: str | None,
+    leaves: Sequence[str],
+    sights: Sequence[Sight],
+    probe: Callable[[], Probe],
+    colour: str = BODY,
+    limits: tuple[float, float] | None = None,
+    colour_map: str | None = None,
+) -> Brush:
+    """The brush of a colouring for pictures of a body whose leaves are so called.
+
+    `sights` show its parts; a probe tells of all of the body, so that values have one colour from every side.
+    """
     if name is None:
-        body = linear(BODY).astype(np.float32)
-        return Brush(lambda seen, rows: np.broadcast_to(body, (len(seen.met), 3)))
+        body = linear(colour).astype(np.float32)
+        return Brush(lambda own: lambda seen, numbers: np.broadcast_to(body, (len(seen.met), 3)))
     if name == "part":
-        return _of_parts(part_colours_of(sight, edges, leaves), leaves)
+        return _of_parts(part_colours_of(leaves, sights), leaves)
     if name == "zebra":
-        return Brush(_zebra(sight, box))
+        return Brush(partial(_zebra, probe().box))
     if name == "normal":
-        return Brush(lambda seen, rows: decode((seen.normals + 1) / 2), lit=False)
-    return _of_values(name, sight, box)
+        return Brush(lambda own: lambda seen, numbers: decode((seen.normals + 1) / 2), lit=False)
+    return _of_values(name, probe(), limits, colour_map)
 
 
-def part_colours_of(sight: Sight, edges: Edges, leaves: Sequence[str]) -> dict[str, str]:
-    """The parts that a picture shows, each with its colour, that of meshes."""
-    known = sight.leaf[sight.leaf < len(leaves)]
-    pairs = np.stack([sight.labels[edges.first], sight.labels[edges.second]], axis=1)
-    inside = ((pairs >= 0) & (pairs < len(leaves))).all(axis=1)
-    meeting = np.unique(pairs[inside], axis=0).tolist()
-    seen = np.flatnonzero(np.bincount(known, minlength=1))
-    return colours_of(leaves, seen.tolist(), [(leaves[first], leaves[second]) for first, second in meeting])
+def part_colours_of(leaves: Sequence[str], sights: Sequence[Sight]) -> dict[str, str]:
+    """The parts that are seen, each with its colour, that of meshes."""
+    seen = np.concatenate([np.zeros(0, np.int64), *(np.unique(sight.leaf) for sight in sights)])
+    pairs = np.concatenate([np.zeros((0, 2), np.int64), *(neighbours(sight) for sight in sights)])
+    meeting = pairs[pairs.max(axis=1, initial=0) < len(leaves)].tolist()
+    known = np.unique(seen[seen < len(leaves)]).tolist()
+    return colours_of(leaves, known, [(leaves[first], leaves[second]) for first, second in meeting])
 
 
 def _of_parts(parts: Mapping[str, str], leaves: Sequence[str]) -> Brush:
     table = np.array([linear(parts.get(name, PALETTE[0])) for name in leaves] + [linear(CAP)], np.float32)
-    return Brush(lambda seen, rows: table[np.minimum(seen.leaf, len(leaves))], parts=parts)
+    return Brush(lambda own: lambda seen, numbers: table[np.minimum(seen.leaf, len(leaves))], parts=parts)
 
 
-def _of_values(name: str, sight: Sight, box: Floats) -> Brush:
+def _of_values(
+    name: str, probe: Probe, limits: tuple[float, float] | None = None, colour_map: str | None = None
+) -> Brush:
     field, label, power, of = MAPS[name]
-    unit = (2 / float(np.ptp(box, axis=0).max())) ** power
-    values = of(sight.field(field)) if len(sight.met) else np.zeros(1)
-    # A pixel stands for more of a surface that is seen at a slant.
-    towards = np.maximum(np.abs(sight.normals @ sight.view.axes[2]), 0.1) if len(sight.met) else np.ones(1)
-    some = slice(None, None, 1 + len(values) // VALUES)
-    colours = ValueColours.of(values[some], label, unit, shares=1 / towards[some])
+    unit = (2 / max(float(np.ptp(probe.box, axis=0).max()), 1e-300)) ** power
+    values = probe.values(lambda sight: of(sight.field(field)))
+    if not values.size:
+        values, shares = np.zeros(1), np.ones(1)
+    else:
+        shares = probe.shares
+    colours = ValueColours.of(values, label, unit, limits, shares, colour_map)
+    return Brush(
+        lambda own: lambda seen, numbers: colours(of(seen.field(field))), scale=colours.scale, label=colours.label
+    )
 
-    def paint(seen: Sight, rows: Any) -> Floats:
-        return colours(values if seen is sight else of(seen.field(field)))
 
-    return Brush(paint, scale=colours.scale, label=colours.label)
-
-
-def _zebra(sight: Sight, box: Floats) -> Colouring:
+def _zebra(box: Floats, own: Sight) -> Colouring:
     """Stripes as wide as pixels see them: heights differ between neighbours, the less of two on either side."""
     low, high = box
 
     def heights(seen: Sight) -> NDArray[np.float32]:
         places = in_room(seen.points_at(slice(None)), low, high)
-        return reflected_heights(seen.normals, places, sight.view.axes).astype(np.float32)
+        return reflected_heights(seen.normals, places, own.view.axes).astype(np.float32)
 
-    here = heights(sight)
-    width, height = sight.view.size
+    here = heights(own)
+    width, height = own.view.size
     whole = np.full(height * width, np.nan, np.float32)
-    whole[sight.met] = here
-    steps = _steps(whole.reshape(height, width)).reshape(-1)[sight.met]
+    whole[own.met] = here
+    steps = _steps(whole.reshape(height, width)).reshape(-1)[own.met]
 
-    def paint(seen: Sight, rows: Any) -> Floats:
-        if seen is sight:
-            return zebra_colours(here, steps)
-        return zebra_colours(heights(seen), steps[rows])
+    def colours(seen: Sight, numbers: Any) -> Floats:
+        return zebra_colours(here, steps) if seen is own else zebra_colours(heights(seen), steps[numbers])
 
-    return paint
+    return colours
 
 
 def _steps(values: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -130,7 +130,7 @@ class Camera:
             up = np.cross(towards, right)
         return np.stack([right, up, towards])
 
-    def frame(self, points: Floats, size: tuple[int, int], whole: Floats | None = None) -> View:
+    def frame(self, points: Floats, size: tuple[int, int], whole: Floats | None = None) -> Viewport:
         """What a picture of so many pixels, width and height, shows: all points (n, 3), as large as they go.
 
         Parallel rays begin before all points of the `whole`, by default these.
@@ -143,6 +143,7 @@ class Camera:
         ([[49.5, 49.5], [49.5, 26.0]], True)
         """
         axes, room = self.axes, np.array(size) / 2 - max(MARGIN * min(size), 1.0)
+        centre = ((size[0] - 1) / 2, (size[1] - 1) / 2)
         seen = points @ axes.T
         low, high = seen.min(axis=0), seen.max(axis=0)
         span = max(float((high - low).max()), float(np.finfo(np.float32).tiny))
@@ -153,15 +154,17 @@ class Camera:
         front = float((beyond[:, 2] - middle[2]).max()) + 0.01 * span
         if self.field_of_view is None:
             pixel = float((reach / room).max()) / self.zoom
-            return View(size, axes, axes.T @ middle, pixel, None, max(front, 0.0))
+            return Viewport(size, axes, axes.T @ middle, pixel, None, max(front, 0.0), centre)
         slope = 2 * math.tan(math.radians(self.field_of_view) / 2) / size[1]
         near = offsets[:, 2] + (np.abs(offsets[:, :2]) / (slope * room)).max(axis=1)
-        distance = max(float(near.max()), float(offsets[:, 2].max()) + 0.01 * span) if self.distance is None else self.distance
-        return View(size, axes, axes.T @ middle, slope * distance / self.zoom, distance, 0.0)
+        distance = (
+            max(float(near.max()), float(offsets[:, 2].max()) + 0.01 * span) if self.distance is None else self.distance
+        )
+        return Viewport(size, axes, axes.T @ middle, slope * distance / self.zoom, distance, 0.0, centre)
 
 
 @dataclass(frozen=True)
-class View:
+class Viewport:
     """A camera over so many pixels: which ray a pixel casts, and which pixel a point is seen at.
 
     The middle of pixel (row, column) has the place ``column, row``, the first row is at the top.
@@ -180,6 +183,8 @@ class View:
         From the eye to the middle; None for parallel rays.
     front : float
         How far before the middle parallel rays begin.
+    centre : (float, float)
+        The place, column and row, where the middle is seen.
     """
 
     size: tuple[int, int]
@@ -188,13 +193,14 @@ class View:
     pixel: float
     distance: float | None
     front: float
+    centre: tuple[float, float]
 
     @cached_property
     def pencil(self) -> Pencil:
         """The rays through the middles of all pixels."""
-        width, height = self.size
         right, up, towards = self.axes
-        corner = self.middle + self.front * towards + 0.5 * self.pixel * (height * up - width * right)
+        column, row = self.centre
+        corner = self.middle + self.front * towards + self.pixel * ((row + 0.5) * up - (column + 0.5) * right)
         across, down = self.pixel * right, -self.pixel * up
         if self.distance is None:
             return Pencil(self.size, _triple(corner), _triple(across), _triple(down), direction=_triple(-towards))
@@ -219,8 +225,8 @@ class View:
             scale = self.distance / (self.pixel * (self.distance - seen[:, 2]))
             from_eye = seen - np.array([0.0, 0.0, self.distance])
             depth = np.sqrt(np.einsum("ij,ij->i", from_eye, from_eye))
-        width, height = self.size
-        places = np.stack([seen[:, 0] * scale + (width - 1) / 2, (height - 1) / 2 - seen[:, 1] * scale], axis=1)
+        column, row = self.centre
+        places = np.stack([column + seen[:, 0] * scale, row - seen[:, 1] * scale], axis=1)
         return places, depth
 
 

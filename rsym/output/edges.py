@@ -1,4 +1,4 @@
-"""Where neighbouring pixels of a picture see different things, to a share of a pixel: smooth edges, and lines of ink."""
+"""Where neighbouring pixels of a picture see different things, to a share of a pixel: smooth edges, lines of ink."""
 
 from __future__ import annotations
 
@@ -55,8 +55,8 @@ class Edges:
 def edges_of(sight: Sight, size: tuple[int, int], look: Look) -> Edges:
     """Find the edges of a picture of so many pixels, height and width, whose pixels see what a sight says.
 
-    An outline, where something covers what is farther away, is found by rays between the two pixels; a crease, where two
-    leaves meet at an angle, where their tangent planes do. Pixels that are undecided have no edges.
+    An outline, where something covers what is farther away, is found by rays between the two pixels; a crease, where
+    two leaves meet at an angle, where their tangent planes do. Pixels that are undecided have no edges.
     """
     leaf, depth = sight.labels.reshape(size), sight.depths.reshape(size)
     if not len(sight.depth):
@@ -189,7 +189,7 @@ def _pieces(edges: Edges) -> Single:
 
     Between the middles of four pixels two crossings are joined; one, three or four by way of their mean.
     """
-    height, width = edges.size
+    width = edges.size[1]
     row, column = np.divmod(edges.first, width)
     right = edges.second == edges.first + 1
     crossing = np.stack([row + np.where(right, 0, edges.place), column + np.where(right, edges.place, 0)], axis=1)

@@ -20,7 +20,7 @@ from rsym.errors import RsymError
 from rsym.model.requirements import file_path, require_kind
 from rsym.output.atomic import write_atomically
 from rsym.output.axes3d import named_colours
-from rsym.output.cameras import Camera, View
+from rsym.output.cameras import Camera, Viewport
 from rsym.output.pictures import require_axes
 from rsym.sampling.hits import Hits
 from rsym.sampling.stills import png
@@ -40,7 +40,7 @@ class Image:
     ----------
     pixels : (h, w, 4) array of uint8
         As ``np.asarray(image)``.
-    view : View
+    view : Viewport
         The camera over these pixels: ``view.project(points)`` says where points are seen.
     camera : Camera
         The camera.
@@ -48,12 +48,19 @@ class Image:
         The names of the leaves, behind them the sections.
     scale, scale_label
         The colours of values for ``figure.colorbar(image.scale)`` and their name; None and empty without.
-    parts : mapping
-        The parts that are seen, each with its colour.
+
+    Examples
+    --------
+    >>> import numpy as np, rsym
+    >>> image = rsym.render(rsym.sphere(2).named("ball"), size=(40, 30))
+    >>> np.asarray(image).shape, image.parts
+    ((30, 40, 4), {'ball': '#77aadd'})
+    >>> image.leaf.max(), image.part.max(), image.curvature[15, 20].round(9).tolist()
+    (np.int16(0), np.int16(0), [0.5, 0.5])
     """
 
     pixels: NDArray[np.uint8]
-    view: View
+    view: Viewport
     camera: Camera
     hits: Hits
     leaves: tuple[str, ...]

@@ -15,15 +15,15 @@ from rsym.errors import RsymError, warn
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import documented
-from rsym.output.brushes import Brush, brush_of, checked_colouring, hatched, part_colours_of
-from rsym.output.cameras import VIEWS, Camera, View, camera_of
-from rsym.output.edges import Edges, Single, edges_of, inked, smoothed
+from rsym.output.brushes import Brush, Colouring, brush_of, checked_colouring, hatched, part_colours_of
+from rsym.output.cameras import VIEWS, Camera, Viewport, camera_of
+from rsym.output.edges import Single, edges_of, inked, smoothed
 from rsym.output.images import Image
 from rsym.output.ink import INK
 from rsym.output.paints import NAMES_OF_MAPS
 from rsym.output.shading import HOLLOW_RADIUS, hollows_at, levels, linear, lit
 from rsym.output.shadows import shade_of
-from rsym.output.sights import UNDECIDED, Sight
+from rsym.output.sights import UNDECIDED, Probe, Sight, corners_of
 from rsym.sampling.pencils import Cut
 from rsym.sampling.plane import fixed_coordinates
 from rsym.sampling.rays import Caster
@@ -93,7 +93,8 @@ def render(
     ------
     RsymError
         For a shape in the plane, one without bounds that goes on for ever, an unknown camera, colouring, letter or
-        colour, a size that is not two positive integers, a section outside of the bounds, or samples that are no square.
+        colour, a size that is not two positive integers, a section outside of the bounds, or samples that are no
+        square.
 
     Warns
     -----
@@ -104,13 +105,14 @@ def render(
     --------
     >>> import rsym
     >>> image = rsym.render(rsym.sphere(2), camera="front", size=(80, 60))
-    >>> image.shape, round(float(image.depth.min() - image.depth[30, 27]), 2)
-    ((60, 80, 4), -0.04)
-    >>> image.normal[29:31, 39:41].mean(axis=(0, 1)).round(3).tolist()
-    [0.0, 0.999, 0.0]
+    >>> image.shape, image.points[30, 30].round(1).tolist()
+    ((60, 80, 4), [0.7, 1.9, -0.0])
+    >>> bool(abs(image.normal[30, 30] - image.points[30, 30] / 2).max() < 1e-12)
+    True
     """
     size, camera = _checked_size(size), camera_of(camera)
-    _check(shape, samples, background)
+    require_body(shape)
+    _check(samples, background)
     colouring = checked_colouring(colour_by)
     caster = Caster(shape, letters, threads=threads)
     cuts = cuts_of(section, shape, caster.bounds, camera)
@@ -120,16 +122,12 @@ def render(
     if not len(sight.met):
         warn("nothing of the body is seen; remedy: other bounds, another camera or section")
     scene = Scene(caster, view, cuts)
-    edges = edges_of(sight, (size[1], size[0]), scene.look)
-    box = np.array(caster.bounds).T
-    brush = brush_of(colouring, sight, edges, caster.leaves, box)
-    canvas = scene.painted(sight, edges, brush, shadows, samples)
-    if lines:
-        _draw(canvas, edges)
+    brush = brush_of(colouring, caster.leaves, [sight], lambda: Probe.of(caster))
+    width = max(LINE * float(np.sqrt(size[0] * size[1])), THINNEST) if lines else 0.0
+    canvas = scene.painted(sight, brush, width, shadows=shadows, samples=samples)
     names = (*caster.leaves, *(f"section {name} = {value:g}" for name, value in (section or {}).items()))
-    parts = brush.parts or (lambda: part_colours_of(sight, edges, caster.leaves))
     return Image(
-        pixels=_developed(canvas, background).reshape(size[1], size[0], 4),
+        pixels=developed(canvas, background).reshape(size[1], size[0], 4),
         view=view,
         camera=camera,
         hits=hits,
@@ -137,12 +135,13 @@ def render(
         coordinates=tuple(symbol.name for symbol in shape.coordinates),
         scale=brush.scale,
         scale_label=brush.label,
-        parts_seen=parts if callable(parts) else lambda: brush.parts,
+        parts_seen=lambda: brush.parts or part_colours_of(caster.leaves, [sight]),
         legend=colouring == "part",
     )
 
 
-def _check(shape: Any, samples: Any, background: Any) -> None:
+def require_body(shape: Any) -> None:
+    """Refuse what rays are not cast at."""
     require_shape(shape)
     if shape.dimension != 3:
         raise RsymError(
@@ -150,6 +149,9 @@ def _check(shape: Any, samples: Any, background: Any) -> None:
             code="dimension",
             remedy="rsym.revolve(shape) or rsym.extrude(shape, 0, 1) first; in the plane rsym.plot_fields(shape)",
         )
+
+
+def _check(samples: Any, background: Any) -> None:
     require_count("samples", samples, "1, 4 or 16")
     if samples > MOST_SAMPLES or int(np.sqrt(samples)) ** 2 != samples:
         raise RsymError(
@@ -194,9 +196,9 @@ def cuts_of(section: Any, shape: Shape, bounds: Bounds, camera: Camera) -> tuple
     return tuple(cuts)
 
 
-def framed(caster: Caster, camera: Camera, size: tuple[int, int]) -> View:
+def framed(caster: Caster, camera: Camera, size: tuple[int, int]) -> Viewport:
     """The view of a camera that the body fills, as a coarse picture finds it; without a body the bounds."""
-    corners = np.stack(np.meshgrid(*caster.bounds, indexing="ij"), axis=-1).reshape(-1, 3)
+    corners = corners_of(caster.bounds)
     factor = max(min(COARSE, min(size) / FEWEST), 1.0)
     coarse = camera.frame(corners, (-(-size[0] // int(factor)), -(-size[1] // int(factor))))
     found = Sight.of_pixels(coarse, caster.look(coarse.pencil))
@@ -214,7 +216,7 @@ class Scene:
     """What rays are cast at: a body, how it is seen, and what is cut off."""
 
     caster: Caster
-    view: View
+    view: Viewport
     cuts: tuple[Cut, ...]
 
     def sight(self, columns: Floats, rows: Floats) -> Sight:
@@ -229,20 +231,25 @@ class Scene:
         sight = self.sight(columns, rows)
         return sight.labels, sight.hits.depth
 
-    def painted(self, sight: Sight, edges: Edges, brush: Brush, shadows: bool, samples: int) -> Single:
-        """Light times coverage and coverage of all pixels (h*w, 4)."""
+    def painted(self, sight: Sight, brush: Brush, line: float, *, shadows: bool = False, samples: int = 1) -> Single:
+        """Light times coverage and coverage of all pixels (h*w, 4), with lines of some width in pixels."""
         width, height = self.view.size
+        edges = edges_of(sight, (height, width), self.look)
         canvas = np.zeros((width * height, 4), np.float32)
-        shares = self._shares(sight, shadows)
-        canvas[sight.met, :3] = self.light(sight, brush, slice(None), shares)
+        shares, colours = self._shares(sight, shadows), brush.begin(sight)
+        canvas[sight.met, :3] = self._light(sight, colours(sight, None), shares, brush.lit)
         canvas[sight.met, 3] = 1.0
         if samples == 1:
             crossed, shown = smoothed(edges, canvas)
             canvas[crossed] = shown
         else:
             pixels = edges.pixels
-            canvas[pixels] = self._refined(sight, pixels, brush, shares, samples)
+            canvas[pixels] = self._refined(sight, pixels, brush, colours, shares, samples)
         canvas[sight.labels == UNDECIDED] = (*linear(SIGNAL), 1.0)
+        if line:
+            where, share = inked(edges, line)
+            canvas[where] *= 1 - share[:, None]
+            canvas[where] += share[:, None] * np.append(linear(INK), 1.0).astype(np.float32)
         return canvas
 
     def _shares(self, sight: Sight, shadows: bool) -> Single:
@@ -261,18 +268,20 @@ class Scene:
         hits = self.caster.cast(origins, ways, far=far, cuts=self.cuts, pixel=(self.view.pixel, 0.0))
         return hits.met
 
-    def light(self, sight: Sight, brush: Brush, rows: Any, shares: Single) -> Single:
+    def _light(self, sight: Sight, colours: Floats, shares: Single, is_lit: bool) -> Single:
         """The linear light (m, 3) of what a sight meets."""
-        light = np.asarray(brush.colours(sight, rows), np.float32)
-        if brush.lit:
+        light = np.asarray(colours, np.float32)
+        if is_lit:
             light = _lit(sight, light, shares)
         caps = np.flatnonzero(sight.leaf >= len(self.caster.leaves))
         if caps.size:
-            light = light.copy() if light.base is not None else light
+            light = light if light.flags.writeable else light.copy()
             light[caps] = hatched(sight.column[caps], sight.row[caps], self.view.size)
         return light
 
-    def _refined(self, sight: Sight, pixels: Ints, brush: Brush, shares: Single, samples: int) -> Single:
+    def _refined(
+        self, sight: Sight, pixels: Ints, brush: Brush, colours: Colouring, shares: Single, samples: int
+    ) -> Single:
         """What pixels show, the mean of so many rays on a square lattice in each."""
         side = int(np.sqrt(samples))
         row, column = np.divmod(pixels, self.view.size[0])
@@ -280,8 +289,8 @@ class Scene:
         for i, j in np.ndindex(side, side):
             places = (column + (j + 0.5) / side - 0.5, row + (i + 0.5) / side - 0.5)
             seen = self.sight(*places)
-            rows = sight.number[pixels[seen.met]]
-            total[seen.met, :3] += self.light(seen, brush, rows, shares[:, rows])
+            nearest = sight.number[pixels[seen.met]]
+            total[seen.met, :3] += self._light(seen, colours(seen, nearest), shares[:, nearest], brush.lit)
             total[seen.met, 3] += 1.0
         return total / np.float32(samples)
 
@@ -301,15 +310,7 @@ def _lit(sight: Sight, colours: Single, shares: Single) -> Single:
     return result.clip(0.0, 1.0)
 
 
-def _draw(canvas: Single, edges: Edges) -> None:
-    """Draw lines of ink along the edges."""
-    height, width = edges.size
-    where, share = inked(edges, max(LINE * float(np.sqrt(height * width)), THINNEST))
-    canvas[where] *= 1 - share[:, None]
-    canvas[where] += share[:, None] * np.append(linear(INK), 1.0).astype(np.float32)
-
-
-def _developed(canvas: Single, background: str | None) -> NDArray[np.uint8]:
+def developed(canvas: Single, background: str | None) -> NDArray[np.uint8]:
     """What a screen shows, (h*w, 4)."""
     behind = np.ones(3) if background is None else linear(background)
     one = np.array([*levels(behind), 0 if background is None else 255], np.uint8)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,10 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats, Ints, Shorts
-from rsym.output.cameras import View
+from rsym.output.cameras import VIEWS, Camera, Viewport
 from rsym.sampling.hits import Hits
+from rsym.sampling.rays import Caster
 
 NOTHING, UNDECIDED = -1, -2  # in the place of the number of a leaf
+# Pixels of a side of the pictures by which a body is known from all sides, at most.
+AROUND = 64
+SIDES = ("front", "rear", "left", "right", "top", "bottom")
 
 
 @dataclass(frozen=True)
@@ -23,13 +28,13 @@ class Sight:
     `normals` are theirs.
     """
 
-    view: View
+    view: Viewport
     columns: Floats
     rows: Floats
     hits: Hits
 
     @classmethod
-    def of_pixels(cls, view: View, hits: Hits) -> Sight:
+    def of_pixels(cls, view: Viewport, hits: Hits) -> Sight:
         """The hits of the middles of all pixels, row by row."""
         width, height = view.size
         row, column = np.divmod(np.arange(width * height), width)
@@ -99,3 +104,57 @@ class Sight:
         """The points (k, 3) that some of the rays meet, by their numbers."""
         origins, ways = self.view.rays(self.column[numbers], self.row[numbers])
         return np.asarray(origins + self.depth[numbers][:, None] * ways)
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A body seen from its six sides in few pixels: how large it is, what is on it, which leaves meet there."""
+
+    sights: tuple[Sight, ...]
+
+    @classmethod
+    def of(cls, caster: Caster) -> Probe:
+        """Look at a body from the front, the rear, the left, the right, the top and the bottom."""
+        corners = corners_of(caster.bounds)
+        sights = []
+        for name in SIDES:
+            view = Camera(*VIEWS[name]).frame(corners, (AROUND, AROUND))
+            sights.append(Sight.of_pixels(view, caster.look(view.pencil)))
+        return cls(tuple(sights))
+
+    @cached_property
+    def box(self) -> Floats:
+        """The corners low and high (2, 3) of a box round what is seen of the body, to a pixel; without any (0, 0)."""
+        parts = [np.stack([points - sight.view.pixel, points + sight.view.pixel]) for sight, points in self._points]
+        if not parts:
+            return np.zeros((2, 3))
+        both = np.concatenate(parts, axis=1)
+        return np.stack([both[0].min(axis=0), both[1].max(axis=0)])
+
+    @property
+    def _points(self) -> list[tuple[Sight, Floats]]:
+        return [(sight, sight.points_at(slice(None))) for sight in self.sights if len(sight.met)]
+
+    def values(self, of: Callable[[Sight], Floats]) -> Floats:
+        """Values of all that is seen, one after the other."""
+        return np.concatenate([np.zeros(0), *(of(sight) for sight in self.sights if len(sight.met))])
+
+    @cached_property
+    def shares(self) -> Floats:
+        """How much of the surface each of them stands for: more where it is seen at a slant."""
+        return self.values(lambda sight: 1 / np.maximum(np.abs(sight.normals @ sight.view.axes[2]), 0.1))
+
+
+def corners_of(bounds: tuple[tuple[float, float], ...]) -> Floats:
+    """The eight corners (8, 3) of a box."""
+    return np.stack(np.meshgrid(*bounds, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def neighbours(sight: Sight) -> NDArray[np.int64]:
+    """Which leaves are seen side by side in a picture, pairs (n, 2)."""
+    label = sight.labels.reshape(sight.view.size[::-1])
+    pairs = []
+    for one, other in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
+        beside = (label[one] != label[other]) & (np.minimum(label[one], label[other]) >= 0)
+        pairs.append(np.stack([label[one][beside], label[other][beside]], axis=1))
+    return np.unique(np.concatenate(pairs), axis=0).astype(np.int64)
