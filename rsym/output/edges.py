@@ -82,9 +82,10 @@ def _candidates(leaf: Shorts, depth: Single, steep: np.float32) -> tuple[Ints, I
     """Neighbours that see different leaves, or one leaf at depths that differ by more than so much; which of both."""
     width, parts = leaf.shape[1], []
     for step, one, other in ((1, np.s_[:, :-1], np.s_[:, 1:]), (width, np.s_[:-1], np.s_[1:])):
-        differ = (leaf[one] != leaf[other]) & (np.minimum(leaf[one], leaf[other]) > UNDECIDED)
+        differ = leaf[one] != leaf[other]
         with np.errstate(invalid="ignore"):
             found = differ | (np.abs(depth[one] - depth[other]) > steep)
+        found &= (leaf[one] > UNDECIDED) & (leaf[other] > UNDECIDED)
         row, column = np.nonzero(found)
         parts.append((row * width + column, row * width + column + step, differ[row, column]))
     first, second, differ = (np.concatenate(part) for part in zip(*parts, strict=True))
@@ -112,7 +113,7 @@ def _meetings(sight: Sight, one: Ints, other: Ints) -> tuple[Single, Flags]:
     before = _plane_depth(sight, other, one) - sight.depth[one]
     behind = sight.depth[other] - _plane_depth(sight, one, other)
     with np.errstate(all="ignore"):
-        place = before / (before + behind)
+        place = before / (before - behind)
     apart = ~((place >= 0) & (place <= 1))
     return np.where(apart, 0.5, place).astype(np.float32), apart
 
