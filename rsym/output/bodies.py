@@ -85,9 +85,9 @@ def show(artist: B, ax: Axes3D | None, elevation: float, azimuth: float, camera:
         axes = axes3d.new_axes(artist.low, artist.high, elevation, azimuth, camera)
     else:
         axes = axes3d.require_axes3d(ax)
-    shown = [artist, *(other for other in axes.artists if isinstance(other, Body))]
-    low = np.minimum.reduce([one.low for one in shown])
-    high = np.maximum.reduce([one.high for one in shown])
+    shown: list[Body] = [artist, *(other for other in axes.artists if isinstance(other, Body))]
+    low = np.min([one.low for one in shown], axis=0)
+    high = np.max([one.high for one in shown], axis=0)
     axes3d.frame(axes, low, high, elevation, azimuth, camera=camera)
     axes3d.style(axes)
     axes.add_artist(artist)

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Flags, Floats, Ints, Shorts
+from rsym.arrays import Flags, Floats, Integers, Ints, Shorts
 from rsym.output.ink import SMOOTH
 from rsym.output.sights import UNDECIDED, Sight
 
@@ -108,7 +108,7 @@ def _kinds(
     return outline, crease
 
 
-def _meetings(sight: Sight, one: Ints, other: Ints) -> tuple[Single, Flags]:
+def _meetings(sight: Sight, one: Integers, other: Integers) -> tuple[Single, Flags]:
     """Where between pixels their tangent planes meet; and which of them do not meet there."""
     before = _plane_depth(sight, other, one) - sight.depth[one]
     behind = sight.depth[other] - _plane_depth(sight, one, other)
@@ -118,7 +118,7 @@ def _meetings(sight: Sight, one: Ints, other: Ints) -> tuple[Single, Flags]:
     return np.where(apart, 0.5, place).astype(np.float32), apart
 
 
-def _plane_depth(sight: Sight, plane: Ints, at: Ints) -> Floats:
+def _plane_depth(sight: Sight, plane: Integers, at: Integers) -> Floats:
     """How far the rays of places go to the tangent planes of others."""
     origins, ways = sight.view.rays(sight.column[at], sight.row[at])
     normals = sight.normals[plane]

@@ -21,7 +21,7 @@ from rsym.model.requirements import file_path, require_kind
 from rsym.output.atomic import write_atomically
 from rsym.output.axes3d import named_colours
 from rsym.output.cameras import Camera, Viewport
-from rsym.output.pictures import require_axes
+from rsym.output.pictures import figure_of, require_axes
 from rsym.sampling.hits import Hits
 from rsym.sampling.stills import png
 
@@ -218,7 +218,7 @@ def plot_image(image: Image, *, ax: Axes | None = None) -> AxesImage:
             extend = str(image.scale.get_cmap().colorbar_extend)
             figure.colorbar(image.scale, ax=ax, label=image.scale_label, extend=extend, shrink=0.7)
         elif image.legend:
-            key = named_colours(figure, image.parts)
+            key = named_colours(figure_of(artist), image.parts)
             key.set_loc("outside right center")
     return artist
 

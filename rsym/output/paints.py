@@ -19,7 +19,7 @@ from rsym.model.shape import Shape
 from rsym.model.wording import proposal
 from rsym.output.parts import face_colours, part_colours
 from rsym.output.rasteriser import picked
-from rsym.output.shading import INSIDE, decode, linear, unit
+from rsym.output.shading import INSIDE, Light, decode, linear, unit
 from rsym.sampling.leaf_fields import LeafFields
 from rsym.sampling.mesh import Mesh
 
@@ -339,7 +339,7 @@ def zebra(mesh: Mesh, normals: Floats, shape: Shape | None = None, letters: Mapp
     return paint
 
 
-def zebra_colours(heights: Floats, widths: Floats) -> Floats:
+def zebra_colours(heights: Light, widths: Light) -> Floats:
     """The linear colours (n, 3) of reflected heights (n,), each the mean over a window of its width."""
     dark, light = linear(DARK), linear(LIGHT)
     return np.asarray(dark + (light - dark) * stripes(STRIPES * heights, STRIPES * widths)[:, None])
@@ -375,7 +375,7 @@ def reflected_heights(normals: Floats, places: Floats, turn: Floats) -> Floats:
     return angles
 
 
-def stripes(phase: Floats, width: Floats) -> Floats:
+def stripes(phase: Light, width: Light) -> Light:
     """The share of light in a window of some width over stripes of period 1, light in the first half.
 
     Examples

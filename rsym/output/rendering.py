@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from numbers import Integral
 from typing import Any
@@ -21,7 +21,7 @@ from rsym.output.edges import Single, edges_of, inked, smoothed
 from rsym.output.images import Image
 from rsym.output.ink import INK
 from rsym.output.paints import NAMES_OF_MAPS
-from rsym.output.shading import HOLLOW_RADIUS, hollows_at, levels, linear, lit
+from rsym.output.shading import HOLLOW_RADIUS, Light, hollows_at, levels, linear, lit
 from rsym.output.shadows import shade_of
 from rsym.output.sights import UNDECIDED, Probe, Sight, corners_of
 from rsym.sampling.pencils import Cut
@@ -162,17 +162,15 @@ def _check(samples: Any, background: Any) -> None:
 
 
 def _checked_size(size: Any) -> tuple[int, int]:
-    try:
-        width, height = size
-    except (TypeError, ValueError):
-        width = height = None
-    if not all(isinstance(side, Integral) and not isinstance(side, bool) and side > 0 for side in (width, height)):
+    sides = tuple(size) if isinstance(size, Iterable) else ()
+    if len(sides) != 2 or not all(isinstance(side, Integral) and side > 0 for side in sides):  # type: ignore[operator]
         raise RsymError(f"a size is two positive integers, got {size!r}", code="size", remedy="size=(1600, 1200)")
+    width, height = map(int, sides)
     if width * height > MOST_PIXELS:
         raise RsymError(
             f"a picture has at most {MOST_PIXELS:,} pixels, got {width} x {height}", code="size", remedy="a smaller one"
         )
-    return int(width), int(height)
+    return width, height
 
 
 def cuts_of(section: Any, shape: Shape, bounds: Bounds, camera: Camera) -> tuple[Cut, ...]:
@@ -268,7 +266,7 @@ class Scene:
         hits = self.caster.cast(origins, ways, far=far, cuts=self.cuts, pixel=(self.view.pixel, 0.0))
         return hits.met
 
-    def _light(self, sight: Sight, colours: Floats, shares: Single, is_lit: bool) -> Single:
+    def _light(self, sight: Sight, colours: Light, shares: Single, is_lit: bool) -> Single:
         """The linear light (m, 3) of what a sight meets."""
         light = np.asarray(colours, np.float32)
         if is_lit:

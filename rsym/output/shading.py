@@ -116,7 +116,7 @@ def _power(values: Light, exponent: int) -> Light:
     return result
 
 
-def hollows(depth: Floats, radius: int) -> Floats:
+def hollows(depth: Light, radius: int) -> Light:
     """Return factors that darken what lies behind its surroundings, so that recesses and openings read as such.
 
     `depth` is (h, w) with NaN where there is nothing. The depth is compared with
@@ -203,7 +203,7 @@ def levels(light: Light) -> NDArray[np.uint8]:
     >>> levels(np.array([-0.1, 0.2159, 1.0, 2.0])).tolist()
     [0, 128, 255, 255]
     """
-    return _encoded()[np.rint(light.clip(0.0, 1.0) * ((1 << 16) - 1)).astype(np.uint16)]
+    return np.asarray(_encoded()[np.rint(light.clip(0.0, 1.0) * ((1 << 16) - 1)).astype(np.uint16)])
 
 
 def reduce(samples: NDArray[np.float32], factor: int) -> NDArray[np.uint8]:

@@ -95,9 +95,9 @@ def _means(sight: Sight, values: NDArray[np.float32], size: float) -> NDArray[np
     """The means (k, m) of values over squares of pixels, of those on the same leaf and not far before or behind."""
     width, height = sight.view.size
     label, depth = (each.reshape(height, width) for each in (sight.labels, sight.depths))
-    whole = np.zeros((len(values), height * width), np.float32)
-    whole[:, sight.met] = values
-    whole = whole.reshape(-1, height, width)
+    flat = np.zeros((len(values), height * width), np.float32)
+    flat[:, sight.met] = values
+    whole = flat.reshape(-1, height, width)
     total, count = np.zeros_like(whole), np.zeros((height, width), np.float32)
     for i in range(1 - SIDE // 2, SIDE // 2 + 1):
         for j in range(1 - SIDE // 2, SIDE // 2 + 1):

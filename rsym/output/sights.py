@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints, Shorts
+from rsym.arrays import Floats, Integers, Ints, Shorts
 from rsym.output.cameras import VIEWS, Camera, Viewport
 from rsym.sampling.hits import Hits
 from rsym.sampling.rays import Caster
@@ -100,7 +100,7 @@ class Sight:
         values = self.hits.fields(name)[name]
         return np.asarray(values.reshape(len(self.labels), *values.shape[self.hits.leaf.ndim :])[self.met])
 
-    def points_at(self, numbers: Ints | slice) -> Floats:
+    def points_at(self, numbers: Integers | slice) -> Floats:
         """The points (k, 3) that some of the rays meet, by their numbers."""
         origins, ways = self.view.rays(self.column[numbers], self.row[numbers])
         return np.asarray(origins + self.depth[numbers][:, None] * ways)
