@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from numbers import Integral
@@ -11,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Ints, Shorts
-from rsym.errors import RsymError, warn
+from rsym.errors import RsymError, RsymWarning, warn
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
+from rsym.model.symbols import postorder
 from rsym.model.wording import documented
 from rsym.output.brushes import Brush, Colouring, brush_of, checked_colouring, hatched, part_colours_of
 from rsym.output.cameras import VIEWS, Camera, Viewport, camera_of
@@ -31,9 +34,11 @@ from rsym.sampling.rays import Caster
 SIGNAL = "#ff00c8"  # of rays that came to a limit: nothing else is of that colour
 LINE = 1.5e-3  # the width of lines, of the mean side of a picture; at least
 THINNEST = 0.75  # pixels
+FINER = 8  # than pixels: how closely rays look that say where in a pixel an edge is
 COARSE, FEWEST = 10, 48  # a picture so much smaller finds where the body is; pixels of its shorter side
 MOST_PIXELS = 1 << 26  # of a picture: 5 GB of memory
 MOST_SAMPLES = 64
+THUMBNAIL, MOST_NODES = (320, 240), 3000  # pixels; parts of a formula, which a kernel is made of in a fifth of a second
 BATCH = 1 << 14  # pixels shaded at once: what is between steps stays in the cache
 
 
@@ -209,6 +214,29 @@ def framed(caster: Caster, camera: Camera, size: tuple[int, int]) -> Viewport:
     return camera.frame(np.concatenate(around), size, corners)
 
 
+def thumbnail(shape: Shape) -> str:
+    """A small picture of a shape in space as an HTML image; empty where it has no bounds or would take long.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> thumbnail(rsym.sphere(1).replace(bounds=((-1, 1),) * 3))[:28], thumbnail(rsym.sphere(1))
+    ('<img alt="the body" width="32', '')
+    """
+    if shape.dimension != 3 or shape.bounds is None or sum(1 for _ in postorder(shape.expression)) > MOST_NODES:
+        return ""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RsymWarning)
+            image = render(shape, size=THUMBNAIL, background=None)
+    except RsymError:  # of a formula that has no picture the text is shown all the same
+        return ""
+    if not (image.leaf >= 0).any():
+        return ""
+    data = base64.b64encode(image._repr_png_()).decode()
+    return f'<img alt="the body" width="{THUMBNAIL[0]}" height="{THUMBNAIL[1]}" src="data:image/png;base64,{data}">'
+
+
 @dataclass(frozen=True)
 class Scene:
     """What rays are cast at: a body, how it is seen, and what is cut off."""
@@ -221,7 +249,8 @@ class Scene:
         """What the rays of places see."""
         near = -np.inf if self.view.distance is None else 0.0
         origins, ways = self.view.rays(columns, rows)
-        hits = self.caster.cast(origins, ways, near=near, cuts=self.cuts, pixel=self.view.pencil.pixel)
+        still, growing = self.view.pencil.pixel
+        hits = self.caster.cast(origins, ways, near=near, cuts=self.cuts, pixel=(still / FINER, growing / FINER))
         return Sight(self.view, columns, rows, hits)
 
     def look(self, columns: Floats, rows: Floats) -> tuple[Shorts, Floats]:
