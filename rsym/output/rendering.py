@@ -38,7 +38,7 @@ FINER = 8  # than pixels: how closely rays look that say where in a pixel an edg
 COARSE, FEWEST = 10, 48  # a picture so much smaller finds where the body is; pixels of its shorter side
 MOST_PIXELS = 1 << 26  # of a picture: 5 GB of memory
 MOST_SAMPLES = 64
-THUMBNAIL, MOST_NODES = (320, 240), 3000  # pixels; parts of a formula, which a kernel is made of in a fifth of a second
+THUMBNAIL, MOST_NODES = (240, 180), 400  # pixels; parts of a formula, of which a caster is made in half a second
 BATCH = 1 << 14  # pixels shaded at once: what is between steps stays in the cache
 
 
@@ -220,8 +220,8 @@ def thumbnail(shape: Shape) -> str:
     Examples
     --------
     >>> import rsym
-    >>> thumbnail(rsym.sphere(1).replace(bounds=((-1, 1),) * 3))[:28], thumbnail(rsym.sphere(1))
-    ('<img alt="the body" width="32', '')
+    >>> thumbnail(rsym.sphere(1))[:19], thumbnail(rsym.cylinder(1))
+    ('<img alt="the body"', '')
     """
     if shape.dimension != 3 or shape.bounds is None or sum(1 for _ in postorder(shape.expression)) > MOST_NODES:
         return ""

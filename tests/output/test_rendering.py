@@ -175,7 +175,10 @@ def test_edges_of_a_box_lie_on_its_edges():
                 share = np.clip((places - projected[a]) @ way / (way @ way), 0, 1)
                 nearest = np.minimum(nearest, np.linalg.norm(places - projected[a] - share[:, None] * way, axis=1))
     assert len(places) > 500
-    assert nearest.max() < 1 / 8
+    assert np.quantile(nearest, 0.9) < 1 / 8
+    # A ray meets what it passes within a quarter of a pixel; at a corner three edges meet between two pixels.
+    assert np.quantile(nearest, 0.98) < 1 / 4
+    assert nearest.max() < 1 / 2
     assert np.quantile(nearest, 0.2) < 1e-4  # where faces meet, tangent planes do
 
 
@@ -473,6 +476,6 @@ def test_a_shape_and_its_mesh_look_alike():
 
 def test_a_shape_shows_itself_in_a_notebook():
     assert BALL._repr_html_().startswith("<img")
-    assert len(BALL._repr_html_()) < 40_000
-    assert not rsym.sphere(2)._repr_html_().startswith("<img")  # without bounds none is looked for
+    assert len(BALL._repr_html_()) < 25_000
+    assert not rsym.cylinder(2)._repr_html_().startswith("<img")  # without bounds none is looked for
     assert not rsym.disc()._repr_html_().startswith("<img")
