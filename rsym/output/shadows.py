@@ -25,6 +25,8 @@ SIDE = 4
 LAMP = 0.10
 # So far a place looks for what hides the sky, of the size of the body: in a room of its own everything would be dark.
 AROUND = 0.2
+# The mean over squares is taken so often: after one the places of the directions in their square still show at edges.
+SMOOTHINGS = 2
 LIFTED = 0.75  # pixels that rays begin above the surface, so that it does not hide itself
 # Where the light falls at a slant below this cosine, shadows fade: shade begins there anyway, without an edge.
 FADING = 0.25
@@ -53,7 +55,10 @@ def shade_of(sight: Sight, size: float, hidden: Hidden) -> Shade:
     lit = np.flatnonzero(towards > 0)
     key[lit] -= hidden(points[lit], _to_lamp(lamp, number[lit]), np.inf)
     sky -= hidden(points, _to_sky(slant, number), AROUND * size)
-    key, sky = _means(sight, np.stack([key, sky]), size)
+    both = np.stack([key, sky])
+    for _ in range(SMOOTHINGS):
+        both = _means(sight, both, size)
+    key, sky = both
     fading = np.clip(towards / FADING, 0.0, 1.0).astype(np.float32)
     return Shade(1 - (1 - key) * fading, sky)
 
