@@ -65,10 +65,16 @@ class RayFormulas:
 
     @cached_property
     def everywhere(self) -> tuple[bool, ...]:
-        """Which operands of gates have a value everywhere, as their form shows: of leaves, then of gates."""
+        """Which operands of gates have a value everywhere, as their form shows: of leaves, then of gates.
+
+        What depends on letters alone has one, or the form is undefined everywhere.
+        """
         b = self.form.builder
         defined: list[bool] = []
-        for node in b.nodes:
+        for number, node in enumerate(b.nodes):
+            if b.uniform[number]:
+                defined.append(True)
+                continue
             holds = all(any(_holds(b, node, test) for test in clause) for clause in OPERATIONS[node.operation].domain)
             defined.append(holds and all(defined[argument] for argument in node.arguments))
         known = [defined[leaf] for leaf in self.form.leaves]

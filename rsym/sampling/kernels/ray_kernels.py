@@ -25,8 +25,8 @@ from rsym.sampling.pencils import Pencil
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
 _COMMON = (_INTEGER, _INTEGER, _POINTER, _POINTER, _INTEGER, _POINTER)
 _SIGNATURES: dict[str, tuple[Any, ...]] = {
-    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 3),
-    "picture": (*_COMMON, _INTEGER, *[_POINTER] * 6, _INTEGER, _INTEGER),
+    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 5),
+    "picture": (*_COMMON, _INTEGER, *[_POINTER] * 8, _INTEGER, _INTEGER),
     "rays": (*_COMMON, *[_POINTER] * 6, _INTEGER),
 }
 # Of the diagonal of the bounds: closer leaves are taken for one.
@@ -77,15 +77,17 @@ class RayKernels:
         tiles = columns * rows
         camera = _camera(pencil, near, far, bounds)
         words = self.formulas.words
-        starts, marks = np.empty(tiles + LANES), np.empty((tiles + LANES) * words, np.uint64)
+        starts, limits = np.empty(tiles + LANES), np.empty(tiles + LANES)
+        near_marks, marks = (np.empty((tiles + LANES) * words, np.uint64) for _ in range(2))
+        of_tiles = starts, limits, near_marks, marks
         nothing = np.zeros(words, np.uint64)
         common = (camera, planes, len(planes), constants, columns)
         beam = -(-tiles // (LANES * pool.threads * 4)) * LANES
-        pool.run(lambda a, b: self._call("beams", a, b, *common, nothing, starts, marks), tiles, beam)
+        pool.run(lambda a, b: self._call("beams", a, b, *common, nothing, *of_tiles), tiles, beam)
         shape = rows * TILE, columns * TILE
         seen = Seen(np.empty(shape), np.empty(shape, np.int16), np.empty((3, *shape)), np.empty(shape, np.uint8))
         out = (seen.depth, seen.leaf, seen.normal, seen.doubt, shape[1], shape[0] * shape[1])
-        pool.run(lambda a, b: self._call("picture", a, b, *common, starts, marks, *out), tiles, columns)
+        pool.run(lambda a, b: self._call("picture", a, b, *common, *of_tiles, *out), tiles, columns)
         part = np.s_[:height, :width]
         return Seen(seen.depth[part], seen.leaf[part], seen.normal[(np.s_[:], *part)], seen.doubt[part])
 
