@@ -18,7 +18,7 @@ from rsym.output.brushes import Brush, brush_of, checked_colouring
 from rsym.output.cameras import Viewport
 from rsym.output.rendering import Scene, developed, require_body
 from rsym.output.shading import unit
-from rsym.output.sights import Probe, Sight, corners_of
+from rsym.output.sights import Probe, corners_of
 from rsym.sampling.rays import Caster
 
 
@@ -38,8 +38,8 @@ class ShadedShape(Body):
         if not columns or not rows:
             return low, np.zeros((0, 0, 4), np.uint8)
         view = view_of(axes, corners_of(self.caster.bounds), (columns, rows), low, scale)
-        sight = Sight.of_pixels(view, self.caster.look(view.pencil))
-        canvas = Scene(self.caster, view, ()).painted(sight, self.brush, width)
+        scene = Scene(self.caster, view, ())
+        canvas = scene.painted(scene.seen(), self.brush, width)
         return low, developed(canvas, None).reshape(rows, columns, 4)[::-1]
 
 

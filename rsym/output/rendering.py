@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import warnings
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Integral
 from typing import Any
 
@@ -122,11 +122,10 @@ def render(
     caster = Caster(shape, letters, threads=threads)
     cuts = cuts_of(section, shape, caster.bounds, camera)
     view = framed(caster, camera, size)
-    hits = caster.look(view.pencil, cuts=cuts)
-    sight = Sight.of_pixels(view, hits)
+    scene = Scene(caster, view, cuts)
+    sight = scene.seen()
     if not len(sight.met):
         warn("nothing of the body is seen; remedy: other bounds, another camera or section")
-    scene = Scene(caster, view, cuts)
     brush = brush_of(colouring, caster.leaves, [sight], lambda: Probe.of(caster))
     width = max(LINE * float(np.sqrt(size[0] * size[1])), THINNEST) if lines else 0.0
     canvas = scene.painted(sight, brush, width, shadows=shadows, samples=samples)
@@ -135,7 +134,7 @@ def render(
         pixels=developed(canvas, background).reshape(size[1], size[0], 4),
         view=view,
         camera=camera,
-        hits=hits,
+        hits=sight.hits,
         leaves=names,
         coordinates=tuple(symbol.name for symbol in shape.coordinates),
         scale=brush.scale,
@@ -244,6 +243,22 @@ class Scene:
     caster: Caster
     view: Viewport
     cuts: tuple[Cut, ...]
+
+    def seen(self) -> Sight:
+        """What all pixels see; beside edges rays look closer, for on a rim a quarter of a pixel decides on the leaf."""
+        hits = self.caster.look(self.view.pencil, cuts=self.cuts)
+        first = Sight.of_pixels(self.view, hits)
+        pixels = first.unlike()
+        if not pixels.size:
+            return first
+        row, column = np.divmod(pixels, self.view.size[0])
+        closer = self.sight(column, row).hits
+        arrays = {}
+        for name in ("depth", "leaf", "normal", "undecided"):
+            array = getattr(hits, name).copy()
+            array.reshape(-1, *array.shape[2:])[pixels] = getattr(closer, name)
+            arrays[name] = array
+        return Sight.of_pixels(self.view, replace(hits, **arrays))
 
     def sight(self, columns: Floats, rows: Floats) -> Sight:
         """What the rays of places see."""

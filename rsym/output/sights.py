@@ -52,6 +52,16 @@ class Sight:
         """Which rays meet the body."""
         return np.flatnonzero(self.labels >= 0)
 
+    def unlike(self) -> Ints:
+        """The pixels beside one that sees another leaf."""
+        label = self.labels.reshape(self.view.size[::-1])
+        mask = np.zeros(label.shape, np.bool_)
+        for one, other in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
+            differ = label[one] != label[other]
+            mask[one] |= differ
+            mask[other] |= differ
+        return np.flatnonzero(mask)
+
     @cached_property
     def number(self) -> NDArray[np.int32]:
         """Of each ray its number among those that meet the body; of others anything."""

@@ -313,8 +313,9 @@ def test_shadows_are_where_the_lamp_is_hidden():
     dark, clear = flat & (angle + width < radius), flat & (angle > radius + width)
     assert dark.sum() > 20
     assert clear.sum() > 5000
-    assert shade.key[dark].max() == 0
-    assert shade.key[clear].min() == 1
+    # The mean reaches four pixels beyond the shadow's border.
+    assert shade.key[dark].max() < 0.05
+    assert shade.key[clear].min() > 0.9
     assert 0 < shade.sky[flat].min() < 0.95
     lit, shaded = (np.asarray(rsym.render(shape, camera="top", size=(120, 120), shadows=on)) for on in (False, True))
     place = sight.met[np.flatnonzero(dark)[0]]
@@ -346,7 +347,9 @@ def test_what_is_undecided_is_painted_and_told(monkeypatch):
 
     def doubtful(self, pencil, **options):
         hits = given(self, pencil, **options)
-        hits.undecided[hits.undecided.shape[0] // 2, hits.undecided.shape[1] // 2] = True
+        row, column = (side // 2 for side in hits.undecided.shape)
+        # Those beside others are looked at again, more closely.
+        hits.undecided[row - 1 : row + 2, column - 1 : column + 2] = True
         return hits
 
     monkeypatch.setattr(Caster, "look", doubtful)
