@@ -57,6 +57,7 @@ from .model.symmetry.screws import coil, screw, wound
 from .model.symmetry.waves import triangle_wave
 from .model.systems import R0, R1, R0m, RAlpha, Rp
 from .output.atlas import plot_atlas
+from .output.cameras import Camera
 from .output.cards import cards, plot_gallery
 from .output.combs import plot_curvature_comb
 from .output.designs import plot_designs
@@ -66,9 +67,11 @@ from .output.fairness import plot_fairness
 from .output.fields import plot_field, plot_fields
 from .output.files import write, write_features
 from .output.fits import plot_fit, plot_sensitivity
+from .output.images import Image, plot_image
 from .output.joins import plot_continuity
 from .output.models import load_letters, save, save_letters
 from .output.patches import compare_patches, plot_patches
+from .output.rendering import render
 from .output.repairs import plot_repair
 from .output.sections import plot_sections, write_sections
 from .output.surfaces import plot_mesh
@@ -115,6 +118,7 @@ __all__ = [
     "SIX",
     "BodyCover",
     "BodyReport",
+    "Camera",
     "ContinuityReport",
     "Curve",
     "DesignTable",
@@ -122,6 +126,7 @@ __all__ = [
     "Feature",
     "Finding",
     "Fit",
+    "Image",
     "Joint",
     "Kernel",
     "Letter",
@@ -235,6 +240,7 @@ __all__ = [
     "plot_fields",
     "plot_fit",
     "plot_gallery",
+    "plot_image",
     "plot_mesh",
     "plot_patches",
     "plot_repair",
@@ -250,6 +256,7 @@ __all__ = [
     "quadric",
     "rectangle",
     "regular_polygon",
+    "render",
     "repair",
     "revolve",
     "rfAND",

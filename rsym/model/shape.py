@@ -242,4 +242,8 @@ class Shape(Movable):
         return showing.displayed(self)
 
     def _repr_html_(self) -> str:
-        return showing.table(self)
+        if len(self.coordinates) != 3 or not self.bounds:
+            return showing.table(self)
+        from rsym.output.rendering import thumbnail
+
+        return f"{thumbnail(self)}{showing.table(self)}"

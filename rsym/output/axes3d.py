@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
+from rsym.output.cameras import Camera
 from rsym.output.shading import unit
 
 WIDTH = 7.0  # inches, of a figure made here; its height follows from the body
@@ -39,14 +40,16 @@ class BodyAxes(Axes3D):  # type: ignore[misc]
         return Bbox.intersection(self.bbox, self.figure.bbox) or self.bbox
 
 
-def new_axes(low: Floats, high: Floats, elevation: float, azimuth: float) -> Axes3D:
+def new_axes(low: Floats, high: Floats, elevation: float, azimuth: float, camera: Camera | None = None) -> Axes3D:
     """Make a pyplot figure whose height suits the body, filled by one 3D axes."""
     from matplotlib import pyplot as plt
 
-    return page_axes(plt.figure(), low, high, elevation, azimuth)
+    return page_axes(plt.figure(), low, high, elevation, azimuth, camera)
 
 
-def page_axes(figure: Figure, low: Floats, high: Floats, elevation: float, azimuth: float) -> Axes3D:
+def page_axes(
+    figure: Figure, low: Floats, high: Floats, elevation: float, azimuth: float, camera: Camera | None = None
+) -> Axes3D:
     """Fill an empty figure by one 3D axes and give it a height that suits the body.
 
     mplot3d draws into a square round the middle of the box. The square is made
@@ -54,7 +57,7 @@ def page_axes(figure: Figure, low: Floats, high: Floats, elevation: float, azimu
     """
     figure.set_size_inches(WIDTH, WIDTH)
     axes = add_axes(figure, (0.0, 0.0, 1.0, 1.0))
-    frame(axes, low, high, elevation, azimuth)
+    frame(axes, low, high, elevation, azimuth, camera=camera)
     corners = (_silhouette(axes) - axes.bbox.size / 2) / figure.dpi
     least, most = corners.min(axis=0), corners.max(axis=0)
     margin, above = MARGIN / 72, (MARGIN if elevation < 0 else TOP_MARGIN) / 72
@@ -148,11 +151,26 @@ def require_axes3d(axes: object) -> Axes3D:
     return axes
 
 
-def frame(axes: Axes3D, low: Floats, high: Floats, elevation: float, azimuth: float, *, margin: float = MARGIN) -> None:
-    """Point the camera and fit the box [low, high] into the axes with equal scales, so many points from their ends."""
+def frame(
+    axes: Axes3D,
+    low: Floats,
+    high: Floats,
+    elevation: float,
+    azimuth: float,
+    *,
+    margin: float = MARGIN,
+    camera: Camera | None = None,
+) -> None:
+    """Point the camera and fit the box [low, high] into the axes with equal scales, so many points from their ends.
+
+    A camera stands in the place of elevation and azimuth, and says how rays run.
+    """
     size = np.maximum(high - low, 1e-3 * max(float((high - low).max()), np.finfo(float).tiny))
     middle = (low + high) / 2
-    axes.view_init(elev=elevation, azim=azimuth)
+    if camera is None:
+        axes.view_init(elev=elevation, azim=azimuth)
+    else:
+        point_camera(axes, camera)
     for set_limits, centre, length in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, size, strict=True):
         set_limits(centre - 0.51 * length, centre + 0.51 * length)
     zoom = 1.0
@@ -160,6 +178,26 @@ def frame(axes: Axes3D, low: Floats, high: Floats, elevation: float, azimuth: fl
     for _ in range(4):
         axes.set_box_aspect(size, zoom=zoom)
         zoom *= _room(axes, margin)
+    if camera is not None and camera.zoom != 1:
+        axes.set_box_aspect(size, zoom=camera.zoom * zoom)
+
+
+def point_camera(axes: Axes3D, camera: Camera) -> None:
+    """Look from where a camera stands, with parallel rays or its field of view."""
+    if camera.target is not None or camera.distance is not None:
+        raise RsymError(
+            "axes show the whole body: their camera has no target and no distance",
+            code="camera",
+            remedy="leave them out, or render(shape, camera=)",
+        )
+    # mplot3d turns the picture about the line of sight, from where z points upwards.
+    right, up, _ = replace(camera, up=None).axes
+    roll = float(np.degrees(np.arctan2(camera.axes[1] @ right, camera.axes[1] @ up)))
+    axes.view_init(elev=camera.elevation, azim=camera.azimuth, roll=roll)
+    if camera.field_of_view is None:
+        axes.set_proj_type("ortho")
+    else:
+        axes.set_proj_type("persp", focal_length=1 / np.tan(np.radians(camera.field_of_view) / 2))
 
 
 def _silhouette(axes: Axes3D) -> Floats:

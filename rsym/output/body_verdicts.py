@@ -13,12 +13,13 @@ from mpl_toolkits.mplot3d import Axes3D
 from rsym.errors import RsymError, RsymWarning
 from rsym.model.shape import Shape
 from rsym.output import axes3d
+from rsym.output.bodies import show
 from rsym.output.ink import Stroke
 from rsym.output.joins import PALE
 from rsym.output.paints import coat_of
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.singular import Limits, Marks, labelled, mark_boxes, mark_curves, mark_points, outlines
-from rsym.output.surfaces import ShadedMesh, show
+from rsym.output.surfaces import ShadedMesh
 from rsym.reports.numbers import share
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh

@@ -23,11 +23,12 @@ from rsym.model.shape import Bounds, Shape
 from rsym.model.showing import latex
 from rsym.model.symbols import rebuild
 from rsym.output import axes3d
+from rsym.output.bodies import Body
 from rsym.output.looks import PLAIN, Look
 from rsym.output.panels import draw_levels, named
 from rsym.output.pictures import checked_titles, page, whole
 from rsym.output.shading import AZIMUTH, ELEVATION
-from rsym.output.surfaces import ShadedMesh, plot_mesh
+from rsym.output.surfaces import plot_mesh
 from rsym.sampling.blanks import missing_boundary
 from rsym.sampling.contours import trace
 from rsym.sampling.extent import bounds_or_extent
@@ -81,15 +82,17 @@ class Cards:
         return f'<div style="{style}">{"".join(f"<div>{card._repr_html_()}</div>" for card in self.cards)}</div>'
 
 
-def cards(shapes: Mapping[str, Shape], *, columns: int = 3, resolution: int = 120, reach: float | None = None) -> Cards:
+def cards(
+    shapes: Mapping[str, Shape], *, columns: int = 3, resolution: int | None = None, reach: float | None = None
+) -> Cards:
     """Cards of shapes for a notebook: name, picture, formula and contract of each.
 
     Parameters
     ----------
     shapes : mapping
         The shapes by name, in the plane or in space.
-    resolution : int
-        Cells along the longest side of a body.
+    resolution : int, optional
+        Cells along the longest side of a mesh; without it bodies are drawn by rays cast at their equations.
     reach : float, optional
         What is seen of shapes without bounds: each coordinate from -reach to reach. Without it, their extent.
 
@@ -97,7 +100,7 @@ def cards(shapes: Mapping[str, Shape], *, columns: int = 3, resolution: int = 12
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> shown = cards({"disc": rsym.Shape((1 - x**2 - y**2) / 2, (x, y))}, resolution=32)
+    >>> shown = cards({"disc": rsym.Shape((1 - x**2 - y**2) / 2, (x, y))})
     >>> shown.cards[0].picture[8:12]
     b'WEBP'
     """
@@ -111,7 +114,7 @@ def plot_gallery(
     shapes: Mapping[str, Shape],
     *,
     columns: int = 4,
-    resolution: int = 120,
+    resolution: int | None = None,
     reach: float | None = None,
     figure: Figure | SubFigure | None = None,
     titles: Sequence[str] | None = None,
@@ -182,7 +185,7 @@ def _folded(summary: str, page: str) -> str:
     return f"<details><summary>{html.escape(summary)}</summary><small>{page}</small></details>"
 
 
-def _picture(shape: Shape, resolution: int, reach: float | None) -> bytes:
+def _picture(shape: Shape, resolution: int | None, reach: float | None) -> bytes:
     figure = Figure(SIZE, dpi=DPI)
     draw_portrait(shape, figure, resolution=resolution, bounds=_seen(shape, reach))
     data = io.BytesIO()
@@ -206,7 +209,7 @@ def draw_portrait(
     figure: Figure | SubFigure,
     place: Place = (0.0, 0.0, 1.0, 1.0),
     *,
-    resolution: int = 120,
+    resolution: int | None = None,
     bounds: Any = None,
     elevation: float = ELEVATION,
     azimuth: float = AZIMUTH,
@@ -221,8 +224,8 @@ def draw_portrait(
     ----------
     place : four numbers
         Left, bottom, width and height as shares of the figure.
-    resolution : int
-        Cells along the longest side of a body.
+    resolution : int, optional
+        Cells along the longest side of a mesh; without it a body is drawn by rays cast at its equation.
     bounds : optional
         Instead of those of the shape; without either its extent is found.
     elevation, azimuth : float
@@ -245,14 +248,15 @@ def draw_portrait(
     with warnings.catch_warnings():
         # Bodies without end are cut on purpose, and a small picture shows no more than its cells do.
         warnings.simplefilter("ignore", RsymWarning)
-        body = mesh(_thickened(shape, box), resolution)
-    artist = plot_mesh(body, ax=axes, elevation=elevation, azimuth=azimuth)
+        body = _thickened(shape, box)
+        shown = body if resolution is None else mesh(body, resolution)
+    artist = plot_mesh(shown, ax=axes, elevation=elevation, azimuth=azimuth)
     axes.set_axis_off()
     fill(figure, artist, place)
     return artist
 
 
-def fill(figure: Figure | SubFigure, artist: ShadedMesh, place: Place) -> None:
+def fill(figure: Figure | SubFigure, artist: Body, place: Place) -> None:
     """Enlarge the axes about the body until it fills the place."""
     axes: Any = artist.axes
     page = np.tile(figure.bbox.size, 2)

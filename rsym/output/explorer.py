@@ -19,11 +19,11 @@ from rsym.model.constructions import revolve
 from rsym.model.letters import Letter, Letters
 from rsym.model.shape import Shape
 from rsym.output import axes3d
+from rsym.output.bodies import explain
 from rsym.output.models import load_letters, save_letters
 from rsym.output.paints import MAPS
 from rsym.output.patches import Lines, Patches, coat_of_patches, merged_letters, shaded, tessellations
 from rsym.output.shading import AZIMUTH, BODY, ELEVATION
-from rsym.output.surfaces import explain
 from rsym.output.views import DPI, BodyView, SheetView, png
 from rsym.program.fields import SIX, checked_fields
 from rsym.sampling.extent import bounds_or_extent

@@ -12,6 +12,7 @@ from rsym.model.wording import documented
 from rsym.output.atomic import write_atomically
 from rsym.output.dxf import features_dxf
 from rsym.output.formats import FORMATS, coloured_formats, table_of_formats
+from rsym.output.images import Image
 from rsym.output.units import check_unit, sized
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.sharp.features import Feature
@@ -20,7 +21,7 @@ from rsym.verify.answers.singular import SingularCurve
 
 @documented(formats=table_of_formats(), coloured=coloured_formats().replace(" or ", "`` and ``"))
 def write(
-    mesh: Mesh,
+    mesh: Mesh | Image,
     path: str | os.PathLike[str],
     *,
     unit: str | None = None,
@@ -28,7 +29,7 @@ def write(
     scale: float | None = None,
     colour_by: str | None = None,
 ) -> Path:
-    """Write a mesh to a file, in the format that the suffix names.
+    """Write a mesh to a file, in the format that the suffix names, or a rendered picture as ``.png``.
 
     {formats}
 
@@ -41,8 +42,9 @@ def write(
 
     Parameters
     ----------
-    mesh : Mesh
-        The triangles, in the order and with the orientation of ``mesh.faces``.
+    mesh : Mesh or Image
+        The triangles, in the order and with the orientation of ``mesh.faces``; or what `render` gave, which takes none
+        of the options.
     path : str or path-like
         Where to; the folder must exist.
     unit : {"mm", "cm", "m", "in"}, optional
@@ -87,6 +89,10 @@ def write(
     3 1 2 3
     <BLANKLINE>
     """
+    if isinstance(mesh, Image):
+        if (unit, size, scale, colour_by) != (None, None, None, None):
+            raise RsymError("a picture has neither units nor sizes", code="picture", remedy="give the path alone")
+        return mesh.save(path)
     require_kind(Mesh, mesh, "mesh")
     path = file_path(path)
     row = FORMATS.get(path.suffix.lower())

@@ -10,7 +10,7 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from rsym.arrays import Floats
 from rsym.output import axes3d
-from rsym.output.surfaces import ShadedMesh
+from rsym.output.bodies import Body
 
 MARGIN = 6.0  # points round a body
 TITLE = 0.32  # inches above the bodies of a row that has titles
@@ -78,7 +78,7 @@ class Gallery:
         room = MARGIN / 72
         return lowest / self.figure.dpi - room, highest / self.figure.dpi + room
 
-    def _explain(self, bodies: Sequence[ShadedMesh], corner: Floats, height: float, page: Floats) -> None:
+    def _explain(self, bodies: Sequence[Body], corner: Floats, height: float, page: Floats) -> None:
         """Put a legend of all parts, or a colour bar, beside a row whose lower right corner is so many inches away."""
         parts = {name: colour for body in bodies for name, colour in body.parts.items()}
         if parts:
@@ -92,5 +92,5 @@ class Gallery:
             bar_axes.tick_params(labelsize=8, length=2)
 
 
-def _bodies(ax: Axes3D) -> list[ShadedMesh]:
-    return [artist for artist in ax.artists if isinstance(artist, ShadedMesh)]
+def _bodies(ax: Axes3D) -> list[Body]:
+    return [artist for artist in ax.artists if isinstance(artist, Body)]

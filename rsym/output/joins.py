@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from mpl_toolkits.mplot3d import Axes3D
 
+from rsym.output.bodies import show
 from rsym.output.ink import INK, Stroke, dots
 from rsym.output.paints import MAPS
 from rsym.output.patches import Lines, coat_of_patches, shaded, tessellations
 from rsym.output.shading import AZIMUTH, ELEVATION
-from rsym.output.surfaces import ShadedMesh, show
+from rsym.output.surfaces import ShadedMesh
 from rsym.output.tessellation import pieces
 from rsym.reports.render import COLOURS
 from rsym.surfaces.joints.continuity import continuity_report

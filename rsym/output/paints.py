@@ -19,7 +19,7 @@ from rsym.model.shape import Shape
 from rsym.model.wording import proposal
 from rsym.output.parts import face_colours, part_colours
 from rsym.output.rasteriser import picked
-from rsym.output.shading import INSIDE, decode, linear, unit
+from rsym.output.shading import INSIDE, Light, decode, linear, unit
 from rsym.sampling.leaf_fields import LeafFields
 from rsym.sampling.mesh import Mesh
 
@@ -158,22 +158,53 @@ def value_coat(
     colour_map: str | None = None,
 ) -> Coat:
     """Colours between limits, of two sides if those are about zero; without them values, unit and shares choose."""
-    low, high = checked_limits(limits) if limits is not None else robust_limits(values, unit, shares)
-    colours = colormaps[checked_map(colour_map) or ("coolwarm" if low == -high else "viridis")].copy()
-    rounding = NOTHING * (high - low)
-    under, over = bool((values < low - rounding).any()), bool((values > high + rounding).any())
-    colours.colorbar_extend = EXTENSIONS[under, over]  # type: ignore[assignment]
-    scale = ScalarMappable(Normalize(low, high), colours)
-    table = decode(colours(np.linspace(0.0, 1.0, 256))[:, :3])
-    undefined = linear(UNDEFINED)
+    colours = ValueColours.of(values, label, unit, limits, shares, colour_map)
+    return Coat(lambda spots: colours(between(spots)), colours.scale, colours.label)
 
-    def paint(spots: Spots) -> Floats:
-        found = between(spots)
-        share = np.clip((found - low) / (high - low), 0.0, 1.0)
+
+@dataclass(frozen=True)
+class ValueColours:
+    """The colours of values: a scale for a colour bar, its name, and 256 linear colours from its low to its high end.
+
+    Examples
+    --------
+    >>> colours = ValueColours.of(np.array([-1.0, 1.0]), "height", limits=(-1, 1))
+    >>> colours.scale.get_cmap().name, colours(np.array([np.nan])).round(2).tolist()
+    ('coolwarm', [[0.32, 0.32, 0.32]])
+    """
+
+    scale: ScalarMappable
+    label: str
+    table: Floats = field(repr=False)
+
+    @classmethod
+    def of(
+        cls,
+        values: Floats,
+        label: str,
+        unit: float = 0.0,
+        limits: tuple[float, float] | None = None,
+        shares: Floats | None = None,
+        colour_map: str | None = None,
+    ) -> ValueColours:
+        """Those between limits; without them the values, `unit` and the shares of the surface choose."""
+        low, high = checked_limits(limits) if limits is not None else robust_limits(values, unit, shares)
+        colours = colormaps[checked_map(colour_map) or ("coolwarm" if low == -high else "viridis")].copy()
+        rounding = NOTHING * (high - low)
+        under, over = bool((values < low - rounding).any()), bool((values > high + rounding).any())
+        colours.colorbar_extend = EXTENSIONS[under, over]  # type: ignore[assignment]
+        table = decode(colours(np.linspace(0.0, 1.0, 256))[:, :3])
+        scale = ScalarMappable(Normalize(low, high), colours)
+        return cls(scale, label + _everywhere(values, unit) if label else "", table)
+
+    def __call__(self, values: Floats) -> Floats:
+        """The linear colours (n, 3) of values (n,), those that are NaN grey."""
+        low, high = self.scale.get_clim()
+        assert low is not None
+        assert high is not None
+        share = np.clip((values - low) / (high - low), 0.0, 1.0)
         index = np.nan_to_num(share * 255).round().astype(np.int64)
-        return np.where(np.isnan(share)[:, None], undefined, table[index])
-
-    return Coat(paint, scale, label + _everywhere(values, unit) if label else "")
+        return np.where(np.isnan(share)[:, None], linear(UNDEFINED), self.table[index])
 
 
 def _everywhere(values: Floats, unit: float) -> str:
@@ -291,10 +322,7 @@ def zebra(mesh: Mesh, normals: Floats, shape: Shape | None = None, letters: Mapp
     would have one colour.
     """
     on_faces = None if shape is None else LeafFields(shape, (), letters).on_faces(mesh)
-    dark, light = linear(DARK), linear(LIGHT)
-    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    places = (mesh.vertices - (low + high) / 2) / (ROOM * max(float(np.linalg.norm(high - low)) / 2, 1e-300))
-    at = places[mesh.faces]
+    at = in_room(mesh.vertices, mesh.vertices.min(axis=0), mesh.vertices.max(axis=0))[mesh.faces]
 
     def paint(spots: Spots) -> Floats:
         here, right, above = (
@@ -306,9 +334,21 @@ def zebra(mesh: Mesh, normals: Floats, shape: Shape | None = None, letters: Mapp
             exact = -on_faces(spots.faces, spots.weights)["gradient"]
             true = reflected_heights(exact, spots.mean(at, spots.weights), spots.turn)
             here = np.where(np.isfinite(true), true, here)
-        return dark + (light - dark) * stripes(STRIPES * here, STRIPES * width)[:, None]
+        return zebra_colours(here, width)
 
     return paint
+
+
+def zebra_colours(heights: Light, widths: Light) -> Floats:
+    """The linear colours (n, 3) of reflected heights (n,), each the mean over a window of its width."""
+    dark, light = linear(DARK), linear(LIGHT)
+    return np.asarray(dark + (light - dark) * stripes(STRIPES * heights, STRIPES * widths)[:, None])
+
+
+def in_room(points: Floats, low: Floats, high: Floats) -> Floats:
+    """Points about the middle of the body between two corners, the room that its zebra mirrors having the radius 1."""
+    size: float = ROOM * max(float(np.linalg.norm(high - low)) / 2, 1e-300)
+    return np.asarray((points - (low + high) / 2) / size)
 
 
 def reflected_heights(normals: Floats, places: Floats, turn: Floats) -> Floats:
@@ -335,7 +375,7 @@ def reflected_heights(normals: Floats, places: Floats, turn: Floats) -> Floats:
     return angles
 
 
-def stripes(phase: Floats, width: Floats) -> Floats:
+def stripes(phase: Light, width: Light) -> Light:
     """The share of light in a window of some width over stripes of period 1, light in the first half.
 
     Examples

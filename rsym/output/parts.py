@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,20 +38,30 @@ def part_colours(mesh: Mesh) -> dict[str, str]:
     """
     if mesh.leaf is None:
         raise RsymError("this mesh does not know its parts", code="parts", remedy='mesh the shape with method="sharp"')
-    names = list(dict.fromkeys(mesh.leaves))
-    meet: dict[str, set[str]] = {name: set() for name in names}
+    return colours_of(mesh.leaves, np.unique(mesh.leaf).tolist(), [feature.names for feature in mesh.features])
+
+
+def colours_of(leaves: Sequence[str], seen: Iterable[int], meet: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """The colours of the parts that leaves have the names of, for the leaves that are seen; and which parts meet.
+
+    Examples
+    --------
+    >>> colours_of(("sides", "none", "slope"), [0, 2], [])
+    {'sides': '#77aadd', 'slope': '#44bb99'}
+    """
+    names = list(dict.fromkeys(leaves))
+    beside: dict[str, set[str]] = {name: set() for name in names}
     if len(names) > len(PALETTE):
-        for feature in mesh.features:
-            first, second = feature.names
-            meet[first].add(second)
-            meet[second].add(first)
+        for first, second in meet:
+            beside[first].add(second)
+            beside[second].add(first)
     colours: dict[str, str] = {}
     for number, name in enumerate(names):
         turned = [PALETTE[(number + k) % len(PALETTE)] for k in range(len(PALETTE))]
-        taken = {colours.get(other) for other in meet[name]}
+        taken = {colours.get(other) for other in beside[name]}
         colours[name] = next((colour for colour in turned if colour not in taken), turned[0])
-    seen = {mesh.leaves[leaf] for leaf in np.unique(mesh.leaf)}
-    return {name: colour for name, colour in colours.items() if name in seen}
+    known = {leaves[leaf] for leaf in seen}
+    return {name: colour for name, colour in colours.items() if name in known}
 
 
 def face_colours(mesh: Mesh) -> NDArray[np.float64]:

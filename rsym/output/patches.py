@@ -19,6 +19,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import Letters
 from rsym.model.requirements import require_mapping
 from rsym.model.wording import documented
+from rsym.output.bodies import show
 from rsym.output.gallery import Gallery
 from rsym.output.ink import INK, Stroke, dots
 from rsym.output.paints import (
@@ -33,7 +34,7 @@ from rsym.output.paints import (
     zebra,
 )
 from rsym.output.shading import AZIMUTH, BODY, ELEVATION
-from rsym.output.surfaces import ShadedMesh, show
+from rsym.output.surfaces import ShadedMesh
 from rsym.output.tessellation import Tessellation, cells_of, joined, line_parameters, pieces, tessellate
 from rsym.surfaces import forms
 from rsym.surfaces.functions.univariate import Univariate as SpaceCurve

@@ -19,6 +19,7 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError, warn
 from rsym.model.requirements import file_path, several
 from rsym.output.atomic import write_atomically
+from rsym.output.cameras import Camera
 from rsym.output.dxf import dxf
 from rsym.output.paints import checked_limits, checked_map
 from rsym.output.pictures import require_axes
@@ -87,7 +88,7 @@ def plot_sections(
 
         _, ax = matplotlib.pyplot.subplots(figsize=(8, 6), layout="constrained")
     require_axes(ax)
-    screen = _screen(elevation, azimuth)
+    screen = Camera(elevation, azimuth).axes
     low, high = (shown[0].value, shown[-1].value) if limits is None else checked_limits(limits)
     margin = (high - low or 1.0) * (1 / LIGHTEST - 1)
     colours = ScalarMappable(Normalize(low, high + margin), colormaps[str(checked_map(colour_map))])
@@ -125,18 +126,6 @@ def _with_lines(sections: Sequence[Section]) -> list[Section]:
         within = f"{shown[0].axis} = {' to '.join(met)}"
         warn(f"no boundary in the sections {', '.join(missed)}; remedy: values about those that meet one, {within}")
     return shown
-
-
-def _screen(elevation: float, azimuth: float) -> Floats:
-    """Return the rows right, up and towards the eye."""
-    e, a = np.radians([elevation, azimuth])
-    return np.array(
-        [
-            [-np.sin(a), np.cos(a), 0.0],
-            [-np.sin(e) * np.cos(a), -np.sin(e) * np.sin(a), np.cos(e)],
-            [np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)],
-        ]
-    )
 
 
 def _outlines(section: Section, screen: Floats, colour: Floats) -> Iterator[tuple[Outline, Floats, Floats]]:

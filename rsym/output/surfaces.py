@@ -7,9 +7,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from matplotlib.artist import Artist
-from matplotlib.backend_bases import RendererBase
-from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike, NDArray
 
@@ -19,10 +16,13 @@ from rsym.model.requirements import require_kind
 from rsym.model.shape import Shape
 from rsym.model.wording import documented
 from rsym.output import axes3d
+from rsym.output.bodies import FEATURE_WIDTH, Body, show
+from rsym.output.cameras import Camera, camera_of
+from rsym.output.castings import ShadedShape, shaded_shape
 from rsym.output.ink import SMOOTH, Stroke, draw_lines, visible
 from rsym.output.paints import NAMES_OF_MAPS, Coat, Spots, coat_of
 from rsym.output.rasteriser import ScreenTriangles, picked, rasterise, snap
-from rsym.output.shading import AZIMUTH, BODY, ELEVATION, hollows, mean_depth, reduce, shade, unit
+from rsym.output.shading import AZIMUTH, BODY, ELEVATION, HOLLOW_RADIUS, hollows, mean_depth, reduce, shade, unit
 from rsym.output.singular import mark_curves
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.sharp.features import Feature
@@ -30,17 +30,17 @@ from rsym.verify.answers.singular import SingularCurve
 
 SAMPLES = 2  # per pixel and direction
 BATCH = 1 << 14  # samples shaded at once: what is between steps stays in the cache, three times as fast as 1 << 18
-EDGE_WIDTH, FEATURE_WIDTH = 0.3, 0.7  # points
-HOLLOW_RADIUS = 0.025  # of the picture's longer side
+EDGE_WIDTH = 0.3  # points
 EDGE_LIGHT = 0.25  # what is left of the light on an edge
 
 
 @documented(maps=NAMES_OF_MAPS)
 def plot_mesh(
-    mesh: Mesh,
+    mesh: Mesh | Shape,
     *,
     ax: Axes3D | None = None,
     colour: str = BODY,
+    camera: Camera | str | None = None,
     elevation: float = ELEVATION,
     azimuth: float = AZIMUTH,
     edges: bool = False,
@@ -51,21 +51,26 @@ def plot_mesh(
     limits: tuple[float, float] | None = None,
     colour_map: str | None = None,
     curves: Sequence[SingularCurve | Feature] = (),
-) -> ShadedMesh:
-    """Draw a mesh as a shaded body with hidden surfaces removed.
+) -> ShadedMesh | ShadedShape:
+    """Draw a mesh, or a shape without one, as a shaded body with hidden surfaces removed.
+
+    A shape is drawn by rays cast at its equation, as `render` does it: exact at any size, for less than a mesh takes.
 
     Parameters
     ----------
-    mesh : Mesh
-        The triangles; where the surface is open its inside shows in a warmer colour.
+    mesh : Mesh or Shape
+        The triangles; where the surface is open its inside shows in a warmer colour. Or a shape in space.
     ax : Axes3D, optional
         Where to draw; a new pyplot figure is made if it is left out.
     colour : str
         The colour of the body, as matplotlib writes colours.
+    camera : Camera or str, optional
+        Where the eye stands, or a name, as for `render`; parallel rays unless it has a field of view.
     elevation, azimuth : float
-        The direction of the eye in degrees: above the xy-plane, and from the x-axis towards the y-axis.
+        Without a camera, in perspective, the direction of the eye in degrees: above the xy-plane, and from the x-axis
+        towards the y-axis.
     edges : bool
-        Whether to draw the edges of the triangles.
+        Whether to draw the edges of the triangles of a mesh.
     features : bool or float
         Whether to draw `mesh.features`, the curves along which leaves meet; a number is the least angle in degrees
         of those that are drawn, by default 10.
@@ -97,8 +102,8 @@ def plot_mesh(
     Raises
     ------
     RsymError
-        If `ax` is not three-dimensional, for an unknown map, a mesh of unknown parts, an array that does not fit, or
-        limits that are not two numbers, the smaller first.
+        If `ax` is not three-dimensional, for an unknown camera or map, a mesh of unknown parts, an array that does not
+        fit, limits that are not two numbers, the smaller first, or a shape where triangles or curves are asked for.
 
     Examples
     --------
@@ -113,6 +118,18 @@ def plot_mesh(
     >>> artist.axes is axes
     True
     """
+    eye = None if camera is None else camera_of(camera)
+    if eye is not None:
+        elevation, azimuth = eye.elevation, eye.azimuth
+    if isinstance(mesh, Shape):
+        if edges or curves or shape is not None or not isinstance(features, bool):
+            raise RsymError(
+                "edges, curves, shape and an angle of features belong to a mesh, got a Shape",
+                code="mesh",
+                remedy="leave them out, or draw rsym.mesh(shape)",
+            )
+        cast = shaded_shape(mesh, colour, colour_by, letters, limits, colour_map, lines=features)
+        return show(cast, ax, elevation, azimuth, eye)
     require_kind(Mesh, mesh, "mesh")
     if not len(mesh.faces):
         raise RsymError(
@@ -121,39 +138,10 @@ def plot_mesh(
     coat = coat_of(mesh, mesh.normals, colour, colour_by, shape, letters, limits, colour_map)
     marks = mark_curves(curves, float(np.ptp(mesh.vertices, axis=0).max()))
     artist = ShadedMesh(mesh, coat, edges=edges, features=features, strokes=marks.strokes, bars=marks.bars)
-    return show(artist, ax, elevation, azimuth)
+    return show(artist, ax, elevation, azimuth, eye)
 
 
-def show(artist: ShadedMesh, ax: Axes3D | None, elevation: float, azimuth: float) -> ShadedMesh:
-    """Put a body on axes that fit it and say what its colours mean; without axes on a new pyplot figure."""
-    if ax is None:
-        axes = axes3d.new_axes(artist.low, artist.high, elevation, azimuth)
-    else:
-        axes = axes3d.require_axes3d(ax)
-    shown = [artist, *(other for other in axes.artists if isinstance(other, ShadedMesh))]
-    low = np.minimum.reduce([one.low for one in shown])
-    high = np.maximum.reduce([one.high for one in shown])
-    axes3d.frame(axes, low, high, elevation, azimuth)
-    axes3d.style(axes)
-    axes.add_artist(artist)
-    if ax is None:
-        explain(artist)
-    return artist
-
-
-def explain(artist: ShadedMesh) -> None:
-    """Put a colour bar or a legend beside a body that has a figure of its own."""
-    axes: Any = artist.axes
-    if artist.scale is not None:
-        beyond = str(artist.scale.get_cmap().colorbar_extend)
-        axes3d.colour_bar(axes, axes3d.Bar(artist.scale, artist.scale_label, beyond))
-    for bar in artist.bars:
-        axes3d.colour_bar(axes, bar)
-    if artist.parts:
-        axes3d.legend(axes, artist.parts)
-
-
-class ShadedMesh(Artist):
+class ShadedMesh(Body):
     """A mesh that is projected, rasterised and lit anew, at the renderer's own resolution, whenever it is drawn."""
 
     def __init__(
@@ -166,54 +154,16 @@ class ShadedMesh(Artist):
         strokes: Sequence[Stroke] = (),
         bars: Sequence[axes3d.Bar] = (),
     ) -> None:
-        super().__init__()
         self.mesh = mesh
         self.edges = edges
         self.lines, self.beside = _lines(mesh, SMOOTH if features is True else 180.1 if features is False else features)
         self.strokes = tuple(stroke for stroke in strokes if len(stroke.pieces))
         shown = [mesh.vertices[np.unique(mesh.faces)], *(stroke.pieces.reshape(-1, 3) for stroke in self.strokes)]
-        self.points = np.concatenate(shown)
-        self.low, self.high = self.points.min(axis=0), self.points.max(axis=0)
+        super().__init__(np.concatenate(shown), coat.scale, coat.label, coat.parts, bars)
         self.normals = mesh.normals
-        self.paint, self.scale, self.scale_label, self.parts = coat.paint, coat.scale, coat.label, coat.parts
-        self.bars = tuple(bars)
-        self._state: object = None
-        self._drawn = (np.zeros(2, np.int64), np.zeros((0, 0, 4), np.uint8))
-        # Above panes, grid and axis lines, like the collections of mplot3d.
-        self.set_zorder(4)
-
-    def get_window_extent(self, renderer: RendererBase | None = None) -> Bbox:
-        """Return the rectangle that the body covers, in pixels of the figure."""
-        axes: Any = self.axes
-        screen = axes3d.project(axes, self.points)[:, :2]
-        body = Bbox([screen.min(axis=0), screen.max(axis=0)])
-        return Bbox.intersection(body, axes.bbox) or Bbox.null()
-
-    def draw(self, renderer: RendererBase) -> None:
-        """Draw the body as one image."""
-        axes: Any = self.axes
-        if axes is None or not self.get_visible():
-            return
-        scale = renderer.get_image_magnification()
-        point = float(np.asarray(renderer.points_to_pixels(1.0))) * scale
-        # A picture saved with bbox_inches="tight" is drawn twice, the second time only moved.
-        state = (axes.get_proj().tobytes(), tuple(np.round(axes.bbox.size, 6)), scale, point)
-        if state != self._state:
-            self._state, self._drawn = state, self._picture(axes, scale, point)
-        corner, image = self._drawn
-        if image.size:
-            left, bottom = axes.bbox.min + corner / scale
-            context = renderer.new_gc()
-            context.set_clip_rectangle(axes.bbox)
-            renderer.draw_image(context, left, bottom, image)
-            context.restore()
-        self.stale = False
+        self.paint = coat.paint
 
     def _picture(self, axes: Axes3D, scale: float, point: float) -> tuple[Ints, NDArray[np.uint8]]:
-        """Return the lower left corner, in image pixels from that of the axes, and the image, lowest row first.
-
-        A point of the page is so many pixels.
-        """
         corners = _on_screen(axes, self.mesh.vertices, scale)[self.mesh.faces]
         # Half of a line along an outline lies beside the body.
         widths = [FEATURE_WIDTH if len(self.lines) else 0.0, *(stroke.width for stroke in self.strokes)]

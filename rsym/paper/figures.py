@@ -191,6 +191,7 @@ RECIPES: tuple[Recipe, ...] = (
     Recipe("preference", "Why the normalised function is preferred", "", studies.draw_preference),
     Recipe("parts", "The parts of the car", "", studies.draw_parts),
     Recipe("sections", "Sections of the car at constant z", "", studies.draw_sections),
+    Recipe("rendered", "The car straight from its equation", "", studies.draw_rendered),
     Recipe(
         "revolution",
         "Normalising before and after revolving",
@@ -210,7 +211,7 @@ RECIPES: tuple[Recipe, ...] = (
 # Figures in rows that share a mesh or a compiled model, so that one process draws each; the costliest rows first.
 # The second one begins without a mesh: on a new machine the first compiles the mesher's loops for both.
 ROWS = (
-    ("fig09a", "fig09b", "parts", "fig10", "preference", "sections", "fig08b", "fig08a"),
+    ("fig09a", "fig09b", "parts", "fig10", "preference", "sections", "rendered", "fig08b", "fig08a"),
     ("fig11", "claims", "atlas", "revolution", "fig12"),
     ("verdicts",),
     ("fig07a", "fig07b", "fig06a", "fig06b", "fig05a", "fig05b"),

@@ -47,7 +47,7 @@ class PlaneSampler:
         """The same with other letters, and in another section along the same coordinates; nothing is compiled."""
         fixed = dict(self.fixed)
         if section is not None:
-            fixed = _fixed_coordinates(list(self.kernel.program.coordinates), section)
+            fixed = fixed_coordinates(list(self.kernel.program.coordinates), section)
             if fixed.keys() != self.fixed.keys():
                 raise RsymError("the section must fix the same coordinates as before", code="section")
         return replace(self, letters=letters, fixed=fixed)
@@ -95,7 +95,7 @@ def plane_sampler(
         shape, bounds = plane_section(shape, section, bounds)
         section = None
     names = [symbol.name for symbol in shape.coordinates]
-    fixed = _fixed_coordinates(names, section)
+    fixed = fixed_coordinates(names, section)
     free = _free_coordinates(names, fixed)
     box = bounds
     if bounds is None or len(bounds) == len(names):
@@ -137,7 +137,7 @@ def plane_section(shape: Shape, section: Mapping[Any, float] | None, bounds: Any
     if not section:
         return shape, bounds
     names = [symbol.name for symbol in shape.coordinates]
-    fixed = _fixed_coordinates(names, section)
+    fixed = fixed_coordinates(names, section)
     free = _free_coordinates(names, fixed)
     own, given = (
         tuple(box[k] for k in free) if box is not None and len(box) == len(names) else box
@@ -168,7 +168,8 @@ def _free_coordinates(names: list[str], fixed: Mapping[int, float]) -> tuple[int
     return free[0], free[1]
 
 
-def _fixed_coordinates(names: list[str], section: Mapping[Any, float] | None) -> dict[int, float]:
+def fixed_coordinates(names: list[str], section: Mapping[Any, float] | None) -> dict[int, float]:
+    """The coordinates that a section fixes, by number."""
     fixed: dict[int, float] = {}
     for key, value in (section or {}).items():
         if str(key) not in names:

@@ -47,6 +47,10 @@ DEFERRED = {
         "rsym.analysis.contracts.summary",
     ): "shape.contract(): what a formula promises is asked of a shape, and it takes calculus to know",
     (
+        "model/shape.py",
+        "rsym.output.rendering",
+    ): "a shape in space shows itself in a notebook by a small picture: who asks for its HTML wants to see it",
+    (
         "surfaces/patch.py",
         "rsym.surfaces.meshes",
     ): "patch.mesh(resolution): the mesh of a patch is asked of it, as its grid is, and a mesh is made of patches",

@@ -372,3 +372,22 @@ def test_the_version_is_the_newest_change():
     assert project["version"] == re.search(r"## Changes\n\n- ([\d.]+):", TEXT).group(1)
     for extra in re.findall(r'pip install "\.\[(\w+)\]"', TEXT):
         assert extra in project["optional-dependencies"]
+
+
+def test_the_lines_about_rendering(capsys):
+    (code,) = [code for code in PYTHON if "rsym.render(" in code]
+    ball = rsym.sphere(2).named("ball")
+    space = {"rsym": rsym, "bored": ball - rsym.cylinder(1).named("bore")}
+    for line in filter(None, code.replace("section=", "size=(80, 60), section=").splitlines()):
+        statement, _, comment = line.partition("  # ")
+        if comment.startswith("("):
+            assert repr(eval(statement, space)) == comment
+        else:
+            exec(statement, space)
+    assert Path("bored.png").read_bytes()[1:4] == b"PNG"
+    assert space["cut"].leaves[-1] == "section y = 0"
+    lines = [line for block in PLAIN for line in block.splitlines() if line.startswith("rsym render")]
+    assert len(lines) == 2
+    for line in lines:
+        assert main([*line.split()[1:], "--size", "80x60"]) == 0
+    assert capsys.readouterr().out.count("80 x 60 pixels") == 2

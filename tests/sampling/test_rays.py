@@ -20,7 +20,9 @@ def letters_of(shape, generator):
     for name, letter in shape.letters.items():
         low = letter.default if letter.minimum is None else letter.minimum
         high = letter.default if letter.maximum is None else letter.maximum
-        found[name] = float(letter.default) + 0.5 * generator.random() * (float(generator.choice([low, high])) - float(letter.default))
+        found[name] = float(letter.default) + 0.5 * generator.random() * (
+            float(generator.choice([low, high])) - float(letter.default)
+        )
     return found
 
 
@@ -94,10 +96,17 @@ def compare(shape, letters, pencil, count, places, generator):
         off = ~((np.isinf(truth) & np.isinf(depth)) | (np.abs(truth - depth) < 0.02 * pixel + 1e-9))
     doubt = hits.undecided[rows, columns]
     bad = np.flatnonzero(off)
-    report = {"rays": count, "met": float(np.isfinite(depth).mean()), "off": len(bad), "doubt": int(hits.undecided.sum())}
+    report = {
+        "rays": count,
+        "met": float(np.isfinite(depth).mean()),
+        "off": len(bad),
+        "doubt": int(hits.undecided.sum()),
+    }
     report["unexplained"] = []
     if len(bad):
-        around = near_silhouette(shape, letters, pencil, (columns[bad] + 0.5, rows[bad] + 0.5), caster.bounds, depth, off, 0.2)
+        around = near_silhouette(
+            shape, letters, pencil, (columns[bad] + 0.5, rows[bad] + 0.5), caster.bounds, depth, off, 0.2
+        )
         for k, ray in enumerate(bad):
             seen = np.append(around[:, k], truth[ray])
             # What is seen here is seen within a fifth of a pixel: a miss, or a depth within the spread of depths there.
@@ -113,5 +122,7 @@ def compare(shape, letters, pencil, count, places, generator):
                 t = depth[ray] + np.array([1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 0.05]) * pixel[ray]
                 fine = (kernel(*(o + t[:, None] * d).T, letters=letters)["value"] >= 0).any()
             if not fine:
-                report["unexplained"].append((int(columns[ray]), int(rows[ray]), float(depth[ray]), float(truth[ray]), bool(doubt[ray])))
+                report["unexplained"].append(
+                    (int(columns[ray]), int(rows[ray]), float(depth[ray]), float(truth[ray]), bool(doubt[ray]))
+                )
     return report
