@@ -7,6 +7,6 @@ goes out. In the order of the data:
 - `numpy_backend`: Python text over arrays
 - `vector_code`, `vector_functions`: functions on vectors; `llvm_code`: text, machine code, loops over blocks of points
 - `registry`: the backends by name; `kernel`: `rsym.compile`
-- `source`: text for elsewhere, C
+- `languages`: programs as statements, a row for each language; `source`: text for elsewhere
 - `runtime`, `plain`: what `sympy.lambdify` calls for R-nodes, and that way in whole
 """

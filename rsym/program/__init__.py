@@ -4,8 +4,8 @@ A `Shape` or an expression comes in; a `Program` goes out: numbered nodes, equal
 the order of the data:
 
 - `program`: nodes, programs of them, the number formats
-- `row`: what is known of an operation; rows: `arithmetic`, `elementary`, `powers`, `r0`, `r_alpha`, `r0m`, `rp`,
-  `joining`; `operations`: the table, and the sets that follow from it
+- `row`: what is known of an operation; `texts`: how it is written in other languages; rows: `arithmetic`, `elementary`,
+  `powers`, `r0`, `r_alpha`, `r0m`, `rp`, `joining`; `operations`: the table, and the sets that follow from it
 - `builder`: makes nodes and simplifies what is exact
 - `lowering`: from SymPy to nodes, squares completed on the way
 - `differentiation`: derivatives, of one side at corners; `normalisation` to the next order

@@ -30,6 +30,7 @@ from rsym.program.row import (
     raised,
     unbounded,
 )
+from rsym.program.texts import call, choice, infix
 
 Parts = Sequence[Far]
 
@@ -179,14 +180,19 @@ def _far_zero(b: Nodes, node: Node, parts: Parts) -> Far:
     return Far(b.zero_with(f.node, g.node), g.degree)
 
 
-def _texts(numpy: str, c: str, llvm: str = "") -> dict[str, str]:
-    return {"numpy": numpy, "c": c, "llvm": llvm}
+def _order_texts(before: str, name: str) -> dict[str, str]:
+    """The first operand if it comes before the second or is NaN: so NaN is passed on, whichever operand it is.
+
+    GLSL's own function may drop NaN, which its numbers need not have at all, and is one instruction.
+    """
+    test = f"({{0}} {before} {{1}}) | ({{0}} != {{0}})"
+    own = f"{name}({{0}}, {{1}})"
+    fortran = f"merge({{0}}, {{1}}, {{0}} {before} {{1}} .or. {{0}} /= {{0}})"
+    return choice(test, "{0}", "{1}", fortran=fortran, matlab=f"rsym_{own}", glsl=own, vm=f"{name} {{0}} {{1}}")
 
 
 def _order(sign: int) -> Operation:
     """Min and max: not SymPy's, of which old versions print that of a number and an array as one of a ragged list."""
-    before = "<" if sign < 0 else ">"
-    test = f"({{0}} {before} {{1}}) | ({{0}} != {{0}})"
     return Operation(
         2,
         (lambda np, a, b: np.minimum(a, b)) if sign < 0 else (lambda np, a, b: np.maximum(a, b)),
@@ -194,7 +200,7 @@ def _order(sign: int) -> Operation:
         jump=lipschitz(1),
         far=homogeneous,
         formula=R1Conjunction if sign < 0 else R1Disjunction,
-        texts=_texts(f"numpy.where({test}, {{0}}, {{1}})", f"({test}) ? {{0}} : {{1}}", "choice"),
+        texts=_order_texts("<", "min") if sign < 0 else _order_texts(">", "max"),
         grows=(UP, UP),
         rounding="none",
         analytic=(apart(SWITCH),),
@@ -224,7 +230,7 @@ ARITHMETIC: dict[str, Operation] = {
         jump=lipschitz(1),
         far=_far_sum,
         formula=lambda a, b: a + b,
-        texts=_texts("{} + {}", "{} + {}", "fadd {type} {0}, {1}"),
+        texts=infix("{} + {}", "fadd {type} {0}, {1}", "add {} {}"),
         analytic=(),
         strict=True,
         symmetric=True,
@@ -237,7 +243,7 @@ ARITHMETIC: dict[str, Operation] = {
         jump=_jump_of_product,
         far=_far_product,
         formula=lambda a, b: a * b,
-        texts=_texts("{} * {}", "{} * {}", "fmul {type} {0}, {1}"),
+        texts=infix("{} * {}", "fmul {type} {0}, {1}", "mul {} {}", matlab="{} .* {}"),
         analytic=(),
         strict=True,
         symmetric=True,
@@ -250,7 +256,7 @@ ARITHMETIC: dict[str, Operation] = {
         jump=_jump_of_quotient,
         far=_far_quotient,
         formula=lambda a, b: a / b,
-        texts=_texts("{} / {}", "{} / {}", "fdiv {type} {0}, {1}"),
+        texts=infix("{} / {}", "fdiv {type} {0}, {1}", "div {} {}", matlab="{} ./ {}"),
         domain=(nonzero(1),),
         analytic=(apart(1),),
         strict=True,
@@ -263,7 +269,7 @@ ARITHMETIC: dict[str, Operation] = {
         jump=lipschitz(1),
         far=lambda b, node, parts: Far(b.neg(parts[0].node), parts[0].degree),
         formula=lambda a: -a,
-        texts=_texts("-{}", "-{}", "fneg {type} {0}"),
+        texts=infix("-{}", "fneg {type} {0}", "neg {}"),
         analytic=(),
         strict=True,
         zeros=("0",),
@@ -287,7 +293,7 @@ ARITHMETIC: dict[str, Operation] = {
         jump=_jump_of_root,
         far=_far_root,
         formula=sp.sqrt,
-        texts=_texts("numpy.sqrt({})", "sqrt({})", "call {type} @llvm.sqrt.{suffix}({type} {0})"),
+        texts=call("sqrt", llvm="call {type} @llvm.sqrt.{suffix}({type} {0})", matlab="rsym_sqrt", julia="rsym_sqrt"),
         domain=(nonnegative(0),),
         analytic=(positive(0),),
         strict=True,
@@ -302,7 +308,7 @@ ARITHMETIC: dict[str, Operation] = {
         jump=lipschitz(1),
         far=lambda b, node, parts: Far(b.abs(parts[0].node), parts[0].degree),
         formula=sp.Abs,
-        texts=_texts("numpy.abs({})", "fabs({})", "call {type} @llvm.fabs.{suffix}({type} {0})"),
+        texts=call("abs", llvm="call {type} @llvm.fabs.{suffix}({type} {0})", c="fabs", cuda="fabs"),
         analytic=(apart(SWITCH),),
         strict=True,
         nonnegative=True,
@@ -336,7 +342,7 @@ ARITHMETIC: dict[str, Operation] = {
         jump=_jump_of_choice,
         far=_far_choice,
         formula=lambda a, b, yes, no: sp.Piecewise((yes, a > b), (no, True)),
-        texts=_texts("numpy.where({0} > {1}, {2}, {3})", "{0} > {1} ? {2} : {3}", "choice"),
+        texts=choice("{0} > {1}", "{2}", "{3}"),
         analytic=(apart(SWITCH),),
         branching=True,
         jumping=True,

@@ -24,6 +24,7 @@ from rsym.program.row import (
     unbounded,
     within,
 )
+from rsym.program.texts import call
 
 TURN = Fraction(44, 7)  # a little more than 2 pi
 
@@ -102,18 +103,13 @@ def _jump_of_angle(b: Nodes, number: int, node: Node, jumps: Given) -> int:
     return b.add(turned, b.select(b.abs(u), jumps[0], b.const(0), behind))
 
 
-def _texts(name: str, numpy: str, arguments: str = "{}") -> dict[str, str]:
-    """A function of libm."""
-    return {"numpy": f"numpy.{numpy}({arguments})", "c": f"{name}({arguments})", "llvm": "function"}
-
-
 ELEMENTARY: dict[str, Operation] = {
     "sin": Operation(  # of jumps of its angle whole turns do not count: `jumps` bounds those of sine and cosine
         1,
         lambda np, u: np.sin(u),
         derivative=lambda b, number, node, d: b.mul(b.make("cos", node.arguments[0]), d[0]),
         formula=sp.sin,
-        texts=_texts("sin", "sin"),
+        texts=call("sin", julia="rsym_sin"),
         analytic=(),
         strict=True,
         parity="odd",
@@ -124,7 +120,7 @@ ELEMENTARY: dict[str, Operation] = {
         lambda np, u: np.cos(u),
         derivative=lambda b, number, node, d: b.neg(b.mul(b.make("sin", node.arguments[0]), d[0])),
         formula=sp.cos,
-        texts=_texts("cos", "cos"),
+        texts=call("cos", julia="rsym_cos"),
         analytic=(),
         strict=True,
         parity="even",
@@ -135,7 +131,7 @@ ELEMENTARY: dict[str, Operation] = {
         derivative=lambda b, number, node, d: b.mul(number, d[0]),
         jump=lambda b, number, node, jumps: b.mul(b.mul(number, b.make("exp", jumps[0])), jumps[0]),
         formula=sp.exp,
-        texts=_texts("exp", "exp"),
+        texts=call("exp"),
         grows=(UP,),
         rounding="elementary",
         analytic=(),
@@ -148,7 +144,7 @@ ELEMENTARY: dict[str, Operation] = {
         derivative=lambda b, number, node, d: b.div(d[0], node.arguments[0]),
         jump=_jump_of_logarithm,
         formula=sp.log,
-        texts=_texts("log", "log"),
+        texts=call("log", rust="ln", matlab="rsym_log", julia="rsym_log", vm="ln"),
         domain=(positive(0),),
         analytic=(positive(0),),
         strict=True,
@@ -159,7 +155,9 @@ ELEMENTARY: dict[str, Operation] = {
         derivative=_pow,
         jump=of_power,
         formula=lambda u, a: u**a,
-        texts=_texts("pow", "power", "{}, {}"),
+        texts=call(
+            "pow", 2, numpy="power", matlab="rsym_power", fortran="{} ** {}", rust="powf", julia="rsym_power", vm=""
+        ),
         domain=(positive(0),),
         analytic=(positive(0),),
         zeros=("0+",),
@@ -170,7 +168,7 @@ ELEMENTARY: dict[str, Operation] = {
         derivative=_atan2,
         jump=_jump_of_angle,
         formula=sp.atan2,
-        texts=_texts("atan2", "arctan2", "{}, {}"),
+        texts=call("atan2", 2, numpy="arctan2", julia="atan", glsl="atan"),
         analytic=((*nonzero(0), *positive(1)),),
         strict=True,
         jumping=True,
