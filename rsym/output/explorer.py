@@ -19,6 +19,7 @@ from rsym.model.constructions import revolve
 from rsym.model.letters import Letter, Letters
 from rsym.model.shape import Shape
 from rsym.output import axes3d
+from rsym.output.design.letters import slider_range
 from rsym.output.models import load_letters, save_letters
 from rsym.output.paints import MAPS
 from rsym.output.patches import Lines, Patches, coat_of_patches, merged_letters, shaded, tessellations
@@ -258,26 +259,6 @@ def letter_slider(name: str, letter: Letter) -> Any:
     low, high = slider_range(letter)
     return _slider(
         float(letter.default), low, high, f"{name} [{letter.unit}]" if letter.unit else name, letter.doc or name
-    )
-
-
-def slider_range(letter: Letter) -> tuple[float, float]:
-    """The range of a letter; an open end lies at 0 or at twice the default.
-
-    Examples
-    --------
-    >>> slider_range(Letter(5)), slider_range(Letter(-2, maximum=1)), slider_range(Letter(0))
-    ((0.0, 10.0), (-4.0, 1.0), (-1.0, 1.0))
-    """
-    default = float(letter.default)
-    low = min(0.0, 2 * default) if letter.minimum is None else float(letter.minimum)
-    high = max(0.0, 2 * default) if letter.maximum is None else float(letter.maximum)
-    if low < high:
-        return low, high
-    # Nothing to scale by: the default is 0, or beyond the only end.
-    return (
-        default - 1 if letter.minimum is None else low,
-        default + 1 if letter.maximum is None else high,
     )
 
 

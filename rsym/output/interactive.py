@@ -62,7 +62,7 @@ def _page(mesh: Mesh, colours: NDArray[np.float64] | None) -> bytes:
         "azimuth": round(float(AZIMUTH), 6),
         "width": round(width, 6),
         "height": round(height, 6),
-        "light": _light(),
+        "light": light(),
         "count": shaded.faces.size,
         "places": _packed(places, "<f4"),
         "normals": _packed(np.rint(shaded.normals * 32767), "<i2"),
@@ -92,7 +92,8 @@ def _extent(places: NDArray[np.float64]) -> tuple[float, float]:
     return float(width.max()) / FILLED, float(height.max()) / FILLED
 
 
-def _light() -> dict[str, Any]:
+def light() -> dict[str, Any]:
+    """The light of printed pictures, as shaders take it."""
     return {
         "key": shading.unit(shading.KEY).tolist(),
         "fill": shading.unit(shading.FILL).tolist(),

@@ -86,26 +86,26 @@ const picture = (() => {
   function* samples(name, part, most) {
     const [wide, tall] = sized(canvas, part), set = buffers(name, wide, tall), seen = camera(wide, tall);
     const u = letterUniforms(), plane = cut(seen.eye), step = Math.max(TILE, Math.ceil(tall / 8));
-    const rays = {...seen, u, size: whole(wide, tall), stride: 1, jitter: [0, 0], low, high, cut: plane};
+    const rays = {...seen, u, size: [wide, tall], stride: 1, jitter: [0, 0], low, high, cut: plane};
     const curved = view.colours >= 2 && view.colours <= 4;
     gl.disable(gl.BLEND);
     programs.trace.use({
       ...rays, stride: TILE, spread: seen.pixel * (TILE * 0.7072 + 0.75), pixel: seen.pixel * TILE,
-      tile: whole(0), limit: whole(LIMIT),
+      tile: 0, limit: LIMIT,
     }, {beams: paints});
-    fill(gl, set.beams.frame, set.beams.wide, 0, set.beams.high);
+    fill(gl, set.beams, 0, set.beams.tall);
     for (let k = 0; k < most; k++) {
       rays.jitter = k ? [halton(k, 2) - 0.5, halton(k, 3) - 0.5] : [0, 0];
       for (let row = 0; row < tall; row += step) {
         const end = Math.min(row + step, tall);
         gl.disable(gl.BLEND);
-        programs.trace.use({...rays, spread: 0, tile: whole(TILE), limit: whole(LIMIT)}, {beams: set.beams.texture});
-        rows(set.hits, row, end);
-        programs.surface.use({...rays, rounds: whole(ROUNDS)}, {hits: set.hits.texture});
-        rows(set.surfaces, row, end);
+        programs.trace.use({...rays, spread: 0, tile: TILE, limit: LIMIT}, {beams: set.beams.texture});
+        fill(gl, set.hits, row, end);
+        programs.surface.use({...rays, rounds: ROUNDS}, {hits: set.hits.texture});
+        fill(gl, set.surfaces, row, end);
         if (curved) {
           curvature.use(rays, {hits: set.hits.texture, surfaces: set.surfaces.texture});
-          rows(set.curvatures, row, end);
+          fill(gl, set.curvatures, row, end);
         }
         wait();
         if (part === 1) yield;
@@ -114,11 +114,11 @@ const picture = (() => {
       for (const one of Object.keys(textures)) textures[one] = textures[one].texture;
       programs.shade.use({
         ...rays, ...data.light, paper: linear(getComputedStyle(document.body).backgroundColor), dots: devicePixelRatio * part,
-        colouring: whole(view.colours), scale: radius * 0.35,
+        colouring: view.colours, scale: radius * 0.35,
       }, {...textures, paints});
       if (k) gl.enable(gl.BLEND);
       gl.blendFunc(gl.ONE, gl.ONE);
-      rows(set.sums, 0, tall);
+      fill(gl, set.sums, 0, tall);
       gl.disable(gl.BLEND);
       const [width, height] = sized(canvas);
       if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
@@ -131,15 +131,6 @@ const picture = (() => {
       canvas.dataset.samples = name === "still" ? k + 1 : 0;
       yield;
     }
-  }
-
-  function rows(one, from, to) {
-    gl.bindFramebuffer(gl.FRAMEBUFFER, one.frame);
-    gl.viewport(0, 0, one.wide, one.high);
-    gl.enable(gl.SCISSOR_TEST);
-    gl.scissor(0, from, one.wide, to - from);
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
-    gl.disable(gl.SCISSOR_TEST);
   }
 
   // While something moves the picture is as coarse as it must be to follow.

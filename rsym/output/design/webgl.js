@@ -20,48 +20,49 @@ function program(gl, text) {
     return shader;
   });
   gl.linkProgram(linked);
-  const places = new Map();
-  const place = name => {
-    if (!places.has(name)) places.set(name, gl.getUniformLocation(linked, name));
-    return places.get(name);
-  };
+  const uniforms = new Map();
   return {
     ready: () => !parallel || gl.isContextLost() || gl.getProgramParameter(linked, parallel.COMPLETION_STATUS_KHR),
     finish() {
-      if (gl.isContextLost() || gl.getProgramParameter(linked, gl.LINK_STATUS)) return;
-      throw new Error(shaders.map(shader => gl.getShaderInfoLog(shader)).join("") + gl.getProgramInfoLog(linked));
-    },
-    use(uniforms, textures = {}) {
-      gl.useProgram(linked);
-      for (const [name, value] of Object.entries(uniforms)) {
-        if (!place(name)) continue;
-        if (value instanceof Int32Array) gl[`uniform${value.length}iv`](place(name), value);
-        else if (typeof value === "number") gl.uniform1f(place(name), value);
-        else if (name === "u") gl.uniform4fv(place(name), value);
-        else if (value.length === 9) gl.uniformMatrix3fv(place(name), false, value);
-        else gl[`uniform${value.length}fv`](place(name), value);
+      if (gl.isContextLost()) return;
+      if (!gl.getProgramParameter(linked, gl.LINK_STATUS))
+        throw new Error(shaders.map(shader => gl.getShaderInfoLog(shader)).join("") + gl.getProgramInfoLog(linked));
+      for (let k = gl.getProgramParameter(linked, gl.ACTIVE_UNIFORMS) - 1; k >= 0; k--) {
+        const {name, type} = gl.getActiveUniform(linked, k), place = gl.getUniformLocation(linked, name);
+        uniforms.set(name.replace("[0]", ""), setter(gl, type, place));
       }
+    },
+    use(values, textures = {}) {
+      gl.useProgram(linked);
+      for (const [name, value] of Object.entries(values)) uniforms.get(name)?.(value);
       Object.entries(textures).forEach(([name, texture], k) => {
         gl.activeTexture(gl.TEXTURE0 + k);
         gl.bindTexture(gl.TEXTURE_2D, texture);
-        gl.uniform1i(place(name), k);
+        uniforms.get(name)?.(k);
       });
     },
   };
 }
 
-const whole = (...numbers) => Int32Array.from(numbers);
+function setter(gl, type, place) {
+  if (type === gl.FLOAT_MAT3) return value => gl.uniformMatrix3fv(place, false, value);
+  const kind = {
+    [gl.FLOAT]: "1fv", [gl.FLOAT_VEC2]: "2fv", [gl.FLOAT_VEC3]: "3fv", [gl.FLOAT_VEC4]: "4fv",
+    [gl.INT]: "1iv", [gl.INT_VEC2]: "2iv", [gl.SAMPLER_2D]: "1iv",
+  }[type];
+  return value => gl[`uniform${kind}`](place, typeof value === "number" ? [value] : value);
+}
 
-function target(gl, wide, high, format, filter = gl.NEAREST) {
+function target(gl, wide, tall, format, filter = gl.NEAREST) {
   const texture = gl.createTexture(), frame = gl.createFramebuffer();
   gl.bindTexture(gl.TEXTURE_2D, texture);
-  gl.texStorage2D(gl.TEXTURE_2D, 1, format, wide, high);
+  gl.texStorage2D(gl.TEXTURE_2D, 1, format, wide, tall);
   for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, filter);
   for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
   gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
   gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
   return {
-    texture, frame, wide, high,
+    texture, frame, wide, tall,
     free() {
       gl.deleteTexture(texture);
       gl.deleteFramebuffer(frame);
@@ -69,12 +70,12 @@ function target(gl, wide, high, format, filter = gl.NEAREST) {
   };
 }
 
-// Fills rows of a target, or of the canvas if there is none.
-function fill(gl, frame, wide, from, to) {
-  gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-  gl.viewport(0, 0, wide, to);
+// Fills rows of a target.
+function fill(gl, one, from, to) {
+  gl.bindFramebuffer(gl.FRAMEBUFFER, one.frame);
+  gl.viewport(0, 0, one.wide, one.tall);
   gl.enable(gl.SCISSOR_TEST);
-  gl.scissor(0, from, wide, to - from);
+  gl.scissor(0, from, one.wide, to - from);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
   gl.disable(gl.SCISSOR_TEST);
 }

@@ -1,0 +1,208 @@
+"""One page of HTML that opens offline and shows a shape from its equation, with a slider for each letter.
+
+A body is drawn by casting rays at its sign form, a shape in the plane as the level lines of a field; both by programs
+that the graphics processor compiles once. Beyond `MOST_OPERATIONS` the page shows a mesh.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from rsym.logic.leaf_names import leaf_names
+from rsym.logic.sign_form import SignForm, shape_form
+from rsym.model.requirements import file_path, require_shape
+from rsym.model.shape import Bounds, Shape
+from rsym.output import shading
+from rsym.output.atomic import write_atomically
+from rsym.output.design.forms import FormTexts, form_texts, operations_of
+from rsym.output.design.letters import listed_letters
+from rsym.output.design.plane import MOST_LEVELS, plane_looks, plane_texts
+from rsym.output.fields import plot_field
+from rsym.output.gallery import Gallery
+from rsym.output.interactive import light, page_of_parts
+from rsym.output.parts import PALETTE
+from rsym.output.shading import linear
+from rsym.output.surfaces import plot_mesh
+from rsym.program.program import live
+from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.meshing import mesh
+
+MOST_OPERATIONS = 500
+CELLS = 64  # of the mesh of a still picture
+MESH_CELLS = 128
+SAVING = {"stl": "for printing", "3mf": "for printing, with its unit", "glb": "for viewers"}
+
+
+@dataclass(frozen=True)
+class Source:
+    """How the commands that a page shows name its model.
+
+    Attributes
+    ----------
+    mesh, verify, lint : str
+        Commands, with ``{letters}`` where those that were moved go, and ``{file}`` for the name of a file.
+    python : bool
+        Whether they are lines of Python.
+    """
+
+    mesh: str = 'rsym.write(rsym.mesh(shape, letters={letters}), "{file}")'
+    verify: str = "rsym.verify_smoothness(shape, letters={letters})"
+    lint: str = "rsym.lint(shape.with_letters({letters}))"
+    python: bool = True
+
+
+@dataclass(frozen=True)
+class DesignPage:
+    """A page: its HTML; in a notebook it shows itself, also after the notebook has become a page of its own.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> page = DesignPage(page_of(rsym.disc(1)))
+    >>> page
+    DesignPage(...)
+    """
+
+    html: str = field(repr=False)
+    height: int = 560
+
+    def __repr__(self) -> str:
+        return f"DesignPage({len(self.html) / 1000:.0f} kB)"
+
+    def _repr_html_(self) -> str:
+        style = f"width: 100%; height: {self.height}px; border: 1px solid #d5d9df"
+        return f'<iframe srcdoc="{escape(self.html)}" style="{style}" title="a model and its letters"></iframe>'
+
+    def write(self, path: str | os.PathLike[str]) -> Path:
+        """Write the page to a file, whole or not at all."""
+        return write_atomically(file_path(path), self.html.encode())
+
+
+def page_of(
+    shape: Shape, *, title: str = "", source: Source | None = None, served: bool = False, bounds: Any = None
+) -> str:
+    """The page of a shape as HTML; `served` pages ask who serves them for files and verdicts."""
+    require_shape(shape)
+    source = source or Source()
+    box = bounds_or_extent(shape, bounds)
+    form = shape_form(shape)
+    names = leaf_names(form, shape)
+    data: dict[str, Any] = {
+        "title": title or "shape",
+        "letters": listed_letters(shape.letters),
+        "coordinates": [symbol.name for symbol in shape.coordinates],
+        "bounds": [[float(end) for end in side] for side in box],
+        "leaves": list(names),
+        "parts": _parts(form, names, shape),
+        "served": served,
+        "python": source.python,
+        "services": _services(shape, source, title or "shape"),
+    }
+    if shape.dimension == 2:
+        plane = plane_texts(shape, form)
+        data["fields"] = plane_looks(shape, box)
+        head = f"{_text('head.glsl')}#define MOST {MOST_LEVELS}\n"
+        shaders = {
+            f"field-{k}": f"{head}{text}\n{_text('plane.glsl')}" for k, text in enumerate(plane.shaders)
+        }
+        scripts, formulas = ("page.js", "webgl.js", "plane.js"), plane.script
+    elif operations_of(form) <= MOST_OPERATIONS:
+        texts = form_texts(form)
+        data |= {"light": light(), "azimuth": _angle(shading.AZIMUTH), "elevation": _angle(shading.ELEVATION)}
+        shaders = _shaders(texts)
+        scripts, formulas = ("page.js", "webgl.js", "space.js"), f"{{letters: {texts.uniforms.script}}}"
+    else:
+        shaders, scripts, formulas = {}, ("page.js", "mesh.js"), "{}"
+        data["mesh"] = page_of_parts(mesh(shape, MESH_CELLS, bounds=box), None).decode()
+    return _filled(
+        TITLE=escape(data["title"]),
+        CONNECT="'self'" if served else "'none'",
+        STYLE=_text("page.css"),
+        STILL=_still(shape, box) if shaders else "",
+        SHADERS="\n".join(f'<script type="x-shader" id="shader-{name}">\n{text}</script>' for name, text in shaders.items()),
+        DATA=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
+        FORMULAS=formulas,
+        SCRIPT="\n".join(_text(name) for name in scripts),
+    )
+
+
+def _filled(**parts: str) -> str:
+    """The template with its parts, each put in once: what they say is not looked at."""
+    pieces = _text("page.html").split("{{")
+    result = [pieces[0]]
+    for piece in pieces[1:]:
+        name, _, rest = piece.partition("}}")
+        result += [parts[name], rest]
+    return "".join(result)
+
+
+def _shaders(texts: FormTexts) -> Mapping[str, str]:
+    head, rays = _text("head.glsl"), _text("rays.glsl")
+    own = head + texts.uniforms.declaration + rays
+    return {
+        "trace": own + texts.point + "\n" + texts.model + "\n" + _text("trace.glsl"),
+        "surface": own + texts.leaf + "\n" + _text("surface.glsl"),
+        "curvature": own + texts.second + "\n" + _text("curvature.glsl"),
+        "shade": head + rays + _text("shade.glsl"),
+        "show": head + _text("show.glsl"),
+    }
+
+
+def _parts(form: SignForm, names: Sequence[str], shape: Shape) -> dict[str, Any]:
+    """The parts by name: their colours, and the numbers of the letters that their leaves depend on."""
+    places = {name: k for k, name in enumerate(shape.letters)}
+    parts: dict[str, Any] = {}
+    for name, leaf in zip(names, form.leaves, strict=True):
+        colour = PALETTE[len(parts) % len(PALETTE)]
+        part = parts.setdefault(name, {"colour": colour, "paint": linear(colour).round(4).tolist(), "letters": []})
+        nodes = form.builder.nodes
+        inputs = {nodes[number].data for number in live(nodes, [leaf]) if nodes[number].operation == "input"}
+        part["letters"] = sorted({*part["letters"], *(places[name] for name in inputs if name in places)})
+    return parts
+
+
+def _services(shape: Shape, source: Source, title: str) -> list[dict[str, str]]:
+    """What Python does: files of the body, the verdict on its smoothness, the lint."""
+    rows = []
+    for suffix, purpose in SAVING.items() if shape.dimension == 3 else ():
+        file = f"{title}.{suffix}"
+        rows.append((suffix.upper(), f"body.{suffix}", f"A file {purpose}, of a mesh.", source.mesh.replace("{file}", file)))
+    rows.append(("Verdict", "verdict", "Whether the curvature of the boundary is continuous.", source.verify))
+    rows.append(("Lint", "lint", "What keeps the model from being normalised.", source.lint))
+    return [dict(zip(("title", "path", "says", "command"), row, strict=True)) for row in rows]
+
+
+def _still(shape: Shape, box: Bounds) -> str:
+    """The picture that stands until the shaders are compiled, and where they cannot be."""
+    figure = Figure(figsize=(4.8, 3.6), dpi=100)
+    if shape.dimension == 2:
+        plot_field(shape, ax=figure.add_subplot(), resolution=CELLS, bounds=box)
+    else:
+        gallery = Gallery(figure, 1, 1, width=4.8)
+        plot_mesh(mesh(shape, CELLS, bounds=box), ax=gallery.axes[0][0])
+        gallery.arrange()
+    data = io.BytesIO()
+    figure.savefig(data, format="webp", pil_kwargs={"quality": 60})
+    image = base64.b64encode(data.getvalue()).decode()
+    return f'<img id="still" alt="the model as it was written" src="data:image/webp;base64,{image}">'
+
+
+def _angle(degrees: float) -> float:
+    return round(degrees * 3.141592653589793 / 180, 6)
+
+
+@lru_cache
+def _text(name: str) -> str:
+    return files("rsym.output.design").joinpath(name).read_text(encoding="utf-8")
