@@ -8,5 +8,7 @@ order of the data:
   `box_images`: of all nodes; `mean_values` sharpen them; `intervals`: bounds as a compiled function
 - `ball_arithmetic`, `ball_systems`, `balls`: the same in balls, for proofs, and where operations are defined;
   `ball_series`: Taylor series
+- `ray_models`: quadratic models along rays; `ray_functions`, `ray_images`: of each operation; `ray_forms`: a sign form
+  as calls of them; `ray_reference`: in arrays
 - `far_forms`: signs far away; `enclosures`: ranges of expressions
 """

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property, partial
+from typing import TypeAlias
 
 from rsym.backends.vector_code import Value
 from rsym.bounds.intervals import interval_program
@@ -17,6 +19,7 @@ from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Formulas, Rou
 AXES = ("x", "y", "z")
 ENDS = ("lower", "upper")
 WORD = 64  # bits
+Parts: TypeAlias = list[str]  # the names of what makes up a value
 
 
 class LeafFormulas:
@@ -81,7 +84,7 @@ NAMED = f"{{ {DOUBLES}, {SHORTS} }}"
 def form(s: LeafFormulas) -> Routine:
     """The form at points of one block, its idle operands left out."""
     r = Routine("form", dict.fromkeys(AXES, DOUBLES) | {"constants": "ptr", "words": "ptr"}, DOUBLES, True)
-    value, _ = ReducedForm(s, r, named=False).emit()
+    (value,) = ReducedForm(s, r, named=False).emit()
     r.do(f"ret {DOUBLES} {value}")
     return r
 
@@ -115,53 +118,53 @@ def value(s: LeafFormulas) -> Routine:
     return r
 
 
-class ReducedForm:
-    """The form in a block where some operands of its gates do not matter, as branches around them.
+class ReducedWalk(ABC):
+    """A form where some operands of its gates do not matter, as branches around them.
 
     An explicit stack walks the gates, so that deep nests do no harm. What several places use is computed before.
     """
 
-    def __init__(
-        self,
-        formulas: LeafFormulas,
-        r: Routine,
-        named: bool,
-    ) -> None:
-        self.formulas, self.r, self.named = formulas, r, named
-        self.known = formulas.points.inputs(dict(zip(formulas.coordinates, ("%x", "%y", "%z"), strict=True)))
-        self.values: dict[int, tuple[str, str]] = {}
+    def __init__(self, gates: Sequence[Gate], count: int, r: Routine) -> None:
+        self.gates, self.count, self.r = gates, count, r
+        self.values: dict[int, Parts] = {}
 
-    def emit(self) -> tuple[str, str]:
-        """The value and the number of the active leaf."""
-        formulas = self.formulas
-        self._share_parts()
-        uses = Counter(operand for _, *operands in formulas.gates for operand in operands)
-        for gate in range(formulas.count, formulas.count + len(formulas.gates)):
+    @property
+    @abstractmethod
+    def types(self) -> Sequence[str]:
+        """The types of the parts of a value."""
+
+    @abstractmethod
+    def leaf(self, number: int) -> Parts:
+        """The value of a leaf."""
+
+    @abstractmethod
+    def neutral(self, gate: Gate) -> Parts:
+        """What the gate never chooses."""
+
+    @abstractmethod
+    def join(self, gate: Gate, a: Parts, b: Parts) -> Parts:
+        """The value of a gate."""
+
+    def emit(self) -> Parts:
+        """The value of the form."""
+        uses = Counter(operand for _, *operands in self.gates for operand in operands)
+        for gate in range(self.count, self.count + len(self.gates)):
             if uses[gate] > 1:
                 self.values[gate] = self._walk(gate)
-        return self._walk(formulas.count + len(formulas.gates) - 1)
+        return self._walk(self.count + len(self.gates) - 1)
 
-    def _share_parts(self) -> None:
-        """Compute what more than one leaf needs, where that is much."""
-        points = self.formulas.points
-        nodes = [points.numbers[f"leaf{k}"] for k in range(self.formulas.count)]
-        uses = Counter(part for node in nodes for part in live(points.program.nodes, [node]))
-        shared = [part for part, count in uses.items() if count > 1 and not points.program.uniform[part]]
-        large = [part for part in shared if len(live(points.program.nodes, [part])) > MUCH]
-        points.emit(self.r, large, self.known)
-
-    def _walk(self, root: int) -> tuple[str, str]:
-        results: list[tuple[str, str]] = []
+    def _walk(self, root: int) -> Parts:
+        results: list[Parts] = []
         actions: list[Callable[[], None]] = []
 
         def visit(operand: int) -> None:
             if operand in self.values:
                 results.append(self.values[operand])
-            elif operand < self.formulas.count:
-                results.append(self._leaf(operand))
+            elif operand < self.count:
+                results.append(self.leaf(operand))
             else:
-                gate = operand - self.formulas.count
-                _, first, second = self.formulas.gates[gate]
+                gate = operand - self.count
+                _, first, second = self.gates[gate]
                 actions.append(partial(self._join, gate, results))
                 for position, inner in ((1, second), (0, first)):
                     mark = f"{len(self.r.lines)}.{len(actions)}"
@@ -174,11 +177,6 @@ class ReducedForm:
             actions.pop()()
         return results.pop()
 
-    def _leaf(self, number: int) -> tuple[str, str]:
-        known = dict(self.known)
-        (value,) = self.formulas.points.outputs(self.r, [f"leaf{number}"], known)
-        return value.name, leaf_number(number)
-
     def _enter(self, gate: int, position: int, mark: str) -> None:
         """Skip the operand if its bit is set."""
         word, bit = divmod(2 * gate + position, WORD)
@@ -189,24 +187,59 @@ class ReducedForm:
         r.do(f"br i1 {idle}, label %join{mark}, label %work{mark}")
         r.start(f"work{mark}")
 
-    def _leave(self, gate: int, mark: str, results: list[tuple[str, str]]) -> None:
+    def _leave(self, gate: int, mark: str, results: list[Parts]) -> None:
         """Where the operand was skipped, what no min or max chooses."""
-        r = self.r
-        value, name = results.pop()
-        neutral = r.number(float("inf") if self.formulas.gates[gate].operation == "min" else float("-inf"))
+        r, values = self.r, results.pop()
+        neutral = self.neutral(self.gates[gate])
         r.label(f"done{mark}")
         r.label(f"join{mark}")
-        merged = r.emit(f"phi {DOUBLES} [ {neutral.name}, %ask{mark} ], [ {value}, %done{mark} ]")
-        if self.named:
-            name = r.emit(f"phi {SHORTS} [ {leaf_number(0)}, %ask{mark} ], [ {name}, %done{mark} ]")
-        results.append((merged, name))
+        triples = zip(self.types, neutral, values, strict=True)
+        results.append([r.emit(f"phi {kind} [ {n}, %ask{mark} ], [ {v}, %done{mark} ]") for kind, n, v in triples])
 
-    def _join(self, gate: int, results: list[tuple[str, str]]) -> None:
-        r = self.r
-        (b, b_name), (a, a_name) = results.pop(), results.pop()
-        take = better(self.formulas.gates[gate].operation, r.value(a), r.value(b))
-        name = r.select(take.name, a_name, b_name, SHORTS) if self.named else ""
-        results.append((r.select(take.name, a, b, DOUBLES), name))
+    def _join(self, gate: int, results: list[Parts]) -> None:
+        b, a = results.pop(), results.pop()
+        results.append(self.join(self.gates[gate], a, b))
+
+
+class ReducedForm(ReducedWalk):
+    """The form at points, and if asked the number of the active leaf."""
+
+    def __init__(self, formulas: LeafFormulas, r: Routine, named: bool) -> None:
+        super().__init__(formulas.gates, formulas.count, r)
+        self.formulas, self.named = formulas, named
+        self.known = formulas.points.inputs(dict(zip(formulas.coordinates, ("%x", "%y", "%z"), strict=True)))
+        share_parts(formulas.points, r, [f"leaf{k}" for k in range(formulas.count)], self.known)
+
+    @property
+    def types(self) -> Sequence[str]:
+        """Value and number."""
+        return (DOUBLES, SHORTS) if self.named else (DOUBLES,)
+
+    def leaf(self, number: int) -> Parts:
+        """The value of a leaf."""
+        known = dict(self.known)
+        (value,) = self.formulas.points.outputs(self.r, [f"leaf{number}"], known)
+        return [value.name, leaf_number(number)] if self.named else [value.name]
+
+    def neutral(self, gate: Gate) -> Parts:
+        """An infinite value, of any leaf."""
+        infinite = self.r.number(float("inf") if gate.operation == "min" else float("-inf")).name
+        return [infinite, leaf_number(0)] if self.named else [infinite]
+
+    def join(self, gate: Gate, a: Parts, b: Parts) -> Parts:
+        """The better of both."""
+        take = better(gate.operation, self.r.value(a[0]), self.r.value(b[0])).name
+        chosen = (self.r.select(take, p, q, kind) for kind, p, q in zip(self.types[::-1], a[::-1], b[::-1], strict=True))
+        return list(chosen)[::-1]
+
+
+def share_parts(points: Formulas, r: Routine, outputs: Sequence[str], known: dict[int, str]) -> None:
+    """Compute what more than one output needs, where that is much."""
+    nodes = [points.numbers[name] for name in outputs]
+    uses = Counter(part for node in nodes for part in live(points.program.nodes, [node]))
+    shared = [part for part, count in uses.items() if count > 1 and not points.program.uniform[part]]
+    large = [part for part in shared if len(live(points.program.nodes, [part])) > MUCH]
+    points.emit(r, large, known)
 
 
 def better(operation: str, a: Value, b: Value) -> Value:
