@@ -9,44 +9,48 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from rsym.backends.languages import frontier, statements
-from rsym.logic.sign_form import SignForm, shape_form
-from rsym.model.shape import Shape
-from rsym.output.design import scaffold
+from rsym.backends.languages import LANGUAGES, frontier, statements
+from rsym.bounds.ray_forms import MODEL, PARTS, RayForm, RayValue, input_names, ray_form
+from rsym.bounds.ray_models import RayArithmetic, RayModel
+from rsym.logic.sign_form import SignForm
+from rsym.program.builder import Builder
 from rsym.program.differentiation import gradient
 from rsym.program.expansion import expand
-from rsym.program.program import Program, live
+from rsym.program.program import FLOAT32, Program, constant_value, live
 
 # Of leaves whose values differ by less than this share the first is taken: faces in common do not speckle.
 TIE = 0.02
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-# Without a choice by ? and : for compilers turn each of those into a branch, and some never end with a loop of many.
+# By mix, not by ? and : which may become branches.
 _TIES = f"""\
 vec2 lesser(vec2 a, vec2 b) {{ return mix(a, b, bvec2(b.x < a.x - {TIE} * abs(a.x))); }}
 vec2 larger(vec2 a, vec2 b) {{ return mix(a, b, bvec2(b.x > a.x + {TIE} * abs(a.x))); }}
 """
 OF_TWO = {"min": "lesser", "max": "larger"}
+POINT = ("p.x", "p.y", "p.z")
 
 
 class Uniforms:
-    """Places of numbers that depend on letters alone, and the JavaScript that fills them.
+    """Places of numbers that depend on letters alone, equal ones once, and the JavaScript that fills them.
 
     Examples
     --------
     >>> from rsym.program.program import Node
     >>> nodes = (Node("input", (), "x"), Node("input", (), "a"), Node("neg", (1,)), Node("mul", (0, 2)))
-    >>> uniforms = Uniforms()
+    >>> uniforms = Uniforms(("a",))
     >>> uniforms.places(Program(nodes, ("x",), ("a",), (("value", 3),)))
     {2: 'u[0].x'}
     >>> print(uniforms.script)
     {count: 1, of: (letters, u) => {
-    { const u1 = letters[0]; const u2 = -u1; u[0] = u2; }
+    const u0 = letters[0];
+    const u1 = -u0;
+    u[0] = u1;
     }}
     """
 
-    def __init__(self) -> None:
-        self.count = 0
-        self._blocks: list[str] = []
+    def __init__(self, letters: tuple[str, ...]) -> None:
+        self._builder = Builder((), letters)
+        self._slots: dict[int, int] = {}
 
     def places(self, program: Program, first: Sequence[int] = ()) -> dict[int, str]:
         """Where a shader finds the nodes of an expanded program that are the same for all points.
@@ -55,23 +59,25 @@ class Uniforms:
         """
         early = {argument for number in live(program.nodes, first) for argument in program.nodes[number].arguments}
         numbers = sorted(frontier(program), key=lambda number: number not in early)
-        slots = {number: self.count + k for k, number in enumerate(numbers)}
-        self.count += len(numbers)
-        part = statements(outputs_alone(program, numbers), "javascript")
-        stores = [f"u[{slot}] = {part.names[number]};" for number, slot in slots.items()]
-        if numbers:
-            self._blocks.append(f"{{ {' '.join([*part.uniform, *stores])} }}")
+        copies: dict[int, int] = {}
+        for number in live(program.nodes, numbers):
+            operation, arguments, data = program.nodes[number]
+            copies[number] = self._builder.make(operation, *(copies[one] for one in arguments), data=data)
+        slots = {number: self._slots.setdefault(copies[number], len(self._slots)) for number in numbers}
         return {number: f"u[{slot // 4}].{'xyzw'[slot % 4]}" for number, slot in slots.items()}
 
     @property
     def declaration(self) -> str:
         """What a shader says of them."""
-        return f"uniform vec4 u[{max(1, -(-self.count // 4))}];\n"
+        return f"uniform vec4 u[{max(1, -(-len(self._slots) // 4))}];\n"
 
     @property
     def script(self) -> str:
         """A function of JavaScript that fills an array."""
-        return "\n".join([f"{{count: {self.count}, of: (letters, u) => {{", *self._blocks, "}}"])
+        program = self._builder.program({str(slot): number for number, slot in self._slots.items()})
+        part = statements(program, "javascript")
+        stores = [f"u[{slot}] = {part.names[number]};" for slot, number in program.outputs]
+        return "\n".join([f"{{count: {len(stores)}, of: (letters, u) => {{", *part.uniform, *stores, "}}"])
 
 
 def outputs_alone(program: Program, numbers: Sequence[int]) -> Program:
@@ -81,28 +87,23 @@ def outputs_alone(program: Program, numbers: Sequence[int]) -> Program:
 
 @dataclass(frozen=True)
 class FormTexts:
-    """The functions of a form in GLSL, and what it takes to run them.
+    """The functions of a form in GLSL.
 
     Attributes
     ----------
-    form : SignForm
-        The form itself.
     point, model, leaf, second : str
         ``vec2 form(vec3)``, the value and the active leaf; ``vec4 model(vec4, vec4, vec4)``, what it can be along a
-        ray; ``vec4 leaf(int, vec3)``, value and gradient of a leaf; ``void second(...)``, gradient and Hessian.
+        ray, and ``float highest(vec4)``; ``vec4 leaf(int, vec3)``, value and gradient of a leaf;
+        ``void second(int, vec3, ...)``, gradient and Hessian.
     uniforms : Uniforms
         What the functions read.
-    operations : int
-        How many operations the value takes at a point.
     """
 
-    form: SignForm
     point: str
     model: str
     leaf: str
     second: str
     uniforms: Uniforms
-    operations: int
 
 
 def operations_of(form: SignForm) -> int:
@@ -111,6 +112,7 @@ def operations_of(form: SignForm) -> int:
     Examples
     --------
     >>> import rsym
+    >>> from rsym.logic.sign_form import shape_form
     >>> operations_of(shape_form(rsym.ball(1)))
     6
     """
@@ -121,7 +123,8 @@ def operations_of(form: SignForm) -> int:
 
 def form_texts(form: SignForm) -> FormTexts:
     """The functions of the sign form of a shape in space."""
-    builder, uniforms = form.builder, Uniforms()
+    builder, uniforms = form.builder, Uniforms(form.builder.letters)
+    model = "\n".join(_model(ray_form(form, FLOAT32), uniforms))
     outputs: dict[str, int] = {}
     for k, leaf in enumerate(form.leaves):
         slopes = gradient(builder, leaf)
@@ -130,18 +133,15 @@ def form_texts(form: SignForm) -> FormTexts:
         seconds = [gradient(builder, slope) for slope in slopes]
         outputs.update({f"{k} {i} {j}": seconds[i][j] for i, j in PAIRS})
     program = expand(builder.program(outputs))
-    numbers = dict(program.outputs)
-    below = [number for name, number in program.outputs if name.count(" ") < 2]
-    writer = Writer(program, uniforms.places(program, below), dict(zip(builder.coordinates, ("p.x", "p.y", "p.z"), strict=True)))
-    leaves = [numbers[f"{k}"] for k in range(len(form.leaves))]
+    numbers, count = dict(program.outputs), len(form.leaves)
+    first = [number for name, number in program.outputs if name.count(" ") < 2]
+    writer = Writer(program, uniforms.places(program, first), dict(zip(builder.coordinates, POINT, strict=True)))
     return FormTexts(
-        form,
-        _point(form, writer, leaves),
-        scaffold.model_text(form, uniforms),
-        "\n".join(_leaf(writer, numbers, len(leaves))),
-        "\n".join(_second(writer, numbers, len(leaves))),
+        _TIES + "\n".join(_point(form, writer, [numbers[f"{k}"] for k in range(count)])),
+        model,
+        "\n".join(_leaf(writer, numbers, count)),
+        "\n".join(_second(writer, numbers, count)),
         uniforms,
-        operations_of(form),
     )
 
 
@@ -154,15 +154,17 @@ class Writer:
     def __call__(self, numbers: Sequence[int]) -> tuple[list[str], list[str]]:
         """The statements of nodes, and the names of the nodes."""
         part = statements(outputs_alone(self._program, numbers), "glsl", inputs=self._inputs, known=self._known)
-        return part.varying, [part.names[number] for number in numbers]
+        return [*part.uniform, *part.varying], [part.names[number] for number in numbers]
 
 
-def _point(form: SignForm, writer: Writer, leaves: Sequence[int]) -> str:
+def _point(form: SignForm, writer: Writer, leaves: Sequence[int]) -> Iterator[str]:
     lines, names = writer(leaves)
-    lines += [f"vec2 w{k} = vec2({name}, {k});" for k, name in enumerate(names)]
+    yield "vec2 form(vec3 p) {"
+    yield from lines
+    yield from (f"vec2 w{k} = vec2({name}, {k});" for k, name in enumerate(names))
     for k, gate in enumerate(form.gates, len(names)):
-        lines.append(f"vec2 w{k} = {OF_TWO[gate.operation]}(w{gate.first}, w{gate.second});")
-    return "\n".join([f"{_TIES}vec2 form(vec3 p) {{", *lines, f"return w{len(names) + len(form.gates) - 1};", "}"])
+        yield f"vec2 w{k} = {OF_TWO[gate.operation]}(w{gate.first}, w{gate.second});"
+    yield f"return w{len(names) + len(form.gates) - 1};\n}}"
 
 
 def _leaf(writer: Writer, numbers: Mapping[str, int], count: int) -> Iterator[str]:
@@ -181,3 +183,60 @@ def _second(writer: Writer, numbers: Mapping[str, int], count: int) -> Iterator[
         stores = [f"{name} = vec3({', '.join(names[3 * i : 3 * i + 3])});" for i, name in enumerate("gab")]
         yield f"case {k}: {{\n" + "\n".join([*lines, *stores, "break;", "}"])
     yield "}\n}"
+
+
+def _model(form: RayForm, uniforms: Uniforms) -> Iterator[str]:
+    """The library, and the calls of the form."""
+    for function in form.library.values():
+        parameters = ", ".join(
+            f"{'vec4' if kind == MODEL else 'float'} {'abcdefgh'[k]}" for k, kind in enumerate(function.parameters)
+        )
+        yield from _function(f"vec4 ray_{function.name}({parameters})", function.program, _inputs(function.parameters))
+    yield from _function("float highest(vec4 a)", _highest(), _inputs((MODEL,)))
+    places = uniforms.places(form.uniforms)
+    nodes, literal = form.uniforms.nodes, LANGUAGES["glsl"].literal
+    written = [
+        places.get(number) or literal(constant_value(nodes[number].data)) for _, number in form.uniforms.outputs
+    ]
+    size = len(form.coordinates)
+
+    def word(value: RayValue, kind: str = MODEL) -> str:
+        if value.kind == MODEL:
+            return f"{'XYZ'[value.number]}" if value.number < size else f"v{value.number}"
+        number = written[value.number]
+        return number if kind != MODEL else f"vec4({number}, {number}, 0, 0)"
+
+    yield "vec4 model(vec4 X, vec4 Y, vec4 Z) {"
+    for k, (name, arguments) in enumerate(form.calls, size):
+        kinds = form.library[name].parameters
+        words = ", ".join(word(*pair) for pair in zip(arguments, kinds, strict=True))
+        yield f"vec4 v{k} = ray_{name}({words});"
+    names = [word(leaf) for leaf in form.leaves]
+    for gate in form.gates:
+        names.append(f"w{len(names)}")
+        yield f"vec4 {names[-1]} = ray_{gate.operation}({names[gate.first]}, {names[gate.second]});"
+    yield f"return {names[-1]};\n}}"
+
+
+def _inputs(kinds: Sequence[str]) -> dict[str, str]:
+    """Texts of the inputs of an image function: the parts of a model are those of a vec4."""
+    texts: dict[str, str] = {}
+    for k, kind in enumerate(kinds):
+        letter, names = "abcdefgh"[k], input_names(k, kind)
+        texts.update(zip(names, [f"{letter}.{part}" for part in "xyzw"] if kind == MODEL else [letter], strict=True))
+    return texts
+
+
+def _function(head: str, program: Program, inputs: Mapping[str, str]) -> Iterator[str]:
+    lines, names = Writer(program, {}, inputs)([number for _, number in program.outputs])
+    yield f"{head} {{"
+    yield from lines
+    whole = ", ".join(names)
+    yield f"return {whole if len(names) == 1 else f'vec4({whole})'};\n}}"
+
+
+def _highest() -> Program:
+    """The greatest value of a model on its segment."""
+    builder = Builder(input_names(0, MODEL), ())
+    model = RayModel(*(builder.input(f"a_{part}") for part in PARTS))
+    return expand(builder.program({"high": RayArithmetic(builder, FLOAT32).range(model).high}))

@@ -13,7 +13,6 @@ from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Shape
 from rsym.output.design.forms import Uniforms, outputs_alone
 from rsym.output.looks import PLAIN
-from rsym.output.shading import decode
 from rsym.program.builder import Builder
 from rsym.program.calculus import Calculus
 from rsym.program.expansion import expand
@@ -42,7 +41,7 @@ def plane_texts(shape: Shape, form: SignForm) -> PlaneTexts:
     calculus = Calculus(builder, lower(builder, shape.expression))
     shaders, uploads = [], []
     for field in FIELDS:
-        uniforms = Uniforms()
+        uniforms = Uniforms(builder.letters)
         program = expand(fields_program(calculus, tuple(dict.fromkeys((field, "value")))))
         text = _field(program, uniforms, dict(zip(builder.coordinates, ("p.x", "p.y"), strict=True)))
         shaders.append(uniforms.declaration + text)
@@ -99,7 +98,7 @@ def plane_looks(shape: Shape, bounds: Any) -> list[dict[str, Any]]:
         levels = PLAIN.levels_of(values, field, inside)[: MOST_LEVELS - 1]
         name, scale = PLAIN.colours(levels)
         middles = np.concatenate([levels[:1], (levels[1:] + levels[:-1]) / 2, levels[-1:]])
-        colours = decode(matplotlib.colormaps[name](scale(middles))[:, :3])
+        colours = matplotlib.colormaps[name](scale(middles))[:, :3]
         looks.append(
             {"name": field, "title": title, "levels": levels.tolist(), "colours": np.round(colours, 4).tolist()}
         )

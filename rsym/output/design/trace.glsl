@@ -45,7 +45,7 @@ void main() {
       float k = 0.5 * h, e = spread * (t + h);
       vec3 p = eye + d * (t + k);
       vec4 v = model(vec4(p.x - e, p.x + e, d.x * k, 0), vec4(p.y - e, p.y + e, d.y * k, 0), vec4(p.z - e, p.z + e, d.z * k, 0));
-      if (range(v).y < 0.0) {
+      if (highest(v) < 0.0) {
         t += h;
         h *= 2.0;
         continue;
