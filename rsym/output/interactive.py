@@ -54,7 +54,7 @@ def _page(mesh: Mesh, colours: NDArray[np.float64] | None) -> bytes:
     middle = low + (high - low) / 2
     radius = float(np.linalg.norm(shaded.vertices - middle, axis=1).max())
     places = (shaded.vertices - middle) / (radius or 1.0)
-    width, height = _extent(places)
+    width, height = extent_on_screen(places)
     body = {
         "closed": mesh.status.closed,
         "eye": DISTANCE,
@@ -83,7 +83,7 @@ def _lines(mesh: Mesh) -> NDArray[np.float64]:
     return np.concatenate([np.zeros((0, 2, 3)), *(np.stack([line[:-1], line[1:]], axis=1) for line in kept)])
 
 
-def _extent(places: NDArray[np.float64]) -> tuple[float, float]:
+def extent_on_screen(places: NDArray[np.float64]) -> tuple[float, float]:
     """The width and height, on the screen at distance 1, that hold the body at every azimuth."""
     across, up = np.hypot(places[:, 0], places[:, 1]), np.abs(places[:, 2])
     sine, cosine = np.sin(ELEVATION), np.cos(ELEVATION)

@@ -42,9 +42,8 @@ class Uniforms:
     {2: 'u[0].x'}
     >>> print(uniforms.script)
     {count: 1, of: (letters, u) => {
-    const u0 = letters[0];
-    const u1 = -u0;
-    u[0] = u1;
+    const u0=letters[0],u1=-u0;
+    u[0]=u1;
     }}
     """
 
@@ -76,13 +75,30 @@ class Uniforms:
         """A function of JavaScript that fills an array."""
         program = self._builder.program({str(slot): number for number, slot in self._slots.items()})
         part = statements(program, "javascript")
-        stores = [f"u[{slot}] = {part.names[number]};" for slot, number in program.outputs]
-        return "\n".join([f"{{count: {len(stores)}, of: (letters, u) => {{", *part.uniform, *stores, "}}"])
+        stores = "".join(f"u[{slot}]={part.names[number]};" for slot, number in program.outputs)
+        return f"{{count: {len(self._slots)}, of: (letters, u) => {{\n{dense(part.uniform)}\n{stores}\n}}}}"
 
 
 def outputs_alone(program: Program, numbers: Sequence[int]) -> Program:
     """The program with other nodes as outputs; nodes keep their numbers."""
     return replace(program, outputs=tuple((str(number), number) for number in numbers))
+
+
+def dense(lines: Sequence[str]) -> str:
+    """Statements that declare names, of one kind, as one declaration without blanks: a page is mostly these.
+
+    Examples
+    --------
+    >>> dense(["float a = p.x;", "float b = -a;", "vec2 w = vec2(a, b);"])
+    'float a=p.x,b=-a;\\nvec2 w=vec2(a,b);'
+    """
+    kinds: list[tuple[str, list[str]]] = []
+    for line in lines:
+        kind, _, rest = line.removesuffix(";").partition(" ")
+        if not kinds or kinds[-1][0] != kind:
+            kinds.append((kind, []))
+        kinds[-1][1].append(rest.replace(" ", ""))
+    return "\n".join(f"{kind} {','.join(texts)};" for kind, texts in kinds)
 
 
 @dataclass(frozen=True)
@@ -159,11 +175,11 @@ class Writer:
 
 def _point(form: SignForm, writer: Writer, leaves: Sequence[int]) -> Iterator[str]:
     lines, names = writer(leaves)
-    yield "vec2 form(vec3 p) {"
-    yield from lines
-    yield from (f"vec2 w{k} = vec2({name}, {k});" for k, name in enumerate(names))
+    lines += [f"vec2 w{k} = vec2({name}, {k});" for k, name in enumerate(names)]
     for k, gate in enumerate(form.gates, len(names)):
-        yield f"vec2 w{k} = {OF_TWO[gate.operation]}(w{gate.first}, w{gate.second});"
+        lines.append(f"vec2 w{k} = {OF_TWO[gate.operation]}(w{gate.first}, w{gate.second});")
+    yield "vec2 form(vec3 p) {"
+    yield dense(lines)
     yield f"return w{len(names) + len(form.gates) - 1};\n}}"
 
 
@@ -171,7 +187,7 @@ def _leaf(writer: Writer, numbers: Mapping[str, int], count: int) -> Iterator[st
     yield "vec4 leaf(int k, vec3 p) {\nswitch (k) {"
     for k in range(count):
         lines, names = writer([numbers[name] for name in (f"{k}", *(f"{k} {i}" for i in range(3)))])
-        yield f"case {k}: {{\n" + "\n".join([*lines, f"return vec4({', '.join(names)});", "}"])
+        yield f"case {k}: {{\n" + "\n".join([dense(lines), f"return vec4({','.join(names)});", "}"])
     yield "}\nreturn vec4(0);\n}"
 
 
@@ -180,8 +196,8 @@ def _second(writer: Writer, numbers: Mapping[str, int], count: int) -> Iterator[
     for k in range(count):
         wanted = [*(f"{k} {i}" for i in range(3)), *(f"{k} {i} {j}" for i, j in PAIRS)]
         lines, names = writer([numbers[name] for name in wanted])
-        stores = [f"{name} = vec3({', '.join(names[3 * i : 3 * i + 3])});" for i, name in enumerate("gab")]
-        yield f"case {k}: {{\n" + "\n".join([*lines, *stores, "break;", "}"])
+        stores = [f"{name} = vec3({','.join(names[3 * i : 3 * i + 3])});" for i, name in enumerate("gab")]
+        yield f"case {k}: {{\n" + "\n".join([dense(lines), *stores, "break;", "}"])
     yield "}\n}"
 
 
@@ -206,15 +222,17 @@ def _model(form: RayForm, uniforms: Uniforms) -> Iterator[str]:
         number = written[value.number]
         return number if kind != MODEL else f"vec4({number}, {number}, 0, 0)"
 
-    yield "vec4 model(vec4 X, vec4 Y, vec4 Z) {"
+    lines = []
     for k, (name, arguments) in enumerate(form.calls, size):
         kinds = form.library[name].parameters
         words = ", ".join(word(*pair) for pair in zip(arguments, kinds, strict=True))
-        yield f"vec4 v{k} = ray_{name}({words});"
+        lines.append(f"vec4 v{k} = ray_{name}({words});")
     names = [word(leaf) for leaf in form.leaves]
     for gate in form.gates:
         names.append(f"w{len(names)}")
-        yield f"vec4 {names[-1]} = ray_{gate.operation}({names[gate.first]}, {names[gate.second]});"
+        lines.append(f"vec4 {names[-1]} = ray_{gate.operation}({names[gate.first]}, {names[gate.second]});")
+    yield "vec4 model(vec4 X, vec4 Y, vec4 Z) {"
+    yield dense(lines)
     yield f"return {names[-1]};\n}}"
 
 
@@ -230,8 +248,8 @@ def _inputs(kinds: Sequence[str]) -> dict[str, str]:
 def _function(head: str, program: Program, inputs: Mapping[str, str]) -> Iterator[str]:
     lines, names = Writer(program, {}, inputs)([number for _, number in program.outputs])
     yield f"{head} {{"
-    yield from lines
-    whole = ", ".join(names)
+    yield dense(lines)
+    whole = ",".join(names)
     yield f"return {whole if len(names) == 1 else f'vec4({whole})'};\n}}"
 
 

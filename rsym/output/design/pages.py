@@ -18,29 +18,32 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import SignForm, shape_form
 from rsym.model.requirements import file_path, require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.output import shading
 from rsym.output.atomic import write_atomically
 from rsym.output.design.forms import FormTexts, form_texts, operations_of
 from rsym.output.design.letters import listed_letters
 from rsym.output.design.plane import MOST_LEVELS, plane_looks, plane_texts
 from rsym.output.fields import plot_field
 from rsym.output.gallery import Gallery
-from rsym.output.interactive import light, page_of_parts
+from rsym.output.ink import INK
+from rsym.output.interactive import AZIMUTH, ELEVATION, extent_on_screen, light, page_of_parts
 from rsym.output.parts import PALETTE
 from rsym.output.shading import linear
 from rsym.output.surfaces import plot_mesh
 from rsym.program.program import live
 from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 
 MOST_OPERATIONS = 500
 CELLS = 64  # of the mesh of a still picture
+STILL_SIZE = (4.0, 3.0)  # hundreds of pixels: some 5 kB
 MESH_CELLS = 128
 SAVING = {"stl": "for printing", "3mf": "for printing, with its unit", "glb": "for viewers"}
 
@@ -97,7 +100,7 @@ def page_of(
     require_shape(shape)
     source = source or Source()
     box = bounds_or_extent(shape, bounds)
-    form = shape_form(shape)
+    form, still = shape_form(shape), ""
     names = leaf_names(form, shape)
     data: dict[str, Any] = {
         "title": title or "shape",
@@ -113,6 +116,7 @@ def page_of(
     if shape.dimension == 2:
         plane = plane_texts(shape, form)
         data["fields"] = plane_looks(shape, box)
+        still = _still_of_plane(shape, box)
         head = f"{_text('head.glsl')}#define MOST {MOST_LEVELS}\n"
         shaders = {
             f"field-{k}": f"{head}{text}\n{_text('plane.glsl')}" for k, text in enumerate(plane.shaders)
@@ -120,7 +124,9 @@ def page_of(
         scripts, formulas = ("page.js", "webgl.js", "plane.js"), plane.script
     elif operations_of(form) <= MOST_OPERATIONS:
         texts = form_texts(form)
-        data |= {"light": light(), "azimuth": _angle(shading.AZIMUTH), "elevation": _angle(shading.ELEVATION)}
+        body = mesh(shape, CELLS, bounds=box)
+        data |= {"light": _light(), **_eye(body, box)}
+        still = _still_of_body(body)
         shaders = _shaders(texts)
         scripts, formulas = ("page.js", "webgl.js", "space.js"), f"{{letters: {texts.uniforms.script}}}"
     else:
@@ -130,7 +136,7 @@ def page_of(
         TITLE=escape(data["title"]),
         CONNECT="'self'" if served else "'none'",
         STYLE=_text("page.css"),
-        STILL=_still(shape, box) if shaders else "",
+        STILL=still,
         SHADERS="\n".join(f'<script type="x-shader" id="shader-{name}">\n{text}</script>' for name, text in shaders.items()),
         DATA=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
         FORMULAS=formulas,
@@ -184,25 +190,52 @@ def _services(shape: Shape, source: Source, title: str) -> list[dict[str, str]]:
     return [dict(zip(("title", "path", "says", "command"), row, strict=True)) for row in rows]
 
 
-def _still(shape: Shape, box: Bounds) -> str:
+def _light() -> dict[str, Any]:
+    """The light, its numbers as short as shaders can tell them apart."""
+    return {name: np.round(value, 4).tolist() for name, value in {**light(), "ink": linear(INK)}.items()}
+
+
+def _eye(body: Mesh, box: Bounds) -> dict[str, Any]:
+    """Where the eye looks and from how far: at the body as it is, or at its bounds where there is none."""
+    corners = body.vertices if len(body.vertices) else np.array(box).T
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    middle = low + (high - low) / 2
+    radius = float(np.linalg.norm(corners - middle, axis=1).max()) or 1.0
+    return {
+        "middle": np.round(middle, 6).tolist(),
+        "radius": round(radius, 6),
+        "extent": np.round(extent_on_screen((corners - middle) / radius), 6).tolist(),
+        "azimuth": round(float(AZIMUTH), 6),
+        "elevation": round(float(ELEVATION), 6),
+    }
+
+
+def _still_of_body(body: Mesh) -> str:
     """The picture that stands until the shaders are compiled, and where they cannot be."""
-    figure = Figure(figsize=(4.8, 3.6), dpi=100)
-    if shape.dimension == 2:
-        plot_field(shape, ax=figure.add_subplot(), resolution=CELLS, bounds=box)
-    else:
-        gallery = Gallery(figure, 1, 1, width=4.8)
-        plot_mesh(mesh(shape, CELLS, bounds=box), ax=gallery.axes[0][0])
-        gallery.arrange()
+    if not len(body.faces):
+        return _image(Figure(STILL_SIZE, dpi=100))
+    gallery = Gallery(Figure(dpi=100), 1, 1, width=STILL_SIZE[0])
+    plot_mesh(body, ax=gallery.axes[0][0])
+    gallery.arrange()
+    return _image(gallery.figure)
+
+
+def _still_of_plane(shape: Shape, box: Bounds) -> str:
+    figure = Figure(STILL_SIZE, dpi=100)
+    plot_field(shape, ax=figure.add_subplot(), resolution=CELLS, bounds=box)
+    return _image(figure)
+
+
+def _image(figure: Figure) -> str:
     data = io.BytesIO()
-    figure.savefig(data, format="webp", pil_kwargs={"quality": 60})
+    figure.savefig(data, format="webp", pil_kwargs={"quality": 50})
     image = base64.b64encode(data.getvalue()).decode()
     return f'<img id="still" alt="the model as it was written" src="data:image/webp;base64,{image}">'
 
 
-def _angle(degrees: float) -> float:
-    return round(degrees * 3.141592653589793 / 180, 6)
-
-
 @lru_cache
 def _text(name: str) -> str:
-    return files("rsym.output.design").joinpath(name).read_text(encoding="utf-8")
+    """A file of this room, without indents and lines that are comments: a tenth of a page."""
+    text = files("rsym.output.design").joinpath(name).read_text(encoding="utf-8")
+    lines = map(str.strip, text.splitlines())
+    return "".join(f"{line}\n" for line in lines if line and not line.startswith("//"))

@@ -11,7 +11,7 @@ import numpy as np
 from rsym.backends.languages import statements
 from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Shape
-from rsym.output.design.forms import Uniforms, outputs_alone
+from rsym.output.design.forms import Uniforms, dense, outputs_alone
 from rsym.output.looks import PLAIN
 from rsym.program.builder import Builder
 from rsym.program.calculus import Calculus
@@ -63,7 +63,7 @@ def _field(program: Program, uniforms: Uniforms, inputs: dict[str, str]) -> str:
     texts = []
     for name, (_, number) in zip(("field", "value"), (program.outputs[0], program.outputs[-1]), strict=True):
         part = statements(outputs_alone(program, [number]), "glsl", inputs=inputs, known=known)
-        lines = [f"float {name}(vec2 p) {{", *part.varying, f"return {part.names[number]};", "}"]
+        lines = [f"float {name}(vec2 p) {{", dense([*part.uniform, *part.varying]), f"return {part.names[number]};", "}"]
         texts.append("\n".join(lines))
     return "\n".join(texts)
 
@@ -72,10 +72,10 @@ def _closure(program: Program, stores: list[str], *more: str) -> str:
     """A function of letters that gives one of a point."""
     part = statements(program, "javascript", inputs=dict(zip(program.coordinates, ("x", "y"), strict=True)))
     values = [part.names[number] for _, number in program.outputs]
-    body = [*part.varying, *(store.format(value) for store, value in zip(stores, values, strict=True))]
+    body = [dense(part.varying), *(store.format(value) for store, value in zip(stores, values, strict=True))]
     parameters = ", ".join(["x", "y", *(name for name in more if name.isidentifier())])
     ends = [text for text in more if not text.isidentifier()]
-    return "\n".join(["letters => {", *part.uniform, f"return ({parameters}) => {{", *body, *ends, "}; }"])
+    return "\n".join(["letters => {", dense(part.uniform), f"return ({parameters}) => {{", *body, *ends, "}; }"])
 
 
 def _active(form: SignForm) -> tuple[list[str], str]:

@@ -6,8 +6,7 @@ const EYES = {front: [90, 0], rear: [-90, 0], left: [180, 0], right: [0, 0], top
 
 const picture = (() => {
   const low = data.bounds.map(side => side[0]), high = data.bounds.map(side => side[1]);
-  const middle = low.map((end, k) => (end + high[k]) / 2);
-  const radius = Math.hypot(...low.map((end, k) => (high[k] - end) / 2));
+  const {middle, radius, extent} = data;
   const turns = Math.PI;
   const fields = {
     azimuth: {value: data.azimuth, low: -1000, high: 1000},
@@ -22,19 +21,6 @@ const picture = (() => {
   const run = scheduler();
   let gl, canvas, programs, curvature, letterUniforms, paints;
   let sets = {}, shown = null, share = 0.5, settling = 0, broken = false;
-
-  // How wide and high the body is on the screen at distance 1, so that it stays inside when it turns about its axis.
-  const extent = (() => {
-    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map(k => low.map((end, i) => ((k >> i & 1 ? high[i] : end) - middle[i]) / radius));
-    const sine = Math.sin(data.elevation), cosine = Math.cos(data.elevation);
-    return corners.reduce(([wide, tall], [x, y, z]) => {
-      const across = Math.hypot(x, y), up = Math.abs(z);
-      return [
-        Math.max(wide, across / (DISTANCE - Math.hypot(across, up))),
-        Math.max(tall, (up * cosine + across * sine) / (DISTANCE - up * sine - across * cosine)),
-      ];
-    }, [0, 0]).map(size => size / 0.94);
-  })();
 
   function camera(wide, tall) {
     const [sinE, cosE] = [Math.sin(view.elevation), Math.cos(view.elevation)];
@@ -143,6 +129,7 @@ const picture = (() => {
 
   function change(moves) {
     clearTimeout(settling);
+    byId("legend").hidden = view.colours > 0;
     if (!programs || broken) return;
     if (view.colours >= 2 && view.colours <= 4 && !curvature) {
       needCurvature();
