@@ -27,7 +27,7 @@ from rsym.program.builder import Builder
 from rsym.program.expansion import expand
 from rsym.program.program import FLOAT64, Data, Node, Precision, Program, live
 
-MODEL, NUMBER = "model", "number"
+MODEL, LINE, NUMBER = "model", "line", "number"
 PARTS = RayModel._fields
 
 
@@ -54,7 +54,7 @@ class RayFunction:
     name : str
         An identifier.
     parameters : tuple of str
-        "model" or "number", in order.
+        "model", "line" or "number", in order; a line is a model without its quadratic part, which is 0.
     program : Program
         Expanded. Its coordinates are `inputs`, its outputs ``low``, ``high``, ``linear``, ``quadratic``.
     """
@@ -68,6 +68,11 @@ class RayFunction:
         """The names of the numbers that it takes: ``a_low`` to ``a_quadratic`` of a model, ``b`` of a number."""
         return tuple(name for k, kind in enumerate(self.parameters) for name in input_names(k, kind))
 
+    @property
+    def gives_line(self) -> bool:
+        """Whether the quadratic part of what it gives is 0."""
+        return self.program.nodes[dict(self.program.outputs)["quadratic"]] == Node("const", (), Fraction(0))
+
 
 def input_names(place: int, kind: str) -> tuple[str, ...]:
     """The inputs of a parameter.
@@ -78,7 +83,7 @@ def input_names(place: int, kind: str) -> tuple[str, ...]:
     (('a_low', 'a_high', 'a_linear', 'a_quadratic'), ('b',))
     """
     letter = "abcdefgh"[place]
-    return tuple(f"{letter}_{part}" for part in PARTS) if kind == MODEL else (letter,)
+    return (letter,) if kind == NUMBER else tuple(f"{letter}_{part}" for part in PARTS[: 3 if kind == LINE else 4])
 
 
 @dataclass(frozen=True)
@@ -141,9 +146,9 @@ class RayForm:
         }
 
 
-def ray_form(form: SignForm, precision: Precision = FLOAT64) -> RayForm:
-    """The models of a sign form."""
-    return _Calls(form, precision).form()
+def ray_form(form: SignForm, precision: Precision = FLOAT64, *, lines: bool = False) -> RayForm:
+    """The models of a sign form; with `lines` what is linear along rays has functions of its own, which do less."""
+    return _Calls(form, precision, lines).form()
 
 
 # Operations whose last operand is a parameter: as a constant it is part of the function.
@@ -151,8 +156,9 @@ _PARAMETERS = {"pow", "absolute_power", "signed_power"}
 
 
 class _Calls:
-    def __init__(self, form: SignForm, precision: Precision) -> None:
-        self.source, self.precision = form, precision
+    def __init__(self, form: SignForm, precision: Precision, lines: bool) -> None:
+        self.source, self.precision, self.lines = form, precision, lines
+        self.straight: set[int] = set(range(len(form.builder.coordinates)))  # models without a quadratic part
         self.b = form.builder
         self.values: dict[int, RayValue] = {}
         self.calls: list[RayCall] = []
@@ -190,8 +196,11 @@ class _Calls:
             name = "select" if is_decisive(self.definedness, node) else "select_cautious"
             return self._call(name, node.arguments)
         name, arguments = relation(self.b.nodes, number) or (node.operation, node.arguments)
-        if name in _RELATED:
-            return _RELATED[name](self, arguments)
+        if name == "direction":
+            return self._call("sign", arguments)
+        if name == "share":  # f/sqrt(f**2 + g**2)
+            f, g = (self._value(argument) for argument in arguments)
+            return self._called("normalised", [f, self._called("square", [g])])
         if name == "div" and self.b.uniform[arguments[0]]:
             inverse = self._call("inverse", arguments[1:])
             top = self.b.value(arguments[0])
@@ -209,13 +218,18 @@ class _Calls:
         given = [operand for operand in operands if isinstance(operand, RayValue)]
         if name in {"add", "mul", "min", "max"}:
             given.sort(key=lambda value: value.kind)  # models first
-        kinds = tuple(value.kind for value in given)
+        kinds = tuple(LINE if self._is_line(value) else value.kind for value in given)
         constant = next((operand for operand in operands if isinstance(operand, Fraction)), None)
         call = RayCall(self._function(name, kinds, constant, data), tuple(given))
         if call not in self.made:
             self.calls.append(call)
-            self.made[call] = RayValue(MODEL, len(self.b.coordinates) + len(self.calls) - 1)
+            made = self.made[call] = RayValue(MODEL, len(self.b.coordinates) + len(self.calls) - 1)
+            if self.library[call.function].gives_line:
+                self.straight.add(made.number)
         return self.made[call]
+
+    def _is_line(self, value: RayValue) -> bool:
+        return self.lines and value.kind == MODEL and value.number in self.straight
 
     def _function(
         self, operation: str, kinds: tuple[str, ...], constant: Fraction | None = None, data: Data = None
@@ -223,22 +237,6 @@ class _Calls:
         function = image_function(operation, kinds, constant, data, self.precision)
         self.library.setdefault(function.name, function)
         return function.name
-
-    def _share(self, arguments: Sequence[int]) -> RayValue:
-        """f/sqrt(f**2 + g**2)."""
-        f, g = (self._value(argument) for argument in arguments)
-        return self._called("normalised", [f, self._called("square", [g])])
-
-    def _direction(self, arguments: Sequence[int]) -> RayValue:
-        return self._call("sign", arguments)
-
-
-_RELATED = {
-    "share": _Calls._share,
-    "direction": _Calls._direction,
-    "norm_share": lambda calls, arguments: calls._call("norm_share", arguments),
-    "gap_share": lambda calls, arguments: calls._call("gap_share", arguments),
-}
 
 
 def image_function(
@@ -256,7 +254,7 @@ def image_function(
     ('pow_3over2', 'powi_3')
     """
     words = [operation]
-    if NUMBER in kinds:
+    if {NUMBER, LINE} & set(kinds):
         words += [NUMBER] if kinds == (MODEL, NUMBER) else kinds
     words += [_word(part) for part in ([] if constant is None else [constant])]
     words += [_word(part) for part in (data if isinstance(data, tuple) else (data,)) if isinstance(part, int)]
@@ -264,7 +262,7 @@ def image_function(
     b = Builder(tuple(name for names in inputs for name in names), ())
     arithmetic = RayArithmetic(b, precision)
     operands = [
-        RayModel(*map(b.input, names)) if kind == MODEL else arithmetic.number(b.input(names[0]))
+        arithmetic.number(b.input(names[0])) if kind == NUMBER else RayModel(*parts_of(b, names))
         for kind, names in zip(kinds, inputs, strict=True)
     ]
     if constant is not None:
@@ -272,6 +270,11 @@ def image_function(
     node = Node(operation, tuple(range(len(operands))), data)
     program = b.program(IMAGES[operation](arithmetic, node, operands)._asdict())
     return RayFunction("_".join(words), kinds, _defined(expand(program)))
+
+
+def parts_of(b: Builder, names: Sequence[str]) -> list[int]:
+    """The four numbers of a model, the quadratic one 0 where it has no name."""
+    return [*map(b.input, names), *[b.const(0)] * (len(PARTS) - len(names))]
 
 
 def _defined(program: Program) -> Program:

@@ -148,8 +148,7 @@ class RayArithmetic:
 
     def lowered(self, u: RayModel, by: int) -> RayModel:
         """Low moved down by that much."""
-        low = self.b.sub(self.b.sub(u.low, by), self.b.mul(self.slack, self.b.abs(u.low)))
-        return u._replace(low=self.greater(low, self.b.neg(self.huge)))
+        return u._replace(low=self.b.sub(self.b.sub(u.low, by), self.b.mul(self.slack, self.b.abs(u.low))))
 
     # What is known of them
 
@@ -197,8 +196,7 @@ class RayArithmetic:
     def add(self, u: RayModel, v: RayModel) -> RayModel:
         """U + v."""
         total = RayModel(*(self.b.add(p, q) for p, q in zip(u, v, strict=True)))
-        low, high, linear, quadratic = self.outward(total, self.size(total))
-        return RayModel(self.greater(low, self.b.neg(self.huge)), self.lesser(high, self.huge), linear, quadratic)
+        return self.outward(total, self.size(total))
 
     def negative(self, u: RayModel) -> RayModel:
         """-u."""
@@ -215,6 +213,9 @@ class RayArithmetic:
     def product(self, u: RayModel, v: RayModel) -> RayModel:
         """U*v; of two ranges the product of their ends, which a middle and a radius would lose."""
         b = self.b
+        for one, other in ((u, v), (v, u)):
+            if one == self.number(one.low):
+                return self.scaled(other, one.low)
         c, d = self.centre(u), self.centre(v)
         ends = [b.mul(p, q) for p in dict.fromkeys(u[:2]) for q in dict.fromkeys(v[:2])]
         cubic = b.add(b.mul(u.linear, v.quadratic), b.mul(u.quadratic, v.linear))
@@ -230,6 +231,12 @@ class RayArithmetic:
         low = b.add(b.sub(self.lesser(*ends), wide), self.lesser(rest, self.zero))
         high = b.add(b.add(self.greater(*ends), wide), self.greater(rest, self.zero))
         return self.settled(RayModel(low, high, linear, quadratic), b.mul(self.size(u), self.size(v)))
+
+    def scaled(self, u: RayModel, k: int) -> RayModel:
+        """A number times u."""
+        ends = [self.b.mul(k, end) for end in u[:2]]
+        scaled = RayModel(self.lesser(*ends), self.greater(*ends), *(self.b.mul(k, part) for part in u[2:]))
+        return self.outward(scaled, self.size(scaled))
 
     def square(self, u: RayModel) -> RayModel:
         """U*u."""
@@ -274,9 +281,8 @@ class RayArithmetic:
             b.mul(b.abs(g), b.add(distance, b.abs(self.centre(u)))),
             b.mul(b.abs(h), b.square(distance)),
         )
-        return self.settled(
-            RayModel(low, high, linear, quadratic), b.mul(b.make("div", self.elementary, self.slack), scale)
-        )
+        ratio = b.const(self.rounding.elementary / self.rounding.slack)
+        return self.settled(RayModel(low, high, linear, quadratic), b.mul(ratio, scale))
 
     def better(self, u: RayModel, low: int, high: int) -> RayModel:
         """The model, or the range where that is not twice as wide as low and high leave open."""

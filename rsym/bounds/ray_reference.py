@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Floats
 from rsym.backends.registry import CompiledFunction, make_function
-from rsym.bounds.ray_forms import MODEL, RayForm, RayValue
+from rsym.bounds.ray_forms import MODEL, RayForm, RayValue, input_names
 from rsym.logic.sign_form import through
 
 Parts = Sequence[NDArray[Any]]  # low, high, linear, quadratic
@@ -66,8 +66,9 @@ class RayReference:
 
         for call in self.form.calls:
             given: list[NDArray[Any]] = []
-            for value in call.arguments:
-                given += models[value.number] if value.kind == MODEL else [number(value.number)]
+            for value, kind in zip(call.arguments, self.form.library[call.function].parameters, strict=True):
+                parts = models[value.number] if value.kind == MODEL else [number(value.number)]
+                given += parts[: len(input_names(0, kind))]
             models.append(self._run(call.function, given))
         return [model(leaf) for leaf in self.form.leaves]
 

@@ -250,3 +250,11 @@ def better(operation: str, a: Value, b: Value) -> Value:
 def leaf_number(number: int) -> str:
     """The number of a leaf in every lane."""
     return f"<{', '.join([f'i16 {number}'] * LANES)}>"
+
+
+def with_bit(r: Routine, word: str, truths: str, bit: int) -> str:
+    """The words of the lanes, with a bit set where something is true."""
+    words = f"<{LANES} x i64>"
+    number = (1 << bit) - (1 << WORD if bit == WORD - 1 else 0)
+    yes = f"<{', '.join([f'i64 {number}'] * LANES)}>"
+    return r.emit(f"or {words} {word}, {r.select(truths, yes, 'zeroinitializer', words)}")

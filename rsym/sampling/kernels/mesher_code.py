@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 
 from rsym.backends.llvm_code import VECTORS, declarations
 from rsym.backends.vector_code import Value
-from rsym.sampling.kernels.form_code import ENDS, NAMED, WORD, LeafFormulas, better, form, leaf_outputs, named, value
+from rsym.sampling.kernels.form_code import ENDS, NAMED, WORD, LeafFormulas, better, form, leaf_outputs, named, value, with_bit
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
 
 State = dict[str, Value]
@@ -154,7 +154,7 @@ def boxes(s: LeafFormulas) -> Routine:
                 lower, upper = ends[operand]
                 idle = lower > 0.0 if operation == "min" else upper < 0.0
                 word, bit = divmod(2 * number + position, WORD)
-                words[word] = _with_bit(r, words[word], idle.name, bit)
+                words[word] = with_bit(r, words[word], idle.name, bit)
             operands = zip(ends[first], ends[second], strict=True)
             ends.append([better(operation, a, b).choose(a, b) for a, b in operands])
         lower, upper = ends[-1]
@@ -229,13 +229,6 @@ def crossings(s: LeafFormulas) -> Routine:
             r.store_some(leaf, SHORTS, short, r.place("%leaf", "i16", i), count)
     r.do("ret void")
     return r
-
-
-def _with_bit(r: Routine, word: str, truths: str, bit: int) -> str:
-    words = f"<{LANES} x i64>"
-    number = (1 << bit) - (1 << WORD if bit == WORD - 1 else 0)
-    yes = f"<{', '.join([f'i64 {number}'] * LANES)}>"
-    return r.emit(f"or {words} {word}, {r.select(truths, yes, 'zeroinitializer', words)}")
 
 
 def _lattice_points(r: Routine, indices: Sequence[Value]) -> list[Value]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
 
@@ -108,15 +108,29 @@ class Routine:
         return self.emit(f"bitcast {TRUTHS} {truths} to i{LANES}")
 
     @contextmanager
-    def loop(self, start: str, stop: str, step: int) -> Iterator[str]:
-        """The body for `%i` from start to below stop."""
+    def where(self, truths: Value) -> Iterator[None]:
+        """The body, if this is true in any lane."""
+        number = len(self.lines)
+        some = self.emit(f"icmp ne i{LANES} {self.mask(truths.name)}, 0")
+        self.do(f"br i1 {some}, label %some{number}, label %none{number}")
+        self.start(f"some{number}")
+        yield
+        self.label(f"none{number}")
+
+    @contextmanager
+    def loop(self, start: str, stop: str, step: int, going: Callable[[], Value] | None = None) -> Iterator[str]:
+        """The body for `%i` from start to below stop, and as long as `going` is true in any lane."""
         number = len(self.lines)
         index = f"%i{number}"
         self.label(f"before{number}")
         self.label(f"head{number}")
         self.do(f"{index} = phi i64 [ {start}, %before{number} ], [ %next{number}, %latch{number} ]")
         self.do(f"%more{number} = icmp slt i64 {index}, {stop}")
-        self.do(f"br i1 %more{number}, label %body{number}, label %end{number}")
+        more = f"%more{number}"
+        if going is not None:
+            some = self.emit(f"icmp ne i{LANES} {self.mask(going().name)}, 0")
+            more = self.emit(f"and i1 {more}, {some}")
+        self.do(f"br i1 {more}, label %body{number}, label %end{number}")
         self.start(f"body{number}")
         yield index
         self.label(f"latch{number}")

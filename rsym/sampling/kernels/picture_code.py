@@ -1,0 +1,219 @@
+"""The routines of a caster as LLVM text: a picture tile by tile, beams first, and rays one by one.
+
+A beam runs around the rays of a tile of pixels: how far it is negative all rays are, and what does not matter on its rest
+matters to none of them.
+"""
+
+from __future__ import annotations
+
+from rsym.backends.llvm_code import VECTORS, declarations
+from rsym.backends.vector_code import Value
+from rsym.program.program import Node
+from rsym.sampling.kernels.march_code import (
+    GONE,
+    MARCHING,
+    ROWS,
+    Row,
+    clip,
+    first_root,
+    get,
+    least,
+    march,
+    model_on,
+    put,
+    segment,
+    settle,
+)
+from rsym.sampling.kernels.ray_code import RayFormulas, library, model, point, survey
+from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
+
+TILE = 16  # pixels along a side
+BLOCK = (4, 2)  # columns and rows of the eight pixels that march together
+MOST_BEAM_STEPS = 60
+# Of the side of a tile: where a beam that may meet something ends.
+NEAR = 0.5
+FIRST_STEP = 2.0
+WORDS = f"<{LANES} x i64>"
+# What a camera is, as numbers in a row.
+CAMERA = ("corner", "across", "down", "eye", "perspective", "near", "far", "pixel", "growth", "radius", "spread", "reach")
+
+
+def place_of(name: str) -> int:
+    """Where a part of a camera begins: the first four are vectors."""
+    k = CAMERA.index(name)
+    return 3 * min(k, 4) + max(0, k - 4)
+
+
+class Picture(Routine):
+    """A routine that makes rays of a camera."""
+
+    def part(self, name: str, axis: int = 0) -> Value:
+        """A number of the camera, in every lane."""
+        return self.element("%camera", place_of(name) + axis)
+
+    def scalar(self, name: str) -> str:
+        """The same as a scalar."""
+        return self.load("%camera", place_of(name), "double")
+
+    def rays(self, column: Value, row: Value) -> None:
+        """The rays through places counted in pixels, from near to far."""
+        far_away = self.part("perspective") > 0.0
+        places = [
+            self.part("corner", axis) + column * self.part("across", axis) + row * self.part("down", axis)
+            for axis in range(3)
+        ]
+        along = [place - self.part("eye", axis) for axis, place in enumerate(places)]
+        length = self.root(along[0] * along[0] + along[1] * along[1] + along[2] * along[2])
+        for axis, place in enumerate(places):
+            put(self, Row.ORIGIN + axis, far_away.choose(self.part("eye", axis), place))
+            put(self, Row.DIRECTION + axis, far_away.choose(along[axis] / length, self.part("eye", axis)))
+        put(self, Row.T, self.part("near"))
+        put(self, Row.STOP, self.part("far"))
+
+    def march(self, words: str, pixel: str, growth: str) -> None:
+        """Cast the rays that are made."""
+        given = f"ptr %state, ptr %constants, ptr {words}"
+        self.do(f"call void @march({given}, double {pixel}, double {growth})")
+        self.do(f"call void @settle({given}, ptr %planes, i64 %cuts)")
+
+
+def _started(name: str, parameters: dict[str, str]) -> Picture:
+    r = Picture(name, parameters)
+    r.do(f"%state = alloca [{ROWS * LANES} x double], align 64")
+    return r
+
+
+COMMON = {"first": "i64", "last": "i64", "camera": "ptr", "planes": "ptr", "cuts": "i64", "constants": "ptr"}
+
+
+def beams(s: RayFormulas) -> Routine:
+    """From tile `first` to below `last`, eight at a time: where its beam may meet something, and what matters there."""
+    r = _started("beams", {**COMMON, "columns": "i64", "nothing": "ptr", "starts": "ptr", "marks": "ptr"})
+    r.do("%words = bitcast ptr %nothing to ptr")
+    radius, spread = r.part("radius"), r.part("spread")
+
+    def reach(t: Value, step: Value) -> Value:
+        return radius + spread * (abs(t) + step)
+
+    with r.loop("%first", "%last", LANES) as i:
+        numbers = [r.emit(f"add i64 {i}, {lane}") for lane in range(LANES)]
+        places = []
+        for operation in ("urem", "udiv"):
+            vector = "poison"
+            for lane, number in enumerate(numbers):
+                one = r.emit(f"sitofp i64 {r.emit(f'{operation} i64 {number}, %columns')} to double")
+                vector = r.emit(f"insertelement {DOUBLES} {vector}, double {one}, i32 {lane}")
+            places.append(r.value(vector) * float(TILE) + TILE / 2)
+        r.rays(*places)
+        r.do(f"call void @clip(ptr %state, ptr %planes, i64 %cuts, double {r.scalar('reach')})")
+        put(r, Row.STEP, (get(r, Row.STOP) - get(r, Row.T)) * 0.5)
+        with r.loop("0", f"{MOST_BEAM_STEPS}", 1, lambda: get(r, Row.STATUS).compare("oeq", MARCHING)):
+            t, stop, status = get(r, Row.T), get(r, Row.STOP), get(r, Row.STATUS)
+            step = least(get(r, Row.STEP), stop - t)
+            half = step * 0.5
+            _, high, linear, quadratic = model_on(r, t, step, reach(t, step))
+            upper = first_root(r, high + (quadratic - linear), linear, quadratic)
+            out = upper > 2.0
+            begin = t + upper * half
+            live = status.compare("oeq", MARCHING)
+            size = (r.part("pixel") + r.part("growth") * abs(t)) * (TILE * NEAR)
+            put(r, Row.T, live.choose(out.choose(t + step, begin), t))
+            put(r, Row.STEP, out.choose(step * 2.0, least(t + step - begin, half)))
+            ended = live & (out ^ 1) & (step < size)
+            put(r, Row.STATUS, ended.choose(1.0, status))
+            gone = live & get(r, Row.T).compare("oge", stop)
+            put(r, Row.STATUS, gone.choose(GONE, get(r, Row.STATUS)))
+        t, stop = get(r, Row.T), get(r, Row.STOP)
+        gone = get(r, Row.STATUS).compare("oeq", GONE)
+        r.store(gone.choose(float("inf"), t).name, "%starts", i)
+        rest = gone.choose(0.0, stop - t)
+        given = ", ".join(f"{DOUBLES} {part}" for part in segment(r, t, rest, reach(t, rest)))
+        target = r.place("%marks", "i64", r.emit(f"mul i64 {i}, {s.words}"))
+        r.do(f"call void @survey({given}, ptr %constants, ptr {target})")
+    r.do("ret void")
+    return r
+
+
+def picture(s: RayFormulas) -> Routine:
+    """From tile `first` to below `last` what each pixel shows; `stride` is the length of a row of pixels."""
+    outputs = {"depth": "ptr", "leaf": "ptr", "normal": "ptr", "doubt": "ptr", "stride": "i64", "plane": "i64"}
+    r = _started("picture", {**COMMON, "columns": "i64", "starts": "ptr", "marks": "ptr", **outputs})
+    pixel, growth = r.scalar("pixel"), r.scalar("growth")
+    wide, high = BLOCK
+    across, down = (
+        r.value(f"<{', '.join(f'double {number:.1f}' for number in numbers)}>")
+        for numbers in ([lane % wide + 0.5 for lane in range(LANES)], [lane // wide + 0.5 for lane in range(LANES)])
+    )
+    with r.loop("%first", "%last", 1) as tile:
+        column, row = (r.emit(f"{operation} i64 {tile}, %columns") for operation in ("urem", "udiv"))
+        x0, y0 = (r.emit(f"mul i64 {number}, {TILE}") for number in (column, row))
+        start = r.element("%starts", tile)
+        words = r.place("%marks", "i64", r.emit(f"mul i64 {tile}, {s.words}"))
+        with r.loop("0", f"{TILE}", high) as j, r.loop("0", f"{TILE}", wide) as i:
+            x, y = r.emit(f"add i64 {x0}, {i}"), r.emit(f"add i64 {y0}, {j}")
+            left, top = (r.value(r.splat(r.emit(f"sitofp i64 {number} to double"))) for number in (x, y))
+            put(r, Row.STATUS, r.number(GONE))
+            with r.where(start < float("inf")):
+                r.rays(left + across, top + down)
+                r.do("call void @clip(ptr %state, ptr %planes, i64 %cuts, double 0.0)")
+                t = get(r, Row.T)
+                put(r, Row.T, (start > t).choose(start, t))
+                size = r.part("pixel") + r.part("growth") * abs(get(r, Row.T))
+                put(r, Row.STEP, size * (TILE * FIRST_STEP))
+                r.march(words, pixel, growth)
+            for half in range(high):
+                below = r.emit(f"mul i64 {r.emit(f'add i64 {y}, {half}')}, %stride")
+                place = r.emit(f"add i64 {below}, {x}")
+                _write(r, place, "%plane", range(half * wide, half * wide + wide))
+    r.do("ret void")
+    return r
+
+
+def rays(s: RayFormulas) -> Routine:
+    """Rays from `first` to below `last`: rows of origins and directions in, what they meet out."""
+    outputs = {"depth": "ptr", "leaf": "ptr", "normal": "ptr", "doubt": "ptr", "stride": "i64"}
+    r = _started("rays", {**COMMON, "given": "ptr", "nothing": "ptr", **outputs})
+    with r.loop("%first", "%last", LANES) as i:
+        for row in range(6):
+            put(r, Row.ORIGIN + row, r.value(r.load(r.row("%given", "%stride", row), i)))
+        put(r, Row.T, r.part("near"))
+        put(r, Row.STOP, r.part("far"))
+        r.do("call void @clip(ptr %state, ptr %planes, i64 %cuts, double 0.0)")
+        put(r, Row.STEP, (get(r, Row.STOP) - get(r, Row.T)) * 0.25)
+        r.march("%nothing", r.scalar("pixel"), r.scalar("growth"))
+        _write(r, i, "%stride", range(LANES))
+    r.do("ret void")
+    return r
+
+
+def _write(r: Routine, place: str, stride: str, lanes: range) -> None:
+    """Store what some lanes have met."""
+    met = get(r, Row.STATUS) > MARCHING
+    count = len(lanes)
+    chosen = f"<{count} x i32> <{', '.join(f'i32 {lane}' for lane in lanes)}>"
+
+    def some(value: str, element: str) -> str:
+        whole = f"<{LANES} x {element}>"
+        return r.emit(f"shufflevector {whole} {value}, {whole} poison, {chosen}") if count < LANES else value
+
+    def store(value: str, element: str, pointer: str) -> None:
+        r.store(some(value, element), pointer, place, f"<{count} x {element}>")
+
+    store(met.choose(get(r, Row.T), float("inf")).name, "double", "%depth")
+    leaf = r.emit(f"fptosi {DOUBLES} {met.choose(get(r, Row.LEAF), -1.0).name} to {SHORTS}")
+    store(leaf, "i16", "%leaf")
+    for axis in range(3):
+        normal = met.choose(get(r, Row.NORMAL + axis), float("nan"))
+        store(normal.name, "double", r.row("%normal", stride, axis))
+    doubt = r.emit(f"fptosi {DOUBLES} {get(r, Row.DOUBT).name} to <{LANES} x i8>")
+    store(doubt, "i8", "%doubt")
+
+
+def caster_code(s: RayFormulas) -> str:
+    """The module."""
+    nodes: list[Node] = [*s.points.program.nodes]
+    for function in s.rays.library.values():
+        nodes += function.program.nodes
+    head = [*declarations(VECTORS["float64"], nodes), f"declare i{LANES} @llvm.cttz.i{LANES}(i{LANES}, i1)"]
+    parts = (model, survey, point, clip, march, settle, beams, picture, rays)
+    return "\n".join([*head, *library(s), *(part(s).text for part in parts)])

@@ -1,0 +1,280 @@
+"""Routines of a sign form along rays: its model on segments, what matters of it in a beam, its active leaf at points."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+
+from rsym.backends.interpreter import interpret_nodes
+from rsym.bounds.ray_forms import LINE, MODEL, NUMBER, RayFunction, input_names, ray_form
+from rsym.bounds.ray_models import RayArithmetic, RayModel
+from rsym.logic.sign_form import Gate, SignForm
+from rsym.logic.stripping import is_positive
+from rsym.program.builder import Builder
+from rsym.program.expansion import expand
+from rsym.program.operations import OPERATIONS
+from rsym.program.program import Node, Program
+from rsym.program.row import Test
+from rsym.sampling.kernels.form_code import (
+    AXES,
+    WORD,
+    Parts,
+    ReducedWalk,
+    better,
+    leaf_number,
+    leaf_program,
+    share_parts,
+    with_bit,
+)
+from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Formulas, Routine
+
+NAMED = f"{{ {DOUBLES}, {SHORTS} }}"
+ZERO = "zeroinitializer"
+# Beyond every model; of a square of it nothing is asked.
+HUGE = 1e110
+# The models of the coordinates, which are linear along rays.
+ENDS = tuple(f"{axis}_{part}" for axis in AXES for part in ("low", "high", "linear"))
+# Calls. What more than one leaf needs is made once where it is that much, though maybe no leaf in a block needs it.
+MUCH = 8
+
+
+class RayFormulas:
+    """A sign form as routines along rays need it.
+
+    Of the array `constants` the first are the uniform numbers of models, then those of the formulas at points, then a
+    scale for each leaf, then the distance below which leaves are taken for one.
+    """
+
+    def __init__(self, form: SignForm) -> None:
+        self.form = form
+        self.rays = ray_form(form, lines=True)
+        self.count = len(form.leaves)
+        self.gates: tuple[Gate, ...] = form.gates
+        self.uniforms = len(self.rays.uniforms.outputs)
+        self.points = Formulas(expand(leaf_program(form)), self.uniforms)
+        self.coordinates = form.builder.coordinates
+        self.scales = self.uniforms + self.points.constants
+        self.tolerance = self.scales + self.count
+        self.constants = self.tolerance + 1
+
+    @property
+    def words(self) -> int:
+        """How many words hold a bit for each operand of each gate."""
+        return max(1, -(-2 * len(self.gates) // WORD))
+
+    @cached_property
+    def everywhere(self) -> tuple[bool, ...]:
+        """Which operands of gates have a value everywhere, as their form shows: of leaves, then of gates."""
+        b = self.form.builder
+        defined: list[bool] = []
+        for node in b.nodes:
+            holds = all(any(_holds(b, node, test) for test in clause) for clause in OPERATIONS[node.operation].domain)
+            defined.append(holds and all(defined[argument] for argument in node.arguments))
+        known = [defined[leaf] for leaf in self.form.leaves]
+        for gate in self.gates:
+            known.append(known[gate.first] and known[gate.second])
+        return tuple(known)
+
+
+def _holds(b: Builder, node: Node, test: Test) -> bool:
+    """Whether the form of an operand shows that a condition on it holds."""
+    if test.place < 0:
+        return False
+    argument = node.arguments[test.place]
+    return b.nonnegative[argument] if test.kind == "nonnegative" else is_positive(b, argument)
+
+
+def library(s: RayFormulas) -> list[str]:
+    """The image functions as LLVM functions, and the range of a model."""
+    b = Builder(input_names(0, MODEL), ())
+    low, high = RayArithmetic(b).range(RayModel(*map(b.input, b.coordinates)))
+    functions = [_function(one.name, one.inputs, one.program, _results(one)) for one in s.rays.library.values()]
+    return [*functions, _function("range", b.coordinates, b.program({"low": low, "high": high}), ("low", "high"))]
+
+
+def _results(function: RayFunction) -> tuple[str, ...]:
+    return input_names(0, LINE if function.gives_line else MODEL)
+
+
+def _function(name: str, inputs: Sequence[str], program: Program, results: Sequence[str]) -> str:
+    """A program as a function of vectors; a min or max of numbers that are no NaN is one instruction."""
+    r = Routine(f"ray_{name}", dict.fromkeys(inputs, DOUBLES), _struct(len(results)), True)
+    formulas = Formulas(program)
+    known = formulas.inputs({name: f"%{name}" for name in inputs})
+    fixed = interpret_nodes(program, dict.fromkeys(inputs, 0.0))
+    known.update({number: r.number(float(fixed[number])).name for number in formulas.slots})
+    for number, node in enumerate(program.nodes):
+        if number not in known and node.operation in {"min", "max"}:
+            a, b = (known[argument] for argument in node.arguments)
+            first = r.emit(f"fcmp {'olt' if node.operation == 'min' else 'ogt'} {DOUBLES} {a}, {b}")
+            known[number] = r.select(first, a, b, DOUBLES)
+        else:
+            formulas.emit(r, [number], known)
+    value = "poison"
+    for place, output in enumerate(number for _, number in program.outputs[: len(results)]):
+        value = r.emit(f"insertvalue {_struct(len(results))} {value}, {DOUBLES} {known[output]}, {place}")
+    r.do(f"ret {_struct(len(results))} {value}")
+    return r.text
+
+
+def _struct(count: int) -> str:
+    return f"{{ {', '.join([DOUBLES] * count)} }}"
+
+
+def called(r: Routine, name: str, arguments: Iterable[str], count: int) -> Parts:
+    """What a function of the library gives."""
+    given = ", ".join(f"{DOUBLES} {argument}" for argument in arguments)
+    value = r.emit(f"call {_struct(count)} @ray_{name}({given})")
+    return [r.emit(f"extractvalue {_struct(count)} {value}, {k}") for k in range(count)]
+
+
+class ModelCalls:
+    """The calls that make the models of leaves, in a routine."""
+
+    def __init__(self, s: RayFormulas, r: Routine) -> None:
+        self.s, self.r = s, r
+        self.known: dict[int, Parts] = {
+            k: [*(f"%{axis}_{part}" for part in ("low", "high", "linear")), ZERO] for k, axis in enumerate(AXES)
+        }
+
+    def needed(self, wanted: Iterable[int], known: Mapping[int, Parts]) -> list[int]:
+        """The models to be made, in order."""
+        seen: set[int] = set()
+        stack = list(wanted)
+        while stack:
+            number = stack.pop()
+            if number not in seen and number not in known:
+                seen.add(number)
+                call = self.s.rays.calls[number - len(AXES)]
+                stack.extend(value.number for value in call.arguments if value.kind == MODEL)
+        return sorted(seen)
+
+    def share(self) -> None:
+        """Make what more than one leaf needs, where that is much."""
+        leaves = [leaf.number for leaf in self.s.rays.leaves if leaf.kind == MODEL]
+        uses = Counter(part for leaf in leaves for part in self.needed([leaf], self.known))
+        large = [part for part, count in uses.items() if count > 1 and len(self.needed([part], self.known)) > MUCH]
+        self.make(sorted(large), self.known)
+
+    def leaf(self, number: int, known: dict[int, Parts]) -> Parts:
+        """The model of a leaf."""
+        leaf = self.s.rays.leaves[number]
+        if leaf.kind == NUMBER:
+            k = self.uniform(leaf.number)
+            return [k, k, ZERO, ZERO]
+        self.make([leaf.number], known)
+        return known[leaf.number]
+
+    def make(self, wanted: Iterable[int], known: dict[int, Parts]) -> None:
+        """Make models, and note them."""
+        for number in self.needed(wanted, known):
+            call = self.s.rays.calls[number - len(AXES)]
+            function = self.s.rays.library[call.function]
+            given: list[str] = []
+            for value, kind in zip(call.arguments, function.parameters, strict=True):
+                parts = known[value.number] if value.kind == MODEL else [self.uniform(value.number)]
+                given += parts[: len(input_names(0, kind))]
+            results = called(self.r, function.name, given, len(_results(function)))
+            known[number] = [*results, *[ZERO] * (4 - len(results))]
+
+    def uniform(self, number: int) -> str:
+        """A uniform number in every lane."""
+        return self.r.splat(self.r.load("%constants", number, "double"))
+
+
+class _ReducedModel(ReducedWalk):
+    """The model of the form where some operands do not matter."""
+
+    types = (DOUBLES,) * 4
+
+    def __init__(self, s: RayFormulas, r: Routine) -> None:
+        super().__init__(s.gates, s.count, r)
+        self.calls = ModelCalls(s, r)
+        self.calls.share()
+
+    def leaf(self, number: int) -> Parts:
+        return self.calls.leaf(number, dict(self.calls.known))
+
+    def neutral(self, gate: Gate) -> Parts:
+        end = self.r.number(HUGE if gate.operation == "min" else -HUGE).name
+        return [end, end, ZERO, ZERO]
+
+    def join(self, gate: Gate, a: Parts, b: Parts) -> Parts:
+        return called(self.r, gate.operation, [*a, *b], 4)
+
+
+def model(s: RayFormulas) -> Routine:
+    """The model of the form on a segment of each lane."""
+    r = Routine("model", dict.fromkeys(ENDS, DOUBLES) | {"constants": "ptr", "words": "ptr"}, _struct(4), True)
+    value = "poison"
+    for place, part in enumerate(_ReducedModel(s, r).emit()):
+        value = r.emit(f"insertvalue {_struct(4)} {value}, {DOUBLES} {part}, {place}")
+    r.do(f"ret {_struct(4)} {value}")
+    return r
+
+
+def survey(s: RayFormulas) -> Routine:
+    """Which operands of gates do not matter on a segment of each lane: words lane by lane."""
+    r = Routine("survey", dict.fromkeys(ENDS, DOUBLES) | {"constants": "ptr", "words": "ptr"}, internal=True)
+    calls = ModelCalls(s, r)
+    values = [calls.leaf(number, calls.known) for number in range(s.count)]
+    vector = f"<{LANES} x i64>"
+    words = [ZERO] * s.words
+    ranges: dict[int, Parts] = {}
+    for number, (operation, *operands) in enumerate(s.gates):
+        for position, operand in enumerate(operands):
+            if not s.everywhere[operand]:
+                continue
+            if operand not in ranges:
+                ranges[operand] = called(r, "range", values[operand], 2)
+            low, high = map(r.value, ranges[operand])
+            idle = low > 0.0 if operation == "min" else high < 0.0
+            word, bit = divmod(2 * number + position, WORD)
+            words[word] = with_bit(r, words[word], idle.name, bit)
+        values.append(called(r, operation, [*values[operands[0]], *values[operands[1]]], 4))
+    for word, flags in enumerate(words):
+        for lane in range(LANES):
+            one = r.emit(f"extractelement {vector} {flags}, i32 {lane}")
+            r.do(f"store i64 {one}, ptr {r.place('%words', 'i64', lane * s.words + word)}, align 8")
+    r.do("ret void")
+    return r
+
+
+class _ReducedPoint(ReducedWalk):
+    """The value of the form at points, about a distance near its zeros, and its active leaf; of equals the first."""
+
+    types = (DOUBLES, SHORTS)
+
+    def __init__(self, s: RayFormulas, r: Routine) -> None:
+        super().__init__(s.gates, s.count, r)
+        self.s = s
+        self.known = s.points.inputs(dict(zip(s.coordinates, ("%x", "%y", "%z"), strict=True)))
+        share_parts(s.points, r, [f"leaf{k}" for k in range(s.count)], self.known)
+        self.tolerance = r.element("%constants", s.tolerance)
+
+    def leaf(self, number: int) -> Parts:
+        (value,) = self.s.points.outputs(self.r, [f"leaf{number}"], dict(self.known))
+        return [(value * self.r.element("%constants", self.s.scales + number)).name, leaf_number(number)]
+
+    def neutral(self, gate: Gate) -> Parts:
+        infinite = self.r.number(float("inf") if gate.operation == "min" else float("-inf"))
+        return [infinite.name, leaf_number(0)]
+
+    def join(self, gate: Gate, a: Parts, b: Parts) -> Parts:
+        r, (p, q) = self.r, (self.r.value(a[0]), self.r.value(b[0]))
+        take = better(gate.operation, p, q)
+        first = r.emit(f"icmp slt {SHORTS} {a[1]}, {b[1]}")
+        equal = abs(p - q).compare("ole", self.tolerance)
+        chosen = r.select(take.name, a[1], b[1], SHORTS)
+        name = r.select(equal.name, r.select(first, a[1], b[1], SHORTS), chosen, SHORTS)
+        return [take.choose(p, q).name, name]
+
+
+def point(s: RayFormulas) -> Routine:
+    """The form at a point of each lane."""
+    r = Routine("point", dict.fromkeys(AXES, DOUBLES) | {"constants": "ptr", "words": "ptr"}, NAMED, True)
+    value, leaf = _ReducedPoint(s, r).emit()
+    first = r.emit(f"insertvalue {NAMED} poison, {DOUBLES} {value}, 0")
+    r.do(f"ret {NAMED} {r.emit(f'insertvalue {NAMED} {first}, {SHORTS} {leaf}, 1')}")
+    return r

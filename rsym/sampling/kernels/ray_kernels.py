@@ -1,0 +1,185 @@
+"""The caster's kernels: the routines of a sign form along rays, compiled, on NumPy arrays."""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.arrays import Floats, Shorts
+from rsym.backends.interpreter import interpret_nodes
+from rsym.backends.llvm_code import machine_code
+from rsym.logic.sign_form import SignForm
+from rsym.model.shape import Bounds
+from rsym.sampling.kernels.mesher_kernels import padded
+from rsym.sampling.kernels.picture_code import CAMERA, TILE, caster_code, place_of
+from rsym.sampling.kernels.ray_code import RayFormulas
+from rsym.sampling.kernels.routines import LANES
+from rsym.sampling.pencils import Pencil
+
+_POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
+_COMMON = (_INTEGER, _INTEGER, _POINTER, _POINTER, _INTEGER, _POINTER)
+_SIGNATURES: dict[str, tuple[Any, ...]] = {
+    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 3),
+    "picture": (*_COMMON, _INTEGER, *[_POINTER] * 6, _INTEGER, _INTEGER),
+    "rays": (*_COMMON, *[_POINTER] * 6, _INTEGER),
+}
+# Of the diagonal of the bounds: closer leaves are taken for one.
+ALIKE = 1e-10
+SCALE_POINTS = 64
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What rays meet: depth, leaf, doubt (n,) or (rows, columns), the normal's three parts first."""
+
+    depth: Floats
+    leaf: Shorts
+    normal: Floats
+    doubt: NDArray[np.uint8]
+
+
+class RayKernels:
+    """Compiled once for a sign form; `constants` hold the letters."""
+
+    def __init__(self, form: SignForm) -> None:
+        self.formulas = RayFormulas(form)
+        self.source = caster_code(self.formulas)
+        self._engine = machine_code(self.source)
+        self._functions: dict[str, Callable[..., None]] = {
+            name: ctypes.CFUNCTYPE(None, *kinds)(self._engine.get_function_address(name))
+            for name, kinds in _SIGNATURES.items()
+        }
+
+    def constants(self, letters: Mapping[str, float], bounds: Bounds) -> Floats:
+        """The array of constants for letters."""
+        s = self.formulas
+        array = np.zeros(s.constants + LANES)
+        array[: s.uniforms] = s.rays.uniform_values(letters)
+        program = s.points.program
+        generator = np.random.default_rng(20130605)
+        points = {name: generator.uniform(*ends, SCALE_POINTS) for name, ends in zip(s.coordinates, bounds, strict=True)}
+        values = interpret_nodes(program, {**letters, **points})
+        for number, slot in s.points.slots.items():
+            array[slot] = values[number]
+        outputs = [np.broadcast_to(values[number], SCALE_POINTS) for _, number in program.outputs]
+        for k in range(s.count):
+            with np.errstate(all="ignore"):
+                steepness = np.sqrt(sum(part * part for part in outputs[4 * k + 1 : 4 * k + 4]))
+                known = steepness[np.isfinite(steepness) & (steepness > 0)]
+            array[s.scales + k] = 1 / np.median(known) if known.size else 1.0
+        array[s.tolerance] = ALIKE * np.linalg.norm([high - low for low, high in bounds])
+        return array
+
+    def picture(
+        self, pencil: Pencil, near: float, far: float, planes: Floats, bounds: Bounds, constants: Floats, pool: Crowd
+    ) -> Seen:
+        """What the rays of a pencil meet within planes (n, 4)."""
+        width, height = pencil.size
+        columns, rows = -(-width // TILE), -(-height // TILE)
+        tiles = columns * rows
+        camera = _camera(pencil, near, far, bounds)
+        words = self.formulas.words
+        starts, marks = np.empty(tiles + LANES), np.empty((tiles + LANES) * words, np.uint64)
+        nothing = np.zeros(words, np.uint64)
+        common = (camera, planes, len(planes), constants, columns)
+        beam = -(-tiles // (LANES * pool.threads * 4)) * LANES
+        pool.run(lambda a, b: self._call("beams", a, b, *common, nothing, starts, marks), tiles, beam)
+        shape = rows * TILE, columns * TILE
+        seen = Seen(
+            np.empty(shape), np.empty(shape, np.int16), np.empty((3, *shape)), np.empty(shape, np.uint8)
+        )
+        out = (seen.depth, seen.leaf, seen.normal, seen.doubt, shape[1], shape[0] * shape[1])
+        pool.run(lambda a, b: self._call("picture", a, b, *common, starts, marks, *out), tiles, columns)
+        part = np.s_[:height, :width]
+        return Seen(seen.depth[part], seen.leaf[part], seen.normal[(np.s_[:], *part)], seen.doubt[part])
+
+    def rays(
+        self,
+        origins: Floats,
+        directions: Floats,
+        ends: tuple[float, float],
+        pixel: tuple[float, float],
+        planes: Floats,
+        constants: Floats,
+        pool: Crowd,
+    ) -> Seen:
+        """What rays (n, 3) meet within planes (n, 4)."""
+        count = len(origins)
+        length = padded(count)
+        given = np.empty((6, length))
+        given[:3, :count], given[3:, :count] = origins.T, directions.T
+        given[:, count:] = np.array([[np.nan] * 3 + [1.0] * 3]).T
+        camera = np.zeros(32)
+        for name, value in zip(("near", "far", "pixel", "growth"), (*ends, *pixel), strict=True):
+            camera[place_of(name)] = value
+        seen = Seen(np.empty(length), np.empty(length, np.int16), np.empty((3, length)), np.empty(length, np.uint8))
+        nothing = np.zeros(self.formulas.words, np.uint64)
+        common = (camera, planes, len(planes), constants, given, nothing)
+        out = (seen.depth, seen.leaf, seen.normal, seen.doubt, length)
+        step = max(LANES, min(4096, -(-count // (LANES * pool.threads)) * LANES))
+        pool.run(lambda a, b: self._call("rays", a, b, *common, *out), count, step)
+        return Seen(seen.depth[:count], seen.leaf[:count], seen.normal[:, :count], seen.doubt[:count])
+
+    def _call(self, name: str, *arguments: Any) -> None:
+        self._functions[name](*(a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments))
+
+
+def _camera(pencil: Pencil, near: float, far: float, bounds: Bounds) -> Floats:
+    camera = np.zeros(32)
+    eye = pencil.forward if pencil.eye is None else pencil.eye
+    for name, vector in zip(CAMERA, (pencil.corner, pencil.across, pencil.down, eye), strict=False):
+        camera[place_of(name) : place_of(name) + 3] = vector
+    # Half the diagonal of a tile; a little more for what rounding loses.
+    diagonal = float(np.linalg.norm([np.linalg.norm(pencil.across), np.linalg.norm(pencil.down)])) * TILE / 2 * 1.001
+    away = 1.0
+    if pencil.eye is not None:
+        normal = np.cross(pencil.across, pencil.down)
+        away = abs(np.dot(np.subtract(pencil.corner, pencil.eye), normal)) / float(np.linalg.norm(normal))
+    corners = np.array(np.meshgrid(*bounds)).reshape(3, -1).T
+    farthest = float(np.linalg.norm(corners - np.array(pencil.eye or pencil.corner), axis=1).max())
+    flat, spread = (diagonal, 0.0) if pencil.eye is None else (0.0, diagonal / away)
+    pixel, growth = pencil.pixel
+    values = (float(pencil.eye is not None), near, far, pixel, growth, flat, spread, flat + spread * farthest)
+    for name, value in zip(CAMERA[4:], values, strict=True):
+        camera[place_of(name)] = value
+    return camera
+
+
+class Crowd:
+    """Threads that share work in pieces of a size that does not depend on how many they are."""
+
+    def __init__(self, threads: int) -> None:
+        self.threads = threads
+
+    def run(self, work: Callable[[int, int], None], count: int, step: int) -> None:
+        """Work on [first, last) for all pieces of `count`."""
+        pieces = [(first, min(first + step, count)) for first in range(0, count, step)]
+        if self.threads == 1 or len(pieces) < 2:
+            for first, last in pieces:
+                work(first, last)
+            return
+        with ThreadPoolExecutor(self.threads) as pool:
+            list(pool.map(lambda piece: work(*piece), pieces))
+
+
+_kernels: dict[str, RayKernels] = {}
+_making = threading.Lock()
+_MOST_KERNELS = 32  # a notebook has a few models open
+
+
+def ray_kernels(form: SignForm) -> RayKernels:
+    """Compiled once in a process."""
+    key = f"{form.leaves}{form.gates}{form.builder.program({'value': form.value}).digest}"
+    with _making:
+        if key not in _kernels:
+            while len(_kernels) >= _MOST_KERNELS:
+                _kernels.pop(next(iter(_kernels)))
+            _kernels[key] = RayKernels(form)
+        return _kernels[key]
