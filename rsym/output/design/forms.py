@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from rsym.backends.languages import LANGUAGES, frontier, statements
-from rsym.bounds.ray_forms import MODEL, PARTS, RayForm, RayValue, input_names, ray_form
+from rsym.bounds.ray_forms import MODEL, NUMBER, PARTS, RayForm, RayValue, input_names, ray_form
 from rsym.bounds.ray_models import RayArithmetic, RayModel
 from rsym.logic.sign_form import SignForm
 from rsym.program.builder import Builder
@@ -140,7 +140,7 @@ def operations_of(form: SignForm) -> int:
 def form_texts(form: SignForm) -> FormTexts:
     """The functions of the sign form of a shape in space."""
     builder, uniforms = form.builder, Uniforms(form.builder.letters)
-    model = "\n".join(_model(ray_form(form, FLOAT32), uniforms))
+    model = "\n".join(_model(ray_form(form, FLOAT32, lines=True), uniforms))
     outputs: dict[str, int] = {}
     for k, leaf in enumerate(form.leaves):
         slopes = gradient(builder, leaf)
@@ -205,7 +205,7 @@ def _model(form: RayForm, uniforms: Uniforms) -> Iterator[str]:
     """The library, and the calls of the form."""
     for function in form.library.values():
         parameters = ", ".join(
-            f"{'vec4' if kind == MODEL else 'float'} {'abcdefgh'[k]}" for k, kind in enumerate(function.parameters)
+            f"{'float' if kind == NUMBER else 'vec4'} {'abcdefgh'[k]}" for k, kind in enumerate(function.parameters)
         )
         yield from _function(f"vec4 ray_{function.name}({parameters})", function.program, _inputs(function.parameters))
     yield from _function("float highest(vec4 a)", _highest(), _inputs((MODEL,)))
@@ -220,7 +220,7 @@ def _model(form: RayForm, uniforms: Uniforms) -> Iterator[str]:
         if value.kind == MODEL:
             return f"{'XYZ'[value.number]}" if value.number < size else f"v{value.number}"
         number = written[value.number]
-        return number if kind != MODEL else f"vec4({number}, {number}, 0, 0)"
+        return number if kind == NUMBER else f"vec4({number}, {number}, 0, 0)"
 
     lines = []
     for k, (name, arguments) in enumerate(form.calls, size):
@@ -241,7 +241,7 @@ def _inputs(kinds: Sequence[str]) -> dict[str, str]:
     texts: dict[str, str] = {}
     for k, kind in enumerate(kinds):
         letter, names = "abcdefgh"[k], input_names(k, kind)
-        texts.update(zip(names, [f"{letter}.{part}" for part in "xyzw"] if kind == MODEL else [letter], strict=True))
+        texts.update(zip(names, [letter] if kind == NUMBER else [f"{letter}.{part}" for part in "xyzw"], strict=False))
     return texts
 
 

@@ -7,7 +7,17 @@ uniform int tile, limit;     // pixels along a square whose beam is known, or 0;
 uniform sampler2D beams;
 out vec4 found;              // distance, leaf or a code, steps
 
-const float THIN = 0.1;      // of a pixel: shorter pieces are taken for points
+// The march is that of rsym/sampling/kernels/march_code.py: of a pixel, how long a segment may be that a root is looked
+// for in, and what is so short that a point decides; after so many points in vain the shortest is twice as long.
+const float CROSSING = 0.25, SHORTEST = 0.05, PATIENCE = 8.0;
+
+// The smallest w >= 0 at which end + linear (w - 1) + quadratic ((w - 1)^2 - 1) is 0; beyond 2 if there is none.
+float first_root(float end, float linear, float quadratic) {
+  float slope = linear - 2.0 * quadratic, square = slope * slope - 4.0 * quadratic * end, root = sqrt(max(square, 0.0));
+  float near = -2.0 * end / max(slope + root, 1e-30), far = (root - slope) / max(2.0 * quadratic, 1e-30);
+  float found = mix(mix(3.0, far, quadratic > 0.0), near, slope >= 0.0);
+  return mix(0.0, mix(3.0, found, square >= 0.0), end < 0.0);
+}
 
 void main() {
   vec3 d = direction(gl_FragCoord.xy);
@@ -30,68 +40,51 @@ void main() {
     if (known < 0.0) return;
     if (known > t) { t = known; start = NOTHING; }
   }
-  float h = 0.5 * (end - t);
+  float from = t, step = 0.5 * (end - t), failed = 0.0;
   for (int i = 0; t < end; i++) {
     found.z = float(i);
     if (i == limit) {
       found.xy = vec2(t, spread > 0.0 ? NOTHING : UNDECIDED);
       return;
     }
-    float small = pixel * t, probe = -1.0;
-    bool thin = false;
-    if (i == 0 && spread == 0.0) probe = t;
-    else {
-      h = min(h, end - t);
-      float k = 0.5 * h, e = spread * (t + h);
-      vec3 p = eye + d * (t + k);
-      vec4 v = model(vec4(p.x - e, p.x + e, d.x * k, 0), vec4(p.y - e, p.y + e, d.y * k, 0), vec4(p.z - e, p.z + e, d.z * k, 0));
-      if (highest(v) < 0.0) {
-        t += h;
-        h *= 2.0;
-        continue;
-      }
-      if (spread > 0.0) {
-        if (h < small) {
-          found.x = t;
-          return;
-        }
-        h *= 0.5;
-        continue;
-      }
-      // Where the upper bound v.y + v.z s + v.w s^2 is negative there is nothing: on to its first root.
-      if (v.y - v.z + v.w < 0.0) {
-        float root = sqrt(max(v.z * v.z - 4.0 * v.w * v.y, 0.0)), w = -0.5 * (v.z + (v.z < 0.0 ? -root : root));
-        float one = v.w != 0.0 ? w / v.w : 2.0, other = w != 0.0 ? v.y / w : 2.0;
-        float s = min(one >= -1.0 ? one : 2.0, other >= -1.0 ? other : 2.0);
-        if (s > 1.0) {
-          t += h;
-          h *= 2.0;
-          continue;
-        }
-        float step = clamp((s + 1.0) * k, 0.0, h), rise = v.z + 2.0 * v.w * s;
-        float gap = (v.y - v.x) / max(abs(rise), 1e-20) * k;
-        t += max(step - 0.01 * small, 0.0);
-        h -= step;
-        if (rise > 0.0 && gap < 0.25 * small) probe = t + 0.25 * small + gap;
-      }
-      if (probe < 0.0 && h < small * THIN) {
-        probe = t + small * THIN;
-        thin = true;
-      }
+    step = min(step, end - t);
+    float k = 0.5 * step, e = spread * (t + step), size = pixel * t;
+    vec3 p = eye + d * (t + k);
+    vec4 v = model(vec4(p.x - e, p.x + e, d.x * k, 0), vec4(p.y - e, p.y + e, d.y * k, 0), vec4(p.z - e, p.z + e, d.z * k, 0));
+    // Before the first root of the upper bound there is nothing, behind that of the lower one the body.
+    float bend = v.w - v.z;
+    float upper = first_root(v.y + bend, v.z, v.w), lower = first_root(v.x + bend, v.z, v.w);
+    float begin = t + upper * k, width = max((lower - upper) * k, 0.0);
+    if (upper > 2.0) {
+      t += step;
+      step *= 2.0;
+      continue;
     }
-    if (probe >= 0.0) {
-      vec2 f = form(eye + d * probe);
-      if (f.x > 0.0) {
-        found.xy = vec2(probe, i == 0 && start != NOTHING ? start : f.y);
+    if (spread > 0.0) {
+      if (step < size) {
+        found.x = begin;
         return;
       }
-      if (i == 0) continue;
-      if (thin) {
-        t = probe;
-        h = small;
-        continue;
-      }
+      t = begin;
+      step = k;
+      continue;
     }
-    h = max(0.5 * h, 0.9 * small * THIN);
+    float shortest = size * SHORTEST * exp2(clamp(round(failed / PATIENCE - 0.5), 0.0, 60.0));
+    bool certain = lower <= 2.0, crosses = certain && width < CROSSING * size;
+    if (crosses || (!certain && step <= 1.01 * shortest)) {
+      float at = crosses ? begin + width : t + step;
+      vec2 f = form(eye + d * at);
+      // Enclosures know better than a value whose sign is rounded.
+      if (f.x + (crosses ? 0.01 * size : 0.0) > 0.0) {
+        found.xy = vec2(at, begin <= from && start != NOTHING ? start : f.y);
+        return;
+      }
+      failed += 1.0;
+      t = max(at, begin + shortest);
+      step = shortest;
+    } else {
+      step = max(min(certain ? width : t + step - begin, k), shortest);
+      t = begin;
+    }
   }
 }
