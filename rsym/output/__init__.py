@@ -16,5 +16,6 @@ certificates.py, combs.py, singular.py             the parts of verdicts: proofs
 verdicts.py, body_verdicts.py                      verdicts as figures, in the plane and in space
 atlas.py, repairs.py, fairness.py, designs.py      an atlas, a repair, fairness, designs
 cards.py, equations.py, pictures.py                small pictures with formulas, LaTeX, figures to files
+design/                                            a page of a shape with live letters, served or in a file
 views.py, explorer.py, explore.py                  exploring in a notebook; needs ipywidgets
 """

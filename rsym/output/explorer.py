@@ -20,6 +20,7 @@ from rsym.model.letters import Letter, Letters
 from rsym.model.shape import Shape
 from rsym.output import axes3d
 from rsym.output.design.letters import slider_range
+from rsym.output.design.pages import DesignPage, page_of
 from rsym.output.models import load_letters, save_letters
 from rsym.output.paints import MAPS
 from rsym.output.patches import Lines, Patches, coat_of_patches, merged_letters, shaded, tessellations
@@ -163,6 +164,21 @@ class Explorer(LetterSliders):
         self.reset.on_click(lambda _: self.attempt(self.reset_letters))
         self.save.on_click(lambda _: self.attempt(lambda: save_letters(self.values, self.path.value)))
         self.load.on_click(lambda _: self.attempt(lambda: self.set_letters(load_letters(self.path.value))))
+
+    def page(self, title: str = "") -> DesignPage:
+        """The shape as a page of HTML with live letters, which needs neither Python nor a widget.
+
+        In a notebook it shows itself, also where the notebook has become a page of its own; ``page().write(path)`` puts
+        it into a file. Its letters begin as the sliders stand.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> Explorer(rsym.paper.skeleton_body(), resolution=16).page("nose").html.count("<script")
+        8
+        """
+        shape = self._shape.with_letters(self.values)
+        return DesignPage(page_of(shape, title=title, bounds=self._bounds))
 
     def draw(self) -> Figure:
         """The sheet or the body at the letters as the sliders stand."""

@@ -8,8 +8,10 @@ from pathlib import Path
 
 from rsym.errors import RsymError
 from rsym.model.requirements import file_path, require_kind
+from rsym.model.shape import Shape
 from rsym.model.wording import documented
 from rsym.output.atomic import write_atomically
+from rsym.output.design.pages import DesignPage, page_of
 from rsym.output.dxf import features_dxf
 from rsym.output.formats import FORMATS, coloured_formats, table_of_formats
 from rsym.output.units import check_unit, sized
@@ -20,7 +22,7 @@ from rsym.verify.answers.singular import SingularCurve
 
 @documented(formats=table_of_formats(), coloured=coloured_formats().replace(" or ", "`` and ``"))
 def write(
-    mesh: Mesh,
+    mesh: Mesh | Shape,
     path: str | os.PathLike[str],
     *,
     unit: str | None = None,
@@ -28,9 +30,11 @@ def write(
     scale: float | None = None,
     colour_by: str | None = None,
 ) -> Path:
-    """Write a mesh to a file, in the format that the suffix names.
+    """Write a mesh to a file, in the format that the suffix names; or a shape as a page with a slider for each letter.
 
     {formats}
+
+    The page of a shape is another one: it draws the equation itself, without a mesh, and its letters move.
 
     The file appears whole or not at all: an older one stays as it is until
     the new one is safe on the disk. The same mesh gives the same bytes.
@@ -41,8 +45,8 @@ def write(
 
     Parameters
     ----------
-    mesh : Mesh
-        The triangles, in the order and with the orientation of ``mesh.faces``.
+    mesh : Mesh or Shape
+        The triangles, in the order and with the orientation of ``mesh.faces``; a shape is written as ``.html`` alone.
     path : str or path-like
         Where to; the folder must exist.
     unit : {"mm", "cm", "m", "in"}, optional
@@ -87,8 +91,10 @@ def write(
     3 1 2 3
     <BLANKLINE>
     """
-    require_kind(Mesh, mesh, "mesh")
     path = file_path(path)
+    if isinstance(mesh, Shape):
+        return _write_page(mesh, path, unit, size, scale, colour_by)
+    require_kind(Mesh, mesh, "mesh")
     row = FORMATS.get(path.suffix.lower())
     if colour_by not in (None, "part") or (colour_by and not (row and row.coloured)):
         raise RsymError(
@@ -107,6 +113,17 @@ def write(
     mesh, unit = sized(mesh, unit=unit, size=size, scale=scale)
     encode = row.coloured if colour_by and row.coloured else row.encode
     return write_atomically(path, encode(mesh, unit))
+
+
+def _write_page(shape: Shape, path: Path, *of_a_mesh: float | str | None) -> Path:
+    if path.suffix.lower() != ".html" or any(option is not None for option in of_a_mesh):
+        raise RsymError(
+            "a shape is written as .html, without options of a mesh",
+            code="file-format",
+            where=str(path),
+            remedy="write rsym.mesh(shape), or end the name with .html",
+        )
+    return DesignPage(page_of(shape, title=path.stem)).write(path)
 
 
 def write_features(

@@ -85,12 +85,12 @@ def outputs_alone(program: Program, numbers: Sequence[int]) -> Program:
 
 
 def dense(lines: Sequence[str]) -> str:
-    """Statements that declare names, of one kind, as one declaration without blanks: a page is mostly these.
+    r"""Statements that declare names, of one kind, as one declaration without blanks: a page is mostly these.
 
     Examples
     --------
     >>> dense(["float a = p.x;", "float b = -a;", "vec2 w = vec2(a, b);"])
-    'float a=p.x,b=-a;\\nvec2 w=vec2(a,b);'
+    'float a=p.x,b=-a;\nvec2 w=vec2(a,b);'
     """
     kinds: list[tuple[str, list[str]]] = []
     for line in lines:
@@ -129,8 +129,8 @@ def operations_of(form: SignForm) -> int:
     --------
     >>> import rsym
     >>> from rsym.logic.sign_form import shape_form
-    >>> operations_of(shape_form(rsym.ball(1)))
-    6
+    >>> operations_of(shape_form(rsym.sphere(1)))
+    9
     """
     program = expand(form.builder.program({str(k): leaf for k, leaf in enumerate(form.leaves)}))
     varying = zip(program.nodes, program.uniform, strict=True)
@@ -211,9 +211,7 @@ def _model(form: RayForm, uniforms: Uniforms) -> Iterator[str]:
     yield from _function("float highest(vec4 a)", _highest(), _inputs((MODEL,)))
     places = uniforms.places(form.uniforms)
     nodes, literal = form.uniforms.nodes, LANGUAGES["glsl"].literal
-    written = [
-        places.get(number) or literal(constant_value(nodes[number].data)) for _, number in form.uniforms.outputs
-    ]
+    written = [places.get(number) or literal(constant_value(nodes[number].data)) for _, number in form.uniforms.outputs]
     size = len(form.coordinates)
 
     def word(value: RayValue, kind: str = MODEL) -> str:

@@ -10,23 +10,26 @@ import base64
 import io
 import json
 import os
+import shlex
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from html import escape
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from rsym.errors import RsymWarning
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import SignForm, shape_form
 from rsym.model.requirements import file_path, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.output.atomic import write_atomically
-from rsym.output.design.forms import FormTexts, form_texts, operations_of
+from rsym.output.design.forms import form_texts, operations_of
 from rsym.output.design.letters import listed_letters
 from rsym.output.design.plane import MOST_LEVELS, plane_looks, plane_texts
 from rsym.output.fields import plot_field
@@ -60,7 +63,7 @@ class Source:
         Whether they are lines of Python.
     """
 
-    mesh: str = 'rsym.write(rsym.mesh(shape, letters={letters}), "{file}")'
+    mesh: str = "rsym.write(rsym.mesh(shape, letters={letters}), {file})"
     verify: str = "rsym.verify_smoothness(shape, letters={letters})"
     lint: str = "rsym.lint(shape.with_letters({letters}))"
     python: bool = True
@@ -74,8 +77,8 @@ class DesignPage:
     --------
     >>> import rsym
     >>> page = DesignPage(page_of(rsym.disc(1)))
-    >>> page
-    DesignPage(...)
+    >>> page._repr_html_().startswith("<iframe srcdoc="), "<script src" in page.html
+    (True, False)
     """
 
     html: str = field(repr=False)
@@ -93,17 +96,33 @@ class DesignPage:
         return write_atomically(file_path(path), self.html.encode())
 
 
+class _Picture(NamedTuple):
+    """What a page draws: its scripts, shaders by name, functions of letters in JavaScript, data, a still picture."""
+
+    scripts: tuple[str, ...]
+    shaders: Mapping[str, str]
+    formulas: str
+    data: Mapping[str, Any]
+    still: str = ""
+
+
 def page_of(
     shape: Shape, *, title: str = "", source: Source | None = None, served: bool = False, bounds: Any = None
 ) -> str:
     """The page of a shape as HTML; `served` pages ask who serves them for files and verdicts."""
     require_shape(shape)
-    source = source or Source()
-    box = bounds_or_extent(shape, bounds)
-    form, still = shape_form(shape), ""
+    source, title = source or Source(), title or "shape"
+    box, form = bounds_or_extent(shape, bounds), shape_form(shape)
     names = leaf_names(form, shape)
-    data: dict[str, Any] = {
-        "title": title or "shape",
+    if shape.dimension == 2:
+        picture = _of_plane(shape, form, box)
+    elif operations_of(form) <= MOST_OPERATIONS:
+        picture = _of_space(shape, form, box)
+    else:
+        shown = page_of_parts(mesh(shape, MESH_CELLS, bounds=box), None).decode()
+        picture = _Picture(("page.js", "mesh.js"), {}, "{}", {"mesh": shown})
+    data = {
+        "title": title,
         "letters": listed_letters(shape.letters),
         "coordinates": [symbol.name for symbol in shape.coordinates],
         "bounds": [[float(end) for end in side] for side in box],
@@ -111,37 +130,48 @@ def page_of(
         "parts": _parts(form, names, shape),
         "served": served,
         "python": source.python,
-        "services": _services(shape, source, title or "shape"),
+        "services": _services(shape, source, title),
+        **picture.data,
     }
-    if shape.dimension == 2:
-        plane = plane_texts(shape, form)
-        data["fields"] = plane_looks(shape, box)
-        still = _still_of_plane(shape, box)
-        head = f"{_text('head.glsl')}#define MOST {MOST_LEVELS}\n"
-        shaders = {
-            f"field-{k}": f"{head}{text}\n{_text('plane.glsl')}" for k, text in enumerate(plane.shaders)
-        }
-        scripts, formulas = ("page.js", "webgl.js", "plane.js"), plane.script
-    elif operations_of(form) <= MOST_OPERATIONS:
-        texts = form_texts(form)
-        body = mesh(shape, CELLS, bounds=box)
-        data |= {"light": _light(), **_eye(body, box)}
-        still = _still_of_body(body)
-        shaders = _shaders(texts)
-        scripts, formulas = ("page.js", "webgl.js", "space.js"), f"{{letters: {texts.uniforms.script}}}"
-    else:
-        shaders, scripts, formulas = {}, ("page.js", "mesh.js"), "{}"
-        data["mesh"] = page_of_parts(mesh(shape, MESH_CELLS, bounds=box), None).decode()
+    shaders = [
+        f'<script type="x-shader" id="shader-{name}">\n{text}</script>' for name, text in picture.shaders.items()
+    ]
     return _filled(
-        TITLE=escape(data["title"]),
+        TITLE=escape(title),
         CONNECT="'self'" if served else "'none'",
         STYLE=_text("page.css"),
-        STILL=still,
-        SHADERS="\n".join(f'<script type="x-shader" id="shader-{name}">\n{text}</script>' for name, text in shaders.items()),
+        STILL=picture.still,
+        SHADERS="\n".join(shaders),
         DATA=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"),
-        FORMULAS=formulas,
-        SCRIPT="\n".join(_text(name) for name in scripts),
+        FORMULAS=picture.formulas,
+        SCRIPT="\n".join(_text(name) for name in picture.scripts),
     )
+
+
+def _of_plane(shape: Shape, form: SignForm, box: Bounds) -> _Picture:
+    texts = plane_texts(shape, form)
+    head, foot = f"{_text('head.glsl')}#define MOST {MOST_LEVELS}\n", _text("plane.glsl")
+    shaders = {f"field-{k}": f"{head}{text}\n{foot}" for k, text in enumerate(texts.shaders)}
+    scripts = ("page.js", "webgl.js", "plane.js")
+    return _Picture(scripts, shaders, texts.script, {"fields": plane_looks(shape, box)}, _still_of_plane(shape, box))
+
+
+def _of_space(shape: Shape, form: SignForm, box: Bounds) -> _Picture:
+    texts = form_texts(form)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RsymWarning)  # of a mesh that is only looked at, small and for a moment
+        body = mesh(shape, CELLS, bounds=box)
+    head, rays = _text("head.glsl"), _text("rays.glsl")
+    own = head + texts.uniforms.declaration + rays
+    shaders = {
+        "trace": f"{own}{texts.point}\n{texts.model}\n{_text('trace.glsl')}",
+        "surface": f"{own}{texts.leaf}\n{_text('surface.glsl')}",
+        "curvature": f"{own}{texts.second}\n{_text('curvature.glsl')}",
+        "shade": head + rays + _text("shade.glsl"),
+        "show": head + _text("show.glsl"),
+    }
+    scripts, formulas = ("page.js", "webgl.js", "space.js"), f"{{letters: {texts.uniforms.script}}}"
+    return _Picture(scripts, shaders, formulas, {"light": _light(), **_eye(body, box)}, _still_of_body(body))
 
 
 def _filled(**parts: str) -> str:
@@ -154,18 +184,6 @@ def _filled(**parts: str) -> str:
     return "".join(result)
 
 
-def _shaders(texts: FormTexts) -> Mapping[str, str]:
-    head, rays = _text("head.glsl"), _text("rays.glsl")
-    own = head + texts.uniforms.declaration + rays
-    return {
-        "trace": own + texts.point + "\n" + texts.model + "\n" + _text("trace.glsl"),
-        "surface": own + texts.leaf + "\n" + _text("surface.glsl"),
-        "curvature": own + texts.second + "\n" + _text("curvature.glsl"),
-        "shade": head + rays + _text("shade.glsl"),
-        "show": head + _text("show.glsl"),
-    }
-
-
 def _parts(form: SignForm, names: Sequence[str], shape: Shape) -> dict[str, Any]:
     """The parts by name: their colours, and the numbers of the letters that their leaves depend on."""
     places = {name: k for k, name in enumerate(shape.letters)}
@@ -174,7 +192,7 @@ def _parts(form: SignForm, names: Sequence[str], shape: Shape) -> dict[str, Any]
         colour = PALETTE[len(parts) % len(PALETTE)]
         part = parts.setdefault(name, {"colour": colour, "paint": linear(colour).round(4).tolist(), "letters": []})
         nodes = form.builder.nodes
-        inputs = {nodes[number].data for number in live(nodes, [leaf]) if nodes[number].operation == "input"}
+        inputs = {str(nodes[number].data) for number in live(nodes, [leaf]) if nodes[number].operation == "input"}
         part["letters"] = sorted({*part["letters"], *(places[name] for name in inputs if name in places)})
     return parts
 
@@ -184,7 +202,8 @@ def _services(shape: Shape, source: Source, title: str) -> list[dict[str, str]]:
     rows = []
     for suffix, purpose in SAVING.items() if shape.dimension == 3 else ():
         file = f"{title}.{suffix}"
-        rows.append((suffix.upper(), f"body.{suffix}", f"A file {purpose}, of a mesh.", source.mesh.replace("{file}", file)))
+        command = source.mesh.replace("{file}", repr(file) if source.python else shlex.quote(file))
+        rows.append((suffix.upper(), f"body.{suffix}", f"A file {purpose}, of a mesh.", command))
     rows.append(("Verdict", "verdict", "Whether the curvature of the boundary is continuous.", source.verify))
     rows.append(("Lint", "lint", "What keeps the model from being normalised.", source.lint))
     return [dict(zip(("title", "path", "says", "command"), row, strict=True)) for row in rows]

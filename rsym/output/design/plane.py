@@ -24,7 +24,14 @@ from rsym.sampling.plane import plane_sampler
 CELLS = 96  # of the samples that choose levels
 MOST_LEVELS = 24  # a picture has some fifteen
 FIELDS = SIX
-TITLES = ("\u03c9", "\u03c9\u2099", "(\u2207\u03c9)\u00b2", "(\u2207\u03c9\u2099)\u00b2", "\u0394\u03c9", "\u0394\u03c9\u2099")
+TITLES = (
+    "\u03c9",
+    "\u03c9\u2099",
+    "(\u2207\u03c9)\u00b2",
+    "(\u2207\u03c9\u2099)\u00b2",
+    "\u0394\u03c9",
+    "\u0394\u03c9\u2099",
+)
 
 
 @dataclass(frozen=True)
@@ -63,7 +70,12 @@ def _field(program: Program, uniforms: Uniforms, inputs: dict[str, str]) -> str:
     texts = []
     for name, (_, number) in zip(("field", "value"), (program.outputs[0], program.outputs[-1]), strict=True):
         part = statements(outputs_alone(program, [number]), "glsl", inputs=inputs, known=known)
-        lines = [f"float {name}(vec2 p) {{", dense([*part.uniform, *part.varying]), f"return {part.names[number]};", "}"]
+        lines = [
+            f"float {name}(vec2 p) {{",
+            dense([*part.uniform, *part.varying]),
+            f"return {part.names[number]};",
+            "}",
+        ]
         texts.append("\n".join(lines))
     return "\n".join(texts)
 

@@ -43,7 +43,9 @@ class DesignServer(ThreadingHTTPServer):
     def __init__(self, shape: Shape, html: str, *, port: int = 0, resolution: int = 128) -> None:
         self.shape, self.html, self.resolution = shape, html, resolution
         self.word = secrets.token_urlsafe(24)
-        self.working = threading.Lock()  # one mesh or verdict at a time: each takes the memory and the processors it can
+        self.working = (
+            threading.Lock()
+        )  # one mesh or verdict at a time: each takes the memory and the processors it can
         try:
             super().__init__(("127.0.0.1", port), _Handler)
         except OSError as error:
@@ -142,7 +144,7 @@ Service = Callable[[Shape, Mapping[str, float], int], bytes]
 
 def _service(name: str) -> Service | None:
     """What answers a question."""
-    body, dot, suffix = name.partition(".")
+    body, _, suffix = name.partition(".")
     if body == "body" and f".{suffix}" in SUFFIXES:
         row = FORMATS[f".{suffix}"]
         encode = row.coloured or row.encode
@@ -152,8 +154,6 @@ def _service(name: str) -> Service | None:
 
 SUFFIXES = (".stl", ".3mf", ".glb", ".html")
 TEXTS: Mapping[str, Service] = {
-    "verdict": lambda shape, letters, cells: str(
-        verify_smoothness(shape, letters=letters, timeout=PATIENCE)
-    ).encode(),
+    "verdict": lambda shape, letters, cells: str(verify_smoothness(shape, letters=letters, timeout=PATIENCE)).encode(),
     "lint": lambda shape, letters, cells: str(lint(shape.with_letters(letters))).encode(),
 }

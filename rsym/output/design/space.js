@@ -284,13 +284,13 @@ const picture = (() => {
   };
 
   // For tests and for the console: what every pixel shows.
-  design.hits = () => {
-    const {wide, tall, hits, surfaces, seen} = shown, one = new Float32Array(4 * wide * tall), two = new Float32Array(4 * wide * tall);
-    for (const [from, to] of [[hits, one], [surfaces, two]]) {
-      gl.bindFramebuffer(gl.FRAMEBUFFER, from.frame);
-      gl.readPixels(0, 0, wide, tall, gl.RGBA, gl.FLOAT, to);
-    }
-    return {wide, tall, hits: one, surfaces: two, ...seen};
+  const read = one => {
+    const numbers = new Float32Array(4 * one.wide * one.tall);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, one.frame);
+    gl.readPixels(0, 0, one.wide, one.tall, gl.RGBA, gl.FLOAT, numbers);
+    return numbers;
   };
+  design.hits = () => ({wide: shown.wide, tall: shown.tall, hits: read(shown.hits), surfaces: read(shown.surfaces), ...shown.seen});
+  design.curvatures = () => read(shown.curvatures);
   return {fields, controls, start, change, save};
 })();
