@@ -183,7 +183,7 @@ def test_points_parts_and_sections(opened):
     assert len(opened.letters()) == 3
     page.get_by_role("button", name="post", exact=True).click()
     assert len(opened.letters()) == 2
-    opened.after(lambda: page.get_by_label("Section").select_option("1"))
+    opened.after(lambda: page.locator("label:has-text('Section') select").select_option("1"))
     _, leaf, camera = opened.hits()
     assert (leaf == -2).mean() > 0.05
     depth = opened.hits()[0]
@@ -204,7 +204,7 @@ def test_what_is_taken_away(browser, address, tmp_path):
     assert imread(file.value.path(), format="png").shape[:2] == opened.pixels().shape[:2]
     page.get_by_role("button", name="3MF").click()
     assert page.inner_text("#answer-text") == """rsym.write(rsym.mesh(shape, letters={"w": 0.7}), 'body.3mf')"""
-    assert opened.requests[:1] == [f"{address}#w=0.7"]
+    assert opened.requests[0] == address
     assert all(one.startswith(("file:", "blob:")) for one in opened.requests)
 
 
@@ -294,8 +294,8 @@ def agrees(kernel, letters, camera, box, pixels, depth):
         truth = first_inside(kernel, letters, np.array(camera["eye"]), way, box)
         shown = depth[row, column]
         near = np.isfinite(truth) & np.isfinite(shown)
-        close = np.abs(np.where(near, truth - shown, 0)) < 2 * camera["pixel"] * np.where(near, shown, 1)
-        good[left] = np.where(near, close, np.isinf(truth) == np.isinf(shown))
+        truth[~near], shown[~near] = np.isinf(truth[~near]), np.isinf(shown[~near])
+        good[left] = np.abs(truth - shown) < np.where(near, 2 * camera["pixel"] * shown, 0.5)
     return good
 
 
@@ -336,7 +336,7 @@ def test_a_shape_in_the_plane(browser, tmp_path):
     assert 1 / opened.ask("design.teeth")[0]["bend"] == pytest.approx(opened.ask("design.values[0]"))
     seen = [opened.pixels()]
     for k in range(1, 6):
-        opened.after(lambda k=k: opened.page.get_by_label("Show").select_option(f"{k}"))
+        opened.after(lambda k=k: opened.page.get_by_label("Show", exact=False).first.select_option(f"{k}"))
         seen.append(opened.pixels())
         assert (seen[-1] != seen[-2]).any()
     opened.page.mouse.move(*opened.middle())

@@ -70,8 +70,8 @@ void main() {
       continue;
     }
     float shortest = size * SHORTEST * exp2(clamp(round(failed / PATIENCE - 0.5), 0.0, 60.0));
-    bool certain = lower <= 2.0, crosses = certain && width < CROSSING * size;
-    if (crosses || (!certain && step <= 1.01 * shortest)) {
+    bool small = step <= 1.01 * shortest, crosses = lower <= 2.0 && (small || width < CROSSING * size);
+    if (crosses || small) {
       float at = crosses ? begin + width : t + step;
       vec2 f = form(eye + d * at);
       // Enclosures know better than a value whose sign is rounded.
@@ -83,7 +83,7 @@ void main() {
       t = max(at, begin + shortest);
       step = shortest;
     } else {
-      step = max(min(certain ? width : t + step - begin, k), shortest);
+      step = max(min(lower <= 2.0 ? width : t + step - begin, k), shortest);
       t = begin;
     }
   }
