@@ -11,9 +11,11 @@ from .analysis.differential import (
 from .analysis.latex import latex
 from .analysis.normalisation import implicit, normalise
 from .analysis.transformations import transform
+from .backends.jax_functions import to_jax
 from .backends.kernel import Kernel, compile
 from .backends.plain import lambdify
 from .backends.source import source
+from .backends.torch_functions import to_torch
 from .bounds.enclosures import enclose
 from .errors import RsymError, RsymWarning
 from .language.loading import load, loads
@@ -265,8 +267,10 @@ __all__ = [
     "superellipse",
     "surfaces",
     "sweep",
+    "to_jax",
     "to_meshio",
     "to_pyvista",
+    "to_torch",
     "to_trimesh",
     "torus",
     "transform",

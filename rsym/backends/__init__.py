@@ -7,6 +7,9 @@ goes out. In the order of the data:
 - `numpy_backend`: Python text over arrays
 - `vector_code`, `vector_functions`: functions on vectors; `llvm_code`: text, machine code, loops over blocks of points
 - `registry`: the backends by name; `kernel`: `rsym.compile`
-- `languages`: programs as statements, a row for each language; `source`: text for elsewhere
+- `dialects`: a row for each other language; `languages`: programs as their statements; `vm`: the text of fidget and
+  MPR; `source`: `rsym.source`
+- `derivatives`: fields and their derivatives, level by level; `jax_functions`, `torch_functions`: what those packages
+  are given
 - `runtime`, `plain`: what `sympy.lambdify` calls for R-nodes, and that way in whole
 """

@@ -1,42 +1,55 @@
-"""A compiled shape as text in another language: C99, one function over arrays, needing nothing but libm.
+"""A shape as text in another language: one function, needing nothing but the language's own mathematics.
 
 Only numbered names stand in the code; the names of a model appear in comments.
 """
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
+from rsym.backends.dialects import LANGUAGES, Language
+from rsym.backends.languages import folded, statements
+from rsym.backends.vm import vm_source
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.model.wording import documented, proposal
 from rsym.program.expansion import expand
 from rsym.program.fields import checked_fields, program_of
-from rsym.program.operations import OPERATIONS
-from rsym.program.program import Node, Program, constant_value
+from rsym.program.program import Program
+
+KNOWN = (*LANGUAGES, "vm")
 
 
-def source(shape: Shape, language: str, fields: Sequence[str] = ("value",)) -> str:
+@documented(languages=", ".join(f'"{name}"' for name in KNOWN))
+def source(shape: Shape, language: str, fields: Sequence[str] = ("value",), *, letters: str | None = None) -> str:
     """The program that a kernel runs, as source text of another language.
 
     Parameters
     ----------
     shape : Shape
         What to evaluate.
-    language : {"c"}
-        ``c``: a C99 file with one function ``rsym_kernel(coordinates, letters, outputs, n)``, all arrays of double.
-        Its comments list coordinates, letters with their defaults, and outputs. Compiled with
-        ``-ffp-contract=off`` it gives the bits of the kernel for arithmetic.
+    language : {{languages}}
+        A file with one function ``rsym_kernel`` of coordinates, letters and outputs, all of them float64. The comment
+        at its head lists the coordinates, the letters with their defaults, the outputs, and how to compile it. ``c``,
+        ``fortran``, ``rust``, ``javascript``, ``julia`` and ``cuda`` fill arrays point by point, ``numpy`` and
+        ``matlab`` (Octave too) return arrays. Where products and sums are not contracted they give the bits of the
+        kernel for arithmetic, its NaN included. ``glsl`` (ES 3.00) computes one point in single precision.
+
+        ``vm`` is the text of fidget and MPR: a line a name, an operation, its arguments; the first line is a comment,
+        the last is the value. Inside is *negative* there. It holds the value alone, letters as constants.
     fields : sequence of str
         As for `compile`; a gradient is one output for each component, a Hessian one for each on or above the
         diagonal.
+    letters : {"arguments", "constants"}, optional
+        Letters are an argument of the function, by default, or their defaults stand in the text as numbers, and so
+        does what is computed of them alone: for other values take ``shape.with_letters``. ``vm`` has constants.
 
     Raises
     ------
     RsymError
-        For an unknown language or field.
+        For an unknown language, field or choice of letters, and for what the language cannot say.
 
     Examples
     --------
@@ -53,106 +66,112 @@ def source(shape: Shape, language: str, fields: Sequence[str] = ("value",)) -> s
         }
     }
     <BLANKLINE>
+    >>> print(rsym.source(rsym.Shape(x * y - 1, (x, y)), "vm"))
+    # value of an R-function, inside is negative; x = var-x, y = var-y
+    _0 const -1.0
+    _1 var-x
+    _2 var-y
+    _3 mul _1 _2
+    _4 add _0 _3
+    _5 neg _4
+    <BLANKLINE>
     """
     require_shape(shape)
-    if not isinstance(language, str) or language not in LANGUAGES:
+    if not isinstance(language, str) or language not in KNOWN:
         raise RsymError(
             f"no language {language!r}",
             code="unknown-language",
-            remedy=f"choose from {', '.join(map(repr, LANGUAGES))}",
+            remedy=proposal(str(language), KNOWN, f"choose from {', '.join(map(repr, KNOWN))}"),
         )
-    program = expand(program_of(shape, checked_fields(fields)))
-    return LANGUAGES[language](program, {name: float(letter.default) for name, letter in shape.letters.items()})
+    if letters not in (None, "arguments", "constants"):
+        raise RsymError(
+            f"letters must be 'arguments' or 'constants', got {letters!r}", code="letters", remedy="leave it out"
+        )
+    names = checked_fields(fields)
+    defaults = {name: float(letter.default) for name, letter in shape.letters.items()}
+    if language == "vm":
+        if names != ("value",) or (letters == "arguments" and defaults):
+            raise RsymError(
+                "the format 'vm' holds a value alone, with letters as constants",
+                code="language",
+                remedy="leave out fields and letters, or choose another language",
+            )
+        return vm_source(program_of(shape, names), defaults)
+    program = expand(program_of(shape, names, share=LANGUAGES[language].precision.rounding))
+    return program_source(program, language, defaults, constants=letters == "constants")
+
+
+def program_source(program: Program, language: str, defaults: Mapping[str, float], *, constants: bool = False) -> str:
+    """The text of a file for an expanded program; `defaults` are the values of the letters, said or used."""
+    row = LANGUAGES[language]
+    uniform, varying, names = statements(program, language, known=folded(program, defaults) if constants else None)
+    coordinates, outputs = range(len(program.coordinates)), range(len(program.outputs))
+    places = {
+        "coordinates": ", ".join(f"c{k}" for k in coordinates),
+        "points": " + ".join(f"c{k}" for k in coordinates),
+    }
+    stores = [row.store.format(k=k, value=names[number], **places) for k, (_, number) in enumerate(program.outputs)]
+    code = "\n".join(uniform + varying)
+    said = "".join(f"{defaults[name]!r}, " for name in program.letters).rstrip()
+    given = [row.given.format(defaults=said)] if row.given and not constants else []
+    takes = [*(row.input.format(k=k) for k in coordinates), *given]
+    gives = [row.output.format(k=k) for k in outputs]
+    lists = {"inputs": takes, "outputs": gives, "parameters": [*takes, *gives, *([row.size] if row.size else [])]}
+    places |= {name: ", ".join(parts) for name, parts in lists.items()}
+    functions = [text for name, text in row.functions.items() if f"{name}(" in code]
+    parameters = [*(f"c{k}" for k in coordinates), *(["letters"] if given else [])]
+    unused = [row.unused.format(name=name) for name in parameters if row.unused and f"{name}[" not in code]
+    inside = row.margin + (4 if row.loop else 0)
+    lines = [
+        *_head(program, row, defaults, constants),
+        *row.preamble,
+        *(
+            [row.uniform.format(count=len(program.letters))]
+            if row.uniform and program.letters and not constants
+            else []
+        ),
+        *(() if row.below else functions),
+        *(line.format(**places) for line in row.head),
+        *(" " * row.margin + line for line in unused + uniform),
+        *(line.format(**places) for line in row.loop),
+        *(" " * inside + line for line in varying + stores),
+        *(line.format(**places) for line in row.foot),
+        *(functions if row.below else ()),
+    ]
+    return "".join(f"{_continued(line, row.width)}\n" for line in lines)
 
 
 _UNSAFE = re.compile(r"[^A-Za-z0-9_ =.+-]")  # what could end a comment, or hide in one
-
-_HEAD = """\
-/* An R-function, positive inside its shape, and functions derived from it.
- *
-{contents}
- *
- * n points are evaluated; no array may overlap an output. A derivative that does not exist is NaN.
- *
- *     cc -O3 -march=native -fno-math-errno -ffp-contract=off -c kernel.c
- *
- * -fno-math-errno lets the compiler take square roots in vectors. With -ffp-contract=off arithmetic gives the same
- * bits on every machine. -ffast-math breaks NaN and signs: never use it.
- */
-#include <math.h>
-#include <stddef.h>
-
-#if !defined(__GNUC__) || defined(__clang__) /* gcc knows the option only */
-#pragma STDC FP_CONTRACT OFF
-#endif
-"""
+_LETTER = re.compile(r"letters.\d+.")
 
 
-def c_source(program: Program, defaults: Mapping[str, float]) -> str:
-    """The text of a C file for an expanded program; `defaults` are the values of the letters."""
-    uniform, varying, names = _statements(program)
-    stores = [f"out{k}[i] = {names[number]};" for k, (_, number) in enumerate(program.outputs)]
-    unused = [name for name in _parameters(program) if not any(f"{name}[" in line for line in uniform + varying)]
-    lines = [
-        _HEAD.format(contents="\n".join(f" * {line}".rstrip() for line in _contents(program, defaults))),
-        _signature(program),
-        "{",
-        *(f"    (void){name};" for name in unused),
-        *(f"    {line}" for line in uniform),
-        "    for (size_t i = 0; i < n; ++i) {",
-        *(f"        {line}" for line in varying + stores),
-        "    }",
-        "}",
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def _contents(program: Program, defaults: Mapping[str, float]) -> list[str]:
+def _head(program: Program, row: Language, defaults: Mapping[str, float], constants: bool) -> list[str]:
+    """The comment that says what goes in and what comes out."""
     rows = [(f"c{k}", name) for k, name in enumerate(program.coordinates)]
-    rows += [(f"letters[{k}]", f"{name} = {defaults[name]!r}") for k, name in enumerate(program.letters)]
+    for k, name in enumerate(program.letters):
+        places = ["constant"] if constants else _LETTER.findall(row.letter.format(k=k, k1=k + 1))
+        rows.append((places[0], f"{name} = {defaults[name]!r}"))
     rows += [(f"out{k}", name) for k, (name, _) in enumerate(program.outputs)]
-    return [f"{place:<12} {_UNSAFE.sub('_', meaning)}" for place, meaning in rows]
+    said = [
+        "An R-function, positive inside its shape, and functions derived from it.",
+        "",
+        *(f"{place:<12} {_UNSAFE.sub('_', meaning)}" for place, meaning in rows),
+        "",
+        *row.notes,
+        "A derivative that does not exist is NaN.",
+    ]
+    opening, prefix, closing = row.comment
+    lines = [f"{prefix}{line}".rstrip() for line in said]
+    if opening:
+        lines[0] = f"{opening}{said[0]}"
+    return [*lines, *([closing] if closing else [])]
 
 
-def _parameters(program: Program) -> list[str]:
-    return [*(f"c{k}" for k in range(len(program.coordinates))), "letters"]
-
-
-def _signature(program: Program) -> str:
-    inputs = [f"const double *restrict {name}" for name in _parameters(program)]
-    outputs = [f"double *restrict out{k}" for k in range(len(program.outputs))]
-    return f"void rsym_kernel({', '.join([*inputs, *outputs, 'size_t n'])})"
-
-
-def _statements(program: Program) -> tuple[list[str], list[str], list[str]]:
-    """What is computed once, what is computed for each point, and the name or number of each node."""
-    uniform: list[str] = []
-    varying: list[str] = []
-    names: list[str] = []
-    for number, node in enumerate(program.nodes):
-        if node.operation in ("const", "undefined"):
-            names.append(_number(node))
-            continue
-        block, letter = (uniform, "u") if program.uniform[number] else (varying, "v")
-        names.append(f"{letter}{number}")
-        block.append(f"const double {names[-1]} = {_value(program, node, names)};")
-    return uniform, varying, names
-
-
-def _value(program: Program, node: Node, names: Sequence[str]) -> str:
-    if node.operation != "input":
-        return OPERATIONS[node.operation].texts["c"].format(*(names[argument] for argument in node.arguments))
-    name = str(node.data)
-    if name in program.coordinates:
-        return f"c{program.coordinates.index(name)}[i]"
-    return f"letters[{program.letters.index(name)}]"
-
-
-def _number(node: Node) -> str:
-    value = math.nan if node.operation == "undefined" else constant_value(node.data)
-    if math.isnan(value):
-        return "NAN"
-    return repr(value) if math.copysign(1, value) > 0 else f"({value!r})"
-
-
-LANGUAGES: dict[str, Callable[[Program, Mapping[str, float]], str]] = {"c": c_source}
+def _continued(line: str, width: int | None) -> str:
+    """A line that is too long, in several: Fortran's, which take an ampersand."""
+    parts = []
+    while width is not None and len(line) > width and not line.startswith("!"):
+        cut = line.rindex(", ", 0, width) + 1
+        parts.append(f"{line[:cut]} &")
+        line = f"        {line[cut:].lstrip()}"
+    return "\n".join([*parts, line])

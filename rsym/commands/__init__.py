@@ -4,7 +4,7 @@ In come words typed at a terminal; out go files, lines and an exit code. A modul
 under its own name; `run` imports what it needs, so that `rsym --help` answers at once.
 
 options.py                           what commands share: a model with letters, cells, sections, bars of progress
-letters.py, models.py, show.py       models
+letters.py, models.py, show.py, source.py  models
 fields.py, sections.py, sweep.py     pictures
 mesh.py, view.py                     meshes
 compare.py, lint.py, repair.py, verify.py  proofs

@@ -42,7 +42,7 @@ FIELDS: tuple[str, ...] = (
 
 def outputs_of(calculus: Calculus, field: str) -> dict[str, int]:
     """The scalar outputs that make up a field."""
-    names = _part_names(field, len(calculus.builder.coordinates))
+    names = part_names(field, len(calculus.builder.coordinates))
     return dict(zip(names.flat, np.asarray(calculus.nodes(field)).flat, strict=True))
 
 
@@ -102,21 +102,24 @@ class Existence:
         return b.select(b.abs(self.calculus.value), b.const(0), unless(b, doubts, node), zero)
 
 
-def gather(parts: Mapping[str, NDArray[Any]], fields: Sequence[str], size: int) -> dict[str, NDArray[Any]]:
-    """The fields from their scalar parts: gradient (..., dim), hessian (..., dim, dim), singular boolean and so on."""
-    result: dict[str, NDArray[Any]] = {}
+def gather(parts: Mapping[str, Any], fields: Sequence[str], size: int, xp: Any = np) -> dict[str, Any]:
+    """The fields from their scalar parts: gradient (..., dim), hessian (..., dim, dim), singular boolean and so on.
+
+    The arrays are those of the package `xp`, with names as NumPy has them.
+    """
+    result: dict[str, Any] = {}
     for field in fields:
         if field in SCALARS:
             result[field] = parts[field]
             continue
-        names = _part_names(field, size)
-        stack = np.stack([parts[name] for name in names.flat], axis=-1)
+        names = part_names(field, size)
+        stack = xp.stack([parts[name] for name in names.flat], axis=-1)
         whole = stack.reshape((*stack.shape[:-1], *names.shape))
-        result[field] = np.asarray(~np.isfinite(whole).all(axis=-1)) if field == "singular" else whole
+        result[field] = xp.asarray(~xp.isfinite(whole).all(axis=-1)) if field == "singular" else whole
     return result
 
 
-def _part_names(field: str, size: int) -> NDArray[np.str_]:
+def part_names(field: str, size: int) -> NDArray[np.str_]:
     """The names of the scalar outputs that make up a field, in the shape of its last axes."""
     if field.endswith("gradient") or field == "singular":
         return np.array([f"{field.replace('singular', 'gradient')}_{i}" for i in range(size)])

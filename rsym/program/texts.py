@@ -2,7 +2,7 @@
 
 ``{0}``, ``{1}`` stand for the names or numbers of the arguments; a negative number comes in parentheses. A text is
 what stands to the right of an equals sign. Names that begin with rsym_ are functions that the row of the language in
-`rsym.backends.languages` defines, where the language has none with the values of NumPy: NaN outside of the domain.
+`rsym.backends.dialects` defines, where the language has none with the values of NumPy: NaN outside of the domain.
 "llvm" is no language here but what `rsym.backends.llvm_code` makes instructions of. "vm" lacks what has no text.
 """
 

@@ -13,7 +13,7 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import RsymError, Shape, conjunction, x, y
-from rsym.backends.source import c_source
+from rsym.backends.source import program_source
 from rsym.program.expansion import expand
 from rsym.program.program import Node, Program
 
@@ -42,7 +42,7 @@ def test_every_operation_over_awkward_arguments(tmp_path):
     """The bits of the backend `numpy`; libm may differ from NumPy in the last places."""
     cases = {operation: single(operation) for operation in OPERATION_NAMES}
     texts = [
-        c_source(expand(program), {}).replace("rsym_kernel", operation + "_")
+        program_source(expand(program), "c", {}).replace("rsym_kernel", operation + "_")
         for operation, (program, _) in cases.items()
     ]
     library = compiled("\n".join(texts), tmp_path, ("-O1", "-ffp-contract=off"))
@@ -93,7 +93,7 @@ def test_names_of_a_model_stay_in_comments_and_cannot_leave_them():
     """Whatever a name holds: this program never went through the checks of a Shape."""
     hostile = "*/ int main(){} /*\\\n"
     nodes = (Node("input", (), "x"), Node("input", (), hostile), Node("add", (0, 1)))
-    text = c_source(Program(nodes, ("x",), (hostile,), (("value", 2),)), {hostile: 1.0})
+    text = program_source(Program(nodes, ("x",), (hostile,), (("value", 2),)), "c", {hostile: 1.0})
     assert text.count("*/") == 2  # the head, and the remark on gcc
     assert "main(" not in text
     code = rsym.source(Shape(x + sp.Symbol("abort", real=True), (x, y), letters={"abort": 1}), "c")
@@ -101,7 +101,7 @@ def test_names_of_a_model_stay_in_comments_and_cannot_leave_them():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code"), [(("fortran",), "unknown-language"), (("c", ("colour",)), "unknown-field")]
+    ("arguments", "code"), [(("algol",), "unknown-language"), (("c", ("colour",)), "unknown-field")]
 )
 def test_bad_input_is_refused(arguments, code):
     with pytest.raises(RsymError) as caught:

@@ -150,6 +150,18 @@ def test_a_model_as_text(model, capsys):
     ]
 
 
+def test_a_model_in_another_language(tmp_path, model, capsys):
+    path = tmp_path / "ball.mjs"
+    arguments = ["source", model, "--language", "javascript", "--fields", "value, gradient", "--set", "r=1.5"]
+    assert main(arguments) == 0
+    text = capsys.readouterr().out
+    assert "r = 1.5" in text
+    assert "out3[i] = " in text
+    assert main([*arguments, "--constants", "-o", str(path)]) == 0
+    assert capsys.readouterr().out == f"{path}\n"
+    assert "letters" not in path.read_text()
+
+
 def test_a_model_as_latex(model, capsys):
     assert main(["show", model, "--latex", "--shape", "slab"]) == 0
     text = capsys.readouterr().out
@@ -282,6 +294,7 @@ def test_a_mesh_is_coloured_by_part(tmp_path, model):
         ["sweep", "skeleton", "-o", "strip.gif", "--letter", "p1", "--values", "20"],
         ["show", "skeleton", "--variant", "a"],
         ["letters", "car", "--set", "raa=1"],
+        ["source", "skeleton", "--language", "vm", "--fields", "gradient", "-o", "x.vm"],
         ["reproduce", "--only", "fig99", "--out", "figures"],
     ],
 )
