@@ -11,10 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats
+from rsym.backends.interpreter import interpret
 from rsym.bounds.far_forms import far_leaves
 from rsym.bounds.intervals import IntervalFunction
+from rsym.errors import RsymError
 from rsym.logic.sign_form import Gate, SignForm, through
 from rsym.program.builder import Builder
+from rsym.program.operations import OPERATIONS
 from rsym.program.program import Program
 
 
@@ -186,6 +189,22 @@ def joined_signs(gate: Gate, first: Signs, second: Signs) -> Signs:
     """The signs of a gate from those of its operands."""
     joined: Signs = (np.minimum if gate.operation == "min" else np.maximum)(first, second)
     return joined
+
+
+def check_parameters(form: SignForm, letters: Mapping[str, float]) -> None:
+    """An R-operation with an illegal parameter has no value, so its sign says nothing: refuse such letters."""
+    if not form.parameters:
+        return
+    program = form.builder.program({f"{k}": node for k, (_, node) in enumerate(form.parameters)})
+    values = interpret(program, letters)
+    for k, (operation, _) in enumerate(form.parameters):
+        legal = OPERATIONS[operation].parameter
+        if legal is not None and not legal.holds(values[f"{k}"]):
+            raise RsymError(
+                f"a parameter of {operation} is {float(values[f'{k}'])}, out of its range",
+                code="parameter",
+                remedy="-1 < alpha <= 1, m >= 1, p > 1",
+            )
 
 
 def _program(builder: Builder, numbers: Sequence[int]) -> Program:

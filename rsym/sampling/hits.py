@@ -5,12 +5,29 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Shorts
 
-Rays = Callable[[], tuple[Floats, Floats]]
+Rays: TypeAlias = Callable[[], tuple[Floats, Floats]]
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What kernels say of rays: depth, leaf, doubt in arrays of their shape, of the normal three parts before that."""
+
+    depth: Floats
+    leaf: Shorts
+    normal: Floats
+    doubt: NDArray[np.uint8]
+
+    def reshaped(self, shape: tuple[int, ...]) -> Seen:
+        """The same for rays in an array."""
+        depth, leaf, doubt = (part.reshape(shape) for part in (self.depth, self.leaf, self.doubt))
+        return Seen(depth, leaf, self.normal.reshape(3, *shape), doubt)
 
 
 @dataclass(frozen=True)

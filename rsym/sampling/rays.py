@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rsym.arrays import Flags, Floats, Shorts
+from rsym.arrays import Floats, Shorts
 from rsym.backends.kernel import checked_threads
 from rsym.errors import RsymError
 from rsym.model.equation import checked_bounds
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
-from rsym.sampling.hits import Hits
+from rsym.sampling.form_signs import check_parameters
+from rsym.sampling.hits import Hits, Rays, Seen
+from rsym.sampling.kernels.ray_kernels import Crowd, ray_kernels
 from rsym.sampling.leaf_fields import SIDES, LeafFields
 from rsym.sampling.pencils import Cut, Pencil, as_cuts
 
@@ -67,7 +69,8 @@ class Caster:
     ) -> None:
         self._leaf_fields = LeafFields(shape)
         self.shape = shape
-        self.threads = checked_threads(threads)
+        self._crowd = Crowd(checked_threads(threads))
+        self._kernels = ray_kernels(self._leaf_fields.form)
         self._bounds = None if bounds is None else checked_bounds(bounds, 3)
         self.letters: dict[str, float] = {}
         self.set(letters)
@@ -75,7 +78,9 @@ class Caster:
     def set(self, letters: Mapping[Any, float] | None = None) -> None:
         """Take letters, the others at their defaults."""
         self.letters = self.shape.letters.values_with(letters)
-        self.__dict__.pop("bounds", None)
+        check_parameters(self._leaf_fields.form, self.letters)
+        for name in ("bounds", "_constants"):
+            self.__dict__.pop(name, None)
 
     @cached_property
     def bounds(self) -> Bounds:
@@ -118,7 +123,10 @@ class Caster:
         """
         start, along = _checked_rays(origins, directions)
         size = self._fine if pixel is None else pixel
-        return self._hits(start, along, near, far, as_cuts(cuts), size)
+        chosen = as_cuts(cuts)
+        flat = start.reshape(-1, 3), along.reshape(-1, 3)
+        seen = self._kernels.rays(*flat, (near, far), size, self._planes(chosen), self._constants, self._crowd)
+        return self._hits(seen.reshaped(start.shape[:-1]), lambda: (start, along), chosen)
 
     def look(self, pencil: Pencil, *, near: float = -np.inf, far: float = np.inf, cuts: Iterable[Cut] = ()) -> Hits:
         r"""What the rays of a picture meet first, in arrays (rows, columns); with an eye they begin at it.
@@ -135,99 +143,37 @@ class Caster:
         --####--
         ---##---
         """
-        start, along = pencil.rays()
-        near = max(near, 0.0) if pencil.eye is not None else near
-        return self._hits(start, along, near, far, as_cuts(cuts), pencil.pixel)
+        chosen, begin = as_cuts(cuts), max(near, 0.0) if pencil.eye is not None else near
+        seen = self._kernels.picture(
+            pencil, begin, far, self._planes(chosen), self.bounds, self._constants, self._crowd
+        )
+        return self._hits(seen, pencil.rays, chosen)
 
     @property
     def _fine(self) -> tuple[float, float]:
         return FINE * float(np.linalg.norm([high - low for low, high in self.bounds])), 0.0
 
-    def _hits(
-        self,
-        origins: Floats,
-        directions: Floats,
-        near: float,
-        far: float,
-        cuts: tuple[Cut, ...],
-        pixel: tuple[float, float],
-    ) -> Hits:
-        shape = origins.shape[:-1]
-        o, d = origins.reshape(-1, 3), directions.reshape(-1, 3)
-        depth, leaf = self._cast(o, d, near, far, cuts)
-        normal = self._normals(o, d, depth, leaf, cuts)
+    def _hits(self, seen: Seen, rays_of: Rays, cuts: tuple[Cut, ...]) -> Hits:
         return Hits(
-            depth.reshape(shape),
-            leaf.reshape(shape),
-            normal.reshape(*shape, 3),
-            np.zeros(shape, bool),
-            lambda: (origins, directions),
+            seen.depth,
+            seen.leaf,
+            np.moveaxis(seen.normal, 0, -1),
+            seen.doubt > 0,
+            rays_of,
             partial(self._fields_at, self.letters, cuts),
         )
 
-    def _cast(self, o: Floats, d: Floats, near: float, far: float, cuts: tuple[Cut, ...]) -> tuple[Floats, Shorts]:
-        """By dense sampling: slow, and blind for what is thin. To be replaced."""
-        first, last, entry = self._within(o, d, near, far, cuts)
-        depth, leaf = np.full(len(o), np.inf), np.full(len(o), -1, np.int16)
-        fields = LeafFields(self.shape, (), self.letters)
-
-        def inside(t: Floats, which: Any) -> Flags:
-            values = fields._values(*(o[which] + t[:, None] * d[which]).T, letters=self.letters)
-            from_leaves = [values[name] for name in fields._values.fields]
-            from rsym.sampling.plane_leaves import active_leaf
-
-            return np.asarray(active_leaf(fields.form.gates, from_leaves)[0] > 0)
-
-        alive = np.flatnonzero(first < last)
-        low, high = first.copy(), first.copy()
-        capped = alive[inside(first[alive] + 1e-9, alive)]
-        depth[capped], leaf[capped] = first[capped], entry[capped]
-        alive = np.setdiff1d(alive, capped)
-        for share in np.linspace(0, 1, 400)[1:]:
-            t = first[alive] + share * (last[alive] - first[alive])
-            met = inside(t, alive)
-            depth[alive[met]] = high[alive[met]] = t[met]
-            low[alive[~met]] = t[~met]
-            alive = alive[~met]
-        todo = np.flatnonzero(np.isfinite(depth) & (low < high))
-        for _ in range(50):
-            middle = (low[todo] + high[todo]) / 2
-            met = inside(middle, todo)
-            high[todo[met]], low[todo[~met]] = middle[met], middle[~met]
-        depth[todo] = high[todo]
-        bare = np.flatnonzero(np.isfinite(depth) & (leaf < 0))
-        leaf[bare] = fields.active(o[bare] + depth[bare, None] * d[bare])
-        return depth, leaf
-
-    def _within(
-        self, o: Floats, d: Floats, near: float, far: float, cuts: tuple[Cut, ...]
-    ) -> tuple[Floats, Floats, Shorts]:
-        """Where rays enter and leave the bounds and the cuts, and by which leaf they enter."""
-        count = len(self._leaf_fields.form.leaves)
-        first, last = np.full(len(o), near), np.full(len(o), far)
-        entry = np.full(len(o), -1, np.int16)
+    def _planes(self, cuts: tuple[Cut, ...]) -> Floats:
+        """The half-spaces of the bounds and of the cuts: outer normal and offset."""
         planes = []
         for axis, (low, high) in enumerate(self.bounds):
             unit = np.eye(3)[axis]
-            planes += [(-unit, -low), (unit, high)]
-        planes += [(np.array(cut.normal), cut.offset) for cut in cuts]
-        with np.errstate(all="ignore"):
-            for k, (normal, offset) in enumerate(planes):
-                slope, room = d @ normal, offset - o @ normal
-                at = room / slope
-                enters = (slope < 0) & (at > first)
-                first[enters], entry[enters] = at[enters], count + k
-                last = np.where((slope > 0) & (at < last), at, last)
-                last = np.where((slope == 0) & (room < 0), -np.inf, last)
-        return first, last, entry
+            planes += [[*-unit, -low], [*unit, high]]
+        return np.array([*planes, *([*cut.normal, cut.offset] for cut in cuts)])
 
-    def _normals(self, o: Floats, d: Floats, depth: Floats, leaf: Shorts, cuts: tuple[Cut, ...]) -> Floats:
-        normal = np.full((len(o), 3), np.nan)
-        met = np.flatnonzero(leaf >= 0)
-        found = self._fields_at(self.letters, cuts, ("gradient",), leaf[met], o[met] + depth[met, None] * d[met])
-        with np.errstate(all="ignore"):
-            normal[met] = -found["gradient"] / np.linalg.norm(found["gradient"], axis=1)[:, None]
-        return normal
+    @cached_property
+    def _constants(self) -> Floats:
+        return self._kernels.constants(self.letters, self.bounds)
 
     def _fields_at(
         self, letters: Mapping[str, float], cuts: tuple[Cut, ...], names: tuple[str, ...], leaf: Shorts, points: Floats

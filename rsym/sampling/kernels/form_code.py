@@ -229,8 +229,8 @@ class ReducedForm(ReducedWalk):
     def join(self, gate: Gate, a: Parts, b: Parts) -> Parts:
         """The better of both."""
         take = better(gate.operation, self.r.value(a[0]), self.r.value(b[0])).name
-        chosen = (self.r.select(take, p, q, kind) for kind, p, q in zip(self.types[::-1], a[::-1], b[::-1], strict=True))
-        return list(chosen)[::-1]
+        parts = list(zip(self.types, a, b, strict=True))
+        return [self.r.select(take, p, q, kind) for kind, p, q in parts[::-1]][::-1]
 
 
 def share_parts(points: Formulas, r: Routine, outputs: Sequence[str], known: dict[int, str]) -> None:

@@ -47,9 +47,11 @@ class Row(IntEnum):
     NORMAL = 15
     FAILED = 18  # points in vain; then the leaf that is followed, -1 when it has been found
     DOUBT = 19  # 1 where what is said is not certain
+    LIMIT = 20  # up to here the words `near` hold
 
 
-ROWS = 20
+ROWS = 21
+BLOCK = ("state", "constants", "near", "words")  # the first parameters of what works on eight rays
 GONE, MARCHING, MET, LOST = -1.0, 0.0, 1.0, 2.0
 
 
@@ -87,10 +89,10 @@ def segment(r: Routine, t: Value, step: Value, radius: Value | None = None) -> l
     return parts
 
 
-def model_on(r: Routine, t: Value, step: Value, radius: Value | None = None) -> list[Value]:
+def model_on(r: Routine, t: Value, step: Value, words: str, radius: Value | None = None) -> list[Value]:
     """The model of the form on a segment."""
     given = ", ".join(f"{DOUBLES} {part}" for part in segment(r, t, step, radius))
-    value = r.emit(f"call {STRUCT} @model({given}, ptr %constants, ptr %words)")
+    value = r.emit(f"call {STRUCT} @model({given}, ptr %constants, ptr {words})")
     return [r.value(r.emit(f"extractvalue {STRUCT} {value}, {k}")) for k in range(4)]
 
 
@@ -99,18 +101,24 @@ def place_at(r: Routine, t: Value) -> list[Value]:
     return [get(r, Row.ORIGIN + axis) + get(r, Row.DIRECTION + axis) * t for axis in range(3)]
 
 
-def form_at(r: Routine, t: Value) -> tuple[Value, Value]:
+def words_for(r: Routine, beyond: Value) -> str:
+    """The words that hold for all rays: `near` if none is beyond its limit."""
+    none = r.emit(f"icmp eq i{LANES} {r.mask(beyond.name)}, 0")
+    return r.emit(f"select i1 {none}, ptr %near, ptr %words")
+
+
+def form_at(r: Routine, t: Value, words: str) -> tuple[Value, Value]:
     """The value of the form at t, and the number of its active leaf."""
     given = ", ".join(f"{DOUBLES} {part.name}" for part in place_at(r, t))
-    both = r.emit(f"call {NAMED} @point({given}, ptr %constants, ptr %words)")
+    both = r.emit(f"call {NAMED} @point({given}, ptr %constants, ptr {words})")
     value, leaf = (r.emit(f"extractvalue {NAMED} {both}, {k}") for k in range(2))
     return r.value(value), r.value(r.emit(f"sitofp {SHORTS} {leaf} to {DOUBLES}"))
 
 
 def first_root(r: Routine, end: Value, linear: Value, quadratic: Value) -> Value:
-    """The smallest w >= 0 at which the parabola end + linear*(w - 1) + quadratic*((w - 1)**2 - 1) is 0; beyond 2 if none.
+    """The smallest w = s + 1 >= 0 at which a parabola with these coefficients of s and s**2 is 0; beyond 2 if none.
 
-    `end` is its value at w = 0, where it is negative; where it is not, w is 0.
+    `end` is its value at w = 0; where that is not negative, w is 0.
     """
     slope = linear - quadratic * 2.0
     discriminant = slope * slope - quadratic * end * 4.0
@@ -127,16 +135,17 @@ def first_root(r: Routine, end: Value, linear: Value, quadratic: Value) -> Value
 
 def march(s: RayFormulas) -> Routine:
     """Until each ray has met the form, is gone or lost."""
-    r = Routine(
-        "march", {"state": "ptr", "constants": "ptr", "words": "ptr", "pixel": "double", "growth": "double"}, internal=True
-    )
+    r = Routine("march", dict.fromkeys(BLOCK, "ptr") | {"pixel": "double", "growth": "double"}, internal=True)
     pixel, growth = (r.value(r.splat(name)) for name in ("%pixel", "%growth"))
     with r.loop("0", f"{MOST_STEPS}", 1, lambda: get(r, Row.STATUS).compare("oeq", MARCHING)):
         t, stop, status = get(r, Row.T), get(r, Row.STOP), get(r, Row.STATUS)
         live = status.compare("oeq", MARCHING)
-        step = least(get(r, Row.STEP), stop - t)
+        limit = get(r, Row.LIMIT)
+        near = t < limit
+        step = least(get(r, Row.STEP), near.choose(least(limit, stop), stop) - t)
         half = step * 0.5
-        low, high, linear, quadratic = model_on(r, t, step)
+        words = words_for(r, live & (near ^ 1))
+        low, high, linear, quadratic = model_on(r, t, step, words)
         bend = quadratic - linear
         upper = first_root(r, high + bend, linear, quadratic)
         lower = first_root(r, low + bend, linear, quadratic)
@@ -156,7 +165,7 @@ def march(s: RayFormulas) -> Routine:
         put(r, Row.STEP, live.choose(out.choose(step * 2.0, following), step))
         with r.where(narrow):
             end = crosses.choose(begin + width, t + step)
-            value, leaf = form_at(r, end)
+            value, leaf = form_at(r, end, words)
             # Enclosures know better than a value whose sign is rounded; what is undefined is not inside.
             inside = crosses.choose(value + size * 0.01, value) > 0.0
             met = narrow & inside
@@ -179,16 +188,17 @@ def march(s: RayFormulas) -> Routine:
 
 def settle(s: RayFormulas) -> Routine:
     """The root on the active leaf within the bracket of each ray, and the normal there."""
-    r = Routine("settle", {"state": "ptr", "constants": "ptr", "words": "ptr", "planes": "ptr", "cuts": "i64"}, internal=True)
+    r = Routine("settle", dict.fromkeys(BLOCK, "ptr") | {"planes": "ptr", "cuts": "i64"}, internal=True)
     todo = r.emit(f"alloca i{LANES}, align 8")
     status, tolerance = get(r, Row.STATUS), r.element("%constants", s.tolerance)
     lost, met = status.compare("oeq", LOST), status.compare("oeq", MET)
     put(r, Row.T, met.choose(get(r, Row.HIGH), get(r, Row.T)))
+    words = words_for(r, (met & (get(r, Row.HIGH) > get(r, Row.LIMIT))) | (lost & (get(r, Row.T) > get(r, Row.LIMIT))))
     begins = met & get(r, Row.LOW).compare("ole", get(r, Row.START))
     with r.where(begins | lost):
         # Inside already where the ray begins: a cap, unless the surface lies in it; of what is lost the nearest leaf.
         at = lost.choose(get(r, Row.T), get(r, Row.START))
-        value, leaf = form_at(r, at)
+        value, leaf = form_at(r, at, words)
         pinned = lost | (begins & (value > tolerance))
         entry = get(r, Row.ENTRY)
         capped = pinned & (lost ^ 1) & entry.compare("oge", 0.0)
@@ -200,7 +210,7 @@ def settle(s: RayFormulas) -> Routine:
     with r.loop("0", f"{ROUNDS}", 1, lambda: _open(s, r)) as turn:
         r.store(r.mask(_open(s, r).name), todo, 0, f"i{LANES}")
         _by_leaf(s, r, todo)
-        value, leaf = form_at(r, get(r, Row.T))
+        value, leaf = form_at(r, get(r, Row.T), words)
         ended = r.value(r.splat(r.emit(f"icmp eq i64 {turn}, {ROUNDS - 1}"), "i1"), "i1")
         mine = _open(s, r)
         other = mine & leaf.compare("one", get(r, Row.LEAF)) & (ended ^ 1)

@@ -11,7 +11,18 @@ from collections.abc import Callable, Sequence
 
 from rsym.backends.llvm_code import VECTORS, declarations
 from rsym.backends.vector_code import Value
-from rsym.sampling.kernels.form_code import ENDS, NAMED, WORD, LeafFormulas, better, form, leaf_outputs, named, value, with_bit
+from rsym.sampling.kernels.form_code import (
+    ENDS,
+    NAMED,
+    WORD,
+    LeafFormulas,
+    better,
+    form,
+    leaf_outputs,
+    named,
+    value,
+    with_bit,
+)
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
 
 State = dict[str, Value]

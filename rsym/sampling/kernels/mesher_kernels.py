@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats, Ints
-from rsym.backends.interpreter import CHECK_POINTS, check_at, interpret
+from rsym.backends.interpreter import CHECK_POINTS, check_at
 from rsym.backends.llvm_code import machine_code
 from rsym.errors import RsymError
 from rsym.logic.sign_form import SignForm, cap_letters
 from rsym.model.shape import Bounds
-from rsym.program.operations import OPERATIONS
 from rsym.program.program import FLOAT64, Program
+from rsym.sampling.form_signs import check_parameters
 from rsym.sampling.kernels.form_code import LeafFormulas
 from rsym.sampling.kernels.mesher_code import mesher_code
 from rsym.sampling.kernels.routines import LANES
@@ -108,7 +108,7 @@ class MesherKernels:
         values = dict(letters)
         for names, ends in zip(self._cap_letters, bounds or [(-np.inf, np.inf)] * 3, strict=True):
             values.update(zip(names, ends, strict=True))
-        self._check_parameters(values)
+        check_parameters(self.form, values)
         plain = [values.get(name, 1.0) for name in self.form.builder.letters]
         twice = np.repeat(plain, 2)
         self._functions["box_constants"](twice.ctypes.data, self._constants.ctypes.data)
@@ -142,22 +142,6 @@ class MesherKernels:
         value, gradient = np.zeros(points.shape[1]), np.zeros(points.shape)
         self.leaf(CHECK_POINTS, np.full(points.shape[1], number, np.int16), points, value, gradient)
         return gradient[:, :CHECK_POINTS]
-
-    def _check_parameters(self, letters: Mapping[str, float]) -> None:
-        """An R-operation with an illegal parameter has no value, so its sign says nothing."""
-        form = self.form
-        if not form.parameters:
-            return
-        program = form.builder.program({f"{k}": node for k, (_, node) in enumerate(form.parameters)})
-        values = interpret(program, letters)
-        for k, (operation, _) in enumerate(form.parameters):
-            legal = OPERATIONS[operation].parameter
-            if legal is not None and not legal.holds(values[f"{k}"]):
-                raise RsymError(
-                    f"a parameter of {operation} is {float(values[f'{k}'])}, out of its range",
-                    code="parameter",
-                    remedy="-1 < alpha <= 1, m >= 1, p > 1",
-                )
 
     def boxes(
         self,

@@ -1,7 +1,7 @@
 """The routines of a caster as LLVM text: a picture tile by tile, beams first, and rays one by one.
 
-A beam runs around the rays of a tile of pixels: how far it is negative all rays are, and what does not matter on its rest
-matters to none of them.
+A beam runs around the rays of a tile of pixels: how far it is negative all rays are, and what does not matter on its
+rest matters to none of them.
 """
 
 from __future__ import annotations
@@ -33,15 +33,19 @@ MOST_BEAM_STEPS = 60
 # Of the side of a tile: where a beam that may meet something ends.
 NEAR = 0.5
 FIRST_STEP = 2.0
+# Of the side of a tile: how far behind its start it is asked once more what matters, for there most rays end.
+NEAR_DEPTH = 6.0
 WORDS = f"<{LANES} x i64>"
 # What a camera is, as numbers in a row.
-CAMERA = ("corner", "across", "down", "eye", "perspective", "near", "far", "pixel", "growth", "radius", "spread", "reach")
+VECTORS_OF_CAMERA = ("corner", "across", "down", "eye")
+NUMBERS_OF_CAMERA = ("perspective", "near", "far", "pixel", "growth", "radius", "spread", "reach")
 
 
 def place_of(name: str) -> int:
-    """Where a part of a camera begins: the first four are vectors."""
-    k = CAMERA.index(name)
-    return 3 * min(k, 4) + max(0, k - 4)
+    """Where a part of a camera begins."""
+    if name in VECTORS_OF_CAMERA:
+        return 3 * VECTORS_OF_CAMERA.index(name)
+    return 3 * len(VECTORS_OF_CAMERA) + NUMBERS_OF_CAMERA.index(name)
 
 
 class Picture(Routine):
@@ -70,9 +74,9 @@ class Picture(Routine):
         put(self, Row.T, self.part("near"))
         put(self, Row.STOP, self.part("far"))
 
-    def march(self, words: str, pixel: str, growth: str) -> None:
+    def march(self, near: str, words: str, pixel: str, growth: str) -> None:
         """Cast the rays that are made."""
-        given = f"ptr %state, ptr %constants, ptr {words}"
+        given = f"ptr %state, ptr %constants, ptr {near}, ptr {words}"
         self.do(f"call void @march({given}, double {pixel}, double {growth})")
         self.do(f"call void @settle({given}, ptr %planes, i64 %cuts)")
 
@@ -83,13 +87,13 @@ def _started(name: str, parameters: dict[str, str]) -> Picture:
     return r
 
 
+TILES = dict.fromkeys(("starts", "limits", "near_marks", "marks"), "ptr")
 COMMON = {"first": "i64", "last": "i64", "camera": "ptr", "planes": "ptr", "cuts": "i64", "constants": "ptr"}
 
 
 def beams(s: RayFormulas) -> Routine:
     """From tile `first` to below `last`, eight at a time: where its beam may meet something, and what matters there."""
-    r = _started("beams", {**COMMON, "columns": "i64", "nothing": "ptr", "starts": "ptr", "marks": "ptr"})
-    r.do("%words = bitcast ptr %nothing to ptr")
+    r = _started("beams", {**COMMON, "columns": "i64", "nothing": "ptr", **TILES})
     radius, spread = r.part("radius"), r.part("spread")
 
     def reach(t: Value, step: Value) -> Value:
@@ -111,7 +115,7 @@ def beams(s: RayFormulas) -> Routine:
             t, stop, status = get(r, Row.T), get(r, Row.STOP), get(r, Row.STATUS)
             step = least(get(r, Row.STEP), stop - t)
             half = step * 0.5
-            _, high, linear, quadratic = model_on(r, t, step, reach(t, step))
+            _, high, linear, quadratic = model_on(r, t, step, "%nothing", reach(t, step))
             upper = first_root(r, high + (quadratic - linear), linear, quadratic)
             out = upper > 2.0
             begin = t + upper * half
@@ -127,9 +131,12 @@ def beams(s: RayFormulas) -> Routine:
         gone = get(r, Row.STATUS).compare("oeq", GONE)
         r.store(gone.choose(float("inf"), t).name, "%starts", i)
         rest = gone.choose(0.0, stop - t)
-        given = ", ".join(f"{DOUBLES} {part}" for part in segment(r, t, rest, reach(t, rest)))
-        target = r.place("%marks", "i64", r.emit(f"mul i64 {i}, {s.words}"))
-        r.do(f"call void @survey({given}, ptr %constants, ptr {target})")
+        size = (r.part("pixel") + r.part("growth") * abs(t)) * (TILE * NEAR_DEPTH)
+        r.store((t + size).name, "%limits", i)
+        for marks, length in (("%near_marks", least(size * 1.001, rest)), ("%marks", rest)):
+            given = ", ".join(f"{DOUBLES} {part}" for part in segment(r, t, length, reach(t, length)))
+            target = r.place(marks, "i64", r.emit(f"mul i64 {i}, {s.words}"))
+            r.do(f"call void @survey({given}, ptr %constants, ptr {target})")
     r.do("ret void")
     return r
 
@@ -137,7 +144,7 @@ def beams(s: RayFormulas) -> Routine:
 def picture(s: RayFormulas) -> Routine:
     """From tile `first` to below `last` what each pixel shows; `stride` is the length of a row of pixels."""
     outputs = {"depth": "ptr", "leaf": "ptr", "normal": "ptr", "doubt": "ptr", "stride": "i64", "plane": "i64"}
-    r = _started("picture", {**COMMON, "columns": "i64", "starts": "ptr", "marks": "ptr", **outputs})
+    r = _started("picture", {**COMMON, "columns": "i64", **TILES, **outputs})
     pixel, growth = r.scalar("pixel"), r.scalar("growth")
     wide, high = BLOCK
     across, down = (
@@ -148,7 +155,8 @@ def picture(s: RayFormulas) -> Routine:
         column, row = (r.emit(f"{operation} i64 {tile}, %columns") for operation in ("urem", "udiv"))
         x0, y0 = (r.emit(f"mul i64 {number}, {TILE}") for number in (column, row))
         start = r.element("%starts", tile)
-        words = r.place("%marks", "i64", r.emit(f"mul i64 {tile}, {s.words}"))
+        offset = r.emit(f"mul i64 {tile}, {s.words}")
+        near, words = (r.place(marks, "i64", offset) for marks in ("%near_marks", "%marks"))
         with r.loop("0", f"{TILE}", high) as j, r.loop("0", f"{TILE}", wide) as i:
             x, y = r.emit(f"add i64 {x0}, {i}"), r.emit(f"add i64 {y0}, {j}")
             left, top = (r.value(r.splat(r.emit(f"sitofp i64 {number} to double"))) for number in (x, y))
@@ -160,7 +168,8 @@ def picture(s: RayFormulas) -> Routine:
                 put(r, Row.T, (start > t).choose(start, t))
                 size = r.part("pixel") + r.part("growth") * abs(get(r, Row.T))
                 put(r, Row.STEP, size * (TILE * FIRST_STEP))
-                r.march(words, pixel, growth)
+                put(r, Row.LIMIT, r.element("%limits", tile))
+                r.march(near, words, pixel, growth)
             for half in range(high):
                 below = r.emit(f"mul i64 {r.emit(f'add i64 {y}, {half}')}, %stride")
                 place = r.emit(f"add i64 {below}, {x}")
@@ -180,7 +189,8 @@ def rays(s: RayFormulas) -> Routine:
         put(r, Row.STOP, r.part("far"))
         r.do("call void @clip(ptr %state, ptr %planes, i64 %cuts, double 0.0)")
         put(r, Row.STEP, (get(r, Row.STOP) - get(r, Row.T)) * 0.25)
-        r.march("%nothing", r.scalar("pixel"), r.scalar("growth"))
+        put(r, Row.LIMIT, r.number(float("-inf")))
+        r.march("%nothing", "%nothing", r.scalar("pixel"), r.scalar("growth"))
         _write(r, i, "%stride", range(LANES))
     r.do("ret void")
     return r

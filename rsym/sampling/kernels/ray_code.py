@@ -1,4 +1,4 @@
-"""Routines of a sign form along rays: its model on segments, what matters of it in a beam, its active leaf at points."""
+"""Routines of a sign form along rays: its model on segments, what matters in a beam, its active leaf at points."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Formulas, Rou
 
 NAMED = f"{{ {DOUBLES}, {SHORTS} }}"
 ZERO = "zeroinitializer"
-# Beyond every model; of a square of it nothing is asked.
-HUGE = 1e110
+# Beyond the models of a form, within what models may be.
+HUGE = 1e90
 # The models of the coordinates, which are linear along rays.
 ENDS = tuple(f"{axis}_{part}" for axis in AXES for part in ("low", "high", "linear"))
 # Calls. What more than one leaf needs is made once where it is that much, though maybe no leaf in a block needs it.

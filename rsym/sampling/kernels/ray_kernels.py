@@ -6,19 +6,18 @@ import ctypes
 import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Shorts
+from rsym.arrays import Floats
 from rsym.backends.interpreter import interpret_nodes
 from rsym.backends.llvm_code import machine_code
 from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Bounds
+from rsym.sampling.hits import Seen
 from rsym.sampling.kernels.mesher_kernels import padded
-from rsym.sampling.kernels.picture_code import CAMERA, TILE, caster_code, place_of
+from rsym.sampling.kernels.picture_code import NUMBERS_OF_CAMERA, TILE, VECTORS_OF_CAMERA, caster_code, place_of
 from rsym.sampling.kernels.ray_code import RayFormulas
 from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.pencils import Pencil
@@ -26,23 +25,13 @@ from rsym.sampling.pencils import Pencil
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
 _COMMON = (_INTEGER, _INTEGER, _POINTER, _POINTER, _INTEGER, _POINTER)
 _SIGNATURES: dict[str, tuple[Any, ...]] = {
-    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 3),
-    "picture": (*_COMMON, _INTEGER, *[_POINTER] * 6, _INTEGER, _INTEGER),
+    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 5),
+    "picture": (*_COMMON, _INTEGER, *[_POINTER] * 8, _INTEGER, _INTEGER),
     "rays": (*_COMMON, *[_POINTER] * 6, _INTEGER),
 }
 # Of the diagonal of the bounds: closer leaves are taken for one.
 ALIKE = 1e-10
 SCALE_POINTS = 64
-
-
-@dataclass(frozen=True)
-class Seen:
-    """What rays meet: depth, leaf, doubt (n,) or (rows, columns), the normal's three parts first."""
-
-    depth: Floats
-    leaf: Shorts
-    normal: Floats
-    doubt: NDArray[np.uint8]
 
 
 class RayKernels:
@@ -64,7 +53,9 @@ class RayKernels:
         array[: s.uniforms] = s.rays.uniform_values(letters)
         program = s.points.program
         generator = np.random.default_rng(20130605)
-        points = {name: generator.uniform(*ends, SCALE_POINTS) for name, ends in zip(s.coordinates, bounds, strict=True)}
+        points = {
+            name: generator.uniform(*ends, SCALE_POINTS) for name, ends in zip(s.coordinates, bounds, strict=True)
+        }
         values = interpret_nodes(program, {**letters, **points})
         for number, slot in s.points.slots.items():
             array[slot] = values[number]
@@ -86,17 +77,17 @@ class RayKernels:
         tiles = columns * rows
         camera = _camera(pencil, near, far, bounds)
         words = self.formulas.words
-        starts, marks = np.empty(tiles + LANES), np.empty((tiles + LANES) * words, np.uint64)
+        starts, limits = np.empty(tiles + LANES), np.empty(tiles + LANES)
+        near_marks, marks = (np.empty((tiles + LANES) * words, np.uint64) for _ in range(2))
+        of_tiles = starts, limits, near_marks, marks
         nothing = np.zeros(words, np.uint64)
         common = (camera, planes, len(planes), constants, columns)
         beam = -(-tiles // (LANES * pool.threads * 4)) * LANES
-        pool.run(lambda a, b: self._call("beams", a, b, *common, nothing, starts, marks), tiles, beam)
+        pool.run(lambda a, b: self._call("beams", a, b, *common, nothing, *of_tiles), tiles, beam)
         shape = rows * TILE, columns * TILE
-        seen = Seen(
-            np.empty(shape), np.empty(shape, np.int16), np.empty((3, *shape)), np.empty(shape, np.uint8)
-        )
+        seen = Seen(np.empty(shape), np.empty(shape, np.int16), np.empty((3, *shape)), np.empty(shape, np.uint8))
         out = (seen.depth, seen.leaf, seen.normal, seen.doubt, shape[1], shape[0] * shape[1])
-        pool.run(lambda a, b: self._call("picture", a, b, *common, starts, marks, *out), tiles, columns)
+        pool.run(lambda a, b: self._call("picture", a, b, *common, *of_tiles, *out), tiles, columns)
         part = np.s_[:height, :width]
         return Seen(seen.depth[part], seen.leaf[part], seen.normal[(np.s_[:], *part)], seen.doubt[part])
 
@@ -134,7 +125,7 @@ class RayKernels:
 def _camera(pencil: Pencil, near: float, far: float, bounds: Bounds) -> Floats:
     camera = np.zeros(32)
     eye = pencil.forward if pencil.eye is None else pencil.eye
-    for name, vector in zip(CAMERA, (pencil.corner, pencil.across, pencil.down, eye), strict=False):
+    for name, vector in zip(VECTORS_OF_CAMERA, (pencil.corner, pencil.across, pencil.down, eye), strict=True):
         camera[place_of(name) : place_of(name) + 3] = vector
     # Half the diagonal of a tile; a little more for what rounding loses.
     diagonal = float(np.linalg.norm([np.linalg.norm(pencil.across), np.linalg.norm(pencil.down)])) * TILE / 2 * 1.001
@@ -147,7 +138,7 @@ def _camera(pencil: Pencil, near: float, far: float, bounds: Bounds) -> Floats:
     flat, spread = (diagonal, 0.0) if pencil.eye is None else (0.0, diagonal / away)
     pixel, growth = pencil.pixel
     values = (float(pencil.eye is not None), near, far, pixel, growth, flat, spread, flat + spread * farthest)
-    for name, value in zip(CAMERA[4:], values, strict=True):
+    for name, value in zip(NUMBERS_OF_CAMERA, values, strict=True):
         camera[place_of(name)] = value
     return camera
 
