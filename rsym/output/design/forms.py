@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from rsym.backends.languages import LANGUAGES, frontier, statements
+from rsym.backends.dialects import LANGUAGES
+from rsym.backends.languages import frontier, statements
 from rsym.bounds.ray_forms import MODEL, NUMBER, PARTS, RayForm, RayValue, input_names, ray_form
 from rsym.bounds.ray_models import RayArithmetic, RayModel
 from rsym.logic.sign_form import SignForm

@@ -76,7 +76,7 @@ void main() {
       vec2 f = form(eye + d * at);
       // Enclosures know better than a value whose sign is rounded.
       if (f.x + (crosses ? 0.01 * size : 0.0) > 0.0) {
-        found.xy = vec2(at, begin <= from && start != NOTHING ? start : f.y);
+        found.xy = begin <= from && start != NOTHING ? vec2(from, start) : vec2(at, f.y);
         return;
       }
       failed += 1.0;
