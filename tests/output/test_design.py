@@ -4,7 +4,11 @@ import contextlib
 import http.client
 import json
 import re
+import signal
+import subprocess
+import sys
 import threading
+import urllib.request
 
 import pytest
 import sympy as sp
@@ -84,6 +88,17 @@ def test_the_command_writes_a_page_whose_commands_run(tmp_path, capsys, monkeypa
     assert main(["letters", "my ball.rf", "--set", "r=1.5", "--set", "r=1.25"]) == 0
     assert "1.25" in capsys.readouterr().out
     assert main(["design", "my ball.rf", "-o", "ball.stl"]) == 1
+
+
+@pytest.mark.slow
+def test_the_command_serves_until_it_is_interrupted():
+    words = [sys.executable, "-m", "rsym.cli", "design", "solids", "--no-open"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
+        address = process.stdout.readline().strip()
+        with urllib.request.urlopen(address) as reply:
+            assert "<title>solids - rsym</title>" in reply.read().decode()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20) == 0
 
 
 @contextlib.contextmanager

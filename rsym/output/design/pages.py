@@ -44,6 +44,8 @@ from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 
+# Of a formula that is drawn. Unions of balls of 308, 583, 862 and 1077 operations take 2.5, 7, 7 and 13 s to their
+# first picture without a graphics processor, and compile in nearly all of it.
 MOST_OPERATIONS = 500
 CELLS = 64  # of the mesh of a still picture
 STILL_SIZE = (4.0, 3.0)  # hundreds of pixels: some 5 kB
