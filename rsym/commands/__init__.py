@@ -5,7 +5,7 @@ under its own name; `run` imports what it needs, so that `rsym --help` answers a
 
 options.py                           what commands share: a model with letters, cells, sections, bars of progress
 fit.py, letters.py, models.py, show.py, source.py  models
-fields.py, render.py, sections.py, sweep.py  pictures
+design.py, fields.py, render.py, sections.py, sweep.py  pictures
 mesh.py, view.py                     meshes
 compare.py, lint.py, repair.py, verify.py  proofs
 reproduce.py                         the paper

@@ -20,5 +20,6 @@ verdicts.py, body_verdicts.py                      verdicts as figures, in the p
 atlas.py, repairs.py, fairness.py, designs.py      an atlas, a repair, fairness, designs
 fits.py                                            letters and data: residuals, the speed of a boundary
 cards.py, equations.py, pictures.py                small pictures with formulas, LaTeX, figures to files
+design/                                            a page of a shape with live letters, served or in a file
 views.py, explorer.py, explore.py                  exploring in a notebook; needs ipywidgets
 """

@@ -47,8 +47,9 @@ def explore(
     ipywidgets.VBox
         ``.letters["a"].value = 0.7`` moves a slider and draws at once; ``.values``
         are the letters, ``.figure`` is what is drawn, ``.message`` says what
-        could not be. ``.view.value`` is ``"sheet"`` or ``"body"``; ``.picture`` is
-        the widget that shows it, ``.camera`` the sliders of elevation and azimuth.
+        could not be. ``.view.value`` is ``"sheet"`` or ``"body"``; ``.picture`` is the widget that shows it,
+        ``.camera`` the sliders of elevation and azimuth. ``.page()`` is a page with live letters that needs
+        no Python; a notebook keeps it when it becomes HTML, and ``rsym.write(shape, "page.html")`` makes it a file.
 
     Raises
     ------

@@ -20,6 +20,8 @@ from rsym.model.letters import Letter, Letters
 from rsym.model.shape import Shape
 from rsym.output import axes3d
 from rsym.output.bodies import explain
+from rsym.output.design.letters import slider_range
+from rsym.output.design.pages import DesignPage, page_of
 from rsym.output.models import load_letters, save_letters
 from rsym.output.paints import MAPS
 from rsym.output.patches import Lines, Patches, coat_of_patches, merged_letters, shaded, tessellations
@@ -163,6 +165,21 @@ class Explorer(LetterSliders):
         self.save.on_click(lambda _: self.attempt(lambda: save_letters(self.values, self.path.value)))
         self.load.on_click(lambda _: self.attempt(lambda: self.set_letters(load_letters(self.path.value))))
 
+    def page(self, title: str = "") -> DesignPage:
+        """The shape as a page of HTML with live letters, which needs neither Python nor a widget.
+
+        In a notebook it shows itself, also where the notebook has become a page of its own; ``page().write(path)`` puts
+        it into a file. Its letters begin as the sliders stand.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> Explorer(rsym.paper.skeleton_body(), resolution=16).page("nose").html.count("<script")
+        8
+        """
+        shape = self._shape.with_letters(self.values)
+        return DesignPage(page_of(shape, title=title, bounds=self._bounds))
+
     def draw(self) -> Figure:
         """The sheet or the body at the letters as the sliders stand."""
         body = self.view.value == "body"
@@ -258,26 +275,6 @@ def letter_slider(name: str, letter: Letter) -> Any:
     low, high = slider_range(letter)
     return _slider(
         float(letter.default), low, high, f"{name} [{letter.unit}]" if letter.unit else name, letter.doc or name
-    )
-
-
-def slider_range(letter: Letter) -> tuple[float, float]:
-    """The range of a letter; an open end lies at 0 or at twice the default.
-
-    Examples
-    --------
-    >>> slider_range(Letter(5)), slider_range(Letter(-2, maximum=1)), slider_range(Letter(0))
-    ((0.0, 10.0), (-4.0, 1.0), (-1.0, 1.0))
-    """
-    default = float(letter.default)
-    low = min(0.0, 2 * default) if letter.minimum is None else float(letter.minimum)
-    high = max(0.0, 2 * default) if letter.maximum is None else float(letter.maximum)
-    if low < high:
-        return low, high
-    # Nothing to scale by: the default is 0, or beyond the only end.
-    return (
-        default - 1 if letter.minimum is None else low,
-        default + 1 if letter.maximum is None else high,
     )
 
 

@@ -8,8 +8,10 @@ from pathlib import Path
 
 from rsym.errors import RsymError
 from rsym.model.requirements import file_path, require_kind
+from rsym.model.shape import Shape
 from rsym.model.wording import documented
 from rsym.output.atomic import write_atomically
+from rsym.output.design.pages import DesignPage, page_of
 from rsym.output.dxf import features_dxf
 from rsym.output.formats import FORMATS, coloured_formats, table_of_formats
 from rsym.output.images import Image
@@ -21,7 +23,7 @@ from rsym.verify.answers.singular import SingularCurve
 
 @documented(formats=table_of_formats(), coloured=coloured_formats().replace(" or ", "`` and ``"))
 def write(
-    mesh: Mesh | Image,
+    mesh: Mesh | Image | Shape,
     path: str | os.PathLike[str],
     *,
     unit: str | None = None,
@@ -29,9 +31,13 @@ def write(
     scale: float | None = None,
     colour_by: str | None = None,
 ) -> Path:
-    """Write a mesh to a file, in the format that the suffix names, or a rendered picture as ``.png``.
+    """Write a mesh to a file, in the format that the suffix names; a rendered picture as ``.png``; a shape as a page.
+
+    The page of a shape, ``.html``, has a slider for each letter.
 
     {formats}
+
+    The page of a shape is another one: it draws the equation itself, without a mesh, and its letters move.
 
     The file appears whole or not at all: an older one stays as it is until
     the new one is safe on the disk. The same mesh gives the same bytes.
@@ -42,9 +48,9 @@ def write(
 
     Parameters
     ----------
-    mesh : Mesh or Image
+    mesh : Mesh, Image or Shape
         The triangles, in the order and with the orientation of ``mesh.faces``; or what `render` gave, which takes none
-        of the options.
+        of the options; or a shape, which is written as ``.html`` alone.
     path : str or path-like
         Where to; the folder must exist.
     unit : {"mm", "cm", "m", "in"}, optional
@@ -93,8 +99,10 @@ def write(
         if (unit, size, scale, colour_by) != (None, None, None, None):
             raise RsymError("a picture has neither units nor sizes", code="picture", remedy="give the path alone")
         return mesh.save(path)
-    require_kind(Mesh, mesh, "mesh")
     path = file_path(path)
+    if isinstance(mesh, Shape):
+        return _write_page(mesh, path, unit, size, scale, colour_by)
+    require_kind(Mesh, mesh, "mesh")
     row = FORMATS.get(path.suffix.lower())
     if colour_by not in (None, "part") or (colour_by and not (row and row.coloured)):
         raise RsymError(
@@ -113,6 +121,17 @@ def write(
     mesh, unit = sized(mesh, unit=unit, size=size, scale=scale)
     encode = row.coloured if colour_by and row.coloured else row.encode
     return write_atomically(path, encode(mesh, unit))
+
+
+def _write_page(shape: Shape, path: Path, *of_a_mesh: float | str | None) -> Path:
+    if path.suffix.lower() != ".html" or any(option is not None for option in of_a_mesh):
+        raise RsymError(
+            "a shape is written as .html, without options of a mesh",
+            code="file-format",
+            where=str(path),
+            remedy="write rsym.mesh(shape), or end the name with .html",
+        )
+    return DesignPage(page_of(shape, title=path.stem)).write(path)
 
 
 def write_features(

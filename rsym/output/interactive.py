@@ -54,7 +54,7 @@ def _page(mesh: Mesh, colours: NDArray[np.float64] | None) -> bytes:
     middle = low + (high - low) / 2
     radius = float(np.linalg.norm(shaded.vertices - middle, axis=1).max())
     places = (shaded.vertices - middle) / (radius or 1.0)
-    width, height = _extent(places)
+    width, height = extent_on_screen(places)
     body = {
         "closed": mesh.status.closed,
         "eye": DISTANCE,
@@ -62,7 +62,7 @@ def _page(mesh: Mesh, colours: NDArray[np.float64] | None) -> bytes:
         "azimuth": round(float(AZIMUTH), 6),
         "width": round(width, 6),
         "height": round(height, 6),
-        "light": _light(),
+        "light": light(),
         "count": shaded.faces.size,
         "places": _packed(places, "<f4"),
         "normals": _packed(np.rint(shaded.normals * 32767), "<i2"),
@@ -83,7 +83,7 @@ def _lines(mesh: Mesh) -> NDArray[np.float64]:
     return np.concatenate([np.zeros((0, 2, 3)), *(np.stack([line[:-1], line[1:]], axis=1) for line in kept)])
 
 
-def _extent(places: NDArray[np.float64]) -> tuple[float, float]:
+def extent_on_screen(places: NDArray[np.float64]) -> tuple[float, float]:
     """The width and height, on the screen at distance 1, that hold the body at every azimuth."""
     across, up = np.hypot(places[:, 0], places[:, 1]), np.abs(places[:, 2])
     sine, cosine = np.sin(ELEVATION), np.cos(ELEVATION)
@@ -92,7 +92,8 @@ def _extent(places: NDArray[np.float64]) -> tuple[float, float]:
     return float(width.max()) / FILLED, float(height.max()) / FILLED
 
 
-def _light() -> dict[str, Any]:
+def light() -> dict[str, Any]:
+    """The light of printed pictures, as shaders take it."""
     return {
         "key": shading.unit(shading.KEY).tolist(),
         "fill": shading.unit(shading.FILL).tolist(),

@@ -342,7 +342,8 @@ ARITHMETIC: dict[str, Operation] = {
         jump=_jump_of_choice,
         far=_far_choice,
         formula=lambda a, b, yes, no: sp.Piecewise((yes, a > b), (no, True)),
-        texts=choice("{0} > {1}", "{2}", "{3}"),
+        # GLSL: a choice by ? and : may become a branch, and hundreds of those in a loop take some compilers for ever.
+        texts=choice("{0} > {1}", "{2}", "{3}", glsl="mix({3}, {2}, {0} > {1})"),
         analytic=(apart(SWITCH),),
         branching=True,
         jumping=True,

@@ -5,12 +5,10 @@ import json
 import numpy as np
 import pytest
 from backends.test_languages import FIELDS, case, shipped
-from output import test_browser
 
 import rsym
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
-browser = test_browser.browser
 
 # Points are the texels of one texture, values and gradients those of another.
 PAGE = """({source, calls, points, letters, width}) => {

@@ -1,8 +1,6 @@
 """The page of a mesh in a real browser: it draws, turns, zooms, and fetches nothing."""
 
 import io
-import os
-import shutil
 
 import numpy as np
 import pytest
@@ -14,26 +12,6 @@ from rsym import conjunction, x, y, z
 from rsym.sampling.mesh import Mesh
 
 pytestmark = pytest.mark.browser
-
-FLAGS = (
-    "--no-sandbox --disable-gpu --enable-unsafe-swiftshader --disable-quic --no-first-run "
-    "--disable-background-networking --disable-component-update --disable-sync"
-).split()
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """Playwright's Chromium is the system's; only CI insists on one."""
-    found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-    if found is None and not os.environ.get("CI"):
-        pytest.skip("no Chromium here")
-    assert found, "CI installs Chromium"
-    from playwright import sync_api
-
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=found, args=FLAGS)
-        yield browser
-        browser.close()
 
 
 class Opened:
