@@ -18,11 +18,12 @@ from rsym.errors import RsymError
 from rsym.model.equation import hull
 from rsym.model.shape import Bounds
 from rsym.output.axes3d import Bar
+from rsym.output.bodies import show
 from rsym.output.ink import dots
 from rsym.output.paints import checked_limits, checked_map, coat_of, one_colour, robust_limits
 from rsym.output.pictures import require_axes, require_report
 from rsym.output.shading import AZIMUTH, BODY, ELEVATION, decode
-from rsym.output.surfaces import ShadedMesh, show
+from rsym.output.surfaces import ShadedMesh
 from rsym.reports.words import listed
 from rsym.sampling.contours import level_lines
 from rsym.sampling.extent import bounds_or_extent

@@ -1,11 +1,10 @@
 """Rays against dense signs of omega in float64: no code is shared with what is checked."""
 
 import numpy as np
-import pytest
 
 import rsym
-from rsym.paper.models import MODELS, model_path
-from rsym.sampling.pencils import Cut, Pencil
+from rsym.paper.models import model_path
+from rsym.sampling.pencils import Pencil
 from rsym.sampling.rays import Caster
 
 
