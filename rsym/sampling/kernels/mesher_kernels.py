@@ -229,8 +229,8 @@ def _from(array: NDArray[Any], first: int) -> int:
 
 _kernels: dict[str, MesherKernels] = {}
 _making, _finishing = threading.Lock(), threading.Lock()
-# A megabyte each; a notebook has a few models open.
-_MOST_KERNELS = 32
+# A megabyte each; a gallery has fifty models open, and comes back to some.
+_MOST_KERNELS = 64
 
 
 def mesher_kernels(form: SignForm) -> MesherKernels:
