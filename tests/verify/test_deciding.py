@@ -17,6 +17,7 @@ from rsym.verify.cover.deciding import MEETING, OPEN, REGULAR, UNKNOWN, Decider,
 from rsym.verify.cover.forming import formation
 from rsym.verify.cover.images import Images
 from rsym.verify.cover.surfaces import SheetInspector
+from rsym.verify.smoothness import studied_in_space
 
 BALL, NEAR = 1 - x**2 - y**2 - z**2, 1 - (x - sp.Rational(6, 5)) ** 2 - y**2 - z**2
 LEAVES = {
@@ -105,7 +106,7 @@ def test_a_fillet_takes_few_balls(monkeypatch: pytest.MonkeyPatch) -> None:
     """It took 4 200 of them: more than are allowed here leave boxes undecided."""
     monkeypatch.setattr(verdict, "INSPECTIONS", 1_000)
     shape = rsym.Shape(LEAVES["fillet"], (x, y, z), bounds=((-1.5, 2.7), (-1.5, 1.5), (-1.5, 1.5)))
-    report = rsym.verify_smoothness(shape, method="space")
+    report = verdict.report_body(studied_in_space(shape), sharpened=False)
     assert (report.verdict, report.continuity, len(report.curves)) == ("REFUTED", "G1", 2)
     assert not len(report.cover.undecided)
 
