@@ -9,6 +9,6 @@ In come shapes and compiled kernels, out come arrays with what is known of them.
 - in space: `meshing` (`rsym.mesh`), `mesher` with `sharp/` and `kernels/`, or `smooth` by marching cubes with `detail`
 - `mesh`: triangles; `triangles`, `manifolds`: their measures; `status`: what is known, in brief and in full
 - on meshes: `curvatures`, `leaf_fields`, `distances`; `samples`: points on a boundary or inside
-- `pencils`, `hits`, `rays`: rays of a picture cast at the equation, and what they meet
+- `pencils`, `hits`, `rays`: rays of a picture cast at the equation, and what they meet; `ray_march`: without a compiler
 - `stills`: small pictures that results show of themselves
 """
