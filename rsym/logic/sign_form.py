@@ -11,6 +11,7 @@ arithmetic stay as they are. A *gate* is a min or a max of two operands; gates a
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -138,6 +139,63 @@ class SignForm:
             last = count + shift + len(gates) - 1
         gates.append(Gate("min", form, last))
         return SignForm(b, (*self.leaves, *sides), tuple(gates), self.parameters, shift)
+
+
+def balanced(gates: Sequence[Gate], leaves: int) -> tuple[Gate, ...]:
+    """The same function of so many leaves, a chain of one operation as a tree: what does not matter lies in subtrees.
+
+    Examples
+    --------
+    >>> chain = [Gate("max", 0, 1), Gate("max", 4, 2), Gate("max", 5, 3)]
+    >>> [(first, second) for _, first, second in balanced(chain, 4)]
+    [(0, 1), (2, 3), (4, 5)]
+    """
+    uses = Counter(operand for gate in gates for operand in gate[1:])
+    made: list[Gate] = []
+
+    def joined(operation: str, operands: Sequence[int]) -> int:
+        row = list(operands)
+        while len(row) > 1:
+            pairs = [row[k : k + 2] for k in range(0, len(row), 2)]
+            row = []
+            for pair in pairs:
+                if len(pair) == 2:
+                    made.append(Gate(operation, *pair))
+                row.append(pair[0] if len(pair) == 1 else leaves + len(made) - 1)
+        return row[0]
+
+    # What a gate of a chain joins, until something else needs it.
+    chains: dict[int, list[int]] = {}
+    places = list(range(leaves))
+    for number, (operation, *operands) in enumerate(gates, leaves):
+        links: list[int] = []
+        for operand in operands:
+            inner = gates[operand - leaves] if operand >= leaves else None
+            if inner is not None and inner.operation == operation and uses[operand] == 1:
+                links += chains.pop(operand)
+            else:
+                links.append(operand)
+        chains[number] = links
+        places.append(-1)
+
+    def place(number: int) -> int:
+        """Where an operand is, its chain made after those of its operands."""
+        stack = [number]
+        while stack:
+            top = stack[-1]
+            if places[top] >= 0:
+                stack.pop()
+                continue
+            missing = [operand for operand in chains[top] if places[operand] < 0]
+            if missing:
+                stack += missing
+            else:
+                places[top] = joined(gates[top - leaves].operation, [places[operand] for operand in chains[top]])
+        return places[number]
+
+    if gates:
+        place(leaves + len(gates) - 1)
+    return tuple(made)
 
 
 def cap_letters(coordinate: str) -> tuple[str, str]:

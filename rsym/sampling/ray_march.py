@@ -1,8 +1,217 @@
-"""Rays in arrays, without a compiler: the march of `kernels.march_code` step by step, slower, with the same answers."""
+"""Rays in arrays, where there is no compiler: the march of the kernels with the same steps, slower."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from rsym.arrays import Floats, Ints
+from rsym.bounds.ray_forms import ray_form
+from rsym.bounds.ray_reference import RayReference, along
+from rsym.model.shape import Bounds
+from rsym.sampling.hits import Seen
+from rsym.sampling.leaf_fields import LeafFields
+from rsym.sampling.pencils import Pencil
+
+# As in `kernels.march_code`, where they are explained.
 CROSSING, SHORTEST, PATIENCE, MOST_STEPS = 0.25, 0.05, 8, 400
 TOO_OFTEN = 5 * PATIENCE
-BISECTIONS, NEWTON_STEPS = 20, 4
+NEWTON_STEPS = 6
 ALIKE = 1e-10
+BLOCK = 20_000  # rays at a time
+
+
+class MarchLetters(NamedTuple):
+    """What a march needs of letters."""
+
+    letters: Mapping[str, float]
+    bounds: Bounds
+
+
+@dataclass
+class March:
+    """Rays on their way: where the form is first not negative on each."""
+
+    origins: Floats
+    directions: Floats
+    t: Floats
+    stop: Floats
+    step: Floats
+    low: Floats
+    high: Floats
+    failed: Ints
+    met: Ints
+
+    @classmethod
+    def started(cls, origins: Floats, directions: Floats, t: Floats, stop: Floats) -> March:
+        """At t."""
+        count = len(t)
+        none = np.zeros(count, np.int64)
+        return cls(origins, directions, t.copy(), stop, (stop - t) / 4, t.copy(), t.copy(), none, none - 1)
+
+    def points(self, which: Ints, t: Floats) -> Floats:
+        """Points of rays."""
+        return self.origins[which] + t[:, None] * self.directions[which]
+
+
+@dataclass(frozen=True)
+class ArrayRays:
+    """What `RayKernels` are, on the leaves of a shape."""
+
+    fields: LeafFields
+
+    @cached_property
+    def reference(self) -> RayReference:
+        """The models."""
+        return RayReference(ray_form(self.fields.form, lines=True))
+
+    def constants(self, letters: Mapping[str, float], bounds: Bounds) -> MarchLetters:
+        """Letters as they are."""
+        return MarchLetters(letters, bounds)
+
+    def picture(
+        self, pencil: Pencil, near: float, far: float, planes: Floats, constants: MarchLetters, threads: int
+    ) -> Seen:
+        """What the rays of a pencil meet within planes (n, 4)."""
+        origins, directions = (part.reshape(-1, 3) for part in pencil.rays())
+        seen = self.rays(origins, directions, (near, far), pencil.pixel, planes, constants, threads)
+        return seen.reshaped(pencil.size[::-1])
+
+    def rays(
+        self,
+        origins: Floats,
+        directions: Floats,
+        ends: tuple[float, float],
+        pixel: tuple[float, float],
+        planes: Floats,
+        constants: MarchLetters,
+        threads: int,
+    ) -> Seen:
+        """What rays (n, 3) meet within planes (n, 4)."""
+        parts = [slice(k, k + BLOCK) for k in range(0, max(1, len(origins)), BLOCK)]
+        with np.errstate(all="ignore"):
+            seen = [self._block(origins[part], directions[part], ends, pixel, planes, constants) for part in parts]
+        return Seen(*(np.concatenate([one[k] for one in seen], axis=-1) for k in range(4)))
+
+    def _block(
+        self,
+        o: Floats,
+        d: Floats,
+        ends: tuple[float, float],
+        pixel: tuple[float, float],
+        planes: Floats,
+        constants: MarchLetters,
+    ) -> tuple[Floats, Ints, Floats, Ints]:
+        fields = LeafFields(self.fields.shape, (), constants.letters, self.fields._kernels)
+        start, stop, entry = _clipped(o, d, ends, planes)
+        rays = March.started(o, d, start, stop)
+        lost = self._march(rays, fields, pixel, constants)
+        leaf = np.full(len(o), -1, np.int64)
+        met = np.flatnonzero(rays.met >= 0)
+        leaf[met] = rays.met[met]
+        scale = ALIKE * float(np.linalg.norm([high - low for low, high in constants.bounds]))
+        begins = met[rays.low[met] <= start[met]]
+        deep = begins[fields.active_value(rays.points(begins, start[begins]))[0] > scale]
+        rays.t[met] = rays.high[met]
+        rays.t[deep] = start[deep]
+        count = len(fields.form.leaves)
+        inner = entry[deep] >= 0
+        leaf[deep[inner]] = count + entry[deep[inner]]
+        rays.low[deep] = rays.high[deep] = start[deep]
+        leaf[lost] = fields.active(rays.points(lost, rays.t[lost]))
+        rays.low[lost] = rays.high[lost] = rays.t[lost]
+        normal = np.full((3, len(o)), np.nan)
+        self._settle(rays, fields, leaf, normal)
+        for k, plane in enumerate(planes):
+            normal[:, leaf == count + k] = plane[:3, None]
+        depth = np.where(leaf >= 0, rays.t, np.inf)
+        doubt = rays.failed > TOO_OFTEN
+        doubt[lost] = True
+        return depth, leaf.astype(np.int16), normal, doubt.astype(np.uint8)
+
+    def _march(self, rays: March, fields: LeafFields, pixel: tuple[float, float], constants: MarchLetters) -> Ints:
+        """Until each ray has met the form or is gone; those that are lost."""
+        live = np.flatnonzero(rays.t < rays.stop)
+        for _ in range(MOST_STEPS):
+            if not len(live):
+                break
+            t = rays.t[live]
+            step = np.minimum(rays.step[live], rays.stop[live] - t)
+            models = along(rays.origins[live], rays.directions[live], t, step)
+            low, high, linear, quadratic = self.reference(constants.letters, models)
+            bend = quadratic - linear
+            upper, lower = (first_root(end + bend, linear, quadratic) for end in (high, low))
+            out, certain = upper > 2, lower <= 2
+            begin = t + upper * step / 2
+            width = np.maximum((lower - upper) * step / 2, 0)
+            size = pixel[0] + pixel[1] * np.abs(t)
+            shortest = size * SHORTEST * 2.0 ** (rays.failed[live] // PATIENCE)
+            crosses = certain & (width < CROSSING * size)
+            asked = ~out & (crosses | (~certain & (step <= 1.01 * shortest)))
+            following = np.maximum(np.minimum(np.where(certain, width, t + step - begin), step / 2), shortest)
+            rays.t[live] = np.where(out, t + step, begin)
+            rays.step[live] = np.where(out, 2 * step, following)
+            end = np.where(crosses, begin + width, t + step)
+            which = live[asked]
+            value, leaf = fields.active_value(rays.points(which, end[asked]))
+            inside = np.where(crosses[asked], value + 0.01 * size[asked], value) > 0
+            rays.met[which[inside]] = leaf[inside]
+            rays.low[which[inside]], rays.high[which[inside]] = begin[asked][inside], end[asked][inside]
+            again = which[~inside]
+            rays.t[again] = np.maximum(end, begin + shortest)[asked][~inside]
+            rays.step[again] = shortest[asked][~inside]
+            rays.failed[again] += 1
+            live = live[(rays.met[live] < 0) & (rays.t[live] < rays.stop[live])]
+        return live
+
+    def _settle(self, rays: March, fields: LeafFields, leaf: Ints, normal: Floats) -> None:
+        """Newton's method on the leaf within the bracket, and the outer unit normal."""
+        count = len(fields.form.leaves)
+        for turn in range(NEWTON_STEPS):
+            on = np.flatnonzero((leaf >= 0) & (leaf < count))
+            if not len(on):
+                return
+            found = fields.at(leaf[on], rays.points(on, rays.t[on]))
+            gradient = found["gradient"]
+            moved = rays.t[on] - found["value"] / np.einsum("ij,ij->i", gradient, rays.directions[on])
+            kept = np.where(np.isfinite(moved), np.clip(moved, rays.low[on], rays.high[on]), rays.t[on])
+            rays.t[on] = kept
+            normal[:, on] = -gradient.T / np.linalg.norm(gradient, axis=1)
+            if turn == NEWTON_STEPS // 2:
+                leaf[on] = fields.active(rays.points(on, kept))
+
+
+def first_root(end: Floats, linear: Floats, quadratic: Floats) -> Floats:
+    """The smallest w = s + 1 >= 0 at which a parabola is 0, `end` its value at w = 0; beyond 2 if there is none.
+
+    Examples
+    --------
+    >>> first_root(np.array([-1.0, -1.0, 1.0]), np.array([1.0, -1.0, 0.0]), np.zeros(3)).tolist()
+    [1.0, 3.0, 0.0]
+    """
+    with np.errstate(all="ignore"):
+        slope = linear - 2 * quadratic
+        discriminant = slope * slope - 4 * quadratic * end
+        root = np.sqrt(np.maximum(discriminant, 0))
+        far = np.where(quadratic > 0, (root - slope) / (2 * quadratic), 3.0)
+        found = np.where(slope >= 0, -2 * end / (slope + root), far)
+        found = np.where((discriminant >= 0) & (found >= 0), found, 3.0)
+    return np.asarray(np.where(end < 0, found, 0.0))
+
+
+def _clipped(o: Floats, d: Floats, ends: tuple[float, float], planes: Floats) -> tuple[Floats, Floats, Ints]:
+    """Where rays come into the half-spaces and leave them, and by which plane they come."""
+    first, last = np.full(len(o), ends[0]), np.full(len(o), ends[1])
+    entry = np.full(len(o), -1, np.int64)
+    for k, (*normal, offset) in enumerate(planes):
+        slope, room = d @ np.array(normal), offset - o @ np.array(normal)
+        at = room / slope
+        enters = (slope < 0) & (at > first)
+        first[enters], entry[enters] = at[enters], k
+        last = np.where((slope > 0) & (at < last), at, last)
+        last = np.where((slope == 0) & (room < 0), -np.inf, last)
+    return first, last, entry

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Floats, Shorts
 from rsym.backends.kernel import checked_threads
+from rsym.backends.registry import default_backend
 from rsym.errors import RsymError
 from rsym.model.equation import checked_bounds
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
 from rsym.sampling.form_signs import check_parameters
 from rsym.sampling.hits import Hits, Rays, Seen
-from rsym.sampling.kernels.ray_kernels import Crowd, ray_kernels
 from rsym.sampling.leaf_fields import SIDES, LeafFields
 from rsym.sampling.pencils import Cut, Pencil, as_cuts
+from rsym.sampling.ray_march import ArrayRays
 
 # Of the diagonal of the bounds: how fine rays look that are not those of a picture.
 FINE = 1e-4
@@ -69,8 +70,8 @@ class Caster:
     ) -> None:
         self._leaf_fields = LeafFields(shape)
         self.shape = shape
-        self._crowd = Crowd(checked_threads(threads))
-        self._kernels = ray_kernels(self._leaf_fields.form)
+        self.threads = checked_threads(threads)
+        self._kernels = _kernels(self._leaf_fields)
         self._bounds = None if bounds is None else checked_bounds(bounds, 3)
         self.letters: dict[str, float] = {}
         self.set(letters)
@@ -125,7 +126,7 @@ class Caster:
         size = self._fine if pixel is None else pixel
         chosen = as_cuts(cuts)
         flat = start.reshape(-1, 3), along.reshape(-1, 3)
-        seen = self._kernels.rays(*flat, (near, far), size, self._planes(chosen), self._constants, self._crowd)
+        seen = self._kernels.rays(*flat, (near, far), size, self._planes(chosen), self._constants, self.threads)
         return self._hits(seen.reshaped(start.shape[:-1]), lambda: (start, along), chosen)
 
     def look(self, pencil: Pencil, *, near: float = -np.inf, far: float = np.inf, cuts: Iterable[Cut] = ()) -> Hits:
@@ -144,9 +145,7 @@ class Caster:
         ---##---
         """
         chosen, begin = as_cuts(cuts), max(near, 0.0) if pencil.eye is not None else near
-        seen = self._kernels.picture(
-            pencil, begin, far, self._planes(chosen), self.bounds, self._constants, self._crowd
-        )
+        seen = self._kernels.picture(pencil, begin, far, self._planes(chosen), self._constants, self.threads)
         return self._hits(seen, pencil.rays, chosen)
 
     @property
@@ -172,7 +171,7 @@ class Caster:
         return np.array([*planes, *([*cut.normal, cut.offset] for cut in cuts)])
 
     @cached_property
-    def _constants(self) -> Floats:
+    def _constants(self) -> Any:
         return self._kernels.constants(self.letters, self.bounds)
 
     def _fields_at(
@@ -187,6 +186,36 @@ class Caster:
         for k, cut in enumerate(cuts):
             result["gradient"][leaf == count + SIDES + k] = -np.array(cut.normal)
         return result
+
+
+class Kernels(Protocol):
+    """What casts rays: `RayKernels`, or `ArrayRays` where there is no compiler."""
+
+    def constants(self, letters: Mapping[str, float], bounds: Bounds) -> Any:
+        """What is made of letters, once."""
+
+    def picture(self, pencil: Pencil, near: float, far: float, planes: Floats, constants: Any, threads: int) -> Seen:
+        """What the rays of a pencil meet within planes (n, 4), the sides of the bounds first."""
+
+    def rays(
+        self,
+        origins: Floats,
+        directions: Floats,
+        ends: tuple[float, float],
+        pixel: tuple[float, float],
+        planes: Floats,
+        constants: Any,
+        threads: int,
+    ) -> Seen:
+        """What rays (n, 3) meet."""
+
+
+def _kernels(fields: LeafFields) -> Kernels:
+    if default_backend() != "llvm":
+        return ArrayRays(fields)
+    from rsym.sampling.kernels.ray_kernels import ray_kernels
+
+    return ray_kernels(fields.form)
 
 
 def _checked_rays(origins: ArrayLike, directions: ArrayLike) -> tuple[Floats, Floats]:

@@ -61,6 +61,7 @@ OPTIONAL = {
     "rsym.bounds.balls": "python-flint may be missing",
     "rsym.backends.llvm_code": "llvmlite may be missing",
     "rsym.sampling.kernels.mesher_kernels": "llvmlite may be missing",
+    "rsym.sampling.kernels.ray_kernels": "llvmlite may be missing",
     "rsym.sampling.mesher": "numba may be missing",
     "rsym.sampling.triangles": "numba may be missing",
     "rsym.output.explorer": "ipywidgets may be missing",

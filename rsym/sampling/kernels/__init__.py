@@ -1,10 +1,12 @@
-"""The mesher's kernels: a sign form to compiled routines over boxes, blocks, edges and points.
+"""The kernels of mesher and caster: a sign form to compiled routines over boxes, blocks, edges, points and rays.
 
-In comes a sign form of `logic`; out come `MesherKernels`, functions of NumPy arrays, with letters that `set` changes.
-In the order of the data:
+In comes a sign form of `logic`; out come `MesherKernels` and `RayKernels`, functions of NumPy arrays, which letters change
+without compiling. In the order of the data:
 
 - `routines`: LLVM functions with loops and branches, eight lanes at a time
 - `form_code`: the leaves with their gradients, the whole form at points, and what is left of it in a block
-- `mesher_code`: all routines as LLVM text
+- `mesher_code`: all its routines as LLVM text
 - `mesher_kernels`: the text compiled, checked against the interpreter, kept in the process
+- `ray_code`: models of a form along rays, what matters of it in a beam, its active leaf at points; `march_code`: the
+  march of eight rays and the roots; `picture_code`: tiles and rays as LLVM text; `ray_kernels`: compiled, for `rays`
 """

@@ -177,12 +177,15 @@ class ReducedWalk(ABC):
             actions.pop()()
         return results.pop()
 
+    def idle(self, gate: int, position: int) -> str:
+        """Whether the bit of an operand is set."""
+        word, bit = divmod(2 * gate + position, WORD)
+        flags = self.r.load("%words", word, "i64")
+        return self.r.emit(f"icmp ne i64 {self.r.emit(f'and i64 {flags}, {1 << bit}')}, 0")
+
     def _enter(self, gate: int, position: int, mark: str) -> None:
         """Skip the operand if its bit is set."""
-        word, bit = divmod(2 * gate + position, WORD)
-        r = self.r
-        flags = r.load("%words", word, "i64")
-        idle = r.emit(f"icmp ne i64 {r.emit(f'and i64 {flags}, {1 << bit}')}, 0")
+        r, idle = self.r, self.idle(gate, position)
         r.label(f"ask{mark}")
         r.do(f"br i1 {idle}, label %join{mark}, label %work{mark}")
         r.start(f"work{mark}")
@@ -198,7 +201,11 @@ class ReducedWalk(ABC):
 
     def _join(self, gate: int, results: list[Parts]) -> None:
         b, a = results.pop(), results.pop()
-        results.append(self.join(self.gates[gate], a, b))
+        results.append(self.made(gate, a, b))
+
+    def made(self, gate: int, a: Parts, b: Parts) -> Parts:
+        """The value of a gate by its number."""
+        return self.join(self.gates[gate], a, b)
 
 
 class ReducedForm(ReducedWalk):

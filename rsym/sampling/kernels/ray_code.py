@@ -9,7 +9,7 @@ from functools import cached_property
 from rsym.backends.interpreter import interpret_nodes
 from rsym.bounds.ray_forms import LINE, MODEL, NUMBER, RayFunction, input_names, ray_form
 from rsym.bounds.ray_models import RayArithmetic, RayModel
-from rsym.logic.sign_form import Gate, SignForm
+from rsym.logic.sign_form import Gate, SignForm, balanced
 from rsym.logic.stripping import is_positive
 from rsym.program.builder import Builder
 from rsym.program.expansion import expand
@@ -50,7 +50,7 @@ class RayFormulas:
         self.form = form
         self.rays = ray_form(form, lines=True)
         self.count = len(form.leaves)
-        self.gates: tuple[Gate, ...] = form.gates
+        self.gates = balanced(form.gates, self.count)
         self.uniforms = len(self.rays.uniforms.outputs)
         self.points = Formulas(expand(leaf_program(form)), self.uniforms)
         self.coordinates = form.builder.coordinates
@@ -196,6 +196,7 @@ class _ReducedModel(ReducedWalk):
 
     def __init__(self, s: RayFormulas, r: Routine) -> None:
         super().__init__(s.gates, s.count, r)
+        self.s = s
         self.calls = ModelCalls(s, r)
         self.calls.share()
 
@@ -208,6 +209,22 @@ class _ReducedModel(ReducedWalk):
 
     def join(self, gate: Gate, a: Parts, b: Parts) -> Parts:
         return called(self.r, gate.operation, [*a, *b], 4)
+
+    def made(self, gate: int, a: Parts, b: Parts) -> Parts:
+        """The value of a gate: where an operand is skipped the other one, for a call takes longer than to look."""
+        r, number = self.r, len(self.r.lines)
+        first, second = self.idle(gate, 0), self.idle(gate, 1)
+        one = r.emit(f"or i1 {first}, {second}")
+        r.do(f"br i1 {one}, label %one{number}, label %both{number}")
+        r.start(f"one{number}")
+        kept = [r.emit(f"select i1 {first}, {DOUBLES} {q}, {DOUBLES} {p}") for p, q in zip(a, b, strict=True)]
+        r.do(f"br label %made{number}")
+        r.start(f"both{number}")
+        joined = self.join(self.s.gates[gate], a, b)
+        r.label(f"joined{number}")
+        r.label(f"made{number}")
+        pairs = zip(kept, joined, strict=True)
+        return [r.emit(f"phi {DOUBLES} [ {p}, %one{number} ], [ {q}, %joined{number} ]") for p, q in pairs]
 
 
 def model(s: RayFormulas) -> Routine:

@@ -68,14 +68,13 @@ class RayKernels:
         array[s.tolerance] = ALIKE * np.linalg.norm([high - low for low, high in bounds])
         return array
 
-    def picture(
-        self, pencil: Pencil, near: float, far: float, planes: Floats, bounds: Bounds, constants: Floats, pool: Crowd
-    ) -> Seen:
+    def picture(self, pencil: Pencil, near: float, far: float, planes: Floats, constants: Floats, threads: int) -> Seen:
         """What the rays of a pencil meet within planes (n, 4)."""
+        pool = Crowd(threads)
         width, height = pencil.size
         columns, rows = -(-width // TILE), -(-height // TILE)
         tiles = columns * rows
-        camera = _camera(pencil, near, far, bounds)
+        camera = _camera(pencil, near, far, planes)
         words = self.formulas.words
         starts, limits = np.empty(tiles + LANES), np.empty(tiles + LANES)
         near_marks, marks = (np.empty((tiles + LANES) * words, np.uint64) for _ in range(2))
@@ -99,9 +98,10 @@ class RayKernels:
         pixel: tuple[float, float],
         planes: Floats,
         constants: Floats,
-        pool: Crowd,
+        threads: int,
     ) -> Seen:
         """What rays (n, 3) meet within planes (n, 4)."""
+        pool = Crowd(threads)
         count = len(origins)
         length = padded(count)
         given = np.empty((6, length))
@@ -122,7 +122,7 @@ class RayKernels:
         self._functions[name](*(a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments))
 
 
-def _camera(pencil: Pencil, near: float, far: float, bounds: Bounds) -> Floats:
+def _camera(pencil: Pencil, near: float, far: float, planes: Floats) -> Floats:
     camera = np.zeros(32)
     eye = pencil.forward if pencil.eye is None else pencil.eye
     for name, vector in zip(VECTORS_OF_CAMERA, (pencil.corner, pencil.across, pencil.down, eye), strict=True):
@@ -133,6 +133,8 @@ def _camera(pencil: Pencil, near: float, far: float, bounds: Bounds) -> Floats:
     if pencil.eye is not None:
         normal = np.cross(pencil.across, pencil.down)
         away = abs(np.dot(np.subtract(pencil.corner, pencil.eye), normal)) / float(np.linalg.norm(normal))
+    # The first planes are the sides of the bounds.
+    bounds = [(-planes[2 * axis, 3], planes[2 * axis + 1, 3]) for axis in range(3)]
     corners = np.array(np.meshgrid(*bounds)).reshape(3, -1).T
     farthest = float(np.linalg.norm(corners - np.array(pencil.eye or pencil.corner), axis=1).max())
     flat, spread = (diagonal, 0.0) if pencil.eye is None else (0.0, diagonal / away)
