@@ -10,6 +10,7 @@ from rsym.commands.options import (
     Commands,
     add_command,
     add_model,
+    add_resolution,
     add_revolve,
     add_system,
     load_shape,
@@ -34,6 +35,7 @@ def add(commands: Commands) -> None:
     add_model(parser)
     add_system(parser)
     add_revolve(parser)
+    add_resolution(parser, 128, "128; of meshes that are served, and of a formula too long to be drawn")
     parser.add_argument(
         "-o", "--output", metavar="FILE", help="write the page, .html, and serve nothing: it needs nothing else"
     )
@@ -48,18 +50,19 @@ def run(options: argparse.Namespace) -> None:
     from rsym.errors import RsymError
     from rsym.output.design.pages import DesignPage, page_of
 
-    shape, title = load_shape(options), model_file(options.model).stem
+    shape, title, source = load_shape(options), model_file(options.model).stem, source_of(options)
+    cells = options.resolution
     if options.output:
         if not options.output.lower().endswith(".html"):
             raise RsymError(
                 f"a page is written as .html, got {options.output!r}", code="suffix", remedy="end the name with .html"
             )
-        print(DesignPage(page_of(shape, title=title, source=source_of(options))).write(options.output))
+        print(DesignPage(page_of(shape, title=title, source=source, resolution=cells)).write(options.output))
         return
     from rsym.output.design.serving import DesignServer
 
-    html = page_of(shape, title=title, source=source_of(options), served=True)
-    with DesignServer(shape, html, port=options.port) as server:
+    html = page_of(shape, title=title, source=source, served=True, resolution=cells)
+    with DesignServer(shape, html, port=options.port, resolution=cells, force=options.force) as server:
         print(f"{server.address}\nCtrl-C ends it", flush=True)
         if not options.no_open:
             webbrowser.open(server.address)

@@ -393,7 +393,6 @@ def test_a_served_page_takes_files_and_answers(browser):
 
 def test_a_long_formula_shows_its_mesh_and_a_served_one_meshes_again(browser, monkeypatch):
     monkeypatch.setattr(pages, "MOST_OPERATIONS", 0)
-    monkeypatch.setattr(pages, "MESH_CELLS", 24)
     with served(body()) as server:
         opened = Opened(browser, server.address, waits=False)
         page = opened.page

@@ -49,7 +49,6 @@ from rsym.sampling.meshing import mesh
 MOST_OPERATIONS = 500
 CELLS = 64  # of the mesh of a still picture
 STILL_SIZE = (4.0, 3.0)  # hundreds of pixels: some 5 kB
-MESH_CELLS = 128
 SAVING = {"stl": "for printing", "3mf": "for printing, with its unit", "glb": "for viewers"}
 
 
@@ -109,9 +108,18 @@ class _Picture(NamedTuple):
 
 
 def page_of(
-    shape: Shape, *, title: str = "", source: Source | None = None, served: bool = False, bounds: Any = None
+    shape: Shape,
+    *,
+    title: str = "",
+    source: Source | None = None,
+    served: bool = False,
+    bounds: Any = None,
+    resolution: int | Sequence[int] = 128,
 ) -> str:
-    """The page of a shape as HTML; `served` pages ask who serves them for files and verdicts."""
+    """The page of a shape as HTML; `served` pages ask who serves them for files and verdicts.
+
+    The `resolution` is that of the mesh of a formula that is too long to be drawn.
+    """
     require_shape(shape)
     source, title = source or Source(), title or "shape"
     box, form = bounds_or_extent(shape, bounds), shape_form(shape)
@@ -121,7 +129,7 @@ def page_of(
     elif operations_of(form) <= MOST_OPERATIONS:
         picture = _of_space(shape, form, box)
     else:
-        shown = page_of_parts(mesh(shape, MESH_CELLS, bounds=box), None).decode()
+        shown = page_of_parts(mesh(shape, resolution, bounds=box), None).decode()
         picture = _Picture(("page.js", "mesh.js"), {}, "{}", {"mesh": shown})
     data = {
         "title": title,

@@ -10,7 +10,8 @@ import json
 import secrets
 import threading
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
@@ -40,8 +41,11 @@ class DesignServer(ThreadingHTTPServer):
 
     daemon_threads = True
 
-    def __init__(self, shape: Shape, html: str, *, port: int = 0, resolution: int = 128) -> None:
-        self.shape, self.html, self.resolution = shape, html, resolution
+    def __init__(
+        self, shape: Shape, html: str, *, port: int = 0, resolution: int | Sequence[int] = 128, force: bool = False
+    ) -> None:
+        self.shape, self.html = shape, html
+        self.mesh = partial(mesh, shape, resolution, force=force)
         self.word = secrets.token_urlsafe(24)
         self.working = (
             threading.Lock()
@@ -92,7 +96,7 @@ class _Handler(BaseHTTPRequestHandler):
             letters = self._letters()
             with self.server.working, warnings.catch_warnings():
                 warnings.simplefilter("ignore", RsymWarning)
-                data = service(self.server.shape, letters, self.server.resolution)
+                data = service(self.server, letters)
         except RsymError as error:
             self._refuse(400, str(error))
             return
@@ -117,7 +121,7 @@ class _Handler(BaseHTTPRequestHandler):
         if not length.isascii() or not length.isdigit() or int(length) > LONGEST:
             raise RsymError(f"letters take at most {LONGEST} bytes", code="letters")
         try:
-            found = json.loads(self.rfile.read(int(length)))
+            found = json.loads(self.rfile.read(int(length)), parse_int=float)
         except (ValueError, RecursionError):
             raise RsymError("letters are a JSON object of names and numbers", code="letters") from None
         if not isinstance(found, dict):
@@ -139,7 +143,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(data)
 
 
-Service = Callable[[Shape, Mapping[str, float], int], bytes]
+Service = Callable[[DesignServer, Mapping[str, float]], bytes]
 
 
 def _service(name: str) -> Service | None:
@@ -148,12 +152,12 @@ def _service(name: str) -> Service | None:
     if body == "body" and f".{suffix}" in SUFFIXES:
         row = FORMATS[f".{suffix}"]
         encode = row.coloured or row.encode
-        return lambda shape, letters, cells: encode(mesh(shape, cells, letters=letters), None)
+        return lambda server, letters: encode(server.mesh(letters=letters), None)
     return TEXTS.get(name)
 
 
 SUFFIXES = (".stl", ".3mf", ".glb", ".html")
 TEXTS: Mapping[str, Service] = {
-    "verdict": lambda shape, letters, cells: str(verify_smoothness(shape, letters=letters, timeout=PATIENCE)).encode(),
-    "lint": lambda shape, letters, cells: str(lint(shape.with_letters(letters))).encode(),
+    "verdict": lambda server, letters: str(verify_smoothness(server.shape, letters=letters, timeout=PATIENCE)).encode(),
+    "lint": lambda server, letters: str(lint(server.shape.with_letters(letters))).encode(),
 }
