@@ -106,7 +106,7 @@ class ArrayRays:
         planes: Floats,
         constants: MarchLetters,
     ) -> tuple[Floats, Ints, Floats, Ints]:
-        fields = LeafFields(self.fields.shape, (), constants.letters, self.fields._kernels)
+        fields = LeafFields(self.fields.shape, (), constants.letters, _kernels=self.fields._kernels)
         start, stop, entry = _clipped(o, d, ends, planes)
         rays = March.started(o, d, start, stop)
         lost = self._march(rays, fields, pixel, constants)

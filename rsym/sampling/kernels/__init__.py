@@ -1,4 +1,4 @@
-"""The kernels of mesher and caster: a sign form to compiled routines over boxes, blocks, edges, points and rays.
+"""The kernels of mesher and caster: sign forms to routines over boxes, blocks, edges, points and rays.
 
 In comes a sign form of `logic`; out come `MesherKernels` and `RayKernels`, functions of NumPy arrays, which letters change
 without compiling. In the order of the data:
