@@ -1,5 +1,6 @@
 """Every plot_* alike: what it takes, where it draws, what it returns, and what becomes of it in a file."""
 
+import functools
 import inspect
 import os
 from fractions import Fraction
@@ -64,38 +65,42 @@ def pixels_of(figure):
     return np.asarray(canvas.buffer_rgba())[..., :3].astype(int)
 
 
-@pytest.fixture(scope="module")
-def pictures():
-    """A call of each plot_*, to which the place is given."""
-    body = rsym.mesh(BALL, 16)
-    stack = rsym.sections(BALL, [-0.5, 0.0, 0.5], resolution=24)
-    table = rsym.compare_designs(ROUND, {"small": {"r": 1}, "large": {"r": 2}}, tolerance=0.1)
-    repaired = rsym.repair(ROOF, moves=["round"], radius=0.1)
-    fair = rsym.fairness(OVAL, tolerance=0.1)
+@functools.cache
+def atlas():
     a, b = sp.symbols("a b", real=True)
     letters = {a: rsym.Letter(1, minimum=Fraction(1, 2), maximum=2), b: rsym.Letter(0, minimum=-1, maximum=1)}
-    atlas = rsym.smoothness_atlas(
-        Shape(a**2 - (x - b) ** 2 - y**2, (x, y), letters=letters, bounds=((-4, 4), (-4, 4))), "a", "b"
-    )
+    shape = Shape(a**2 - (x - b) ** 2 - y**2, (x, y), letters=letters, bounds=((-4, 4), (-4, 4)))
+    return rsym.smoothness_atlas(shape, "a", "b")
+
+
+@pytest.fixture(scope="module")
+def pictures():
+    """A call of each plot_*, to which the place is given; what is drawn is made once, when it is first asked for."""
+    body = functools.cache(lambda: rsym.mesh(BALL, 16))
+    stack = functools.cache(lambda: rsym.sections(BALL, [-0.5, 0.0, 0.5], resolution=24))
+    designs = {"small": {"r": 1}, "large": {"r": 2}}
+    table = functools.cache(lambda: rsym.compare_designs(ROUND, designs, tolerance=0.1))
+    repaired = functools.cache(lambda: rsym.repair(ROOF, moves=["round"], radius=0.1))
+    fair = functools.cache(lambda: rsym.fairness(OVAL, tolerance=0.1))
     octant = sphere_octant(1.0)
-    fitted = rsym.fit(ROUND, [[2, 0], [0, 2.1], [-1.9, 0], [0, -2]], letters=["r"])
-    moving = rsym.sensitivity(ROUND, "r", resolution=32)
+    fitted = functools.cache(lambda: rsym.fit(ROUND, [[2, 0], [0, 2.1], [-1.9, 0], [0, -2]], letters=["r"]))
+    moving = functools.cache(lambda: rsym.sensitivity(ROUND, "r", resolution=32))
     return {
-        "plot_atlas": lambda **place: rsym.plot_atlas(atlas, **place),
+        "plot_atlas": lambda **place: rsym.plot_atlas(atlas(), **place),
         "plot_continuity": lambda **place: rsym.plot_continuity([octant, octant], resolution=6, **place),
         "plot_curvature_comb": lambda **place: rsym.plot_curvature_comb(OVAL, resolution=32, **place),
-        "plot_designs": lambda **place: rsym.plot_designs(table, **place),
-        "plot_fairness": lambda **place: rsym.plot_fairness(fair, **place),
+        "plot_designs": lambda **place: rsym.plot_designs(table(), **place),
+        "plot_fairness": lambda **place: rsym.plot_fairness(fair(), **place),
         "plot_field": lambda **place: rsym.plot_field(DISC, resolution=24, **place),
         "plot_fields": lambda **place: rsym.plot_fields(DISC, ("value", "laplacian"), resolution=24, **place),
-        "plot_fit": lambda **place: rsym.plot_fit(fitted, resolution=32, **place),
+        "plot_fit": lambda **place: rsym.plot_fit(fitted(), resolution=32, **place),
         "plot_gallery": lambda **place: rsym.plot_gallery({"disc": DISC, "ball": BALL}, resolution=16, **place),
         "plot_image": lambda **place: rsym.plot_image(rsym.render(BALL, size=(60, 40)), **place),
-        "plot_mesh": lambda **place: rsym.plot_mesh(body, **place),
+        "plot_mesh": lambda **place: rsym.plot_mesh(body(), **place),
         "plot_patches": lambda **place: rsym.plot_patches(octant, resolution=6, **place),
-        "plot_repair": lambda **place: rsym.plot_repair(repaired, **place),
-        "plot_sections": lambda **place: rsym.plot_sections(stack, **place),
-        "plot_sensitivity": lambda **place: rsym.plot_sensitivity(moving, **place),
+        "plot_repair": lambda **place: rsym.plot_repair(repaired(), **place),
+        "plot_sections": lambda **place: rsym.plot_sections(stack(), **place),
+        "plot_sensitivity": lambda **place: rsym.plot_sensitivity(moving(), **place),
         "plot_sweep": lambda **place: rsym.plot_sweep(ROUND, "r", [1, 2], resolution=24, **place),
         "plot_verdict": lambda **place: rsym.plot_verdict(reports.undecided_disc(), DISC, resolution=24, **place),
     }

@@ -12,11 +12,9 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 
-import dask
 import numpy as np
 import pytest
 import sympy as sp
-from distributed import Client, LocalCluster
 from oracles import dying
 
 import rsym
@@ -130,6 +128,9 @@ def test_processes_give_the_same_bits_and_their_death_is_told(body, whole, cell)
 
 @pytest.mark.slow
 def test_a_cluster_gives_the_same_bits_whoever_dies(body, whole, cut_cube, cell, tmp_path):
+    import dask
+    from distributed import Client, LocalCluster
+
     local = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 1}),
