@@ -39,7 +39,7 @@ class Region:
         self._reach = (1 + 2.0**-20) * (self._high - self._low).max(axis=0, initial=0) + 2 * tolerance
 
     def _candidates(self, low: Floats, high: Floats) -> NDArray[np.intp]:
-        """All that may hold a box, to within the tolerance: those that reach it along the axis where these are fewest."""
+        """All that may hold a box, to within the tolerance: what reaches it along the axis where that is least."""
         beyond = low + 2 * self.tolerance
         least = high - self._reach
         ranges = [
