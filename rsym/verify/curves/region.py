@@ -39,7 +39,7 @@ class Region:
         self._reach = (1 + 2.0**-20) * (self._high - self._low).max(axis=0, initial=0) + 2 * tolerance
 
     def _candidates(self, low: Floats, high: Floats) -> NDArray[np.intp]:
-        """All that may hold a box, to within the tolerance: those that reach it along the best axis."""
+        """All that may hold a box, to within the tolerance: what reaches it along the axis where that is least."""
         beyond = low + 2 * self.tolerance
         least = high - self._reach
         ranges = [
@@ -47,8 +47,7 @@ class Region:
             for axis, (order, line) in enumerate(self._lines)
         ]
         order, first, last = min(ranges, key=lambda item: item[2] - item[1])
-        found: NDArray[np.intp] = order[first:last]
-        return found
+        return order[first:last]
 
     def around(self, point: Floats) -> NDArray[np.intp]:
         """The boxes that a point lies in, to within the tolerance."""
