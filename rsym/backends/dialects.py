@@ -212,9 +212,10 @@ end""",
 end""",
             "rsym_power": """function r = rsym_power(a, b)  % a .^ b is complex for a < 0 and fractions b
     none = zeros(size(a)) .* zeros(size(b));
-    a = a - none; b = b - none;
-    a(a < 0 & b ~= fix(b)) = NaN;
-    r = a .^ b;
+    a = a - none; b = b - none; r = abs(a) .^ b;
+    turned = (a < 0 | 1 ./ a < 0) & mod(b, 2) == 1;
+    r(turned) = -r(turned);
+    r(a < 0 & a > -Inf & b ~= fix(b)) = NaN;
 end""",
         },
         below=True,
@@ -308,7 +309,9 @@ end""",
         functions={
             "rsym_sqrt": "rsym_sqrt(a) = a < 0 ? NaN : sqrt(a)  # sqrt(a) throws",
             "rsym_log": "rsym_log(a) = a < 0 ? NaN : log(a)  # log(a) throws",
-            "rsym_power": "rsym_power(a, b) = a < 0 && b != trunc(b) ? NaN : a^b  # a^b throws",
+            "rsym_power": """function rsym_power(a, b)  # a^b throws
+    a < 0 && b != trunc(b) ? (isfinite(a) ? NaN : (-a)^b) : a^b
+end""",
             "rsym_sin": "rsym_sin(a) = isinf(a) ? NaN : sin(a)  # sin(a) throws",
             "rsym_cos": "rsym_cos(a) = isinf(a) ? NaN : cos(a)  # cos(a) throws",
         },

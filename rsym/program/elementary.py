@@ -156,7 +156,16 @@ ELEMENTARY: dict[str, Operation] = {
         jump=of_power,
         formula=lambda u, a: u**a,
         texts=call(
-            "pow", 2, numpy="power", matlab="rsym_power", fortran="{} ** {}", rust="powf", julia="rsym_power", vm=""
+            "pow",
+            2,
+            numpy="power",
+            # Its own gives NaN for these, where that of C, and NumPy's, is 1.
+            javascript="{0} === 1 || ({0} === -1 && Math.abs({1}) === Infinity) ? 1 : Math.pow({0}, {1})",
+            matlab="rsym_power",
+            fortran="{} ** {}",
+            rust="powf",
+            julia="rsym_power",
+            vm="",
         ),
         domain=(positive(0),),
         analytic=(positive(0),),

@@ -33,13 +33,12 @@ def call(name: str, arity: int = 1, *, llvm: str = "function", **others: str) ->
     ('numpy.arctan2({}, {})', '{}.atan2({})', 'atan2 {} {}')
     """
     several = ", ".join(["{}"] * arity)
-    texts = {
-        language: others[language] if "{" in others.get(language, "") else f"{others.get(language, name)}({several})"
-        for language in INFIX
-    }
-    for language, prefix in {"numpy": "numpy.", "javascript": "Math."}.items():
-        texts[language] = prefix + texts[language]
-    if "rust" not in others or "{" not in others["rust"]:
+    prefixes = {"numpy": "numpy.", "javascript": "Math."}
+    texts = {}
+    for language in INFIX:
+        word = prefixes.get(language, "") + others.get(language, name)
+        texts[language] = others[language] if "{" in word else f"{word}({several})"
+    if "{" not in others.get("rust", ""):
         texts["rust"] = f"{{}}.{others.get('rust', name)}({', '.join(['{}'] * (arity - 1))})"
     texts["llvm"] = llvm
     words = others.get("vm", name)

@@ -10,12 +10,14 @@ import subprocess
 import numpy as np
 import pytest
 import sympy as sp
+from backends.test_backends import run as run_backend
+from backends.test_backends import single
 
 import rsym
 from rsym import RsymError, Shape, x, y, z
 from rsym.backends.dialects import LANGUAGES
 from rsym.backends.languages import frontier, statements
-from rsym.backends.source import KNOWN
+from rsym.backends.source import KNOWN, program_source
 from rsym.paper.models import model_path
 from rsym.program.expansion import expand
 from rsym.program.fields import program_of
@@ -24,6 +26,10 @@ from rsym.program.operations import OPERATIONS, PRIMITIVES
 a = sp.Symbol("a", real=True)
 ARITHMETIC = "car skeleton valve streamlined bone clip jack lattice snowflake solids".split()
 FUNCTIONS = "gear bracket vase spanner".split()  # sin, cos, exp, log, atan2: libraries differ in the last places
+LIBRARY = set("sin cos exp log pow atan2".split())
+# Every primitive operation over awkward arguments, as a model of its own.
+SINGLE = {f"only_{name}": name for name in sorted(set(PRIMITIVES) - {"const", "input", "undefined"})}
+ALL = (*ARITHMETIC, *FUNCTIONS, *SINGLE)
 FIELDS = ("value", "gradient")
 POINTS = 300
 COMPILERS = {"c": "gcc", "cuda": "g++", "fortran": "gfortran", "javascript": "node", "matlab": "octave-cli"}
@@ -39,6 +45,9 @@ def shipped(name):
 @functools.cache
 def case(name):
     """Points, letters and what the kernel says; corners, edges of the bounds, and what is no number among them."""
+    if name in SINGLE:
+        program, columns = single(SINGLE[name])
+        return np.array(columns), [], run_backend("numpy", program, columns)[None]
     shape = shipped(name)
     generator = np.random.default_rng(4)
     points = np.array([generator.uniform(*map(float, side), POINTS) for side in shape.bounds])
@@ -53,10 +62,10 @@ def case(name):
 def texts(language, constants=False):
     """The texts of all models, each with a name of its own."""
     letters = "constants" if constants else None
-    return {
-        name: rsym.source(shipped(name), language, FIELDS, letters=letters).replace("rsym_kernel", f"kernel_{name}")
-        for name in (*ARITHMETIC, *FUNCTIONS)
-    }
+    found = {name: rsym.source(shipped(name), language, FIELDS, letters=letters) for name in (*ARITHMETIC, *FUNCTIONS)}
+    for name, operation in SINGLE.items():
+        found[name] = program_source(single(operation)[0], language, {}, constants=constants)
+    return {name: text.replace("rsym_kernel", f"kernel_{name}") for name, text in found.items()}
 
 
 def compiler(language):
@@ -69,7 +78,11 @@ def compiler(language):
 
 def agree(got, name):
     *_, expected = case(name)
-    if name in ARITHMETIC:
+    if name in SINGLE and SINGLE[name] in LIBRARY:
+        known = np.isfinite(expected)
+        assert np.array_equal(np.isnan(got), np.isnan(expected)), name
+        np.testing.assert_allclose(got[known], expected[known], rtol=1e-15, atol=1e-300, err_msg=name)
+    elif name in ARITHMETIC or name in SINGLE:
         known = ~np.isnan(expected)
         assert np.array_equal(np.isnan(got), ~known), name
         assert np.array_equal(got[known].view(np.int64), expected[known].view(np.int64)), name
@@ -83,12 +96,12 @@ def agree(got, name):
 
 def called(library, constants=False):
     """Each function of a shared library at its points."""
-    for name in (*ARITHMETIC, *FUNCTIONS):
+    for name in ALL:
         points, letters, expected = case(name)
         out = np.empty(expected.shape)
         arrays = [*points, *([] if constants else [np.array([*letters, 0.0])]), *out]
         pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays]
-        library[f"kernel_{name}"](*pointers, ctypes.c_size_t(POINTS))
+        library[f"kernel_{name}"](*pointers, ctypes.c_size_t(points.shape[1]))
         agree(out, name)
 
 
@@ -128,10 +141,10 @@ def rust(program, folder):
         points, letters, expected = case(name)
         reads = [f"c{k}" for k in range(len(points))] + ["letters"]
         writes = [f"out{k}" for k in range(len(expected))]
-        lengths = {"letters": len(letters)}
+        lengths, n = {"letters": len(letters)}, points.shape[1]
         taken = [f"{p}: *const f64" for p in reads] + [f"{p}: *mut f64" for p in writes]
-        slices = [f"std::slice::from_raw_parts({p}, {lengths.get(p, POINTS)})" for p in reads]
-        slices += [f"std::slice::from_raw_parts_mut({p}, {POINTS})" for p in writes]
+        slices = [f"std::slice::from_raw_parts({p}, {lengths.get(p, n)})" for p in reads]
+        slices += [f"std::slice::from_raw_parts_mut({p}, {n})" for p in writes]
         text += one.replace(f"kernel_{name}", f"inner_{name}")
         text += f'#[no_mangle]\npub unsafe extern "C" fn kernel_{name}({", ".join(taken)}, _n: usize) {{\n'
         text += f"    inner_{name}({', '.join(slices)});\n}}\n"
@@ -141,37 +154,37 @@ def rust(program, folder):
 
 def in_files(folder):
     """What goes in and comes out, for those that read and write files."""
-    for name in (*ARITHMETIC, *FUNCTIONS):
+    for name in ALL:
         points, letters, _ = case(name)
         points.tofile(folder / f"{name}.points")
         np.array(letters).tofile(folder / f"{name}.letters")
 
 
 def out_of_files(folder):
-    for name in (*ARITHMETIC, *FUNCTIONS):
+    for name in ALL:
         *_, expected = case(name)
         agree(np.fromfile(folder / f"{name}.out").reshape(expected.shape), name)
 
 
 NODE = """
-import {{readFileSync, writeFileSync}} from 'node:fs';
-const numbers = (file) => {{
+import {readFileSync, writeFileSync} from 'node:fs';
+const numbers = (file) => {
     const bytes = readFileSync(file);
     return new Float64Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
-}};
-const run = (name, kernel, inputs, outputs) => {{
-    const points = numbers(name + '.points'), out = new Float64Array({n} * outputs);
-    const columns = (all, count) => Array.from({{length: count}}, (_, k) => all.subarray({n} * k, {n} * (k + 1)));
+};
+const run = (name, kernel, inputs, outputs) => {
+    const points = numbers(name + '.points'), n = points.length / inputs, out = new Float64Array(n * outputs);
+    const columns = (all, count) => Array.from({length: count}, (_, k) => all.subarray(n * k, n * (k + 1)));
     kernel(...columns(points, inputs), numbers(name + '.letters'), ...columns(out, outputs));
     writeFileSync(name + '.out', Buffer.from(out.buffer));
-}};
+};
 """
 
 
 def javascript(program, folder):
     in_files(folder)
-    text = NODE.format(n=POINTS) + "".join(texts("javascript").values())
-    for name in (*ARITHMETIC, *FUNCTIONS):
+    text = NODE + "".join(texts("javascript").values())
+    for name in ALL:
         points, _, expected = case(name)
         text += f"run('{name}', kernel_{name}, {len(points)}, {len(expected)});\n"
     (folder / "run.mjs").write_text(text)
@@ -187,7 +200,7 @@ def matlab(program, folder):
         points, _, expected = case(name)
         inputs = ", ".join(f"p(:, {k + 1})" for k in range(len(points)))
         outs = " ".join(f"out{k}" for k in range(len(expected)))
-        lines.append(f"p = reshape(numbers('{name}.points'), {POINTS}, {len(points)});")
+        lines.append(f"p = reshape(numbers('{name}.points'), [], {len(points)});")
         lines.append(f"[{outs}] = kernel_{name}({inputs}, numbers('{name}.letters'));")
         lines.append(f"fwrite(fopen('{name}.out', 'w'), [{outs}], 'double');")
     (folder / "main.m").write_text("\n".join([*lines, "fclose('all');"]))
@@ -199,10 +212,11 @@ def julia(program, folder):
     in_files(folder)
     text = "".join(texts("julia").values()).replace("!(", "(")
     text += "numbers(file) = collect(reinterpret(Float64, read(file)))\n"
-    for name in (*ARITHMETIC, *FUNCTIONS):
+    for name in ALL:
         points, _, expected = case(name)
-        columns = ", ".join(f"p[{POINTS * k + 1}:{POINTS * (k + 1)}]" for k in range(len(points)))
-        outs = ", ".join(f"view(o, {POINTS * k + 1}:{POINTS * (k + 1)})" for k in range(len(expected)))
+        n = points.shape[1]
+        columns = ", ".join(f"p[{n * k + 1}:{n * (k + 1)}]" for k in range(len(points)))
+        outs = ", ".join(f"view(o, {n * k + 1}:{n * (k + 1)})" for k in range(len(expected)))
         text += f'p = numbers("{name}.points"); o = zeros({expected.size})\n'
         text += f'kernel_{name}({columns}, numbers("{name}.letters"), {outs})\nwrite("{name}.out", o)\n'
     (folder / "run.jl").write_text(text)
