@@ -67,7 +67,7 @@ class ArrayRays:
     @cached_property
     def reference(self) -> RayReference:
         """The models."""
-        return RayReference(ray_form(self.fields.form, lines=True))
+        return RayReference(ray_form(self.fields.form, lines=True, guards=True))
 
     def constants(self, letters: Mapping[str, float], bounds: Bounds) -> MarchLetters:
         """Letters as they are."""
