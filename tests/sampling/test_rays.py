@@ -6,8 +6,11 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
+from rsym.errors import RsymError
 from rsym.paper.models import MODELS, model_path
-from rsym.sampling.pencils import Pencil
+from rsym.sampling import rays as casting
+from rsym.sampling.pencils import Cut, Pencil
+from rsym.sampling.ray_march import ArrayRays
 from rsym.sampling.rays import Caster
 
 BOX = ((-3, 3),) * 3
@@ -133,9 +136,7 @@ def attacks():
         "thin shell": shape_of(rsym.conjunction(ball, (x**2 + y**2 + z**2 - 3.999999) / 4)),
         "touching": shape_of(rsym.disjunction(other, (1 - x**2 - y**2 - z**2) / 2)),
         "nested trimming": shape_of(0.5 - rsym.trimming(rsym.trimming(x - y, disc), (4 - z**2) / 4)),
-        "norm": shape_of(
-            1.5 - sp.sqrt(rsym.Rp(p).conjunction(x, y) ** 2 + z**2), {p: rsym.Letter(2.5, 1.5, 4)}
-        ),
+        "norm": shape_of(1.5 - sp.sqrt(rsym.Rp(p).conjunction(x, y) ** 2 + z**2), {p: rsym.Letter(2.5, 1.5, 4)}),
         "angle": shape_of(rsym.conjunction(ball, sp.sin(k * sp.atan2(y, x)) + z / 4), {k: 5}),
         "waves": shape_of(rsym.conjunction(ball, sp.sin(4 * x) * sp.cos(4 * y) + sp.sin(4 * z) * sp.cos(4 * x))),
         "0/0": shape_of(rsym.conjunction(ball, (x**2 - y**2) / (x**2 + y**2) + sp.Rational(1, 3))),
@@ -160,3 +161,117 @@ def test_attacks(name, eye):
     shape = ATTACKS[name]
     pencil = camera(shape.bounds, (120, 90), 0.7, 0.3, eye=eye, room=1.2)
     assert complaints(shape, None, pencil, 400, 1500) == ([], 0)
+
+
+def test_depth_normal_and_curvature_of_a_ball():
+    generator = np.random.default_rng(3)
+    origins, aims = generator.normal(size=(2, 500, 3))
+    origins = 3 * origins / np.linalg.norm(origins, axis=1)[:, None]
+    directions = aims - origins
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    along = np.einsum("ij,ij->i", origins, directions)
+    with np.errstate(invalid="ignore"):
+        depth = -along - np.sqrt(along**2 - 9 + 4)
+    caster = Caster(BALL, bounds=((-5, 5),) * 3)
+    hits = caster.cast(origins, directions)
+    expected = np.where(depth > 0, depth, np.inf)
+    met = np.isfinite(expected)
+    assert (hits.met == met).all()
+    assert met.sum() > 100
+    np.testing.assert_allclose(hits.depth[met], expected[met], rtol=1e-13)
+    np.testing.assert_allclose(hits.normal[met], hits.points[met] / 2, atol=1e-13)
+    fields = hits.fields("gaussian_curvature", "mean_curvature")
+    np.testing.assert_allclose(fields["gaussian_curvature"][met], 0.25)
+    np.testing.assert_allclose(np.abs(fields["mean_curvature"][met]), 0.5)
+    assert np.isnan(fields["mean_curvature"][~met]).all()
+
+
+def test_bounds_and_cuts_are_leaves():
+    caster = Caster(BALL, bounds=((-1, 5), (-5, 5), (-5, 5)))
+    hits = caster.cast([[-3, 0, 0], [-3, 0, 1.9]], [1, 0, 0], cuts=[Cut((-2, 0, 0), -1.0)])
+    assert hits.leaf.tolist() == [7, 7]
+    assert hits.depth[0] == pytest.approx(3.5)
+    assert hits.normal[0].tolist() == [-1, 0, 0]
+    plain = caster.cast([[-3, 0, 0], [-3, 0, 1.9]], [1, 0, 0])
+    assert plain.leaf.tolist() == [1, 0]
+    assert plain.depth[0] == 2
+    assert plain.normal[0].tolist() == [-1, 0, 0]
+    assert caster.leaves[1] == "cap x lower"
+
+
+def test_a_surface_that_lies_in_the_bounds_is_itself():
+    half = rsym.Shape(rsym.conjunction((4 - x**2 - y**2 - z**2) / 4, z), (x, y, z), bounds=((-3, 3), (-3, 3), (0, 3)))
+    hits = Caster(half).cast([0.3, 0.2, -5.0], [0, 0, 1.0])
+    assert hits.leaf == 1
+    assert hits.depth == pytest.approx(5)
+
+
+def test_of_coplanar_leaves_the_first_is_met():
+    twice = rsym.disjunction(rsym.conjunction(z, x), rsym.conjunction(z + z**3, 1 - x, x + 1))
+    shape = rsym.Shape(rsym.conjunction(twice, 1 - z), (x, y, z), bounds=BOX)
+    hits = Caster(shape).cast(
+        np.stack([np.linspace(-0.6, 0.6, 50), np.zeros(50), np.full(50, -2.0)], axis=1), [0.1, 0.2, 1]
+    )
+    assert (hits.leaf == np.where(hits.points[:, 0] > 0, 0, 2)).all()
+
+
+def test_threads_and_rays_one_by_one_agree():
+    shape = space("car")
+    pencil = camera(shape.bounds, (90, 70), room=0.8)
+    one, three = (Caster(shape, threads=threads).look(pencil) for threads in (1, 3))
+    for name in ("depth", "leaf", "normal", "undecided"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(three, name))
+    single = Caster(shape).cast(*pencil.rays(), pixel=pencil.pixel)
+    assert (single.met == one.met).mean() > 0.999
+    both = single.met & one.met
+    apart = np.abs(single.depth[both] - one.depth[both])
+    assert apart.max() < 0.5 * pencil.pixel[1] * 200
+    assert np.quantile(apart, 0.99) < 1e-11
+
+
+@pytest.mark.random
+@pytest.mark.parametrize("name", ["car", "spring", "clip", "valve"])
+def test_arrays_march_as_the_kernels_do(name, monkeypatch):
+    shape = space(name)
+    pencil = camera(shape.bounds, (40, 30), room=1.0)
+    fast = Caster(shape).look(pencil)
+    monkeypatch.setattr(casting, "default_backend", lambda: "numpy")
+    slow = Caster(shape)
+    assert isinstance(slow._kernels, ArrayRays)
+    found = slow.look(pencil)
+    assert (found.met == fast.met).mean() > 0.998
+    both = found.met & fast.met
+    assert np.quantile(np.abs(found.depth[both] - fast.depth[both]), 0.98) < 1e-9
+    assert (found.leaf == fast.leaf)[both].mean() > 0.98
+    assert np.nanquantile(np.abs(found.normal[both] - fast.normal[both]), 0.98) < 1e-7
+
+
+def test_letters_change_and_nothing_is_compiled():
+    k = sp.Symbol("k", real=True)
+    shape = rsym.Shape((k**2 - x**2 - y**2 - z**2) / 4, (x, y, z), letters={k: 2}, bounds=BOX)
+    caster = Caster(shape)
+    kernels = caster._kernels
+    for radius in (2.0, 1.5, 0.25):
+        caster.set({k: radius})
+        assert caster.cast([0, 0, 5], [0, 0, -1]).depth == pytest.approx(5 - radius, rel=1e-14)
+    assert caster._kernels is kernels
+
+
+def test_a_ray_that_begins_inside_meets_the_body_there():
+    hits = Caster(BALL).cast([[0, 0, 0], [0, 0, 5]], [0, 0, 1.0], near=0.5)
+    assert hits.depth.tolist() == [0.5, np.inf]
+
+
+@pytest.mark.parametrize(
+    ("origins", "directions"), [([0, 0], [0, 1]), ([0, 0, 0], [0, 0, 0]), ([[0, 0, 0]] * 2, [[0, 0, 1]] * 3)]
+)
+def test_what_is_no_ray_is_refused(origins, directions):
+    with pytest.raises(RsymError):
+        Caster(BALL).cast(origins, directions)
+
+
+def test_illegal_parameters_are_refused():
+    p = sp.Symbol("p", real=True)
+    shape = rsym.Shape(rsym.Rp(p).conjunction(x, y), (x, y, z), letters={p: 2}, bounds=BOX)
+    with pytest.raises(RsymError, match="out of its range"):
+        Caster(shape, {p: 1})
