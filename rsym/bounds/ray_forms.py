@@ -9,7 +9,7 @@ in float64.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple
@@ -25,7 +25,9 @@ from rsym.bounds.relations import relation
 from rsym.logic.sign_form import Gate, SignForm
 from rsym.program.builder import Builder
 from rsym.program.expansion import expand
+from rsym.program.operations import OPERATIONS
 from rsym.program.program import FLOAT64, Data, Node, Precision, Program, live
+from rsym.program.row import SELF
 
 MODEL, LINE, NUMBER = "model", "line", "number"
 PARTS = RayModel._fields
@@ -106,6 +108,8 @@ class RayForm:
         What is called.
     precision : Precision
         The one that the library rounds for.
+    guards : int
+        How many of the last leaves are none of the sign form, but what must not be negative for it to have a value.
 
     Examples
     --------
@@ -129,6 +133,7 @@ class RayForm:
     uniforms: Program
     library: Mapping[str, RayFunction]
     precision: Precision = FLOAT64
+    guards: int = 0
 
     def uniform_values(self, letters: Mapping[str, float]) -> Floats:
         """The uniform numbers for letters, in float64."""
@@ -146,9 +151,56 @@ class RayForm:
         }
 
 
-def ray_form(form: SignForm, precision: Precision = FLOAT64, *, lines: bool = False) -> RayForm:
-    """The models of a sign form; with `lines` what is linear along rays has functions of its own, which do less."""
-    return _Calls(form, precision, lines).form()
+def ray_form(form: SignForm, precision: Precision = FLOAT64, *, lines: bool = False, guards: bool = False) -> RayForm:
+    """The models of a sign form.
+
+    With `lines` what is linear along rays has functions of its own, which do less. With `guards` the form is negative
+    where it has no value: where something under a root or a logarithm is.
+    """
+    if not guards:
+        return _Calls(form, precision, lines).form()
+    whole = guarded(form)
+    made = _Calls(whole, precision, lines).form()
+    return replace(made, guards=len(whole.leaves) - len(form.leaves))
+
+
+def guarded(form: SignForm) -> SignForm:
+    """The form and, as more leaves, what must not be negative for its leaves to have a value.
+
+    Examples
+    --------
+    >>> import sympy as sp, rsym
+    >>> from rsym import x, y, z
+    >>> from rsym.logic.sign_form import shape_form
+    >>> form = shape_form(rsym.Shape(sp.sqrt(1 - x) - sp.sqrt(1 + y**2), (x, y, z)))
+    >>> guarded(form).gates
+    (Gate(operation='min', first=0, second=1),)
+    """
+    b, count = form.builder, len(form.leaves)
+    found: dict[int, None] = {}
+    seen: set[int] = set()
+    stack = list(form.leaves)
+    while stack:
+        number = stack.pop()
+        node = b.nodes[number]
+        row = OPERATIONS[node.operation]
+        # Only what is undefined wherever an argument is passes that on.
+        if number in seen or b.uniform[number] or not row.strict:
+            continue
+        seen.add(number)
+        stack.extend(node.arguments)
+        for clause in row.domain:
+            (kind, place), *others = clause or (("", SELF),)
+            if kind in {"nonnegative", "positive"} and place >= 0 and not others:
+                argument = node.arguments[place]
+                if not b.nonnegative[argument] and not b.uniform[argument]:
+                    found[argument] = None
+    gates = [Gate(op, *(a + len(found) * (a >= count) for a in operands)) for op, *operands in form.gates]
+    last = count + len(found) + len(gates) - 1 if gates else 0
+    for k in range(len(found)):
+        gates.append(Gate("min", last, count + k))
+        last = count + len(found) + len(gates) - 1
+    return replace(form, leaves=(*form.leaves, *found), gates=tuple(gates))
 
 
 # Operations whose last operand is a parameter: as a constant it is part of the function.

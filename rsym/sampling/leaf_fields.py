@@ -117,12 +117,12 @@ class LeafFields:
 
     def active(self, points: Floats) -> Integers:
         """The leaf that gives omega its sign at points (n, 3)."""
-        return self.active_value(points)[1]
+        return active_leaf(self.form.gates, self.values(points))[1]
 
-    def active_value(self, points: Floats) -> tuple[Floats, Integers]:
-        """The value of the form at points (n, 3), and the leaf that gives it."""
+    def values(self, points: Floats) -> list[Floats]:
+        """The values of the leaves at points (n, 3)."""
         found = self._values(*points.T, letters=self.letters)
-        return active_leaf(self.form.gates, [found[name] for name in self._values.fields])
+        return [found[name] for name in self._values.fields]
 
     def at(self, leaf: Integers, points: Floats, reach: float = 0.0) -> dict[str, Floats]:
         """The fields of leaf[k] at point k of (n, 3), after Newton steps of no more than `reach` together.

@@ -12,6 +12,7 @@ import numpy as np
 from rsym.arrays import Floats, Ints
 from rsym.bounds.ray_forms import ray_form
 from rsym.bounds.ray_reference import RayReference, along
+from rsym.logic.sign_form import Gate, through
 from rsym.model.shape import Bounds
 from rsym.sampling.hits import Seen
 from rsym.sampling.leaf_fields import LeafFields
@@ -20,7 +21,7 @@ from rsym.sampling.pencils import Pencil
 # As in `kernels.march_code`, where they are explained.
 CROSSING, SHORTEST, PATIENCE, MOST_STEPS = 0.25, 0.05, 8, 400
 TOO_OFTEN = 5 * PATIENCE
-NEWTON_STEPS = 6
+NEWTON_STEPS = 8
 ALIKE = 1e-10
 BLOCK = 20_000  # rays at a time
 
@@ -67,7 +68,7 @@ class ArrayRays:
     @cached_property
     def reference(self) -> RayReference:
         """The models."""
-        return RayReference(ray_form(self.fields.form, lines=True))
+        return RayReference(ray_form(self.fields.form, lines=True, guards=True))
 
     def constants(self, letters: Mapping[str, float], bounds: Bounds) -> MarchLetters:
         """Letters as they are."""
@@ -107,25 +108,26 @@ class ArrayRays:
         constants: MarchLetters,
     ) -> tuple[Floats, Ints, Floats, Ints]:
         fields = LeafFields(self.fields.shape, (), constants.letters, _kernels=self.fields._kernels)
+        scale = ALIKE * float(np.linalg.norm([high - low for low, high in constants.bounds]))
+        active = Actives(fields, scale)
         start, stop, entry = _clipped(o, d, ends, planes)
         rays = March.started(o, d, start, stop)
-        lost = self._march(rays, fields, pixel, constants)
+        lost = self._march(rays, active, pixel, constants)
         leaf = np.full(len(o), -1, np.int64)
         met = np.flatnonzero(rays.met >= 0)
         leaf[met] = rays.met[met]
-        scale = ALIKE * float(np.linalg.norm([high - low for low, high in constants.bounds]))
         begins = met[rays.low[met] <= start[met]]
-        deep = begins[fields.active_value(rays.points(begins, start[begins]))[0] > scale]
+        deep = begins[active(rays.points(begins, start[begins]))[0] > scale]
         rays.t[met] = rays.high[met]
         rays.t[deep] = start[deep]
         count = len(fields.form.leaves)
         inner = entry[deep] >= 0
         leaf[deep[inner]] = count + entry[deep[inner]]
         rays.low[deep] = rays.high[deep] = start[deep]
-        leaf[lost] = fields.active(rays.points(lost, rays.t[lost]))
+        leaf[lost] = active(rays.points(lost, rays.t[lost]))[1]
         rays.low[lost] = rays.high[lost] = rays.t[lost]
         normal = np.full((3, len(o)), np.nan)
-        self._settle(rays, fields, leaf, normal)
+        self._settle(rays, active, leaf, normal)
         for k, plane in enumerate(planes):
             normal[:, leaf == count + k] = plane[:3, None]
         depth = np.where(leaf >= 0, rays.t, np.inf)
@@ -133,7 +135,7 @@ class ArrayRays:
         doubt[lost] = True
         return depth, leaf.astype(np.int16), normal, doubt.astype(np.uint8)
 
-    def _march(self, rays: March, fields: LeafFields, pixel: tuple[float, float], constants: MarchLetters) -> Ints:
+    def _march(self, rays: March, active: Actives, pixel: tuple[float, float], constants: MarchLetters) -> Ints:
         """Until each ray has met the form or is gone; those that are lost."""
         live = np.flatnonzero(rays.t < rays.stop)
         for _ in range(MOST_STEPS):
@@ -157,7 +159,7 @@ class ArrayRays:
             rays.step[live] = np.where(out, 2 * step, following)
             end = np.where(crosses, begin + width, t + step)
             which = live[asked]
-            value, leaf = fields.active_value(rays.points(which, end[asked]))
+            value, leaf = active(rays.points(which, end[asked]))
             inside = np.where(crosses[asked], value + 0.01 * size[asked], value) > 0
             rays.met[which[inside]] = leaf[inside]
             rays.low[which[inside]], rays.high[which[inside]] = begin[asked][inside], end[asked][inside]
@@ -168,9 +170,9 @@ class ArrayRays:
             live = live[(rays.met[live] < 0) & (rays.t[live] < rays.stop[live])]
         return live
 
-    def _settle(self, rays: March, fields: LeafFields, leaf: Ints, normal: Floats) -> None:
+    def _settle(self, rays: March, active: Actives, leaf: Ints, normal: Floats) -> None:
         """Newton's method on the leaf within the bracket, and the outer unit normal."""
-        count = len(fields.form.leaves)
+        fields, count = active.fields, len(active.fields.form.leaves)
         for turn in range(NEWTON_STEPS):
             on = np.flatnonzero((leaf >= 0) & (leaf < count))
             if not len(on):
@@ -182,7 +184,27 @@ class ArrayRays:
             rays.t[on] = kept
             normal[:, on] = -gradient.T / np.linalg.norm(gradient, axis=1)
             if turn == NEWTON_STEPS // 2:
-                leaf[on] = fields.active(rays.points(on, kept))
+                leaf[on] = active(rays.points(on, kept))[1]
+
+
+@dataclass(frozen=True)
+class Actives:
+    """The form at points, and its active leaf; of leaves that are closer than the tolerance the first."""
+
+    fields: LeafFields
+    tolerance: float
+
+    def __call__(self, points: Floats) -> tuple[Floats, Ints]:
+        """Values and leaves at points (n, 3)."""
+
+        def join(gate: Gate, one: tuple[Floats, Ints], other: tuple[Floats, Ints]) -> tuple[Floats, Ints]:
+            (f, i), (g, j) = one, other
+            take = (f < g if gate.operation == "min" else f > g) | np.isnan(f)
+            leaf = np.where(np.abs(f - g) <= self.tolerance, np.minimum(i, j), np.where(take, i, j))
+            return np.where(take, f, g), leaf
+
+        values = self.fields.values(points)
+        return through(self.fields.form.gates, [(row, np.full(len(row), k)) for k, row in enumerate(values)], join)[-1]
 
 
 def first_root(end: Floats, linear: Floats, quadratic: Floats) -> Floats:

@@ -1,11 +1,20 @@
 """Rays against dense signs of omega in float64: no code is shared with what is checked."""
 
 import numpy as np
+import pytest
+import sympy as sp
 
 import rsym
-from rsym.paper.models import model_path
-from rsym.sampling.pencils import Pencil
+from rsym import x, y, z
+from rsym.errors import RsymError
+from rsym.paper.models import MODELS, model_path
+from rsym.sampling import rays as casting
+from rsym.sampling.pencils import Cut, Pencil
+from rsym.sampling.ray_march import ArrayRays
 from rsym.sampling.rays import Caster
+
+BOX = ((-3, 3),) * 3
+BALL = rsym.Shape((4 - x**2 - y**2 - z**2) / 4, (x, y, z), bounds=BOX)
 
 
 def space(name):
@@ -14,114 +23,255 @@ def space(name):
 
 
 def letters_of(shape, generator):
-    """Random ones within their ranges, half of the way from the default."""
+    """Random ones between the defaults and an end of their ranges."""
     found = {}
     for name, letter in shape.letters.items():
-        low = letter.default if letter.minimum is None else letter.minimum
-        high = letter.default if letter.maximum is None else letter.maximum
-        found[name] = float(letter.default) + 0.5 * generator.random() * (
-            float(generator.choice([low, high])) - float(letter.default)
-        )
+        ends = [letter.default if end is None else end for end in (letter.minimum, letter.maximum)]
+        end = float(generator.choice([float(end) for end in ends]))
+        found[name] = float(letter.default) + 0.5 * generator.random() * (end - float(letter.default))
     return found
 
 
-def camera(bounds, width, height, azimuth, elevation, perspective):
+def camera(bounds, size, azimuth=-0.96, elevation=0.384, *, eye=True, room=1.6):
     """A pencil that looks at the middle of the bounds."""
+    width, height = size
     low, high = np.array(bounds, float).T
     middle, radius = (low + high) / 2, np.linalg.norm(high - low) / 2
     se, ce, sa, ca = np.sin(elevation), np.cos(elevation), np.sin(azimuth), np.cos(azimuth)
     right, up, back = np.array([-sa, ca, 0]), np.array([-se * ca, -se * sa, ce]), np.array([ce * ca, ce * sa, se])
-    size = 1.6 * radius / height
-    corner = middle - right * size * width / 2 + up * size * height / 2
-    if perspective:
-        return Pencil((width, height), corner, right * size, -up * size, eye=middle + back * 4 * radius)
-    return Pencil((width, height), corner + back * 2 * radius, right * size, -up * size, direction=-back)
+    pixel = room * radius / height
+    corner = middle - right * pixel * width / 2 + up * pixel * height / 2
+    if eye:
+        return Pencil(size, corner, right * pixel, -up * pixel, eye=middle + back * 4 * radius)
+    return Pencil(size, corner + back * 2 * radius, right * pixel, -up * pixel, direction=-back)
 
 
-def signs_along(shape, letters, origins, directions, bounds, places):
-    """Depths of the first place inside, by dense signs and bisection; the longest chord inside each ray."""
-    kernel = rsym.compile(shape, ("value",))
-    box = np.array(bounds, float)
-    with np.errstate(all="ignore"):
-        near, far = (box[:, 0] - origins) / directions, (box[:, 1] - origins) / directions
-    first, last = np.fmin(near, far).max(axis=1), np.fmax(near, far).min(axis=1)
-    crossing = last > first
-    share = np.linspace(0, 1, places)
+class Dense:
+    """Truth by the signs of the ordinary kernel at many places of each ray, and bisection."""
 
-    def inside(t):
-        points = origins[:, None] + directions[:, None] * t[..., None]
-        return kernel(*np.moveaxis(points, -1, 0), letters=letters)["value"] > 0
+    def __init__(self, shape, letters, bounds):
+        self.kernel, self.letters, self.box = rsym.compile(shape, ("value",)), letters, np.array(bounds, float)
 
-    t = first[:, None] + (last - first)[:, None] * share
-    t[:, 0] += 1e-9 * (last - first)
-    met = inside(t) & crossing[:, None]
-    hit = met.any(axis=1)
-    at = met.argmax(axis=1)
-    rows = np.arange(len(t))
-    low, high = t[rows, np.maximum(at - 1, 0)], t[rows, at]
-    for _ in range(50):
-        middle = (low + high) / 2
-        deep = inside(middle[:, None])[:, 0]
-        low, high = np.where(deep, low, middle), np.where(deep, middle, high)
-    return np.where(hit, np.where(at == 0, first, high), np.inf)
+    def inside(self, points):
+        return self.kernel(*np.moveaxis(points, -1, 0), letters=self.letters)["value"] > 0
+
+    def depth(self, origins, directions, places):
+        """Of the first place inside."""
+        with np.errstate(all="ignore"):
+            ends = [(self.box[:, k] - origins) / directions for k in (0, 1)]
+        first, last = np.fmin(*ends).max(axis=1), np.fmax(*ends).min(axis=1)
+        t = first[:, None] + (last - first)[:, None] * np.linspace(1e-9, 1, places)
+        met = self.inside(origins[:, None] + directions[:, None] * t[..., None]) & (last > first)[:, None]
+        at, rows = met.argmax(axis=1), np.arange(len(t))
+        low, high = t[rows, np.maximum(at - 1, 0)], t[rows, at]
+        for _ in range(50):
+            middle = (low + high) / 2
+            deep = self.inside(origins + directions * middle[:, None])
+            low, high = np.where(deep, low, middle), np.where(deep, middle, high)
+        return np.where(met.any(axis=1), np.where(at == 0, first, high), np.inf)
 
 
-def near_silhouette(shape, letters, pencil, rays, bounds, depth, hits_wrong, share):
-    """Whether within a share of a pixel there are rays that truly hit, and rays that truly miss."""
-    columns, rows = rays
-    found = []
-    for angle in np.linspace(0, 2 * np.pi, 12, endpoint=False):
-        for distance in (0.5 * share, share):
-            moved = pencil.rays(columns + distance * np.cos(angle), rows + distance * np.sin(angle))
-            found.append(signs_along(shape, letters, *moved, bounds, 1500))
-    return np.array(found)
-
-
-def compare(shape, letters, pencil, count, places, generator):
-    """Complaints of a picture against dense signs."""
+def complaints(shape, letters, pencil, count, places, seed=0):
+    """Rays of a picture that dense signs contradict, by more than a fifth of a pixel; how many are in doubt."""
+    generator = np.random.default_rng(seed)
     caster = Caster(shape, letters)
-    hits = caster.look(pencil)
+    hits, dense = caster.look(pencil), Dense(shape, letters, caster.bounds)
     width, height = pencil.size
-    columns, rows = generator.integers(0, width, count), generator.integers(0, height, count)
+    rows, columns = generator.integers(0, height, count), generator.integers(0, width, count)
     met = np.argwhere(hits.met)
-    if len(met):
-        some = met[generator.integers(0, len(met), count // 2)]
-        columns[: len(some)], rows[: len(some)] = some[:, 1], some[:, 0]
-    rays = pencil.rays(columns + 0.5, rows + 0.5)
-    truth = signs_along(shape, letters, *rays, caster.bounds, places)
-    depth = hits.depth[rows, columns]
-    pixel = pencil.pixel[0] + pencil.pixel[1] * np.abs(np.where(np.isfinite(depth), depth, 0))
-    with np.errstate(all="ignore"):
-        off = ~((np.isinf(truth) & np.isinf(depth)) | (np.abs(truth - depth) < 0.02 * pixel + 1e-9))
-    doubt = hits.undecided[rows, columns]
-    bad = np.flatnonzero(off)
-    report = {
-        "rays": count,
-        "met": float(np.isfinite(depth).mean()),
-        "off": len(bad),
-        "doubt": int(hits.undecided.sum()),
+    if len(met):  # half of the rays hit
+        rows[::2], columns[::2] = met[generator.integers(0, len(met), len(rows[::2]))].T
+    origins, directions = pencil.rays(columns + 0.5, rows + 0.5)
+    truth, depth = dense.depth(origins, directions, places), hits.depth[rows, columns]
+    pixel = pencil.pixel[0] + pencil.pixel[1] * np.where(np.isfinite(depth), np.abs(depth), 0)
+    with np.errstate(invalid="ignore"):
+        same = (np.isinf(truth) & np.isinf(depth)) | (np.abs(truth - depth) < 0.02 * pixel + 1e-9)
+    found = []
+    for k in np.flatnonzero(~same):
+        # Dense signs step over a chord that is shorter than their steps.
+        behind = depth[k] + np.array([1e-9, 1e-7, 1e-5, 1e-3, 1e-2]) * pixel[k]
+        if depth[k] < truth[k] and dense.inside(origins[k] + behind[:, None] * directions[k]).any():
+            continue
+        turns = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+        moved = [(0.2 * s * np.cos(a), 0.2 * s * np.sin(a)) for a in turns for s in (0.5, 1)]
+        around = dense.depth(*pencil.rays(*(np.array([columns[k], rows[k]]) + 0.5 + moved).T), places)
+        near = around[np.isfinite(around)]
+        if np.isinf(depth[k]):
+            fine = len(near) < len(around)
+        else:
+            fine = len(near) and near.min() - 0.5 * pixel[k] <= depth[k] <= near.max() + 0.5 * pixel[k]
+        if not fine:
+            found.append((int(columns[k]), int(rows[k]), float(depth[k]), float(truth[k])))
+    return found, int(hits.undecided.sum())
+
+
+@pytest.mark.random
+@pytest.mark.parametrize("name", MODELS)
+def test_shipped_models(name):
+    shape = space(name)
+    assert complaints(shape, None, camera(shape.bounds, (160, 120)), 300, 800) == ([], 0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MODELS)
+def test_twenty_thousand_rays_for_three_sets_of_letters(name):
+    shape, generator = space(name), np.random.default_rng(5)
+    for k in range(3):
+        letters = letters_of(shape, generator) if k else None
+        pencil = camera(shape.bounds, (400, 300), k - 0.96, 0.384 - 0.3 * k, eye=k % 2 == 0)
+        assert complaints(shape, letters, pencil, 20_000, 4000) == ([], 0)
+
+
+def shape_of(expression, letters=None):
+    return rsym.Shape(expression, (x, y, z), letters=letters, bounds=BOX)
+
+
+def attacks():
+    """Bodies that are hard on enclosures."""
+    p, k = sp.symbols("p k", real=True)
+    ball, disc = (4 - x**2 - y**2 - z**2) / 4, (4 - x**2 - y**2) / 4
+    other = (1 - (x - 2) ** 2 - y**2 - z**2) / 2
+    return {
+        "thin wall": shape_of(rsym.conjunction(ball, 1e-8 - (x + y) ** 2)),
+        "thin shell": shape_of(rsym.conjunction(ball, (x**2 + y**2 + z**2 - 3.999999) / 4)),
+        "touching": shape_of(rsym.disjunction(other, (1 - x**2 - y**2 - z**2) / 2)),
+        "nested trimming": shape_of(0.5 - rsym.trimming(rsym.trimming(x - y, disc), (4 - z**2) / 4)),
+        "norm": shape_of(1.5 - sp.sqrt(rsym.Rp(p).conjunction(x, y) ** 2 + z**2), {p: rsym.Letter(2.5, 1.5, 4)}),
+        "angle": shape_of(rsym.conjunction(ball, sp.sin(k * sp.atan2(y, x)) + z / 4), {k: 5}),
+        "waves": shape_of(rsym.conjunction(ball, sp.sin(4 * x) * sp.cos(4 * y) + sp.sin(4 * z) * sp.cos(4 * x))),
+        "0/0": shape_of(rsym.conjunction(ball, (x**2 - y**2) / (x**2 + y**2) + sp.Rational(1, 3))),
+        "pole": shape_of(rsym.conjunction(ball, 1 / (x - y) - 1)),
+        "undefined": shape_of(rsym.conjunction(ball, sp.sqrt(1 - x**2 - y**2) - z)),
+        "powers": shape_of(1.7 - (sp.Abs(x) ** 1.5 + sp.Abs(y) ** 1.5 + sp.Abs(z) ** 3.0)),
+        "alpha": shape_of(rsym.RAlpha(sp.Rational(1, 2)).conjunction(ball, z) - sp.Rational(1, 10)),
+        "order": shape_of(rsym.R0m(2).disjunction(other, disc - z**2) - sp.Rational(1, 20)),
+        "sardf": shape_of(rsym.Sardf().conjunction(ball, x + y) - sp.Rational(1, 20)),
+        "rho": shape_of(rsym.conjunction(ball, rsym.conjunction(x, y, system=rsym.Rho(sp.Rational(1, 2))))),
+        "choice": shape_of(sp.Piecewise((ball, x > y), (other, True))),
     }
-    report["unexplained"] = []
-    if len(bad):
-        around = near_silhouette(
-            shape, letters, pencil, (columns[bad] + 0.5, rows[bad] + 0.5), caster.bounds, depth, off, 0.2
-        )
-        for k, ray in enumerate(bad):
-            seen = np.append(around[:, k], truth[ray])
-            # What is seen here is seen within a fifth of a pixel: a miss, or a depth within the spread of depths there.
-            if np.isinf(depth[ray]):
-                fine = np.isinf(seen).any()
-            else:
-                near = seen[np.isfinite(seen)]
-                fine = len(near) and near.min() - 0.5 * pixel[ray] <= depth[ray] <= near.max() + 0.5 * pixel[ray]
-            # A chord shorter than the steps of the dense signs: a point inside, just behind the depth, is enough.
-            if not fine and np.isfinite(depth[ray]) and (depth[ray] < truth[ray]):
-                kernel = rsym.compile(shape, ("value",))
-                o, d = rays[0][ray], rays[1][ray]
-                t = depth[ray] + np.array([1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 0.05]) * pixel[ray]
-                fine = (kernel(*(o + t[:, None] * d).T, letters=letters)["value"] >= 0).any()
-            if not fine:
-                report["unexplained"].append(
-                    (int(columns[ray]), int(rows[ray]), float(depth[ray]), float(truth[ray]), bool(doubt[ray]))
-                )
-    return report
+
+
+ATTACKS = attacks()
+
+
+@pytest.mark.random
+@pytest.mark.parametrize("name", ATTACKS)
+@pytest.mark.parametrize("eye", [True, False])
+def test_attacks(name, eye):
+    shape = ATTACKS[name]
+    pencil = camera(shape.bounds, (120, 90), 0.7, 0.3, eye=eye, room=1.2)
+    assert complaints(shape, None, pencil, 400, 1500) == ([], 0)
+
+
+def test_depth_normal_and_curvature_of_a_ball():
+    generator = np.random.default_rng(3)
+    origins, aims = generator.normal(size=(2, 500, 3))
+    origins = 3 * origins / np.linalg.norm(origins, axis=1)[:, None]
+    directions = aims - origins
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    along = np.einsum("ij,ij->i", origins, directions)
+    with np.errstate(invalid="ignore"):
+        depth = -along - np.sqrt(along**2 - 9 + 4)
+    caster = Caster(BALL, bounds=((-5, 5),) * 3)
+    hits = caster.cast(origins, directions)
+    expected = np.where(depth > 0, depth, np.inf)
+    met = np.isfinite(expected)
+    assert (hits.met == met).all()
+    assert met.sum() > 100
+    np.testing.assert_allclose(hits.depth[met], expected[met], rtol=1e-13)
+    np.testing.assert_allclose(hits.normal[met], hits.points[met] / 2, atol=1e-13)
+    fields = hits.fields("gaussian_curvature", "mean_curvature")
+    np.testing.assert_allclose(fields["gaussian_curvature"][met], 0.25)
+    np.testing.assert_allclose(np.abs(fields["mean_curvature"][met]), 0.5)
+    assert np.isnan(fields["mean_curvature"][~met]).all()
+
+
+def test_bounds_and_cuts_are_leaves():
+    caster = Caster(BALL, bounds=((-1, 5), (-5, 5), (-5, 5)))
+    hits = caster.cast([[-3, 0, 0], [-3, 0, 1.9]], [1, 0, 0], cuts=[Cut((-2, 0, 0), -1.0)])
+    assert hits.leaf.tolist() == [7, 7]
+    assert hits.depth[0] == pytest.approx(3.5)
+    assert hits.normal[0].tolist() == [-1, 0, 0]
+    plain = caster.cast([[-3, 0, 0], [-3, 0, 1.9]], [1, 0, 0])
+    assert plain.leaf.tolist() == [1, 0]
+    assert plain.depth[0] == 2
+    assert plain.normal[0].tolist() == [-1, 0, 0]
+    assert caster.leaves[1] == "cap x lower"
+
+
+def test_a_surface_that_lies_in_the_bounds_is_itself():
+    half = rsym.Shape(rsym.conjunction((4 - x**2 - y**2 - z**2) / 4, z), (x, y, z), bounds=((-3, 3), (-3, 3), (0, 3)))
+    hits = Caster(half).cast([0.3, 0.2, -5.0], [0, 0, 1.0])
+    assert hits.leaf == 1
+    assert hits.depth == pytest.approx(5)
+
+
+def test_of_coplanar_leaves_the_first_is_met():
+    twice = rsym.disjunction(rsym.conjunction(z, x), rsym.conjunction(z + z**3, 1 - x, x + 1))
+    shape = rsym.Shape(rsym.conjunction(twice, 1 - z), (x, y, z), bounds=BOX)
+    hits = Caster(shape).cast(
+        np.stack([np.linspace(-0.6, 0.6, 50), np.zeros(50), np.full(50, -2.0)], axis=1), [0.1, 0.2, 1]
+    )
+    assert (hits.leaf == np.where(hits.points[:, 0] > 0, 0, 2)).all()
+
+
+def test_threads_and_rays_one_by_one_agree():
+    shape = space("car")
+    pencil = camera(shape.bounds, (90, 70), room=0.8)
+    one, three = (Caster(shape, threads=threads).look(pencil) for threads in (1, 3))
+    for name in ("depth", "leaf", "normal", "undecided"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(three, name))
+    single = Caster(shape).cast(*pencil.rays(), pixel=pencil.pixel)
+    assert (single.met == one.met).mean() > 0.999
+    both = single.met & one.met
+    apart = np.abs(single.depth[both] - one.depth[both])
+    assert apart.max() < 0.5 * pencil.pixel[1] * 200
+    assert np.quantile(apart, 0.99) < 1e-11
+
+
+@pytest.mark.random
+@pytest.mark.parametrize("name", ["car", "spring", "clip", "valve"])
+def test_arrays_march_as_the_kernels_do(name, monkeypatch):
+    shape = space(name)
+    pencil = camera(shape.bounds, (40, 30), room=1.0)
+    fast = Caster(shape).look(pencil)
+    monkeypatch.setattr(casting, "default_backend", lambda: "numpy")
+    slow = Caster(shape)
+    assert isinstance(slow._kernels, ArrayRays)
+    found = slow.look(pencil)
+    assert (found.met == fast.met).mean() > 0.998
+    both = found.met & fast.met
+    assert np.quantile(np.abs(found.depth[both] - fast.depth[both]), 0.98) < 1e-9
+    assert (found.leaf == fast.leaf)[both].mean() > 0.98
+    assert np.nanquantile(np.abs(found.normal[both] - fast.normal[both]), 0.98) < 1e-7
+
+
+def test_letters_change_and_nothing_is_compiled():
+    k = sp.Symbol("k", real=True)
+    shape = rsym.Shape((k**2 - x**2 - y**2 - z**2) / 4, (x, y, z), letters={k: 2}, bounds=BOX)
+    caster = Caster(shape)
+    kernels = caster._kernels
+    for radius in (2.0, 1.5, 0.25):
+        caster.set({k: radius})
+        assert caster.cast([0, 0, 5], [0, 0, -1]).depth == pytest.approx(5 - radius, rel=1e-14)
+    assert caster._kernels is kernels
+
+
+def test_a_ray_that_begins_inside_meets_the_body_there():
+    hits = Caster(BALL).cast([[0, 0, 0], [0, 0, 5]], [0, 0, 1.0], near=0.5)
+    assert hits.depth.tolist() == [0.5, np.inf]
+
+
+@pytest.mark.parametrize(
+    ("origins", "directions"), [([0, 0], [0, 1]), ([0, 0, 0], [0, 0, 0]), ([[0, 0, 0]] * 2, [[0, 0, 1]] * 3)]
+)
+def test_what_is_no_ray_is_refused(origins, directions):
+    with pytest.raises(RsymError):
+        Caster(BALL).cast(origins, directions)
+
+
+def test_illegal_parameters_are_refused():
+    p = sp.Symbol("p", real=True)
+    shape = rsym.Shape(rsym.Rp(p).conjunction(x, y), (x, y, z), letters={p: 2}, bounds=BOX)
+    with pytest.raises(RsymError, match="out of its range"):
+        Caster(shape, {p: 1})

@@ -1,7 +1,7 @@
-"""The kernels of mesher and caster: sign forms to routines over boxes, blocks, edges, points and rays.
+"""The kernels of mesher and caster: a sign form to compiled routines over boxes, blocks, edges, points and rays.
 
-In comes a sign form of `logic`; out come `MesherKernels` and `RayKernels`, functions of NumPy arrays, which letters
-change without compiling. In the order of the data:
+In comes a sign form of `logic`; out come `MesherKernels` and `RayKernels`, functions of NumPy arrays; letters change
+and nothing is compiled. In the order of the data:
 
 - `routines`: LLVM functions with loops and branches, eight lanes at a time
 - `form_code`: the leaves with their gradients, the whole form at points, and what is left of it in a block

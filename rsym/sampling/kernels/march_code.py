@@ -27,7 +27,7 @@ TOO_OFTEN = 5 * PATIENCE  # then they lie farther apart than a pixel
 MOST_STEPS = 400
 # Rounds of Newton's method on the active leaf, and steps in each: where the leaf changes between the ends of a bracket,
 # which is a quarter of a pixel, the next round takes the other one.
-ROUNDS, STEPS = 4, 3
+ROUNDS, STEPS = 4, 5
 
 
 class Row(IntEnum):

@@ -48,9 +48,9 @@ class RayFormulas:
 
     def __init__(self, form: SignForm) -> None:
         self.form = form
-        self.rays = ray_form(form, lines=True)
+        self.rays = ray_form(form, lines=True, guards=True)
         self.count = len(form.leaves)
-        self.gates = balanced(form.gates, self.count)
+        self.gates = balanced(self.rays.gates, len(self.rays.leaves))
         self.uniforms = len(self.rays.uniforms.outputs)
         self.points = Formulas(expand(leaf_program(form)), self.uniforms)
         self.coordinates = form.builder.coordinates
@@ -77,7 +77,7 @@ class RayFormulas:
                 continue
             holds = all(any(_holds(b, node, test) for test in clause) for clause in OPERATIONS[node.operation].domain)
             defined.append(holds and all(defined[argument] for argument in node.arguments))
-        known = [defined[leaf] for leaf in self.form.leaves]
+        known = [*(defined[leaf] for leaf in self.form.leaves), *[False] * self.rays.guards]
         for gate in self.gates:
             known.append(known[gate.first] and known[gate.second])
         return tuple(known)
@@ -195,7 +195,7 @@ class _ReducedModel(ReducedWalk):
     types = (DOUBLES,) * 4
 
     def __init__(self, s: RayFormulas, r: Routine) -> None:
-        super().__init__(s.gates, s.count, r)
+        super().__init__(s.gates, len(s.rays.leaves), r)
         self.s = s
         self.calls = ModelCalls(s, r)
         self.calls.share()
@@ -241,7 +241,7 @@ def survey(s: RayFormulas) -> Routine:
     """Which operands of gates do not matter on a segment of each lane: words lane by lane."""
     r = Routine("survey", dict.fromkeys(ENDS, DOUBLES) | {"constants": "ptr", "words": "ptr"}, internal=True)
     calls = ModelCalls(s, r)
-    values = [calls.leaf(number, calls.known) for number in range(s.count)]
+    values = [calls.leaf(number, calls.known) for number in range(len(s.rays.leaves))]
     vector = f"<{LANES} x i64>"
     words = [ZERO] * s.words
     ranges: dict[int, Parts] = {}
@@ -270,13 +270,15 @@ class _ReducedPoint(ReducedWalk):
     types = (DOUBLES, SHORTS)
 
     def __init__(self, s: RayFormulas, r: Routine) -> None:
-        super().__init__(s.gates, s.count, r)
+        super().__init__(s.gates, len(s.rays.leaves), r)
         self.s = s
         self.known = s.points.inputs(dict(zip(s.coordinates, ("%x", "%y", "%z"), strict=True)))
         share_parts(s.points, r, [f"leaf{k}" for k in range(s.count)], self.known)
         self.tolerance = r.element("%constants", s.tolerance)
 
     def leaf(self, number: int) -> Parts:
+        if number >= self.s.count:  # a guard: at a point the leaves tell themselves where they are undefined
+            return [self.r.number(float("inf")).name, leaf_number(0)]
         (value,) = self.s.points.outputs(self.r, [f"leaf{number}"], dict(self.known))
         return [(value * self.r.element("%constants", self.s.scales + number)).name, leaf_number(number)]
 
