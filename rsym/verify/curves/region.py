@@ -47,7 +47,8 @@ class Region:
             for axis, (order, line) in enumerate(self._lines)
         ]
         order, first, last = min(ranges, key=lambda item: item[2] - item[1])
-        return order[first:last]
+        found: NDArray[np.intp] = order[first:last]
+        return found
 
     def around(self, point: Floats) -> NDArray[np.intp]:
         """The boxes that a point lies in, to within the tolerance."""
