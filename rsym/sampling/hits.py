@@ -26,8 +26,8 @@ class Seen:
 
     def reshaped(self, shape: tuple[int, ...]) -> Seen:
         """The same for rays in an array."""
-        depth, leaf, doubt = (part.reshape(shape) for part in (self.depth, self.leaf, self.doubt))
-        return Seen(depth, leaf, self.normal.reshape(3, *shape), doubt)
+        normal = self.normal.reshape(3, *shape)
+        return Seen(self.depth.reshape(shape), self.leaf.reshape(shape), normal, self.doubt.reshape(shape))
 
 
 @dataclass(frozen=True)

@@ -240,13 +240,13 @@ def _by_leaf(s: RayFormulas, r: Routine, todo: str) -> None:
     r.do(f"br i1 {some}, label %turn{number}, label %over{number}")
     r.start(f"turn{number}")
     place = r.emit(f"zext i{LANES} {lane} to i64")
-    k = r.load(r.place("%state", "double", Row.LEAF * LANES), place, "double")
-    same = get(r, Row.LEAF).compare("oeq", r.value(r.splat(k)))
+    one = r.load(r.place("%state", "double", Row.LEAF * LANES), place, "double")
+    same = get(r, Row.LEAF).compare("oeq", r.value(r.splat(one)))
     waiting = r.emit(f"bitcast i{LANES} {left} to <{LANES} x i1>")
     mine = r.value(waiting, "i1") & same
     rest = r.emit(f"xor i{LANES} {left}, {r.mask(mine.name)}")
     r.store(rest, todo, 0, f"i{LANES}")
-    which = r.emit(f"fptosi double {k} to i64")
+    which = r.emit(f"fptosi double {one} to i64")
     cases = " ".join(f"i64 {k}, label %leaf{number}.{k}" for k in range(s.count))
     r.do(f"switch i64 {which}, label %next{number} [ {cases} ]")
     for k in range(s.count):
