@@ -25,9 +25,9 @@ from rsym.sampling.pencils import Pencil
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
 _COMMON = (_INTEGER, _INTEGER, _POINTER, _POINTER, _INTEGER, _POINTER)
 _SIGNATURES: dict[str, tuple[Any, ...]] = {
-    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 5),
-    "picture": (*_COMMON, _INTEGER, *[_POINTER] * 8, _INTEGER, _INTEGER),
-    "rays": (*_COMMON, *[_POINTER] * 6, _INTEGER),
+    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 4),
+    "picture": (*_COMMON, _INTEGER, *[_POINTER] * 7, _INTEGER, _INTEGER),
+    "rays": (*_COMMON, *[_POINTER] * 7, _INTEGER),
 }
 # Of the diagonal of the bounds: closer leaves are taken for one.
 ALIKE = 1e-10
@@ -75,10 +75,10 @@ class RayKernels:
         columns, rows = -(-width // TILE), -(-height // TILE)
         tiles = columns * rows
         camera = _camera(pencil, near, far, planes)
-        words = self.formulas.words
-        starts, limits = np.empty(tiles + LANES), np.empty(tiles + LANES)
-        near_marks, marks = (np.empty((tiles + LANES) * words, np.uint64) for _ in range(2))
-        of_tiles = starts, limits, near_marks, marks
+        words, slabs = self.formulas.words, self.formulas.slabs
+        starts, limits = np.empty(tiles + LANES), np.empty((tiles + LANES) * slabs)
+        marks = np.empty((tiles + LANES) * (slabs + 1) * words, np.uint64)
+        of_tiles = starts, limits, marks
         nothing = np.zeros(words, np.uint64)
         common = (camera, planes, len(planes), constants, columns)
         beam = -(-tiles // (LANES * pool.threads * 4)) * LANES
@@ -111,8 +111,9 @@ class RayKernels:
         for name, value in zip(("near", "far", "pixel", "growth"), (*ends, *pixel), strict=True):
             camera[place_of(name)] = value
         seen = Seen(np.empty(length), np.empty(length, np.int16), np.empty((3, length)), np.empty(length, np.uint8))
-        nothing = np.zeros(self.formulas.words, np.uint64)
-        common = (camera, planes, len(planes), constants, given, nothing)
+        slabs = self.formulas.slabs
+        limits, nothing = np.full(slabs, -np.inf), np.zeros((slabs + 1) * self.formulas.words, np.uint64)
+        common = (camera, planes, len(planes), constants, given, limits, nothing)
         out = (seen.depth, seen.leaf, seen.normal, seen.doubt, length)
         step = max(LANES, min(4096, -(-count // (LANES * pool.threads)) * LANES))
         pool.run(lambda a, b: self._call("rays", a, b, *common, *out), count, step)
