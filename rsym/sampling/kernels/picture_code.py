@@ -13,6 +13,7 @@ from rsym.sampling.kernels.march_code import (
     GONE,
     MARCHING,
     ROWS,
+    STRUCT,
     Row,
     clip,
     first_root,
@@ -25,7 +26,7 @@ from rsym.sampling.kernels.march_code import (
     segment,
     settle,
 )
-from rsym.sampling.kernels.ray_code import RayFormulas, library, model, point, survey
+from rsym.sampling.kernels.ray_code import NAMED, RayFormulas, library, model, point, survey
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
 
 TILE = 16  # pixels along a side
@@ -206,6 +207,23 @@ def rays(s: RayFormulas) -> Routine:
     return r
 
 
+def probe(s: RayFormulas) -> Routine:
+    """The model of the form on eight segments, nine rows, and its value and leaf in their middles; for checks."""
+    r = Routine("probe", {"given": "ptr", "constants": "ptr", "words": "ptr", "found": "ptr"})
+    ends = [r.value(r.load("%given", row * LANES)) for row in range(9)]
+    given = ", ".join(f"{DOUBLES} {end.name}" for end in ends)
+    value = r.emit(f"call {STRUCT} @model({given}, ptr %constants, ptr %words)")
+    for k in range(4):
+        r.store(r.emit(f"extractvalue {STRUCT} {value}, {k}"), "%found", k * LANES)
+    places = ", ".join(f"{DOUBLES} {((ends[3 * k] + ends[3 * k + 1]) * 0.5).name}" for k in range(3))
+    both = r.emit(f"call {NAMED} @point({places}, ptr %constants, ptr %words)")
+    r.store(r.emit(f"extractvalue {NAMED} {both}, 0"), "%found", 4 * LANES)
+    leaf = r.emit(f"sitofp {SHORTS} {r.emit(f'extractvalue {NAMED} {both}, 1')} to {DOUBLES}")
+    r.store(leaf, "%found", 5 * LANES)
+    r.do("ret void")
+    return r
+
+
 def _write(r: Routine, place: str, stride: str, lanes: range) -> None:
     """Store what some lanes have met."""
     met = get(r, Row.STATUS) > MARCHING
@@ -239,5 +257,5 @@ def caster_code(s: RayFormulas) -> str:
         f"declare i{LANES} @llvm.cttz.i{LANES}(i{LANES}, i1)",
         f"declare double @llvm.vector.reduce.fmax.v{LANES}f64({DOUBLES})",
     ]
-    parts = (model, survey, point, clip, march, settle, beams, picture, rays)
+    parts = (model, survey, point, clip, march, settle, beams, picture, rays, probe)
     return "\n".join([*head, *library(s), *(part(s).text for part in parts)])

@@ -60,7 +60,7 @@ class RayFormulas:
 
     @property
     def slabs(self) -> int:
-        """Into how many stretches the rest of a beam is cut, each with its words: more where there is more to leave out.
+        """Into how many stretches the rest of a beam is cut, each with its words: more where more can be left out.
 
         On the car, of 38 gates, a second one costs more than it saves; of 200 balls six halve the time.
         """
