@@ -216,6 +216,7 @@ class _Calls:
         self.calls: list[RayCall] = []
         self.made: dict[RayCall, RayValue] = {}
         self.library: dict[str, RayFunction] = {}
+        self.functions: dict[tuple[str, tuple[str, ...], Fraction | None, Data], RayFunction] = {}
         self.uniforms: dict[int, int] = {}
         self.definedness = Definedness(tuple(self.b.nodes), self.b.nonnegative)
 
@@ -290,9 +291,11 @@ class _Calls:
     def _function(
         self, operation: str, kinds: tuple[str, ...], constant: Fraction | None = None, data: Data = None
     ) -> str:
-        function = image_function(operation, kinds, constant, data, self.precision)
-        self.library.setdefault(function.name, function)
-        return function.name
+        key = (operation, kinds, constant, data)
+        if key not in self.functions:
+            function = self.functions[key] = image_function(*key, self.precision)
+            self.library[function.name] = function
+        return self.functions[key].name
 
 
 def image_function(

@@ -7,8 +7,10 @@ import sympy as sp
 import rsym
 from rsym import x, y, z
 from rsym.errors import RsymError
+from rsym.logic.sign_form import shape_form
 from rsym.paper.models import MODELS, model_path
 from rsym.sampling import rays as casting
+from rsym.sampling.kernels import ray_kernels
 from rsym.sampling.pencils import Cut, Pencil
 from rsym.sampling.ray_march import ArrayRays
 from rsym.sampling.rays import Caster
@@ -275,3 +277,15 @@ def test_illegal_parameters_are_refused():
     shape = rsym.Shape(rsym.Rp(p).conjunction(x, y), (x, y, z), letters={p: 2}, bounds=BOX)
     with pytest.raises(RsymError, match="out of its range"):
         Caster(shape, {p: 1})
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [("fadd <8 x double> %v", "fsub <8 x double> %v"), ("fmul <8 x double> %v", "fadd <8 x double> %v")],
+)
+def test_miscompiled_kernels_are_refused(right, wrong, monkeypatch):
+    code = ray_kernels.caster_code
+    monkeypatch.setattr(ray_kernels, "caster_code", lambda formulas: code(formulas).replace(right, wrong))
+    shape = rsym.Shape(rsym.conjunction(BALL.expression, x**3 - y, z + x * y), (x, y, z), bounds=BOX)
+    with pytest.raises(RsymError, match="differ from their formulas"):
+        ray_kernels.RayKernels(shape_form(shape))

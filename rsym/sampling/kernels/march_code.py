@@ -47,11 +47,10 @@ class Row(IntEnum):
     NORMAL = 15
     FAILED = 18  # points in vain; then the leaf that is followed, -1 when it has been found
     DOUBT = 19  # 1 where what is said is not certain
-    LIMIT = 20  # up to here the words `near` hold
 
 
-ROWS = 21
-BLOCK = ("state", "constants", "near", "words")  # the first parameters of what works on eight rays
+ROWS = 20
+BLOCK = ("state", "constants", "limits", "words")  # the first parameters of what works on eight rays
 GONE, MARCHING, MET, LOST = -1.0, 0.0, 1.0, 2.0
 
 
@@ -101,10 +100,26 @@ def place_at(r: Routine, t: Value) -> list[Value]:
     return [get(r, Row.ORIGIN + axis) + get(r, Row.DIRECTION + axis) * t for axis in range(3)]
 
 
-def words_for(r: Routine, beyond: Value) -> str:
-    """The words that hold for all rays: `near` if none is beyond its limit."""
-    none = r.emit(f"icmp eq i{LANES} {r.mask(beyond.name)}, 0")
-    return r.emit(f"select i1 {none}, ptr %near, ptr %words")
+def stretch_of(s: RayFormulas, r: Routine, t: Value) -> tuple[Value, Value]:
+    """The number of the stretch of the beam in which t lies, and where that ends; the last one has no end."""
+    number, end = r.number(float(s.slabs)), r.number(float("inf"))
+    for k in reversed(range(s.slabs)):
+        limit = r.element("%limits", k)
+        inside = t < limit
+        number, end = inside.choose(float(k), number), inside.choose(limit, end)
+    return number, end
+
+
+def words_for(s: RayFormulas, r: Routine, asked: Value, number: Value) -> str:
+    """The words of the stretch in which all rays that are asked for lie, else those that hold for all of the beam."""
+    largest = asked.choose(number, float("-inf"))
+    # The greatest of the lanes, and whether it is that of all.
+    top = r.value(r.splat(r.emit(f"call double @llvm.vector.reduce.fmax.v{LANES}f64({DOUBLES} {largest.name})")))
+    differs = r.emit(f"icmp ne i{LANES} {r.mask((asked & (number < top)).name)}, 0")
+    known = most(top, r.number(0.0))
+    one = r.emit(f"fptosi double {r.emit(f'extractelement {DOUBLES} {known.name}, i32 0')} to i64")
+    chosen = r.emit(f"select i1 {differs}, i64 {s.slabs}, i64 {one}")
+    return r.place("%words", "i64", r.emit(f"mul i64 {chosen}, {s.words}"))
 
 
 def form_at(r: Routine, t: Value, words: str) -> tuple[Value, Value]:
@@ -140,11 +155,10 @@ def march(s: RayFormulas) -> Routine:
     with r.loop("0", f"{MOST_STEPS}", 1, lambda: get(r, Row.STATUS).compare("oeq", MARCHING)):
         t, stop, status = get(r, Row.T), get(r, Row.STOP), get(r, Row.STATUS)
         live = status.compare("oeq", MARCHING)
-        limit = get(r, Row.LIMIT)
-        near = t < limit
-        step = least(get(r, Row.STEP), near.choose(least(limit, stop), stop) - t)
+        number, end = stretch_of(s, r, t)
+        step = least(get(r, Row.STEP), least(end, stop) - t)
         half = step * 0.5
-        words = words_for(r, live & (near ^ 1))
+        words = words_for(s, r, live, number)
         low, high, linear, quadratic = model_on(r, t, step, words)
         bend = quadratic - linear
         upper = first_root(r, high + bend, linear, quadratic)
@@ -193,7 +207,8 @@ def settle(s: RayFormulas) -> Routine:
     status, tolerance = get(r, Row.STATUS), r.element("%constants", s.tolerance)
     lost, met = status.compare("oeq", LOST), status.compare("oeq", MET)
     put(r, Row.T, met.choose(get(r, Row.HIGH), get(r, Row.T)))
-    words = words_for(r, (met & (get(r, Row.HIGH) > get(r, Row.LIMIT))) | (lost & (get(r, Row.T) > get(r, Row.LIMIT))))
+    at = met.choose(get(r, Row.HIGH), get(r, Row.T))
+    words = words_for(s, r, met | lost, stretch_of(s, r, at)[0])
     begins = met & get(r, Row.LOW).compare("ole", get(r, Row.START))
     with r.where(begins | lost):
         # Inside already where the ray begins: a cap, unless the surface lies in it; of what is lost the nearest leaf.
@@ -240,13 +255,13 @@ def _by_leaf(s: RayFormulas, r: Routine, todo: str) -> None:
     r.do(f"br i1 {some}, label %turn{number}, label %over{number}")
     r.start(f"turn{number}")
     place = r.emit(f"zext i{LANES} {lane} to i64")
-    first = r.load(r.place("%state", "double", Row.LEAF * LANES), place, "double")
-    same = get(r, Row.LEAF).compare("oeq", r.value(r.splat(first)))
+    one = r.load(r.place("%state", "double", Row.LEAF * LANES), place, "double")
+    same = get(r, Row.LEAF).compare("oeq", r.value(r.splat(one)))
     waiting = r.emit(f"bitcast i{LANES} {left} to <{LANES} x i1>")
     mine = r.value(waiting, "i1") & same
     rest = r.emit(f"xor i{LANES} {left}, {r.mask(mine.name)}")
     r.store(rest, todo, 0, f"i{LANES}")
-    which = r.emit(f"fptosi double {first} to i64")
+    which = r.emit(f"fptosi double {one} to i64")
     cases = " ".join(f"i64 {k}, label %leaf{number}.{k}" for k in range(s.count))
     r.do(f"switch i64 {which}, label %next{number} [ {cases} ]")
     for k in range(s.count):

@@ -13,6 +13,7 @@ from rsym.sampling.kernels.march_code import (
     GONE,
     MARCHING,
     ROWS,
+    STRUCT,
     Row,
     clip,
     first_root,
@@ -20,11 +21,12 @@ from rsym.sampling.kernels.march_code import (
     least,
     march,
     model_on,
+    most,
     put,
     segment,
     settle,
 )
-from rsym.sampling.kernels.ray_code import RayFormulas, library, model, point, survey
+from rsym.sampling.kernels.ray_code import NAMED, RayFormulas, library, model, point, survey
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
 
 TILE = 16  # pixels along a side
@@ -33,7 +35,8 @@ MOST_BEAM_STEPS = 60
 # Of the side of a tile: where a beam that may meet something ends.
 NEAR = 0.5
 FIRST_STEP = 4.0
-# Of the side of a tile: how far behind its start it is asked once more what matters, for there most rays end.
+# Of the side of a tile: how long the first stretch is for which it is asked what matters, for there most rays end; the
+# next ones are as long as all before.
 NEAR_DEPTH = 12.0
 WORDS = f"<{LANES} x i64>"
 # What a camera is, as numbers in a row.
@@ -74,9 +77,9 @@ class Picture(Routine):
         put(self, Row.T, self.part("near"))
         put(self, Row.STOP, self.part("far"))
 
-    def march(self, near: str, words: str, pixel: str, growth: str) -> None:
+    def march(self, limits: str, words: str, pixel: str, growth: str) -> None:
         """Cast the rays that are made."""
-        given = f"ptr %state, ptr %constants, ptr {near}, ptr {words}"
+        given = f"ptr %state, ptr %constants, ptr {limits}, ptr {words}"
         self.do(f"call void @march({given}, double {pixel}, double {growth})")
         self.do(f"call void @settle({given}, ptr %planes, i64 %cuts)")
 
@@ -87,7 +90,7 @@ def _started(name: str, parameters: dict[str, str]) -> Picture:
     return r
 
 
-TILES = dict.fromkeys(("starts", "limits", "near_marks", "marks"), "ptr")
+TILES = dict.fromkeys(("starts", "limits", "marks"), "ptr")
 COMMON = {"first": "i64", "last": "i64", "camera": "ptr", "planes": "ptr", "cuts": "i64", "constants": "ptr"}
 
 
@@ -132,11 +135,20 @@ def beams(s: RayFormulas) -> Routine:
         r.store(gone.choose(float("inf"), t).name, "%starts", i)
         rest = gone.choose(0.0, stop - t)
         size = (r.part("pixel") + r.part("growth") * abs(t)) * (TILE * NEAR_DEPTH)
-        r.store((t + size).name, "%limits", i)
-        for marks, length in (("%near_marks", least(size * 1.001, rest)), ("%marks", rest)):
-            given = ", ".join(f"{DOUBLES} {part}" for part in segment(r, t, length, reach(t, length)))
-            target = r.place(marks, "i64", r.emit(f"mul i64 {i}, {s.words}"))
-            r.do(f"call void @survey({given}, ptr %constants, ptr {target})")
+        for slab in range(s.slabs + 1):
+            whole = slab == s.slabs
+            begin = t if whole or not slab else least(t + size * 2.0 ** (slab - 1), stop)
+            limit = t + size * 2.0**slab
+            length = rest if whole else most(least(limit, stop) - begin, r.number(0.0)) * 1.001
+            for lane in range(0 if whole else LANES):
+                one = r.emit(f"extractelement {DOUBLES} {limit.name}, i32 {lane}")
+                number = r.emit(f"add i64 {i}, {lane}")
+                place = r.emit(f"add i64 {r.emit(f'mul i64 {number}, {s.slabs}')}, {slab}")
+                r.do(f"store double {one}, ptr {r.place('%limits', 'double', place)}, align 8")
+            given = ", ".join(f"{DOUBLES} {part}" for part in segment(r, begin, length, reach(begin, length)))
+            first = r.emit(f"mul i64 {i}, {(s.slabs + 1) * s.words}")
+            target = r.place("%marks", "i64", r.emit(f"add i64 {first}, {slab * s.words}"))
+            r.do(f"call void @survey({given}, ptr %constants, ptr {target}, i64 {(s.slabs + 1) * s.words})")
     r.do("ret void")
     return r
 
@@ -155,8 +167,8 @@ def picture(s: RayFormulas) -> Routine:
         column, row = (r.emit(f"{operation} i64 {tile}, %columns") for operation in ("urem", "udiv"))
         x0, y0 = (r.emit(f"mul i64 {number}, {TILE}") for number in (column, row))
         start = r.element("%starts", tile)
-        offset = r.emit(f"mul i64 {tile}, {s.words}")
-        near, words = (r.place(marks, "i64", offset) for marks in ("%near_marks", "%marks"))
+        words = r.place("%marks", "i64", r.emit(f"mul i64 {tile}, {(s.slabs + 1) * s.words}"))
+        limits = r.place("%limits", "double", r.emit(f"mul i64 {tile}, {s.slabs}"))
         with r.loop("0", f"{TILE}", high) as j, r.loop("0", f"{TILE}", wide) as i:
             x, y = r.emit(f"add i64 {x0}, {i}"), r.emit(f"add i64 {y0}, {j}")
             left, top = (r.value(r.splat(r.emit(f"sitofp i64 {number} to double"))) for number in (x, y))
@@ -169,8 +181,7 @@ def picture(s: RayFormulas) -> Routine:
                 put(r, Row.T, (start > t).choose(start, t))
                 size = r.part("pixel") + r.part("growth") * abs(get(r, Row.T))
                 put(r, Row.STEP, size * (TILE * FIRST_STEP))
-                put(r, Row.LIMIT, r.element("%limits", tile))
-                r.march(near, words, pixel, growth)
+                r.march(limits, words, pixel, growth)
             for half in range(high):
                 below = r.emit(f"mul i64 {r.emit(f'add i64 {y}, {half}')}, %stride")
                 place = r.emit(f"add i64 {below}, {x}")
@@ -182,7 +193,7 @@ def picture(s: RayFormulas) -> Routine:
 def rays(s: RayFormulas) -> Routine:
     """Rays from `first` to below `last`: rows of origins and directions in, what they meet out."""
     outputs = {"depth": "ptr", "leaf": "ptr", "normal": "ptr", "doubt": "ptr", "stride": "i64"}
-    r = _started("rays", {**COMMON, "given": "ptr", "nothing": "ptr", **outputs})
+    r = _started("rays", {**COMMON, "given": "ptr", "limits": "ptr", "nothing": "ptr", **outputs})
     with r.loop("%first", "%last", LANES) as i:
         for row in range(6):
             put(r, Row.ORIGIN + row, r.value(r.load(r.row("%given", "%stride", row), i)))
@@ -190,9 +201,25 @@ def rays(s: RayFormulas) -> Routine:
         put(r, Row.STOP, r.part("far"))
         r.do("call void @clip(ptr %state, ptr %planes, i64 %cuts, double 0.0)")
         put(r, Row.STEP, (get(r, Row.STOP) - get(r, Row.T)) * 0.25)
-        put(r, Row.LIMIT, r.number(float("-inf")))
-        r.march("%nothing", "%nothing", r.scalar("pixel"), r.scalar("growth"))
+        r.march("%limits", "%nothing", r.scalar("pixel"), r.scalar("growth"))
         _write(r, i, "%stride", range(LANES))
+    r.do("ret void")
+    return r
+
+
+def probe(s: RayFormulas) -> Routine:
+    """The model of the form on eight segments, nine rows, and its value and leaf in their middles; for checks."""
+    r = Routine("probe", {"given": "ptr", "constants": "ptr", "words": "ptr", "found": "ptr"})
+    ends = [r.value(r.load("%given", row * LANES)) for row in range(9)]
+    given = ", ".join(f"{DOUBLES} {end.name}" for end in ends)
+    value = r.emit(f"call {STRUCT} @model({given}, ptr %constants, ptr %words)")
+    for k in range(4):
+        r.store(r.emit(f"extractvalue {STRUCT} {value}, {k}"), "%found", k * LANES)
+    places = ", ".join(f"{DOUBLES} {((ends[3 * k] + ends[3 * k + 1]) * 0.5).name}" for k in range(3))
+    both = r.emit(f"call {NAMED} @point({places}, ptr %constants, ptr %words)")
+    r.store(r.emit(f"extractvalue {NAMED} {both}, 0"), "%found", 4 * LANES)
+    leaf = r.emit(f"sitofp {SHORTS} {r.emit(f'extractvalue {NAMED} {both}, 1')} to {DOUBLES}")
+    r.store(leaf, "%found", 5 * LANES)
     r.do("ret void")
     return r
 
@@ -225,6 +252,10 @@ def caster_code(s: RayFormulas) -> str:
     nodes: list[Node] = [*s.points.program.nodes]
     for function in s.rays.library.values():
         nodes += function.program.nodes
-    head = [*declarations(VECTORS["float64"], nodes), f"declare i{LANES} @llvm.cttz.i{LANES}(i{LANES}, i1)"]
-    parts = (model, survey, point, clip, march, settle, beams, picture, rays)
+    head = [
+        *declarations(VECTORS["float64"], nodes),
+        f"declare i{LANES} @llvm.cttz.i{LANES}(i{LANES}, i1)",
+        f"declare double @llvm.vector.reduce.fmax.v{LANES}f64({DOUBLES})",
+    ]
+    parts = (model, survey, point, clip, march, settle, beams, picture, rays, probe)
     return "\n".join([*head, *library(s), *(part(s).text for part in parts)])

@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Floats
-from rsym.backends.interpreter import interpret_nodes
+from rsym.backends.interpreter import interpret, interpret_nodes
 from rsym.backends.llvm_code import machine_code
-from rsym.logic.sign_form import SignForm
+from rsym.errors import RsymError
+from rsym.logic.sign_form import SignForm, through
 from rsym.model.shape import Bounds
+from rsym.program.program import FLOAT64
 from rsym.sampling.hits import Seen
 from rsym.sampling.kernels.mesher_kernels import padded
 from rsym.sampling.kernels.picture_code import NUMBERS_OF_CAMERA, TILE, VECTORS_OF_CAMERA, caster_code, place_of
@@ -25,13 +27,15 @@ from rsym.sampling.pencils import Pencil
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
 _COMMON = (_INTEGER, _INTEGER, _POINTER, _POINTER, _INTEGER, _POINTER)
 _SIGNATURES: dict[str, tuple[Any, ...]] = {
-    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 5),
-    "picture": (*_COMMON, _INTEGER, *[_POINTER] * 8, _INTEGER, _INTEGER),
-    "rays": (*_COMMON, *[_POINTER] * 6, _INTEGER),
+    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 4),
+    "picture": (*_COMMON, _INTEGER, *[_POINTER] * 7, _INTEGER, _INTEGER),
+    "probe": (*[_POINTER] * 4,),
+    "rays": (*_COMMON, *[_POINTER] * 7, _INTEGER),
 }
 # Of the diagonal of the bounds: closer leaves are taken for one.
 ALIKE = 1e-10
 SCALE_POINTS = 64
+_JOINS: dict[str, Callable[..., Floats]] = {"min": np.minimum, "max": np.maximum}
 
 
 class RayKernels:
@@ -45,6 +49,45 @@ class RayKernels:
             name: ctypes.CFUNCTYPE(None, *kinds)(self._engine.get_function_address(name))
             for name, kinds in _SIGNATURES.items()
         }
+        self._check()
+
+    def probe(self, ends: Floats, constants: Floats) -> Floats:
+        """Low, high, linear, quadratic of the form on segments (9, 8), and value and leaf in the middles: (6, 8)."""
+        found = np.empty((6, LANES))
+        self._call("probe", ends, constants, np.zeros(self.formulas.words, np.uint64), found)
+        return found
+
+    def _check(self) -> None:
+        """Models contain values of the plain meanings, and points have these: miscompiled code gets no further."""
+        s, generator = self.formulas, np.random.default_rng(20130605)
+        letters = {name: 1.0 + k / 8 for k, name in enumerate(s.form.builder.letters)}
+        constants = self.constants(letters, ((-1.0, 1.0),) * 3)
+        middles, slopes = generator.uniform(-1, 1, (3, LANES)), generator.uniform(-0.05, 0.05, (3, LANES))
+        ends = np.concatenate([[middle, middle, slope] for middle, slope in zip(middles, slopes, strict=True)])
+        low, high, linear, quadratic, value, leaf = self.probe(ends, constants)
+        program = s.form.builder.program({f"{k}": node for k, node in enumerate(s.form.leaves)})
+        wrong = np.zeros(LANES, bool)
+        for t in (-1.0, 0.0, 0.5):
+            inputs = dict(zip(s.coordinates, middles + t * slopes, strict=True))
+            found = interpret(program, {**letters, **inputs}).values()
+            leaves = [np.broadcast_to(one, LANES) for one in found]
+            with np.errstate(all="ignore"):
+                form = through(s.form.gates, leaves, lambda gate, a, b: _JOINS[gate.operation](a, b))[-1]
+                sizes = [abs(one) for one in leaves]
+                room = FLOAT64.tolerance * (1 + np.nanmax(sizes, axis=0))
+                rest = form - t * linear - t * t * quadratic
+                wrong |= np.isfinite(form) & ~((low - room <= rest) & (rest <= high + room))
+                if t == 0.0:
+                    scaled = np.stack(leaves) * constants[s.scales : s.scales + s.count, None]
+                    own = scaled[leaf.astype(int), np.arange(LANES)]
+                    allowed = room * (1 + np.abs(constants[s.scales : s.scales + s.count]).max())
+                    wrong |= np.isfinite(form) & ~(np.abs(value - own) <= allowed + constants[s.tolerance])
+        if wrong.any():
+            raise RsymError(
+                f"the compiled rays differ from their formulas on {int(wrong.sum())} of {LANES} segments",
+                code="miscompiled",
+                remedy="report the model",
+            )
 
     def constants(self, letters: Mapping[str, float], bounds: Bounds) -> Floats:
         """The array of constants for letters."""
@@ -75,10 +118,10 @@ class RayKernels:
         columns, rows = -(-width // TILE), -(-height // TILE)
         tiles = columns * rows
         camera = _camera(pencil, near, far, planes)
-        words = self.formulas.words
-        starts, limits = np.empty(tiles + LANES), np.empty(tiles + LANES)
-        near_marks, marks = (np.empty((tiles + LANES) * words, np.uint64) for _ in range(2))
-        of_tiles = starts, limits, near_marks, marks
+        words, slabs = self.formulas.words, self.formulas.slabs
+        starts, limits = np.empty(tiles + LANES), np.empty((tiles + LANES) * slabs)
+        marks = np.empty((tiles + LANES) * (slabs + 1) * words, np.uint64)
+        of_tiles = starts, limits, marks
         nothing = np.zeros(words, np.uint64)
         common = (camera, planes, len(planes), constants, columns)
         beam = -(-tiles // (LANES * pool.threads * 4)) * LANES
@@ -111,8 +154,9 @@ class RayKernels:
         for name, value in zip(("near", "far", "pixel", "growth"), (*ends, *pixel), strict=True):
             camera[place_of(name)] = value
         seen = Seen(np.empty(length), np.empty(length, np.int16), np.empty((3, length)), np.empty(length, np.uint8))
-        nothing = np.zeros(self.formulas.words, np.uint64)
-        common = (camera, planes, len(planes), constants, given, nothing)
+        slabs = self.formulas.slabs
+        limits, nothing = np.full(slabs, -np.inf), np.zeros((slabs + 1) * self.formulas.words, np.uint64)
+        common = (camera, planes, len(planes), constants, given, limits, nothing)
         out = (seen.depth, seen.leaf, seen.normal, seen.doubt, length)
         step = max(LANES, min(4096, -(-count // (LANES * pool.threads)) * LANES))
         pool.run(lambda a, b: self._call("rays", a, b, *common, *out), count, step)
