@@ -47,14 +47,15 @@ class Region:
             for axis, (order, line) in enumerate(self._lines)
         ]
         order, first, last = min(ranges, key=lambda item: item[2] - item[1])
-        found: NDArray[np.intp] = order[first:last]
-        return found
+        some: NDArray[np.intp] = order[first:last]
+        return some
 
     def around(self, point: Floats) -> NDArray[np.intp]:
         """The boxes that a point lies in, to within the tolerance."""
         some = np.sort(self._candidates(point, point))
         near = (self.low[some] - self.tolerance <= point) & (point <= self.high[some] + self.tolerance)
-        return some[near.all(axis=1)]
+        found: NDArray[np.intp] = some[near.all(axis=1)]
+        return found
 
     def holds(self, point: Floats) -> bool:
         """Whether a point lies in the union, to within the tolerance."""
