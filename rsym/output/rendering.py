@@ -6,6 +6,7 @@ import base64
 import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from numbers import Integral
 from typing import Any
 
@@ -213,6 +214,7 @@ def framed(caster: Caster, camera: Camera, size: tuple[int, int]) -> Viewport:
     return camera.frame(np.concatenate(around), size, corners)
 
 
+@lru_cache(maxsize=64)  # a notebook shows the same shape again and again
 def thumbnail(shape: Shape) -> str:
     """A small picture of a shape in space as an HTML image; empty where it has no bounds or would take long.
 

@@ -18,6 +18,7 @@ from rsym.surfaces import symbols
 pytestmark = pytest.mark.filterwarnings("ignore:the shape has corners")
 
 MOST = 4000  # characters
+PICTURE = 60_000  # of the surface, 240 x 180
 CALLS = 45_000  # of Python functions; a few hundredths of a second
 WAVES = rsym.Shape(sp.sin(9 * x) * sp.sin(9 * y), (x, y), bounds=((-3, 3), (-3, 3)))
 U, V = symbols.u, symbols.v
@@ -91,7 +92,9 @@ def shown(what):
 @pytest.mark.parametrize("make", SHOWN.values(), ids=SHOWN)
 def test_whatever_a_notebook_shows_is_short_and_quick(make):
     for name, text, calls in shown(make()):
-        assert len(text or "") <= MOST, name
+        pictures = re.findall('<img [^>]*src="data:image/png;base64,[^"]*"[^>]*>', text or "")
+        assert all(len(picture) <= PICTURE for picture in pictures), name
+        assert len(text or "") - sum(map(len, pictures)) <= MOST, name
         assert calls <= CALLS, name
 
 
