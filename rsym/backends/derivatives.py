@@ -6,12 +6,13 @@ corners, in the place of those that they would make of every single operation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from typing import Any
 
 from rsym.backends.languages import statements
+from rsym.backends.numpy_backend import function_of
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
@@ -121,9 +122,13 @@ class Differentiable:
             self._along[names] = Differentiable(self.setting, (*self.outputs, *slopes))
         return self._along[names]
 
-    def vanishes(self, number: int) -> bool:
-        """Whether an output is the constant 0."""
-        return self.setting.builder.value(self.outputs[number].found) == 0
+    def moving(self, free: Sequence[int]) -> Iterator[tuple[int, int, int]]:
+        """Output, input and place in `along` of each derivative by these inputs that is not 0 everywhere."""
+        higher, count = self.along(tuple(self.inputs[k] for k in free)), len(self.outputs)
+        for k in range(count):
+            for place, way in enumerate(free, start=count + k * len(free)):
+                if self.setting.builder.value(higher.outputs[place].found) != 0:
+                    yield k, way, place
 
     def function(self, package: Any) -> Callable[..., tuple[Any, ...]]:
         """A function of arrays, of the package whose names are NumPy's."""
@@ -131,10 +136,7 @@ class Differentiable:
         _, lines, texts = statements(self.program, "numpy", inputs=names, precision=self.setting.precision)
         results = "".join(f"{texts[number]}, " for _, number in self.program.outputs)
         text = "\n    ".join([f"def kernel({', '.join(names.values())}):", *lines, f"return {results}"])
-        namespace: dict[str, Any] = {"numpy": package}
-        exec(compile(text, f"<rsym kernel {self.program.digest[:12]}>", "exec"), namespace)
-        made: Callable[..., tuple[Any, ...]] = namespace["kernel"]
-        return made
+        return function_of(text, self.program, package)
 
 
 def differentiable(shape: Shape, fields: Sequence[str], at_corners: str, precision: Precision) -> Differentiable:

@@ -95,9 +95,8 @@ def _function(jax: Any, level: Differentiable, gaps: bool) -> Callable[..., tupl
     plain, count = level.function(jnp), len(level.outputs)
 
     @cache
-    def along(names: tuple[str, ...]) -> tuple[Differentiable, Callable[..., tuple[Any, ...]]]:
-        higher = level.along(names)
-        return higher, _function(jax, higher, gaps)
+    def along(names: tuple[str, ...]) -> Callable[..., tuple[Any, ...]]:
+        return _function(jax, level.along(names), gaps)
 
     def values_at(*inputs: Any) -> tuple[Any, ...]:
         whole = jnp.broadcast_shapes(*(value.shape for value in inputs))
@@ -105,15 +104,11 @@ def _function(jax: Any, level: Differentiable, gaps: bool) -> Callable[..., tupl
 
     def moved(inputs: Sequence[Any], ways: Sequence[Any]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         free = [k for k, way in enumerate(ways) if not isinstance(way, zero)]
-        higher, derived = along(tuple(level.inputs[k] for k in free))
-        values, rates = derived(*inputs), []
-        for k in range(count):
-            rate = jnp.zeros_like(values[k])
-            for place, way in enumerate(free, start=count + k * len(free)):
-                if not higher.vanishes(place):
-                    slope = values[place] if gaps else finite(values[place], jnp)
-                    rate = rate + slope * ways[way]
-            rates.append(rate)
+        values = along(tuple(level.inputs[k] for k in free))(*inputs)
+        rates = [jnp.zeros_like(value) for value in values[:count]]
+        for k, way, place in level.moving(free):
+            slope = values[place] if gaps else finite(values[place], jnp)
+            rates[k] = rates[k] + slope * ways[way]
         return values[:count], tuple(rates)
 
     evaluate = jax.custom_jvp(values_at)

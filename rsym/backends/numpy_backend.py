@@ -74,6 +74,14 @@ def _leaf(node: Node, input_name: dict[str, str], precision: Precision) -> str |
     return input_name[str(node.data)] if node.operation == "input" else None
 
 
+def function_of(source: str, program: Program, package: Any) -> Callable[..., tuple[Any, ...]]:
+    """The function ``kernel`` of a text that was made of a program, its arrays those of a package like NumPy."""
+    namespace: dict[str, Any] = {"numpy": package}
+    exec(compile(source, f"<rsym kernel {program.digest[:12]}>", "exec"), namespace)
+    made: Callable[..., tuple[Any, ...]] = namespace["kernel"]
+    return made
+
+
 class NumpyFunction:
     """A compiled program: arrays in, arrays out."""
 
@@ -83,9 +91,7 @@ class NumpyFunction:
     def __init__(self, program: Program, precision: Precision = FLOAT64) -> None:
         self.program = program
         self.source = numpy_source(program, precision)
-        namespace: dict[str, object] = {"numpy": np}
-        exec(compile(self.source, f"<rsym kernel {program.digest[:12]}>", "exec"), namespace)
-        self._function: Callable[..., tuple[NDArray[Any], ...]] = namespace["kernel"]  # type: ignore[assignment]
+        self._function = function_of(self.source, program, np)
 
     def run(
         self, coordinates: Sequence[NDArray[Any]], letters: Sequence[float], outputs: Sequence[NDArray[Any]]

@@ -109,19 +109,15 @@ def _function(torch: Any, level: Differentiable, gaps: bool) -> Callable[..., tu
     count = len(level.outputs)
 
     @cache
-    def along(names: tuple[str, ...]) -> tuple[Differentiable, Callable[..., tuple[Any, ...]]]:
-        higher = level.along(names)
-        return higher, _function(torch, higher, gaps)
+    def along(names: tuple[str, ...]) -> Callable[..., tuple[Any, ...]]:
+        return _function(torch, level.along(names), gaps)
 
     def slopes(inputs: Sequence[Any], free: Sequence[int]) -> dict[tuple[int, int], Any]:
         """The derivatives that are not the constant 0, by output and input."""
-        higher, derived = along(tuple(level.inputs[k] for k in free))
-        values, found = derived(*inputs), {}
-        for k in range(count):
-            for place, way in enumerate(free, start=count + k * len(free)):
-                if not higher.vanishes(place):
-                    found[k, way] = values[place] if gaps else finite(values[place], torch)
-        return found
+        values = along(tuple(level.inputs[k] for k in free))(*inputs)
+        return {
+            (k, way): values[place] if gaps else finite(values[place], torch) for k, way, place in level.moving(free)
+        }
 
     class Evaluated(torch.autograd.Function):  # type: ignore[misc]
         generate_vmap_rule = True

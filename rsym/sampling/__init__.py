@@ -11,6 +11,7 @@ In come shapes and compiled kernels, out come arrays with what is known of them.
 - on meshes: `curvatures`, `leaf_fields`, `distances`; `samples`: points on a boundary or inside
 - letters from data: `boundary_distances` of points, or of the lines of sight of `silhouettes`; `fitting` (`rsym.fit`)
   and its `fit_report`; `sensitivity`: how fast the boundary moves with a letter
-- `pencils`, `hits`, `rays`: rays of a picture cast at the equation, and what they meet; `ray_march`: without a compiler
+- `pencils`, `hits`, `rays`: rays of a picture cast at the equation, and what they meet; `ray_march`: without a
+  compiler; `ray_steps`: how a march goes, for all that march
 - `stills`: small pictures that results show of themselves
 """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -17,12 +17,9 @@ from rsym.model.shape import Bounds
 from rsym.sampling.hits import Seen
 from rsym.sampling.leaf_fields import LeafFields
 from rsym.sampling.pencils import Pencil
+from rsym.sampling.ray_steps import ALIKE, CROSSING, MOST_STEPS, PATIENCE, SHORTEST, TOO_OFTEN
 
-# As in `kernels.march_code`, where they are explained.
-CROSSING, SHORTEST, PATIENCE, MOST_STEPS = 0.25, 0.05, 8, 400
-TOO_OFTEN = 5 * PATIENCE
 NEWTON_STEPS = 8
-ALIKE = 1e-10
 BLOCK = 20_000  # rays at a time
 
 
@@ -107,7 +104,7 @@ class ArrayRays:
         planes: Floats,
         constants: MarchLetters,
     ) -> tuple[Floats, Ints, Floats, Ints]:
-        fields = LeafFields(self.fields.shape, (), constants.letters, _kernels=self.fields._kernels)
+        fields = replace(self.fields, letters=constants.letters)
         scale = ALIKE * float(np.linalg.norm([high - low for low, high in constants.bounds]))
         active = Actives(fields, scale)
         start, stop, entry = _clipped(o, d, ends, planes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any, Protocol
 
@@ -178,7 +179,7 @@ class Caster:
         self, letters: Mapping[str, float], cuts: tuple[Cut, ...], names: tuple[str, ...], leaf: Shorts, points: Floats
     ) -> dict[str, Floats]:
         """Fields of leaves; those of a cut are those of a side of the bounds, but for their directions."""
-        fields = LeafFields(self.shape, names, letters, _kernels=self._leaf_fields._kernels if not names else {})
+        fields = LeafFields(self.shape, names, letters) if names else replace(self._leaf_fields, letters=letters)
         count = len(fields.form.leaves)
         known = np.where(leaf < count + SIDES, leaf, count).astype(np.int64)
         found = fields.at(known, points) if len(points) else fields.at(np.zeros(1, np.int64), np.zeros((1, 3)))

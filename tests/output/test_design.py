@@ -1,23 +1,22 @@
 """The page of a shape without a browser: its text, the commands that it shows, and who is served what."""
 
-import contextlib
 import http.client
 import json
 import re
 import signal
 import subprocess
 import sys
-import threading
 import urllib.request
 
 import pytest
 import sympy as sp
+from oracles.served import served as serving
 
 import rsym
 from rsym import RsymError, x, y, z
 from rsym.cli import main
 from rsym.output.design.pages import page_of
-from rsym.output.design.serving import LONGEST, DesignServer
+from rsym.output.design.serving import LONGEST
 
 r = sp.Symbol("r", real=True)
 BALL = rsym.Shape(
@@ -101,16 +100,8 @@ def test_the_command_serves_until_it_is_interrupted():
         assert process.wait(20) == 0
 
 
-@contextlib.contextmanager
 def served():
-    with DesignServer(BALL, "<!DOCTYPE html><title>ball</title>", resolution=12) as server:
-        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02})
-        thread.start()
-        try:
-            yield server
-        finally:
-            server.shutdown()
-            thread.join()
+    return serving(BALL, "<!DOCTYPE html><title>ball</title>", resolution=12)
 
 
 def asked(server, method, path, body=None, **headers):

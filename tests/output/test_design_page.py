@@ -1,22 +1,20 @@
 """The page of a shape in a real browser: pixels of the equation, letters that compile nothing, nothing fetched."""
 
 import base64
-import contextlib
 import io
 import math
-import threading
 import warnings
 
 import numpy as np
 import pytest
 import sympy as sp
 from matplotlib.image import imread
+from oracles.served import served as serving
 
 import rsym
 from rsym import x, y, z
 from rsym.output.design import pages
 from rsym.output.design.pages import DesignPage, page_of
-from rsym.output.design.serving import DesignServer
 from rsym.paper.models import MODELS, model_path
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -363,16 +361,8 @@ def test_without_webgl_and_without_a_context_a_still_picture_stays(browser, addr
     assert np.array_equal(opened.pixels(), first)
 
 
-@contextlib.contextmanager
-def served(shape, **options):
-    with DesignServer(shape, page_of(shape, title="body", served=True), resolution=24) as server:
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
-        try:
-            yield server
-        finally:
-            server.shutdown()
-            thread.join()
+def served(shape):
+    return serving(shape, page_of(shape, title="body", served=True), resolution=24)
 
 
 def test_a_served_page_takes_files_and_answers(browser):

@@ -241,7 +241,6 @@ def test_folds_that_cancel_leave_a_polynomial(expression, polynomial):
 
 
 @pytest.mark.slow
-@pytest.mark.random(6)
 @pytest.mark.parametrize("seed", range(20))
 def test_what_folds_to_a_polynomial_has_its_values(seed):
     chance = random.Random(seed)

@@ -43,6 +43,7 @@ from rsym.program.program import live
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
+from rsym.sampling.ray_steps import CROSSING, PATIENCE, SHORTEST
 
 # Of a formula that is drawn. Unions of balls of 308, 583, 862 and 1077 operations take 2.5, 7, 7 and 13 s to their
 # first picture without a graphics processor, and compile in nearly all of it.
@@ -173,8 +174,9 @@ def _of_space(shape: Shape, form: SignForm, box: Bounds) -> _Picture:
         body = mesh(shape, CELLS, bounds=box)
     head, rays = _text("head.glsl"), _text("rays.glsl")
     own = head + texts.uniforms.declaration + rays
+    steps = f"const float CROSSING = {CROSSING}, SHORTEST = {SHORTEST}, PATIENCE = {PATIENCE};\n"
     shaders = {
-        "trace": f"{own}{texts.point}\n{texts.model}\n{_text('trace.glsl')}",
+        "trace": f"{own}{steps}{texts.point}\n{texts.model}\n{_text('trace.glsl')}",
         "surface": f"{own}{texts.leaf}\n{_text('surface.glsl')}",
         "curvature": f"{own}{texts.second}\n{_text('curvature.glsl')}",
         "shade": head + rays + _text("shade.glsl"),

@@ -162,7 +162,7 @@ const picture = (() => {
     gl = context(canvas);
     if (!gl) {
       broken = true;
-      stand("This picture needs a browser with WebGL 2 and float targets.");
+      stand(NEEDED);
       return;
     }
     broken = false;

@@ -3,6 +3,8 @@ const TRIANGLE = `#version 300 es
 void main() { gl_Position = vec4(vec2(gl_VertexID % 2, gl_VertexID / 2) * 4.0 - 1.0, 0, 1); }`;
 const source = name => byId(`shader-${name}`).textContent.trim();
 
+const NEEDED = "This picture needs a browser with WebGL 2 and float targets.";
+
 function context(canvas) {
   const gl = canvas.getContext("webgl2", {antialias: false, alpha: false, preserveDrawingBuffer: true});
   return gl && gl.getExtension("EXT_color_buffer_float") ? gl : null;

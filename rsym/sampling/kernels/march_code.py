@@ -16,15 +16,10 @@ from rsym.backends.vector_code import Value
 from rsym.sampling.kernels.form_code import leaf_outputs
 from rsym.sampling.kernels.ray_code import NAMED, RayFormulas
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
+from rsym.sampling.ray_steps import CROSSING, MOST_STEPS, PATIENCE, SHORTEST, TOO_OFTEN
 
 STRUCT = f"{{ {', '.join([DOUBLES] * 4)} }}"
 ROUNDED = 2.0**-51  # of the terms of a point on a ray
-# Of a pixel: how long a segment may be that a root is looked for in, and what is so short that a point decides.
-CROSSING, SHORTEST = 0.25, 0.05
-# A ray may graze a surface for long: after so many points in vain the shortest segment is twice as long.
-PATIENCE = 8.0
-TOO_OFTEN = 5 * PATIENCE  # then they lie farther apart than a pixel
-MOST_STEPS = 400
 # Rounds of Newton's method on the active leaf, and steps in each: where the leaf changes between the ends of a bracket,
 # which is a quarter of a pixel, the next round takes the other one.
 ROUNDS, STEPS = 4, 5

@@ -24,6 +24,7 @@ from rsym.sampling.kernels.picture_code import NUMBERS_OF_CAMERA, TILE, VECTORS_
 from rsym.sampling.kernels.ray_code import RayFormulas
 from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.pencils import Pencil
+from rsym.sampling.ray_steps import ALIKE
 
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
 _COMMON = (_INTEGER, _INTEGER, _POINTER, _POINTER, _INTEGER, _POINTER)
@@ -33,8 +34,6 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "probe": (*[_POINTER] * 4,),
     "rays": (*_COMMON, *[_POINTER] * 7, _INTEGER),
 }
-# Of the diagonal of the bounds: closer leaves are taken for one.
-ALIKE = 1e-10
 SCALE_POINTS = 64
 _JOINS: dict[str, Callable[..., Floats]] = {"min": np.minimum, "max": np.maximum}
 
