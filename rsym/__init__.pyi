@@ -67,7 +67,8 @@ from .output.fairness import plot_fairness
 from .output.fields import plot_field, plot_fields
 from .output.files import write, write_features
 from .output.fits import plot_fit, plot_sensitivity
-from .output.images import Image, plot_image
+from .output.image_axes import plot_image
+from .output.images import Image
 from .output.joins import plot_continuity
 from .output.models import load_letters, save, save_letters
 from .output.patches import compare_patches, plot_patches

@@ -5,7 +5,8 @@ goes out. In the order of the data:
 
 - `interpreter`: node by node with the plain meanings, the reference, and the check against it
 - `numpy_backend`: Python text over arrays
-- `vector_code`, `vector_functions`: functions on vectors; `llvm_code`: text, machine code, loops over blocks of points
+- `vector_code`, `vector_functions`: functions on vectors; `llvm_code`: text, machine code, loops over blocks of points;
+  `caches`: compiled code kept on this machine
 - `registry`: the backends by name; `kernel`: `rsym.compile`
 - `dialects`: a row for each other language; `languages`: programs as their statements; `vm`: the text of fidget and
   MPR; `source`: `rsym.source`

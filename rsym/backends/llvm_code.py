@@ -11,17 +11,20 @@ the vector code, the last few in a padded buffer.
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import threading
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+import llvmlite
 import llvmlite.binding as llvm
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats
+from rsym.backends.caches import keep_entry, read_entry
 from rsym.backends.vector_code import number_text
 from rsym.backends.vector_functions import ARITIES, definitions
 from rsym.program.operations import OPERATIONS
@@ -29,6 +32,8 @@ from rsym.program.program import FLOAT64, Node, Precision, Program, constant_val
 
 _COMPILING = threading.Lock()  # LLVM's global context is not safe against two compilations at once
 
+KIND = "kernels"
+KEPT_FROM = 40_000  # characters of text: what compiles in a thirtieth of a second is not worth a file
 INTRINSICS = ("sqrt", "fabs")  # that the texts of rows call
 
 
@@ -159,11 +164,24 @@ def machine_code(source: str, effort: int = 2) -> llvm.ExecutionEngine:
     with _COMPILING:
         # A fresh one: the engine that is made with it owns it.
         machine = _target().create_target_machine(**_host(), opt=effort)
-        module = llvm.parse_assembly(source)
-        module.verify()
-        engine = llvm.create_mcjit_compiler(module, machine)
+        name = _entry(source, effort) if len(source) >= KEPT_FROM else ""
+        code = read_entry(KIND, name) if name else None
+        if code is None:
+            module = llvm.parse_assembly(source)
+            module.verify()
+            code = machine.emit_object(module)
+            if name:
+                keep_entry(KIND, name, code)
+        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+        engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         engine.finalize_object()
     return engine
+
+
+def _entry(source: str, effort: int) -> str:
+    """A name for everything that decides what a text compiles to."""
+    machine = (llvmlite.__version__, llvm.llvm_version_info, llvm.get_default_triple(), *_host().values(), effort)
+    return hashlib.sha256(repr((machine, source)).encode()).hexdigest()
 
 
 def llvm_source(program: Program, precision: Precision = FLOAT64) -> str:

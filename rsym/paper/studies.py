@@ -26,7 +26,7 @@ from rsym.errors import RsymError
 from rsym.model.constructions import revolve
 from rsym.model.shape import Bounds, Shape
 from rsym.output.fields import plot_field
-from rsym.output.images import plot_image
+from rsym.output.image_axes import plot_image
 from rsym.output.rendering import render
 from rsym.output.sections import plot_sections, svg
 from rsym.output.surfaces import plot_mesh

@@ -93,11 +93,14 @@ def test_the_command_writes_a_page_whose_commands_run(tmp_path, capsys, monkeypa
 def test_the_command_serves_until_it_is_interrupted():
     words = [sys.executable, "-m", "rsym.cli", "design", "solids", "--no-open"]
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
-        address = process.stdout.readline().strip()
-        with urllib.request.urlopen(address) as reply:
-            assert "<title>solids - rsym</title>" in reply.read().decode()
-        process.send_signal(signal.SIGINT)
-        assert process.wait(20) == 0
+        try:
+            address = process.stdout.readline().strip()
+            with urllib.request.urlopen(address, timeout=20) as reply:
+                assert "<title>solids - rsym</title>" in reply.read().decode()
+            process.send_signal(signal.SIGINT)
+            assert process.wait(20) == 0
+        finally:
+            process.kill()  # else a run that was itself told to ignore interrupts would wait for ever
 
 
 def served():

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import rsym
-from rsym.sampling.sharp.loops import cache_folder
+from rsym.backends.caches import cache_folder
 
 PACKAGE = Path(rsym.__file__).parent
 ROOT = Path(__file__).parents[2]
@@ -102,7 +102,7 @@ def copy(tmp_path_factory):
 
 def run(root, *arguments):
     # Loops are kept by what they are made of: those of the package itself serve its copy, and save half a minute.
-    kept = {"XDG_CACHE_HOME": str(cache_folder().parents[1])}
+    kept = {"XDG_CACHE_HOME": str(cache_folder("loops").parents[1])}
     environment = {"PYTHONPATH": str(root), "MPLBACKEND": "Agg", "PATH": "", "HOME": str(root), **kept}
     done = subprocess.run([sys.executable, *arguments], cwd=root, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

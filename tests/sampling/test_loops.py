@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from rsym.backends import caches
 from rsym.sampling.sharp import loops
 from rsym.sampling.sharp.loops import in_threads, loop, lowest, popcount, step
 
@@ -37,8 +38,8 @@ def run(values=(1, 2, 4)):
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    monkeypatch.setattr(loops, "cache_folder", lambda: tmp_path / "rsym" / "loops")
-    return tmp_path / "rsym" / "loops"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    return caches.cache_folder("loops")
 
 
 @pytest.mark.slow
@@ -100,9 +101,9 @@ def test_without_a_folder_the_process_compiles(folder):
     ],
 )
 def test_the_folder_follows_the_custom_of_the_system(tmp_path, monkeypatch, platform, variable, expected):
-    monkeypatch.setattr(loops.sys, "platform", platform)
+    monkeypatch.setattr(caches.sys, "platform", platform)
     monkeypatch.setenv(variable, str(tmp_path))
-    assert loops.cache_folder() == tmp_path / expected
+    assert caches.cache_folder("loops") == tmp_path / expected
 
 
 def test_words(folder):

@@ -3,8 +3,7 @@
 numba's own cache writes beside the source file, trusts what it reads and looks only at the date of one file.
 Here the name of an entry is a digest of the byte code of the loop and of everything it calls, of the types of its
 arguments, of the processor and of the versions of Python and numba; so nothing old is ever run, and nothing is
-compiled again because a file has moved. An entry that cannot be read or written, or is damaged, is compiled again;
-the folder is private, and may be deleted at any time.
+compiled again because a file has moved.
 """
 
 from __future__ import annotations
@@ -12,14 +11,11 @@ from __future__ import annotations
 import hashlib
 import io
 import logging
-import os
 import pickle
 import sys
-import tempfile
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from functools import cache
-from pathlib import Path
 from types import CodeType
 from typing import Any, TypeVar, cast
 
@@ -31,13 +27,15 @@ from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 from numba.extending import intrinsic
 
+from rsym.backends.caches import cache_folder, keep_entry, read_entry
+
 F = TypeVar("F", bound=Callable[..., Any])
 R = TypeVar("R")
 
 logger = logging.getLogger(__name__)
 NOTICE = "compiling the mesher's loops, once on this machine: about ten seconds"
 HOW = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}  # no C code calls a loop: a tenth of the time
-DIGEST = hashlib.sha256().digest_size
+KIND = "loops"
 
 
 def loop(function: F) -> F:
@@ -90,17 +88,6 @@ def in_threads(call: Callable[[int, int], R], count: int, grain: int, pool: Exec
     return list(pool.map(lambda first: call(first, min(first + size, count)), range(0, count, size)))
 
 
-def cache_folder() -> Path:
-    """Where this user's caches are kept, by the custom of the system."""
-    if sys.platform == "win32":
-        place = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
-    elif sys.platform == "darwin":
-        place = Path.home() / "Library" / "Caches"
-    else:
-        place = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(place) / "rsym" / "loops"
-
-
 class LoopCache:
     """What numba asks for compiled code of one function (the protocol of numba.core.caching._Cache)."""
 
@@ -110,13 +97,13 @@ class LoopCache:
     @property
     def cache_path(self) -> str:
         """The folder of the entries."""
-        return str(cache_folder())
+        return str(cache_folder(KIND))
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Give the compiled loop for these types, or None."""
         # Enough for code that is compiled already; `target.refresh()`, for compiling, would load SciPy too: 0.25 s.
         rtsys.initialize(target)
-        payload = _read(self._entry(signature, target.codegen()))
+        payload = read_entry(KIND, self._entry(signature, target.codegen()))
         if payload is None:
             _announce()
             return None
@@ -125,7 +112,7 @@ class LoopCache:
     def save_overload(self, signature: Any, compiled: Any) -> None:
         """Keep a compiled loop; a folder that cannot be written is no error."""
         if not compiled.library.has_dynamic_globals:
-            _write(self._entry(signature, compiled.codegen), dumps(compiled._reduce()))
+            keep_entry(KIND, self._entry(signature, compiled.codegen), dumps(compiled._reduce()))
 
     def _entry(self, signature: Any, codegen: Any) -> str:
         machine = (numba.__version__, sys.version, *codegen.magic_tuple())
@@ -162,37 +149,6 @@ def _content(function: Any, seen: set[int]) -> Iterator[object]:
                 yield from _content(value, seen)
             elif isinstance(value, (bool, int, float, tuple, np.generic)):
                 yield name, repr(value)
-
-
-def _read(name: str) -> bytes | None:
-    """Read an entry that is whole and that nobody else can have written."""
-    try:
-        entry = cache_folder() / name
-        stored = entry.read_bytes() if _is_ours(entry.parent) and _is_ours(entry) else b""
-    except (OSError, RuntimeError):  # Path.home() raises RuntimeError where there is no home
-        return None
-    payload = stored[DIGEST:]
-    return payload if payload and stored[:DIGEST] == hashlib.sha256(payload).digest() else None
-
-
-def _write(name: str, payload: bytes) -> None:
-    """Keep an entry, whole or not at all: another process may be reading or writing the same one."""
-    try:
-        folder = cache_folder()
-        folder.mkdir(parents=True, exist_ok=True)
-        folder.chmod(0o700)
-        with tempfile.TemporaryDirectory(dir=folder) as aside:
-            whole = Path(aside) / name
-            whole.write_bytes(hashlib.sha256(payload).digest() + payload)
-            os.replace(whole, folder / name)
-    except (OSError, RuntimeError) as reason:
-        logger.info("the mesher's loops are not kept: %s", reason)
-
-
-def _is_ours(path: Path) -> bool:
-    """Entries are code: nobody else may own or write them, or the folder that holds them."""
-    state = path.stat()
-    return not hasattr(os, "getuid") or (state.st_uid == os.getuid() and not state.st_mode & 0o022)
 
 
 @cache
