@@ -128,6 +128,14 @@ def address(tmp_path_factory):
     return rsym.write(body(), tmp_path_factory.mktemp("pages") / "body.html").resolve().as_uri()
 
 
+@pytest.fixture(autouse=True)
+def closed(browser):
+    """Pages end with their test: each holds shaders and float targets."""
+    yield
+    for context in browser.contexts:
+        context.close()
+
+
 @pytest.fixture
 def opened(browser, address):
     return Opened(browser, address)
