@@ -31,6 +31,7 @@ def run(options: argparse.Namespace) -> None:
     from rsym.backends.kernel import checked_threads
     from rsym.paper.reproduction import reproduce
 
+    tqdm.monitor_interval = 0  # without threads, processes that draw begin as copies of this one
     with tqdm(total=1, unit="figure", disable=None) as bar:
 
         def progress(done: int, total: int, name: str) -> None:

@@ -25,8 +25,8 @@ from rsym.sampling.rays import Caster
 class ShadedShape(Body):
     """A shape that rays are cast at anew, at the renderer's own resolution, whenever it is drawn."""
 
-    def __init__(self, caster: Caster, box: Floats, brush: Brush, lines: bool) -> None:
-        super().__init__(corners_of(tuple(box.T.tolist())), brush.scale, brush.label, brush.parts)
+    def __init__(self, caster: Caster, points: Floats, brush: Brush, lines: bool) -> None:
+        super().__init__(points, brush.scale, brush.label, brush.parts)
         self.caster, self.brush, self.lines = caster, brush, lines
 
     def _picture(self, axes: Axes3D, scale: float, point: float) -> tuple[Ints, NDArray[np.uint8]]:
@@ -92,4 +92,4 @@ def shaded_shape(
         )
     name = checked_colouring(colour_by)
     brush = brush_of(name, caster.leaves, probe.sights, lambda: probe, colour, limits, colour_map)
-    return ShadedShape(caster, probe.box, brush, lines)
+    return ShadedShape(caster, probe.around, brush, lines)

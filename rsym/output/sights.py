@@ -133,17 +133,19 @@ class Probe:
         return cls(tuple(sights))
 
     @cached_property
-    def box(self) -> Floats:
-        """The corners low and high (2, 3) of a box round what is seen of the body, to a pixel; without any (0, 0)."""
-        parts = [np.stack([points - sight.view.pixel, points + sight.view.pixel]) for sight, points in self._points]
-        if not parts:
-            return np.zeros((2, 3))
-        both = np.concatenate(parts, axis=1)
-        return np.stack([both[0].min(axis=0), both[1].max(axis=0)])
+    def around(self) -> Floats:
+        """Points (n, 3) a pixel of the pictures beside what is seen of the body; (0, 0, 0) if that is nothing."""
+        found = []
+        for sight in self.sights:
+            if len(sight.met):
+                points, (right, up) = sight.points_at(slice(None)), sight.view.pixel * sight.view.axes[:2]
+                found += [points + step for step in (right + up, right - up, up - right, -right - up)]
+        return np.concatenate(found) if found else np.zeros((1, 3))
 
-    @property
-    def _points(self) -> list[tuple[Sight, Floats]]:
-        return [(sight, sight.points_at(slice(None))) for sight in self.sights if len(sight.met)]
+    @cached_property
+    def box(self) -> Floats:
+        """The corners low and high (2, 3) of the box round these points."""
+        return np.stack([self.around.min(axis=0), self.around.max(axis=0)])
 
     def values(self, of: Callable[[Sight], Floats]) -> Floats:
         """Values of all that is seen, one after the other."""

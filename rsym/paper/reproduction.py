@@ -6,9 +6,12 @@ that share a mesh or a compiled model stays in one process; the costliest rows c
 
 from __future__ import annotations
 
+import gc
 import io
 import multiprocessing
 import signal
+import sys
+import threading
 import time
 import traceback
 import warnings
@@ -48,8 +51,8 @@ def reproduce(
     progress : callable, optional
         ``progress(done, total, name)`` before each figure; returning False cancels.
     processes : int
-        How many processes draw; 1 is this one. They import what they need anew, so a script that asks for more does
-        so under ``if __name__ == "__main__":``. The pictures do not depend on it.
+        How many processes draw; 1 is this one. Where this one has threads they import what they need anew, so a
+        script that asks for more does so under ``if __name__ == "__main__":``. The pictures do not depend on it.
 
     Raises
     ------
@@ -199,6 +202,9 @@ def _drawn_by(processes: int, rows: Sequence[list[Recipe]], begin: Callable[[str
             yield from (hand.give() for hand in at_work if hand.connection in ready)
 
 
+_ends: list[Connection] = []  # by which this process asks
+
+
 @dataclass
 class _Hand:
     """A process that draws one figure after the other, as it is told."""
@@ -208,10 +214,12 @@ class _Hand:
     recipe: Recipe | None = None
 
     def __enter__(self) -> _Hand:
-        # A copy of this process might hold locks that its threads have; a new one imports anew.
-        spawning = multiprocessing.get_context("spawn")
-        self.connection, other = spawning.Pipe()
-        self._process = spawning.Process(target=_draw_as_told, args=(other,), daemon=True)
+        # A copy of this process has all imports, but might hold locks that its threads have; a new one imports anew.
+        copies = sys.platform == "linux" and threading.active_count() == 1
+        context: Any = multiprocessing.get_context("fork" if copies else "spawn")
+        self.connection, other = context.Pipe()
+        _ends.append(self.connection)
+        self._process = context.Process(target=_draw_as_told, args=(other,), daemon=True)
         self._process.start()
         other.close()
         return self
@@ -219,6 +227,7 @@ class _Hand:
     def __exit__(self, *_: object) -> None:
         """One that is idle ends by itself, one that draws is ended."""
         self.connection.close()
+        _ends.remove(self.connection)
         if self.recipe is not None:
             self._process.terminate()
         self._process.join(LEAVE)
@@ -255,6 +264,11 @@ class _Hand:
 def _draw_as_told(connection: Connection) -> None:
     """Draw what is named until nobody listens; who asked ends this process, and an interrupt is for them."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for end in _ends:  # of a copy: while anyone holds them open, nobody is told that the asker has gone
+        end.close()
+    # What is imported stays: to look for garbage in it, again and again, takes a twentieth of the time.
+    gc.freeze()
+    gc.set_threshold(100_000, 20, 20)
     recipes = {recipe.name: recipe for recipe in RECIPES}
     try:
         while True:

@@ -26,7 +26,6 @@ from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.singular import kinds_text
 from rsym.verify.smoothness import verify_smoothness
 
-GALLERY_RESOLUTION = 144
 GALLERY_COLUMNS = 4
 GALLERY_REMARK = "ours; rsym show prints the formulas of each, rsym mesh makes a mesh of it"
 # A name, the model, one of its definitions, and what the body is there to show.
@@ -165,6 +164,6 @@ def _rows(one: Judged) -> Iterator[tuple[str, ...]]:
 def draw_gallery() -> Drawing:
     """All bodies under their names, and what each shows."""
     shapes = {name: load(model_path(model), shape=shape) for name, model, shape, _ in BODIES}
-    figure = plot_gallery(shapes, columns=GALLERY_COLUMNS, resolution=GALLERY_RESOLUTION)
+    figure = plot_gallery(shapes, columns=GALLERY_COLUMNS)
     table = Table(("body", "model file", "what it shows"), tuple((n, f"{m}.rf", shows) for n, m, _, shows in BODIES))
     return Drawing(figure, "as in the model files", triangles_in(figure), GALLERY_REMARK, table)
