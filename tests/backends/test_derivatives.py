@@ -14,7 +14,7 @@ import rsym
 from rsym import RsymError, x, y
 
 # PyTorch's own, of what it loads for derivatives forwards.
-pytestmark = pytest.mark.filterwarnings("ignore:.torch.jit:DeprecationWarning")
+pytestmark = [pytest.mark.filterwarnings("ignore:.torch.jit:DeprecationWarning"), pytest.mark.slow]
 
 a, p = sp.symbols("a p", real=True)
 CORNER = rsym.Shape(rsym.conjunction(x + a * y, y - x**2), (x, y), letters={a: 1})
@@ -145,7 +145,6 @@ def test_letters_are_inputs_like_others(package, shape, name, value):
     assert float(found) == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-8, abs=1e-9)
 
 
-@pytest.mark.slow
 def test_batches_maps_and_precisions(package):
     function = package.function(CORNER, ("value", "gradient"))
     column = function(package.array(POINTS[0])[:, None], package.array(POINTS[1]))
@@ -193,7 +192,6 @@ def test_without_the_package_it_is_asked_for(name, function, monkeypatch):
     assert caught.value.code == "missing-package"
 
 
-@pytest.mark.slow
 def test_the_car(package):
     """Values, gradients and the derivatives by 45 letters, where they exist: finite, and those of the kernel."""
     car = rsym.paper.car()

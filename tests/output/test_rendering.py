@@ -241,6 +241,7 @@ def test_a_transparent_picture_has_no_background():
     assert (black[0, 0] == [0, 0, 0, 255]).all()
 
 
+@pytest.mark.slow
 def test_parts_have_the_colours_of_meshes():
     both = (BALL | rsym.box(1, 1, 6).named("post")).replace(bounds=((-3, 3), (-3, 3), (-4, 4)))
     image = rsym.render(both, camera="front", size=SMALL, colour_by="part", lines=False)
@@ -295,6 +296,7 @@ def test_lines_of_a_hatch_are_as_far_apart_everywhere():
     assert 0.1 < (light[..., 2].mean() - linear(CAP)[2]) / (linear(HATCH)[2] - linear(CAP)[2]) < 0.3
 
 
+@pytest.mark.slow
 def test_shadows_are_where_the_lamp_is_hidden():
     stone, table = rsym.sphere(0.5, (0, 0, 1.5)), rsym.box(6, 6, 0.4)
     shape = (stone | table).replace(bounds=((-3.1, 3.1), (-3.1, 3.1), (-0.3, 2.1)))
@@ -461,6 +463,7 @@ def test_a_shape_on_axes_is_where_the_axes_have_it(eye):
     assert pixels[..., 3].max() == 255
 
 
+@pytest.mark.slow
 def test_a_shape_and_its_mesh_look_alike():
     pictures = []
     for body in (BALL - rsym.cylinder(1), rsym.mesh(BALL - rsym.cylinder(1), 48)):

@@ -380,6 +380,7 @@ def test_the_version_is_the_newest_change():
         assert extra in project["optional-dependencies"]
 
 
+@pytest.mark.slow
 def test_the_lines_about_rendering(capsys):
     (code,) = [code for code in PYTHON if "rsym.render(" in code]
     ball = rsym.sphere(2).named("ball")

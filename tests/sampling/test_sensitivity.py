@@ -32,6 +32,7 @@ AREAS = {
 }
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", VOLUMES)
 def test_volumes_whose_derivative_is_known(name):
     shape, letter, exact, tolerance = VOLUMES[name]
