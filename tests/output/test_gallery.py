@@ -64,7 +64,7 @@ def test_every_piece_of_the_language_is_called_and_has_a_card():
     pages = [
         "".join(output["data"].get("text/html", "")) for cell in CODE for output in cell["outputs"] if "data" in output
     ]
-    titles = re.findall(r"<b>(.*?)</b>", "".join(pages))
+    titles = re.findall(r"<div style=\"overflow-x: auto; margin: 2px\"><b>(.*?)</b></div>", "".join(pages))
     assert set(PIECES) - {title.split(",")[0] for title in titles} == set()
     assert len(titles) == len(set(titles)) == "".join(pages).count("data:image/webp;base64,")
 
