@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import warnings
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from numbers import Integral
 from typing import Any
@@ -255,12 +255,9 @@ class Scene:
             return first
         row, column = np.divmod(pixels, self.view.size[0])
         closer = self.sight(column, row).hits
-        arrays = {}
         for name in ("depth", "leaf", "normal", "undecided"):
-            array = getattr(hits, name).copy()
-            array.reshape(-1, *array.shape[2:])[pixels] = getattr(closer, name)
-            arrays[name] = array
-        return Sight.of_pixels(self.view, replace(hits, **arrays))
+            getattr(hits, name)[row, column] = getattr(closer, name)  # a copy of all would take a fifth of the time
+        return Sight.of_pixels(self.view, hits)
 
     def sight(self, columns: Floats, rows: Floats) -> Sight:
         """What the rays of places see."""

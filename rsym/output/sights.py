@@ -37,7 +37,7 @@ class Sight:
     def of_pixels(cls, view: Viewport, hits: Hits) -> Sight:
         """The hits of the middles of all pixels, row by row."""
         width, height = view.size
-        row, column = np.divmod(np.arange(width * height), width)
+        row, column = np.indices((height, width)).reshape(2, -1)
         return cls(view, column, row, hits)
 
     @cached_property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -15,6 +15,7 @@ from rsym.backends.kernel import checked_threads
 from rsym.backends.registry import default_backend
 from rsym.errors import RsymError
 from rsym.model.equation import checked_bounds
+from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
 from rsym.sampling.form_signs import check_parameters
@@ -69,7 +70,8 @@ class Caster:
         bounds: Any = None,
         threads: int | None = None,
     ) -> None:
-        self._leaf_fields = LeafFields(shape)
+        require_shape(shape)
+        self._leaf_fields = _fields_of(shape)
         self.shape = shape
         self.threads = checked_threads(threads)
         self._kernels = _kernels(self._leaf_fields)
@@ -209,6 +211,11 @@ class Kernels(Protocol):
         threads: int,
     ) -> Seen:
         """What rays (n, 3) meet."""
+
+
+@lru_cache(maxsize=8)  # to find the leaves and their names anew takes as long as to cast half of a picture
+def _fields_of(shape: Shape) -> LeafFields:
+    return LeafFields(shape)
 
 
 def _kernels(fields: LeafFields) -> Kernels:

@@ -2,6 +2,7 @@
 
 import base64
 import io
+import itertools
 import math
 import warnings
 
@@ -13,9 +14,13 @@ from oracles.served import served as serving
 
 import rsym
 from rsym import x, y, z
+from rsym.output.cameras import Viewport
 from rsym.output.design import pages
 from rsym.output.design.pages import DesignPage, page_of
+from rsym.output.rendering import Scene, _lit, developed
+from rsym.output.shading import INSIDE, linear
 from rsym.paper.models import MODELS, model_path
+from rsym.sampling.rays import Caster
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
@@ -331,6 +336,42 @@ def test_every_shipped_model_opens_and_shows_what_signs_say(browser, tmp_path, n
     assert good.all()
     # Red proof: the same depths a few pixels to the side are wrong.
     assert not agrees(kernel, None, camera, box, pixels, np.roll(depth, 9, axis=1)).all()
+
+
+def neighbours_agree(leaf, depth):
+    """Pixels without a line of the page: the four beside them see the same leaf, as far away."""
+    inside = leaf >= 0
+    for axis, step in itertools.product((0, 1), (1, -1)):
+        with np.errstate(invalid="ignore"):
+            inside &= (np.roll(leaf, step, axis) == leaf) & (np.abs(np.roll(depth, step, axis) - depth) < 0.003 * depth)
+    return inside
+
+
+@pytest.mark.parametrize("name", ["car", "gear"])
+def test_a_page_and_a_rendered_picture_are_one(browser, tmp_path, name):
+    """Hits and leaves differ on a thousandth of the pixels at most, colours elsewhere by a grey level."""
+    shape = rsym.load(model_path(name))
+    address = DesignPage(page_of(shape, title=name)).write(tmp_path / f"{name}.html").as_uri()
+    opened = Opened(browser, address, wide=900, tall=500)
+    depth, leaf, seen = opened.hits()
+    axes, lens, (wide, tall) = np.array(seen["turn"]).reshape(3, 3), seen["lens"], (seen["wide"], seen["tall"])
+    centre = wide * (1 + lens[2]) / 2 - 0.5, tall * (1 - lens[3]) / 2 - 0.5
+    view = Viewport((wide, tall), axes, np.array(seen["eye"]) - axes[2], 2 * lens[0] / wide, 1.0, 0.0, centre)
+    sight = Scene(Caster(shape), view, ()).seen()
+    hits, count = sight.hits, len(Caster(shape).leaves) - 6
+    found = hits.leaf[::-1].astype(int)
+    same = (np.isfinite(depth) == hits.met[::-1]) & ((leaf == found) | (leaf < 0) & (found >= count) | (found < 0))
+    assert (~same).mean() < 1e-3
+    colours, names = opened.ask("data.parts"), opened.ask("data.leaves")
+    table = np.array([linear(colours[one]["colour"]) for one in names] + [linear(INSIDE)], np.float32)
+    canvas = np.zeros((wide * tall, 4), np.float32)
+    light = table[np.minimum(sight.leaf, count)]
+    canvas[sight.met] = np.insert(_lit(sight, light, np.ones((3, len(light)), np.float32)), 3, 1.0, axis=1)
+    mine = developed(canvas, "white").reshape(tall, wide, 4)[..., :3].astype(int)
+    theirs = np.rint(255 * opened.pixels()).astype(int)
+    inside = (same & neighbours_agree(leaf, depth))[::-1]
+    assert inside.mean() > 0.15
+    assert np.abs(mine - theirs)[inside].max() <= 1
 
 
 def test_a_shape_in_the_plane(browser, tmp_path):
