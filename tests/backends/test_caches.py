@@ -1,0 +1,79 @@
+"""Machine code in the user's cache folder: kept, read, made again where it is damaged, forgotten when it is old."""
+
+import ctypes
+import os
+
+import pytest
+
+from rsym.backends import caches, llvm_code
+from rsym.backends.caches import cache_folder, keep_entry, read_entry
+
+TEXT = "define double @twice(double %x) {\n  %y = fadd double %x, %x\n  ret double %y\n}\n"
+LONG = TEXT + "; a remark\n" * 5000
+
+
+def twice(text, effort=2):
+    engine = llvm_code.machine_code(text, effort)
+    return ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)(engine.get_function_address("twice"))(3.5)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path))
+    monkeypatch.setattr(caches.Path, "home", lambda: tmp_path)
+    return cache_folder(llvm_code.KIND)
+
+
+@pytest.fixture
+def compiled(monkeypatch):
+    """The texts that were compiled."""
+    texts, parse = [], llvm_code.llvm.parse_assembly
+
+    def noted(text):
+        if text:
+            texts.append(text)
+        return parse(text)
+
+    monkeypatch.setattr(llvm_code.llvm, "parse_assembly", noted)
+    return texts
+
+
+def test_a_long_text_is_compiled_once_and_kept(folder, compiled):
+    assert [twice(LONG), twice(LONG)] == [7.0, 7.0]
+    assert len(compiled) == 1
+    assert twice(LONG, 0) == 7.0  # compiled in another way, another entry
+    assert len(compiled) == len(list(folder.iterdir())) == 2
+
+
+def test_a_short_text_is_not_worth_a_file(folder, compiled):
+    assert [twice(TEXT), twice(TEXT)] == [7.0, 7.0]
+    assert len(compiled) == 2
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize("damage", [b"", b"short", None])
+def test_a_damaged_entry_is_compiled_again(folder, compiled, damage):
+    twice(LONG)
+    (entry,) = folder.iterdir()
+    whole = entry.read_bytes()
+    entry.write_bytes(whole[: len(whole) // 2] if damage is None else damage)
+    assert [twice(LONG), twice(LONG)] == [7.0, 7.0]
+    assert len(compiled) == 2
+
+
+def test_without_a_folder_all_is_compiled(folder, compiled):
+    folder.parent.mkdir()
+    folder.write_text("in the way")
+    assert [twice(LONG), twice(LONG)] == [7.0, 7.0]
+    assert len(compiled) == 2
+
+
+def test_what_was_not_used_for_longest_is_forgotten(monkeypatch):
+    monkeypatch.setattr(caches, "MOST_ENTRIES", 4)
+    for k in range(4):
+        keep_entry("things", f"{k}", bytes([k]))
+        os.utime(cache_folder("things") / f"{k}", (k, k))
+    assert read_entry("things", "0") == b"\0"  # used, so it stays
+    keep_entry("things", "4", b"\4")
+    assert {one.name for one in cache_folder("things").iterdir()} == {"0", "3", "4"}
