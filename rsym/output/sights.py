@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +30,8 @@ class Sight:
     """
 
     view: Viewport
-    columns: Floats
-    rows: Floats
+    columns: NDArray[Any]  # of pixels whole numbers
+    rows: NDArray[Any]
     hits: Hits
 
     @classmethod
