@@ -127,7 +127,7 @@ def test_standard_errors_are_the_spread_of_many_fits(loss):
     generator = np.random.default_rng(6)
     found = [
         rsym.fit(disc, CIRCLE + generator.normal(scale=0.02, size=CIRCLE.shape), [a, b, c], loss=loss)
-        for _ in range(300)
+        for _ in range(150)
     ]
     spread = np.std([list(one.letters.values()) for one in found], axis=0)
     errors = np.mean([list(one.standard_errors.values()) for one in found], axis=0)
