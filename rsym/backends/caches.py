@@ -7,6 +7,7 @@ time.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import logging
 import os
@@ -38,7 +39,8 @@ def read_entry(kind: str, name: str) -> bytes | None:
         payload = stored[DIGEST:]
         if not payload or stored[:DIGEST] != hashlib.sha256(payload).digest():
             return None
-        os.utime(entry)  # what is used stays
+        with contextlib.suppress(OSError):  # of a folder that is only to be read
+            os.utime(entry)  # what is used stays
     except (OSError, RuntimeError):  # Path.home() raises RuntimeError where there is no home
         return None
     return payload
