@@ -10,7 +10,7 @@ from rsym.errors import RsymError
 from rsym.logic.sign_form import shape_form
 from rsym.paper.models import MODELS, model_path
 from rsym.sampling import rays as casting
-from rsym.sampling.kernels import ray_kernels
+from rsym.sampling.kernels import ray_code, ray_kernels
 from rsym.sampling.pencils import Cut, Pencil
 from rsym.sampling.ray_march import ArrayRays
 from rsym.sampling.rays import Caster
@@ -257,6 +257,102 @@ def test_letters_change_and_nothing_is_compiled():
         caster.set({k: radius})
         assert caster.cast([0, 0, 5], [0, 0, -1]).depth == pytest.approx(5 - radius, rel=1e-14)
     assert caster._kernels is kernels
+
+
+def crowd(count):
+    """Balls and turned ellipsoids whose sizes are letters, cut by a box, a root and a part that stands twice."""
+    generator = np.random.default_rng(7)
+    k, m = sp.symbols("k m", real=True)
+    places = [[sp.Rational(int(number), 64) for number in row] for row in generator.integers(-128, 128, (count, 3))]
+    bodies = []
+    for number, (a, b, c) in enumerate(places):
+        u, v, w = x - a, y - b, z - c
+        body = u**2 + v**2 + w**2 if number % 2 else u**2 + 2 * v**2 + 3 * w**2 + sp.Rational(number, count) * u * v
+        bodies.append((k if number % 3 else m) ** 2 - body)
+    part = rsym.conjunction(rsym.disjunction(*bodies[:3]), x + z + 1)
+    inside = rsym.conjunction(rsym.disjunction(part, *bodies[3:]), *(2 - side for side in (x, -x, y, -y, z, -z)))
+    rest = rsym.disjunction(inside, rsym.conjunction(part, -inside, 1 - y))
+    return rsym.Shape(
+        rsym.conjunction(rest, sp.sqrt(z + sp.Rational(7, 4)) - sp.Rational(1, 8)),
+        (x, y, z),
+        letters={k: rsym.Letter(0.6, 0.2, 1), m: rsym.Letter(0.4, 0.2, 1)},
+        bounds=BOX,
+    )
+
+
+def seen_by(shape, tabled, monkeypatch, celled=8):
+    """What two sets of letters show to a picture and to rays from everywhere, and the kernels."""
+    monkeypatch.setattr(ray_kernels, "_kernels", {})
+    monkeypatch.setattr(ray_code, "CELLED", celled)
+    monkeypatch.setattr(ray_code, "TABLED", tabled)
+    caster, generator = Caster(shape), np.random.default_rng(11)
+    origins, aims = generator.normal(size=(2, 400, 3))
+    for letters in (None, {"k": 0.5, "m": 0.8}):
+        caster.set(letters)
+        yield caster._kernels.formulas.tabled, caster.look(camera(shape.bounds, (64, 48), room=1.2))
+        yield caster._kernels.formulas.tabled, caster.cast(origins * 3, aims - origins, pixel=(1e-3, 0.0))
+
+
+@pytest.mark.parametrize("count", [12, pytest.param(80, marks=pytest.mark.slow)])
+def test_tables_of_kinds_give_the_bits_of_branches(count, monkeypatch):
+    shape = crowd(count)
+    tables = list(seen_by(shape, 8, monkeypatch))
+    branches = list(seen_by(shape, 10**9, monkeypatch))
+    for (tabled, one), (never, other) in zip(tables, branches, strict=True):
+        assert tabled
+        assert not never
+        assert one.met.sum() > 20
+        assert not one.undecided.any()
+        for name in ("depth", "leaf", "normal", "undecided"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+@pytest.mark.random
+def test_a_large_form_by_dense_signs(monkeypatch):
+    monkeypatch.setattr(ray_kernels, "_kernels", {})
+    monkeypatch.setattr(ray_code, "CELLED", 8)
+    monkeypatch.setattr(ray_code, "TABLED", 8)
+    shape = crowd(12)
+    assert complaints(shape, None, camera(shape.bounds, (120, 90), 0.7, 0.3, room=1.2), 400, 1500) == ([], 0)
+
+
+def test_leaves_that_differ_by_numbers_are_of_one_kind():
+    k = sp.Symbol("k", real=True)
+    places = [(sp.Rational(a, 7), sp.Rational(b, 5), sp.Rational(3, 8)) for a in range(1, 6) for b in range(1, 5)]
+    balls = [k**2 - (x - a) ** 2 - (y - b) ** 2 - (z - c) ** 2 for a, b, c in places]
+    formulas = ray_code.RayFormulas(shape_form(shape_of(rsym.disjunction(*balls, z), {k: 1})))
+    assert formulas.count == 21
+    assert len(formulas.kinds.kinds) < 8
+
+
+@pytest.mark.slow
+def test_a_thousand_balls_by_the_formula_of_a_ball():
+    generator = np.random.default_rng(1)
+    centres, radii = generator.integers(-640, 640, (1000, 3)), generator.integers(19, 58, 1000)
+    halves = [[sp.Rational(int(number), 64) for number in row] for row in np.column_stack([centres, radii])]
+    balls = [r**2 - (x - a) ** 2 - (y - b) ** 2 - (z - c) ** 2 for a, b, c, r in halves]
+    shape = rsym.Shape(rsym.disjunction(*balls), (x, y, z), bounds=((-11, 11),) * 3)
+    pencil = camera(shape.bounds, (160, 120), room=1.2)
+    caster = Caster(shape)
+    hits = caster.look(pencil)
+    origins, directions = (part.reshape(-1, 3) for part in pencil.rays())
+    centres, radii = centres / 64, radii / 64
+    along = directions @ centres.T - np.einsum("ij,ij->i", origins, directions)[:, None]
+    away = np.einsum("ijk,ijk->ij", origins[:, None] - centres, origins[:, None] - centres)
+    with np.errstate(invalid="ignore"):
+        depths = along - np.sqrt(along**2 - away + radii**2)
+    depths = np.where(np.isnan(depths), np.inf, depths)
+    nearest, found = depths.min(axis=1), hits.depth.ravel()
+    pixel = pencil.pixel[1] * np.linalg.norm(pencil.eye)
+    same = (np.isinf(nearest) & np.isinf(found)) | (np.abs(nearest - found) < 1e-9)
+    assert np.isfinite(nearest).mean() > 0.3
+    assert same.mean() > 0.99  # the others are rims, where a quarter of a pixel decides
+    both = np.isfinite(nearest) & np.isfinite(found) & same
+    assert not hits.undecided.any()
+    points = origins[both] + nearest[both, None] * directions[both]
+    off = (points - centres[depths[both].argmin(axis=1)]) / radii[depths[both].argmin(axis=1)][:, None]
+    np.testing.assert_allclose(hits.normal.reshape(-1, 3)[both], off, atol=1e-8)
+    assert np.abs(nearest - found)[np.isfinite(nearest) & np.isfinite(found) & ~same].min(initial=pixel) >= 0
 
 
 def test_a_ray_that_begins_inside_meets_the_body_there():

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 
-from rsym.arrays import Floats
+from rsym.arrays import Floats, Ints
 from rsym.backends.interpreter import interpret, interpret_nodes
 from rsym.backends.llvm_code import machine_code
 from rsym.bounds.ray_forms import guarded
@@ -19,6 +19,7 @@ from rsym.logic.sign_form import SignForm, through
 from rsym.model.shape import Bounds
 from rsym.program.program import FLOAT64
 from rsym.sampling.hits import Seen
+from rsym.sampling.kernels.cells_code import CORNER, HEAD, MARGIN, NUMBER, WIDTH
 from rsym.sampling.kernels.mesher_kernels import padded
 from rsym.sampling.kernels.picture_code import NUMBERS_OF_CAMERA, TILE, VECTORS_OF_CAMERA, caster_code, place_of
 from rsym.sampling.kernels.ray_code import RayFormulas
@@ -28,12 +29,25 @@ from rsym.sampling.ray_steps import ALIKE
 
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
 _COMMON = (_INTEGER, _INTEGER, _POINTER, _POINTER, _INTEGER, _POINTER)
+_OUT = (*[_POINTER] * 4, _INTEGER)
 _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "beams": (*_COMMON, _INTEGER, *[_POINTER] * 4),
-    "picture": (*_COMMON, _INTEGER, *[_POINTER] * 7, _INTEGER, _INTEGER),
+    "picture": (*_COMMON, _INTEGER, *[_POINTER] * 3, *_OUT, _INTEGER),
     "probe": (*[_POINTER] * 4,),
-    "rays": (*_COMMON, *[_POINTER] * 7, _INTEGER),
+    "rays": (*_COMMON, *[_POINTER] * 3, *_OUT),
 }
+# Of large forms.
+_CELLED: dict[str, tuple[Any, ...]] = {
+    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 2),
+    "cells": (_INTEGER, _INTEGER, *[_POINTER] * 4, _INTEGER),
+    "picture": (*_COMMON, _INTEGER, *[_POINTER] * 2, *_OUT, _INTEGER),
+    "probe": (*[_POINTER] * 5,),
+    "rays": (*_COMMON, *[_POINTER] * 2, *_OUT),
+}
+# Cells of the bounds for each leaf, and the most along an axis.
+CELLS, MOST_CELLS = 4, 32
+# Of the shortest side of a cell: how far it reaches into the next ones, so that beams as wide as that march by cells.
+NEXT = 0.15
 SCALE_POINTS = 64
 _JOINS: dict[str, Callable[..., Floats]] = {"min": np.minimum, "max": np.maximum}
 
@@ -47,14 +61,14 @@ class RayKernels:
         self._engine = machine_code(self.source)
         self._functions: dict[str, Callable[..., None]] = {
             name: ctypes.CFUNCTYPE(None, *kinds)(self._engine.get_function_address(name))
-            for name, kinds in _SIGNATURES.items()
+            for name, kinds in (_CELLED if self.formulas.celled else _SIGNATURES).items()
         }
         self._check()
 
     def probe(self, ends: Floats, constants: Floats) -> Floats:
         """Low, high, linear, quadratic of the form on segments (9, 8), and value and leaf in the middles: (6, 8)."""
         found = np.empty((6, LANES))
-        self._call("probe", ends, constants, np.zeros(self.formulas.words, np.uint64), found)
+        self._call("probe", ends, constants, np.zeros(self.formulas.words, np.uint64), found, *self._room())
         return found
 
     def _check(self) -> None:
@@ -110,7 +124,41 @@ class RayKernels:
                 known = steepness[np.isfinite(steepness) & (steepness > 0)]
             array[s.scales + k] = 1 / np.median(known) if known.size else 1.0
         array[s.tolerance] = ALIKE * np.linalg.norm([high - low for low, high in bounds])
-        return array
+        return self._with_cells(self._with_tables(array, values), bounds) if s.celled else array
+
+    def _with_tables(self, array: Floats, nodes: Sequence[Floats]) -> Floats:
+        """The constants of a large form with the tables of its leaves and gates."""
+        s = self.formulas
+        if not s.tabled:
+            return array[: s.constants]
+        uniform = [float(node) if known else 0.0 for node, known in zip(nodes, s.points.program.uniform, strict=True)]
+        rows = np.concatenate([array[s.scales : s.tolerance], array[: s.uniforms], uniform])[s.kinds.sources]
+        return np.concatenate([array[: s.constants], rows, s.integers.view(np.float64)])
+
+    def _with_cells(self, array: Floats, bounds: Bounds) -> Floats:
+        """The constants of a large form with what matters in the cells of its bounds."""
+        s = self.formulas
+        low, high = np.array(bounds, np.float64).T
+        side = (np.prod(high - low) / (CELLS * len(s.rays.leaves))) ** (1 / 3)
+        number = np.clip(np.ceil((high - low) / side), 1, MOST_CELLS)
+        width = (high - low) / number
+        margin = NEXT * float(width.min())
+        count = int(np.prod(number))
+        words = np.zeros((padded(count), s.words), np.uint64)
+        given = np.zeros((3, 3, len(words)))  # low, high and slope of each axis
+        at = np.indices(number.astype(int)).reshape(3, -1)
+        given[:, 0, :count] = low[:, None] + at * width[:, None] - margin
+        given[:, 1, :count] = low[:, None] + (at + 1) * width[:, None] + margin
+        head = np.zeros(HEAD)
+        for place, part in ((CORNER, low), (WIDTH, width), (NUMBER, number), (MARGIN, [margin])):
+            head[place : place + len(part)] = part
+        constants = np.concatenate([array, head])
+        self._call("cells", 0, count, given, constants, words, *self._room() or (None,), len(words))
+        return np.concatenate([constants, words.ravel().view(np.float64)])
+
+    def _room(self) -> tuple[Ints, ...]:
+        """Memory that a call works in."""
+        return (np.zeros(self.formulas.room.size, np.int64),) if self.formulas.celled else ()
 
     def picture(self, pencil: Pencil, near: float, far: float, planes: Floats, constants: Floats, threads: int) -> Seen:
         """What the rays of a pencil meet within planes (n, 4)."""
@@ -120,17 +168,20 @@ class RayKernels:
         tiles = columns * rows
         camera = _camera(pencil, near, far, planes)
         words, slabs = self.formulas.words, self.formulas.slabs
-        starts, limits = np.empty(tiles + LANES), np.empty((tiles + LANES) * slabs)
-        marks = np.empty((tiles + LANES) * (slabs + 1) * words, np.uint64)
-        of_tiles = starts, limits, marks
-        nothing = np.zeros(words, np.uint64)
         common = (camera, planes, len(planes), constants, columns)
+        starts, limits = np.empty(tiles + LANES), np.empty((tiles + LANES) * slabs)
+        marks = np.empty(0 if self.formulas.celled else (tiles + LANES) * (slabs + 1) * words, np.uint64)
+        nothing = np.zeros(words, np.uint64)
+
+        def of_tiles(*before: Any) -> tuple[Any, ...]:
+            return (*self._room(), starts) if self.formulas.celled else (*before, starts, limits, marks)
+
         beam = -(-tiles // (LANES * pool.threads * 4)) * LANES
-        pool.run(lambda a, b: self._call("beams", a, b, *common, nothing, *of_tiles), tiles, beam)
+        pool.run(lambda a, b: self._call("beams", a, b, *common, *of_tiles(nothing)), tiles, beam)
         shape = rows * TILE, columns * TILE
         seen = Seen(np.empty(shape), np.empty(shape, np.int16), np.empty((3, *shape)), np.empty(shape, np.uint8))
         out = (seen.depth, seen.leaf, seen.normal, seen.doubt, shape[1], shape[0] * shape[1])
-        pool.run(lambda a, b: self._call("picture", a, b, *common, *of_tiles, *out), tiles, columns)
+        pool.run(lambda a, b: self._call("picture", a, b, *common, *of_tiles(), *out), tiles, columns)
         part = np.s_[:height, :width]
         return Seen(seen.depth[part], seen.leaf[part], seen.normal[(np.s_[:], *part)], seen.doubt[part])
 
@@ -156,11 +207,13 @@ class RayKernels:
             camera[place_of(name)] = value
         seen = Seen(np.empty(length), np.empty(length, np.int16), np.empty((3, length)), np.empty(length, np.uint8))
         slabs = self.formulas.slabs
-        limits, nothing = np.full(slabs, -np.inf), np.zeros((slabs + 1) * self.formulas.words, np.uint64)
-        common = (camera, planes, len(planes), constants, given, limits, nothing)
+        of_all: tuple[Any, ...] = ()
+        if not self.formulas.celled:
+            of_all = np.full(slabs, -np.inf), np.zeros((slabs + 1) * self.formulas.words, np.uint64)
+        common = (camera, planes, len(planes), constants, given, *of_all)
         out = (seen.depth, seen.leaf, seen.normal, seen.doubt, length)
         step = max(LANES, min(4096, -(-count // (LANES * pool.threads)) * LANES))
-        pool.run(lambda a, b: self._call("rays", a, b, *common, *out), count, step)
+        pool.run(lambda a, b: self._call("rays", a, b, *common, *self._room(), *out), count, step)
         return Seen(seen.depth[:count], seen.leaf[:count], seen.normal[:, :count], seen.doubt[:count])
 
     def _call(self, name: str, *arguments: Any) -> None:

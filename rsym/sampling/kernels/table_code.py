@@ -1,0 +1,354 @@
+"""Routines of a large form: leaves by their kinds, and loops over what matters instead of branches around the rest.
+
+A region is the form without its idle operands: entries in the order of evaluation, each a leaf with its row, or a gate
+with the entries of its operands. It is made from the bits of the operands of gates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from rsym.sampling.kernels.form_code import AXES, Parts, leaf_number, leaf_outputs
+from rsym.sampling.kernels.ray_code import (
+    ENDS,
+    HUGE,
+    NAMED,
+    STRUCT,
+    FormTable,
+    ModelCalls,
+    RayFormulas,
+    WorkRoom,
+    called,
+    first_of_equals,
+)
+from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
+
+OPERATIONS = ("min", "max")
+# Entries of a region beside leaves: a gate with both operands, and one with none.
+BOTH, NEITHER = (0, 1), (2, 3)
+POINT = dict.fromkeys(AXES, DOUBLES)
+WORDS = f"<{LANES} x i64>"
+ENTRY = WorkRoom.ENTRY
+
+
+def leaf_routines(s: RayFormulas) -> list[Routine]:
+    """Model, value and gradient of a leaf of each kind, and of a leaf of any."""
+    made: list[Routine] = []
+    for number, kind in enumerate(s.kinds.kinds):
+        r = Routine(f"model{number}", {"ends": "ptr", "constants": "ptr", "out": "ptr"}, internal=True)
+        for place, name in enumerate(ENDS):
+            r.do(f"%{name} = load {DOUBLES}, ptr {r.place('%ends', 'double', place * LANES)}, align 8")
+        calls = ModelCalls(kind.rays, r)
+        _keep(r, "%out", calls.leaf(0, calls.known))
+        r.do("ret void")
+        made.append(r)
+        if kind.points is None:
+            continue
+        known = kind.points.inputs(dict(zip(s.coordinates, ("%x", "%y", "%z"), strict=True)))
+        r = Routine(f"value{number}", POINT | {"constants": "ptr"}, DOUBLES, internal=True)
+        (value,) = kind.points.outputs(r, leaf_outputs(0)[:1], dict(known))
+        r.do(f"ret {DOUBLES} {(value * r.element('%constants', 0)).name}")
+        made.append(r)
+        r = Routine(f"gradient{number}", POINT | {"constants": "ptr"}, STRUCT, internal=True)
+        give(r, [part.name for part in kind.points.outputs(r, leaf_outputs(0), dict(known))])
+        made.append(r)
+    every = range(len(s.kinds.kinds))
+    known_at_points = [number for number in every if s.kinds.kinds[number].points is not None]
+    infinite = f"<{', '.join(['double 0x7FF0000000000000'] * LANES)}>"
+    return [
+        *made,
+        _by_kind("model", {"ends": "ptr", "constants": "ptr", "out": "ptr"}, "void", every, ""),
+        # A guard: at a point the leaves tell themselves where they are undefined.
+        _by_kind("value", POINT | {"constants": "ptr"}, DOUBLES, known_at_points, infinite),
+        _by_kind("gradient", POINT | {"constants": "ptr"}, STRUCT, known_at_points, "zeroinitializer"),
+    ]
+
+
+def _by_kind(name: str, parameters: Mapping[str, str], result: str, kinds: Sequence[int], rest: str) -> Routine:
+    """The routine of a leaf whose kind comes first."""
+    r = Routine(f"leaf_{name}", {"kind": "i64", **parameters}, result, internal=True)
+    given = ", ".join(f"{type} %{parameter}" for parameter, type in parameters.items())
+    cases = " ".join(f"i64 {number}, label %kind{number}" for number in kinds)
+    r.do(f"switch i64 %kind, label %rest [ {cases} ]")
+    for number in kinds:
+        r.start(f"kind{number}")
+        if result == "void":
+            r.do(f"call void @{name}{number}({given})")
+            r.do("ret void")
+        else:
+            r.do(f"ret {result} {r.emit(f'call {result} @{name}{number}({given})')}")
+    r.start("rest")
+    r.do(f"ret {result} {rest}".rstrip())
+    return r
+
+
+def give(r: Routine, parts: Sequence[str]) -> None:
+    """Return four vectors."""
+    value = "poison"
+    for place, part in enumerate(parts):
+        value = r.emit(f"insertvalue {STRUCT} {value}, {DOUBLES} {part}, {place}")
+    r.do(f"ret {STRUCT} {value}")
+
+
+def gradient_at(s: RayFormulas, r: Routine, leaf: str, point: Sequence[str]) -> list[str]:
+    """Value and gradient of a leaf by its number, which may be any."""
+    kind, row = (r.load(_of_leaf(s, r, leaf), k, "i64") for k in range(2))
+    given = ", ".join(f"{DOUBLES} {part}" for part in point)
+    found = r.emit(f"call {STRUCT} @leaf_gradient(i64 {kind}, {given}, ptr {r.place('%constants', 'double', row)})")
+    return [r.emit(f"extractvalue {STRUCT} {found}, {k}") for k in range(4)]
+
+
+def _of_leaf(s: RayFormulas, r: Routine, leaf: str) -> str:
+    place = r.emit(f"add i64 {r.emit(f'mul i64 {leaf}, {FormTable.LEAF}')}, {s.table.leaves}")
+    return r.place("%constants", "double", place)
+
+
+def _of_gate(s: RayFormulas, r: Routine, gate: str) -> str:
+    place = r.emit(f"add i64 {r.emit(f'mul i64 {gate}, {FormTable.GATE}')}, {s.table.gates}")
+    return r.place("%constants", "double", place)
+
+
+def _kept(r: Routine, pointer: str) -> Parts:
+    return [r.load(pointer, k * LANES) for k in range(4)]
+
+
+def _keep(r: Routine, pointer: str, parts: Parts) -> None:
+    for k, part in enumerate(parts):
+        r.store(part, pointer, k * LANES)
+
+
+def _value(r: Routine, values: str, number: str) -> str:
+    """Where the value of an entry lies."""
+    return r.place(values, "double", r.emit(f"mul i64 {number}, {4 * LANES}"))
+
+
+def _ends(r: Routine) -> str:
+    """The models of the coordinates in memory."""
+    ends = r.emit(f"alloca [{len(ENDS)} x {DOUBLES}], align 64")
+    for place, name in enumerate(ENDS):
+        r.store(f"%{name}", ends, place * LANES)
+    return ends
+
+
+class _Entries:
+    """A loop over the entries of the region `%words`: what a leaf does, then what a gate does, then what none does."""
+
+    def __init__(self, s: RayFormulas, r: Routine, i: str) -> None:
+        self.r, self.kinds, self.number = r, len(s.kinds.kinds), len(r.lines)
+        entry = r.place("%words", "i64", r.emit(f"add i64 {r.emit(f'mul i64 {i}, {ENTRY}')}, 1"))
+        self.what, self.first, self.second = (r.load(entry, k, "i64") for k in range(3))
+        self.values = values_of(s, r)
+        self.out = _value(r, self.values, i)
+        cases = [f"i64 {self.kinds + k}, label %entry{self.number}.{k}" for k in (*BOTH, *NEITHER)]
+        r.do(f"switch i64 {self.what}, label %leaf{self.number} [ {' '.join(cases)} ]")
+
+    def leaf(self) -> None:
+        self.r.start(f"leaf{self.number}")
+
+    def of(self, which: int) -> None:
+        """Leave what is under way, and begin an entry of another sort."""
+        self.r.do(f"br label %over{self.number}")
+        self.r.start(f"entry{self.number}.{which}")
+
+    def end(self) -> None:
+        self.r.label(f"over{self.number}")
+
+    def operands(self) -> tuple[str, str]:
+        """Where the values of both operands lie."""
+        return _value(self.r, self.values, self.first), _value(self.r, self.values, self.second)
+
+
+def values_of(s: RayFormulas, r: Routine) -> str:
+    """Where the values of the entries of the region `%words` lie."""
+    return r.place("%words", "double", s.room.values - s.room.region)
+
+
+def _last(s: RayFormulas, r: Routine, count: str) -> str:
+    return _value(r, values_of(s, r), r.emit(f"sub i64 {count}, 1"))
+
+
+def model(s: RayFormulas) -> Routine:
+    """The model of a region on a segment of each lane."""
+    r = Routine("model", dict.fromkeys(ENDS, DOUBLES) | {"constants": "ptr", "words": "ptr"}, STRUCT, True)
+    ends, count = _ends(r), r.load("%words", 0, "i64")
+    with r.loop("0", count, 1) as i:
+        entry = _Entries(s, r, i)
+        entry.leaf()
+        row = r.place("%constants", "double", entry.first)
+        r.do(f"call void @leaf_model(i64 {entry.what}, ptr {ends}, ptr {row}, ptr {entry.out})")
+        for which, operation in zip(BOTH, OPERATIONS, strict=True):
+            entry.of(which)
+            a, b = (_kept(r, place) for place in entry.operands())
+            _keep(r, entry.out, called(r, operation, [*a, *b], 4))
+        for which, end in zip(NEITHER, (HUGE, -HUGE), strict=True):
+            entry.of(which)
+            _keep(r, entry.out, [r.number(end).name] * 2 + ["zeroinitializer"] * 2)
+        entry.end()
+    give(r, _kept(r, _last(s, r, count)))
+    return r
+
+
+def point(s: RayFormulas) -> Routine:
+    """The value of a region at a point of each lane, and the number of its active leaf."""
+    r = Routine("point", POINT | {"constants": "ptr", "words": "ptr"}, NAMED, True)
+    tolerance, count = r.element("%constants", s.tolerance), r.load("%words", 0, "i64")
+
+    def keep(place: str, value: str, leaf: str) -> None:
+        r.store(value, place, 0)
+        r.store(leaf, r.place(place, "double", LANES), 0, SHORTS)
+
+    def kept(place: str) -> Parts:
+        return [r.load(place, 0), r.load(r.place(place, "double", LANES), 0, SHORTS)]
+
+    with r.loop("0", count, 1) as i:
+        entry = _Entries(s, r, i)
+        entry.leaf()
+        row = r.place("%constants", "double", entry.first)
+        given = ", ".join(f"{DOUBLES} %{axis}" for axis in AXES)
+        value = r.emit(f"call {DOUBLES} @leaf_value(i64 {entry.what}, {given}, ptr {row})")
+        keep(entry.out, value, r.splat(r.emit(f"trunc i64 {entry.second} to i16"), "i16"))
+        for which, operation in zip(BOTH, OPERATIONS, strict=True):
+            entry.of(which)
+            a, b = (kept(place) for place in entry.operands())
+            value, leaf = first_of_equals(r, operation, a, b, tolerance)
+            keep(entry.out, value, leaf)
+        for which, end in zip(NEITHER, ("inf", "-inf"), strict=True):
+            entry.of(which)
+            keep(entry.out, r.number(float(end)).name, leaf_number(0))
+        entry.end()
+    value, leaf = kept(_last(s, r, count))
+    first = r.emit(f"insertvalue {NAMED} poison, {DOUBLES} {value}, 0")
+    r.do(f"ret {NAMED} {r.emit(f'insertvalue {NAMED} {first}, {SHORTS} {leaf}, 1')}")
+    return r
+
+
+def survey(s: RayFormulas) -> Routine:
+    """Which operands of gates do not matter on a segment of each lane: words, those of each lane a stride apart."""
+    parameters = dict.fromkeys(ENDS, DOUBLES) | {"constants": "ptr", "words": "ptr", "stride": "i64", "room": "ptr"}
+    r = Routine("survey", parameters, internal=True)
+    leaves, gates = len(s.rays.leaves), len(s.gates)
+    ends = _ends(r)
+    values, marks = (r.place("%room", "double", begin) for begin in (s.room.values, s.room.marks))
+    with r.loop("0", f"{leaves}", 1) as i:
+        kind, row = (r.load(_of_leaf(s, r, i), k, "i64") for k in range(2))
+        row = r.place("%constants", "double", row)
+        r.do(f"call void @leaf_model(i64 {kind}, ptr {ends}, ptr {row}, ptr {_value(r, values, i)})")
+    with r.loop("0", f"{s.words}", 1) as i:
+        r.store("zeroinitializer", r.place(marks, "i64", r.emit(f"mul i64 {i}, {LANES}")), 0, WORDS)
+    with r.loop("0", f"{gates}", 1) as i:
+        number = len(r.lines)
+        operation, *operands, known = (r.load(_of_gate(s, r, i), k, "i64") for k in range(FormTable.GATE))
+        a, b = (_kept(r, _value(r, values, operand)) for operand in operands)
+        greater = r.emit(f"icmp ne i64 {operation}, 0")
+        turn = r.splat(r.emit(f"select i1 {greater}, double -1.0, double 1.0"))
+        for position, parts in enumerate((a, b)):
+            flag = r.emit(f"icmp ne i64 {r.emit(f'and i64 {known}, {1 << position}')}, 0")
+            r.do(f"br i1 {flag}, label %ask{number}.{position}, label %on{number}.{position}")
+            r.start(f"ask{number}.{position}")
+            low, high = map(r.value, called(r, "range", parts, 2))
+            # A min leaves out what is above 0, a max what is below.
+            chosen = r.emit(f"select i1 {greater}, {DOUBLES} {high.name}, {DOUBLES} {low.name}")
+            idle = r.value(chosen) * r.value(turn) > 0.0
+            bit = r.emit(f"add i64 {r.emit(f'shl i64 {i}, 1')}, {position}")
+            place = r.emit(f"shl i64 {r.emit(f'lshr i64 {bit}, 6')}, {LANES.bit_length() - 1}")
+            word = r.place(marks, "i64", place)
+            yes = r.splat(r.emit(f"shl i64 1, {r.emit(f'and i64 {bit}, 63')}"), "i64")
+            marked = r.select(idle.name, yes, "zeroinitializer", WORDS)
+            r.store(r.emit(f"or {WORDS} {r.load(word, 0, WORDS)}, {marked}"), word, 0, WORDS)
+            r.label(f"on{number}.{position}")
+        out = _value(r, values, r.emit(f"add i64 {i}, {leaves}"))
+        r.do(f"br i1 {greater}, label %max{number}, label %min{number}")
+        for name in OPERATIONS:
+            r.start(f"{name}{number}")
+            _keep(r, out, called(r, name, [*a, *b], 4))
+            r.do(f"br label %joined{number}")
+        r.start(f"joined{number}")
+    with r.loop("0", f"{s.words}", 1) as i:
+        flags = r.load(r.place(marks, "i64", r.emit(f"mul i64 {i}, {LANES}")), 0, WORDS)
+        for lane in range(LANES):
+            one = r.emit(f"extractelement {WORDS} {flags}, i32 {lane}")
+            r.store(one, "%words", r.emit(f"add i64 {r.emit(f'mul i64 %stride, {lane}')}, {i}"), "i64")
+    r.do("ret void")
+    return r
+
+
+def region(s: RayFormulas) -> Routine:
+    """Make the region of words, in the room.
+
+    A walk with a stack from the last gate on; an operand that is met twice is made once.
+    """
+    r = Routine("region", {"words": "ptr", "constants": "ptr", "room": "ptr"}, internal=True)
+    leaves, kinds = len(s.rays.leaves), len(s.kinds.kinds)
+    top, made = (r.emit("alloca i64, align 8") for _ in range(2))
+    target, places, stack = (r.place("%room", "i64", part) for part in (s.room.region, s.room.places, s.room.stack))
+    stamp = r.emit(f"add i64 {r.load('%room', WorkRoom.STAMP, 'i64')}, 1")
+    r.store(stamp, "%room", WorkRoom.STAMP, "i64")
+    mark = r.emit(f"shl i64 {stamp}, 32")
+
+    def change(pointer: str, amount: str) -> None:
+        r.store(r.emit(f"add i64 {r.load(pointer, 0, 'i64')}, {amount}"), pointer, 0, "i64")
+
+    def push(operand: str, when: str) -> None:
+        """Put an operand on the stack, if a bit is set."""
+        r.store(r.emit(f"shl i64 {operand}, 1"), stack, r.load(top, 0, "i64"), "i64")
+        change(top, when)
+
+    def enter(*entry: str) -> None:
+        """One more entry, which is the value of the operand."""
+        number = r.load(made, 0, "i64")
+        first = r.place(target, "i64", r.emit(f"add i64 {r.emit(f'mul i64 {number}, {ENTRY}')}, 1"))
+        for k, part in enumerate(entry):
+            r.store(part, first, k, "i64")
+        r.store(r.emit(f"or i64 {mark}, {number}"), places, operand, "i64")
+        change(made, "1")
+        r.do("br label %next")
+
+    def entry_of(operand: str) -> str:
+        return r.emit(f"and i64 {r.load(places, operand, 'i64')}, 4294967295")
+
+    r.store("0", top, 0, "i64")
+    r.store("0", made, 0, "i64")
+    push(f"{s.operands - 1}", "1")
+    r.label("next")
+    left = r.load(top, 0, "i64")
+    r.do(f"br i1 {r.emit(f'icmp eq i64 {left}, 0')}, label %end, label %pop")
+    r.start("pop")
+    change(top, "-1")
+    item = r.load(stack, r.emit(f"sub i64 {left}, 1"), "i64")
+    operand = r.emit(f"lshr i64 {item}, 1")
+    age = r.emit(f"lshr i64 {r.load(places, operand, 'i64')}, 32")
+    r.do(f"br i1 {r.emit(f'icmp eq i64 {age}, {stamp}')}, label %next, label %new")
+    r.start("new")
+    r.do(f"br i1 {r.emit(f'icmp slt i64 {operand}, {leaves}')}, label %leaf, label %gate")
+    r.start("leaf")
+    enter(*(r.load(_of_leaf(s, r, operand), k, "i64") for k in range(FormTable.LEAF)))
+    r.start("gate")
+    gate = r.emit(f"sub i64 {operand}, {leaves}")
+    operation, first, second = (r.load(_of_gate(s, r, gate), k, "i64") for k in range(3))
+    bit = r.emit(f"shl i64 {gate}, 1")
+    word = r.load("%words", r.emit(f"lshr i64 {bit}, 6"), "i64")
+    within = r.emit(f"and i64 {bit}, 63")
+    busy = r.emit(f"xor i64 {r.emit(f'lshr i64 {word}, {within}')}, 3")
+    one, other = r.emit(f"and i64 {busy}, 1"), r.emit(f"and i64 {r.emit(f'lshr i64 {busy}, 1')}, 1")
+    r.do(f"br i1 {r.emit(f'trunc i64 {item} to i1')}, label %close, label %open")
+    r.start("open")
+    r.store(r.emit(f"or i64 {item}, 1"), stack, r.load(top, 0, "i64"), "i64")
+    change(top, "1")
+    push(second, other)
+    push(first, one)
+    r.do("br label %next")
+    r.start("close")
+    cases = "i64 0, label %none i64 1, label %a i64 2, label %b"
+    r.do(f"switch i64 {r.emit(f'and i64 {busy}, 3')}, label %both [ {cases} ]")
+    r.start("both")
+    enter(r.emit(f"add i64 {operation}, {kinds + BOTH[0]}"), entry_of(first), entry_of(second))
+    r.start("none")
+    enter(r.emit(f"add i64 {operation}, {kinds + NEITHER[0]}"), "0", "0")
+    for label, kept in (("a", first), ("b", second)):
+        r.start(label)
+        r.store(r.load(places, kept, "i64"), places, operand, "i64")
+        r.do("br label %next")
+    r.start("end")
+    r.store(r.load(made, 0, "i64"), target, 0, "i64")
+    r.do("ret void")
+    return r
