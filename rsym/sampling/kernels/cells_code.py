@@ -6,17 +6,33 @@ it leaves that. Cells overlap a little, so that a ray may be taken for one in th
 
 from __future__ import annotations
 
-from rsym.backends.vector_code import Value
-from rsym.sampling.kernels.ray_code import RayFormulas, WorkRoom
-from rsym.sampling.kernels.ray_state import Row, get, least, most
-from rsym.sampling.kernels.routines import DOUBLES, LANES, Routine
+from collections.abc import Sequence
+from typing import NamedTuple, TypeAlias
 
-# What comes before the words of cells, the limits of a march: corner, width and number along the axes, and how far
-# beyond its sides what is known of a cell holds.
+from rsym.backends.vector_code import Value
+from rsym.sampling.kernels.form_code import AXES
+from rsym.sampling.kernels.ray_code import ENDS, NAMED, STRUCT, RayFormulas, WorkRoom
+from rsym.sampling.kernels.ray_state import Row, get, least, most, turns
+from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
+
+# What comes before the cells, the limits of a march: corner, width and number along the axes, and how far beyond its
+# sides what is known of a cell holds. Then for each cell where that lies, words or a region.
 CORNER, WIDTH, NUMBER, MARGIN, HEAD = 0, 3, 6, 9, 16
 # Of the margin: how far ahead it is asked which cell a ray is in, which must not lie behind the side that it came by;
 # how wide beams may be that march by cells.
 AHEAD, THIN = 2.0**-10, 1 - 2.0**-7
+
+
+class InCells(NamedTuple):
+    """Eight rays in cells of their own, those that are asked for."""
+
+    numbers: Value
+    asked: Value
+    cells: str
+    room: str
+
+
+Known: TypeAlias = str | InCells  # words, or what lies in cells
 
 
 def stretch_of(s: RayFormulas, r: Routine, t: Value) -> tuple[Value, Value]:
@@ -34,13 +50,13 @@ def stretch_of(s: RayFormulas, r: Routine, t: Value) -> tuple[Value, Value]:
     return number, end
 
 
-def words_for(s: RayFormulas, r: Routine, asked: Value, number: Value) -> str:
+def words_for(s: RayFormulas, r: Routine, asked: Value, number: Value) -> Known:
     """The words of the stretch in which all rays that are asked for lie, else those that hold for all of the beam."""
+    if s.celled:
+        return InCells(number, asked, "%limits", "%words")
     largest = asked.choose(number, float("-inf"))
     # The greatest of the lanes, and whether it is that of all.
     top = r.value(r.splat(r.emit(f"call double @llvm.vector.reduce.fmax.v{LANES}f64({DOUBLES} {largest.name})")))
-    if s.celled:
-        return words_of_cells(s, r, asked.choose(number, most(top, r.number(0.0))), "%limits", "%words")
     differs = r.emit(f"icmp ne i{LANES} {r.mask((asked & (number < top)).name)}, 0")
     known = most(top, r.number(0.0))
     one = r.emit(f"fptosi double {r.emit(f'extractelement {DOUBLES} {known.name}, i32 0')} to i64")
@@ -65,39 +81,45 @@ def cell_of(r: Routine, t: Value, limits: str) -> tuple[Value, Value]:
     return number, most(end, t + ahead * 2.0)
 
 
-def words_of_cells(s: RayFormulas, r: Routine, numbers: Value, limits: str, room: str) -> str:
-    """What matters in any of eight cells: the words, or the region of these."""
-    r.do(f"call void @matter({DOUBLES} {numbers.name}, ptr {limits}, ptr %constants, ptr {room})")
-    return r.place(room, "i64", s.room.region if s.tabled else s.room.words)
+def asking(s: RayFormulas, r: Routine, name: str, given: str, known: Known) -> str:
+    """The call of `model` or `point` with what is known where eight rays are."""
+    if not isinstance(known, InCells):
+        return f"{name}({given}, ptr %constants, ptr {known})"
+    places = f"{DOUBLES} {known.numbers.name}, i{LANES} {r.mask(known.asked.name)}, ptr {known.cells}"
+    return f"{name}_in_cells({given}, {places}, ptr %constants, ptr {known.room})"
 
 
-def matter(s: RayFormulas) -> Routine:
-    """Put the words of cells, and their region, into the room; it stays while rays are where they were."""
-    r = Routine("matter", {"numbers": DOUBLES, "limits": "ptr", "constants": "ptr", "room": "ptr"}, internal=True)
-    numbers = r.value("%numbers")
-    moved = numbers.compare("une", r.value(r.load("%room", WorkRoom.LAST)))
-    with r.where(moved):
-        r.store("%numbers", "%room", WorkRoom.LAST)
-        target = r.place("%room", "i64", s.room.words)
-        cells = []
-        for lane in range(LANES):
-            number = r.emit(f"fptosi double {r.emit(f'extractelement {DOUBLES} %numbers, i32 {lane}')} to i64")
-            place = r.emit(f"add i64 {r.emit(f'mul i64 {number}, {s.words}')}, {HEAD}")
-            cells.append(r.place("%limits", "i64", place))
-        with r.loop("0", f"{s.words}", 1) as i:
-            word = r.load(cells[0], i, "i64")
-            for cell in cells[1:]:
-                word = r.emit(f"and i64 {word}, {r.load(cell, i, 'i64')}")
-            r.store(word, target, i, "i64")
-        if s.tabled:
-            r.do(f"call void @region(ptr {target}, ptr %constants, ptr %room)")
-    r.do("ret void")
+def cell_routines(s: RayFormulas) -> list[Routine]:
+    """The form where each ray is in a cell of its own, and what is known of cells."""
+    model = _in_cells(s, "model", dict.fromkeys(ENDS, DOUBLES), STRUCT, [DOUBLES] * 4)
+    point = _in_cells(s, "point", dict.fromkeys(AXES, DOUBLES), NAMED, [DOUBLES, SHORTS])
+    return [model, point, cells(s), *([regions(s)] if s.tabled else [])]
+
+
+def _in_cells(s: RayFormulas, name: str, places: dict[str, str], result: str, types: Sequence[str]) -> Routine:
+    """One turn for each cell among the rays that are asked for."""
+    memory = {"numbers": DOUBLES, "asked": f"i{LANES}", "cells": "ptr", "constants": "ptr", "room": "ptr"}
+    r = Routine(f"{name}_in_cells", places | memory, result, True)
+    todo, numbers = r.emit(f"alloca i{LANES}, align 8"), r.emit(f"alloca {DOUBLES}, align 64")
+    found = [r.emit(f"alloca {type}, align 64") for type in types]
+    for type, place in zip(types, found, strict=True):
+        r.store("zeroinitializer", place, 0, type)
+    r.store("%numbers", numbers, 0)
+    r.store("%asked", todo, 0, f"i{LANES}")
+    given = ", ".join(f"{type} %{place}" for place, type in places.items())
+    with turns(r, todo, numbers, 0) as (cell, mine, again):
+        known = r.place("%cells", "i64", r.load(r.place("%cells", "i64", HEAD), cell, "i64"))
+        room = ", ptr %room" if s.tabled else ""
+        value = r.emit(f"call {result} @{name}({given}, ptr %constants, ptr {known}{room})")
+        for k, (type, place) in enumerate(zip(types, found, strict=True)):
+            part = r.emit(f"extractvalue {result} {value}, {k}")
+            r.store(r.select(mine.name, part, r.load(place, 0, type), type), place, 0, type)
+        r.do(f"br label %{again}")
+    value = "poison"
+    for k, (type, place) in enumerate(zip(types, found, strict=True)):
+        value = r.emit(f"insertvalue {result} {value}, {type} {r.load(place, 0, type)}, {k}")
+    r.do(f"ret {result} {value}")
     return r
-
-
-def begin(r: Routine) -> None:
-    """No rays have been in any cell."""
-    r.store(r.number(-1.0).name, "%room", WorkRoom.LAST)
 
 
 def cells(s: RayFormulas) -> Routine:
@@ -110,5 +132,30 @@ def cells(s: RayFormulas) -> Routine:
         target = r.place("%words", "i64", r.emit(f"mul i64 {i}, {s.words}"))
         room = ", ptr %room" if s.tabled else ""
         r.do(f"call void @survey({given}, ptr %constants, ptr {target}, i64 {s.words}{room})")
+    r.do("ret void")
+    return r
+
+
+def regions(s: RayFormulas) -> Routine:
+    """The regions of words, for cells from `first` to below `last`: their sizes, or where there is a target, these."""
+    parameters = {"first": "i64", "last": "i64"} | dict.fromkeys(("words", "constants", "places", "target"), "ptr")
+    r = Routine("regions", parameters | {"room": "ptr"})
+    measured = r.emit("icmp eq ptr %target, null")
+    made = r.place("%room", "i64", s.room.region)
+    with r.loop("%first", "%last", 1) as i:
+        number = len(r.lines)
+        words = r.place("%words", "i64", r.emit(f"mul i64 {i}, {s.words}"))
+        r.do(f"call void @region(ptr {words}, ptr %constants, ptr %room)")
+        entries = r.load(made, 0, "i64")
+        size = r.emit(f"add i64 {r.emit(f'mul i64 {entries}, {WorkRoom.ENTRY}')}, 1")
+        r.do(f"br i1 {measured}, label %measure{number}, label %keep{number}")
+        r.start(f"measure{number}")
+        r.store(size, "%places", i, "i64")
+        r.do(f"br label %done{number}")
+        r.start(f"keep{number}")
+        kept = r.place("%target", "i64", r.load("%places", i, "i64"))
+        bytes_ = r.emit(f"shl i64 {size}, 3")
+        r.do(f"call void @llvm.memcpy.p0.p0.i64(ptr {kept}, ptr {made}, i64 {bytes_}, i1 false)")
+        r.label(f"done{number}")
     r.do("ret void")
     return r

@@ -14,10 +14,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from rsym.backends.vector_code import Value
-from rsym.sampling.kernels.cells_code import stretch_of, words_for
+from rsym.sampling.kernels.cells_code import Known, asking, stretch_of, words_for
 from rsym.sampling.kernels.form_code import leaf_outputs
 from rsym.sampling.kernels.ray_code import NAMED, STRUCT, RayFormulas
-from rsym.sampling.kernels.ray_state import GONE, LOST, MARCHING, MET, Row, get, least, most, put
+from rsym.sampling.kernels.ray_state import GONE, LOST, MARCHING, MET, Row, get, least, most, put, turns
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
 from rsym.sampling.kernels.table_code import gradient_at
 from rsym.sampling.ray_steps import CROSSING, MOST_STEPS, PATIENCE, SHORTEST, TOO_OFTEN
@@ -43,10 +43,12 @@ def segment(r: Routine, t: Value, step: Value, radius: Value | None = None) -> l
     return parts
 
 
-def model_on(r: Routine, t: Value, step: Value, words: str, radius: Value | None = None) -> list[Value]:
+def model_on(
+    s: RayFormulas, r: Routine, t: Value, step: Value, known: Known, radius: Value | None = None
+) -> list[Value]:
     """The model of the form on a segment."""
     given = ", ".join(f"{DOUBLES} {part}" for part in segment(r, t, step, radius))
-    value = r.emit(f"call {STRUCT} @model({given}, ptr %constants, ptr {words})")
+    value = r.emit(f"call {STRUCT} @{asking(s, r, 'model', given, known)}")
     return [r.value(r.emit(f"extractvalue {STRUCT} {value}, {k}")) for k in range(4)]
 
 
@@ -55,10 +57,10 @@ def place_at(r: Routine, t: Value) -> list[Value]:
     return [get(r, Row.ORIGIN + axis) + get(r, Row.DIRECTION + axis) * t for axis in range(3)]
 
 
-def form_at(r: Routine, t: Value, words: str) -> tuple[Value, Value]:
+def form_at(s: RayFormulas, r: Routine, t: Value, known: Known) -> tuple[Value, Value]:
     """The value of the form at t, and the number of its active leaf."""
     given = ", ".join(f"{DOUBLES} {part.name}" for part in place_at(r, t))
-    both = r.emit(f"call {NAMED} @point({given}, ptr %constants, ptr {words})")
+    both = r.emit(f"call {NAMED} @{asking(s, r, 'point', given, known)}")
     value, leaf = (r.emit(f"extractvalue {NAMED} {both}, {k}") for k in range(2))
     return r.value(value), r.value(r.emit(f"sitofp {SHORTS} {leaf} to {DOUBLES}"))
 
@@ -92,7 +94,7 @@ def march(s: RayFormulas) -> Routine:
         step = least(get(r, Row.STEP), least(end, stop) - t)
         half = step * 0.5
         words = words_for(s, r, live, number)
-        low, high, linear, quadratic = model_on(r, t, step, words)
+        low, high, linear, quadratic = model_on(s, r, t, step, words)
         bend = quadratic - linear
         upper = first_root(r, high + bend, linear, quadratic)
         lower = first_root(r, low + bend, linear, quadratic)
@@ -112,7 +114,7 @@ def march(s: RayFormulas) -> Routine:
         put(r, Row.STEP, live.choose(out.choose(step * 2.0, following), step))
         with r.where(narrow):
             end = crosses.choose(begin + width, t + step)
-            value, leaf = form_at(r, end, words)
+            value, leaf = form_at(s, r, end, words)
             # Enclosures know better than a value whose sign is rounded; what is undefined is not inside.
             inside = crosses.choose(value + size * 0.01, value) > 0.0
             met = narrow & inside
@@ -148,7 +150,7 @@ def settle(s: RayFormulas) -> Routine:
     with r.where(begins | lost):
         # Inside already where the ray begins: a cap, unless the surface lies in it; of what is lost the nearest leaf.
         at = lost.choose(get(r, Row.T), get(r, Row.START))
-        value, leaf = form_at(r, at, words)
+        value, leaf = form_at(s, r, at, words)
         pinned = lost | (begins & (value > tolerance))
         entry = get(r, Row.ENTRY)
         capped = pinned & (lost ^ 1) & entry.compare("oge", 0.0)
@@ -160,7 +162,7 @@ def settle(s: RayFormulas) -> Routine:
     with r.loop("0", f"{ROUNDS}", 1, lambda: _open(s, r)) as turn:
         r.store(r.mask(_open(s, r).name), todo, 0, f"i{LANES}")
         _by_leaf(s, r, todo)
-        value, leaf = form_at(r, get(r, Row.T), words)
+        value, leaf = form_at(s, r, get(r, Row.T), words)
         ended = r.value(r.splat(r.emit(f"icmp eq i64 {turn}, {ROUNDS - 1}"), "i1"), "i1")
         mine = _open(s, r)
         other = mine & leaf.compare("one", get(r, Row.LEAF)) & (ended ^ 1)
@@ -182,32 +184,18 @@ def _open(s: RayFormulas, r: Routine) -> Value:
 
 def _by_leaf(s: RayFormulas, r: Routine, todo: str) -> None:
     """One turn for each leaf among the rays that are left."""
-    number = len(r.lines)
-    r.label(f"next{number}")
-    left = r.load(todo, 0, f"i{LANES}")
-    lane = r.emit(f"call i{LANES} @llvm.cttz.i{LANES}(i{LANES} {left}, i1 false)")
-    some = r.emit(f"icmp ne i{LANES} {left}, 0")
-    r.do(f"br i1 {some}, label %turn{number}, label %over{number}")
-    r.start(f"turn{number}")
-    place = r.emit(f"zext i{LANES} {lane} to i64")
-    one = r.load(r.place("%state", "double", Row.LEAF * LANES), place, "double")
-    same = get(r, Row.LEAF).compare("oeq", r.value(r.splat(one)))
-    waiting = r.emit(f"bitcast i{LANES} {left} to <{LANES} x i1>")
-    mine = r.value(waiting, "i1") & same
-    rest = r.emit(f"xor i{LANES} {left}, {r.mask(mine.name)}")
-    r.store(rest, todo, 0, f"i{LANES}")
-    which = r.emit(f"fptosi double {one} to i64")
-    if s.tabled:
-        _newton(r, lambda places: gradient_at(s, r, which, places), mine)
-        r.do(f"br label %next{number}")
-    else:
+    with turns(r, todo, "%state", Row.LEAF) as (which, mine, again):
+        if s.tabled:
+            _newton(r, lambda places: gradient_at(s, r, which, places), mine)
+            r.do(f"br label %{again}")
+            return
+        number = again.removeprefix("next")
         cases = " ".join(f"i64 {k}, label %leaf{number}.{k}" for k in range(s.count))
-        r.do(f"switch i64 {which}, label %next{number} [ {cases} ]")
+        r.do(f"switch i64 {which}, label %{again} [ {cases} ]")
         for k in range(s.count):
             r.start(f"leaf{number}.{k}")
             _newton(r, partial(_gradient, s, r, k), mine)
-            r.do(f"br label %next{number}")
-    r.start(f"over{number}")
+            r.do(f"br label %{again}")
 
 
 def _gradient(s: RayFormulas, r: Routine, k: int, places: Sequence[str]) -> list[str]:

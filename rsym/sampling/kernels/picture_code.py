@@ -13,7 +13,7 @@ from rsym.backends.llvm_code import VECTORS, declarations
 from rsym.backends.vector_code import Value
 from rsym.program.program import Node
 from rsym.sampling.kernels import table_code
-from rsym.sampling.kernels.cells_code import MARGIN, THIN, begin, cell_of, cells, matter, words_of_cells
+from rsym.sampling.kernels.cells_code import MARGIN, THIN, InCells, cell_of, cell_routines
 from rsym.sampling.kernels.march_code import clip, first_root, march, model_on, segment, settle
 from rsym.sampling.kernels.ray_code import NAMED, STRUCT, RayFormulas, library, model, point, survey
 from rsym.sampling.kernels.ray_state import GONE, MARCHING, ROWS, Row, get, least, most, put
@@ -94,7 +94,8 @@ def beams(s: RayFormulas) -> Routine:
     """
     of_all = CELLS if s.celled else {"nothing": "ptr", **TILES}
     r = _started("beams", {**COMMON, "columns": "i64", **of_all})
-    limits, words = _cells_begun(s, r) if s.celled else ("%limits", "%nothing")
+    if s.celled:
+        _cells(s, r)
     radius, spread = r.part("radius"), r.part("spread")
 
     def reach(t: Value, step: Value) -> Value:
@@ -114,17 +115,17 @@ def beams(s: RayFormulas) -> Routine:
         put(r, Row.STEP, (get(r, Row.STOP) - get(r, Row.T)) * 0.5)
         with r.loop("0", f"{MOST_BEAM_STEPS}", 1, lambda: get(r, Row.STATUS).compare("oeq", MARCHING)):
             t, stop, status = get(r, Row.T), get(r, Row.STOP), get(r, Row.STATUS)
-            number, end = cell_of(r, t, limits) if s.celled else (t, stop)
+            number, end = cell_of(r, t, "%cells") if s.celled else (t, stop)
             step = least(get(r, Row.STEP), (least(end, stop) if s.celled else stop) - t)
             half = step * 0.5
-            known = words_of_cells(s, r, number, limits, words) if s.celled else words
-            _, high, linear, quadratic = model_on(r, t, step, known, reach(t, step))
+            known = InCells(number, status.compare("oeq", MARCHING), "%cells", "%room") if s.celled else "%nothing"
+            _, high, linear, quadratic = model_on(s, r, t, step, known, reach(t, step))
             upper = first_root(r, high + (quadratic - linear), linear, quadratic)
             out = upper > 2.0
             begin = t + upper * half
             live = status.compare("oeq", MARCHING)
             if s.celled:
-                thin = reach(t, step) < r.element(limits, MARGIN) * THIN
+                thin = reach(t, step) < r.element("%cells", MARGIN) * THIN
                 out, begin, step = out & thin, thin.choose(begin, t), thin.choose(step, 0.0)
             size = (r.part("pixel") + r.part("growth") * abs(t)) * (TILE * NEAR)
             put(r, Row.T, live.choose(out.choose(t + step, begin), t))
@@ -169,6 +170,8 @@ def picture(s: RayFormulas) -> Routine:
     """From tile `first` to below `last` what each pixel shows; `stride` is the length of a row of pixels."""
     outputs = {"depth": "ptr", "leaf": "ptr", "normal": "ptr", "doubt": "ptr", "stride": "i64", "plane": "i64"}
     r = _started("picture", {**COMMON, "columns": "i64", **(CELLS if s.celled else TILES), **outputs})
+    if s.celled:
+        _cells(s, r)
     pixel, growth = r.scalar("pixel"), r.scalar("growth")
     wide, high = BLOCK
     across, down = (
@@ -179,9 +182,8 @@ def picture(s: RayFormulas) -> Routine:
         column, row = (r.emit(f"{operation} i64 {tile}, %columns") for operation in ("urem", "udiv"))
         x0, y0 = (r.emit(f"mul i64 {number}, {TILE}") for number in (column, row))
         start = r.element("%starts", tile)
-        if s.celled:
-            limits, words = _cells_begun(s, r)
-        else:
+        limits, words = "%cells", "%room"
+        if not s.celled:
             words = r.place("%marks", "i64", r.emit(f"mul i64 {tile}, {(s.slabs + 1) * s.words}"))
             limits = r.place("%limits", "double", r.emit(f"mul i64 {tile}, {s.slabs}"))
         with r.loop("0", f"{TILE}", high) as j, r.loop("0", f"{TILE}", wide) as i:
@@ -205,10 +207,8 @@ def picture(s: RayFormulas) -> Routine:
     return r
 
 
-def _cells_begun(s: RayFormulas, r: Picture) -> tuple[str, str]:
-    """The cells, and the room that what matters in them is put into."""
-    begin(r)
-    return r.place("%constants", "double", s.cells), "%room"
+def _cells(s: RayFormulas, r: Picture) -> None:
+    r.do(f"%cells = getelementptr double, ptr %constants, i64 {s.cells}")
 
 
 def rays(s: RayFormulas) -> Routine:
@@ -216,7 +216,9 @@ def rays(s: RayFormulas) -> Routine:
     outputs = {"depth": "ptr", "leaf": "ptr", "normal": "ptr", "doubt": "ptr", "stride": "i64"}
     of_all = ROOM if s.celled else {"limits": "ptr", "nothing": "ptr"}
     r = _started("rays", {**COMMON, "given": "ptr", **of_all, **outputs})
-    limits, words = _cells_begun(s, r) if s.celled else ("%limits", "%nothing")
+    limits, words = ("%cells", "%room") if s.celled else ("%limits", "%nothing")
+    if s.celled:
+        _cells(s, r)
     with r.loop("%first", "%last", LANES) as i:
         for row in range(6):
             put(r, Row.ORIGIN + row, r.value(r.load(r.row("%given", "%stride", row), i)))
@@ -237,7 +239,7 @@ def probe(s: RayFormulas) -> Routine:
     words = "%words"
     if s.tabled:
         r.do("call void @region(ptr %words, ptr %constants, ptr %room)")
-        words = r.place("%room", "i64", s.room.region)
+        words = f"{r.place('%room', 'i64', s.room.region)}, ptr %room"
     ends = [r.value(r.load("%given", row * LANES)) for row in range(9)]
     given = ", ".join(f"{DOUBLES} {end.name}" for end in ends)
     value = r.emit(f"call {STRUCT} @model({given}, ptr %constants, ptr {words})")
@@ -284,11 +286,12 @@ def caster_code(s: RayFormulas) -> str:
         *declarations(VECTORS["float64"], nodes),
         f"declare i{LANES} @llvm.cttz.i{LANES}(i{LANES}, i1)",
         f"declare double @llvm.vector.reduce.fmax.v{LANES}f64({DOUBLES})",
+        *(["declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)"] if s.tabled else []),
     ]
     walks = (model, survey, point) if not s.tabled else (table_code.model, table_code.survey, table_code.point)
     parts = [part(s) for part in (*walks, clip, march, settle, beams, picture, rays, probe)]
     if s.tabled:
         parts += [*leaf_routines(s), region(s)]
     if s.celled:
-        parts += [matter(s), cells(s)]
+        parts += cell_routines(s)
     return "\n".join([*head, *library(s), *(part.text for part in parts)])

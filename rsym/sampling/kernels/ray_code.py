@@ -154,12 +154,10 @@ class WorkRoom:
     """
 
     ENTRY = 3
-    LAST = 0  # the cells that eight rays were in
-    STAMP = LANES  # how many regions were made
+    STAMP = 0  # how many regions were made
 
     def __init__(self, words: int, operands: int) -> None:
-        self.words = 2 * LANES
-        self.region = self.words + words
+        self.region = LANES
         self.values = self.region + 1 + self.ENTRY * operands
         self.places = self.values + 4 * LANES * operands
         self.stack = self.places + operands

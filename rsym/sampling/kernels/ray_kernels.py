@@ -43,6 +43,7 @@ _CELLED: dict[str, tuple[Any, ...]] = {
     "picture": (*_COMMON, _INTEGER, *[_POINTER] * 2, *_OUT, _INTEGER),
     "probe": (*[_POINTER] * 5,),
     "rays": (*_COMMON, *[_POINTER] * 2, *_OUT),
+    "regions": (_INTEGER, _INTEGER, *[_POINTER] * 5),
 }
 # Cells of the bounds for each leaf, and the most along an axis.
 CELLS, MOST_CELLS = 4, 32
@@ -62,6 +63,7 @@ class RayKernels:
         self._functions: dict[str, Callable[..., None]] = {
             name: ctypes.CFUNCTYPE(None, *kinds)(self._engine.get_function_address(name))
             for name, kinds in (_CELLED if self.formulas.celled else _SIGNATURES).items()
+            if name != "regions" or self.formulas.tabled
         }
         self._check()
 
@@ -152,9 +154,17 @@ class RayKernels:
         head = np.zeros(HEAD)
         for place, part in ((CORNER, low), (WIDTH, width), (NUMBER, number), (MARGIN, [margin])):
             head[place : place + len(part)] = part
-        constants = np.concatenate([array, head])
-        self._call("cells", 0, count, given, constants, words, *self._room() or (None,), len(words))
-        return np.concatenate([constants, words.ravel().view(np.float64)])
+        self._call("cells", 0, count, given, array, words, *self._room(), len(words))
+        places = np.arange(count + 1) * s.words
+        known = words[:count].ravel()
+        if s.tabled:
+            self._call("regions", 0, count, words, array, places, None, *self._room())
+            places[1:] = places[:-1].cumsum()
+            places[0] = 0
+            known = np.empty(places[-1], np.uint64)
+            self._call("regions", 0, count, words, array, places, known, *self._room())
+        integers = np.concatenate([places[:-1] + HEAD + count, known.view(np.int64)])
+        return np.concatenate([array, head, integers.view(np.float64)])
 
     def _room(self) -> tuple[Ints, ...]:
         """Memory that a call works in."""

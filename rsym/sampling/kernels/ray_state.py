@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import IntEnum
 
 from rsym.backends.vector_code import Value
@@ -49,3 +51,24 @@ def least(a: Value, b: Value) -> Value:
 def most(a: Value, b: Value) -> Value:
     """The larger."""
     return (a > b).choose(a, b)
+
+
+@contextmanager
+def turns(r: Routine, todo: str, rows: str, row: int) -> Iterator[tuple[str, Value, str]]:
+    """One turn for each number in a row, of the lanes whose bits are left: it, its lanes, and where to go on."""
+    number = len(r.lines)
+    r.label(f"next{number}")
+    left = r.load(todo, 0, f"i{LANES}")
+    lane = r.emit(f"call i{LANES} @llvm.cttz.i{LANES}(i{LANES} {left}, i1 false)")
+    some = r.emit(f"icmp ne i{LANES} {left}, 0")
+    r.do(f"br i1 {some}, label %turn{number}, label %over{number}")
+    r.start(f"turn{number}")
+    place = r.emit(f"zext i{LANES} {lane} to i64")
+    one = r.load(r.place(rows, "double", row * LANES), place, "double")
+    same = r.value(r.load(rows, row * LANES)).compare("oeq", r.value(r.splat(one)))
+    waiting = r.emit(f"bitcast i{LANES} {left} to <{LANES} x i1>")
+    mine = r.value(waiting, "i1") & same
+    rest = r.emit(f"xor i{LANES} {left}, {r.mask(mine.name)}")
+    r.store(rest, todo, 0, f"i{LANES}")
+    yield r.emit(f"fptosi double {one} to i64"), mine, f"next{number}"
+    r.start(f"over{number}")

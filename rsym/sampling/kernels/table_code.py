@@ -27,6 +27,7 @@ OPERATIONS = ("min", "max")
 # Entries of a region beside leaves: a gate with both operands, and one with none.
 BOTH, NEITHER = (0, 1), (2, 3)
 POINT = dict.fromkeys(AXES, DOUBLES)
+MEMORY = dict.fromkeys(("constants", "words", "room"), "ptr")
 WORDS = f"<{LANES} x i64>"
 ENTRY = WorkRoom.ENTRY
 
@@ -137,7 +138,7 @@ class _Entries:
         self.r, self.kinds, self.number = r, len(s.kinds.kinds), len(r.lines)
         entry = r.place("%words", "i64", r.emit(f"add i64 {r.emit(f'mul i64 {i}, {ENTRY}')}, 1"))
         self.what, self.first, self.second = (r.load(entry, k, "i64") for k in range(3))
-        self.values = values_of(s, r)
+        self.values = _values(s, r)
         self.out = _value(r, self.values, i)
         cases = [f"i64 {self.kinds + k}, label %entry{self.number}.{k}" for k in (*BOTH, *NEITHER)]
         r.do(f"switch i64 {self.what}, label %leaf{self.number} [ {' '.join(cases)} ]")
@@ -158,18 +159,18 @@ class _Entries:
         return _value(self.r, self.values, self.first), _value(self.r, self.values, self.second)
 
 
-def values_of(s: RayFormulas, r: Routine) -> str:
-    """Where the values of the entries of the region `%words` lie."""
-    return r.place("%words", "double", s.room.values - s.room.region)
+def _values(s: RayFormulas, r: Routine) -> str:
+    """Where the values of entries lie."""
+    return r.place("%room", "double", s.room.values)
 
 
 def _last(s: RayFormulas, r: Routine, count: str) -> str:
-    return _value(r, values_of(s, r), r.emit(f"sub i64 {count}, 1"))
+    return _value(r, _values(s, r), r.emit(f"sub i64 {count}, 1"))
 
 
 def model(s: RayFormulas) -> Routine:
     """The model of a region on a segment of each lane."""
-    r = Routine("model", dict.fromkeys(ENDS, DOUBLES) | {"constants": "ptr", "words": "ptr"}, STRUCT, True)
+    r = Routine("model", dict.fromkeys(ENDS, DOUBLES) | MEMORY, STRUCT, True)
     ends, count = _ends(r), r.load("%words", 0, "i64")
     with r.loop("0", count, 1) as i:
         entry = _Entries(s, r, i)
@@ -190,7 +191,7 @@ def model(s: RayFormulas) -> Routine:
 
 def point(s: RayFormulas) -> Routine:
     """The value of a region at a point of each lane, and the number of its active leaf."""
-    r = Routine("point", POINT | {"constants": "ptr", "words": "ptr"}, NAMED, True)
+    r = Routine("point", POINT | MEMORY, NAMED, True)
     tolerance, count = r.element("%constants", s.tolerance), r.load("%words", 0, "i64")
 
     def keep(place: str, value: str, leaf: str) -> None:
@@ -228,7 +229,7 @@ def survey(s: RayFormulas) -> Routine:
     r = Routine("survey", parameters, internal=True)
     leaves, gates = len(s.rays.leaves), len(s.gates)
     ends = _ends(r)
-    values, marks = (r.place("%room", "double", begin) for begin in (s.room.values, s.room.marks))
+    values, marks = _values(s, r), r.place("%room", "i64", s.room.marks)
     with r.loop("0", f"{leaves}", 1) as i:
         kind, row = (r.load(_of_leaf(s, r, i), k, "i64") for k in range(2))
         row = r.place("%constants", "double", row)
