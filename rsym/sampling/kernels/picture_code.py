@@ -20,7 +20,6 @@ from rsym.sampling.kernels.ray_state import GONE, MARCHING, ROWS, Row, get, leas
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
 from rsym.sampling.kernels.table_code import leaf_routines, region
 
-TILE = 16  # pixels along a side
 BLOCK = (4, 2)  # columns and rows of the eight pixels that march together
 MOST_BEAM_STEPS = 60
 # Of the side of a tile: where a beam that may meet something ends.
@@ -109,7 +108,7 @@ def beams(s: RayFormulas) -> Routine:
             for lane, number in enumerate(numbers):
                 one = r.emit(f"sitofp i64 {r.emit(f'{operation} i64 {number}, %columns')} to double")
                 vector = r.emit(f"insertelement {DOUBLES} {vector}, double {one}, i32 {lane}")
-            places.append(r.value(vector) * float(TILE) + TILE / 2)
+            places.append(r.value(vector) * float(s.tile) + s.tile / 2)
         r.rays(*places)
         r.do(f"call void @clip(ptr %state, ptr %planes, i64 %cuts, double {r.scalar('reach')})")
         put(r, Row.STEP, (get(r, Row.STOP) - get(r, Row.T)) * 0.5)
@@ -127,7 +126,7 @@ def beams(s: RayFormulas) -> Routine:
             if s.celled:
                 thin = reach(t, step) < r.element("%cells", MARGIN) * THIN
                 out, begin, step = out & thin, thin.choose(begin, t), thin.choose(step, 0.0)
-            size = (r.part("pixel") + r.part("growth") * abs(t)) * (TILE * NEAR)
+            size = (r.part("pixel") + r.part("growth") * abs(t)) * (s.tile * NEAR)
             put(r, Row.T, live.choose(out.choose(t + step, begin), t))
             put(r, Row.STEP, out.choose(step * 2.0, least(t + step - begin, half)))
             ended = live & (out ^ 1) & (step < size)
@@ -149,7 +148,7 @@ Reach: TypeAlias = Callable[[Value, Value], Value]
 def _stretches(s: RayFormulas, r: Picture, i: str, ends: tuple[Value, Value, Value], reach: Reach) -> None:
     """What matters to eight beams from where they begin, of some length, up to their ends, in stretches."""
     t, rest, stop = ends
-    size = (r.part("pixel") + r.part("growth") * abs(t)) * (TILE * NEAR_DEPTH)
+    size = (r.part("pixel") + r.part("growth") * abs(t)) * (s.tile * NEAR_DEPTH)
     for slab in range(s.slabs + 1):
         whole = slab == s.slabs
         begin = t if whole or not slab else least(t + size * 2.0 ** (slab - 1), stop)
@@ -180,13 +179,13 @@ def picture(s: RayFormulas) -> Routine:
     )
     with r.loop("%first", "%last", 1) as tile:
         column, row = (r.emit(f"{operation} i64 {tile}, %columns") for operation in ("urem", "udiv"))
-        x0, y0 = (r.emit(f"mul i64 {number}, {TILE}") for number in (column, row))
+        x0, y0 = (r.emit(f"mul i64 {number}, {s.tile}") for number in (column, row))
         start = r.element("%starts", tile)
         limits, words = "%cells", "%room"
         if not s.celled:
             words = r.place("%marks", "i64", r.emit(f"mul i64 {tile}, {(s.slabs + 1) * s.words}"))
             limits = r.place("%limits", "double", r.emit(f"mul i64 {tile}, {s.slabs}"))
-        with r.loop("0", f"{TILE}", high) as j, r.loop("0", f"{TILE}", wide) as i:
+        with r.loop("0", f"{s.tile}", high) as j, r.loop("0", f"{s.tile}", wide) as i:
             x, y = r.emit(f"add i64 {x0}, {i}"), r.emit(f"add i64 {y0}, {j}")
             left, top = (r.value(r.splat(r.emit(f"sitofp i64 {number} to double"))) for number in (x, y))
             put(r, Row.STATUS, r.number(GONE))
@@ -197,7 +196,7 @@ def picture(s: RayFormulas) -> Routine:
                 t = get(r, Row.T)
                 put(r, Row.T, (start > t).choose(start, t))
                 size = r.part("pixel") + r.part("growth") * abs(get(r, Row.T))
-                put(r, Row.STEP, size * (TILE * FIRST_STEP))
+                put(r, Row.STEP, size * (s.tile * FIRST_STEP))
                 r.march(limits, words, pixel, growth)
             for half in range(high):
                 below = r.emit(f"mul i64 {r.emit(f'add i64 {y}, {half}')}, %stride")

@@ -76,6 +76,11 @@ class RayFormulas:
         """
         return 1
 
+    @property
+    def tile(self) -> int:
+        """How many pixels a beam is wide: of a large form it must be thin to march by cells."""
+        return 8 if self.celled else 16
+
     @cached_property
     def kinds(self) -> LeafKinds:
         """The kinds of leaves."""

@@ -21,7 +21,7 @@ from rsym.program.program import FLOAT64
 from rsym.sampling.hits import Seen
 from rsym.sampling.kernels.cells_code import CORNER, HEAD, MARGIN, NUMBER, WIDTH
 from rsym.sampling.kernels.mesher_kernels import padded
-from rsym.sampling.kernels.picture_code import NUMBERS_OF_CAMERA, TILE, VECTORS_OF_CAMERA, caster_code, place_of
+from rsym.sampling.kernels.picture_code import NUMBERS_OF_CAMERA, VECTORS_OF_CAMERA, caster_code, place_of
 from rsym.sampling.kernels.ray_code import RayFormulas
 from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.pencils import Pencil
@@ -174,9 +174,10 @@ class RayKernels:
         """What the rays of a pencil meet within planes (n, 4)."""
         pool = Crowd(threads)
         width, height = pencil.size
-        columns, rows = -(-width // TILE), -(-height // TILE)
+        tile = self.formulas.tile
+        columns, rows = -(-width // tile), -(-height // tile)
         tiles = columns * rows
-        camera = _camera(pencil, near, far, planes)
+        camera = _camera(pencil, near, far, planes, tile)
         words, slabs = self.formulas.words, self.formulas.slabs
         common = (camera, planes, len(planes), constants, columns)
         starts, limits = np.empty(tiles + LANES), np.empty((tiles + LANES) * slabs)
@@ -188,7 +189,7 @@ class RayKernels:
 
         beam = -(-tiles // (LANES * pool.threads * 4)) * LANES
         pool.run(lambda a, b: self._call("beams", a, b, *common, *of_tiles(nothing)), tiles, beam)
-        shape = rows * TILE, columns * TILE
+        shape = rows * tile, columns * tile
         seen = Seen(np.empty(shape), np.empty(shape, np.int16), np.empty((3, *shape)), np.empty(shape, np.uint8))
         out = (seen.depth, seen.leaf, seen.normal, seen.doubt, shape[1], shape[0] * shape[1])
         pool.run(lambda a, b: self._call("picture", a, b, *common, *of_tiles(), *out), tiles, columns)
@@ -230,13 +231,13 @@ class RayKernels:
         self._functions[name](*(a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments))
 
 
-def _camera(pencil: Pencil, near: float, far: float, planes: Floats) -> Floats:
+def _camera(pencil: Pencil, near: float, far: float, planes: Floats, tile: int) -> Floats:
     camera = np.zeros(32)
     eye = pencil.forward if pencil.eye is None else pencil.eye
     for name, vector in zip(VECTORS_OF_CAMERA, (pencil.corner, pencil.across, pencil.down, eye), strict=True):
         camera[place_of(name) : place_of(name) + 3] = vector
     # Half the diagonal of a tile; a little more for what rounding loses.
-    diagonal = float(np.linalg.norm([np.linalg.norm(pencil.across), np.linalg.norm(pencil.down)])) * TILE / 2 * 1.001
+    diagonal = float(np.linalg.norm([np.linalg.norm(pencil.across), np.linalg.norm(pencil.down)])) * tile / 2 * 1.001
     away = 1.0
     if pencil.eye is not None:
         normal = np.cross(pencil.across, pencil.down)
