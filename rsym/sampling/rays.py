@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -69,10 +70,9 @@ class Caster:
         bounds: Any = None,
         threads: int | None = None,
     ) -> None:
-        self._leaf_fields = LeafFields(shape)
         self.shape = shape
         self.threads = checked_threads(threads)
-        self._kernels = _kernels(self._leaf_fields)
+        self._leaf_fields, self._kernels = _made(shape, default_backend())
         self._bounds = None if bounds is None else checked_bounds(bounds, 3)
         self.letters: dict[str, float] = {}
         self.set(letters)
@@ -93,7 +93,8 @@ class Caster:
     def leaves(self) -> tuple[str, ...]:
         """The names of the leaves, the sides of the bounds last."""
         sides = [f"cap {name} {end}" for name in self.shape.coordinates for end in ("lower", "upper")]
-        return (*self._leaf_fields.leaves, *sides)
+        with _naming:
+            return (*self._leaf_fields.leaves, *sides)
 
     def cast(
         self,
@@ -211,12 +212,18 @@ class Kernels(Protocol):
         """What rays (n, 3) meet."""
 
 
-def _kernels(fields: LeafFields) -> Kernels:
-    if default_backend() != "llvm":
-        return ArrayRays(fields)
+_naming = threading.Lock()  # names are made with the nodes of a form that casters share
+
+
+@lru_cache(maxsize=32)  # a notebook shows the same few shapes again and again
+def _made(shape: Shape, backend: str) -> tuple[LeafFields, Kernels]:
+    """What casters of a shape share."""
+    fields = LeafFields(shape)
+    if backend != "llvm":
+        return fields, ArrayRays(fields)
     from rsym.sampling.kernels.ray_kernels import ray_kernels
 
-    return ray_kernels(fields.form)
+    return fields, ray_kernels(fields.form)
 
 
 def _checked_rays(origins: ArrayLike, directions: ArrayLike) -> tuple[Floats, Floats]:

@@ -280,11 +280,17 @@ def crowd(count):
     )
 
 
-def seen_by(shape, tabled, monkeypatch, celled=8):
-    """What two sets of letters show to a picture and to rays from everywhere, and the kernels."""
+def large_from(celled, tabled, monkeypatch):
+    """Take forms of so many gates for large ones."""
     monkeypatch.setattr(ray_kernels, "_kernels", {})
+    casting._made.cache_clear()
     monkeypatch.setattr(ray_code, "CELLED", celled)
     monkeypatch.setattr(ray_code, "TABLED", tabled)
+
+
+def seen_by(shape, tabled, monkeypatch):
+    """What two sets of letters show to a picture and to rays from everywhere, and the kernels."""
+    large_from(8, tabled, monkeypatch)
     caster, generator = Caster(shape), np.random.default_rng(11)
     origins, aims = generator.normal(size=(2, 400, 3))
     for letters in (None, {"k": 0.5, "m": 0.8}):
@@ -309,9 +315,7 @@ def test_tables_of_kinds_give_the_bits_of_branches(count, monkeypatch):
 
 @pytest.mark.random
 def test_a_large_form_by_dense_signs(monkeypatch):
-    monkeypatch.setattr(ray_kernels, "_kernels", {})
-    monkeypatch.setattr(ray_code, "CELLED", 8)
-    monkeypatch.setattr(ray_code, "TABLED", 8)
+    large_from(8, 8, monkeypatch)
     shape = crowd(12)
     assert complaints(shape, None, camera(shape.bounds, (120, 90), 0.7, 0.3, room=1.2), 400, 1500) == ([], 0)
 
