@@ -40,7 +40,8 @@ ZERO = "zeroinitializer"
 HUGE = 1e90
 # The models of the coordinates, which are linear along rays.
 ENDS = tuple(f"{axis}_{part}" for axis in AXES for part in ("low", "high", "linear"))
-# So many gates: from here on what matters is known for cells of the bounds, and a form is tables that loops walk.
+# So many gates: from here on what matters is known for cells of the bounds, and a form is tables that loops walk. Of 70
+# balls that takes a quarter of the time, to compile and to look; below that branches around what is idle are as fast and simpler.
 CELLED = TABLED = 64
 # Calls. What more than one leaf needs is made once where it is that much, though maybe no leaf in a block needs it.
 MUCH = 8
@@ -53,6 +54,10 @@ class RayFormulas:
     scale for each leaf, then the distance below which leaves are taken for one. Of a large form the rows of its leaves
     follow, tables of its leaves and gates in integers, and the cells of its bounds.
     """
+
+    # Into how many stretches the rest of a beam is cut, each with its words: on the car, of 38 gates, a second one costs
+    # more than it saves. Large forms march by cells.
+    slabs = 1
 
     def __init__(self, form: SignForm) -> None:
         self.form = form
@@ -67,14 +72,6 @@ class RayFormulas:
         self.constants = self.tolerance + 1
         self.celled, self.tabled = len(self.gates) >= CELLED, len(self.gates) >= TABLED
         self.operands = len(self.rays.leaves) + len(self.gates)
-
-    @property
-    def slabs(self) -> int:
-        """Into how many stretches the rest of a beam is cut, each with its words: more where more can be left out.
-
-        On the car, of 38 gates, a second one costs more than it saves; of 200 balls six halve the time.
-        """
-        return 1
 
     @property
     def tile(self) -> int:
