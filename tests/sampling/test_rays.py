@@ -313,6 +313,17 @@ def test_tables_of_kinds_give_the_bits_of_branches(count, monkeypatch):
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
 
 
+def test_cells_leave_out_nothing_that_matters(monkeypatch):
+    shape, pencil, seen = crowd(12), camera(BOX, (96, 72), room=1.2), []
+    for gates in (8, 10**9):
+        large_from(gates, gates, monkeypatch)
+        seen.append(Caster(shape).look(pencil))
+    one, other = seen
+    assert (one.met == other.met).mean() > 0.999
+    both = one.met & other.met
+    assert np.quantile(np.abs(one.depth[both] - other.depth[both]), 0.98) < 1e-9
+
+
 @pytest.mark.random
 def test_a_large_form_by_dense_signs(monkeypatch):
     large_from(8, 8, monkeypatch)

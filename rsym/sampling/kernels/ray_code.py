@@ -41,7 +41,7 @@ HUGE = 1e90
 # The models of the coordinates, which are linear along rays.
 ENDS = tuple(f"{axis}_{part}" for axis in AXES for part in ("low", "high", "linear"))
 # So many gates: from here on what matters is known for cells of the bounds, and a form is tables that loops walk. Of 70
-# balls that takes a quarter of the time, to compile and to look; below that branches around what is idle are as fast and simpler.
+# balls that takes a quarter of the time of branches, to compile and to look.
 CELLED = TABLED = 64
 # Calls. What more than one leaf needs is made once where it is that much, though maybe no leaf in a block needs it.
 MUCH = 8
@@ -55,7 +55,7 @@ class RayFormulas:
     follow, tables of its leaves and gates in integers, and the cells of its bounds.
     """
 
-    # Into how many stretches the rest of a beam is cut, each with its words: on the car, of 38 gates, a second one costs
+    # Into how many stretches the rest of a beam is cut, each with its words: on the car, of 38 gates, a second one takes
     # more than it saves. Large forms march by cells.
     slabs = 1
 
