@@ -17,8 +17,9 @@ from rsym.sampling.kernels.cells_code import MARGIN, THIN, InCells, cell_of, cel
 from rsym.sampling.kernels.march_code import clip, first_root, march, model_on, segment, settle
 from rsym.sampling.kernels.ray_code import NAMED, STRUCT, RayFormulas, library, model, point, survey
 from rsym.sampling.kernels.ray_state import GONE, MARCHING, ROWS, Row, get, least, most, put
+from rsym.sampling.kernels.region_code import region
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
-from rsym.sampling.kernels.table_code import leaf_routines, region
+from rsym.sampling.kernels.table_code import leaf_routines
 
 BLOCK = (4, 2)  # columns and rows of the eight pixels that march together
 MOST_BEAM_STEPS = 60
@@ -114,10 +115,10 @@ def beams(s: RayFormulas) -> Routine:
         put(r, Row.STEP, (get(r, Row.STOP) - get(r, Row.T)) * 0.5)
         with r.loop("0", f"{MOST_BEAM_STEPS}", 1, lambda: get(r, Row.STATUS).compare("oeq", MARCHING)):
             t, stop, status = get(r, Row.T), get(r, Row.STOP), get(r, Row.STATUS)
-            number, end = cell_of(r, t, "%cells") if s.celled else (t, stop)
+            cell, end = cell_of(r, t, "%cells") if s.celled else (t, stop)
             step = least(get(r, Row.STEP), (least(end, stop) if s.celled else stop) - t)
             half = step * 0.5
-            known = InCells(number, status.compare("oeq", MARCHING), "%cells", "%room") if s.celled else "%nothing"
+            known = InCells(cell, status.compare("oeq", MARCHING), "%cells", "%room") if s.celled else "%nothing"
             _, high, linear, quadratic = model_on(s, r, t, step, known, reach(t, step))
             upper = first_root(r, high + (quadratic - linear), linear, quadratic)
             out = upper > 2.0

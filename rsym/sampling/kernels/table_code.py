@@ -1,7 +1,7 @@
 """Routines of a large form: leaves by their kinds, and loops over what matters instead of branches around the rest.
 
 A region is the form without its idle operands: entries in the order of evaluation, each a leaf with its row, or a gate
-with the entries of its operands. It is made from the bits of the operands of gates.
+with the entries of its operands; `region_code` makes it.
 """
 
 from __future__ import annotations
@@ -93,18 +93,20 @@ def give(r: Routine, parts: Sequence[str]) -> None:
 
 def gradient_at(s: RayFormulas, r: Routine, leaf: str, point: Sequence[str]) -> list[str]:
     """Value and gradient of a leaf by its number, which may be any."""
-    kind, row = (r.load(_of_leaf(s, r, leaf), k, "i64") for k in range(2))
+    kind, row = (r.load(of_leaf(s, r, leaf), k, "i64") for k in range(2))
     given = ", ".join(f"{DOUBLES} {part}" for part in point)
     found = r.emit(f"call {STRUCT} @leaf_gradient(i64 {kind}, {given}, ptr {r.place('%constants', 'double', row)})")
     return [r.emit(f"extractvalue {STRUCT} {found}, {k}") for k in range(4)]
 
 
-def _of_leaf(s: RayFormulas, r: Routine, leaf: str) -> str:
+def of_leaf(s: RayFormulas, r: Routine, leaf: str) -> str:
+    """Where the integers of a leaf lie."""
     place = r.emit(f"add i64 {r.emit(f'mul i64 {leaf}, {FormTable.LEAF}')}, {s.table.leaves}")
     return r.place("%constants", "double", place)
 
 
-def _of_gate(s: RayFormulas, r: Routine, gate: str) -> str:
+def of_gate(s: RayFormulas, r: Routine, gate: str) -> str:
+    """Where the integers of a gate lie."""
     place = r.emit(f"add i64 {r.emit(f'mul i64 {gate}, {FormTable.GATE}')}, {s.table.gates}")
     return r.place("%constants", "double", place)
 
@@ -231,14 +233,14 @@ def survey(s: RayFormulas) -> Routine:
     ends = _ends(r)
     values, marks = _values(s, r), r.place("%room", "i64", s.room.marks)
     with r.loop("0", f"{leaves}", 1) as i:
-        kind, row = (r.load(_of_leaf(s, r, i), k, "i64") for k in range(2))
+        kind, row = (r.load(of_leaf(s, r, i), k, "i64") for k in range(2))
         row = r.place("%constants", "double", row)
         r.do(f"call void @leaf_model(i64 {kind}, ptr {ends}, ptr {row}, ptr {_value(r, values, i)})")
     with r.loop("0", f"{s.words}", 1) as i:
         r.store("zeroinitializer", r.place(marks, "i64", r.emit(f"mul i64 {i}, {LANES}")), 0, WORDS)
     with r.loop("0", f"{gates}", 1) as i:
         number = len(r.lines)
-        operation, *operands, known = (r.load(_of_gate(s, r, i), k, "i64") for k in range(FormTable.GATE))
+        operation, *operands, known = (r.load(of_gate(s, r, i), k, "i64") for k in range(FormTable.GATE))
         a, b = (_kept(r, _value(r, values, operand)) for operand in operands)
         greater = r.emit(f"icmp ne i64 {operation}, 0")
         turn = r.splat(r.emit(f"select i1 {greater}, double -1.0, double 1.0"))
@@ -269,87 +271,5 @@ def survey(s: RayFormulas) -> Routine:
         for lane in range(LANES):
             one = r.emit(f"extractelement {WORDS} {flags}, i32 {lane}")
             r.store(one, "%words", r.emit(f"add i64 {r.emit(f'mul i64 %stride, {lane}')}, {i}"), "i64")
-    r.do("ret void")
-    return r
-
-
-def region(s: RayFormulas) -> Routine:
-    """Make the region of words, in the room.
-
-    A walk with a stack from the last gate on; an operand that is met twice is made once.
-    """
-    r = Routine("region", {"words": "ptr", "constants": "ptr", "room": "ptr"}, internal=True)
-    leaves, kinds = len(s.rays.leaves), len(s.kinds.kinds)
-    top, made = (r.emit("alloca i64, align 8") for _ in range(2))
-    target, places, stack = (r.place("%room", "i64", part) for part in (s.room.region, s.room.places, s.room.stack))
-    stamp = r.emit(f"add i64 {r.load('%room', WorkRoom.STAMP, 'i64')}, 1")
-    r.store(stamp, "%room", WorkRoom.STAMP, "i64")
-    mark = r.emit(f"shl i64 {stamp}, 32")
-
-    def change(pointer: str, amount: str) -> None:
-        r.store(r.emit(f"add i64 {r.load(pointer, 0, 'i64')}, {amount}"), pointer, 0, "i64")
-
-    def push(operand: str, when: str) -> None:
-        """Put an operand on the stack, if a bit is set."""
-        r.store(r.emit(f"shl i64 {operand}, 1"), stack, r.load(top, 0, "i64"), "i64")
-        change(top, when)
-
-    def enter(*entry: str) -> None:
-        """One more entry, which is the value of the operand."""
-        number = r.load(made, 0, "i64")
-        first = r.place(target, "i64", r.emit(f"add i64 {r.emit(f'mul i64 {number}, {ENTRY}')}, 1"))
-        for k, part in enumerate(entry):
-            r.store(part, first, k, "i64")
-        r.store(r.emit(f"or i64 {mark}, {number}"), places, operand, "i64")
-        change(made, "1")
-        r.do("br label %next")
-
-    def entry_of(operand: str) -> str:
-        return r.emit(f"and i64 {r.load(places, operand, 'i64')}, 4294967295")
-
-    r.store("0", top, 0, "i64")
-    r.store("0", made, 0, "i64")
-    push(f"{s.operands - 1}", "1")
-    r.label("next")
-    left = r.load(top, 0, "i64")
-    r.do(f"br i1 {r.emit(f'icmp eq i64 {left}, 0')}, label %end, label %pop")
-    r.start("pop")
-    change(top, "-1")
-    item = r.load(stack, r.emit(f"sub i64 {left}, 1"), "i64")
-    operand = r.emit(f"lshr i64 {item}, 1")
-    age = r.emit(f"lshr i64 {r.load(places, operand, 'i64')}, 32")
-    r.do(f"br i1 {r.emit(f'icmp eq i64 {age}, {stamp}')}, label %next, label %new")
-    r.start("new")
-    r.do(f"br i1 {r.emit(f'icmp slt i64 {operand}, {leaves}')}, label %leaf, label %gate")
-    r.start("leaf")
-    enter(*(r.load(_of_leaf(s, r, operand), k, "i64") for k in range(FormTable.LEAF)))
-    r.start("gate")
-    gate = r.emit(f"sub i64 {operand}, {leaves}")
-    operation, first, second = (r.load(_of_gate(s, r, gate), k, "i64") for k in range(3))
-    bit = r.emit(f"shl i64 {gate}, 1")
-    word = r.load("%words", r.emit(f"lshr i64 {bit}, 6"), "i64")
-    within = r.emit(f"and i64 {bit}, 63")
-    busy = r.emit(f"xor i64 {r.emit(f'lshr i64 {word}, {within}')}, 3")
-    one, other = r.emit(f"and i64 {busy}, 1"), r.emit(f"and i64 {r.emit(f'lshr i64 {busy}, 1')}, 1")
-    r.do(f"br i1 {r.emit(f'trunc i64 {item} to i1')}, label %close, label %open")
-    r.start("open")
-    r.store(r.emit(f"or i64 {item}, 1"), stack, r.load(top, 0, "i64"), "i64")
-    change(top, "1")
-    push(second, other)
-    push(first, one)
-    r.do("br label %next")
-    r.start("close")
-    cases = "i64 0, label %none i64 1, label %a i64 2, label %b"
-    r.do(f"switch i64 {r.emit(f'and i64 {busy}, 3')}, label %both [ {cases} ]")
-    r.start("both")
-    enter(r.emit(f"add i64 {operation}, {kinds + BOTH[0]}"), entry_of(first), entry_of(second))
-    r.start("none")
-    enter(r.emit(f"add i64 {operation}, {kinds + NEITHER[0]}"), "0", "0")
-    for label, kept in (("a", first), ("b", second)):
-        r.start(label)
-        r.store(r.load(places, kept, "i64"), places, operand, "i64")
-        r.do("br label %next")
-    r.start("end")
-    r.store(r.load(made, 0, "i64"), target, 0, "i64")
     r.do("ret void")
     return r
