@@ -6,8 +6,10 @@ row, so that numbers that happen to be equal make no kind.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -23,6 +25,8 @@ from rsym.sampling.kernels.routines import Formulas
 Calls: TypeAlias = tuple[tuple[RayCall, ...], RayValue]
 Nodes: TypeAlias = tuple[tuple[Node, ...], tuple[int, ...]]
 SCALE = 0  # what the value is multiplied by, in a row
+# A model is made for all leaves where more than one in so many needs it, and it takes more operations than that.
+FEW, MUCH = 4, 100
 
 
 @dataclass(frozen=True)
@@ -32,7 +36,7 @@ class LeafKind:
     Attributes
     ----------
     rays : RayForm
-        Of one leaf; its uniform numbers are places in a row.
+        Of one leaf; its uniform numbers are places in a row, its first calls those that leaves share.
     points : Formulas or None
         Value and gradient, by the names of `leaf_outputs` (0); a guard has none.
     """
@@ -42,7 +46,7 @@ class LeafKind:
 
 
 class LeafKinds:
-    """The kinds of leaves, which each leaf is of, and what its row is made of.
+    """The kinds of leaves, which each leaf is of, what its row is made of, and which models are made for all of them.
 
     The rows hold numbers out of three arrays in a row: the scales of leaves, the uniform numbers of their models, and
     the nodes of their formulas at points.
@@ -54,12 +58,13 @@ class LeafKinds:
         outputs = dict(points.outputs)
         numbers: dict[tuple[Calls, Nodes | None], int] = {}
         calls_of, nodes_of = _ordered_calls(rays), _ordered_nodes(points)
+        self.shared = _shared(rays, calls_of)
         self.kinds: list[LeafKind] = []
         self.leaves: list[tuple[int, int]] = []  # the kind of a leaf, and where its row begins
         sources: list[int] = []
         for k, leaf in enumerate(rays.leaves):
             row = len(sources)
-            calls, uniforms = _lifted_calls(calls_of, len(rays.coordinates), leaf)
+            calls, uniforms = _lifted_calls(calls_of, self.shared, len(rays.coordinates), leaf)
             sources += [min(k, count - 1), *(count + number for number in uniforms)]
             nodes = None
             if k < count:
@@ -68,7 +73,9 @@ class LeafKinds:
             self.leaves.append((numbers.setdefault((calls, nodes), len(numbers)), row))
             if len(numbers) > len(self.kinds):
                 formulas = None if nodes is None else _formulas(points.coordinates, nodes, SCALE + 1 + len(uniforms))
-                self.kinds.append(LeafKind(replace(rays, calls=calls[0], leaves=calls[1:], guards=0), formulas))
+                known = tuple(calls_of[number - len(rays.coordinates)] for number in self.shared)
+                of_one = replace(rays, calls=(*known, *calls[0]), leaves=calls[1:], guards=0)
+                self.kinds.append(LeafKind(of_one, formulas))
         self.sources: Integers = np.array(sources, np.int64)
 
 
@@ -100,9 +107,33 @@ def _ordered_nodes(program: Program) -> list[Node]:
     return found
 
 
-def _lifted_calls(all_calls: Sequence[RayCall], first: int, leaf: RayValue) -> tuple[Calls, list[int]]:
+def _models(calls: Sequence[RayCall], first: int, number: int) -> Sequence[int]:
+    """The models that a model is made of."""
+    arguments = calls[number - first].arguments if number >= first else ()
+    return [value.number for value in arguments if value.kind == MODEL]
+
+
+def _shared(rays: RayForm, calls: Sequence[RayCall]) -> list[int]:
+    """The models that many leaves need and that are much to make, in order."""
+    first = len(rays.coordinates)
+    operands = partial(_models, calls, first)
+    leaves = [leaf.number for leaf in rays.leaves if leaf.kind == MODEL]
+    uses = Counter(number for leaf in leaves for number, _ in with_operands(leaf, operands, int))
+    sizes = {name: len(function.program) for name, function in rays.library.items()}
+
+    def size(model: int) -> int:
+        inside = (number for number, _ in with_operands(model, operands, int) if number >= first)
+        return sum(sizes[calls[number - first].function] for number in inside)
+
+    many = (number for number, count in uses.items() if number >= first and count * FEW > len(leaves))
+    return sorted(number for number in many if size(number) > MUCH)
+
+
+def _lifted_calls(
+    all_calls: Sequence[RayCall], shared: Sequence[int], first: int, leaf: RayValue
+) -> tuple[Calls, list[int]]:
     """The calls that make a leaf, uniform numbers as places in its row, and these numbers."""
-    local = {k: k for k in range(first)}
+    local = {k: k for k in range(first)} | {number: first + k for k, number in enumerate(shared)}
     calls: list[RayCall] = []
     uniforms: list[int] = []
 
@@ -113,15 +144,14 @@ def _lifted_calls(all_calls: Sequence[RayCall], first: int, leaf: RayValue) -> t
         return RayValue(NUMBER, SCALE + len(uniforms))
 
     def operands(number: int) -> Sequence[int]:
-        arguments = all_calls[number - first].arguments if number >= first else ()
-        return [value.number for value in arguments if value.kind == MODEL]
+        return () if number in local else _models(all_calls, first, number)
 
     if leaf.kind == MODEL:
         for number, _ in with_operands(leaf.number, operands, int):
-            if number >= first:
+            if number not in local:
                 function, arguments = all_calls[number - first]
                 calls.append(RayCall(function, tuple(map(own, arguments))))
-                local[number] = first + len(calls) - 1
+                local[number] = first + len(shared) + len(calls) - 1
     return (tuple(calls), own(leaf)), uniforms
 
 

@@ -37,9 +37,9 @@ def leaf_routines(s: RayFormulas) -> list[Routine]:
     made: list[Routine] = []
     for number, kind in enumerate(s.kinds.kinds):
         r = Routine(f"model{number}", {"ends": "ptr", "constants": "ptr", "out": "ptr"}, internal=True)
-        for place, name in enumerate(ENDS):
-            r.do(f"%{name} = load {DOUBLES}, ptr {r.place('%ends', 'double', place * LANES)}, align 8")
+        _load_ends(r)
         calls = ModelCalls(kind.rays, r)
+        calls.known |= {len(AXES) + k: _kept(r, _shared_at(r, "%ends", k)) for k in range(len(s.kinds.shared))}
         _keep(r, "%out", calls.leaf(0, calls.known))
         r.do("ret void")
         made.append(r)
@@ -58,11 +58,33 @@ def leaf_routines(s: RayFormulas) -> list[Routine]:
     infinite = f"<{', '.join(['double 0x7FF0000000000000'] * LANES)}>"
     return [
         *made,
+        *([shared(s)] if s.kinds.shared else []),
         _by_kind("model", {"ends": "ptr", "constants": "ptr", "out": "ptr"}, "void", every, ""),
         # A guard: at a point the leaves tell themselves where they are undefined.
         _by_kind("value", POINT | {"constants": "ptr"}, DOUBLES, known_at_points, infinite),
         _by_kind("gradient", POINT | {"constants": "ptr"}, STRUCT, known_at_points, "zeroinitializer"),
     ]
+
+
+def shared(s: RayFormulas) -> Routine:
+    """Make the models that leaves share, behind those of the coordinates."""
+    r = Routine("shared", {"ends": "ptr", "constants": "ptr"}, internal=True)
+    _load_ends(r)
+    calls = ModelCalls(s.rays, r)
+    calls.make(s.kinds.shared, calls.known)
+    for k, number in enumerate(s.kinds.shared):
+        _keep(r, _shared_at(r, "%ends", k), calls.known[number])
+    r.do("ret void")
+    return r
+
+
+def _shared_at(r: Routine, ends: str, k: int) -> str:
+    return r.place(ends, "double", (len(ENDS) + 4 * k) * LANES)
+
+
+def _load_ends(r: Routine) -> None:
+    for place, name in enumerate(ENDS):
+        r.do(f"%{name} = load {DOUBLES}, ptr {r.place('%ends', 'double', place * LANES)}, align 8")
 
 
 def _by_kind(name: str, parameters: Mapping[str, str], result: str, kinds: Sequence[int], rest: str) -> Routine:
@@ -125,9 +147,9 @@ def _value(r: Routine, values: str, number: str) -> str:
     return r.place(values, "double", r.emit(f"mul i64 {number}, {4 * LANES}"))
 
 
-def _ends(r: Routine) -> str:
-    """The models of the coordinates in memory."""
-    ends = r.emit(f"alloca [{len(ENDS)} x {DOUBLES}], align 64")
+def _ends(s: RayFormulas, r: Routine) -> str:
+    """The models of the coordinates in memory, and room for those that leaves share."""
+    ends = r.emit(f"alloca [{len(ENDS) + 4 * len(s.kinds.shared)} x {DOUBLES}], align 64")
     for place, name in enumerate(ENDS):
         r.store(f"%{name}", ends, place * LANES)
     return ends
@@ -173,10 +195,18 @@ def _last(s: RayFormulas, r: Routine, count: str) -> str:
 def model(s: RayFormulas) -> Routine:
     """The model of a region on a segment of each lane."""
     r = Routine("model", dict.fromkeys(ENDS, DOUBLES) | MEMORY, STRUCT, True)
-    ends, count = _ends(r), r.load("%words", 0, "i64")
+    ends, count = _ends(s, r), r.load("%words", 0, "i64")
+    missing = r.emit("alloca i1, align 1")
+    r.do(f"store i1 true, ptr {missing}")
     with r.loop("0", count, 1) as i:
         entry = _Entries(s, r, i)
         entry.leaf()
+        if s.kinds.shared:  # for the first leaf: many a region has none
+            r.do(f"br i1 {r.emit(f'load i1, ptr {missing}')}, label %share, label %on")
+            r.start("share")
+            r.do(f"call void @shared(ptr {ends}, ptr %constants)")
+            r.do(f"store i1 false, ptr {missing}")
+            r.label("on")
         row = r.place("%constants", "double", entry.first)
         r.do(f"call void @leaf_model(i64 {entry.what}, ptr {ends}, ptr {row}, ptr {entry.out})")
         for which, operation in zip(BOTH, OPERATIONS, strict=True):
@@ -230,7 +260,9 @@ def survey(s: RayFormulas) -> Routine:
     parameters = dict.fromkeys(ENDS, DOUBLES) | {"constants": "ptr", "words": "ptr", "stride": "i64", "room": "ptr"}
     r = Routine("survey", parameters, internal=True)
     leaves, gates = len(s.rays.leaves), len(s.gates)
-    ends = _ends(r)
+    ends = _ends(s, r)
+    if s.kinds.shared:
+        r.do(f"call void @shared(ptr {ends}, ptr %constants)")
     values, marks = _values(s, r), r.place("%room", "i64", s.room.marks)
     with r.loop("0", f"{leaves}", 1) as i:
         kind, row = (r.load(of_leaf(s, r, i), k, "i64") for k in range(2))
