@@ -77,7 +77,7 @@ class RayKernels:
         """Models contain values of the plain meanings, and points have these: miscompiled code gets no further."""
         s, generator = self.formulas, np.random.default_rng(20130605)
         letters = {name: 1.0 + k / 8 for k, name in enumerate(s.form.builder.letters)}
-        constants = self.constants(letters, ((-1.0, 1.0),) * 3)
+        constants = self._numbers(letters, ((-1.0, 1.0),) * 3)
         middles, slopes = generator.uniform(-1, 1, (3, LANES)), generator.uniform(-0.05, 0.05, (3, LANES))
         ends = np.concatenate([[middle, middle, slope] for middle, slope in zip(middles, slopes, strict=True)])
         low, high, linear, quadratic, value, leaf = self.probe(ends, constants)
@@ -107,7 +107,12 @@ class RayKernels:
             )
 
     def constants(self, letters: Mapping[str, float], bounds: Bounds) -> Floats:
-        """The array of constants for letters."""
+        """The array of constants for letters, of a large form with what matters in the cells of its bounds."""
+        array = self._numbers(letters, bounds)
+        return self._with_cells(array, bounds) if self.formulas.celled else array
+
+    def _numbers(self, letters: Mapping[str, float], bounds: Bounds) -> Floats:
+        """The constants without cells."""
         s = self.formulas
         array = np.zeros(s.constants + LANES)
         array[: s.uniforms] = s.rays.uniform_values(letters)
@@ -126,7 +131,7 @@ class RayKernels:
                 known = steepness[np.isfinite(steepness) & (steepness > 0)]
             array[s.scales + k] = 1 / np.median(known) if known.size else 1.0
         array[s.tolerance] = ALIKE * np.linalg.norm([high - low for low, high in bounds])
-        return self._with_cells(self._with_tables(array, values), bounds) if s.celled else array
+        return self._with_tables(array, values) if s.celled else array
 
     def _with_tables(self, array: Floats, nodes: Sequence[Floats]) -> Floats:
         """The constants of a large form with the tables of its leaves and gates."""
