@@ -95,7 +95,7 @@ def _is_short(expression: sp.Expr) -> bool:
 
 
 def _least_length(expression: sp.Expr) -> int:
-    """So many characters at least has the text of a formula of few pieces: names, digits and plus signs."""
+    """So many characters at least has the text of a formula of few pieces: names, digits, powers and plus signs."""
     total, stack = 0, [expression]
     while stack:
         part = stack.pop()
@@ -109,5 +109,7 @@ def _least_length(expression: sp.Expr) -> int:
         elif isinstance(part, sp.Mul):
             stack.extend(part.args)
         elif isinstance(part, sp.Pow):
-            stack.append(part.base)  # an exponent may be written as a root or a fraction
+            stack.append(part.base)
+            if part.exp.is_Integer and abs(part.exp) > 1:  # others may be written as a root or a fraction
+                total += len("**") + len(str(abs(int(part.exp))))
     return total
