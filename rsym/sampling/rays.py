@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import threading
+from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -213,17 +214,27 @@ class Kernels(Protocol):
 
 
 _naming = threading.Lock()  # names are made with the nodes of a form that casters share
+# A notebook shows the same few shapes again and again: the same objects, for to compare deep nests recurses too deep.
+_recent: deque[tuple[Shape, str, LeafFields, Kernels]] = deque(maxlen=32)
 
 
-@lru_cache(maxsize=32)  # a notebook shows the same few shapes again and again
 def _made(shape: Shape, backend: str) -> tuple[LeafFields, Kernels]:
     """What casters of a shape share."""
+    for known, its_backend, fields, kernels in tuple(_recent):
+        if known is shape and its_backend == backend:
+            return fields, kernels
     fields = LeafFields(shape)
+    kernels = _kernels(fields, backend)
+    _recent.append((shape, backend, fields, kernels))
+    return fields, kernels
+
+
+def _kernels(fields: LeafFields, backend: str) -> Kernels:
     if backend != "llvm":
-        return fields, ArrayRays(fields)
+        return ArrayRays(fields)
     from rsym.sampling.kernels.ray_kernels import ray_kernels
 
-    return fields, ray_kernels(fields.form)
+    return ray_kernels(fields.form)
 
 
 def _checked_rays(origins: ArrayLike, directions: ArrayLike) -> tuple[Floats, Floats]:

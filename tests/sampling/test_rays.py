@@ -283,7 +283,7 @@ def crowd(count):
 def large_from(celled, tabled, monkeypatch):
     """Take forms of so many gates for large ones."""
     monkeypatch.setattr(ray_kernels, "_kernels", {})
-    casting._made.cache_clear()
+    casting._recent.clear()
     monkeypatch.setattr(ray_code, "CELLED", celled)
     monkeypatch.setattr(ray_code, "TABLED", tabled)
 
@@ -368,6 +368,18 @@ def test_a_thousand_balls_by_the_formula_of_a_ball():
     own = depths[both & right].argmin(axis=1)
     normals = (hits.points.reshape(-1, 3)[both & right] - centres[own]) / radii[own][:, None]
     np.testing.assert_allclose(hits.normal.reshape(-1, 3)[both & right], normals, atol=1e-8)
+
+
+def test_deep_nests_that_are_alike_share_their_kernels():
+    def nest(leaves):
+        body = BALL.expression
+        for k in range(leaves):
+            body = (rsym.disjunction if k % 2 else rsym.conjunction)(body, x + k * y / leaves + 3 * (-1) ** k)
+        return shape_of(body)
+
+    one, other = Caster(nest(400)), Caster(nest(400))
+    assert one._kernels is other._kernels
+    assert one.cast([0, 0, 5], [0, 0, -1]).depth == other.cast([0, 0, 5], [0, 0, -1]).depth == 3
 
 
 def test_a_ray_that_begins_inside_meets_the_body_there():
