@@ -402,6 +402,12 @@ def test_illegal_parameters_are_refused():
         Caster(shape, {p: 1})
 
 
+def test_more_leaves_than_have_numbers_are_refused(monkeypatch):
+    monkeypatch.setattr(ray_kernels, "MOST_LEAVES", 2)
+    with pytest.raises(RsymError, match="at most 2 leaves"):
+        ray_kernels.RayKernels(shape_form(shape_of(rsym.conjunction(x, y, z))))
+
+
 @pytest.mark.parametrize(
     ("right", "wrong"),
     [("fadd <8 x double> %v", "fsub <8 x double> %v"), ("fmul <8 x double> %v", "fadd <8 x double> %v")],

@@ -45,11 +45,12 @@ _CELLED: dict[str, tuple[Any, ...]] = {
     "rays": (*_COMMON, *[_POINTER] * 2, *_OUT),
     "regions": (_INTEGER, _INTEGER, *[_POINTER] * 5),
 }
-# Cells of the bounds for each leaf, and the most along an axis: of 1000 balls half as many take a quarter longer to look,
-# twice as many are as fast. So often at most a leaf is asked about a cell, which takes 9 ns: of 5000 balls half a second.
+# Cells of the bounds for each leaf, and the most along an axis: of 1000 balls half as many take a quarter longer to
+# look, twice as many are as fast. So often at most leaves are asked about cells, 9 ns each: of 5000 half a second.
 CELLS, MOST_CELLS, MOST_ASKED = 4, 32, 5e7
-# Of the shortest side of a cell: how far it reaches into the next ones, so that beams as wide as that march by cells.
+# Of the shortest side of a cell: how far it reaches into the next ones; beams as wide as that march by cells.
 NEXT = 0.15
+MOST_LEAVES = 32_000  # numbers of leaves, sides of the bounds and cuts have 16 bits
 SCALE_POINTS = 64
 _JOINS: dict[str, Callable[..., Floats]] = {"min": np.minimum, "max": np.maximum}
 
@@ -58,6 +59,12 @@ class RayKernels:
     """Compiled once for a sign form; `constants` hold the letters."""
 
     def __init__(self, form: SignForm) -> None:
+        if len(form.leaves) > MOST_LEAVES:
+            raise RsymError(
+                f"rays tell at most {MOST_LEAVES:,} leaves apart, the shape has {len(form.leaves):,}",
+                code="leaves",
+                remedy="cast rays at parts of it",
+            )
         self.formulas = RayFormulas(form)
         self.source = caster_code(self.formulas)
         self._engine = machine_code(self.source)
