@@ -418,3 +418,20 @@ def test_miscompiled_kernels_are_refused(right, wrong, monkeypatch):
     shape = rsym.Shape(rsym.conjunction(BALL.expression, x**3 - y, z + x * y), (x, y, z), bounds=BOX)
     with pytest.raises(RsymError, match="differ from their formulas"):
         ray_kernels.RayKernels(shape_form(shape))
+
+
+@pytest.mark.parametrize("kind", range(3))
+def test_a_miscompiled_kind_is_refused(kind, monkeypatch):
+    def broken(formulas):
+        functions = code(formulas).split("define ")
+        (number,) = (k for k, text in enumerate(functions) if f"@value{kind}(" in text.partition("\n")[0])
+        assert "fadd" in functions[number]
+        functions[number] = functions[number].replace("fadd", "fsub")
+        return "define ".join(functions)
+
+    large_from(2, 2, monkeypatch)
+    code = ray_kernels.caster_code
+    monkeypatch.setattr(ray_kernels, "caster_code", broken)
+    shape = rsym.Shape(rsym.conjunction(BALL.expression, x**3 - y, z + x * y - 10), (x, y, z), bounds=BOX)
+    with pytest.raises(RsymError, match="differ from their formulas"):
+        ray_kernels.RayKernels(shape_form(shape))

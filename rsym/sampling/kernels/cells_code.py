@@ -81,6 +81,11 @@ def cell_of(r: Routine, t: Value, limits: str) -> tuple[Value, Value]:
     return number, most(end, t + ahead * 2.0)
 
 
+def among(known: Known, asked: Value) -> Known:
+    """The same for fewer rays."""
+    return known._replace(asked=asked) if isinstance(known, InCells) else known
+
+
 def asking(s: RayFormulas, r: Routine, name: str, given: str, known: Known) -> str:
     """The call of `model` or `point` with what is known where eight rays are."""
     if not isinstance(known, InCells):

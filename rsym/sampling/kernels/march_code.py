@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from rsym.backends.vector_code import Value
-from rsym.sampling.kernels.cells_code import Known, asking, stretch_of, words_for
+from rsym.sampling.kernels.cells_code import Known, among, asking, stretch_of, words_for
 from rsym.sampling.kernels.form_code import leaf_outputs
 from rsym.sampling.kernels.ray_code import NAMED, STRUCT, RayFormulas
 from rsym.sampling.kernels.ray_state import GONE, LOST, MARCHING, MET, Row, get, least, most, put, turns
@@ -114,7 +114,7 @@ def march(s: RayFormulas) -> Routine:
         put(r, Row.STEP, live.choose(out.choose(step * 2.0, following), step))
         with r.where(narrow):
             end = crosses.choose(begin + width, t + step)
-            value, leaf = form_at(s, r, end, words)
+            value, leaf = form_at(s, r, end, among(words, narrow))
             # Enclosures know better than a value whose sign is rounded; what is undefined is not inside.
             inside = crosses.choose(value + size * 0.01, value) > 0.0
             met = narrow & inside

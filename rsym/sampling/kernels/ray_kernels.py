@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.interpreter import interpret, interpret_nodes
 from rsym.backends.llvm_code import machine_code
 from rsym.bounds.ray_forms import guarded
 from rsym.errors import RsymError
-from rsym.logic.sign_form import SignForm, through
+from rsym.logic.sign_form import Gate, SignForm, through
 from rsym.model.shape import Bounds
 from rsym.program.program import FLOAT64
 from rsym.sampling.hits import Seen
 from rsym.sampling.kernels.cells_code import CORNER, HEAD, MARGIN, NUMBER, WIDTH
+from rsym.sampling.kernels.form_code import WORD
 from rsym.sampling.kernels.mesher_kernels import padded
 from rsym.sampling.kernels.picture_code import NUMBERS_OF_CAMERA, VECTORS_OF_CAMERA, caster_code, place_of
 from rsym.sampling.kernels.ray_code import RayFormulas
@@ -27,6 +29,7 @@ from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.pencils import Pencil
 from rsym.sampling.ray_steps import ALIKE
 
+Words: TypeAlias = NDArray[np.uint64]  # a bit for each operand of each gate that does not matter
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
 _COMMON = (_INTEGER, _INTEGER, _POINTER, _POINTER, _INTEGER, _POINTER)
 _OUT = (*[_POINTER] * 4, _INTEGER)
@@ -75,10 +78,10 @@ class RayKernels:
         }
         self._check()
 
-    def probe(self, ends: Floats, constants: Floats) -> Floats:
+    def probe(self, ends: Floats, constants: Floats, words: Words) -> Floats:
         """Low, high, linear, quadratic of the form on segments (9, 8), and value and leaf in the middles: (6, 8)."""
         found = np.empty((6, LANES))
-        self._call("probe", ends, constants, np.zeros(self.formulas.words, np.uint64), found, *self._room())
+        self._call("probe", ends, constants, words, found, *self._room())
         return found
 
     def _check(self) -> None:
@@ -88,31 +91,70 @@ class RayKernels:
         constants = self._numbers(letters, ((-1.0, 1.0),) * 3)
         middles, slopes = generator.uniform(-1, 1, (3, LANES)), generator.uniform(-0.05, 0.05, (3, LANES))
         ends = np.concatenate([[middle, middle, slope] for middle, slope in zip(middles, slopes, strict=True)])
-        low, high, linear, quadratic, value, leaf = self.probe(ends, constants)
         whole = guarded(s.form)
         program = whole.builder.program({f"{k}": node for k, node in enumerate(whole.leaves)})
-        wrong = np.zeros(LANES, bool)
+        leaves: dict[float, Sequence[Floats]] = {}
         for t in (-1.0, 0.0, 0.5):
             inputs = dict(zip(s.coordinates, middles + t * slopes, strict=True))
-            found = interpret(program, {**letters, **inputs}).values()
-            leaves = [np.broadcast_to(one, LANES) for one in found]
-            with np.errstate(all="ignore"):
-                form = through(whole.gates, leaves, lambda gate, a, b: _JOINS[gate.operation](a, b))[-1]
-                sure = np.isfinite(leaves).all(axis=0)  # elsewhere it counts as outside
-                room = FLOAT64.tolerance * (1 + np.abs(np.where(sure, leaves, 0.0)).max(axis=0))
-                rest = form - t * linear - t * t * quadratic
-                wrong |= sure & ~((low - room <= rest) & (rest <= high + room))
-                if t == 0.0:
-                    scaled = np.stack(leaves[: s.count]) * constants[s.scales : s.scales + s.count, None]
-                    own = scaled[leaf.astype(int), np.arange(LANES)]
-                    allowed = room * (1 + np.abs(constants[s.scales : s.scales + s.count]).max())
-                    wrong |= sure & ~(np.abs(value - own) <= allowed + constants[s.tolerance])
+            leaves[t] = [np.broadcast_to(one, LANES) for one in interpret(program, {**letters, **inputs}).values()]
+        wrong = np.zeros(LANES, bool)
+        for number, words in ((None, np.zeros(s.words, np.uint64)), *self._alone()):
+            wrong |= self._differs(self.probe(ends, constants, words), leaves, whole.gates, number, constants)
         if wrong.any():
             raise RsymError(
                 f"the compiled rays differ from their formulas on {int(wrong.sum())} of {LANES} segments",
                 code="miscompiled",
                 remedy="report the model",
             )
+
+    def _differs(
+        self,
+        found: Floats,
+        leaves: Mapping[float, Sequence[Floats]],
+        gates: Sequence[Gate],
+        number: int | None,
+        constants: Floats,
+    ) -> Flags:
+        """Where what was found of the form, or of a leaf by its number, is not what leaves are there."""
+        s, (low, high, linear, quadratic, value, leaf) = self.formulas, found
+        scales = constants[s.scales : s.scales + s.count, None]
+        wrong = np.zeros(LANES, bool)
+        for t, values in leaves.items():
+            with np.errstate(all="ignore"):
+                form = through(gates, values, lambda gate, a, b: _JOINS[gate.operation](a, b))[-1]
+                sure = np.isfinite(values).all(axis=0)  # elsewhere it counts as outside
+                if number is not None:
+                    form = values[number]
+                    sure = np.isfinite(form)
+                room = FLOAT64.tolerance * (1 + np.abs(np.where(np.isfinite(values), values, 0.0)).max(axis=0))
+                rest = form - t * linear - t * t * quadratic
+                wrong |= sure & ~((low - room <= rest) & (rest <= high + room))
+                if t == 0.0 and (number is None or number < s.count):
+                    own = (np.stack(values[: s.count]) * scales)[leaf.astype(int), np.arange(LANES)]
+                    allowed = room * (1 + np.abs(scales).max())
+                    wrong |= sure & ~(np.abs(value - own) <= allowed + constants[s.tolerance])
+                    wrong |= sure & (number is not None) & (leaf != number)
+        return wrong
+
+    def _alone(self) -> Iterator[tuple[int, Words]]:
+        """A leaf of each kind of a large form, and the words that leave it alone."""
+        s = self.formulas
+        if not s.tabled:
+            return
+        users = {
+            operand: (number, position)
+            for number, gate in enumerate(s.gates)
+            for position, operand in enumerate(gate[1:])
+        }
+        first = {kind: number for number, (kind, _) in reversed([*enumerate(s.kinds.leaves)])}
+        for leaf in first.values():
+            words, operand = np.zeros(s.words, np.uint64), leaf
+            while operand in users:
+                gate, position = users[operand]
+                word, bit = divmod(2 * gate + 1 - position, WORD)
+                words[word] |= np.uint64(1 << bit)
+                operand = len(s.rays.leaves) + gate
+            yield leaf, words
 
     def constants(self, letters: Mapping[str, float], bounds: Bounds) -> Floats:
         """The array of constants for letters, of a large form with what matters in the cells of its bounds."""
