@@ -10,7 +10,7 @@ and nothing is compiled. In the order of the data:
 - `ray_code`: models of a form along rays, what matters of it in a beam, its active leaf at points; `ray_state`: the
   state of eight rays; `march_code`: their march and the roots; `picture_code`: tiles and rays as LLVM text;
   `ray_kernels`: compiled, for `rays`
-- of large forms, `leaf_kinds`: leaves that are the same but for numbers; `table_code`: loops over tables of leaves and
-  gates instead of branches; `region_code`: such a table of what is left of it; `cells_code`: what matters where rays
-  are, in the cells of the bounds
+- of large forms, `leaf_kinds`: leaves that are the same but for numbers; `table_layout`: where tables of leaves and
+  gates lie; `table_code`: loops over these instead of branches; `region_code`: such a table of what is left of a form;
+  `cells_code`: what matters where rays are, in the cells of the bounds
 """

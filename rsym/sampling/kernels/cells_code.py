@@ -11,9 +11,10 @@ from typing import NamedTuple, TypeAlias
 
 from rsym.backends.vector_code import Value
 from rsym.sampling.kernels.form_code import AXES
-from rsym.sampling.kernels.ray_code import ENDS, NAMED, STRUCT, RayFormulas, WorkRoom
+from rsym.sampling.kernels.ray_code import ENDS, NAMED, STRUCT, RayFormulas
 from rsym.sampling.kernels.ray_state import Row, get, least, most, turns
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
+from rsym.sampling.kernels.table_layout import WorkRoom
 
 # What comes before the cells, the limits of a march: corner, width and number along the axes, and how far beyond its
 # sides what is known of a cell holds. Then for each cell where that lies, words or a region.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -33,6 +33,7 @@ from rsym.sampling.kernels.form_code import (
 )
 from rsym.sampling.kernels.leaf_kinds import LeafKinds
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Formulas, Routine
+from rsym.sampling.kernels.table_layout import FormTable, WorkRoom
 
 NAMED = f"{{ {DOUBLES}, {SHORTS} }}"
 ZERO = "zeroinitializer"
@@ -134,37 +135,6 @@ class RayFormulas:
         for gate in self.gates:
             known.append(known[gate.first] and known[gate.second])
         return tuple(known)
-
-
-class FormTable:
-    """Where the tables of a form begin among its constants: the rows of its leaves, then integers."""
-
-    LEAF = 3  # integers of a leaf: its kind, where its row begins, its number at points
-    GATE = 4  # of a gate: 0 for min, 1 for max; both operands; 1 and 2 where these have a value everywhere
-
-    def __init__(self, begin: int, numbers: int, leaves: int, gates: int) -> None:
-        self.rows = begin
-        self.leaves = begin + numbers
-        self.gates = self.leaves + self.LEAF * leaves
-        self.end = self.gates + self.GATE * gates
-
-
-class WorkRoom:
-    """Where the parts of the memory begin that a thread works in, in numbers of eight bytes.
-
-    A region is what matters of a form: how many entries, then for each what to do and with what.
-    """
-
-    ENTRY = 3
-    STAMP = 0  # how many regions were made
-
-    def __init__(self, words: int, operands: int) -> None:
-        self.region = LANES
-        self.values = self.region + 1 + self.ENTRY * operands
-        self.places = self.values + 4 * LANES * operands
-        self.stack = self.places + operands
-        self.marks = self.stack + 3 * operands + 1
-        self.size = self.marks + LANES * words
 
 
 def _holds(b: Builder, node: Node, test: Test) -> bool:
@@ -333,14 +303,14 @@ def survey(s: RayFormulas) -> Routine:
     vector = f"<{LANES} x i64>"
     words = [ZERO] * s.words
     ranges: dict[int, Parts] = {}
+
+    def ends(operand: int) -> Iterable[Value]:
+        if operand not in ranges:
+            ranges[operand] = called(r, "range", values[operand], 2)
+        return map(r.value, ranges[operand])
+
     for number, (operation, *operands) in enumerate(s.gates):
-        for position, operand in enumerate(operands):
-            if not s.everywhere[operand]:
-                continue
-            if operand not in ranges:
-                ranges[operand] = called(r, "range", values[operand], 2)
-            low, high = map(r.value, ranges[operand])
-            idle = low > 0.0 if operation == "min" else high < 0.0
+        for position, idle in _idle(s, r, operation, operands, ends):
             word, bit = divmod(2 * number + position, WORD)
             words[word] = with_bit(r, words[word], idle.name, bit)
         values.append(called(r, operation, [*values[operands[0]], *values[operands[1]]], 4))
@@ -351,6 +321,31 @@ def survey(s: RayFormulas) -> Routine:
             r.do(f"store i64 {one}, ptr {r.place('%words', 'i64', place)}, align 8")
     r.do("ret void")
     return r
+
+
+def _idle(
+    s: RayFormulas, r: Routine, operation: str, operands: Sequence[int], ends: Callable[[int], Iterable[Value]]
+) -> Iterator[tuple[int, Value]]:
+    """Where each operand of a gate does not matter."""
+    if s.celled:
+        ranges = [(-high, -low) if operation == "max" else (low, high) for low, high in map(ends, operands)]
+        known = [r.value("splat (i1 true)" if s.everywhere[operand] else ZERO, "i1") for operand in operands]
+        yield from enumerate(idle_operands(ranges, known))
+        return
+    for position, operand in enumerate(operands):
+        if s.everywhere[operand]:
+            low, high = ends(operand)
+            yield position, low > 0.0 if operation == "min" else high < 0.0
+
+
+def idle_operands(ranges: Sequence[tuple[Value, Value]], known: Sequence[Value]) -> tuple[Value, Value]:
+    """Which operands of a min do not matter for its sign: what is positive, and what is beside a negative one.
+
+    Only what has a value everywhere, and not both of two negative ones.
+    """
+    (low, high), (other_low, other_high) = ranges
+    second = known[1] & ((other_low > 0.0) | (high < 0.0))
+    return known[0] & ((low > 0.0) | ((other_high < 0.0) & (second ^ 1))), second
 
 
 class _ReducedPoint(ReducedWalk):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from rsym.sampling.kernels.ray_code import FormTable, RayFormulas, WorkRoom
+from rsym.sampling.kernels.ray_code import RayFormulas
 from rsym.sampling.kernels.routines import Routine
 from rsym.sampling.kernels.table_code import BOTH, NEITHER, of_gate, of_leaf
+from rsym.sampling.kernels.table_layout import FormTable, WorkRoom
 
 PLACE = 2**32 - 1  # the bits of a place, below those that say which region it is of
 

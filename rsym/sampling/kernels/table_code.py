@@ -14,14 +14,14 @@ from rsym.sampling.kernels.ray_code import (
     HUGE,
     NAMED,
     STRUCT,
-    FormTable,
     ModelCalls,
     RayFormulas,
-    WorkRoom,
     called,
     first_of_equals,
+    idle_operands,
 )
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
+from rsym.sampling.kernels.table_layout import FormTable, WorkRoom
 
 OPERATIONS = ("min", "max")
 # Entries of a region beside leaves: a gate with both operands, and one with none.
@@ -275,22 +275,23 @@ def survey(s: RayFormulas) -> Routine:
         operation, *operands, known = (r.load(of_gate(s, r, i), k, "i64") for k in range(FormTable.GATE))
         a, b = (_kept(r, _value(r, values, operand)) for operand in operands)
         greater = r.emit(f"icmp ne i64 {operation}, 0")
-        turn = r.splat(r.emit(f"select i1 {greater}, double -1.0, double 1.0"))
+        ranges, everywhere = [], []
         for position, parts in enumerate((a, b)):
-            flag = r.emit(f"icmp ne i64 {r.emit(f'and i64 {known}, {1 << position}')}, 0")
-            r.do(f"br i1 {flag}, label %ask{number}.{position}, label %on{number}.{position}")
-            r.start(f"ask{number}.{position}")
             low, high = map(r.value, called(r, "range", parts, 2))
-            # A min leaves out what is above 0, a max what is below.
-            chosen = r.emit(f"select i1 {greater}, {DOUBLES} {high.name}, {DOUBLES} {low.name}")
-            idle = r.value(chosen) * r.value(turn) > 0.0
-            bit = r.emit(f"add i64 {r.emit(f'shl i64 {i}, 1')}, {position}")
-            place = r.emit(f"shl i64 {r.emit(f'lshr i64 {bit}, 6')}, {LANES.bit_length() - 1}")
-            word = r.place(marks, "i64", place)
-            yes = r.splat(r.emit(f"shl i64 1, {r.emit(f'and i64 {bit}, 63')}"), "i64")
-            marked = r.select(idle.name, yes, "zeroinitializer", WORDS)
-            r.store(r.emit(f"or {WORDS} {r.load(word, 0, WORDS)}, {marked}"), word, 0, WORDS)
-            r.label(f"on{number}.{position}")
+            pairs = ((-high, low), (-low, high))  # a max is a min of what is turned
+            turned = [r.emit(f"select i1 {greater}, {DOUBLES} {p.name}, {DOUBLES} {q.name}") for p, q in pairs]
+            ranges.append((r.value(turned[0]), r.value(turned[1])))
+            one = r.emit(f"trunc i64 {r.emit(f'lshr i64 {known}, {position}')} to i1")
+            everywhere.append(r.value(r.splat(one, "i1"), "i1"))
+        bit = r.emit(f"shl i64 {i}, 1")
+        place = r.emit(f"shl i64 {r.emit(f'lshr i64 {bit}, 6')}, {LANES.bit_length() - 1}")
+        word = r.place(marks, "i64", place)
+        yes = r.splat(r.emit(f"shl i64 1, {r.emit(f'and i64 {bit}, 63')}"), "i64")
+        marked = r.load(word, 0, WORDS)
+        for idle in idle_operands(ranges, everywhere):
+            marked = r.emit(f"or {WORDS} {marked}, {r.select(idle.name, yes, 'zeroinitializer', WORDS)}")
+            yes = r.emit(f"shl {WORDS} {yes}, splat (i64 1)")
+        r.store(marked, word, 0, WORDS)
         out = _value(r, values, r.emit(f"add i64 {i}, {leaves}"))
         r.do(f"br i1 {greater}, label %max{number}, label %min{number}")
         for name in OPERATIONS:
