@@ -68,11 +68,11 @@ def _names_of_parts(builder: Builder, shape: Shape) -> Mapping[int, str]:
 
 def _formulas(builder: Builder, expression: sp.Expr) -> Mapping[int, str]:
     """The text of the operands of R-operations, by the key of the leaf that they make."""
-    operands = list(_operands(expression))
+    operands = [operand for operand in _operands(expression) if _is_short(operand)]
     texts: dict[int, str] = {}
     for operand, node in zip(operands, lower_all(builder, operands), strict=True):
         leaves = sign_form(builder, node).leaves
-        if len(leaves) == 1 and _is_short(operand):
+        if len(leaves) == 1:
             text = sp.sstr(operand)
             texts.setdefault(scaled(builder, leaves[0])[0], text if len(text) <= LONGEST_FORMULA else "")
     return texts
@@ -87,7 +87,29 @@ def _operands(expression: sp.Expr) -> Iterator[sp.Expr]:
 
 
 def _is_short(expression: sp.Expr) -> bool:
+    """Whether the text of a formula may be short; of a large one it takes long to write it."""
     pieces: dict[int, int] = {}
     for part in postorder(expression):
         pieces[id(part)] = 1 + sum(pieces[id(argument)] for argument in part.args)
-    return pieces[id(expression)] <= MOST_PIECES
+    return pieces[id(expression)] <= MOST_PIECES and _least_length(expression) <= LONGEST_FORMULA
+
+
+def _least_length(expression: sp.Expr) -> int:
+    """So many characters at least has the text of a formula of few pieces: names, digits, powers and plus signs."""
+    total, stack = 0, [expression]
+    while stack:
+        part = stack.pop()
+        if isinstance(part, sp.Symbol):
+            total += len(part.name)
+        elif isinstance(part, sp.Rational):
+            total += sum(len(str(abs(int(number)))) for number in (part.p, part.q) if abs(number) != 1)
+        elif isinstance(part, sp.Add):
+            total += len(" + ") * (len(part.args) - 1)
+            stack.extend(part.args)
+        elif isinstance(part, sp.Mul):
+            stack.extend(part.args)
+        elif isinstance(part, sp.Pow):
+            stack.append(part.base)
+            if part.exp.is_Integer and abs(part.exp) > 1:  # others may be written as a root or a fraction
+                total += len("**") + len(str(abs(int(part.exp))))
+    return total

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import threading
+from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -15,7 +17,6 @@ from rsym.backends.kernel import checked_threads
 from rsym.backends.registry import default_backend
 from rsym.errors import RsymError
 from rsym.model.equation import checked_bounds
-from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
 from rsym.sampling.form_signs import check_parameters
@@ -70,11 +71,9 @@ class Caster:
         bounds: Any = None,
         threads: int | None = None,
     ) -> None:
-        require_shape(shape)
-        self._leaf_fields = _fields_of(shape)
         self.shape = shape
         self.threads = checked_threads(threads)
-        self._kernels = _kernels(self._leaf_fields)
+        self._leaf_fields, self._kernels = _made(shape, default_backend())
         self._bounds = None if bounds is None else checked_bounds(bounds, 3)
         self.letters: dict[str, float] = {}
         self.set(letters)
@@ -95,7 +94,8 @@ class Caster:
     def leaves(self) -> tuple[str, ...]:
         """The names of the leaves, the sides of the bounds last."""
         sides = [f"cap {name} {end}" for name in self.shape.coordinates for end in ("lower", "upper")]
-        return (*self._leaf_fields.leaves, *sides)
+        with _naming:
+            return (*self._leaf_fields.leaves, *sides)
 
     def cast(
         self,
@@ -213,13 +213,24 @@ class Kernels(Protocol):
         """What rays (n, 3) meet."""
 
 
-@lru_cache(maxsize=8)  # to find the leaves and their names anew takes as long as to cast half of a picture
-def _fields_of(shape: Shape) -> LeafFields:
-    return LeafFields(shape)
+_naming = threading.Lock()  # names are made with the nodes of a form that casters share
+# A notebook shows the same few shapes again and again: the same objects, for to compare deep nests recurses too deep.
+_recent: deque[tuple[Shape, str, LeafFields, Kernels]] = deque(maxlen=32)
 
 
-def _kernels(fields: LeafFields) -> Kernels:
-    if default_backend() != "llvm":
+def _made(shape: Shape, backend: str) -> tuple[LeafFields, Kernels]:
+    """What casters of a shape share."""
+    for known, its_backend, fields, kernels in tuple(_recent):
+        if known is shape and its_backend == backend:
+            return fields, kernels
+    fields = LeafFields(shape)
+    kernels = _kernels(fields, backend)
+    _recent.append((shape, backend, fields, kernels))
+    return fields, kernels
+
+
+def _kernels(fields: LeafFields, backend: str) -> Kernels:
+    if backend != "llvm":
         return ArrayRays(fields)
     from rsym.sampling.kernels.ray_kernels import ray_kernels
 

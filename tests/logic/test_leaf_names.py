@@ -7,6 +7,7 @@ import sympy as sp
 
 import rsym
 from rsym import RsymError, Shape, x, y, z
+from rsym.logic import leaf_names as naming
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import surface_form
 
@@ -93,3 +94,26 @@ def test_sides_of_the_bounds_are_caps():
         "ball",
         *(f"cap {axis} {side}" for axis in "xyz" for side in ("lower", "upper")),
     )
+
+
+def test_a_text_is_never_shorter_than_it_must_be():
+    a, third = sp.Symbol("alpha", real=True), sp.Rational(1, 3)
+    formulas = [
+        x - y,
+        -(x**2) - 2 * y + third,
+        sp.Rational(-17, 4) * (x + 1) / (y - a),
+        (x - sp.Rational(617, 500)) ** 2 / 3 - sp.sqrt(x * y + 2) ** -3,
+        a**-third * (x * y - 1) ** -2 + sp.sin(12345 * x),
+        2**x * sp.Abs(y - 10) - 1 / x,
+        sp.Mul(-1, x + y, evaluate=False),
+        sp.Rational(1, 100) - rsym.conjunction(x, y),
+    ]
+    for formula in formulas:
+        assert 0 < naming._least_length(formula) <= len(sp.sstr(formula))
+
+
+def test_what_is_too_long_is_not_written(monkeypatch):
+    long = sp.Rational(1, 4) - sum((u - sp.Rational(617, 500)) ** 2 for u in (x, y, z))
+    monkeypatch.setattr(naming.sp, "sstr", lambda formula: pytest.fail("written"))
+    shape = rsym.Shape(rsym.disjunction(long, long.subs(x, x + 5)), (x, y, z))
+    assert names(shape) == ("leaf 0", "leaf 1")

@@ -10,7 +10,7 @@ from rsym.errors import RsymError
 from rsym.logic.sign_form import shape_form
 from rsym.paper.models import MODELS, model_path
 from rsym.sampling import rays as casting
-from rsym.sampling.kernels import ray_kernels
+from rsym.sampling.kernels import ray_code, ray_kernels
 from rsym.sampling.pencils import Cut, Pencil
 from rsym.sampling.ray_march import ArrayRays
 from rsym.sampling.rays import Caster
@@ -267,6 +267,129 @@ def test_letters_change_and_nothing_is_compiled():
     assert caster._kernels is kernels
 
 
+def crowd(count):
+    """Balls and turned ellipsoids whose sizes are letters, cut by a box, a root and a part that stands twice."""
+    generator = np.random.default_rng(7)
+    k, m = sp.symbols("k m", real=True)
+    places = [[sp.Rational(int(number), 64) for number in row] for row in generator.integers(-128, 128, (count, 3))]
+    bodies = []
+    for number, (a, b, c) in enumerate(places):
+        u, v, w = x - a, y - b, z - c
+        body = u**2 + v**2 + w**2 if number % 2 else u**2 + 2 * v**2 + 3 * w**2 + sp.Rational(number, count) * u * v
+        bodies.append((k if number % 3 else m) ** 2 - body)
+    part = rsym.conjunction(rsym.disjunction(*bodies[:3]), x + z + 1)
+    inside = rsym.conjunction(rsym.disjunction(part, *bodies[3:]), *(2 - side for side in (x, -x, y, -y, z, -z)))
+    rest = rsym.disjunction(inside, rsym.conjunction(part, -inside, 1 - y))
+    return rsym.Shape(
+        rsym.conjunction(rest, sp.sqrt(z + sp.Rational(7, 4)) - sp.Rational(1, 8)),
+        (x, y, z),
+        letters={k: rsym.Letter(0.6, 0.2, 1), m: rsym.Letter(0.4, 0.2, 1)},
+        bounds=BOX,
+    )
+
+
+def large_from(celled, tabled, monkeypatch):
+    """Take forms of so many gates for large ones."""
+    monkeypatch.setattr(ray_kernels, "_kernels", {})
+    casting._recent.clear()
+    monkeypatch.setattr(ray_code, "CELLED", celled)
+    monkeypatch.setattr(ray_code, "TABLED", tabled)
+
+
+def seen_by(shape, tabled, monkeypatch):
+    """What two sets of letters show to a picture and to rays from everywhere, and the kernels."""
+    large_from(8, tabled, monkeypatch)
+    caster, generator = Caster(shape), np.random.default_rng(11)
+    origins, aims = generator.normal(size=(2, 400, 3))
+    for letters in (None, {"k": 0.5, "m": 0.8}):
+        caster.set(letters)
+        yield caster._kernels.formulas.tabled, caster.look(camera(shape.bounds, (64, 48), room=1.2))
+        yield caster._kernels.formulas.tabled, caster.cast(origins * 3, aims - origins, pixel=(1e-3, 0.0))
+
+
+@pytest.mark.parametrize("count", [12, pytest.param(80, marks=pytest.mark.slow)])
+def test_tables_of_kinds_give_the_bits_of_branches(count, monkeypatch):
+    shape = crowd(count)
+    tables = list(seen_by(shape, 8, monkeypatch))
+    branches = list(seen_by(shape, 10**9, monkeypatch))
+    for (tabled, one), (never, other) in zip(tables, branches, strict=True):
+        assert tabled
+        assert not never
+        assert one.met.sum() > 20
+        assert not one.undecided.any()
+        for name in ("depth", "leaf", "normal", "undecided"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+def test_cells_leave_out_nothing_that_matters(monkeypatch):
+    shape, pencil, seen = crowd(12), camera(BOX, (96, 72), room=1.2), []
+    for gates in (8, 10**9):
+        large_from(gates, gates, monkeypatch)
+        seen.append(Caster(shape).look(pencil))
+    one, other = seen
+    assert (one.met == other.met).mean() > 0.999
+    both = one.met & other.met
+    assert np.quantile(np.abs(one.depth[both] - other.depth[both]), 0.98) < 1e-9
+
+
+@pytest.mark.random
+def test_a_large_form_by_dense_signs(monkeypatch):
+    large_from(8, 8, monkeypatch)
+    shape = crowd(12)
+    assert complaints(shape, None, camera(shape.bounds, (120, 90), 0.7, 0.3, room=1.2), 400, 1500) == ([], 0)
+
+
+def test_leaves_that_differ_by_numbers_are_of_one_kind():
+    k = sp.Symbol("k", real=True)
+    places = [(sp.Rational(a, 7), sp.Rational(b, 5), sp.Rational(3, 8)) for a in range(1, 6) for b in range(1, 5)]
+    balls = [k**2 - (x - a) ** 2 - (y - b) ** 2 - (z - c) ** 2 for a, b, c in places]
+    formulas = ray_code.RayFormulas(shape_form(shape_of(rsym.disjunction(*balls, z), {k: 1})))
+    assert formulas.count == 21
+    assert len(formulas.kinds.kinds) < 8
+
+
+@pytest.mark.slow
+def test_a_thousand_balls_by_the_formula_of_a_ball():
+    generator = np.random.default_rng(1)
+    centres, radii = generator.integers(-640, 640, (1000, 3)), generator.integers(19, 58, 1000)
+    numbers = [[sp.Rational(int(number), 64) for number in row] for row in np.column_stack([centres, radii])]
+    balls = [r**2 - (x - a) ** 2 - (y - b) ** 2 - (z - c) ** 2 for a, b, c, r in numbers]
+    shape = rsym.Shape(rsym.disjunction(*balls), (x, y, z), bounds=((-11, 11),) * 3)
+    pencil = camera(shape.bounds, (120, 90), room=1.2)
+    hits = Caster(shape).look(pencil)
+    assert not hits.undecided.any()
+    origins, directions = (part.reshape(-1, 3) for part in pencil.rays())
+    centres, radii = centres / 64, radii / 64
+    away = origins[:, None] - centres
+    along = -np.einsum("ijk,ik->ij", away, directions)
+    off = np.einsum("ijk,ijk->ij", away, away) - along**2  # the squared distance of the ray from the centre
+    depths = np.where(off < radii**2, along - np.sqrt(np.maximum(radii**2 - off, 0)), np.inf)
+    nearest, found = depths.min(axis=1), hits.depth.ravel()
+    both = np.isfinite(nearest) & np.isfinite(found)
+    right = np.isinf(nearest) & np.isinf(found)
+    right[both] = np.abs(nearest[both] - found[both]) < 1e-9
+    pixel = pencil.pixel[1] * np.where(np.isfinite(depths), depths, along)
+    rim = np.abs(np.sqrt(off) - radii) < 0.1 * pixel
+    assert both.mean() > 0.3
+    assert right.mean() > 0.99
+    assert (right | rim.any(axis=1)).all()
+    own = depths[both & right].argmin(axis=1)
+    normals = (hits.points.reshape(-1, 3)[both & right] - centres[own]) / radii[own][:, None]
+    np.testing.assert_allclose(hits.normal.reshape(-1, 3)[both & right], normals, atol=1e-8)
+
+
+def test_deep_nests_that_are_alike_share_their_kernels():
+    def nest(leaves):
+        body = BALL.expression
+        for k in range(leaves):
+            body = (rsym.disjunction if k % 2 else rsym.conjunction)(body, x + k * y / leaves + 3 * (-1) ** k)
+        return shape_of(body)
+
+    one, other = Caster(nest(400)), Caster(nest(400))
+    assert one._kernels is other._kernels
+    assert one.cast([0, 0, 5], [0, 0, -1]).depth == other.cast([0, 0, 5], [0, 0, -1]).depth == 3
+
+
 def test_a_ray_that_begins_inside_meets_the_body_there():
     hits = Caster(BALL).cast([[0, 0, 0], [0, 0, 5]], [0, 0, 1.0], near=0.5)
     assert hits.depth.tolist() == [0.5, np.inf]
@@ -287,6 +410,12 @@ def test_illegal_parameters_are_refused():
         Caster(shape, {p: 1})
 
 
+def test_more_leaves_than_have_numbers_are_refused(monkeypatch):
+    monkeypatch.setattr(ray_kernels, "MOST_LEAVES", 2)
+    with pytest.raises(RsymError, match="at most 2 leaves"):
+        ray_kernels.RayKernels(shape_form(shape_of(rsym.conjunction(x, y, z))))
+
+
 @pytest.mark.parametrize(
     ("right", "wrong"),
     [("fadd <8 x double> %v", "fsub <8 x double> %v"), ("fmul <8 x double> %v", "fadd <8 x double> %v")],
@@ -295,5 +424,22 @@ def test_miscompiled_kernels_are_refused(right, wrong, monkeypatch):
     code = ray_kernels.caster_code
     monkeypatch.setattr(ray_kernels, "caster_code", lambda formulas: code(formulas).replace(right, wrong))
     shape = rsym.Shape(rsym.conjunction(BALL.expression, x**3 - y, z + x * y), (x, y, z), bounds=BOX)
+    with pytest.raises(RsymError, match="differ from their formulas"):
+        ray_kernels.RayKernels(shape_form(shape))
+
+
+@pytest.mark.parametrize("kind", range(3))
+def test_a_miscompiled_kind_is_refused(kind, monkeypatch):
+    def broken(formulas):
+        functions = code(formulas).split("define ")
+        (number,) = (k for k, text in enumerate(functions) if f"@value{kind}(" in text.partition("\n")[0])
+        assert "fadd" in functions[number]
+        functions[number] = functions[number].replace("fadd", "fsub")
+        return "define ".join(functions)
+
+    large_from(2, 2, monkeypatch)
+    code = ray_kernels.caster_code
+    monkeypatch.setattr(ray_kernels, "caster_code", broken)
+    shape = rsym.Shape(rsym.conjunction(BALL.expression, x**3 - y, z + x * y - 10), (x, y, z), bounds=BOX)
     with pytest.raises(RsymError, match="differ from their formulas"):
         ray_kernels.RayKernels(shape_form(shape))

@@ -10,63 +10,23 @@ Eight rays march together; no lane depends on another. Their state is rows of me
 
 from __future__ import annotations
 
-from enum import IntEnum
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from rsym.backends.vector_code import Value
+from rsym.sampling.kernels.cells_code import Known, among, asking, stretch_of, words_for
 from rsym.sampling.kernels.form_code import leaf_outputs
-from rsym.sampling.kernels.ray_code import NAMED, RayFormulas
+from rsym.sampling.kernels.ray_code import NAMED, STRUCT, RayFormulas
+from rsym.sampling.kernels.ray_state import GONE, LOST, MARCHING, MET, Row, get, least, most, put, turns
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
+from rsym.sampling.kernels.table_code import gradient_at
 from rsym.sampling.ray_steps import CROSSING, MOST_STEPS, PATIENCE, SHORTEST, TOO_OFTEN
 
-STRUCT = f"{{ {', '.join([DOUBLES] * 4)} }}"
 ROUNDED = 2.0**-51  # of the terms of a point on a ray
 # Rounds of Newton's method on the active leaf, and steps in each: where the leaf changes between the ends of a bracket,
 # which is a quarter of a pixel, the next round takes the other one.
 ROUNDS, STEPS = 4, 5
-
-
-class Row(IntEnum):
-    """The rows of the state of eight rays."""
-
-    ORIGIN = 0
-    DIRECTION = 3
-    T = 6  # all before is negative
-    STOP = 7
-    STEP = 8
-    STATUS = 9  # below
-    LOW = 10  # the ends of the bracket
-    HIGH = 11
-    LEAF = 12
-    START = 13
-    ENTRY = 14  # the leaf by which the ray comes into the bounds, -1 without one
-    NORMAL = 15
-    FAILED = 18  # points in vain; then the leaf that is followed, -1 when it has been found
-    DOUBT = 19  # 1 where what is said is not certain
-
-
-ROWS = 20
 BLOCK = ("state", "constants", "limits", "words")  # the first parameters of what works on eight rays
-GONE, MARCHING, MET, LOST = -1.0, 0.0, 1.0, 2.0
-
-
-def get(r: Routine, row: int) -> Value:
-    """A row of the state."""
-    return r.value(r.load("%state", row * LANES))
-
-
-def put(r: Routine, row: int, value: Value) -> None:
-    """Change a row of the state."""
-    r.store(value.name, "%state", row * LANES)
-
-
-def least(a: Value, b: Value) -> Value:
-    """The smaller."""
-    return (a < b).choose(a, b)
-
-
-def most(a: Value, b: Value) -> Value:
-    """The larger."""
-    return (a > b).choose(a, b)
 
 
 def segment(r: Routine, t: Value, step: Value, radius: Value | None = None) -> list[str]:
@@ -83,10 +43,12 @@ def segment(r: Routine, t: Value, step: Value, radius: Value | None = None) -> l
     return parts
 
 
-def model_on(r: Routine, t: Value, step: Value, words: str, radius: Value | None = None) -> list[Value]:
+def model_on(
+    s: RayFormulas, r: Routine, t: Value, step: Value, known: Known, radius: Value | None = None
+) -> list[Value]:
     """The model of the form on a segment."""
     given = ", ".join(f"{DOUBLES} {part}" for part in segment(r, t, step, radius))
-    value = r.emit(f"call {STRUCT} @model({given}, ptr %constants, ptr {words})")
+    value = r.emit(f"call {STRUCT} @{asking(s, r, 'model', given, known)}")
     return [r.value(r.emit(f"extractvalue {STRUCT} {value}, {k}")) for k in range(4)]
 
 
@@ -95,32 +57,10 @@ def place_at(r: Routine, t: Value) -> list[Value]:
     return [get(r, Row.ORIGIN + axis) + get(r, Row.DIRECTION + axis) * t for axis in range(3)]
 
 
-def stretch_of(s: RayFormulas, r: Routine, t: Value) -> tuple[Value, Value]:
-    """The number of the stretch of the beam in which t lies, and where that ends; the last one has no end."""
-    number, end = r.number(float(s.slabs)), r.number(float("inf"))
-    for k in reversed(range(s.slabs)):
-        limit = r.element("%limits", k)
-        inside = t < limit
-        number, end = inside.choose(float(k), number), inside.choose(limit, end)
-    return number, end
-
-
-def words_for(s: RayFormulas, r: Routine, asked: Value, number: Value) -> str:
-    """The words of the stretch in which all rays that are asked for lie, else those that hold for all of the beam."""
-    largest = asked.choose(number, float("-inf"))
-    # The greatest of the lanes, and whether it is that of all.
-    top = r.value(r.splat(r.emit(f"call double @llvm.vector.reduce.fmax.v{LANES}f64({DOUBLES} {largest.name})")))
-    differs = r.emit(f"icmp ne i{LANES} {r.mask((asked & (number < top)).name)}, 0")
-    known = most(top, r.number(0.0))
-    one = r.emit(f"fptosi double {r.emit(f'extractelement {DOUBLES} {known.name}, i32 0')} to i64")
-    chosen = r.emit(f"select i1 {differs}, i64 {s.slabs}, i64 {one}")
-    return r.place("%words", "i64", r.emit(f"mul i64 {chosen}, {s.words}"))
-
-
-def form_at(r: Routine, t: Value, words: str) -> tuple[Value, Value]:
+def form_at(s: RayFormulas, r: Routine, t: Value, known: Known) -> tuple[Value, Value]:
     """The value of the form at t, and the number of its active leaf."""
     given = ", ".join(f"{DOUBLES} {part.name}" for part in place_at(r, t))
-    both = r.emit(f"call {NAMED} @point({given}, ptr %constants, ptr {words})")
+    both = r.emit(f"call {NAMED} @{asking(s, r, 'point', given, known)}")
     value, leaf = (r.emit(f"extractvalue {NAMED} {both}, {k}") for k in range(2))
     return r.value(value), r.value(r.emit(f"sitofp {SHORTS} {leaf} to {DOUBLES}"))
 
@@ -154,7 +94,7 @@ def march(s: RayFormulas) -> Routine:
         step = least(get(r, Row.STEP), least(end, stop) - t)
         half = step * 0.5
         words = words_for(s, r, live, number)
-        low, high, linear, quadratic = model_on(r, t, step, words)
+        low, high, linear, quadratic = model_on(s, r, t, step, words)
         bend = quadratic - linear
         upper = first_root(r, high + bend, linear, quadratic)
         lower = first_root(r, low + bend, linear, quadratic)
@@ -174,7 +114,7 @@ def march(s: RayFormulas) -> Routine:
         put(r, Row.STEP, live.choose(out.choose(step * 2.0, following), step))
         with r.where(narrow):
             end = crosses.choose(begin + width, t + step)
-            value, leaf = form_at(r, end, words)
+            value, leaf = form_at(s, r, end, among(words, narrow))
             # Enclosures know better than a value whose sign is rounded; what is undefined is not inside.
             inside = crosses.choose(value + size * 0.01, value) > 0.0
             met = narrow & inside
@@ -203,12 +143,14 @@ def settle(s: RayFormulas) -> Routine:
     lost, met = status.compare("oeq", LOST), status.compare("oeq", MET)
     put(r, Row.T, met.choose(get(r, Row.HIGH), get(r, Row.T)))
     at = met.choose(get(r, Row.HIGH), get(r, Row.T))
+    if s.celled:  # the cell that the march was in when it met the form; the end of the bracket may lie in the next one
+        at = met.choose((get(r, Row.LOW) + get(r, Row.HIGH)) * 0.5, at)
     words = words_for(s, r, met | lost, stretch_of(s, r, at)[0])
     begins = met & get(r, Row.LOW).compare("ole", get(r, Row.START))
     with r.where(begins | lost):
         # Inside already where the ray begins: a cap, unless the surface lies in it; of what is lost the nearest leaf.
         at = lost.choose(get(r, Row.T), get(r, Row.START))
-        value, leaf = form_at(r, at, words)
+        value, leaf = form_at(s, r, at, words)
         pinned = lost | (begins & (value > tolerance))
         entry = get(r, Row.ENTRY)
         capped = pinned & (lost ^ 1) & entry.compare("oge", 0.0)
@@ -220,7 +162,7 @@ def settle(s: RayFormulas) -> Routine:
     with r.loop("0", f"{ROUNDS}", 1, lambda: _open(s, r)) as turn:
         r.store(r.mask(_open(s, r).name), todo, 0, f"i{LANES}")
         _by_leaf(s, r, todo)
-        value, leaf = form_at(r, get(r, Row.T), words)
+        value, leaf = form_at(s, r, get(r, Row.T), words)
         ended = r.value(r.splat(r.emit(f"icmp eq i64 {turn}, {ROUNDS - 1}"), "i1"), "i1")
         mine = _open(s, r)
         other = mine & leaf.compare("one", get(r, Row.LEAF)) & (ended ^ 1)
@@ -242,36 +184,30 @@ def _open(s: RayFormulas, r: Routine) -> Value:
 
 def _by_leaf(s: RayFormulas, r: Routine, todo: str) -> None:
     """One turn for each leaf among the rays that are left."""
-    number = len(r.lines)
-    r.label(f"next{number}")
-    left = r.load(todo, 0, f"i{LANES}")
-    lane = r.emit(f"call i{LANES} @llvm.cttz.i{LANES}(i{LANES} {left}, i1 false)")
-    some = r.emit(f"icmp ne i{LANES} {left}, 0")
-    r.do(f"br i1 {some}, label %turn{number}, label %over{number}")
-    r.start(f"turn{number}")
-    place = r.emit(f"zext i{LANES} {lane} to i64")
-    one = r.load(r.place("%state", "double", Row.LEAF * LANES), place, "double")
-    same = get(r, Row.LEAF).compare("oeq", r.value(r.splat(one)))
-    waiting = r.emit(f"bitcast i{LANES} {left} to <{LANES} x i1>")
-    mine = r.value(waiting, "i1") & same
-    rest = r.emit(f"xor i{LANES} {left}, {r.mask(mine.name)}")
-    r.store(rest, todo, 0, f"i{LANES}")
-    which = r.emit(f"fptosi double {one} to i64")
-    cases = " ".join(f"i64 {k}, label %leaf{number}.{k}" for k in range(s.count))
-    r.do(f"switch i64 {which}, label %next{number} [ {cases} ]")
-    for k in range(s.count):
-        r.start(f"leaf{number}.{k}")
-        _newton(s, r, k, mine)
-        r.do(f"br label %next{number}")
-    r.start(f"over{number}")
+    with turns(r, todo, "%state", Row.LEAF) as (which, mine, again):
+        if s.tabled:
+            _newton(r, lambda places: gradient_at(s, r, which, places), mine)
+            r.do(f"br label %{again}")
+            return
+        number = again.removeprefix("next")
+        cases = " ".join(f"i64 {k}, label %leaf{number}.{k}" for k in range(s.count))
+        r.do(f"switch i64 {which}, label %{again} [ {cases} ]")
+        for k in range(s.count):
+            r.start(f"leaf{number}.{k}")
+            _newton(r, partial(_gradient, s, r, k), mine)
+            r.do(f"br label %{again}")
 
 
-def _newton(s: RayFormulas, r: Routine, k: int, mine: Value) -> None:
+def _gradient(s: RayFormulas, r: Routine, k: int, places: Sequence[str]) -> list[str]:
+    known = s.points.inputs(dict(zip(s.coordinates, places, strict=True)))
+    return [part.name for part in s.points.outputs(r, leaf_outputs(k), known)]
+
+
+def _newton(r: Routine, gradient_of: Callable[[Sequence[str]], list[str]], mine: Value) -> None:
     """Steps along the ray onto a leaf, within the bracket; of the last one the gradient."""
     with r.loop("0", f"{STEPS}", 1):
         t = get(r, Row.T)
-        places = dict(zip(s.coordinates, (place.name for place in place_at(r, t)), strict=True))
-        f, *gradient = s.points.outputs(r, leaf_outputs(k), s.points.inputs(places))
+        f, *gradient = (r.value(part) for part in gradient_of([place.name for place in place_at(r, t)]))
         along = [part * get(r, Row.DIRECTION + axis) for axis, part in enumerate(gradient)]
         moved = t - f / (along[0] + along[1] + along[2])
         within = least(most(moved, get(r, Row.LOW)), get(r, Row.HIGH))

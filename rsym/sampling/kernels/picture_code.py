@@ -6,30 +6,21 @@ rest matters to none of them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeAlias
+
 from rsym.backends.llvm_code import VECTORS, declarations
 from rsym.backends.vector_code import Value
 from rsym.program.program import Node
-from rsym.sampling.kernels.march_code import (
-    GONE,
-    MARCHING,
-    ROWS,
-    STRUCT,
-    Row,
-    clip,
-    first_root,
-    get,
-    least,
-    march,
-    model_on,
-    most,
-    put,
-    segment,
-    settle,
-)
-from rsym.sampling.kernels.ray_code import NAMED, RayFormulas, library, model, point, survey
+from rsym.sampling.kernels import table_code
+from rsym.sampling.kernels.cells_code import MARGIN, THIN, InCells, cell_of, cell_routines
+from rsym.sampling.kernels.march_code import clip, first_root, march, model_on, segment, settle
+from rsym.sampling.kernels.ray_code import NAMED, STRUCT, RayFormulas, library, model, point, survey
+from rsym.sampling.kernels.ray_state import GONE, MARCHING, ROWS, Row, get, least, most, put
+from rsym.sampling.kernels.region_code import region
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
+from rsym.sampling.kernels.table_code import leaf_routines
 
-TILE = 16  # pixels along a side
 BLOCK = (4, 2)  # columns and rows of the eight pixels that march together
 MOST_BEAM_STEPS = 60
 # Of the side of a tile: where a beam that may meet something ends.
@@ -92,11 +83,19 @@ def _started(name: str, parameters: dict[str, str]) -> Picture:
 
 TILES = dict.fromkeys(("starts", "limits", "marks"), "ptr")
 COMMON = {"first": "i64", "last": "i64", "camera": "ptr", "planes": "ptr", "cuts": "i64", "constants": "ptr"}
+ROOM = {"room": "ptr"}
+CELLS = {**ROOM, "starts": "ptr"}
 
 
 def beams(s: RayFormulas) -> Routine:
-    """From tile `first` to below `last`, eight at a time: where its beam may meet something, and what matters there."""
-    r = _started("beams", {**COMMON, "columns": "i64", "nothing": "ptr", **TILES})
+    """From tile `first` to below `last`, eight at a time: where its beam may meet something, and what matters there.
+
+    Of a large form cells tell what matters, as long as the beam is so thin that it stays in what is known of one.
+    """
+    of_all = CELLS if s.celled else {"nothing": "ptr", **TILES}
+    r = _started("beams", {**COMMON, "columns": "i64", **of_all})
+    if s.celled:
+        _cells(s, r)
     radius, spread = r.part("radius"), r.part("spread")
 
     def reach(t: Value, step: Value) -> Value:
@@ -110,20 +109,25 @@ def beams(s: RayFormulas) -> Routine:
             for lane, number in enumerate(numbers):
                 one = r.emit(f"sitofp i64 {r.emit(f'{operation} i64 {number}, %columns')} to double")
                 vector = r.emit(f"insertelement {DOUBLES} {vector}, double {one}, i32 {lane}")
-            places.append(r.value(vector) * float(TILE) + TILE / 2)
+            places.append(r.value(vector) * float(s.tile) + s.tile / 2)
         r.rays(*places)
         r.do(f"call void @clip(ptr %state, ptr %planes, i64 %cuts, double {r.scalar('reach')})")
         put(r, Row.STEP, (get(r, Row.STOP) - get(r, Row.T)) * 0.5)
         with r.loop("0", f"{MOST_BEAM_STEPS}", 1, lambda: get(r, Row.STATUS).compare("oeq", MARCHING)):
             t, stop, status = get(r, Row.T), get(r, Row.STOP), get(r, Row.STATUS)
-            step = least(get(r, Row.STEP), stop - t)
+            cell, end = cell_of(r, t, "%cells") if s.celled else (t, stop)
+            step = least(get(r, Row.STEP), (least(end, stop) if s.celled else stop) - t)
             half = step * 0.5
-            _, high, linear, quadratic = model_on(r, t, step, "%nothing", reach(t, step))
+            known = InCells(cell, status.compare("oeq", MARCHING), "%cells", "%room") if s.celled else "%nothing"
+            _, high, linear, quadratic = model_on(s, r, t, step, known, reach(t, step))
             upper = first_root(r, high + (quadratic - linear), linear, quadratic)
             out = upper > 2.0
             begin = t + upper * half
             live = status.compare("oeq", MARCHING)
-            size = (r.part("pixel") + r.part("growth") * abs(t)) * (TILE * NEAR)
+            if s.celled:
+                thin = reach(t, step) < r.element("%cells", MARGIN) * THIN
+                out, begin, step = out & thin, thin.choose(begin, t), thin.choose(step, 0.0)
+            size = (r.part("pixel") + r.part("growth") * abs(t)) * (s.tile * NEAR)
             put(r, Row.T, live.choose(out.choose(t + step, begin), t))
             put(r, Row.STEP, out.choose(step * 2.0, least(t + step - begin, half)))
             ended = live & (out ^ 1) & (step < size)
@@ -133,30 +137,41 @@ def beams(s: RayFormulas) -> Routine:
         t, stop = get(r, Row.T), get(r, Row.STOP)
         gone = get(r, Row.STATUS).compare("oeq", GONE)
         r.store(gone.choose(float("inf"), t).name, "%starts", i)
-        rest = gone.choose(0.0, stop - t)
-        size = (r.part("pixel") + r.part("growth") * abs(t)) * (TILE * NEAR_DEPTH)
-        for slab in range(s.slabs + 1):
-            whole = slab == s.slabs
-            begin = t if whole or not slab else least(t + size * 2.0 ** (slab - 1), stop)
-            limit = t + size * 2.0**slab
-            length = rest if whole else most(least(limit, stop) - begin, r.number(0.0)) * 1.001
-            for lane in range(0 if whole else LANES):
-                one = r.emit(f"extractelement {DOUBLES} {limit.name}, i32 {lane}")
-                number = r.emit(f"add i64 {i}, {lane}")
-                place = r.emit(f"add i64 {r.emit(f'mul i64 {number}, {s.slabs}')}, {slab}")
-                r.do(f"store double {one}, ptr {r.place('%limits', 'double', place)}, align 8")
-            given = ", ".join(f"{DOUBLES} {part}" for part in segment(r, begin, length, reach(begin, length)))
-            first = r.emit(f"mul i64 {i}, {(s.slabs + 1) * s.words}")
-            target = r.place("%marks", "i64", r.emit(f"add i64 {first}, {slab * s.words}"))
-            r.do(f"call void @survey({given}, ptr %constants, ptr {target}, i64 {(s.slabs + 1) * s.words})")
+        if not s.celled:
+            _stretches(s, r, i, (t, gone.choose(0.0, stop - t), stop), reach)
     r.do("ret void")
     return r
+
+
+Reach: TypeAlias = Callable[[Value, Value], Value]
+
+
+def _stretches(s: RayFormulas, r: Picture, i: str, ends: tuple[Value, Value, Value], reach: Reach) -> None:
+    """What matters to eight beams from where they begin, of some length, up to their ends, in stretches."""
+    t, rest, stop = ends
+    size = (r.part("pixel") + r.part("growth") * abs(t)) * (s.tile * NEAR_DEPTH)
+    for slab in range(s.slabs + 1):
+        whole = slab == s.slabs
+        begin = t if whole or not slab else least(t + size * 2.0 ** (slab - 1), stop)
+        limit = t + size * 2.0**slab
+        length = rest if whole else most(least(limit, stop) - begin, r.number(0.0)) * 1.001
+        for lane in range(0 if whole else LANES):
+            one = r.emit(f"extractelement {DOUBLES} {limit.name}, i32 {lane}")
+            number = r.emit(f"add i64 {i}, {lane}")
+            place = r.emit(f"add i64 {r.emit(f'mul i64 {number}, {s.slabs}')}, {slab}")
+            r.do(f"store double {one}, ptr {r.place('%limits', 'double', place)}, align 8")
+        given = ", ".join(f"{DOUBLES} {part}" for part in segment(r, begin, length, reach(begin, length)))
+        first = r.emit(f"mul i64 {i}, {(s.slabs + 1) * s.words}")
+        target = r.place("%marks", "i64", r.emit(f"add i64 {first}, {slab * s.words}"))
+        r.do(f"call void @survey({given}, ptr %constants, ptr {target}, i64 {(s.slabs + 1) * s.words})")
 
 
 def picture(s: RayFormulas) -> Routine:
     """From tile `first` to below `last` what each pixel shows; `stride` is the length of a row of pixels."""
     outputs = {"depth": "ptr", "leaf": "ptr", "normal": "ptr", "doubt": "ptr", "stride": "i64", "plane": "i64"}
-    r = _started("picture", {**COMMON, "columns": "i64", **TILES, **outputs})
+    r = _started("picture", {**COMMON, "columns": "i64", **(CELLS if s.celled else TILES), **outputs})
+    if s.celled:
+        _cells(s, r)
     pixel, growth = r.scalar("pixel"), r.scalar("growth")
     wide, high = BLOCK
     across, down = (
@@ -165,11 +180,13 @@ def picture(s: RayFormulas) -> Routine:
     )
     with r.loop("%first", "%last", 1) as tile:
         column, row = (r.emit(f"{operation} i64 {tile}, %columns") for operation in ("urem", "udiv"))
-        x0, y0 = (r.emit(f"mul i64 {number}, {TILE}") for number in (column, row))
+        x0, y0 = (r.emit(f"mul i64 {number}, {s.tile}") for number in (column, row))
         start = r.element("%starts", tile)
-        words = r.place("%marks", "i64", r.emit(f"mul i64 {tile}, {(s.slabs + 1) * s.words}"))
-        limits = r.place("%limits", "double", r.emit(f"mul i64 {tile}, {s.slabs}"))
-        with r.loop("0", f"{TILE}", high) as j, r.loop("0", f"{TILE}", wide) as i:
+        limits, words = "%cells", "%room"
+        if not s.celled:
+            words = r.place("%marks", "i64", r.emit(f"mul i64 {tile}, {(s.slabs + 1) * s.words}"))
+            limits = r.place("%limits", "double", r.emit(f"mul i64 {tile}, {s.slabs}"))
+        with r.loop("0", f"{s.tile}", high) as j, r.loop("0", f"{s.tile}", wide) as i:
             x, y = r.emit(f"add i64 {x0}, {i}"), r.emit(f"add i64 {y0}, {j}")
             left, top = (r.value(r.splat(r.emit(f"sitofp i64 {number} to double"))) for number in (x, y))
             put(r, Row.STATUS, r.number(GONE))
@@ -180,7 +197,7 @@ def picture(s: RayFormulas) -> Routine:
                 t = get(r, Row.T)
                 put(r, Row.T, (start > t).choose(start, t))
                 size = r.part("pixel") + r.part("growth") * abs(get(r, Row.T))
-                put(r, Row.STEP, size * (TILE * FIRST_STEP))
+                put(r, Row.STEP, size * (s.tile * FIRST_STEP))
                 r.march(limits, words, pixel, growth)
             for half in range(high):
                 below = r.emit(f"mul i64 {r.emit(f'add i64 {y}, {half}')}, %stride")
@@ -190,10 +207,18 @@ def picture(s: RayFormulas) -> Routine:
     return r
 
 
+def _cells(s: RayFormulas, r: Picture) -> None:
+    r.do(f"%cells = getelementptr double, ptr %constants, i64 {s.cells}")
+
+
 def rays(s: RayFormulas) -> Routine:
     """Rays from `first` to below `last`: rows of origins and directions in, what they meet out."""
     outputs = {"depth": "ptr", "leaf": "ptr", "normal": "ptr", "doubt": "ptr", "stride": "i64"}
-    r = _started("rays", {**COMMON, "given": "ptr", "limits": "ptr", "nothing": "ptr", **outputs})
+    of_all = ROOM if s.celled else {"limits": "ptr", "nothing": "ptr"}
+    r = _started("rays", {**COMMON, "given": "ptr", **of_all, **outputs})
+    limits, words = ("%cells", "%room") if s.celled else ("%limits", "%nothing")
+    if s.celled:
+        _cells(s, r)
     with r.loop("%first", "%last", LANES) as i:
         for row in range(6):
             put(r, Row.ORIGIN + row, r.value(r.load(r.row("%given", "%stride", row), i)))
@@ -201,7 +226,7 @@ def rays(s: RayFormulas) -> Routine:
         put(r, Row.STOP, r.part("far"))
         r.do("call void @clip(ptr %state, ptr %planes, i64 %cuts, double 0.0)")
         put(r, Row.STEP, (get(r, Row.STOP) - get(r, Row.T)) * 0.25)
-        r.march("%limits", "%nothing", r.scalar("pixel"), r.scalar("growth"))
+        r.march(limits, words, r.scalar("pixel"), r.scalar("growth"))
         _write(r, i, "%stride", range(LANES))
     r.do("ret void")
     return r
@@ -209,14 +234,19 @@ def rays(s: RayFormulas) -> Routine:
 
 def probe(s: RayFormulas) -> Routine:
     """The model of the form on eight segments, nine rows, and its value and leaf in their middles; for checks."""
-    r = Routine("probe", {"given": "ptr", "constants": "ptr", "words": "ptr", "found": "ptr"})
+    parameters = dict.fromkeys(("given", "constants", "words", "found"), "ptr")
+    r = Routine("probe", {**parameters, **(ROOM if s.celled else {})})
+    words = "%words"
+    if s.tabled:
+        r.do("call void @region(ptr %words, ptr %constants, ptr %room)")
+        words = f"{r.place('%room', 'i64', s.room.region)}, ptr %room"
     ends = [r.value(r.load("%given", row * LANES)) for row in range(9)]
     given = ", ".join(f"{DOUBLES} {end.name}" for end in ends)
-    value = r.emit(f"call {STRUCT} @model({given}, ptr %constants, ptr %words)")
+    value = r.emit(f"call {STRUCT} @model({given}, ptr %constants, ptr {words})")
     for k in range(4):
         r.store(r.emit(f"extractvalue {STRUCT} {value}, {k}"), "%found", k * LANES)
     places = ", ".join(f"{DOUBLES} {((ends[3 * k] + ends[3 * k + 1]) * 0.5).name}" for k in range(3))
-    both = r.emit(f"call {NAMED} @point({places}, ptr %constants, ptr %words)")
+    both = r.emit(f"call {NAMED} @point({places}, ptr %constants, ptr {words})")
     r.store(r.emit(f"extractvalue {NAMED} {both}, 0"), "%found", 4 * LANES)
     leaf = r.emit(f"sitofp {SHORTS} {r.emit(f'extractvalue {NAMED} {both}, 1')} to {DOUBLES}")
     r.store(leaf, "%found", 5 * LANES)
@@ -256,6 +286,12 @@ def caster_code(s: RayFormulas) -> str:
         *declarations(VECTORS["float64"], nodes),
         f"declare i{LANES} @llvm.cttz.i{LANES}(i{LANES}, i1)",
         f"declare double @llvm.vector.reduce.fmax.v{LANES}f64({DOUBLES})",
+        *(["declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)"] if s.tabled else []),
     ]
-    parts = (model, survey, point, clip, march, settle, beams, picture, rays, probe)
-    return "\n".join([*head, *library(s), *(part(s).text for part in parts)])
+    walks = (model, survey, point) if not s.tabled else (table_code.model, table_code.survey, table_code.point)
+    parts = [part(s) for part in (*walks, clip, march, settle, beams, picture, rays, probe)]
+    if s.tabled:
+        parts += [*leaf_routines(s), region(s)]
+    if s.celled:
+        parts += cell_routines(s)
+    return "\n".join([*head, *library(s), *(part.text for part in parts)])

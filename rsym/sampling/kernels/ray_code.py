@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 
+import numpy as np
+
+from rsym.arrays import Ints
 from rsym.backends.interpreter import interpret_nodes
-from rsym.bounds.ray_forms import LINE, MODEL, NUMBER, RayFunction, input_names, ray_form
+from rsym.backends.vector_code import Value
+from rsym.bounds.ray_forms import LINE, MODEL, NUMBER, RayForm, RayFunction, input_names, ray_form
 from rsym.bounds.ray_models import RayArithmetic, RayModel
 from rsym.logic.sign_form import Gate, SignForm, balanced
 from rsym.logic.stripping import is_positive
@@ -27,7 +31,9 @@ from rsym.sampling.kernels.form_code import (
     share_parts,
     with_bit,
 )
+from rsym.sampling.kernels.leaf_kinds import LeafKinds
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Formulas, Routine
+from rsym.sampling.kernels.table_layout import FormTable, WorkRoom
 
 NAMED = f"{{ {DOUBLES}, {SHORTS} }}"
 ZERO = "zeroinitializer"
@@ -35,6 +41,9 @@ ZERO = "zeroinitializer"
 HUGE = 1e90
 # The models of the coordinates, which are linear along rays.
 ENDS = tuple(f"{axis}_{part}" for axis in AXES for part in ("low", "high", "linear"))
+# So many gates: from here on what matters is known for cells of the bounds, and a form is tables that loops walk. Of 70
+# balls that takes a quarter of the time of branches, to compile and to look.
+CELLED = TABLED = 64
 # Calls. What more than one leaf needs is made once where it is that much, though maybe no leaf in a block needs it.
 MUCH = 8
 
@@ -43,8 +52,13 @@ class RayFormulas:
     """A sign form as routines along rays need it.
 
     Of the array `constants` the first are the uniform numbers of models, then those of the formulas at points, then a
-    scale for each leaf, then the distance below which leaves are taken for one.
+    scale for each leaf, then the distance below which leaves are taken for one. Of a large form the rows of its leaves
+    follow, tables of its leaves and gates in integers, and the cells of its bounds.
     """
+
+    # Into how many stretches the rest of a beam is cut, each with its words: on the car, of 38 gates, a second one
+    # takes more than it saves. Large forms march by cells.
+    slabs = 1
 
     def __init__(self, form: SignForm) -> None:
         self.form = form
@@ -57,14 +71,46 @@ class RayFormulas:
         self.scales = self.uniforms + self.points.constants
         self.tolerance = self.scales + self.count
         self.constants = self.tolerance + 1
+        self.celled, self.tabled = len(self.gates) >= CELLED, len(self.gates) >= TABLED
+        self.operands = len(self.rays.leaves) + len(self.gates)
 
     @property
-    def slabs(self) -> int:
-        """Into how many stretches the rest of a beam is cut, each with its words: more where more can be left out.
+    def tile(self) -> int:
+        """How many pixels a beam is wide: of a large form it must be thin to march by cells."""
+        return 8 if self.celled else 16
 
-        On the car, of 38 gates, a second one costs more than it saves; of 200 balls six halve the time.
-        """
-        return 1 if len(self.gates) < 64 else 6
+    @cached_property
+    def kinds(self) -> LeafKinds:
+        """The kinds of leaves."""
+        return LeafKinds(self.rays, self.points.program)
+
+    @cached_property
+    def table(self) -> FormTable:
+        """Where the tables of a large form begin among its constants."""
+        return FormTable(self.constants, len(self.kinds.sources), len(self.rays.leaves), len(self.gates))
+
+    @cached_property
+    def integers(self) -> Ints:
+        """The tables of leaves and gates."""
+        leaves = [
+            (kind, self.table.rows + begin, k if k < self.count else 0)
+            for k, (kind, begin) in enumerate(self.kinds.leaves)
+        ]
+        known = [sum(self.everywhere[operand] << k for k, operand in enumerate(gate[1:])) for gate in self.gates]
+        gates = [
+            (int(gate.operation == "max"), *gate[1:], flags) for gate, flags in zip(self.gates, known, strict=True)
+        ]
+        return np.concatenate([np.array(leaves, np.int64).ravel(), np.array(gates, np.int64).ravel()])
+
+    @property
+    def cells(self) -> int:
+        """Where the cells of a large form begin among its constants."""
+        return self.table.end if self.tabled else self.constants
+
+    @cached_property
+    def room(self) -> WorkRoom:
+        """The memory that routines of a large form work in."""
+        return WorkRoom(self.words, self.operands)
 
     @property
     def words(self) -> int:
@@ -136,6 +182,9 @@ def _struct(count: int) -> str:
     return f"{{ {', '.join([DOUBLES] * count)} }}"
 
 
+STRUCT = _struct(4)
+
+
 def called(r: Routine, name: str, arguments: Iterable[str], count: int) -> Parts:
     """What a function of the library gives."""
     given = ", ".join(f"{DOUBLES} {argument}" for argument in arguments)
@@ -146,8 +195,8 @@ def called(r: Routine, name: str, arguments: Iterable[str], count: int) -> Parts
 class ModelCalls:
     """The calls that make the models of leaves, in a routine."""
 
-    def __init__(self, s: RayFormulas, r: Routine) -> None:
-        self.s, self.r = s, r
+    def __init__(self, rays: RayForm, r: Routine) -> None:
+        self.rays, self.r = rays, r
         self.known: dict[int, Parts] = {
             k: [*(f"%{axis}_{part}" for part in ("low", "high", "linear")), ZERO] for k, axis in enumerate(AXES)
         }
@@ -160,20 +209,20 @@ class ModelCalls:
             number = stack.pop()
             if number not in seen and number not in known:
                 seen.add(number)
-                call = self.s.rays.calls[number - len(AXES)]
+                call = self.rays.calls[number - len(AXES)]
                 stack.extend(value.number for value in call.arguments if value.kind == MODEL)
         return sorted(seen)
 
     def share(self) -> None:
         """Make what more than one leaf needs, where that is much."""
-        leaves = [leaf.number for leaf in self.s.rays.leaves if leaf.kind == MODEL]
+        leaves = [leaf.number for leaf in self.rays.leaves if leaf.kind == MODEL]
         uses = Counter(part for leaf in leaves for part in self.needed([leaf], self.known))
         large = [part for part, count in uses.items() if count > 1 and len(self.needed([part], self.known)) > MUCH]
         self.make(sorted(large), self.known)
 
     def leaf(self, number: int, known: dict[int, Parts]) -> Parts:
         """The model of a leaf."""
-        leaf = self.s.rays.leaves[number]
+        leaf = self.rays.leaves[number]
         if leaf.kind == NUMBER:
             k = self.uniform(leaf.number)
             return [k, k, ZERO, ZERO]
@@ -183,8 +232,8 @@ class ModelCalls:
     def make(self, wanted: Iterable[int], known: dict[int, Parts]) -> None:
         """Make models, and note them."""
         for number in self.needed(wanted, known):
-            call = self.s.rays.calls[number - len(AXES)]
-            function = self.s.rays.library[call.function]
+            call = self.rays.calls[number - len(AXES)]
+            function = self.rays.library[call.function]
             given: list[str] = []
             for value, kind in zip(call.arguments, function.parameters, strict=True):
                 parts = known[value.number] if value.kind == MODEL else [self.uniform(value.number)]
@@ -205,7 +254,7 @@ class _ReducedModel(ReducedWalk):
     def __init__(self, s: RayFormulas, r: Routine) -> None:
         super().__init__(s.gates, len(s.rays.leaves), r)
         self.s = s
-        self.calls = ModelCalls(s, r)
+        self.calls = ModelCalls(s.rays, r)
         self.calls.share()
 
     def leaf(self, number: int) -> Parts:
@@ -249,19 +298,19 @@ def survey(s: RayFormulas) -> Routine:
     """Which operands of gates do not matter on a segment of each lane: words, those of each lane a stride apart."""
     parameters = dict.fromkeys(ENDS, DOUBLES) | {"constants": "ptr", "words": "ptr", "stride": "i64"}
     r = Routine("survey", parameters, internal=True)
-    calls = ModelCalls(s, r)
+    calls = ModelCalls(s.rays, r)
     values = [calls.leaf(number, calls.known) for number in range(len(s.rays.leaves))]
     vector = f"<{LANES} x i64>"
     words = [ZERO] * s.words
     ranges: dict[int, Parts] = {}
+
+    def ends(operand: int) -> Iterable[Value]:
+        if operand not in ranges:
+            ranges[operand] = called(r, "range", values[operand], 2)
+        return map(r.value, ranges[operand])
+
     for number, (operation, *operands) in enumerate(s.gates):
-        for position, operand in enumerate(operands):
-            if not s.everywhere[operand]:
-                continue
-            if operand not in ranges:
-                ranges[operand] = called(r, "range", values[operand], 2)
-            low, high = map(r.value, ranges[operand])
-            idle = low > 0.0 if operation == "min" else high < 0.0
+        for position, idle in _idle(s, r, operation, operands, ends):
             word, bit = divmod(2 * number + position, WORD)
             words[word] = with_bit(r, words[word], idle.name, bit)
         values.append(called(r, operation, [*values[operands[0]], *values[operands[1]]], 4))
@@ -272,6 +321,31 @@ def survey(s: RayFormulas) -> Routine:
             r.do(f"store i64 {one}, ptr {r.place('%words', 'i64', place)}, align 8")
     r.do("ret void")
     return r
+
+
+def _idle(
+    s: RayFormulas, r: Routine, operation: str, operands: Sequence[int], ends: Callable[[int], Iterable[Value]]
+) -> Iterator[tuple[int, Value]]:
+    """Where each operand of a gate does not matter."""
+    if s.celled:
+        ranges = [(-high, -low) if operation == "max" else (low, high) for low, high in map(ends, operands)]
+        known = [r.value("splat (i1 true)" if s.everywhere[operand] else ZERO, "i1") for operand in operands]
+        yield from enumerate(idle_operands(ranges, known))
+        return
+    for position, operand in enumerate(operands):
+        if s.everywhere[operand]:
+            low, high = ends(operand)
+            yield position, low > 0.0 if operation == "min" else high < 0.0
+
+
+def idle_operands(ranges: Sequence[tuple[Value, Value]], known: Sequence[Value]) -> tuple[Value, Value]:
+    """Which operands of a min do not matter for its sign: what is positive, and what is beside a negative one.
+
+    Only what has a value everywhere, and not both of two negative ones.
+    """
+    (low, high), (other_low, other_high) = ranges
+    second = known[1] & ((other_low > 0.0) | (high < 0.0))
+    return known[0] & ((low > 0.0) | ((other_high < 0.0) & (second ^ 1))), second
 
 
 class _ReducedPoint(ReducedWalk):
@@ -297,13 +371,18 @@ class _ReducedPoint(ReducedWalk):
         return [infinite.name, leaf_number(0)]
 
     def join(self, gate: Gate, a: Parts, b: Parts) -> Parts:
-        r, (p, q) = self.r, (self.r.value(a[0]), self.r.value(b[0]))
-        take = better(gate.operation, p, q)
-        first = r.emit(f"icmp slt {SHORTS} {a[1]}, {b[1]}")
-        equal = abs(p - q).compare("ole", self.tolerance)
-        chosen = r.select(take.name, a[1], b[1], SHORTS)
-        name = r.select(equal.name, r.select(first, a[1], b[1], SHORTS), chosen, SHORTS)
-        return [take.choose(p, q).name, name]
+        return first_of_equals(self.r, gate.operation, a, b, self.tolerance)
+
+
+def first_of_equals(r: Routine, operation: str, a: Parts, b: Parts, tolerance: Value) -> Parts:
+    """The min or max of two values, and the number of its leaf; of what lies no farther apart the first leaf."""
+    p, q = r.value(a[0]), r.value(b[0])
+    take = better(operation, p, q)
+    first = r.emit(f"icmp slt {SHORTS} {a[1]}, {b[1]}")
+    equal = abs(p - q).compare("ole", tolerance)
+    chosen = r.select(take.name, a[1], b[1], SHORTS)
+    name = r.select(equal.name, r.select(first, a[1], b[1], SHORTS), chosen, SHORTS)
+    return [take.choose(p, q).name, name]
 
 
 def point(s: RayFormulas) -> Routine:
