@@ -325,8 +325,10 @@ def test_cells_leave_out_nothing_that_matters(monkeypatch):
     shape, pencil, seen = crowd(12), camera(BOX, (96, 72), room=1.2), []
     for gates in (8, 10**9):
         large_from(gates, gates, monkeypatch)
-        seen.append(Caster(shape).look(pencil))
-    one, other = seen
+        seen += [Caster(shape, threads=threads).look(pencil) for threads in (1, 3)]
+    one, same, other, _ = seen
+    np.testing.assert_array_equal(one.depth, same.depth)
+    np.testing.assert_array_equal(one.leaf, same.leaf)
     assert (one.met == other.met).mean() > 0.999
     both = one.met & other.met
     assert np.quantile(np.abs(one.depth[both] - other.depth[both]), 0.98) < 1e-9

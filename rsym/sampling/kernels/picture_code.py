@@ -1,7 +1,7 @@
 """The routines of a caster as LLVM text: a picture tile by tile, beams first, and rays one by one.
 
 A beam runs around the rays of a tile of pixels: how far it is negative all rays are, and what does not matter on its
-rest matters to none of them.
+rest matters to none of them. At a large form beams only say where rays begin: what matters is known of cells.
 """
 
 from __future__ import annotations

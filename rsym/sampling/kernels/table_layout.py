@@ -29,8 +29,8 @@ class WorkRoom:
 
     def __init__(self, words: int, operands: int) -> None:
         self.region = LANES
-        self.values = self.region + 1 + self.ENTRY * operands
-        self.places = self.values + 4 * LANES * operands
-        self.stack = self.places + operands
-        self.marks = self.stack + 3 * operands + 1
+        self.values = self.region + 1 + self.ENTRY * operands  # of entries, or of operands: four vectors each
+        self.places = self.values + 4 * LANES * operands  # of operands in the region
+        self.stack = self.places + operands  # a gate is opened once, and puts itself and two operands on it
+        self.marks = self.stack + 3 * operands + 1  # the words of eight lanes
         self.size = self.marks + LANES * words
