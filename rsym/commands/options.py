@@ -58,7 +58,7 @@ def add_model(parser: argparse.ArgumentParser, setting: str = "a value that come
 def add_model_name(group: argparse._ActionsContainer) -> None:
     """The model; a shell that completes is told the names of those that come with rsym."""
     action = group.add_argument(
-        "model", metavar="MODEL", help="a model file (.rf), or a shipped one; rsym models lists them"
+        "model", metavar="MODEL", help="a model file (.rf or .vm), or a shipped one; rsym models lists them"
     )
     action.completer = _completed  # type: ignore[attr-defined]
 
@@ -67,7 +67,7 @@ def _completed(prefix: str, **_: Any) -> list[str]:
     """The shipped models and the model files that begin so; loads nothing heavy, for a shell waits."""
     folder = Path(__file__).parent.parent / "paper"
     names = [path.stem for path in (*folder.glob("*.rf"), *folder.glob("gallery/*.rf"))]
-    here = [path for path in glob(f"{prefix}*") if path.endswith(".rf") or Path(path).is_dir()]
+    here = [path for path in glob(f"{prefix}*") if path.endswith((".rf", ".vm")) or Path(path).is_dir()]
     return sorted(name for name in names if name.startswith(prefix)) + here
 
 
@@ -268,16 +268,12 @@ def load_model(options: argparse.Namespace) -> Chosen:
 
     A preset may set letters that the chosen shape does not need: it was written for the whole model.
     """
-    from rsym.language.loading import loads, read_text
-    from rsym.language.model import collect
-    from rsym.language.parser import parse
+    from rsym.language.loading import read_model
     from rsym.model.letters import Letters
     from rsym.output.models import load_letters
 
     path = model_file(options.model)
-    text = read_text(path)
-    shape = loads(text, shape=options.shape, variant=options.variant)
-    model = collect(parse(text))
+    shape, model = read_model(path, shape=options.shape, variant=options.variant)
     letters = Letters({**model.letters, **model.variants.get(options.variant, {})})
     preset = load_letters(options.letters) if options.letters else {}
     letters = letters.changed({**preset, **numbers(options.set, "--set")})
