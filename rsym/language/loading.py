@@ -22,7 +22,7 @@ _LONGEST_LINES = LONGEST_LINES + len(codecs.BOM_UTF8)  # of a .vm file, which ne
 
 
 def load(path: str | PathLike[str], *, shape: str | None = None, variant: str | None = None) -> Shape:
-    """The shape that a model file describes; see `loads` for the language.
+    r"""The shape that a model file describes; see `loads` for the language.
 
     A file whose name ends in ``.vm`` is a text of the kind of the public test models of fidget and MPR. A line is a
     name, an operation and its arguments, which are names of earlier lines: ``_3 add _1 _2``; ``#`` begins a comment.
@@ -181,7 +181,5 @@ def _read(path: str | PathLike[str]) -> bytes:
     except (OSError, ValueError, TypeError) as error:
         raise RsymError(f"cannot read {path!r}: {error}", code="unreadable-file", remedy="give a text file") from None
     if len(data) > longest:
-        raise RsymError(
-            f"{str(path)!r} has more than {longest} bytes", code="too-large", remedy="split the model"
-        )
+        raise RsymError(f"{str(path)!r} has more than {longest} bytes", code="too-large", remedy="split the model")
     return data

@@ -20,13 +20,13 @@ from rsym.language import exact
 from rsym.language.building import Built, FormulaBuilder, exact_part
 from rsym.language.exact import division_by_zero
 from rsym.language.functions import operations
-from rsym.language.syntax import Call, Expression, Name, Number, Position, Power, Product, Sum
 from rsym.language.model import ModelFile
-from rsym.model.nodes import unevaluated
+from rsym.language.syntax import Call, Expression, Name, Number, Position, Power, Product, Sum
 from rsym.model.rnodes import R1Conjunction, R1Disjunction
 from rsym.model.shape import Shape
 from rsym.model.symbols import PLANE, SPACE
 from rsym.model.systems import R1
+from rsym.model.unevaluated import unevaluated
 from rsym.model.wording import listing, proposal
 
 SUFFIX = ".vm"
@@ -40,7 +40,7 @@ _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
 _HALF = sp.Rational(1, 2)
 
 
-class Operation(NamedTuple):
+class Meaning(NamedTuple):
     """An operation of the format: how many names it takes, and what it is as a node and as a formula of constants."""
 
     count: int
@@ -68,23 +68,23 @@ def _quotient(a: sp.Expr, b: sp.Expr) -> sp.Expr:
     return _product(a, 1 / b if b.is_Rational else unevaluated(sp.Pow, b, sp.S.NegativeOne))
 
 
-def _power(exponent: sp.Rational) -> Operation:
+def _power(exponent: sp.Rational) -> Meaning:
     value = Fraction(int(exponent.p), int(exponent.q))
-    return Operation(
+    return Meaning(
         1, lambda a: unevaluated(sp.Pow, a, exponent), lambda at, a: Power(at, (a, Number(at, value, point=False)))
     )
 
 
-def _call(kind: type[sp.Expr], name: str, count: int = 1) -> Operation:
-    return Operation(count, lambda *parts: unevaluated(kind, *parts), lambda at, *parts: Call(at, name, parts))
+def _call(kind: type[sp.Expr], name: str, count: int = 1) -> Meaning:
+    return Meaning(count, lambda *parts: unevaluated(kind, *parts), lambda at, *parts: Call(at, name, parts))
 
 
-OPERATIONS: dict[str, Operation] = {
-    "add": Operation(2, _sum, lambda at, *parts: Sum(at, (1, 1), parts)),
-    "sub": Operation(2, _difference, lambda at, *parts: Sum(at, (1, -1), parts)),
-    "mul": Operation(2, _product, lambda at, *parts: Product(at, (1, 1), parts)),
-    "div": Operation(2, _quotient, lambda at, *parts: Product(at, (1, -1), parts)),
-    "neg": Operation(1, _opposite, lambda at, *parts: Sum(at, (-1,), parts)),
+OPERATIONS: dict[str, Meaning] = {
+    "add": Meaning(2, _sum, lambda at, *parts: Sum(at, (1, 1), parts)),
+    "sub": Meaning(2, _difference, lambda at, *parts: Sum(at, (1, -1), parts)),
+    "mul": Meaning(2, _product, lambda at, *parts: Product(at, (1, 1), parts)),
+    "div": Meaning(2, _quotient, lambda at, *parts: Product(at, (1, -1), parts)),
+    "neg": Meaning(1, _opposite, lambda at, *parts: Sum(at, (-1,), parts)),
     "square": _power(sp.Integer(2)),
     "sqrt": _power(_HALF),
     "min": _call(R1Conjunction, "min", 2),
@@ -96,7 +96,7 @@ OPERATIONS: dict[str, Operation] = {
     **{name: _call(getattr(sp, name), name) for name in ("sin", "cos", "tan", "asin", "acos", "atan")},
     "atan2": _call(sp.atan2, "atan2", 2),
     # -1, 0 or 1, by which argument is larger.
-    "compare": Operation(
+    "compare": Meaning(
         2,
         lambda a, b: unevaluated(sp.sign, _difference(a, b)),
         lambda at, *parts: Call(at, "sign", (Sum(at, (1, -1), parts),)),
@@ -105,7 +105,7 @@ OPERATIONS: dict[str, Operation] = {
 _KNOWN = ("const", *_AXES, *OPERATIONS)
 
 
-class Row(NamedTuple):
+class Instruction(NamedTuple):
     """A distinct line: its operation on earlier rows, the value of a constant, and the number of the line."""
 
     operation: str
@@ -114,7 +114,7 @@ class Row(NamedTuple):
     line: int
 
 
-class Lines:
+class Instructions:
     """The distinct rows of a text, in order; equal lines are one row."""
 
     def __init__(self, text: str) -> None:
@@ -122,7 +122,7 @@ class Lines:
             message = f"the text has {len(text)} characters; {LONGEST_TEXT} are the most"
             raise Position(1, 1).refuse(message, "too-large", "split the model")
         self.texts = text.removeprefix("\ufeff").split("\n")
-        self.rows: list[Row] = []
+        self.rows: list[Instruction] = []
         self._numbers: dict[tuple[str, tuple[int, ...], Fraction | None], int] = {}
         self._names: dict[str, tuple[int, int]] = {}  # the row, and the line that defines it
         self.last = -1
@@ -158,11 +158,11 @@ class Lines:
             key = (operation, arguments, value)
             number = self._numbers.setdefault(key, len(self.rows))
             if number == len(self.rows):
-                self.rows.append(Row(*key, line))
+                self.rows.append(Instruction(*key, line))
         self._names[name] = (number, line)
         return number
 
-    def _operation(self, line: int, word: str) -> Operation:
+    def _operation(self, line: int, word: str) -> Meaning:
         found = OPERATIONS.get(word)
         if found is not None:
             return found
@@ -229,7 +229,7 @@ def shape_of_lines(text: str) -> Shape:
     >>> shape_of_lines("a var-x; b square a; c const 1; d sub b c".replace(";", chr(10))).expression
     -(x**2 - 1)
     """
-    lines = Lines(text)
+    lines = Instructions(text)
     made = _Nodes(lines)
     if not made.inside[lines.last]:
         where, remedy = str(lines.place(lines.rows[lines.last].line)), "its last line is the function"
@@ -242,7 +242,7 @@ def shape_of_lines(text: str) -> Shape:
 class _Nodes:
     """The rows that the last one needs, as parts of a formula."""
 
-    def __init__(self, lines: Lines) -> None:
+    def __init__(self, lines: Instructions) -> None:
         self._lines, self._rows = lines, lines.rows
         self._constants: dict[int, Built] = {}
         self._parts: dict[int, sp.Expr] = {}
@@ -255,7 +255,7 @@ class _Nodes:
         for number in needed:
             self._add(number, self._rows[number])
 
-    def _add(self, number: int, row: Row) -> None:
+    def _add(self, number: int, row: Instruction) -> None:
         operation, arguments, value, line = row
         self.inside[number] = frozenset().union(*(self.inside[argument] for argument in arguments))
         if value is not None:
@@ -280,14 +280,14 @@ class _Nodes:
             self._parts[number] = found
         return found
 
-    def _constant(self, row: Row) -> Built:
+    def _constant(self, row: Instruction) -> Built:
         place = self._lines.place(row.line)
         names = [Name(place, str(argument)) for argument in row.arguments]
         formula = OPERATIONS[row.operation].formula(place, *names)
         return self._folding.build(formula, {str(argument): self._constants[argument] for argument in row.arguments})
 
-    def _chain(self, row: Row) -> list[sp.Expr]:
-        """The operands: those of a like operation that nothing else needs join, for grouping and order do not matter."""
+    def _chain(self, row: Instruction) -> list[sp.Expr]:
+        """The operands: those of a like operation that nothing else needs join, for grouping does not matter."""
         for head, other in (row.arguments, row.arguments[::-1]):
             if self._uses[head] == 1 and self._rows[head].operation == row.operation and head in self._chains:
                 chain = self._chains.pop(head)
@@ -311,7 +311,7 @@ class _Nodes:
         return unevaluated(kind, *operands, symbols=self.inside[number])
 
 
-def _needed(rows: Sequence[Row], last: int) -> list[int]:
+def _needed(rows: Sequence[Instruction], last: int) -> list[int]:
     """The rows that one needs, in order."""
     needed = {last}
     for number in range(last, -1, -1):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
-from functools import cache
+from collections.abc import Container
 from typing import Any, ClassVar
 
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.symbols import postorder, rebuild, symbols_of
+from rsym.model.symbols import postorder, rebuild, symbols_inside, symbols_of
 
 _RUNTIME = "rsym.backends.runtime."
 
@@ -24,7 +23,7 @@ class RealNode(sp.Function):  # type: ignore[misc]
     def __new__(cls, *arguments: Any, **options: Any) -> sp.Expr:
         """Know from the start which symbols are inside: SymPy asks often, and asks by recursion."""
         node = super().__new__(cls, *arguments, **options)
-        node._free_symbols = _symbols_inside(node.args)
+        node._free_symbols = symbols_inside(node.args)
         return node
 
     @property
@@ -72,57 +71,6 @@ class RealNode(sp.Function):  # type: ignore[misc]
         return f"{function}({', '.join(printer._print(argument) for argument in self.args)})"
 
     _numpycode = _pythoncode = _mpmathcode = _jaxcode = _torchcode = _cupycode = _runtime_call
-
-
-def _symbols_inside(parts: Iterable[sp.Basic]) -> frozenset[sp.Symbol]:
-    """The symbols of parts: R-nodes know theirs, and what is shared is looked at once."""
-    found: set[sp.Symbol] = set()
-    seen: set[int] = set()
-    stack = list(parts)
-    while stack:
-        part = stack.pop()
-        if id(part) in seen:
-            continue
-        seen.add(id(part))
-        if part.is_Symbol:
-            found.add(part)
-        elif isinstance(part, RealNode):
-            found |= part._free_symbols
-        else:
-            stack.extend(part.args)
-    return frozenset(found)
-
-
-def unevaluated(kind: type[sp.Expr], *arguments: sp.Expr, symbols: frozenset[sp.Symbol] | None = None) -> sp.Expr:
-    """A node over real arguments as it stands, past SymPy's cache: that compares equal ones by recursion.
-
-    symbols: those inside an R-node, where they are known.
-
-    Examples
-    --------
-    >>> from rsym import x
-    >>> unevaluated(sp.Add, x, x), unevaluated(sp.sin, sp.S.Zero)
-    (x + x, sin(0))
-    """
-    if issubclass(kind, sp.Add | sp.Mul):
-        return kind._from_args(arguments, True)
-    node = sp.Expr.__new__(kind, *arguments)
-    if kind is sp.Pow:
-        node.is_commutative = True
-        return node
-    node.nargs = _argument_counts(kind, len(arguments))
-    if issubclass(kind, RealNode):
-        node._free_symbols = _symbols_inside(arguments) if symbols is None else symbols
-    else:
-        # Asked now SymPy asks the arguments alone; asked later it would go down to the symbols.
-        assert node.is_commutative
-    return node
-
-
-@cache
-def _argument_counts(kind: type[sp.Expr], count: int) -> sp.Set:
-    """What SymPy notes in each of its functions."""
-    return kind(*(sp.Dummy(real=True) for _ in range(count)), evaluate=False).nargs
 
 
 class Composition(RealNode):
