@@ -31,7 +31,6 @@ from rsym.model.wording import listing, proposal
 
 SUFFIX = ".vm"
 LONGEST_TEXT = 4_000_000  # characters; 200 000 lines were measured to take 12 seconds
-MOST_OPERANDS = 2_000_000  # of min and max, counted as often as they are copied
 _AXES = dict(zip(("var-x", "var-y", "var-z"), SPACE, strict=True))
 _GATES = {"min": R1Conjunction, "max": R1Disjunction}
 _LACKING = frozenset(("mod", "and", "or", "not", "floor", "ceil", "round", "rand", "mix"))  # of fidget's reader
@@ -247,7 +246,6 @@ class _Nodes:
         self._constants: dict[int, Built] = {}
         self._parts: dict[int, sp.Expr] = {}
         self._chains: dict[int, list[sp.Expr]] = {}  # operands of a min or max that is no node yet
-        self._copied = 0
         self._folding = FormulaBuilder(operations(R1))
         self.inside: dict[int, frozenset[sp.Symbol]] = {}
         needed = _needed(self._rows, lines.last)
@@ -268,7 +266,7 @@ class _Nodes:
         elif operation in _GATES:
             self._chains[number] = self._chain(row)
         else:
-            if operation == "div" and self.part(arguments[1]).is_zero:
+            if operation == "div" and self.part(arguments[1]) is sp.S.Zero:
                 raise division_by_zero(self._lines.place(line, 3))
             self._parts[number] = OPERATIONS[operation].node(*map(self.part, arguments))
 
@@ -298,16 +296,12 @@ class _Nodes:
     def _gate(self, number: int) -> sp.Expr:
         kind = _GATES[self._rows[number].operation]
         operands = self._chains.pop(number)
-        if isinstance(operands[0], kind):  # folds are flat on the left: one that is shared stands further right
-            first = next((k for k, operand in enumerate(operands) if not isinstance(operand, kind)), None)
-            if first is None:
-                operands[:1] = operands[0].args
-            else:
-                operands.insert(0, operands.pop(first))
-        self._copied += len(operands)
-        if self._copied > MOST_OPERANDS:
-            place = self._lines.place(self._rows[number].line)
-            raise place.refuse("too many operands of min and max", "too-large", "use each min and max less often")
+        if type(operands[0]) is kind:  # a fold is flat on its left: one that others need too stands further right
+            first = next((k for k, operand in enumerate(operands) if type(operand) is not kind), None)
+            if first is None:  # or -max(-u, -v) for min(u, v): copied, its operands could be without end
+                opposite = next(one for one in _GATES.values() if one is not kind)
+                return _opposite(unevaluated(opposite, *map(_opposite, operands), symbols=self.inside[number]))
+            operands.insert(0, operands.pop(first))
         return unevaluated(kind, *operands, symbols=self.inside[number])
 
 
