@@ -104,6 +104,13 @@ def test_minima_that_others_need_are_not_copied():
     assert sum(len(part.args) for part in postorder(shape.expression)) < 5 * len(lines)
 
 
+@pytest.mark.parametrize("gate", ["min", "max"])
+def test_of_two_such_minima_the_smaller(gate):
+    other = {"min": "max", "max": "min"}[gate]
+    text = f"a var-x\nb var-y\nu {gate} a b\nc neg b\nv {gate} c a\nw {gate} u v\np mul u v\nq {other} w p"
+    check(f"{text}\nr add q b", known=0.5)  # where a decides in both, the choice between them is a tie
+
+
 def test_plane_or_space():
     assert shape_of_lines("a var-x").coordinates == (x, y)
     assert shape_of_lines("a var-z\nb var-x").coordinates == (x, y, z)
