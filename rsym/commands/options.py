@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from rsym.language.model import ModelFile
     from rsym.model.letters import Letters
-    from rsym.model.shape import Shape
+    from rsym.model.shape import Bounds, Shape
     from rsym.model.systems import RSystem
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -53,6 +53,7 @@ def add_model(parser: argparse.ArgumentParser, setting: str = "a value that come
     group.add_argument("--variant", metavar="NAME", help="a variant of the model")
     group.add_argument("--letters", metavar="FILE", help="values of letters, as rsym.save_letters writes them")
     group.add_argument("--set", action="append", default=[], metavar="LETTER=VALUE", help=setting)
+    group.add_argument("--bounds", metavar="RANGES", help="the box that holds what is of interest: x=-1:1,y=0:2,z=0:4")
 
 
 def add_model_name(group: argparse._ActionsContainer) -> None:
@@ -277,7 +278,19 @@ def load_model(options: argparse.Namespace) -> Chosen:
     letters = Letters({**model.letters, **model.variants.get(options.variant, {})})
     preset = load_letters(options.letters) if options.letters else {}
     letters = letters.changed({**preset, **numbers(options.set, "--set")})
+    if getattr(options, "bounds", None) is not None:
+        shape = shape.replace(bounds=_box(options.bounds, shape))
     return Chosen(path, model, letters, shape.with_letters({name: letters[name] for name in shape.letters}))
+
+
+def _box(text: str, shape: Shape) -> Bounds:
+    """Bounds as they are typed, one range for each coordinate."""
+    single, box = ranges(text.split(","), "--bounds")
+    names = [symbol.name for symbol in shape.coordinates]
+    if single or sorted(box) != sorted(names):
+        example = ",".join(f"{name}=-1:1" for name in names)
+        raise RsymError(f"--bounds needs a range for each coordinate, got {text!r}", code="bounds", remedy=example)
+    return tuple(box[name] for name in names)
 
 
 def load_shape(options: argparse.Namespace) -> Shape:
