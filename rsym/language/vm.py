@@ -42,7 +42,7 @@ _HALF = sp.Rational(1, 2)
 class Meaning(NamedTuple):
     """An operation of the format: how many names it takes, and what it is as a node and as a formula of constants."""
 
-    count: int
+    names: int
     node: Callable[..., sp.Expr]
     formula: Callable[..., Expression]
 
@@ -144,7 +144,7 @@ class Instructions:
                 "redefinition",
                 "a name is defined once; rename",
             )
-        wanted = 1 if operation == "const" else 0 if operation in _AXES else self._operation(line, operation).count
+        wanted = 1 if operation == "const" else 0 if operation in _AXES else self._operation(line, operation).names
         if len(rest) != wanted:
             some = f"{wanted} argument{'s' * (wanted != 1)}" if wanted else "no argument"
             remedy = "a line is a name, an operation and its arguments, such as: _3 add _1 _2"

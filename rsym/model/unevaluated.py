@@ -7,6 +7,7 @@ recursion and sharing forgotten: of formulas ten thousand levels deep that ends 
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import sympy as sp
 
@@ -14,8 +15,8 @@ from rsym.model.nodes import RealNode
 from rsym.model.symbols import symbols_inside
 
 
-def unevaluated(kind: type[sp.Expr], *arguments: sp.Expr, symbols: frozenset[sp.Symbol] | None = None) -> sp.Expr:
-    """A node over real arguments, nothing evaluated.
+def unevaluated(kind: Any, *arguments: sp.Expr, symbols: frozenset[sp.Symbol] | None = None) -> sp.Expr:
+    """A node of a class of SymPy or rsym over real arguments, nothing evaluated.
 
     symbols: those inside an R-node, where they are known.
 
@@ -41,6 +42,6 @@ def unevaluated(kind: type[sp.Expr], *arguments: sp.Expr, symbols: frozenset[sp.
 
 
 @cache
-def _argument_counts(kind: type[sp.Expr], count: int) -> sp.Set:
+def _argument_counts(kind: Any, count: int) -> sp.Set:
     """What SymPy notes in each of its functions."""
     return kind(*(sp.Dummy(real=True) for _ in range(count)), evaluate=False).nargs
