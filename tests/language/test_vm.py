@@ -302,6 +302,11 @@ def test_commands_take_such_files(tmp_path, monkeypatch, capsys):
     ):
         assert main(arguments) == 0, arguments
         assert said in capsys.readouterr().out, arguments
+    load(
+        tmp_path, "a var-x\nb var-y\nc square a\nd square b\ne add c d\nf const 0.5\ng sub e f\nh max a g", "quarter.vm"
+    )
+    assert main(["lint", "quarter.vm"]) == 1  # a sum in a sum is a polynomial too
+    assert "not normalised" in capsys.readouterr().out
     assert main(["show", "model.vm", "--set", "a=1"]) == 1
     assert main(["show", "model.vm", "--variant", "b"]) == 1
     (tmp_path / "bad.vm").write_text("a var-x\nb tanh a")
