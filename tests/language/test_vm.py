@@ -217,6 +217,7 @@ def shown(text, folder):
     return shape
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", LINKS)
 def test_deep_texts_are_read_and_shown(name, tmp_path):
     shown(chain(LINKS[name], 350), tmp_path)
