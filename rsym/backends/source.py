@@ -38,7 +38,8 @@ def source(shape: Shape, language: str, fields: Sequence[str] = ("value",), *, l
         kernel for arithmetic, its NaN included. ``glsl`` (ES 3.00) computes one point in single precision.
 
         ``vm`` is the text of fidget and MPR: a line a name, an operation, its arguments; the first line is a comment,
-        the last is the value. Inside is *negative* there. It holds the value alone, letters as constants.
+        the last is the value. Inside is *negative* there. It holds the value alone, letters as constants; `load` reads
+        it from a file.
     fields : sequence of str
         As for `compile`; a gradient is one output for each component, a Hessian one for each on or above the
         diagonal.

@@ -2,7 +2,7 @@
 
 Names are numbered without a gap in hexadecimal, and one comment stands in front: some readers count on both. Inside is
 negative. There is no choice between two values but min and max, so R_0 is written without one, in a form that keeps
-the sign all the same.
+the sign all the same. `rsym.load` reads such texts (`rsym.language.vm`).
 """
 
 from __future__ import annotations
@@ -40,7 +40,11 @@ def vm_source(program: Program, defaults: Mapping[str, float]) -> str:
     else:
         nodes.append(Node("neg", (output,)))
         output = len(nodes) - 1
-    kept = live(nodes, [output])
+    used = live(nodes, [output])
+    # A coordinate that nothing needs has a line too, for readers tell plane and space by it.
+    unused = [name for name in plain.coordinates if not any(nodes[k] == Node("input", (), name) for k in used)]
+    kept = [*range(len(nodes), len(nodes) + len(unused)), *used]
+    nodes += [Node("input", (), name) for name in unused]
     names = {number: f"_{k:x}" for k, number in enumerate(kept)}
     axes = ", ".join(f"{name} = {axis}" for name, axis in zip(plain.coordinates, AXES, strict=False))
     lines = [f"# {UNSAFE.sub('_', f'{name} of an R-function, inside is negative; {axes}')}"]

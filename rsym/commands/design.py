@@ -77,7 +77,7 @@ def source_of(options: argparse.Namespace) -> Source:
     from rsym.output.design.pages import Source
 
     words = [options.model]
-    for name in ("shape", "variant", "letters", "system", "revolve", "extrude"):
+    for name in ("shape", "variant", "letters", "bounds", "system", "revolve", "extrude"):
         value = getattr(options, name)
         if value is not None:
             words += [f"--{name}", f"{value}"]

@@ -53,6 +53,9 @@ def _lines(path: Path) -> Mapping[str, int]:
     from rsym.language.loading import read_text
     from rsym.language.parser import parse
     from rsym.language.syntax import Assignment, LetterStatement
+    from rsym.language.vm import is_vm
 
+    if is_vm(path):
+        return {}  # it names no parts
     statements = parse(read_text(path))
     return {one.name: one.place.line for one in statements if isinstance(one, Assignment | LetterStatement)}

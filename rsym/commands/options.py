@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from rsym.language.model import ModelFile
     from rsym.model.letters import Letters
-    from rsym.model.shape import Shape
+    from rsym.model.shape import Bounds, Shape
     from rsym.model.systems import RSystem
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -53,12 +53,13 @@ def add_model(parser: argparse.ArgumentParser, setting: str = "a value that come
     group.add_argument("--variant", metavar="NAME", help="a variant of the model")
     group.add_argument("--letters", metavar="FILE", help="values of letters, as rsym.save_letters writes them")
     group.add_argument("--set", action="append", default=[], metavar="LETTER=VALUE", help=setting)
+    group.add_argument("--bounds", metavar="RANGES", help="the box that holds what is of interest: x=-1:1,y=0:2,z=0:4")
 
 
 def add_model_name(group: argparse._ActionsContainer) -> None:
     """The model; a shell that completes is told the names of those that come with rsym."""
     action = group.add_argument(
-        "model", metavar="MODEL", help="a model file (.rf), or a shipped one; rsym models lists them"
+        "model", metavar="MODEL", help="a model file (.rf or .vm), or a shipped one; rsym models lists them"
     )
     action.completer = _completed  # type: ignore[attr-defined]
 
@@ -67,7 +68,7 @@ def _completed(prefix: str, **_: Any) -> list[str]:
     """The shipped models and the model files that begin so; loads nothing heavy, for a shell waits."""
     folder = Path(__file__).parent.parent / "paper"
     names = [path.stem for path in (*folder.glob("*.rf"), *folder.glob("gallery/*.rf"))]
-    here = [path for path in glob(f"{prefix}*") if path.endswith(".rf") or Path(path).is_dir()]
+    here = [path for path in glob(f"{prefix}*") if path.endswith((".rf", ".vm")) or Path(path).is_dir()]
     return sorted(name for name in names if name.startswith(prefix)) + here
 
 
@@ -268,20 +269,28 @@ def load_model(options: argparse.Namespace) -> Chosen:
 
     A preset may set letters that the chosen shape does not need: it was written for the whole model.
     """
-    from rsym.language.loading import loads, read_text
-    from rsym.language.model import collect
-    from rsym.language.parser import parse
+    from rsym.language.loading import read_model
     from rsym.model.letters import Letters
     from rsym.output.models import load_letters
 
     path = model_file(options.model)
-    text = read_text(path)
-    shape = loads(text, shape=options.shape, variant=options.variant)
-    model = collect(parse(text))
+    shape, model = read_model(path, shape=options.shape, variant=options.variant)
     letters = Letters({**model.letters, **model.variants.get(options.variant, {})})
     preset = load_letters(options.letters) if options.letters else {}
     letters = letters.changed({**preset, **numbers(options.set, "--set")})
+    if getattr(options, "bounds", None) is not None:
+        shape = shape.replace(bounds=_box(options.bounds, shape))
     return Chosen(path, model, letters, shape.with_letters({name: letters[name] for name in shape.letters}))
+
+
+def _box(text: str, shape: Shape) -> Bounds:
+    """Bounds as they are typed, one range for each coordinate."""
+    single, box = ranges(text.split(","), "--bounds")
+    names = [symbol.name for symbol in shape.coordinates]
+    if single or sorted(box) != sorted(names):
+        example = ",".join(f"{name}=-1:1" for name in names)
+        raise RsymError(f"--bounds needs a range for each coordinate, got {text!r}", code="bounds", remedy=example)
+    return tuple(box[name] for name in names)
 
 
 def load_shape(options: argparse.Namespace) -> Shape:

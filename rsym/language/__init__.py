@@ -7,5 +7,6 @@ Text comes in; a `Shape` goes out, or an error with line and column. And back: a
 - `model`: what each statement declares, every name once
 - `exact`, `extent`: numbers and work bounded before SymPy sees them; `building`: the tree to SymPy; `assembly`: a shape
   of it; `loading`: from a file
+- `vm`: the plain text of fidget and MPR, line by line to a shape
 - `sentences`, `writing`: a shape as text that loads to the same; `listing`: the formulas of a file as LaTeX
 """

@@ -17,12 +17,15 @@ import sympy as sp
 
 from rsym.language.assembly import assemble
 from rsym.language.functions import PIECEWISE
-from rsym.language.loading import read_text
+from rsym.language.loading import read_model, read_text
 from rsym.language.model import collect
 from rsym.language.parser import parse
 from rsym.language.syntax import ARITIES, Call, Expression, Name, Number, Power, Product, Quoted, Sum, Vector, postorder
-from rsym.model.abridging import typeset_name
+from rsym.language.vm import is_vm
+from rsym.model.abridging import abridged, typeset_name
 from rsym.model.functions import FUNCTIONS
+from rsym.model.shape import Shape
+from rsym.model.showing import line
 from rsym.model.systems import RSystem
 
 _LOGIC, _SUM, _PRODUCT, _POWER, _ATOM = range(5)  # how firmly the parts of a text hold together
@@ -44,6 +47,8 @@ class Definition:
 def definitions(source: str | PathLike[str], *, shape: str | None = None) -> tuple[Definition, ...]:
     r"""The chosen formula of a model and those that it needs, in the order of the file.
 
+    Of a text of fidget and MPR, which names no parts, one formula, its deep parts in words.
+
     Parameters
     ----------
     source : path or str
@@ -63,6 +68,8 @@ def definitions(source: str | PathLike[str], *, shape: str | None = None) -> tup
     f_{1} = 1 - x^{2}
     \omega = f_{1} \wedge_0 z
     """
+    if not isinstance(source, str) and is_vm(source):
+        return (_glimpse(read_model(source, shape=shape)[0]),)
     model = collect(parse(source if isinstance(source, str) else read_text(source)))
     written = {assignment.name: assignment for assignment in model.assignments}
     return tuple(
@@ -74,6 +81,13 @@ def definitions(source: str | PathLike[str], *, shape: str | None = None) -> tup
         )
         for name, expression in assemble(model, shape, None).definitions
     )
+
+
+def _glimpse(shape: Shape) -> Definition:
+    """The formula as far as it can be read."""
+    short, named = abridged(shape.expression)
+    words = ", ".join(f"{part.name}: {part.words}" for part in named)
+    return Definition("omega", short, rf"\omega = {line(short)}", words)
 
 
 class _Typeset(NamedTuple):

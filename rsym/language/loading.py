@@ -9,25 +9,37 @@ from pathlib import Path
 
 from rsym.errors import RsymError, warn
 from rsym.language.assembly import assemble
-from rsym.language.model import collect
+from rsym.language.model import ModelFile, collect
 from rsym.language.parser import parse
 from rsym.language.scanner import LONGEST_TEXT
 from rsym.language.syntax import Position
+from rsym.language.vm import LONGEST_TEXT as LONGEST_LINES
+from rsym.language.vm import chosen_shape, declared, is_vm
 from rsym.model.shape import Shape
 
 _LONGEST_FILE = 4 * LONGEST_TEXT + len(codecs.BOM_UTF8)  # bytes; UTF-8 needs at most four for a character
+_LONGEST_LINES = LONGEST_LINES + len(codecs.BOM_UTF8)  # of a .vm file, which needs no other characters than ASCII's
 
 
 def load(path: str | PathLike[str], *, shape: str | None = None, variant: str | None = None) -> Shape:
-    """The shape that a model file describes; see `loads` for the language.
+    r"""The shape that a model file describes; see `loads` for the language.
+
+    A file whose name ends in ``.vm`` is a text of the kind of the public test models of fidget and MPR. A line is a
+    name, an operation and its arguments, which are names of earlier lines: ``_3 add _1 _2``; ``#`` begins a comment.
+    The operations are ``const``, exact as it is written, ``var-x``, ``var-y``, ``var-z``, ``add``, ``sub``, ``mul``,
+    ``div``, ``neg``, ``square``, ``sqrt``, ``abs``, ``exp``, ``ln`` (or ``log``), ``sin``, ``cos``, ``tan``, ``asin``,
+    ``acos``, ``atan``, ``atan2``, ``compare``, ``min`` and ``max``, which become R-operations of system R_1. The last
+    line is the function, negative inside: omega is its opposite. Without ``var-z`` the shape lies in the plane; it has
+    no letters, no parts and no bounds. Source: M. J. Keeter (2020), Massively parallel rendering of complex
+    closed-form implicit surfaces.
 
     Parameters
     ----------
     path : str or path
-        A text file in UTF-8, by custom with the suffix ``.rf``; or, where there is no such file, the name of a model
-        that comes with rsym.
+        A text file in UTF-8, by custom with the suffix ``.rf``, or ``.vm``; or, where there is no such file, the name
+        of a model that comes with rsym.
     shape, variant : str, optional
-        As for `loads`.
+        As for `loads`; a ``.vm`` file has none to choose from.
 
     Raises
     ------
@@ -36,11 +48,29 @@ def load(path: str | PathLike[str], *, shape: str | None = None, variant: str | 
 
     Examples
     --------
-    >>> import rsym
+    >>> import rsym, tempfile
+    >>> from pathlib import Path
     >>> rsym.load("skeleton").letters["a2"].default
     Fraction(53, 10)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "lens.vm")
+    ...     lines = "_0 var-x", "_1 var-y", "_2 sub _0 _1", "_3 max _0 _2"
+    ...     _ = path.write_text("\n".join(lines))
+    ...     rsym.load(path).expression
+    -disjunction(x, x - y, system=R1)
     """
-    return loads(read_text(path), shape=shape, variant=variant)
+    return read_model(path, shape=shape, variant=variant)[0]
+
+
+def read_model(
+    path: str | PathLike[str], *, shape: str | None = None, variant: str | None = None
+) -> tuple[Shape, ModelFile]:
+    """The shape that a file describes, and what it declares, all letters and variants."""
+    if is_vm(path):
+        made = chosen_shape(read_text(path), shape, variant)
+        return made, declared(made)
+    text = read_text(path)
+    return loads(text, shape=shape, variant=variant), collect(parse(text))
 
 
 def loads(text: str, *, shape: str | None = None, variant: str | None = None) -> Shape:
@@ -138,9 +168,10 @@ def shipped(name: str) -> Path | None:
 
 def _read(path: str | PathLike[str]) -> bytes:
     """The bytes of a file, no more than a model can have."""
+    longest = _LONGEST_LINES if is_vm(path) else _LONGEST_FILE
     try:
         with Path(path).open("rb") as file:
-            data = file.read(_LONGEST_FILE + 1)
+            data = file.read(longest + 1)
     except FileNotFoundError:
         if (model := shipped(str(path))) is not None:
             return model.read_bytes()
@@ -149,8 +180,6 @@ def _read(path: str | PathLike[str]) -> bytes:
         ) from None
     except (OSError, ValueError, TypeError) as error:
         raise RsymError(f"cannot read {path!r}: {error}", code="unreadable-file", remedy="give a text file") from None
-    if len(data) > _LONGEST_FILE:
-        raise RsymError(
-            f"{str(path)!r} has more than {_LONGEST_FILE} bytes", code="too-large", remedy="split the model"
-        )
+    if len(data) > longest:
+        raise RsymError(f"{str(path)!r} has more than {longest} bytes", code="too-large", remedy="split the model")
     return data

@@ -5,7 +5,7 @@ bounds and named parts. In the order of the data:
 
 - `symbols`, `vectors`: symbols real, expressions walked without recursion, vectors of expressions
 - `nodes`, `powers`, `choices`, `rnodes`: what SymPy keeps whole; `systems`: nodes of logic made;
-  `functions`: what else a formula may name
+  `functions`: what else a formula may name; `unevaluated`: nodes made as they stand
 - `letters` and `arguments`: what a shape is given, checked once; `requirements`: what all public functions refuse alike
 - `equation`: the data of a shape; `motions` of it; `named_parts`; `shape`: `Shape`, which joins these
 - `operations`: logic on shapes or expressions; `primitives/`: shapes of numbers; `constructions`,

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.symbols import postorder, rebuild, symbols_of
+from rsym.model.symbols import postorder, rebuild, symbols_inside, symbols_of
 
 _RUNTIME = "rsym.backends.runtime."
 
@@ -23,7 +23,7 @@ class RealNode(sp.Function):  # type: ignore[misc]
     def __new__(cls, *arguments: Any, **options: Any) -> sp.Expr:
         """Know from the start which symbols are inside: SymPy asks often, and asks by recursion."""
         node = super().__new__(cls, *arguments, **options)
-        node._free_symbols = frozenset().union(*(argument.free_symbols for argument in node.args))
+        node._free_symbols = symbols_inside(node.args)
         return node
 
     @property

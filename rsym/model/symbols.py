@@ -150,3 +150,22 @@ def substitute(expression: sp.Basic, values: Mapping[sp.Basic, sp.Basic]) -> sp.
 def symbols_of(*expressions: sp.Basic) -> tuple[sp.Symbol, ...]:
     """The distinct symbols, sorted by name."""
     return tuple(sorted({part for part in postorder(*expressions) if part.is_Symbol}, key=lambda symbol: symbol.name))
+
+
+def symbols_inside(parts: Iterable[sp.Basic]) -> frozenset[sp.Symbol]:
+    """The symbols of parts: nodes of rsym know theirs, and what is shared is looked at once."""
+    found: set[sp.Symbol] = set()
+    seen: set[int] = set()
+    stack = list(parts)
+    while stack:
+        part = stack.pop()
+        if id(part) in seen:
+            continue
+        seen.add(id(part))
+        if part.is_Symbol:
+            found.add(part)
+        elif (known := getattr(part, "_free_symbols", None)) is not None:
+            found |= known
+        else:
+            stack.extend(part.args)
+    return frozenset(found)

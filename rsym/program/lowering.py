@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from typing import TypeAlias
 
 import sympy as sp
 from sympy.core.relational import Relational
@@ -23,11 +24,12 @@ from rsym.model import powers, rnodes
 from rsym.model.choices import Choice
 from rsym.model.functions import FUNCTIONS
 from rsym.model.nodes import Ahead, Composition, Fold, Held, RealNode, Trimming, ZeroWith, written_out
-from rsym.model.symbols import postorder, symbols_of
+from rsym.model.symbols import postorder
 from rsym.program.builder import HALF, Builder
 from rsym.program.operations import OPERATIONS
 
 Lowered = Sequence[int]
+Names: TypeAlias = dict[int, frozenset[str]]  # of the symbols in each part
 
 
 def lower(builder: Builder, expression: sp.Expr) -> int:
@@ -47,12 +49,25 @@ def lower_all(builder: Builder, expressions: Sequence[sp.Expr]) -> list[int]:
     if any(isinstance(part, Composition) for part in parts):
         return lower_all(builder, [written_out(expression) for expression in expressions])
     done: dict[int, int] = {}
+    inside: Names = {}
     for part in parts:
+        inside[id(part)] = _names_inside(part, inside)
         if isinstance(part, Relational | BooleanFunction | BooleanAtom | ExprCondPair):
             continue  # conditions are read by the Piecewise that owns them
         arguments = [done[id(argument)] for argument in part.args if id(argument) in done]
-        done[id(part)] = _lower_part(builder, part, arguments, done)
+        if isinstance(part, sp.Add):
+            done[id(part)] = sum_with_squares_completed(builder, part, arguments, inside)
+        else:
+            done[id(part)] = _lower_part(builder, part, arguments, done)
     return [done[id(expression)] for expression in expressions]
+
+
+def _names_inside(part: sp.Basic, inside: Names) -> frozenset[str]:
+    """The names of the symbols in a part, from those in its arguments: asked of every term, each walk would be long."""
+    if part.is_Symbol:
+        return frozenset((part.name,))
+    sets = {inside[id(argument)] for argument in part.args}
+    return sets.pop() if len(sets) == 1 else frozenset().union(*sets)
 
 
 def _lower_part(b: Builder, part: sp.Basic, arguments: Lowered, done: dict[int, int]) -> int:
@@ -310,12 +325,12 @@ def _lower_uniform(b: Builder, term: sp.Expr) -> int | None:
     return None
 
 
-def sum_with_squares_completed(b: Builder, part: sp.Add, arguments: Sequence[int]) -> int:
+def sum_with_squares_completed(b: Builder, part: sp.Add, arguments: Sequence[int], inside: Names) -> int:
     """The sum of the terms in order; p*v**2 + q*v with a number p becomes p*(v + q/(2p))**2 - q**2/(4p)."""
     terms = dict(enumerate(zip(part.args, arguments, strict=True)))
     extra: list[int] = []
     for name in b.coordinates:
-        pair = _square_and_line(b, name, [(k, term) for k, (term, _) in terms.items()])
+        pair = _square_and_line(b, name, [(k, term) for k, (term, _) in terms.items()], inside)
         if pair is not None:
             square_at, leading, line_at, slope = pair
             del terms[square_at], terms[line_at]
@@ -330,7 +345,7 @@ def sum_with_squares_completed(b: Builder, part: sp.Add, arguments: Sequence[int
 
 
 def _square_and_line(
-    b: Builder, name: str, terms: Sequence[tuple[int, sp.Expr]]
+    b: Builder, name: str, terms: Sequence[tuple[int, sp.Expr]], inside: Names
 ) -> tuple[int, Fraction, int, int] | None:
     square: tuple[int, Fraction] | None = None
     line: tuple[int, int] | None = None
@@ -340,7 +355,7 @@ def _square_and_line(
             if square is not None or not isinstance(coefficient, sp.Rational):
                 return None
             square = (position, Fraction(int(coefficient.p), int(coefficient.q)))
-        elif any(symbol.name == name for symbol in symbols_of(term)):
+        elif name in inside[id(term)]:
             slope = _slope(b, name, term)
             if slope is None or line is not None:
                 return None  # the coordinate stands elsewhere too: nothing is gained
@@ -357,7 +372,6 @@ def _slope(b: Builder, name: str, term: sp.Expr) -> int | None:
 
 
 LOWERINGS: dict[type[sp.Basic], Callable[..., int]] = {
-    sp.Add: sum_with_squares_completed,
     sp.Mul: _mul,
     sp.Pow: _pow,
     **{row.kind: _elementary(row.operation) for row in FUNCTIONS.values() if row.operation},

@@ -12,6 +12,7 @@ import pytest
 import sympy as sp
 from backends.test_backends import run as run_backend
 from backends.test_backends import single
+from oracles.line_texts import lines_of, numbers_of
 
 import rsym
 from rsym import RsymError, Shape, x, y, z
@@ -312,24 +313,9 @@ def test_what_is_known_needs_no_statement():
 
 
 def numbers_of_vm(text, points):
-    """A reader of its own: the last line at points."""
-    values, axes = {}, dict(zip(("var-x", "var-y", "var-z"), points, strict=False))
-    unary = {"neg": np.negative, "square": np.square, "sqrt": np.sqrt, "abs": np.abs, "exp": np.exp, "ln": np.log}
-    unary |= {"sin": np.sin, "cos": np.cos}
-    binary = {"add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "atan2": np.arctan2}
-    binary |= {"min": np.minimum, "max": np.maximum}
-    for count, line in enumerate(text.splitlines()[1:]):
-        name, operation, *arguments = line.split()
-        assert int(name[1:], 16) == count  # readers take names for addresses
-        with np.errstate(all="ignore"):
-            if operation == "const":
-                value = np.float64(arguments[0])
-            elif operation in axes:
-                value = axes[operation]
-            else:
-                value = (unary | binary)[operation](*(values[argument] for argument in arguments))
-        values[name] = value
-    return values[name]
+    """The last line at points; readers take names for addresses."""
+    assert [int(line[0][1:], 16) for line in lines_of(text)] == list(range(text.count("\n") - 1))
+    return numbers_of(text, points)
 
 
 @pytest.mark.parametrize("name", ["car", "skeleton", "valve", "streamlined", "clip", "lattice", "gear", "spring"])

@@ -55,6 +55,13 @@ def test_a_section_and_another_format(tmp_path, model):
     assert b"<svg" in path.read_bytes()
 
 
+def test_bounds_of_the_line_stand_for_those_of_the_model(tmp_path, model):
+    path = tmp_path / "body.stl"
+    arguments = ["mesh", model, "-o", str(path), "--resolution", "16", "--bounds", "z=0:0.5,x=-2:2,y=-2:2"]
+    assert main(arguments) == 0
+    assert np.allclose(trimesh.load_mesh(path).bounds, [[-1, -1, 0], [1, 1, 0.5]], atol=1e-2)
+
+
 def test_mesh_with_letters_and_shape(tmp_path, model, capsys):
     path = tmp_path / "body.stl"
     arguments = ["mesh", model, "-o", str(path), "--resolution", "40", "--set", "r=1.5", "--shape", "ball"]
@@ -293,6 +300,10 @@ def test_a_mesh_is_coloured_by_part(tmp_path, model):
         ["sweep", "skeleton", "-o", "strip.png", "--letter", "p1", "--values", "20", "--columns", "0"],
         ["sweep", "skeleton", "-o", "strip.gif", "--letter", "p1", "--values", "20"],
         ["show", "skeleton", "--variant", "a"],
+        ["mesh", "car", "-o", "car.stl", "--bounds", "x=-1:1"],
+        ["mesh", "car", "-o", "car.stl", "--bounds", "x=-1:1,y=0:1,w=0:1"],
+        ["mesh", "car", "-o", "car.stl", "--bounds", "x=-1:1,y=0:1,z=1:0"],
+        ["mesh", "car", "-o", "car.stl", "--bounds", "x=-1:1,y=0:1,z=0"],
         ["letters", "car", "--set", "raa=1"],
         ["source", "skeleton", "--language", "vm", "--fields", "gradient", "-o", "x.vm"],
         ["reproduce", "--only", "fig99", "--out", "figures"],

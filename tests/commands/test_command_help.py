@@ -161,6 +161,8 @@ def test_models_and_files_are_completed(flat, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     assert _completed("s") == ["skeleton", "snowflake", "solids", "spanner", "spring", "streamlined"]
     assert _completed("fl") == ["flat.rf"]
+    (tmp_path / "lens.vm").touch()
+    assert _completed("le") == ["lens.vm"]
 
 
 def test_argcomplete_itself_completes(tmp_path):

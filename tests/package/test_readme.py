@@ -320,6 +320,24 @@ def test_the_lines_about_parts_and_saving(capsys):
     assert "completion" in extras
 
 
+def test_the_lines_about_texts_of_fidget(capsys):
+    (code,) = [code for code in PYTHON if "lens.vm" in code]
+    wide = rsym.loads("omega = rfAND(1 - x^2 - y^2 - z^2, x)")
+    space = {"rsym": rsym, "wide": wide}
+    exec(code, space)
+    said = re.findall(r"^(\S.*?) +# (.*)$", code, re.MULTILINE)
+    assert str(space["lens"].expression) == said[0][1]
+    assert space["lens"].contains([-1, 1], 0).tolist() == [True, False]
+    assert rsym.load("lens.vm") is space["lens"]
+    Path("wide.vm").write_text(space["text"])
+    assert rsym.load("wide.vm").contains(0.5, 0, 0)
+    (commands,) = [code for code in PLAIN if code.startswith("rsym show lens.vm")]
+    for command in commands.strip().splitlines():
+        assert main([*command.split()[1:], *(["--resolution", "16"] if "fields" in command else [])]) == 0
+    assert said[0][1] in capsys.readouterr().out
+    assert Path("lens.png").stat().st_size > 10_000
+
+
 def test_models_formats_and_systems_of_the_language_are_those_named():
     named = re.search(r"^(.*) come with rsym", TEXT, re.MULTILINE).group(1)
     assert re.findall(r"`(\w+)`", named) == list(rsym.paper.MODELS)

@@ -96,10 +96,11 @@ def divisor(leaf: sp.Expr, coordinates: Sequence[sp.Symbol]) -> sp.Expr | None:
     >>> divisor(a * x - b * y + 1, (x, y)), divisor((b - x) * (x - a), (x, y)), divisor(x * y, (x, y))
     (sqrt(a**2 + b**2), Abs(a - b), None)
     """
-    used = [symbol for symbol in coordinates if symbol in leaf.free_symbols]
-    if not used or len(postorder(leaf)) > MOST_PIECES or not leaf.is_polynomial(*used):
+    pieces = postorder(leaf)
+    used = [symbol for symbol in coordinates if symbol in pieces]
+    if not used or len(pieces) > MOST_PIECES or not leaf.is_polynomial(*used):
         return None
-    polynomial = sp.Poly(leaf, *used)
+    polynomial = sp.Poly(leaf.doit(), *used)  # sums in sums, as texts may have them, are one sum
     if polynomial.total_degree() == 1:
         return sp.sqrt(sp.Add(*(polynomial.coeff_monomial(symbol) ** 2 for symbol in used)))
     if polynomial.total_degree() == 2 and len(used) == 1:
