@@ -24,6 +24,8 @@ from rsym.program.expansion import expand
 from rsym.program.fields import program_of
 from rsym.program.operations import OPERATIONS, PRIMITIVES
 
+pytestmark = pytest.mark.slow
+
 a = sp.Symbol("a", real=True)
 ARITHMETIC = "car skeleton valve streamlined bone clip jack lattice snowflake solids".split()
 FUNCTIONS = "gear bracket vase spanner".split()  # sin, cos, exp, log, atan2: libraries differ in the last places
@@ -225,7 +227,6 @@ def julia(program, folder):
     out_of_files(folder)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("run", [c, cuda, fortran, rust, javascript, matlab, julia], ids=lambda run: run.__name__)
 def test_value_and_gradient_are_those_of_the_kernel(run, tmp_path):
     run(compiler(run.__name__), tmp_path)

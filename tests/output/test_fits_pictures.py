@@ -11,6 +11,8 @@ import rsym
 from rsym import y, z
 from rsym.output.fits import DOT
 
+pytestmark = pytest.mark.slow
+
 a, b, c, r = sp.symbols("a b c r", real=True)
 TURN = np.linspace(0, 2 * np.pi, 24, endpoint=False)
 CIRCLE = np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
@@ -52,7 +54,6 @@ def test_a_section_is_drawn_in_its_plane():
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("$x$", "$z$")
 
 
-@pytest.mark.slow
 def test_a_body_with_its_points_and_a_silhouette_from_where_it_was_seen():
     oval = rsym.ellipsoid(a, b, c, letters={a: 2, b: 1.5, c: 1})
     points = rsym.sample(oval.with_letters({a: 2.2}), 40, over="boundary", rng=1, resolution=24).points
@@ -74,7 +75,6 @@ def test_teeth_go_where_the_boundary_goes():
     assert np.abs(end[~inner] - start[~inner]).max() < 1e-9
 
 
-@pytest.mark.slow
 def test_a_surface_is_coloured_by_its_speed():
     can = rsym.cylinder(r, letters={r: 1}) & rsym.slab(-1, 1)
     body = rsym.plot_sensitivity(rsym.sensitivity(can, r, resolution=16))

@@ -444,6 +444,7 @@ def test_without_bounds_the_extent_is_found():
         rsym.render(rsym.cylinder(1), size=SMALL)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("eye", [None, "front-left", Camera(20, 30, field_of_view=50), Camera(20, 30, up=(0, 1, 1))])
 def test_a_shape_on_axes_is_where_the_axes_have_it(eye):
     """The projection of mplot3d, asked itself, is the oracle."""

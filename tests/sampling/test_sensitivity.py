@@ -11,6 +11,8 @@ import rsym
 from rsym import x, y, z
 from rsym.sampling.boundaries import boundary
 
+pytestmark = pytest.mark.slow
+
 a, b, c, p, r = sp.symbols("a b c p r", real=True)
 PI = np.pi
 VOLUMES = {
@@ -66,7 +68,6 @@ def test_the_area_of_the_body_against_differences(letter):
     assert_close(rsym.sensitivity(body, letter).area_derivative, (areas[1] - areas[0]) / (2 * step), rtol=1e-6)
 
 
-@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::rsym.RsymWarning")
 @pytest.mark.parametrize("letter", ["rb", "h3", "eps"])
 def test_the_volume_of_the_car_against_differences_of_meshes(letter):
