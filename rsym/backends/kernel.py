@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from html import escape
 from typing import Any
 
@@ -317,3 +318,17 @@ def checked_threads(threads: int | None) -> int:
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
         raise RsymError(f"threads must be a positive integer, got {threads!r}", code="threads")
     return threads
+
+
+@cache
+def lasting_threads(name: str, count: int) -> ThreadPoolExecutor:
+    """So many threads of this process for work of a name, that nothing else waits for.
+
+    Who works in them hands nothing to them: all might wait for what none is left to do.
+    """
+    return ThreadPoolExecutor(count, thread_name_prefix=name)
+
+
+# A forked process has none of the threads of its parent.
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=lasting_threads.cache_clear)

@@ -268,7 +268,6 @@ def _draw_as_told(connection: Connection) -> None:
         end.close()
     # What is imported stays: to look for garbage in it, again and again, takes a twentieth of the time.
     gc.freeze()
-    gc.set_threshold(100_000, 20, 20)
     recipes = {recipe.name: recipe for recipe in RECIPES}
     try:
         while True:

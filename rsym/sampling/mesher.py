@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import replace
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from rsym.arrays import Floats, Integers, Ints
-from rsym.backends.kernel import checked_threads
+from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import has_kinks, surface_form
@@ -201,12 +200,6 @@ def _no_surface(missed: Sequence[Suspect], there: str) -> RsymError:
     )
 
 
-@cache
 def _threads() -> ThreadPoolExecutor:
     """Threads of all meshers of this process."""
-    return ThreadPoolExecutor(checked_threads(None), thread_name_prefix="rsym-mesher")
-
-
-# A forked process has none of the threads of its parent.
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_threads.cache_clear)
+    return lasting_threads("rsym-mesher", checked_threads(None))

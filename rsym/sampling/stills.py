@@ -7,16 +7,15 @@ triangles there are; of lines every so many vertices are kept.
 from __future__ import annotations
 
 import base64
-import os
 import struct
 import zlib
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats
+from rsym.backends.kernel import checked_threads, lasting_threads
 
 WIDTH, HEIGHT = 112, 84  # pixels; 4 kB hold the page
 POINTS = 32_000  # each covers four pixels, and each pixel is covered some twenty times
@@ -113,8 +112,7 @@ def _compressed(data: bytes) -> bytes:
     if len(pieces) == 1:
         body = [packed(0)]
     else:
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            body = list(pool.map(packed, range(len(pieces))))
+        body = list(lasting_threads("rsym-png", checked_threads(None)).map(packed, range(len(pieces))))
     return b"\x78\x9c" + b"".join(body) + struct.pack(">I", zlib.adler32(data))
 
 

@@ -43,12 +43,9 @@ def stretch_of(s: RayFormulas, r: Routine, t: Value) -> tuple[Value, Value]:
     """
     if s.celled:
         return cell_of(r, t, "%limits")
-    number, end = r.number(float(s.slabs)), r.number(float("inf"))
-    for k in reversed(range(s.slabs)):
-        limit = r.element("%limits", k)
-        inside = t < limit
-        number, end = inside.choose(float(k), number), inside.choose(limit, end)
-    return number, end
+    limit = r.element("%limits", 0)
+    inside = t < limit
+    return inside.choose(0.0, r.number(1.0)), inside.choose(limit, float("inf"))
 
 
 def words_for(s: RayFormulas, r: Routine, asked: Value, number: Value) -> Known:
@@ -61,7 +58,7 @@ def words_for(s: RayFormulas, r: Routine, asked: Value, number: Value) -> Known:
     differs = r.emit(f"icmp ne i{LANES} {r.mask((asked & (number < top)).name)}, 0")
     known = most(top, r.number(0.0))
     one = r.emit(f"fptosi double {r.emit(f'extractelement {DOUBLES} {known.name}, i32 0')} to i64")
-    chosen = r.emit(f"select i1 {differs}, i64 {s.slabs}, i64 {one}")
+    chosen = r.emit(f"select i1 {differs}, i64 1, i64 {one}")
     return r.place("%words", "i64", r.emit(f"mul i64 {chosen}, {s.words}"))
 
 

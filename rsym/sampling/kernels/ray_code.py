@@ -56,10 +56,6 @@ class RayFormulas:
     follow, tables of its leaves and gates in integers, and the cells of its bounds.
     """
 
-    # Into how many stretches the rest of a beam is cut, each with its words: on the car, of 38 gates, a second one
-    # takes more than it saves. Large forms march by cells.
-    slabs = 1
-
     def __init__(self, form: SignForm) -> None:
         self.form = form
         self.rays = ray_form(form, lines=True, guards=True)

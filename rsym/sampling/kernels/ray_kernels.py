@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-import os
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from functools import cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -15,6 +12,7 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.interpreter import interpret, interpret_nodes
+from rsym.backends.kernel import lasting_threads
 from rsym.backends.llvm_code import machine_code
 from rsym.bounds.ray_forms import guarded
 from rsym.errors import RsymError
@@ -25,7 +23,13 @@ from rsym.sampling.hits import Seen
 from rsym.sampling.kernels.cells_code import CORNER, HEAD, MARGIN, NUMBER, WIDTH
 from rsym.sampling.kernels.form_code import WORD
 from rsym.sampling.kernels.mesher_kernels import padded
-from rsym.sampling.kernels.picture_code import NUMBERS_OF_CAMERA, VECTORS_OF_CAMERA, caster_code, place_of
+from rsym.sampling.kernels.picture_code import (
+    NUMBERS_OF_CAMERA,
+    STRETCHES,
+    VECTORS_OF_CAMERA,
+    caster_code,
+    place_of,
+)
 from rsym.sampling.kernels.ray_code import RayFormulas
 from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.pencils import Pencil
@@ -236,10 +240,10 @@ class RayKernels:
         columns, rows = -(-width // tile), -(-height // tile)
         tiles = columns * rows
         camera = _camera(pencil, near, far, planes, tile)
-        words, slabs = self.formulas.words, self.formulas.slabs
+        words = self.formulas.words
         common = (camera, planes, len(planes), constants, columns)
-        starts, limits = np.empty(tiles + LANES), np.empty((tiles + LANES) * slabs)
-        marks = np.empty(0 if self.formulas.celled else (tiles + LANES) * (slabs + 1) * words, np.uint64)
+        starts, limits = np.empty(tiles + LANES), np.empty(tiles + LANES)
+        marks = np.empty(0 if self.formulas.celled else (tiles + LANES) * STRETCHES * words, np.uint64)
         nothing = np.zeros(words, np.uint64)
 
         def of_tiles(*before: Any) -> tuple[Any, ...]:
@@ -275,10 +279,9 @@ class RayKernels:
         for name, value in zip(("near", "far", "pixel", "growth"), (*ends, *pixel), strict=True):
             camera[place_of(name)] = value
         seen = Seen(np.empty(length), np.empty(length, np.int16), np.empty((3, length)), np.empty(length, np.uint8))
-        slabs = self.formulas.slabs
         of_all: tuple[Any, ...] = ()
         if not self.formulas.celled:
-            of_all = np.full(slabs, -np.inf), np.zeros((slabs + 1) * self.formulas.words, np.uint64)
+            of_all = np.array([-np.inf]), np.zeros(STRETCHES * self.formulas.words, np.uint64)
         common = (camera, planes, len(planes), constants, given, *of_all)
         out = (seen.depth, seen.leaf, seen.normal, seen.doubt, length)
         step = max(LANES, min(4096, -(-count // (LANES * pool.threads)) * LANES))
@@ -325,17 +328,9 @@ class Crowd:
             for first, last in pieces:
                 work(first, last)
             return
-        list(_pool(self.threads).map(lambda piece: work(*piece), pieces))
-
-
-@cache  # to begin them anew for each of the eight casts of a picture takes a twentieth of its time
-def _pool(threads: int) -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(threads, thread_name_prefix="rsym-rays")
-
-
-# A forked process has none of the threads of its parent.
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_pool.cache_clear)
+        # To begin them anew for each of the eight casts of a picture takes a twentieth of its time.
+        pool = lasting_threads("rsym-rays", self.threads)
+        list(pool.map(lambda piece: work(*piece), pieces))
 
 
 _kernels: dict[str, RayKernels] = {}
