@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import sympy as sp
 
 from rsym.errors import RsymError
-from rsym.model.symbols import postorder, rebuild, symbols_inside, symbols_of
+from rsym.model.symbols import postorder, rebuild, symbols_inside
 
 _RUNTIME = "rsym.backends.runtime."
 
@@ -197,12 +197,6 @@ class ZeroWith(RealNode):
     """
 
     runtime_name = "zero_with"
-
-    def __new__(cls, *arguments: Any, **options: Any) -> sp.Expr:
-        """Its operands share most of what they are made of, which SymPy would walk again and again."""
-        node = sp.Function.__new__(cls, *arguments, **options)
-        node._free_symbols = frozenset(symbols_of(*node.args))
-        return node
 
     def as_roots(self) -> sp.Expr:
         """Return g."""

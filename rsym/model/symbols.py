@@ -149,7 +149,7 @@ def substitute(expression: sp.Basic, values: Mapping[sp.Basic, sp.Basic]) -> sp.
 
 def symbols_of(*expressions: sp.Basic) -> tuple[sp.Symbol, ...]:
     """The distinct symbols, sorted by name."""
-    return tuple(sorted({part for part in postorder(*expressions) if part.is_Symbol}, key=lambda symbol: symbol.name))
+    return tuple(sorted(symbols_inside(expressions), key=lambda symbol: symbol.name))
 
 
 def symbols_inside(parts: Iterable[sp.Basic]) -> frozenset[sp.Symbol]:
