@@ -1,0 +1,129 @@
+"""Backend `tape`: nothing is compiled for a program; an executor that is compiled once on a machine runs its rows."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.arrays import Floats, Ints
+from rsym.backends.llvm_code import VECTORS, machine_code
+from rsym.backends.tape_code import ROW_VECTORS, VARIES, executor_source, size_of
+from rsym.program.program import FLOAT64, Precision, Program, assemble, constant_value
+from rsym.program.tape import Rows, Tape, tape_of
+
+ALIGNMENT = 64
+
+
+class Executor:
+    """The compiled executor of a precision."""
+
+    def __init__(self, precision: Precision) -> None:
+        self.precision = precision
+        self.vector = size_of(VECTORS[precision.name])
+        self._engine = machine_code(executor_source(precision.name))
+        pointer, integer = ctypes.c_void_p, ctypes.c_int64
+        kinds = (pointer, pointer, pointer, integer, pointer, integer, pointer, integer)
+        self.evaluate = ctypes.CFUNCTYPE(None, *kinds)(self._engine.get_function_address("evaluate"))
+        if precision is FLOAT64:
+            address = self._engine.get_function_address("run_uniform")
+            self.run_uniform = ctypes.CFUNCTYPE(None, pointer, pointer)(address)
+
+    def addresses(self, places: NDArray[Any], uniforms: int) -> Ints:
+        """Where places lie in the memory: uniform numbers as whole vectors, then registers; `VARIES` marks these."""
+        registers = self.vector * (uniforms + ROW_VECTORS * places) + VARIES
+        return np.where(places >= 0, registers, self.vector * ~places).astype(np.int64)
+
+    def code(self, tape: Tape) -> Rows:
+        """The rows as the executor reads them."""
+        code = tape.rows.copy()
+        code[:, 1:] = self.addresses(tape.rows[:, 1:], len(tape.uniform))
+        code[:, 1] -= VARIES
+        return code
+
+    def memory(self, tape: Tape, uniform: Floats) -> NDArray[np.uint8]:
+        """Room for the registers of a tape, with its uniform numbers in place."""
+        size = self.vector * (len(tape.uniform) + ROW_VECTORS * tape.registers)
+        room = aligned(size)
+        lanes = VECTORS[self.precision.name].lanes
+        with np.errstate(over="ignore"):
+            splats = np.repeat(uniform.astype(self.precision.dtype), lanes)
+        room[: self.vector * len(tape.uniform)] = splats.view(np.uint8)
+        return room
+
+
+def aligned(size: int) -> NDArray[np.uint8]:
+    """So many bytes, from the beginning of a vector on."""
+    room = np.zeros(size + ALIGNMENT, np.uint8)
+    begin = -room.ctypes.data % ALIGNMENT
+    return room[begin : begin + size]
+
+
+@cache
+def executor(precision: Precision = FLOAT64) -> Executor:
+    """The executor, compiled when it is first needed."""
+    return Executor(precision)
+
+
+class UniformNumbers:
+    """What of a program is the same at all points, from its letters: single numbers, in float64."""
+
+    def __init__(self, program: Program, numbers: Sequence[int], precision: Precision = FLOAT64) -> None:
+        self._letters = program.letters
+        part = assemble(program.nodes, program.letters, (), {str(number): number for number in numbers})
+        # The letters take the part of coordinates.
+        self._tape = tape_of(part)
+        self._given = [
+            np.nan if node.operation == "undefined" else constant_value(node.data, precision)
+            for node in (part.nodes[number] for number in self._tape.uniform)
+        ]
+        self._code = self._tape.rows.copy()
+        first = len(self._given)
+        places = self._code[:, 1:]
+        places[:] = np.where(places >= 0, 8 * (first + places), 8 * ~places)
+        self._ends = [first + place if place >= 0 else ~place for place in self._tape.outputs]
+
+    def __call__(self, letters: Sequence[float]) -> Floats:
+        """The numbers for these letters."""
+        room = np.zeros(len(self._given) + self._tape.registers)
+        room[: len(self._given)] = self._given
+        room[len(self._given) : len(self._given) + len(letters)] = letters
+        executor().run_uniform(self._code.ctypes.data, room.ctypes.data)
+        return room[self._ends]
+
+
+class TapeFunction:
+    """A program as a tape: arrays in, arrays out."""
+
+    block_size = 32768  # as of `llvm`
+
+    def __init__(self, program: Program, precision: Precision = FLOAT64) -> None:
+        self.program, self.precision = program, precision
+        self.tape = tape_of(program)
+        self._executor = executor(precision)
+        self._code = self._executor.code(self.tape)
+        self._uniform = UniformNumbers(program, self.tape.uniform, precision)
+        places = np.array([*range(len(program.coordinates)), *self.tape.outputs])
+        self._places = self._executor.addresses(places, len(self.tape.uniform)) & ~VARIES
+
+    @property
+    def source(self) -> str:
+        """The tape, readable."""
+        return str(self.tape)
+
+    def run(
+        self, coordinates: Sequence[NDArray[Any]], letters: Sequence[float], outputs: Sequence[NDArray[Any]]
+    ) -> None:
+        """Fill the outputs (contiguous, one-dimensional, of the precision) at the coordinates (likewise)."""
+        memory = self._executor.memory(self.tape, self._uniform(letters))
+        ins = (ctypes.c_void_p * len(coordinates))(*(array.ctypes.data for array in coordinates))
+        outs = (ctypes.c_void_p * len(outputs))(*(array.ctypes.data for array in outputs))
+        counts = len(coordinates), len(outputs)
+        self._executor.evaluate(
+            self._code.ctypes.data, memory.ctypes.data, ins, counts[0], outs, counts[1], self._places.ctypes.data,
+            len(outputs[0]),
+        )  # fmt: skip
