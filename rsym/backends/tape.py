@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats, Ints
 from rsym.backends.llvm_code import VECTORS, machine_code
 from rsym.backends.tape_code import ROW_VECTORS, VARIES, executor_source, size_of
-from rsym.program.program import FLOAT64, Precision, Program, assemble, constant_value
+from rsym.program.program import FLOAT64, Node, Precision, Program, assemble, constant_value
 from rsym.program.tape import Rows, Tape, tape_of
 
 ALIGNMENT = 64
+SCALAR_SIZE = 8  # bytes
 
 
 class Executor:
@@ -73,27 +74,25 @@ class UniformNumbers:
     """What of a program is the same at all points, from its letters: single numbers, in float64."""
 
     def __init__(self, program: Program, numbers: Sequence[int], precision: Precision = FLOAT64) -> None:
-        self._letters = program.letters
-        part = assemble(program.nodes, program.letters, (), {str(number): number for number in numbers})
-        # The letters take the part of coordinates.
-        self._tape = tape_of(part)
-        self._given = [
+        part = assemble(program.nodes, (), program.letters, {str(number): number for number in numbers})
+        # Constants and letters are what varies here.
+        known = {n: f"constant {n}" for n, node in enumerate(part.nodes) if node.operation in ("const", "undefined")}
+        nodes = tuple(Node("input", (), known[n]) if n in known else node for n, node in enumerate(part.nodes))
+        self._tape = tape_of(Program(nodes, (*known.values(), *program.letters), (), part.outputs))
+        self._constants = [
             np.nan if node.operation == "undefined" else constant_value(node.data, precision)
-            for node in (part.nodes[number] for number in self._tape.uniform)
+            for node in (part.nodes[number] for number in known)
         ]
         self._code = self._tape.rows.copy()
-        first = len(self._given)
-        places = self._code[:, 1:]
-        places[:] = np.where(places >= 0, 8 * (first + places), 8 * ~places)
-        self._ends = [first + place if place >= 0 else ~place for place in self._tape.outputs]
+        self._code[:, 1:] *= SCALAR_SIZE
 
     def __call__(self, letters: Sequence[float]) -> Floats:
         """The numbers for these letters."""
-        room = np.zeros(len(self._given) + self._tape.registers)
-        room[: len(self._given)] = self._given
-        room[len(self._given) : len(self._given) + len(letters)] = letters
+        room = np.empty(max(1, self._tape.registers))
+        room[: len(self._constants)] = self._constants
+        room[len(self._constants) : len(self._constants) + len(letters)] = letters
         executor().run_uniform(self._code.ctypes.data, room.ctypes.data)
-        return room[self._ends]
+        return room[list(self._tape.outputs)]
 
 
 class TapeFunction:

@@ -127,16 +127,19 @@ def _place(number: int) -> str:
     return f"r{number}" if number >= 0 else f"u{~number}"
 
 
-def tape_of(program: Program) -> Tape:
-    """The tape of an expanded program."""
-    return _Making(program).tape()
+def tape_of(program: Program, *, part: bool = False) -> Tape:
+    """The tape of an expanded program; one that is to be part of another leaves the coordinates as they are.
+
+    Then each output is what a row puts into a register of its own.
+    """
+    return _Making(program, part).tape()
 
 
 class _Making:
     """Which pattern ends at each node, then the registers."""
 
-    def __init__(self, program: Program) -> None:
-        self.program = program
+    def __init__(self, program: Program, part: bool) -> None:
+        self.program, self.part = program, part
         self.uses = [0] * len(program.nodes)
         for number, node in enumerate(program.nodes):
             for argument in node.arguments if not program.uniform[number] else ():
@@ -160,6 +163,8 @@ class _Making:
         for number, (_, operands) in chosen.items():
             for operand in operands:
                 last[operand] = max(number, last.get(operand, 0))
+        if self.part:
+            last.update((number, len(nodes)) for number, node in enumerate(nodes) if node.operation == "input")
         uniform: dict[int, int] = {}
         places = {
             number: program.coordinates.index(str(node.data))
@@ -181,9 +186,16 @@ class _Making:
                 count += 1
             places[number] = free.pop()
             rows.append((pattern, places[number], *row, *[0] * (WIDTH - 2 - len(row))))
-        ends = tuple(place(number) for _, number in program.outputs)
+        ends = [place(number) for _, number in program.outputs]
+        if self.part:
+            for k, end in enumerate(ends):
+                if end < len(program.coordinates) or end in ends[:k]:
+                    # The smaller of two that are one is this.
+                    smaller = next(number for number, pattern in self.candidates["min"])
+                    rows.append((smaller, count, end, end, *[0] * (WIDTH - 4)))
+                    ends[k], count = count, count + 1
         made = np.array([*rows, (END, *[0] * (WIDTH - 1))], np.int32)
-        return Tape(made, count, tuple(uniform), ends, tuple(name for name, _ in program.outputs))
+        return Tape(made, count, tuple(uniform), tuple(ends), tuple(name for name, _ in program.outputs))
 
     def _pattern(self, number: int, inside: set[int]) -> tuple[int, list[int]]:
         """The first pattern that ends at a node, and its operands; what lies inside of it is noted."""

@@ -57,7 +57,7 @@ class LeafKinds:
         nodes_begin = count + len(rays.uniforms.outputs)
         outputs = dict(points.outputs)
         numbers: dict[tuple[Calls, Nodes | None], int] = {}
-        calls_of, nodes_of = _ordered_calls(rays), _ordered_nodes(points)
+        calls_of, nodes_of = _ordered_calls(rays), ordered_nodes(points)
         self.shared = _shared(rays, calls_of)
         self.kinds: list[LeafKind] = []
         self.leaves: list[tuple[int, int]] = []  # the kind of a leaf, and where its row begins
@@ -93,8 +93,8 @@ def _ordered_calls(rays: RayForm) -> list[RayCall]:
     return found
 
 
-def _ordered_nodes(program: Program) -> list[Node]:
-    """The nodes, likewise."""
+def ordered_nodes(program: Program) -> list[Node]:
+    """The nodes, operands of sums and products in an order that the numbers of nodes have no part in."""
     shapes: dict[Node, int] = {}
     known: list[int] = []
     found: list[Node] = []

@@ -1,0 +1,195 @@
+"""The leaves of a form as tapes, one set of tapes for all leaves that are the same but for uniform numbers.
+
+A kind is found before anything is differentiated or bounded, so what a form costs to prepare grows with its kinds;
+each leaf has a row of numbers for each tape.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from rsym.arrays import Floats, Ints
+from rsym.backends.tape import UniformNumbers
+from rsym.bounds.interval_arithmetic import neighbours
+from rsym.bounds.intervals import interval_program
+from rsym.logic.sign_form import SignForm
+from rsym.model.symbols import with_operands
+from rsym.program.builder import Builder
+from rsym.program.expansion import expand
+from rsym.program.program import Node, Program, assemble
+from rsym.program.tape import Tape, tape_of
+from rsym.sampling.kernels.form_code import ENDS, LeafFormulas, leaf_outputs
+from rsym.sampling.kernels.leaf_kinds import ordered_nodes
+
+# Operations whose formulas do not depend on what their uniform operands are; in others a constant stays one.
+LIFTED = frozenset({"add", "mul", "div"})
+AT_POINTS = ("value", "gradient")
+TAPES = (*AT_POINTS, "box", "enclosure")
+
+
+class KindTape(NamedTuple):
+    """A tape of a kind, and what its uniform numbers are made of."""
+
+    tape: Tape
+    numbers: UniformNumbers
+
+
+@dataclass(frozen=True)
+class LeafKind:
+    """The formulas of leaves: value and gradient at points, their bounds over boxes; letters are what is lifted.
+
+    `points` has the outputs of `leaf_outputs`, each times a scale, its last letter; `bounds` two ends for each.
+    """
+
+    points: Program
+    bounds: Program
+    outputs: tuple[str, ...]
+
+    @cached_property
+    def tapes(self) -> Mapping[str, KindTape]:
+        """The tapes by name."""
+        ends = [f"{output}_{end}" for output in self.outputs for end in ENDS]
+        chosen = {
+            "value": (self.points, self.outputs[:1]),
+            "gradient": (self.points, self.outputs),
+            "box": (self.bounds, ends[:2]),
+            "enclosure": (self.bounds, ends),
+        }
+        return {name: _tape(program, outputs) for name, (program, outputs) in chosen.items()}
+
+
+def _tape(program: Program, names: Sequence[str]) -> KindTape:
+    numbers = dict(program.outputs)
+    one = assemble(program.nodes, program.coordinates, program.letters, {name: numbers[name] for name in names})
+    tape = tape_of(one, part=True)
+    return KindTape(tape, UniformNumbers(one, tape.uniform))
+
+
+class LeafTapes:
+    """The kinds of leaves of a form, which each leaf is of, and their numbers for some letters.
+
+    Parameters
+    ----------
+    form : SignForm
+    shared : bool
+        Whether leaves that are the same but for numbers are one kind; else each leaf is one.
+    """
+
+    def __init__(self, form: SignForm, *, shared: bool) -> None:
+        self.count = len(form.leaves)
+        if shared:
+            self._letters: _Letters = _LiftedLetters(form)
+            self.kinds, self.kind = self._letters.kinds()
+        else:
+            self._letters = _OwnLetters(form)
+            formulas = LeafFormulas(form)
+            points, bounds = formulas.points.program, formulas.bounds.program
+            self.kinds = [LeafKind(points, bounds, tuple(leaf_outputs(k))) for k in range(self.count)]
+            self.kind = list(range(self.count))
+
+    def numbers(self, letters: Sequence[float], scales: Floats) -> dict[str, tuple[Floats, Ints]]:
+        """For each tape the numbers of all leaves, one after the other, and where those of each leaf begin."""
+        found: dict[str, tuple[Floats, Ints]] = {}
+        given = {True: self._letters.at(letters, scales), False: self._letters.ends(letters)}
+        for name in TAPES:
+            own = given[name in AT_POINTS]
+            rows = [self.kinds[kind].tapes[name].numbers(own[k]) for k, kind in enumerate(self.kind)]
+            found[name] = np.concatenate(rows), np.cumsum([0, *map(len, rows)])
+        return found
+
+
+class _Letters(Protocol):
+    """The letters of the formulas of each leaf."""
+
+    def at(self, letters: Sequence[float], scales: Floats) -> Sequence[Sequence[float]]:
+        """Of the formulas at points, the scale last."""
+
+    def ends(self, letters: Sequence[float]) -> Sequence[Sequence[float]]:
+        """Of the formulas over boxes: lower and upper ends."""
+
+
+class _OwnLetters:
+    """Those of the form, and all scales."""
+
+    def __init__(self, form: SignForm) -> None:
+        self._count = len(form.leaves)
+
+    def at(self, letters: Sequence[float], scales: Floats) -> Sequence[Sequence[float]]:
+        return [[*letters, *scales]] * self._count
+
+    def ends(self, letters: Sequence[float]) -> Sequence[Sequence[float]]:
+        return [np.repeat(letters, 2).tolist()] * self._count
+
+
+class _LiftedLetters:
+    """What is uniform in a leaf, each place a letter of its own."""
+
+    def __init__(self, form: SignForm) -> None:
+        self._program = form.builder.program({str(k): leaf for k, leaf in enumerate(form.leaves)})
+        nodes, numbers = ordered_nodes(self._program), dict(self._program.outputs)
+        self._leaves = [_lifted(nodes, self._program.uniform, numbers[str(k)]) for k in range(len(form.leaves))]
+        used = {number for _, lifted in self._leaves for number in lifted}
+        part = assemble(self._program.nodes, (), self._program.letters, {f"{number}": number for number in used})
+        self._values = _uniform(part)
+        self._bounds = _uniform(expand(interval_program(part)))
+        self._places = {int(name): k for k, (name, _) in enumerate(part.outputs)}
+
+    def kinds(self) -> tuple[list[LeafKind], list[int]]:
+        """The kinds, and that of each leaf."""
+        found: dict[tuple[Node, ...], int] = {}
+        kind = [found.setdefault(nodes, len(found)) for nodes, _ in self._leaves]
+        return [self._formulas(nodes) for nodes in found], kind
+
+    def _formulas(self, nodes: tuple[Node, ...]) -> LeafKind:
+        letters = tuple(str(node.data) for node in nodes if node.operation == "input")
+        lifted = tuple(name for name in letters if name not in self._program.coordinates)
+        builder = Builder(self._program.coordinates, lifted)
+        for node in nodes:
+            builder.make(node.operation, *node.arguments, data=node.data)
+        formulas = LeafFormulas(SignForm(builder, (len(nodes) - 1,), ()))
+        return LeafKind(formulas.points.program, formulas.bounds.program, tuple(leaf_outputs(0)))
+
+    def at(self, letters: Sequence[float], scales: Floats) -> Sequence[Sequence[float]]:
+        values = self._values(letters)
+        every = [[values[self._places[number]] for number in lifted] for _, lifted in self._leaves]
+        return [[*own, scale] for own, scale in zip(every, scales, strict=True)]
+
+    def ends(self, letters: Sequence[float]) -> Sequence[Sequence[float]]:
+        bounds = self._bounds(np.repeat(letters, 2)).reshape(-1, 2)
+        return [bounds[[self._places[number] for number in lifted]].ravel() for _, lifted in self._leaves]
+
+
+def _uniform(program: Program) -> UniformNumbers:
+    return UniformNumbers(program, [number for _, number in program.outputs])
+
+
+def _lifted(nodes: Sequence[Node], uniform: Sequence[bool], leaf: int) -> tuple[tuple[Node, ...], list[int]]:
+    """The nodes of a leaf, uniform numbers in sums and products as letters, and what these are."""
+    local: dict[int, int] = {}
+    found: list[Node] = []
+    lifted: list[int] = []
+
+    def letter(number: int) -> int:
+        found.append(Node("input", (), f"{len(lifted)}"))
+        lifted.append(number)
+        return len(found) - 1
+
+    def lifts(number: int, operation: str) -> bool:
+        return uniform[number] and (operation in LIFTED or nodes[number].operation != "const")
+
+    def operands(number: int) -> Sequence[int]:
+        operation, arguments, _ = nodes[number]
+        return [a for a in arguments if a not in local and not lifts(a, operation)]
+
+    for number, _ in with_operands(leaf, operands, int):
+        if number not in local:
+            operation, arguments, data = nodes[number]
+            own = tuple(letter(a) if lifts(a, operation) else local[a] for a in arguments)
+            found.append(Node(operation, own, data))
+            local[number] = len(found) - 1
+    return tuple(found), lifted
