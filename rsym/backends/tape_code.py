@@ -20,18 +20,23 @@ INT = 4  # bytes
 
 
 def executor_source(precision: str) -> str:
-    """The module: `run`, `evaluate`; in float64 `run_uniform` too, on single numbers, what they call."""
-    nodes = [Node(pattern[0]) for pattern in patterns()]
+    """The module: `evaluate`; in float64 `run_uniform` too, on single numbers."""
     kind = VECTORS[precision]
-    text = [
-        *declarations(kind, nodes),
-        "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)",
-        _run("run", kind, ROW_VECTORS),
-        _evaluate(kind),
-    ]
+    text = [*head(kind), _run("run", kind, ROW_VECTORS), _evaluate(kind)]
     if precision == "float64":
-        text.append(_run("run_uniform", SCALAR, 1))
+        text.append(_run("run_uniform", SCALAR, 1, "void"))
     return "\n".join(text)
+
+
+def head(kind: Kind) -> list[str]:
+    """What routines of tapes call."""
+    nodes = [Node(pattern[0]) for pattern in patterns()]
+    return [*declarations(kind, nodes), "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)"]
+
+
+def run_routines(kind: Kind) -> list[str]:
+    """`run`, on `ROW_VECTORS` vectors of each register, and `run_one`, on the first one."""
+    return [_run("run", kind, ROW_VECTORS), _run("run_one", kind, 1)]
 
 
 def size_of(kind: Kind) -> int:
@@ -39,13 +44,12 @@ def size_of(kind: Kind) -> int:
     return kind.lanes * (8 if kind.element == "double" else 4)
 
 
-def _run(name: str, kind: Kind, vectors: int) -> str:
+def _run(name: str, kind: Kind, vectors: int, result: str = "internal void") -> str:
     """Work out the rows from `code` on, on the registers in `memory`."""
-    linkage = "" if kind is SCALAR else "internal "
     labels = [f"row{number}" for number in range(1, len(patterns()) + 1)]
     cases = " ".join(f"i32 {number}, label %{label}" for number, label in enumerate(labels, 1))
     lines = [
-        f"define {linkage}void @{name}(ptr noalias %code, ptr noalias %memory) {{",
+        f"define {result} @{name}(ptr noalias %code, ptr noalias %memory) {{",
         "entry:",
         "  br label %head",
         "head:",

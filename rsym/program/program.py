@@ -137,8 +137,9 @@ class Program:
     def uniform(self) -> tuple[bool, ...]:
         """Which nodes do not depend on the point."""
         flags: list[bool] = []
+        coordinates = frozenset(self.coordinates)
         for node in self.nodes:
-            varying = node.operation == "input" and node.data in self.coordinates
+            varying = node.operation == "input" and node.data in coordinates
             flags.append(not varying and all(flags[argument] for argument in node.arguments))
         return tuple(flags)
 

@@ -97,9 +97,9 @@ class Tape:
     >>> b = Builder(("x", "y"), ("r",))
     >>> value = b.sub(b.input("r"), b.add(b.square(b.input("x")), b.square(b.input("y"))))
     >>> print(tape_of(b.program({"value": value})))
-    r0 = add(mul(r0, r0), mul(r1, r1))
-    r0 = add(neg(r0), u0)
-    value = r0
+    r2 = add(mul(r0, r0), mul(r1, r1))
+    r2 = add(neg(r2), u0)
+    value = r2
     """
 
     rows: Rows
@@ -127,19 +127,19 @@ def _place(number: int) -> str:
     return f"r{number}" if number >= 0 else f"u{~number}"
 
 
-def tape_of(program: Program, *, part: bool = False) -> Tape:
-    """The tape of an expanded program; one that is to be part of another leaves the coordinates as they are.
+def tape_of(program: Program) -> Tape:
+    """The tape of an expanded program.
 
-    Then each output is what a row puts into a register of its own.
+    It leaves the coordinates as they are, and each output has a register of its own: so it may be part of another.
     """
-    return _Making(program, part).tape()
+    return _Making(program).tape()
 
 
 class _Making:
     """Which pattern ends at each node, then the registers."""
 
-    def __init__(self, program: Program, part: bool) -> None:
-        self.program, self.part = program, part
+    def __init__(self, program: Program) -> None:
+        self.program = program
         self.uses = [0] * len(program.nodes)
         for number, node in enumerate(program.nodes):
             for argument in node.arguments if not program.uniform[number] else ():
@@ -159,15 +159,15 @@ class _Making:
         for number in range(len(nodes) - 1, -1, -1):
             if not program.uniform[number] and nodes[number].operation not in GIVEN and number not in inside:
                 chosen[number] = self._pattern(number, inside)
-        last = dict.fromkeys((number for _, number in program.outputs), len(nodes))
+        last = dict.fromkeys((number for _, number in program.outputs), len(nodes))  # by number: the last that needs it
         for number, (_, operands) in chosen.items():
             for operand in operands:
                 last[operand] = max(number, last.get(operand, 0))
-        if self.part:
-            last.update((number, len(nodes)) for number, node in enumerate(nodes) if node.operation == "input")
+        last.update((number, len(nodes)) for number, node in enumerate(nodes) if node.operation == "input")
         uniform: dict[int, int] = {}
+        given = {name: register for register, name in enumerate(program.coordinates)}
         places = {
-            number: program.coordinates.index(str(node.data))
+            number: given[str(node.data)]
             for number, node in enumerate(nodes)
             if node.operation == "input" and not program.uniform[number]
         }
@@ -187,13 +187,11 @@ class _Making:
             places[number] = free.pop()
             rows.append((pattern, places[number], *row, *[0] * (WIDTH - 2 - len(row))))
         ends = [place(number) for _, number in program.outputs]
-        if self.part:
-            for k, end in enumerate(ends):
-                if end < len(program.coordinates) or end in ends[:k]:
-                    # The smaller of two that are one is this.
-                    smaller = next(number for number, pattern in self.candidates["min"])
-                    rows.append((smaller, count, end, end, *[0] * (WIDTH - 4)))
-                    ends[k], count = count, count + 1
+        for k, end in enumerate(ends):
+            if end < len(program.coordinates) or end in ends[:k]:
+                # The smaller of two that are one is this.
+                rows.append((self.candidates["min"][0][0], count, end, end, *[0] * (WIDTH - 4)))
+                ends[k], count = count, count + 1
         made = np.array([*rows, (END, *[0] * (WIDTH - 1))], np.int32)
         return Tape(made, count, tuple(uniform), tuple(ends), tuple(name for name, _ in program.outputs))
 

@@ -143,20 +143,14 @@ def each_leaf(s: LeafFormulas, r: Routine, case: Callable[[int, str, Value], Non
 
 
 def boxes(s: LeafFormulas) -> Routine:
-    """Boxes on the lattice: which may hold a zero (a bit each), and which operands of gates do not matter there."""
+    """Boxes, six rows of ends: which may hold a zero (a bit each), and which operands of gates do not matter there."""
     r = Routine(
         "boxes",
-        {"count": "i64", "corner": "ptr", "stride": "i64", "size": "double", "lattice": "ptr"}
-        | {"constants": "ptr", "keep": "ptr", "skip": "ptr"},
+        {"count": "i64", "ends": "ptr", "stride": "i64", "constants": "ptr", "keep": "ptr", "skip": "ptr"},
     )
-    size = r.value(r.splat("%size"))
     with r.loop("0", "%count", LANES) as i:
-        known: dict[str, str] = {}
-        for k, name in enumerate(s.coordinates):
-            index = r.value(r.load(r.row("%corner", "%stride", k), i))
-            origin, spacing = r.element("%lattice", k), r.element("%lattice", 3 + k)
-            known[f"{name}_lower"] = (origin + spacing * index).name
-            known[f"{name}_upper"] = (origin + spacing * (index + size)).name
+        names = [f"{name}_{end}" for name in s.coordinates for end in ENDS]
+        known = {name: r.load(r.row("%ends", "%stride", k), i) for k, name in enumerate(names)}
         memo = s.bounds.inputs(known)
         ends = [s.bounds.outputs(r, (f"leaf{k}_{end}" for end in ENDS), memo) for k in range(s.count)]
         words = ["zeroinitializer"] * s.words

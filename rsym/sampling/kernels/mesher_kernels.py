@@ -11,7 +11,7 @@ import ctypes
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,11 +28,13 @@ from rsym.sampling.kernels.form_code import LeafFormulas
 from rsym.sampling.kernels.mesher_code import mesher_code
 from rsym.sampling.kernels.routines import LANES
 
-_POINTER, _INTEGER, _REAL = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
+_POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
+Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]]  # a call over pieces of a range
+GRAIN = 2048  # boxes
 _SIGNATURES: dict[str, Sequence[Any]] = {
     "point_constants": (_POINTER, _POINTER),
     "box_constants": (_POINTER, _POINTER),
-    "boxes": (_INTEGER, _POINTER, _INTEGER, _REAL, *[_POINTER] * 4),
+    "boxes": (_INTEGER, _POINTER, _INTEGER, *[_POINTER] * 3),
     "signs": (_INTEGER, _INTEGER, _POINTER, _INTEGER, *[_POINTER] * 3, _INTEGER, *[_POINTER] * 2, _INTEGER, _POINTER),
     "crossings": (_INTEGER, _INTEGER, *[_POINTER] * 3, _INTEGER, *[_POINTER] * 4, _INTEGER, _POINTER),
     "value": (_INTEGER, _POINTER, _INTEGER, *[_POINTER] * 3),
@@ -113,53 +115,32 @@ class MesherKernels:
         twice = np.repeat(plain, 2)
         self._functions["box_constants"](twice.ctypes.data, self._constants.ctypes.data)
         self.set_points([*plain, *[1.0] * len(self.form.leaves)])
-        self.set_points([*plain, *self._scales(bounds)])
+        self.set_points([*plain, *median_scales(self, len(self.form.leaves), bounds)])
 
     def set_points(self, letters: Sequence[float]) -> None:
         """Take the letters and scales of leaves at points as they are."""
         array = np.array(letters)
         self._functions["point_constants"](array.ctypes.data, self._constants.ctypes.data)
 
-    def _scales(self, bounds: Bounds | None) -> Floats:
-        """Powers of two that give leaves gradients of length 1 to 2, by the median over the bounds.
-
-        Signs, and so the mesh, do not depend on them, but a min of 1e40*f and g is not zero in float64 where f is.
-        """
-        generator = np.random.default_rng(20130605)
-        points = np.zeros((3, padded(CHECK_POINTS)))
-        ends = bounds or ((-1.0, 1.0),) * 3
-        points[:, :CHECK_POINTS] = [generator.uniform(low, high, CHECK_POINTS) for low, high in ends]
-        scales = np.ones(len(self.form.leaves))
-        for number in range(len(scales)):
-            with np.errstate(all="ignore"):
-                steepness = np.abs(self._gradients(number, points)).max(axis=0)
-                known = steepness[np.isfinite(steepness) & (steepness > 0)]
-            if known.size:
-                scales[number] = 2.0 ** -np.clip(np.frexp(np.median(known))[1], -1000, 1000)
-        return scales
-
-    def _gradients(self, number: int, points: Floats) -> Floats:
-        value, gradient = np.zeros(points.shape[1]), np.zeros(points.shape)
-        self.leaf(CHECK_POINTS, np.full(points.shape[1], number, np.int16), points, value, gradient)
-        return gradient[:, :CHECK_POINTS]
+    def kept(self, ends: Floats, parent: Ints, among: Any, run: Run) -> tuple[NDArray[np.bool_], NDArray[np.uint64]]:
+        """Which boxes with these ends (6, n) may hold a zero, and the words of all, as rows."""
+        count = ends.shape[1]
+        places = np.zeros((6, padded(count)))
+        places[:, :count] = ends
+        keep = np.empty(places.shape[1] // LANES, np.uint8)
+        skip = np.empty((self.words, places.shape[1]), np.uint64)
+        run(lambda first, last: self.boxes(first, last, places, keep, skip), count, GRAIN)
+        return np.unpackbits(keep, count=count, bitorder="little").view(np.bool_), skip[:, :count].T
 
     def boxes(
-        self,
-        first: int,
-        last: int,
-        corner: Floats,
-        size: float,
-        lattice: Floats,
-        keep: NDArray[np.uint8],
-        skip: NDArray[np.uint64],
+        self, first: int, last: int, ends: Floats, keep: NDArray[np.uint8], skip: NDArray[np.uint64]
     ) -> None:
-        """Which boxes of `size` cells may hold a zero (a bit each), which operands of gates do not matter (words, m).
+        """Which boxes may hold a zero (a bit each), which operands of gates do not matter (words, m).
 
         `first` is a multiple of eight, and what lies behind `last` up to the next one is scratch.
         """
-        corners, words = _from(corner, first), _from(skip, first)
-        arrays = (lattice, self._constants, _from(keep, first // LANES), words)
-        self._call("boxes", last - first, corners, corner.shape[1], size, *arrays)
+        arrays = (self._constants, _from(keep, first // LANES), _from(skip, first))
+        self._call("boxes", last - first, _from(ends, first), ends.shape[1], *arrays)
 
     def signs(
         self,
@@ -264,16 +245,42 @@ def compile_ahead(form: SignForm) -> None:
     threading.Thread(target=work, name="rsym-compiler").start()
 
 
-class CheckedLeaves(Protocol):
+def median_scales(kernels: OneLeaf, count: int, bounds: Bounds | None) -> Floats:
+    """Powers of two that give leaves gradients of length 1 to 2, by the median over the bounds.
+
+    Signs, and so the mesh, do not depend on them, but a min of 1e40*f and g is not zero in float64 where f is.
+    """
+    generator = np.random.default_rng(20130605)
+    some = np.array([generator.uniform(low, high, CHECK_POINTS) for low, high in bounds or ((-1.0, 1.0),) * 3])
+    points, every = columns(np.tile(some, count)), count * CHECK_POINTS
+    leaf = np.full(points.shape[1], -1, np.int16)
+    leaf[:every] = np.repeat(np.arange(count), CHECK_POINTS)
+    value, gradient = np.zeros(points.shape[1]), np.zeros(points.shape)
+    kernels.leaf(every, leaf, points, value, gradient)
+    scales = np.ones(count)
+    with np.errstate(all="ignore"):
+        steepness = np.abs(gradient[:, :every]).max(axis=0).reshape(count, CHECK_POINTS)
+        for number, one in enumerate(steepness):
+            known = one[np.isfinite(one) & (one > 0)]
+            if known.size:
+                scales[number] = 2.0 ** -np.clip(np.frexp(np.median(known))[1], -1000, 1000)
+    return scales
+
+
+class OneLeaf(Protocol):
+    """Value and gradient of the leaf of each point."""
+
+    def leaf(self, count: int, leaf: NDArray[np.int16], points: Floats, value: Floats, gradient: Floats) -> None:
+        """As of `MesherKernels`."""
+
+
+class CheckedLeaves(OneLeaf, Protocol):
     """What is checked of kernels: `program` has value and derivatives of one leaf after the other."""
 
     program: Program
 
     def set_points(self, letters: Sequence[float]) -> None:
         """Take letters."""
-
-    def leaf(self, count: int, leaf: NDArray[np.int16], points: Floats, value: Floats, gradient: Floats) -> None:
-        """Value and gradient of the leaf of each point."""
 
 
 def check_leaves(kernels: CheckedLeaves) -> None:

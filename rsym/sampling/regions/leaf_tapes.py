@@ -28,8 +28,7 @@ from rsym.sampling.kernels.leaf_kinds import ordered_nodes
 
 # Operations whose formulas do not depend on what their uniform operands are; in others a constant stays one.
 LIFTED = frozenset({"add", "mul", "div"})
-AT_POINTS = ("value", "gradient")
-TAPES = (*AT_POINTS, "box", "enclosure")
+SCALE = "the scale"  # no end of a letter is called so
 
 
 class KindTape(NamedTuple):
@@ -57,16 +56,25 @@ class LeafKind:
         chosen = {
             "value": (self.points, self.outputs[:1]),
             "gradient": (self.points, self.outputs),
-            "box": (self.bounds, ends[:2]),
+            "box": (_scaled(self.bounds, ends[:2]), ends[:2]),
             "enclosure": (self.bounds, ends),
         }
         return {name: _tape(program, outputs) for name, (program, outputs) in chosen.items()}
 
 
+def _scaled(program: Program, names: Sequence[str]) -> Program:
+    """These outputs times a last letter, the scale: what leaves are compared by is the same at points and over boxes."""
+    numbers, count = dict(program.outputs), len(program.nodes)
+    products = [Node("mul", (count, numbers[name])) for name in names]
+    nodes = (*program.nodes, Node("input", (), SCALE), *products)
+    outputs = tuple((name, count + 1 + k) for k, name in enumerate(names))
+    return Program(nodes, program.coordinates, (*program.letters, SCALE), outputs)
+
+
 def _tape(program: Program, names: Sequence[str]) -> KindTape:
     numbers = dict(program.outputs)
     one = assemble(program.nodes, program.coordinates, program.letters, {name: numbers[name] for name in names})
-    tape = tape_of(one, part=True)
+    tape = tape_of(one)
     return KindTape(tape, UniformNumbers(one, tape.uniform))
 
 
@@ -95,9 +103,10 @@ class LeafTapes:
     def numbers(self, letters: Sequence[float], scales: Floats) -> dict[str, tuple[Floats, Ints]]:
         """For each tape the numbers of all leaves, one after the other, and where those of each leaf begin."""
         found: dict[str, tuple[Floats, Ints]] = {}
-        given = {True: self._letters.at(letters, scales), False: self._letters.ends(letters)}
-        for name in TAPES:
-            own = given[name in AT_POINTS]
+        points, ends = self._letters.at(letters, scales), self._letters.ends(letters)
+        boxes = [[*own, scale] for own, scale in zip(ends, scales, strict=True)]
+        given = {"value": points, "gradient": points, "box": boxes, "enclosure": ends}
+        for name, own in given.items():
             rows = [self.kinds[kind].tapes[name].numbers(own[k]) for k, kind in enumerate(self.kind)]
             found[name] = np.concatenate(rows), np.cumsum([0, *map(len, rows)])
         return found

@@ -12,13 +12,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns
+from rsym.arrays import Floats, Ints
+from rsym.sampling.kernels.mesher_kernels import MesherKernels
 from rsym.sampling.sharp.loops import in_threads, loop, lowest, popcount, step
 
 Bytes: TypeAlias = NDArray[np.uint8]
@@ -163,19 +164,18 @@ def list_places(fields: Words, before: Numbers, place: Numbers) -> None:
 BLOCK = 8  # cells along its side
 # Of the first boxes there are at most 4 to 8 along the longest side: fewer prune nothing.
 FIRST = 4
-GRAIN = 2048
 _HALVES = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)], np.float64)
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """Kept blocks in lexicographic order: first cells (3, n), and n rows of words of idle operands.
+    """Kept blocks in lexicographic order: first cells (3, n), and what matters in each, `words` of kernels.
 
     `visited` tells for each level the size of its boxes in cells, how many were looked at, and how many kept.
     """
 
     corner: Ints
-    words: NDArray[np.uint64]
+    words: Any
     visited: tuple[tuple[int, int, int], ...]
 
 
@@ -198,28 +198,27 @@ def find_blocks(
     low, high = (np.zeros(3), np.array(cells, np.float64)) if region is None else map(np.asarray, region)
     axes = [np.arange(a // size * size, b, size, dtype=np.float64) for a, b in zip(low, high, strict=True)]
     corner = np.stack(np.meshgrid(*axes, indexing="ij")).reshape(3, -1)
-    visited = []
+    parent, among, visited = np.zeros(corner.shape[1], np.int64), None, []
+    run = partial(in_threads, pool=pool)
     while True:
-        keep, skip = _kept(kernels, corner, size, lattice, pool)
+        keep, words = kernels.kept(_ends(lattice, corner, size), parent, among, run)
         visited.append((size, corner.shape[1], int(keep.sum())))
-        corner = corner[:, keep]
+        corner, among = corner[:, keep], words[keep]
         if size == BLOCK:
             break
         claim(corner.shape[1], size)
         size //= 2
+        parent = np.repeat(np.arange(corner.shape[1]), len(_HALVES))
         corner = (corner[:, :, None] + size * _HALVES.T[:, None, :]).reshape(3, -1)
-        corner = corner[:, ((corner < high[:, None]) & (corner + size > low[:, None])).all(axis=0)]
+        some = ((corner < high[:, None]) & (corner + size > low[:, None])).all(axis=0)
+        corner, parent = corner[:, some], parent[some]
     order = np.lexsort(corner[::-1])
-    words = np.ascontiguousarray(skip[:, keep].T[order])
-    return Blocks(np.ascontiguousarray(corner[:, order], np.int64), words, tuple(visited))
+    return Blocks(np.ascontiguousarray(corner[:, order], np.int64), among[order], tuple(visited))
 
 
-def _kept(
-    kernels: MesherKernels, corner: Floats, size: int, lattice: Floats, pool: Executor | None
-) -> tuple[Flags, NDArray[Any]]:
-    count = corner.shape[1]
-    places = columns(corner)
-    keep = np.empty(places.shape[1] // 8, np.uint8)
-    skip = np.empty((kernels.words, places.shape[1]), np.uint64)
-    in_threads(lambda a, b: kernels.boxes(a, b, places, size, lattice, keep, skip), count, GRAIN, pool)
-    return np.unpackbits(keep, count=count, bitorder="little").view(np.bool_), skip[:, :count]
+def _ends(lattice: Floats, corner: Floats, size: int) -> Floats:
+    """The ends (6, n) of boxes on the lattice, lower and upper for each axis."""
+    ends = np.empty((6, corner.shape[1]))
+    ends[::2] = lattice[:3, None] + lattice[3:, None] * corner
+    ends[1::2] = lattice[:3, None] + lattice[3:, None] * (corner + size)
+    return ends

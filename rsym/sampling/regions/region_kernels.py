@@ -1,0 +1,410 @@
+"""The mesher's kernels of a form as tapes: nothing is compiled for it, and at each place only what matters is evaluated.
+
+They have the methods of `MesherKernels`, and what these call words are `Regions` here.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.arrays import Flags, Floats, Ints, Shorts
+from rsym.backends.interpreter import CHECK_POINTS, check_at
+from rsym.backends.llvm_code import machine_code
+from rsym.backends.tape import TapeFunction, aligned, executor
+from rsym.logic.sign_form import SignForm, cap_letters
+from rsym.model.shape import Bounds
+from rsym.program.program import FLOAT64
+from rsym.sampling.form_signs import check_parameters
+from rsym.sampling.kernels.mesher_kernels import median_scales, padded
+from rsym.sampling.kernels.routines import LANES
+from rsym.sampling.regions.leaf_tapes import LeafTapes
+from rsym.sampling.regions.region_code import AT_ONCE, STEP, region_code
+from rsym.sampling.regions.regions import (
+    SIGN,
+    VALUE,
+    VECTOR,
+    Codes,
+    FormTapes,
+    Regions,
+    joined_regions,
+    reduce,
+    whole_form,
+)
+
+Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]]  # a call over pieces of a range
+
+_POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
+_TAPES = [_POINTER] * 8
+_SIGNATURES: dict[str, Sequence[Any]] = {
+    "boxes": (_INTEGER, _INTEGER, _POINTER, _INTEGER, *_TAPES, *[_POINTER] * 3),
+    "signs": (_INTEGER, _INTEGER, _POINTER, _INTEGER, *[_POINTER] * 2, _INTEGER, _POINTER, _INTEGER, _POINTER, *_TAPES),
+    "crossings": (
+        *[_INTEGER] * 2, *[_POINTER] * 2, _INTEGER, *[_POINTER] * 3, _INTEGER, _POINTER, *_TAPES, *[_POINTER] * 4,
+    ),
+    "values": (_INTEGER, _INTEGER, _POINTER, _INTEGER, *[_POINTER] * 2, *_TAPES, *[_POINTER] * 4),
+    "leaves": (_INTEGER, _INTEGER, *[_POINTER] * 2, *[_INTEGER] * 3, *[_POINTER] * 2, *_TAPES),
+    "slide": (_INTEGER, _INTEGER, *[_POINTER] * 2, *[_INTEGER] * 2, _POINTER, *_TAPES),
+}  # fmt: skip
+# Entries whose tapes are written at once: a few megabytes.
+ENTRIES = 2**14
+GROUP_GRAIN = 64
+# Points are sorted into so many places along an axis of their box before they are taken together.
+PLACES = 16
+
+
+@cache
+def _functions() -> tuple[Any, Mapping[str, Callable[..., None]]]:
+    engine = machine_code(region_code())
+    made = {
+        name: ctypes.CFUNCTYPE(None, *kinds)(engine.get_function_address(name)) for name, kinds in _SIGNATURES.items()
+    }
+    return engine, made
+
+
+def _call(name: str, *arguments: Any) -> None:
+    _functions()[1][name](*(a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments))
+
+
+@dataclass(frozen=True)
+class _LeafCodes:
+    """The tapes of single leaves, as the executor reads them, by kind: where the rows begin, registers and outputs."""
+
+    rows: NDArray[np.int32]
+    row: Ints
+    above: Ints
+    ends: Ints
+
+
+class RegionKernels:
+    """Made once for a sign form; `set` chooses letters and bounds."""
+
+    def __init__(self, form: SignForm, *, shared: bool) -> None:
+        self.form, self._shared = form, shared
+        self._tapes = LeafTapes(form, shared=shared)
+        self._values, self._boxes = (FormTapes(self._tapes, name) for name in ("value", "box"))
+        self._codes = {name: self._leaf_codes(name) for name in ("gradient", "enclosure")}
+        self._whole = whole_form(form)
+        self._cap_letters = [cap_letters(name) for name in form.builder.coordinates]
+        self._check()
+
+    def _check(self) -> None:
+        """Compare the tapes with the interpreter: a miscompiled formula must never get any further."""
+        generator = np.random.default_rng(20130605)
+        points = [generator.uniform(-1, 1, CHECK_POINTS) for _ in range(3)]
+        programs = {kind.points.digest: kind.points for kind in self._tapes.kinds}
+        for program in programs.values():
+            letters = [1.0 + k / 8 for k in range(len(program.letters))]
+            check_at(program, TapeFunction(program), FLOAT64, points, letters)
+
+    def _leaf_codes(self, name: str) -> _LeafCodes:
+        tapes = [kind.tapes[name].tape for kind in self._tapes.kinds]
+        registers = np.array([tape.registers for tape in tapes])
+        parts = []
+        for tape in tapes:
+            rows = tape.rows.copy()
+            places = tape.rows[:, 1:].astype(np.int64)
+            above = STEP * tape.registers
+            rows[:, 1:] = np.where(places >= 0, STEP * places + 1, above + VECTOR * ~places)
+            rows[:, 1] -= 1
+            parts.append(rows)
+        kind = np.array(self._tapes.kind)
+        begin = np.cumsum([0, *map(len, parts)])[:-1]
+        ends = STEP * np.array([tape.outputs for tape in tapes])
+        return _LeafCodes(np.concatenate(parts), begin[kind], STEP * registers[kind], ends[kind])
+
+    def load_enclose(self) -> None:
+        """Nothing is compiled."""
+
+    def copy(self) -> RegionKernels:
+        """The same tapes with letters of their own."""
+        twin = object.__new__(RegionKernels)
+        twin.__dict__.update(self.__dict__)
+        return twin
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Another process makes the tapes again, and takes the letters as they are."""
+        return _revived, (self.form, self._shared, self._given)
+
+    def set(self, letters: Mapping[str, float], bounds: Bounds | None = None) -> None:
+        """Take the letters of the shape, and the bounds where the form has caps."""
+        values = dict(letters)
+        for names, ends in zip(self._cap_letters, bounds or [(-np.inf, np.inf)] * 3, strict=True):
+            values.update(zip(names, ends, strict=True))
+        check_parameters(self.form, values)
+        plain = [values.get(name, 1.0) for name in self.form.builder.letters]
+        self.take((plain, np.ones(len(self.form.leaves))))
+        self.take((plain, median_scales(self, len(self.form.leaves), bounds)))
+
+    def take(self, given: tuple[Sequence[float], Floats]) -> None:
+        """Take the letters of the form and the scales of its leaves as they are."""
+        self._given = given
+        self._numbers = self._tapes.numbers(*given)
+        self._code_of_whole = self._boxes.codes(self._whole, self._numbers["box"])
+
+    # What matters where
+
+    def kept(self, ends: Floats, parent: Ints, among: Regions | None, run: Run) -> tuple[Flags, Regions]:
+        """Which boxes with these ends (6, n) may hold a zero, and the regions of all; `parent` ascends in `among`."""
+        return self._narrowed(ends, parent, among, SIGN, run)
+
+    def _narrowed(
+        self, ends: Floats, parent: Ints, among: Regions | None, keeps: int, run: Run
+    ) -> tuple[Flags, Regions]:
+        """Boxes of one parent are bounded eight at a time."""
+        count = ends.shape[1]
+        first = np.flatnonzero(np.diff(parent, prepend=-1))
+        within = np.arange(count) - np.repeat(first, np.diff([*first, count]))
+        new = (within % LANES == 0).cumsum() - 1
+        groups = int(new[-1]) + 1 if count else 0
+        slot = LANES * new + within % LANES
+        parents = parent[within % LANES == 0]
+        padded_ends = np.empty((6, LANES * groups))
+        padded_ends.reshape(6, groups, LANES)[:] = ends[:, within % LANES == 0][:, :, None]
+        padded_ends[:, slot] = ends
+        keep = np.zeros((groups, LANES), np.bool_)
+        keep.reshape(-1)[slot] = True
+
+        def piece(first: int, last: int) -> Regions:
+            found = []
+            for a, b in self._portions(parents, among, first, last):
+                found.append(self._reduced(a, b, padded_ends, parents, among, keeps, keep))
+            return joined_regions(found)
+
+        made = joined_regions(run(piece, groups, GROUP_GRAIN)) if groups else Regions(np.zeros(1, np.int64), self._whole.entries[:0])
+        return keep.reshape(-1)[slot], made[slot]
+
+    def _portions(self, parents: Ints, among: Regions | None, first: int, last: int) -> Sequence[tuple[int, int]]:
+        """Groups whose tapes are written at once."""
+        if among is None:
+            size = np.full(last - first, len(self._whole.entries))
+        else:
+            size = np.diff(among.start)[parents[first:last]]
+        portion = np.cumsum(size) // ENTRIES
+        cuts = [0, *(np.flatnonzero(np.diff(portion)) + 1), last - first]
+        return [(first + a, first + b) for a, b in zip(cuts[:-1], cuts[1:], strict=True) if b > a]
+
+    def _reduced(
+        self, first: int, last: int, ends: Floats, parents: Ints, among: Regions | None, keeps: int, keep: Flags
+    ) -> Regions:
+        """The regions of the boxes of some groups."""
+        count = last - first
+        if among is None:
+            regions, codes = self._whole[np.zeros(count, np.int64)], self._code_of_whole
+            codes = replace(codes, **{n: np.repeat(getattr(codes, n), count) for n in _OF_EACH})
+        else:
+            regions = among[parents[first:last]]
+            codes = self._boxes.codes(regions, self._numbers["box"])
+        entries = np.diff(regions.start)
+        bounds = np.empty((int(regions.start[-1]), 2, LANES))
+        some = np.ascontiguousarray(ends[:, LANES * first : LANES * last])
+        room = aligned(codes.memory)
+        _call("boxes", 0, count, some, some.shape[1], *_tapes(codes, room), regions.start, entries, bounds)
+        sizes = np.zeros((count, LANES), np.int64)
+        results = np.empty((LANES * int(regions.start[-1]), 3), np.int32)
+        own = keep[first:last]
+        made = reduce(0, count, regions.start, regions.entries, bounds, regions.start, LANES, keeps, own, sizes, results)
+        return Regions(np.concatenate([[0], np.cumsum(sizes)]), results[:made].copy())
+
+    # On the lattice
+
+    def signs(
+        self,
+        first: int,
+        last: int,
+        corner: Floats,
+        words: Regions,
+        lattice: Floats,
+        offsets: Floats,
+        bits: NDArray[np.uint8],
+        undefined: NDArray[np.uint8],
+    ) -> None:
+        """The signs of the points `offsets` of blocks from first to below last; 0 counts as positive."""
+        for a, b, _, codes, room in self._portions_of(words, first, last):
+            own = np.ascontiguousarray(corner[:, a:b])
+            arrays = (offsets, offsets.shape[1], bits[a:b], bits.shape[1], undefined[a:b])
+            _call("signs", 0, b - a, own, own.shape[1], lattice, *arrays, *_tapes(codes, room))
+
+    def crossings(
+        self,
+        first: int,
+        last: int,
+        starts: Ints,
+        words: Regions,
+        edges: NDArray[np.float32],
+        axis: Floats,
+        lattice: Floats,
+        points: Floats,
+        leaf: NDArray[np.int16],
+    ) -> None:
+        """Where the edges of blocks from first to below last cross the surface, and on which leaf."""
+        for a, b, regions, codes, room in self._portions_of(words, first, last):
+            entries = np.diff(regions.start)
+            names = np.empty((int(entries.max(initial=1)), LANES), np.int16)
+            arrays = (starts[a : b + 1], edges, edges.shape[1], axis, lattice, points, points.shape[1], leaf)
+            listed = (regions.start, entries, regions.entries, names)
+            _call("crossings", 0, b - a, *arrays, *_tapes(codes, room), *listed)
+
+    def _portions_of(self, words: Regions, first: int, last: int) -> Any:
+        """Regions whose tapes are written at once, with these, and a room."""
+        for a, b in self._portions(np.arange(len(words)), words, first, last):
+            regions = words[a:b]
+            codes = self._values.codes(regions, self._numbers["value"])
+            yield a, b, regions, codes, aligned(codes.memory)
+
+    # At any points
+
+    def value(self, count: int, points: Floats, value: Floats, leaf: NDArray[np.int16], first: int = 0) -> None:
+        """The form, and the active leaf."""
+        if not count:
+            return
+        order = _near_each_other(points[:, first : first + count])
+        groups = -(-count // AT_ONCE)
+        order = np.concatenate([order, np.repeat(order[-1:], groups * AT_ONCE - count)])
+        given = points.take(first + order, axis=1)
+        regions = self._regions_of(given, groups)
+        found, names = np.empty(given.shape[1]), np.empty(given.shape[1], np.int16)
+        for a, b, some, codes, room in self._portions_of(regions, 0, groups):
+            entries = np.diff(some.start)
+            listed = (some.start, entries, some.entries, np.empty((int(entries.max()), LANES), np.int16))
+            own = slice(a * AT_ONCE, b * AT_ONCE)
+            places = np.ascontiguousarray(given[:, own])
+            _call("values", 0, b - a, places, places.shape[1], found[own], names[own], *_tapes(codes, room), *listed)
+        value[first + order], leaf[first + order] = found, names
+
+    def _regions_of(self, points: Floats, groups: int) -> Regions:
+        """The regions of groups of points, which keep the value; from those of eight together."""
+        if groups == 1:
+            return self._whole
+        ends = _ends(points.reshape(3, groups, AT_ONCE))
+        above = np.arange(groups) // LANES
+        few = np.arange(0, groups, LANES)
+        wide = np.empty((6, len(few)))
+        wide[::2], wide[1::2] = (
+            np.minimum.reduceat(ends[::2], few, axis=1), np.maximum.reduceat(ends[1::2], few, axis=1)
+        )  # fmt: skip
+        _, among = self._narrowed(wide, np.zeros(len(few), np.int64), None, VALUE, _here)
+        return self._narrowed(ends, above, among, VALUE, _here)[1]
+
+    def leaf(
+        self, count: int, leaf: NDArray[np.int16], points: Floats, value: Floats, gradient: Floats, first: int = 0
+    ) -> None:
+        """Value and gradient of the leaf of each point; none where its number is negative."""
+        own = slice(first, first + count)
+        found, order = self._of_leaves("gradient", leaf[own], points[:, own], 4)
+        value[first + order], gradient[:, first + order] = found[0], found[1:]
+
+    def enclose(
+        self, count: int, leaf: NDArray[np.int16], lower: Floats, upper: Floats, bounds: Floats, first: int = 0
+    ) -> None:
+        """Bounds (8, m) of value and gradient of the leaf of each box: value lower, upper, then each derivative's."""
+        own = slice(first, first + count)
+        ends = np.empty((6, count))
+        ends[::2], ends[1::2] = lower[:, own], upper[:, own]
+        found, order = self._of_leaves("enclosure", leaf[own], ends, 8)
+        bounds[:, first + order] = found
+
+    def _of_leaves(self, name: str, leaf: Shorts, inputs: Floats, outputs: int) -> tuple[Floats, Ints]:
+        """Outputs of the leaf of each point that has one, and which points these are."""
+        which, begin, padded_places, places = _by_leaf(leaf)
+        given = inputs.take(padded_places, axis=1)
+        found = np.empty((outputs, given.shape[1]))
+        codes = self._codes[name]
+        tapes, room = self._tapes_of(name, which)
+        sizes = (len(inputs), outputs, given.shape[1])
+        _call("leaves", 0, len(which), begin, given, *sizes, found, np.ascontiguousarray(codes.ends[which]), *tapes, room)
+        return found[:, places], padded_places[places]
+
+    def slide(self, count: int, leaf: NDArray[np.int16], points: Floats, steps: int, first: int = 0) -> None:
+        """Newton steps of each point onto its leaf, along the gradient."""
+        own = slice(first, first + count)
+        which, begin, padded_places, places = _by_leaf(leaf[own])
+        given = points[:, own].take(padded_places, axis=1)
+        tapes, room = self._tapes_of("gradient", which)
+        ends = self._codes["gradient"].ends[which]
+        _call("slide", 0, len(which), begin, given, given.shape[1], steps, ends, *tapes, room)
+        points[:, first + padded_places[places]] = given[:, places]
+
+    def _tapes_of(self, name: str, which: Ints) -> tuple[Sequence[Any], NDArray[np.uint8]]:
+        """The tapes of leaves by their numbers."""
+        codes, (numbers, places) = self._codes[name], self._numbers[name]
+        count, above = places[which + 1] - places[which], codes.above[which]
+        room = aligned(int((above + VECTOR * count).max(initial=0)))
+        return (codes.rows, numbers, codes.row[which], places[which], count, above, above), room
+
+
+_OF_EACH = ("row", "number", "count", "above", "result")
+
+
+def _tapes(codes: Codes, room: NDArray[np.uint8]) -> Sequence[NDArray[Any]]:
+    return codes.rows, codes.uniform, codes.row, codes.number, codes.count, codes.above, codes.result, room
+
+
+def _here(call: Callable[[int, int], Any], count: int, grain: int) -> Sequence[Any]:
+    return [call(0, count)]
+
+
+def _near_each_other(points: Floats) -> Ints:
+    """An order of points in which neighbours are near: by places of their box, halves of halves."""
+    low, high = points.min(axis=1, keepdims=True), points.max(axis=1, keepdims=True)
+    with np.errstate(all="ignore"):
+        share = np.nan_to_num((points - low) / (high - low))
+    place = np.minimum(share * PLACES, PLACES - 1).astype(np.int64)
+    key = np.zeros(points.shape[1], np.int64)
+    for bit in range(PLACES.bit_length() - 1):
+        for axis in range(3):
+            key |= (place[axis] >> bit & 1) << (3 * bit + axis)
+    return np.argsort(key, kind="stable")
+
+
+def _ends(points: Floats) -> Floats:
+    """The ends (6, groups) of the boxes of groups of points (3, groups, n); a point that is NaN is anywhere."""
+    ends = np.empty((6, points.shape[1]))
+    ends[::2], ends[1::2] = points.min(axis=2), points.max(axis=2)
+    lost = np.isnan(ends)
+    ends[::2][lost[::2]], ends[1::2][lost[1::2]] = -np.inf, np.inf
+    return ends
+
+
+def _by_leaf(leaf: Shorts) -> tuple[Ints, Ints, Ints, Ints]:
+    """The leaves that occur; where their points begin, each in whole vectors; which points these are, and which count."""
+    order = np.argsort(leaf, kind="stable")
+    order = order[np.searchsorted(leaf[order], 0) :]
+    which, first = np.unique(leaf[order], return_index=True)
+    count = np.diff([*first, len(order)])
+    room = -(-count // LANES) * LANES
+    begin = np.concatenate([[0], np.cumsum(room)])
+    source = np.arange(begin[-1]) - np.repeat(begin[:-1] - first, room)
+    last = np.repeat(first + count - 1, room)
+    padded_places = order[np.minimum(source, last)]
+    return which.astype(np.int64), begin, padded_places, np.flatnonzero(source <= last)
+
+
+_kernels: dict[Any, RegionKernels] = {}
+_making = threading.Lock()
+MOST_KERNELS = 64
+
+
+def region_kernels(form: SignForm, *, shared: bool) -> RegionKernels:
+    """Made once in a process; each caller has letters of its own."""
+    key = f"{shared}{form.leaves}{form.gates}{form.builder.program({'value': form.value}).digest}"
+    with _making:
+        kernels = _kernels.get(key)
+        if kernels is None:
+            while len(_kernels) >= MOST_KERNELS:
+                _kernels.pop(next(iter(_kernels)))
+            kernels = _kernels[key] = RegionKernels(form, shared=shared)
+    return kernels.copy()
+
+
+def _revived(form: SignForm, shared: bool, given: tuple[Sequence[float], Floats]) -> RegionKernels:
+    kernels = region_kernels(form, shared=shared)
+    kernels.take(given)
+    return kernels
