@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from rsym.arrays import Floats, Ints
 from rsym.backends.llvm_code import VECTORS, machine_code
@@ -31,8 +31,8 @@ class Executor:
         kinds = (pointer, pointer, pointer, integer, pointer, integer, pointer, integer)
         self.evaluate = ctypes.CFUNCTYPE(None, *kinds)(self._engine.get_function_address("evaluate"))
         if precision is FLOAT64:
-            address = self._engine.get_function_address("run_uniform")
-            self.run_uniform = ctypes.CFUNCTYPE(None, pointer, pointer)(address)
+            address = self._engine.get_function_address("evaluate_uniform")
+            self.evaluate_uniform = ctypes.CFUNCTYPE(None, pointer, pointer, integer, integer)(address)
 
     def addresses(self, places: NDArray[Any], uniforms: int) -> Ints:
         """Where places lie in the memory: uniform numbers as whole vectors, then registers; `VARIES` marks these."""
@@ -86,13 +86,15 @@ class UniformNumbers:
         self._code = self._tape.rows.copy()
         self._code[:, 1:] *= SCALAR_SIZE
 
-    def __call__(self, letters: Sequence[float]) -> Floats:
-        """The numbers for these letters."""
-        room = np.empty(max(1, self._tape.registers))
-        room[: len(self._constants)] = self._constants
-        room[len(self._constants) : len(self._constants) + len(letters)] = letters
-        executor().run_uniform(self._code.ctypes.data, room.ctypes.data)
-        return room[list(self._tape.outputs)]
+    def __call__(self, letters: ArrayLike) -> Floats:
+        """The numbers (n, numbers) for rows of letters (n, letters), or those for one row."""
+        rows = np.asarray(letters, np.float64)
+        given, first = np.atleast_2d(rows), len(self._constants)
+        rooms = np.empty((len(given), max(1, self._tape.registers)))
+        rooms[:, :first] = self._constants
+        rooms[:, first : first + given.shape[1]] = given
+        executor().evaluate_uniform(self._code.ctypes.data, rooms.ctypes.data, rooms.strides[0], len(rooms))
+        return rooms[:, list(self._tape.outputs)].reshape(*rows.shape[:-1], -1)
 
 
 class TapeFunction:

@@ -20,12 +20,32 @@ INT = 4  # bytes
 
 
 def executor_source(precision: str) -> str:
-    """The module: `evaluate`; in float64 `run_uniform` too, on single numbers."""
+    """The module: `evaluate`; in float64 `evaluate_uniform` too, on single numbers."""
     kind = VECTORS[precision]
     text = [*head(kind), _run("run", kind, ROW_VECTORS), _evaluate(kind)]
     if precision == "float64":
-        text.append(_run("run_uniform", SCALAR, 1, "void"))
+        text += [_run("run_uniform", SCALAR, 1), EVALUATE_UNIFORM]
     return "\n".join(text)
+
+
+# One room of registers after the other.
+EVALUATE_UNIFORM = """
+define void @evaluate_uniform(ptr %code, ptr %rooms, i64 %bytes, i64 %count) {
+entry:
+  br label %head
+head:
+  %k = phi i64 [ 0, %entry ], [ %k1, %work ]
+  %more = icmp slt i64 %k, %count
+  br i1 %more, label %work, label %done
+work:
+  %at = mul i64 %k, %bytes
+  %room = getelementptr i8, ptr %rooms, i64 %at
+  call void @run_uniform(ptr %code, ptr %room)
+  %k1 = add i64 %k, 1
+  br label %head
+done:
+  ret void
+}"""
 
 
 def head(kind: Kind) -> list[str]:
@@ -44,12 +64,12 @@ def size_of(kind: Kind) -> int:
     return kind.lanes * (8 if kind.element == "double" else 4)
 
 
-def _run(name: str, kind: Kind, vectors: int, result: str = "internal void") -> str:
+def _run(name: str, kind: Kind, vectors: int) -> str:
     """Work out the rows from `code` on, on the registers in `memory`."""
     labels = [f"row{number}" for number in range(1, len(patterns()) + 1)]
     cases = " ".join(f"i32 {number}, label %{label}" for number, label in enumerate(labels, 1))
     lines = [
-        f"define {result} @{name}(ptr noalias %code, ptr noalias %memory) {{",
+        f"define internal void @{name}(ptr noalias %code, ptr noalias %memory) {{",
         "entry:",
         "  br label %head",
         "head:",

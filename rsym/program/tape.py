@@ -187,11 +187,13 @@ class _Making:
             places[number] = free.pop()
             rows.append((pattern, places[number], *row, *[0] * (WIDTH - 2 - len(row))))
         ends = [place(number) for _, number in program.outputs]
+        taken = set(range(len(program.coordinates)))
         for k, end in enumerate(ends):
-            if end < len(program.coordinates) or end in ends[:k]:
+            if end < 0 or end in taken:
                 # The smaller of two that are one is this.
                 rows.append((self.candidates["min"][0][0], count, end, end, *[0] * (WIDTH - 4)))
                 ends[k], count = count, count + 1
+            taken.add(ends[k])
         made = np.array([*rows, (END, *[0] * (WIDTH - 1))], np.int32)
         return Tape(made, count, tuple(uniform), tuple(ends), tuple(name for name, _ in program.outputs))
 

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from rsym.arrays import Floats, Integers, Ints
+from rsym.arrays import Floats, Integers
 from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
@@ -27,12 +27,12 @@ from rsym.sampling.lattice import lattice_over, sides_of
 from rsym.sampling.memory import SURE, Budget, TooLarge, free_memory, refusal, scaled
 from rsym.sampling.mesh import Mesh, MeshRequest
 from rsym.sampling.progress import Crew
+from rsym.sampling.regions.regions import Regions, whole_form
 from rsym.sampling.sharp.assembly import MOST_BLOCKS, USUAL_BYTES, Job, Unfinished, claim_whole, whole
 from rsym.sampling.sharp.certificates import Form, Unresolved, certify, joined
 from rsym.sampling.sharp.corners import stray_vertices
 from rsym.sampling.sharp.crossings import CompiledLeaves
 from rsym.sampling.sharp.finishing import Finished, finish
-from rsym.sampling.sharp.gates import gate_table
 from rsym.sampling.sharp.pieces import in_pieces
 from rsym.sampling.sharp.signs import Blocks
 from rsym.sampling.sharp.suspects import suspects
@@ -57,7 +57,7 @@ class SharpMesher:
         self.shape = shape
         self.form = surface_form(shape).capped()
         self._kernels = mesher_kernels(self.form)
-        self._gates = gate_table(self.form)
+        self._region = whole_form(self.form)
         self._smooth = np.array([not has_kinks(self.form.builder, leaf) for leaf in self.form.leaves])
 
     @cached_property
@@ -106,7 +106,7 @@ class SharpMesher:
         kernels = self._kernels.copy()
         kernels.set(self.shape.letters.values_with(letters), box)
         corner = np.array([*lattice.origin, *lattice.spacing])
-        return Job(kernels, self._smooth, corner, cells, partial(_unresolved, self._gates))
+        return Job(kernels, self._smooth, corner, cells, partial(_unresolved, self._region))
 
     def _surface(self, job: Job, request: MeshRequest, crew: Crew) -> Unfinished:
         """The surface of a job, here or by an executor; what has no memory is refused, and what fits is named."""
@@ -145,9 +145,9 @@ class SharpMesher:
         return suspects(CompiledLeaves(job.kernels), job.lattice, unresolved, self.leaves if len(unresolved) else ())
 
 
-def _unresolved(gates: Ints, kernels: MesherKernels, blocks: Blocks, lattice: Floats, pool: Executor) -> Unresolved:
+def _unresolved(region: Regions, kernels: MesherKernels, blocks: Blocks, lattice: Floats, pool: Executor) -> Unresolved:
     """The cells of blocks that have no certificate."""
-    form = Form(CompiledLeaves(kernels), len(kernels.form.leaves), gates)
+    form = Form(CompiledLeaves(kernels), len(kernels.form.leaves), region)
     return certify(form, lattice, blocks.corner, blocks.words, pool=pool)
 
 

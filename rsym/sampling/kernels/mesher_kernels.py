@@ -251,19 +251,19 @@ def median_scales(kernels: OneLeaf, count: int, bounds: Bounds | None) -> Floats
     Signs, and so the mesh, do not depend on them, but a min of 1e40*f and g is not zero in float64 where f is.
     """
     generator = np.random.default_rng(20130605)
-    some = np.array([generator.uniform(low, high, CHECK_POINTS) for low, high in bounds or ((-1.0, 1.0),) * 3])
-    points, every = columns(np.tile(some, count)), count * CHECK_POINTS
+    middle = np.array([generator.uniform(low, high, CHECK_POINTS) for low, high in bounds or ((-1.0, 1.0),) * 3])
+    points, every = columns(np.tile(middle, count)), count * CHECK_POINTS
     leaf = np.full(points.shape[1], -1, np.int16)
     leaf[:every] = np.repeat(np.arange(count), CHECK_POINTS)
     value, gradient = np.zeros(points.shape[1]), np.zeros(points.shape)
     kernels.leaf(every, leaf, points, value, gradient)
-    scales = np.ones(count)
     with np.errstate(all="ignore"):
         steepness = np.abs(gradient[:, :every]).max(axis=0).reshape(count, CHECK_POINTS)
-        for number, one in enumerate(steepness):
-            known = one[np.isfinite(one) & (one > 0)]
-            if known.size:
-                scales[number] = 2.0 ** -np.clip(np.frexp(np.median(known))[1], -1000, 1000)
+        known = np.isfinite(steepness) & (steepness > 0)
+        some = known.any(axis=1)
+        usual = np.nanmedian(np.where(known, steepness, np.nan)[some], axis=1)
+    scales = np.ones(count)
+    scales[some] = 2.0 ** -np.clip(np.frexp(usual)[1], -1000, 1000)
     return scales
 
 

@@ -100,15 +100,26 @@ class LeafTapes:
             self.kinds = [LeafKind(points, bounds, tuple(leaf_outputs(k))) for k in range(self.count)]
             self.kind = list(range(self.count))
 
+    @cached_property
+    def _kind_of(self) -> Ints:
+        return np.array(self.kind)
+
     def numbers(self, letters: Sequence[float], scales: Floats) -> dict[str, tuple[Floats, Ints]]:
         """For each tape the numbers of all leaves, one after the other, and where those of each leaf begin."""
         found: dict[str, tuple[Floats, Ints]] = {}
         points, ends = self._letters.at(letters, scales), self._letters.ends(letters)
         boxes = [[*own, scale] for own, scale in zip(ends, scales, strict=True)]
-        given = {"value": points, "gradient": points, "box": boxes, "enclosure": ends}
-        for name, own in given.items():
-            rows = [self.kinds[kind].tapes[name].numbers(own[k]) for k, kind in enumerate(self.kind)]
-            found[name] = np.concatenate(rows), np.cumsum([0, *map(len, rows)])
+        of_kind = [np.flatnonzero(self._kind_of == number) for number in range(len(self.kinds))]
+        found: dict[str, tuple[Floats, Ints]] = {}
+        for name, given in {"value": points, "gradient": points, "box": boxes, "enclosure": ends}.items():
+            tapes = [kind.tapes[name] for kind in self.kinds]
+            start = np.zeros(self.count + 1, np.int64)
+            start[1:] = np.cumsum([len(tapes[number].tape.uniform) for number in self.kind])
+            rows = np.empty(start[-1])
+            for tape, some in zip(tapes, of_kind, strict=True):
+                width = np.arange(len(tape.tape.uniform))
+                rows[start[some, None] + width] = tape.numbers([given[k] for k in some])
+            found[name] = rows, start
         return found
 
 

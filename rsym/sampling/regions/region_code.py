@@ -16,7 +16,8 @@ from rsym.program.tape import WIDTH
 from rsym.sampling.kernels.form_code import better
 from rsym.sampling.kernels.mesher_code import emit_root_search
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
-from rsym.sampling.regions.regions import MAX, MIN, VECTOR
+from rsym.sampling.regions.region_tapes import VECTOR
+from rsym.sampling.regions.regions import MAX, MIN
 
 AT_ONCE = ROW_VECTORS * LANES  # points
 # Of the tapes: rows, uniform numbers, and arrays of where the own of each begin, how many numbers, where they go.

@@ -27,17 +27,8 @@ from rsym.sampling.kernels.mesher_kernels import median_scales, padded
 from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.regions.leaf_tapes import LeafTapes
 from rsym.sampling.regions.region_code import AT_ONCE, STEP, region_code
-from rsym.sampling.regions.regions import (
-    SIGN,
-    VALUE,
-    VECTOR,
-    Codes,
-    FormTapes,
-    Regions,
-    joined_regions,
-    reduce,
-    whole_form,
-)
+from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes
+from rsym.sampling.regions.regions import SIGN, VALUE, Regions, joined_regions, reduce, whole_form
 
 Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]]  # a call over pieces of a range
 
@@ -93,6 +84,7 @@ class RegionKernels:
         self._codes = {name: self._leaf_codes(name) for name in ("gradient", "enclosure")}
         self._whole = whole_form(form)
         self._cap_letters = [cap_letters(name) for name in form.builder.coordinates]
+        self._last: dict[str, Any] = {}  # of all copies: the letters of the last one, and what follows from them
         self._check()
 
     def _check(self) -> None:
@@ -139,9 +131,12 @@ class RegionKernels:
         for names, ends in zip(self._cap_letters, bounds or [(-np.inf, np.inf)] * 3, strict=True):
             values.update(zip(names, ends, strict=True))
         check_parameters(self.form, values)
-        plain = [values.get(name, 1.0) for name in self.form.builder.letters]
-        self.take((plain, np.ones(len(self.form.leaves))))
-        self.take((plain, median_scales(self, len(self.form.leaves), bounds)))
+        plain = tuple(values.get(name, 1.0) for name in self.form.builder.letters)
+        if self._last.get("letters") != (plain, bounds):
+            self.take((plain, np.ones(len(self.form.leaves))))
+            self.take((plain, median_scales(self, len(self.form.leaves), bounds)))
+            self._last.update(letters=(plain, bounds), made=(self._given, self._numbers, self._code_of_whole))
+        self._given, self._numbers, self._code_of_whole = self._last["made"]
 
     def take(self, given: tuple[Sequence[float], Floats]) -> None:
         """Take the letters of the form and the scales of its leaves as they are."""
@@ -210,7 +205,7 @@ class RegionKernels:
         sizes = np.zeros((count, LANES), np.int64)
         results = np.empty((LANES * int(regions.start[-1]), 3), np.int32)
         own = keep[first:last]
-        made = reduce(0, count, regions.start, regions.entries, bounds, regions.start, LANES, keeps, own, sizes, results)
+        made = reduce(regions.start, regions.entries, bounds, keeps, own, sizes, results)
         return Regions(np.concatenate([[0], np.cumsum(sizes)]), results[:made].copy())
 
     # On the lattice

@@ -45,6 +45,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Ints
+from rsym.sampling.regions.regions import Regions, without_idle
 from rsym.sampling.sharp.crossings import Leaves
 from rsym.sampling.sharp.gates import OPEN, UNRESOLVED, judge, judge_groups, reach
 from rsym.sampling.sharp.loops import loop
@@ -65,8 +66,10 @@ class CellBoxes:
         The number of what they are part of, ascending.
     start, leaf : (n + 1,), (m,)
         Leaves ``leaf[start[k]:start[k + 1]]`` may matter in box k.
+    region : (n,)
+        The number of the region that they lie in.
     skip : (n, words)
-        Bit 2*gate + operand is set where that operand of the gate cannot be the active one.
+        Bit 2*entry + operand is set where that operand of an entry of the region cannot be the active one.
     value, gradient : (2, m), (3, 2, m)
         Bounds of these leaves and of their gradients, once they are known.
     """
@@ -76,6 +79,7 @@ class CellBoxes:
     owner: Ints
     start: Ints
     leaf: NDArray[np.int16]
+    region: Ints
     skip: NDArray[np.uint64]
     value: Floats
     gradient: Floats
@@ -103,6 +107,7 @@ class CellBoxes:
             self.owner[which],
             start,
             self.leaf[some],
+            self.region[which],
             self.skip[which],
             self.value.take(some, axis=1),
             self.gradient.take(some, axis=2),
@@ -119,8 +124,10 @@ class CellBoxes:
         start = _starts(np.repeat(np.diff(self.start), 8))
         leaf = np.empty(start[-1], np.int16)
         _spread(self.start, self.leaf, start, leaf)
-        owner, skip = np.repeat(self.owner, 8), np.repeat(self.skip, 8, axis=0)
-        return CellBoxes(corner, np.repeat(size, 8), owner, start, leaf, skip, *NO_BOUNDS)
+        owner, region = np.repeat(self.owner, 8), np.repeat(self.region, 8)
+        return CellBoxes(
+            corner, np.repeat(size, 8), owner, start, leaf, region, np.repeat(self.skip, 8, axis=0), *NO_BOUNDS
+        )
 
     def renumbered(self) -> CellBoxes:
         """The same boxes, each its own owner."""
@@ -195,11 +202,11 @@ BLOCKS, CELLS = 2048, 2048
 
 @dataclass(frozen=True)
 class Form:
-    """A sign form: the leaves, how many they are, and the table of gates."""
+    """A sign form: the leaves, how many they are, and the region in which everything matters."""
 
     leaves: Leaves
     count: int
-    gates: Ints
+    region: Regions
 
 
 @dataclass(frozen=True)
@@ -235,7 +242,7 @@ def certify(
     form: Form,
     lattice: Floats,
     corner: Ints,
-    skip: NDArray[np.uint64] | None = None,
+    words: Regions | NDArray[np.uint64] | None = None,
     *,
     depth: int = DEPTH,
     pool: Executor | None = None,
@@ -249,49 +256,53 @@ def certify(
         Origin and spacing.
     corner : (3, n)
         First cells of the blocks of 8*8*8 cells.
-    skip : (n, words), optional
-        What is known already: bit 2*gate + operand is set where that operand cannot be the active one.
+    words : Regions or (n, words), optional
+        What matters in the blocks as kernels say it: their regions, or bits 2*gate + operand that are set where that
+        operand cannot be the active one.
     depth : int
         How often a cell is halved.
     pool : Executor, optional
         Threads that share the work; the result does not depend on them.
     """
-    words = max(1, -(-2 * len(form.gates) // 64))
-    known = np.zeros((corner.shape[1], words), np.uint64) if skip is None else skip
+    if words is None:
+        words = np.zeros((corner.shape[1], max(1, -(-2 * len(form.region.entries) // 64))), np.uint64)
     # Least boxes are the unit, so that a corner is a whole number and a coordinate the lattice's own.
     fine = np.concatenate([lattice[:3], lattice[3:] / 2**depth])
 
     def part(first: int) -> Unresolved:
         blocks = slice(first, first + BLOCKS)
-        return _part(form, fine, _blocks(form, corner[:, blocks], known[blocks], depth), depth)
+        some = words[blocks]
+        regions = some if isinstance(some, Regions) else without_idle(form.region, some)
+        return _part(form, regions, fine, _blocks(form, corner[:, blocks], regions, depth), depth)
 
     run = map if pool is None else pool.map
     return joined([_nothing((0,) * 5), *run(part, range(0, corner.shape[1], BLOCKS))])
 
 
-def _blocks(form: Form, corner: Ints, skip: NDArray[np.uint64], depth: int) -> CellBoxes:
+def _blocks(form: Form, corner: Ints, regions: Regions, depth: int) -> CellBoxes:
     count = corner.shape[1]
     reached = np.zeros((count, form.count), np.bool_)
-    reach(form.gates, skip, reached)
+    reach(regions.start, regions.entries, reached)
     start = np.concatenate([[0], np.cumsum(reached.sum(axis=1))])
     leaf = np.nonzero(reached)[1].astype(np.int16)
-    size = np.full(count, 8 << depth)
-    return CellBoxes(corner << depth, size, np.arange(count), start, leaf, skip.copy(), *NO_BOUNDS)
+    skip = np.zeros((count, -(-2 * int(np.diff(regions.start).max(initial=1)) // 64)), np.uint64)
+    numbers = np.arange(count)
+    return CellBoxes(corner << depth, np.full(count, 8 << depth), numbers, start, leaf, numbers, skip, *NO_BOUNDS)
 
 
-def _part(form: Form, fine: Floats, boxes: CellBoxes, depth: int) -> Unresolved:
+def _part(form: Form, regions: Regions, fine: Floats, boxes: CellBoxes, depth: int) -> Unresolved:
     """From blocks to cells, and into those that are not simple."""
     tested = []
     for level in range(4):
         if level:
             boxes = boxes.halved()
         tested.append(len(boxes))
-        boxes = _left(form, fine, boxes, STEEPEST)
+        boxes = _left(form, regions, fine, boxes, STEEPEST)
     parts = [_nothing((*tested, 0))]
     for first, last in _whole_blocks(boxes.owner):
         some = np.zeros(len(boxes), np.bool_)
         some[first:last] = True
-        parts.append(_conflicts(form, fine, boxes.chosen(some, boxes.all_leaves()), depth))
+        parts.append(_conflicts(form, regions, fine, boxes.chosen(some, boxes.all_leaves()), depth))
     return joined(parts)
 
 
@@ -305,15 +316,18 @@ def _whole_blocks(block: Ints) -> Iterator[tuple[int, int]]:
         first = last
 
 
-def _left(form: Form, fine: Floats, boxes: CellBoxes, cosine: float) -> CellBoxes:
+def _left(form: Form, regions: Regions, fine: Floats, boxes: CellBoxes, cosine: float) -> CellBoxes:
     """The boxes that are neither discarded nor simple, the leaves that matter in them, and their gradients."""
     value, gradient = form.leaves.enclose(boxes.leaf, *boxes.ends(fine))
     verdict, kept = np.empty(len(boxes), np.uint8), np.zeros(len(boxes.leaf), np.bool_)
-    judge(form.gates, form.count, boxes.start, boxes.leaf, boxes.skip, value, gradient, cosine, verdict, kept)
+    judge(
+        regions.start, regions.entries, form.count, boxes.region, boxes.start, boxes.leaf, boxes.skip, value, gradient,
+        cosine, verdict, kept,
+    )  # fmt: skip
     return boxes.having(value, gradient).chosen(verdict == OPEN, kept)
 
 
-def _conflicts(form: Form, fine: Floats, boxes: CellBoxes, depth: int) -> Unresolved:
+def _conflicts(form: Form, regions: Regions, fine: Floats, boxes: CellBoxes, depth: int) -> Unresolved:
     """Cells that are split until one direction serves all that is left of each, or surely none, or depth ends."""
     cells, tested = boxes.corner >> depth, 0
     _, block = np.unique(boxes.owner, return_inverse=True)
@@ -324,7 +338,7 @@ def _conflicts(form: Form, fine: Floats, boxes: CellBoxes, depth: int) -> Unreso
         if level:
             halves = boxes.halved()
             tested += len(halves)
-            boxes = _left(form, fine, halves, np.inf)
+            boxes = _left(form, regions, fine, halves, np.inf)
         member, verdict = np.zeros(len(boxes.leaf), np.bool_), np.empty(cells.shape[1], np.uint8)
         ends = np.searchsorted(boxes.owner, np.arange(len(verdict) + 1))
         last = level == depth

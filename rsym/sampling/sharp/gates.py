@@ -1,4 +1,4 @@
-"""What matters in a box: signs of leaves forwards through the gates of a sign form, needs backwards.
+"""What matters in a box: signs of leaves forwards through the gates of a region, needs backwards.
 
 What is needed there is simple if one direction rises on all cones of gradients. The largest smallest cosine that any
 direction has with a set of unit vectors is the distance of the origin from their convex hull, and the nearest point of
@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from rsym.arrays import Ints
-from rsym.logic.sign_form import SignForm
+from rsym.sampling.regions.regions import INFINITE, MAX, MIN
 from rsym.sampling.sharp.loops import loop, step
 
 DISCARDED, SIMPLE, OPEN, UNRESOLVED = 0, 1, 2, 3
@@ -26,42 +25,21 @@ DISCARDED, SIMPLE, OPEN, UNRESOLVED = 0, 1, 2, 3
 TURNS = 12
 
 
-def gate_table(form: SignForm) -> Ints:
-    """The gates as rows (1 for max and 0 for min, first operand, second operand).
-
-    Examples
-    --------
-    >>> import rsym
-    >>> from rsym import x, y, z
-    >>> from rsym.logic.sign_form import surface_form
-    >>> gate_table(surface_form(rsym.Shape(rsym.disjunction(x, y), (x, y, z)))).tolist()
-    [[1, 0, 1]]
-    """
-    rows = [(int(operation == "max"), first, second) for operation, first, second in form.gates]
-    return np.array(rows, np.int64).reshape(-1, 3)
-
-
 @loop
-def reach(gates: Any, skip: Any, reached: Any) -> None:
-    """Mark the leaves, (boxes, leaves), that the form reaches through operands that are not skipped."""
-    leaves = reached.shape[1]
-    need = np.empty(leaves + len(gates), np.bool_)
-    for box in range(len(reached)):
-        need[:] = False
-        need[-1] = True
-        for gate in range(len(gates) - 1, -1, -1):
-            if need[leaves + gate]:
-                for operand in range(2):
-                    if not _skipped(skip, box, 2 * gate + operand):
-                        need[gates[gate, 1 + operand]] = True
-        for leaf in range(leaves):  # a slice would have numba compile the text of an error of shapes: 2 seconds
-            reached[box, leaf] = need[leaf]
+def reach(first: Any, entries: Any, reached: Any) -> None:
+    """Mark the leaves, (regions, leaves), that are entries of regions."""
+    for region in range(len(reached)):
+        for i in range(first[region], first[region + 1]):
+            if entries[i, 0] >= 0:
+                reached[region, entries[i, 0]] = True
 
 
 @loop
 def judge(
-    gates: Any,
+    first: Any,
+    entries: Any,
     leaves: int,
+    region: Any,
     start: Any,
     leaf: Any,
     skip: Any,
@@ -71,25 +49,28 @@ def judge(
     verdict: Any,
     kept: Any,
 ) -> None:
-    """The verdict of each box and which of its leaves matter; skipped operands are noted.
+    """The verdict of each box and which of its leaves matter; skipped operands of entries are noted.
 
     `value` (2, m) and `gradient` (3, 2, m) enclose the leaves; a cosine of 1 or more asks for no direction.
     """
-    state, need = np.zeros(leaves + len(gates), np.int8), np.zeros(leaves + len(gates), np.bool_)
+    size = _most(first)
+    signs, wanted = np.zeros(leaves, np.int8), np.zeros(leaves, np.bool_)
+    state, need = np.zeros(size, np.int8), np.zeros(size, np.bool_)
     most = _most(start)
     chosen, units, members = np.empty(most, np.int64), np.empty((3, 8 * most)), np.empty(TURNS, np.int64)
     for box in range(len(verdict)):
         count = 0
-        first, last = start[box], start[box + 1]
-        if last - first == 1:  # the form is this leaf
-            kept[first] = _sign(value, first) == 0
+        begin, end = start[box], start[box + 1]
+        if end - begin == 1:  # the form is this leaf
+            kept[begin] = _sign(value, begin) == 0
         else:
-            for pair in range(first, last):
-                state[leaf[pair]] = _sign(value, pair)
-            if _is_open(gates, leaves, skip, box, state, need):
-                for pair in range(first, last):
-                    kept[pair] = need[leaf[pair]]
-        for pair in range(first, last):
+            for pair in range(begin, end):
+                signs[leaf[pair]] = _sign(value, pair)
+                wanted[leaf[pair]] = False
+            if _is_open(entries, first[region[box]], first[region[box] + 1], signs, skip, box, state, need, wanted):
+                for pair in range(begin, end):
+                    kept[pair] = wanted[leaf[pair]]
+        for pair in range(begin, end):
             if kept[pair]:
                 chosen[count] = pair
                 count += 1
@@ -101,25 +82,39 @@ def judge(
 
 
 @step
-def _is_open(gates: Any, leaves: int, skip: Any, box: int, state: Any, need: Any) -> bool:
-    """Whether the sign of the form stays open; if so, marks what it needs and notes which operands are skipped."""
-    for gate in range(len(gates)):
-        neutral = -1 if gates[gate, 0] else 1
-        a = neutral if _skipped(skip, box, 2 * gate) else state[gates[gate, 1]]
-        b = neutral if _skipped(skip, box, 2 * gate + 1) else state[gates[gate, 2]]
-        state[leaves + gate] = max(a, b) if gates[gate, 0] else min(a, b)
-    if state[-1] != 0:
+def _is_open(
+    entries: Any, first: int, last: int, signs: Any, skip: Any, box: int, state: Any, need: Any, wanted: Any
+) -> bool:
+    """Whether the sign of a region stays open; if so, marks the leaves it needs and notes which operands are skipped."""
+    count = last - first
+    for i in range(count):
+        what = entries[first + i, 0]
+        if what >= 0:
+            state[i] = signs[what]
+        elif what == MIN or what == MAX:
+            neutral = -1 if what == MAX else 1
+            a = neutral if _skipped(skip, box, 2 * i) else state[entries[first + i, 1]]
+            b = neutral if _skipped(skip, box, 2 * i + 1) else state[entries[first + i, 2]]
+            state[i] = max(a, b) if what == MAX else min(a, b)
+        else:
+            state[i] = 1 if what == INFINITE else -1
+    if state[count - 1] != 0:
         return False
-    need[:] = False
-    need[-1] = True
-    for gate in range(len(gates) - 1, -1, -1):
-        if need[leaves + gate]:
+    for i in range(count):
+        need[i] = i == count - 1
+    for i in range(count - 1, -1, -1):
+        what = entries[first + i, 0]
+        if not need[i]:
+            continue
+        if what >= 0:
+            wanted[what] = True
+        elif what == MIN or what == MAX:
             for operand in range(2):
-                bit = 2 * gate + operand
-                if state[gates[gate, 1 + operand]] != 0:
+                bit = 2 * i + operand
+                if state[entries[first + i, 1 + operand]] != 0:
                     skip[box, bit >> 6] |= np.uint64(1) << np.uint64(bit & 63)
                 elif not _skipped(skip, box, bit):
-                    need[gates[gate, 1 + operand]] = True
+                    need[entries[first + i, 1 + operand]] = True
     return True
 
 

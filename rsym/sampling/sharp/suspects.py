@@ -41,13 +41,13 @@ def suspects(leaves: Leaves, lattice: Floats, unresolved: Unresolved, names: Seq
     >>> from rsym.logic.sign_form import surface_form
     >>> from rsym.sampling.kernels.mesher_kernels import mesher_kernels
     >>> from rsym.sampling.sharp.certificates import Form, certify
-    >>> from rsym.sampling.sharp.gates import gate_table
+    >>> from rsym.sampling.regions.regions import whole_form
     >>> from rsym.sampling.sharp.crossings import CompiledLeaves
     >>> form = surface_form(rsym.Shape(rsym.conjunction(x, 0.02 - x), (x, y, z)))
     >>> kernels = mesher_kernels(form)
     >>> kernels.set({})
     >>> leaves, lattice = CompiledLeaves(kernels), np.array([-0.36, 0, 0, 0.1, 0.1, 0.1])
-    >>> unresolved = certify(Form(leaves, 2, gate_table(form)), lattice, np.zeros((3, 1), np.int64))
+    >>> unresolved = certify(Form(leaves, 2, whole_form(form)), lattice, np.zeros((3, 1), np.int64))
     >>> [wall] = suspects(leaves, lattice, unresolved, ("left", "right"))
     >>> print(wall.kind, wall.names, round(wall.thickness, 3), wall.cells)
     wall ('left', 'right') 0.2 64

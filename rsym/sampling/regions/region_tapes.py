@@ -1,0 +1,166 @@
+"""The tapes of regions: the rows of their leaves and gates, one after the other, as the executor reads them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rsym.arrays import Floats, Ints
+from rsym.backends.tape_code import ROW_VECTORS, VARIES
+from rsym.program.tape import WIDTH, patterns
+from rsym.sampling.kernels.routines import LANES
+from rsym.sampling.regions.leaf_tapes import LeafTapes
+from rsym.sampling.regions.regions import INFINITE, MAX, MIN, Regions
+from rsym.sampling.sharp.loops import loop
+
+VECTOR = 8 * LANES  # bytes
+
+
+@loop
+def measure(
+    first: int, last: int, start: Any, entries: Any, kind: Any, rows: Any, numbers: Any, registers: Any, size: Any
+) -> None:
+    """Of each region how many rows, uniform numbers and registers its tape has (3, regions), behind coordinates."""
+    for region in range(first, last):
+        own, given, scratch = 1, 0, 0
+        for i in range(start[region], start[region + 1]):
+            what = entries[i, 0]
+            if what >= 0:
+                own += rows[kind[what] + 1] - rows[kind[what]]
+                given += numbers[what + 1] - numbers[what]
+                scratch = max(scratch, registers[kind[what]])
+            else:
+                own, given = own + 2, given + 1
+        size[0, region - first], size[1, region - first], size[2, region - first] = own, given, scratch
+
+
+@loop
+def write(
+    first: int,
+    last: int,
+    start: Any,
+    entries: Any,
+    kind: Any,
+    rows: Any,
+    code: Any,
+    numbers: Any,
+    given: Any,
+    ends: Any,
+    coordinates: int,
+    outputs: int,
+    step_bytes: int,
+    gates: Any,
+    begin: Any,
+    target: Any,
+    uniform: Any,
+    registers: Any,
+) -> None:
+    """The tapes of regions: rows to `target` and uniform numbers to `uniform`, from ``begin[:, region - first]`` on."""
+    for region in range(first, last):
+        count = start[region + 1] - start[region]
+        row, number = begin[0, region - first], begin[1, region - first]
+        base = number
+        scratch = coordinates + outputs * count
+        above = step_bytes * registers[region - first]
+        for i in range(count):
+            entry = start[region] + i
+            what = entries[entry, 0]
+            result = coordinates + outputs * i
+            if what >= 0:
+                shape = kind[what]
+                for r in range(rows[shape], rows[shape + 1]):
+                    target[row, 0] = code[r, 0]
+                    for k in range(1, code.shape[1]):
+                        place = code[r, k]
+                        if place < 0:
+                            target[row, k] = above + VECTOR * (number - base + ~place)
+                            continue
+                        if place >= coordinates:
+                            found = scratch + place - coordinates
+                            for j in range(outputs):
+                                if place == ends[shape, j]:
+                                    found = result + j
+                            place = found
+                        target[row, k] = step_bytes * place + (VARIES if k > 1 else 0)
+                    row += 1
+                for k in range(numbers[what], numbers[what + 1]):
+                    uniform[number] = given[k]
+                    number += 1
+                continue
+            for j in range(outputs):
+                for k in range(code.shape[1]):
+                    target[row, k] = 0
+                target[row, 1] = step_bytes * (result + j)
+                if what == MIN or what == MAX:
+                    target[row, 0] = gates[0] if what == MIN else gates[1]
+                    for k in range(2):
+                        target[row, 2 + k] = step_bytes * (coordinates + outputs * entries[entry, 1 + k] + j) + VARIES
+                else:
+                    target[row, 0] = gates[0]
+                    target[row, 2] = target[row, 3] = above + VECTOR * (number - base)
+                row += 1
+            if what != MIN and what != MAX:
+                uniform[number] = np.inf if what == INFINITE else -np.inf
+                number += 1
+        for k in range(code.shape[1]):
+            target[row, k] = 0
+
+
+@dataclass(frozen=True)
+class Codes:
+    """The tapes of regions as the executor reads them.
+
+    `rows` and `uniform` hold all; of tape k `row` and `number` tell where its own begin, `count` how many numbers it
+    has, `above` at which byte of the memory these lie, `result` where the last output lies.
+    """
+
+    rows: NDArray[np.int32]
+    uniform: Floats
+    row: Ints
+    number: Ints
+    count: Ints
+    above: Ints
+    result: Ints
+
+    @property
+    def memory(self) -> int:
+        """The bytes that a thread needs for any of them."""
+        return int((self.above + VECTOR * self.count).max(initial=0))
+
+
+class FormTapes:
+    """The tapes of leaves of one sort, "value" or "box", as parts of those of regions."""
+
+    def __init__(self, tapes: LeafTapes, name: str) -> None:
+        own = [kind.tapes[name].tape for kind in tapes.kinds]
+        self.kind = np.array(tapes.kind)
+        self.rows = np.cumsum([0, *map(len, own)])
+        self.code = np.concatenate([tape.rows[:-1] for tape in own]).astype(np.int64)
+        self.ends = np.array([tape.outputs for tape in own])
+        self.coordinates = 3 if name == "value" else 6
+        self.registers = np.array([tape.registers for tape in own]) - self.coordinates
+        self.step = VECTOR * (ROW_VECTORS if name == "value" else 1)
+        known = [pattern[0] for pattern in patterns()]
+        self.gates = np.array([1 + known.index("min"), 1 + known.index("max")])
+
+    def codes(self, regions: Regions, numbers: tuple[Floats, Ints]) -> Codes:
+        """The tapes of regions, with these uniform numbers of leaves."""
+        count = len(regions)
+        size = np.empty((3, count), np.int64)
+        given, places = numbers
+        measure(0, count, regions.start, regions.entries, self.kind, self.rows, places, self.registers, size)
+        begin = np.zeros((2, count + 1), np.int64)
+        np.cumsum(size[:2], axis=1, out=begin[:, 1:])
+        outputs = self.ends.shape[1]
+        entries = np.diff(regions.start)
+        registers = self.coordinates + outputs * entries + size[2]
+        rows, uniform = np.empty((begin[0, -1], WIDTH), np.int32), np.zeros(begin[1, -1])
+        write(
+            0, count, regions.start, regions.entries, self.kind, self.rows, self.code, places, given, self.ends,
+            self.coordinates, outputs, self.step, self.gates, begin, rows, uniform, registers,
+        )  # fmt: skip
+        result = self.step * (self.coordinates + outputs * entries - 1)
+        return Codes(rows, uniform, begin[0, :-1], begin[1, :-1], size[1], self.step * registers, result)
