@@ -171,9 +171,10 @@ def compile(
         {others}; in space also
         ``principal_curvatures`` (..., 2), the larger first, and ``principal_directions`` (..., 2, 3), orthogonal
         unit tangent vectors. Curvatures are positive where the inside is convex.
-    backend : {"llvm", "numpy"}, optional
-        ``llvm`` where it can be imported, else ``numpy``. Both give the same bits for arithmetic. In sin, cos, exp,
-        log, pow and atan2 they may differ in the last place: those of ``llvm`` are right to 1 ulp, atan2 to 2.
+    backend : {"llvm", "numpy", "tape"}, optional
+        ``llvm`` where it can be imported, else ``numpy``. ``tape`` compiles nothing, for what is asked a few times: it
+        has the bits of ``llvm`` at half its speed. All give the same bits for arithmetic. In sin, cos, exp,
+        log, pow and atan2 ``numpy`` may differ in the last place: those of ``llvm`` are right to 1 ulp, atan2 to 2.
     dtype : {"float64", "float32"}
         Precision of arithmetic, coordinates and results. In float32 the error of a value is a small multiple of
         2**-24 times the largest node of the program at that point: below 1 on the car, 3 as a rule and at most 32

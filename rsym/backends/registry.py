@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from numpy.typing import NDArray
@@ -15,8 +15,11 @@ from rsym.program.program import FLOAT64, Precision, Program
 class CompiledFunction(Protocol):
     """What a backend makes of a program."""
 
-    source: str
     block_size: int
+
+    @property
+    def source(self) -> str:
+        """The generated code."""
 
     def __init__(self, program: Program, precision: Precision = FLOAT64) -> None: ...
 
@@ -39,17 +42,31 @@ def _llvm_function() -> type[CompiledFunction] | None:
     return LlvmFunction
 
 
+def _tape_function() -> type[CompiledFunction] | None:
+    try:
+        from rsym.backends.tape import TapeFunction
+    except (ImportError, OSError):
+        return None
+    return TapeFunction
+
+
+_BACKENDS: dict[str, Callable[[], type[CompiledFunction] | None]] = {
+    "llvm": _llvm_function,
+    "numpy": lambda: NumpyFunction,
+    "tape": _tape_function,
+}
+
+
 def make_function(program: Program, backend: str, precision: Precision) -> CompiledFunction:
     """Compile an expanded program."""
-    if backend == "numpy":
-        return NumpyFunction(program, precision)
-    if backend != "llvm":
-        raise RsymError(f"no backend {backend!r}", code="unknown-backend", remedy="choose 'llvm' or 'numpy'")
-    compiled = _llvm_function()
-    if compiled is None:
+    if backend not in _BACKENDS:
+        choices = ", ".join(map(repr, _BACKENDS))
+        raise RsymError(f"no backend {backend!r}", code="unknown-backend", remedy=f"choose from {choices}")
+    made = _BACKENDS[backend]()
+    if made is None:
         raise RsymError(
-            "the backend 'llvm' needs the package llvmlite, which cannot be imported",
+            f"the backend {backend!r} needs the package llvmlite, which cannot be imported",
             code="missing-package",
             remedy="pip install llvmlite, or backend='numpy'",
         )
-    return compiled(program, precision)
+    return made(program, precision)

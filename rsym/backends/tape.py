@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -111,7 +111,7 @@ class TapeFunction:
         places = np.array([*range(len(program.coordinates)), *self.tape.outputs])
         self._places = self._executor.addresses(places, len(self.tape.uniform)) & ~VARIES
 
-    @property
+    @cached_property
     def source(self) -> str:
         """The tape, readable."""
         return str(self.tape)

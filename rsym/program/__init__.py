@@ -11,5 +11,5 @@ the order of the data:
 - `differentiation`: derivatives, of one side at corners; `normalisation` to the next order
 - `by_letters`: distances of first order, and how they change with a letter
 - `calculus`, with the curvatures, `fields`: what is computed of a shape, where it exists
-- `expansion`: all operations in those that a backend must know
+- `expansion`: all operations in those that a backend must know; `tape`: these as rows of numbers
 """

@@ -7,9 +7,8 @@ no longer needed, so that what a tape works on stays in the nearest memory.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -176,7 +175,8 @@ class _Making:
             return ~uniform.setdefault(number, len(uniform)) if program.uniform[number] else places[number]
 
         rows: list[tuple[int, ...]] = []
-        free, count = [], len(program.coordinates)
+        free: list[int] = []
+        count = len(program.coordinates)
         for number in sorted(chosen):
             pattern, operands = chosen[number]
             row = [place(operand) for operand in operands]

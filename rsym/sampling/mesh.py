@@ -37,6 +37,7 @@ class MeshRequest:
     executor: Executor | None = None
     progress: Progress | None = None
     force: bool = False
+    backend: str | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

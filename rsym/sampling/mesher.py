@@ -22,11 +22,12 @@ from rsym.model.shape import Bounds, Shape
 from rsym.sampling.blanks import where_it_lies
 from rsym.sampling.extent import extent_of
 from rsym.sampling.form_signs import FormBounds, FormSigns
-from rsym.sampling.kernels.mesher_kernels import MesherKernels, mesher_kernels
+from rsym.sampling.kernels.mesher_kernels import MesherKernels, backend_for, mesher_kernels
 from rsym.sampling.lattice import lattice_over, sides_of
 from rsym.sampling.memory import SURE, Budget, TooLarge, free_memory, refusal, scaled
 from rsym.sampling.mesh import Mesh, MeshRequest
 from rsym.sampling.progress import Crew
+from rsym.sampling.regions.region_kernels import region_kernels
 from rsym.sampling.regions.regions import Regions, whole_form
 from rsym.sampling.sharp.assembly import MOST_BLOCKS, USUAL_BYTES, Job, Unfinished, claim_whole, whole
 from rsym.sampling.sharp.certificates import Form, Unresolved, certify, joined
@@ -53,10 +54,11 @@ PACE = 96  # cells along a side of the mesh that tells how long blocks take
 class SharpMesher:
     """What stands behind `rsym.Mesher`; arguments as there."""
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: Shape, backend: str | None = None) -> None:
         self.shape = shape
         self.form = surface_form(shape).capped()
-        self._kernels = mesher_kernels(self.form)
+        by_tapes = backend_for(self.form, backend) == "tape"
+        self._kernels: Any = region_kernels(self.form) if by_tapes else mesher_kernels(self.form)
         self._region = whole_form(self.form)
         self._smooth = np.array([not has_kinks(self.form.builder, leaf) for leaf in self.form.leaves])
 

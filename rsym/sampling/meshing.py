@@ -43,6 +43,7 @@ def mesh(
     executor: Executor | None = None,
     progress: Progress | None = None,
     force: bool = False,
+    backend: str | None = None,
 ) -> Mesh:
     """The surface omega = 0 of a shape in space as triangles, outward orientation.
 
@@ -69,6 +70,8 @@ def mesh(
         of the mesh is kept.
     force : bool
         Whether to go on where the estimate says that there is not memory enough.
+    backend : {"llvm", "tape"}, optional
+        How "sharp" evaluates the shape; see `Mesher`.
 
     Returns
     -------
@@ -101,7 +104,7 @@ def mesh(
     if method not in _METHODS:
         raise RsymError(f"no method {method!r}", code="unknown-method", remedy=f"choose from {', '.join(_METHODS)}")
     check_in_space(shape)
-    result = _METHODS[method](shape, MeshRequest(resolution, bounds, letters, cap, executor, progress, force))
+    result = _METHODS[method](shape, MeshRequest(resolution, bounds, letters, cap, executor, progress, force, backend))
     elapsed = time.perf_counter() - start
     if logger.isEnabledFor(logging.INFO):
         logger.info("mesh in %.2f s: %s", elapsed, result.status)
@@ -122,7 +125,7 @@ def _smoothly(shape: Shape, request: MeshRequest) -> Mesh:
 def _sharply(shape: Shape, request: MeshRequest) -> Mesh:
     """What the mesher of the shape makes of the request; marching cubes where numba is missing."""
     try:
-        mesher = _mesher(shape, shape.parts)
+        mesher = _mesher(shape, shape.parts, request.backend)
     except RsymError as error:
         if error.code != "missing-package":
             raise
@@ -141,11 +144,15 @@ class Mesher:
     ----------
     shape : Shape
         A shape in space.
+    backend : {"llvm", "tape"}, optional
+        ``llvm`` compiles the whole shape: the fastest for small ones. ``tape`` compiles nothing and evaluates at each
+        place what matters there, leaves that are the same but for numbers as one: what a mesh costs hardly grows with
+        the number of parts. By default ``tape`` for shapes of more than 64 operations "and" or "or".
 
     Raises
     ------
     RsymError
-        For a plane shape, or where the package numba is missing.
+        For a plane shape, an unknown backend, or where the package numba is missing.
 
     Examples
     --------
@@ -158,11 +165,11 @@ class Mesher:
     [4.2, 33.5]
     """
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: Shape, *, backend: str | None = None) -> None:
         require_shape(shape)
         check_in_space(shape)
         self.shape = shape
-        self._sharp = _sharp(shape)
+        self._sharp = _sharp(shape, backend)
 
     @property
     def leaves(self) -> tuple[str, ...]:
@@ -188,13 +195,13 @@ class Mesher:
         return self._sharp(MeshRequest(resolution, bounds, letters, cap, executor, progress, force))
 
 
-def _sharp(shape: Shape) -> SharpMesher:
+def _sharp(shape: Shape, backend: str | None) -> SharpMesher:
     try:
         if "rsym.sampling.mesher" not in sys.modules:
             # The compiler takes as long as importing the mesher, and numba above all.
             from rsym.sampling.kernels.mesher_kernels import compile_ahead
 
-            compile_ahead(surface_form(shape).capped())
+            compile_ahead(surface_form(shape).capped(), backend)
         from rsym.sampling.mesher import SharpMesher
     except (ImportError, OSError) as error:  # OSError: the package is there, its library is not
         raise RsymError(
@@ -202,10 +209,10 @@ def _sharp(shape: Shape) -> SharpMesher:
             code="missing-package",
             remedy='pip install numba, or method="smooth"',
         ) from error
-    return SharpMesher(shape)
+    return SharpMesher(shape, backend)
 
 
 @lru_cache(maxsize=4)
-def _mesher(shape: Shape, parts: Any) -> Mesher:
+def _mesher(shape: Shape, parts: Any, backend: str | None) -> Mesher:
     """Kept for sweeps and sliders; parts, which equal shapes may call otherwise, name the leaves."""
-    return Mesher(shape)
+    return Mesher(shape, backend=backend)

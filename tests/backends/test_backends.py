@@ -11,6 +11,7 @@ import pytest
 from rsym.backends.interpreter import interpret, interpret_nodes
 from rsym.backends.llvm_code import LlvmFunction
 from rsym.backends.numpy_backend import NumpyFunction
+from rsym.backends.tape import TapeFunction
 from rsym.program.builder import Builder
 from rsym.program.expansion import expand
 from rsym.program.operations import OPERATIONS, PRIMITIVES
@@ -20,7 +21,7 @@ AWKWARD = [0.0, -0.0, 1.0, -1.0, 0.5, -3.0, 1e-9, -1e-20, 1e-170, 5e-324, 1e20, 
 # The same for float32: squares leave its range in both directions.
 SINGLE = [0.0, -0.0, 1.0, -1.0, 0.5, -3.0, 1e-9, -1e-20, 1e-25, 1e-45, 1e10, -1e20, 3e38, np.inf, -np.inf, np.nan]
 MILD = [0.0, -0.0, 0.25, -2.0, np.nan]
-BACKENDS = {"numpy": NumpyFunction, "llvm": LlvmFunction}
+BACKENDS = {"numpy": NumpyFunction, "llvm": LlvmFunction, "tape": TapeFunction}
 EXACT = {"add", "mul", "div", "neg", "sqrt", "abs", "sign", "min", "max", "select", "undefined", "zero_with"}
 LIBM = {"sin", "cos", "exp", "log", "pow", "atan2", "erf", "softplus"}
 ALPHAS, ORDERS, POWERS = [0, Fraction(1, 2), 1, Fraction(-3, 4)], [1, 2, 3, 6], [2, 4, 6, 3, Fraction(5, 2)]
@@ -154,14 +155,25 @@ def test_a_letter_outside_the_range_of_its_system_gives_nan(operation, outside, 
 
 @pytest.mark.parametrize("precision", PRECISIONS.values(), ids=PRECISIONS)
 @pytest.mark.parametrize("operation", sorted(set(OPERATION_NAMES) - LIBM))
-def test_both_backends_give_the_same_bits_for_arithmetic(operation, precision):
+def test_all_backends_give_the_same_bits_for_arithmetic(operation, precision):
+    same_bits(operation, precision, ["numpy", "llvm", "tape"])
+
+
+@pytest.mark.parametrize("precision", PRECISIONS.values(), ids=PRECISIONS)
+@pytest.mark.parametrize("operation", OPERATION_NAMES)
+def test_tapes_have_the_bits_of_llvm(operation, precision):
+    same_bits(operation, precision, ["llvm", "tape"])
+
+
+def same_bits(operation, precision, backends):
     program, columns = single(operation)
     if precision is FLOAT32:
         columns = in_float32(columns)
-    first, second = (run(backend, program, columns, precision=precision) for backend in BACKENDS)
+    first, *others = (run(backend, program, columns, precision=precision) for backend in backends)
     known, bits = ~np.isnan(first), f"i{precision.dtype.itemsize}"
-    assert np.array_equal(np.isnan(first), np.isnan(second))
-    assert np.array_equal(first[known].view(bits), second[known].view(bits))
+    for other in others:
+        assert np.array_equal(np.isnan(first), np.isnan(other))
+        assert np.array_equal(first[known].view(bits), other[known].view(bits))
 
 
 @pytest.mark.parametrize("precision", PRECISIONS.values(), ids=PRECISIONS)

@@ -60,6 +60,7 @@ DEFERRED = {
 OPTIONAL = {
     "rsym.bounds.balls": "python-flint may be missing",
     "rsym.backends.llvm_code": "llvmlite may be missing",
+    "rsym.backends.tape": "llvmlite may be missing",
     "rsym.sampling.kernels.mesher_kernels": "llvmlite may be missing",
     "rsym.sampling.kernels.ray_kernels": "llvmlite may be missing",
     "rsym.sampling.mesher": "numba may be missing",

@@ -17,11 +17,11 @@ from rsym import x, y, z
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import cap_letters, surface_form
 from rsym.sampling.kernels.mesher_kernels import mesher_kernels
+from rsym.sampling.regions.regions import whole_form
 from rsym.sampling.sharp import certificates
 from rsym.sampling.sharp.certificates import STEEPEST, Form, certify
 from rsym.sampling.sharp.clusters import clusters
 from rsym.sampling.sharp.crossings import CompiledLeaves
-from rsym.sampling.sharp.gates import gate_table
 from rsym.sampling.sharp.signs import find_blocks
 from rsym.sampling.sharp.suspects import suspects
 
@@ -39,7 +39,7 @@ def certified(shape, resolution, *, depth=3):
         letters.update(zip(cap_letters(name), (low, high), strict=True))
     counts = np.ceil((upper - lower) / spacing / 8 + 0.1).astype(int)
     corner = 8 * np.indices(counts).reshape(3, -1)
-    table = Form(LeafKernels(form, letters), len(form.leaves), gate_table(form))
+    table = Form(LeafKernels(form, letters), len(form.leaves), whole_form(form))
     return table, lattice, certify(table, lattice, corner, depth=depth)
 
 
@@ -223,7 +223,7 @@ def compiled(shape, resolution):
     spacing = (upper - lower) / resolution
     lattice = np.concatenate([lower - SHIFT * spacing, spacing])
     blocks = find_blocks(kernels, lattice, (resolution + 1,) * 3)
-    return Form(CompiledLeaves(kernels), len(form.leaves), gate_table(form)), lattice, blocks, kernels
+    return Form(CompiledLeaves(kernels), len(form.leaves), whole_form(form)), lattice, blocks, kernels
 
 
 @pytest.mark.slow

@@ -132,9 +132,7 @@ class MesherKernels:
         run(lambda first, last: self.boxes(first, last, places, keep, skip), count, GRAIN)
         return np.unpackbits(keep, count=count, bitorder="little").view(np.bool_), skip[:, :count].T
 
-    def boxes(
-        self, first: int, last: int, ends: Floats, keep: NDArray[np.uint8], skip: NDArray[np.uint64]
-    ) -> None:
+    def boxes(self, first: int, last: int, ends: Floats, keep: NDArray[np.uint8], skip: NDArray[np.uint64]) -> None:
         """Which boxes may hold a zero (a bit each), which operands of gates do not matter (words, m).
 
         `first` is a multiple of eight, and what lies behind `last` up to the next one is scratch.
@@ -232,7 +230,22 @@ def _revived(form: SignForm, constants: Floats) -> MesherKernels:
     return kernels
 
 
-def compile_ahead(form: SignForm) -> None:
+# Of so many balls the first mesh of 128 cells takes a third of the time by tapes, of 27 as long as by LLVM, whose code
+# is faster then: of 64 balls by a third, of 125 not any more.
+SMALL = 64  # gates
+BACKENDS = ("llvm", "tape")
+
+
+def backend_for(form: SignForm, backend: str | None = None) -> str:
+    """How a form is evaluated: as asked, else what pays."""
+    if backend is None:
+        return "llvm" if len(form.gates) <= SMALL else "tape"
+    if backend not in BACKENDS:
+        raise RsymError(f"no backend {backend!r} meshes", code="unknown-backend", remedy="choose 'llvm' or 'tape'")
+    return backend
+
+
+def compile_ahead(form: SignForm, backend: str | None = None) -> None:
     """Start compiling in a thread of its own; who asks for the kernels of an equal form meanwhile waits for it.
 
     LLVM works without the interpreter's lock, so something else can be imported beside it. The form is the thread's.
@@ -242,7 +255,8 @@ def compile_ahead(form: SignForm) -> None:
         with suppress(RsymError):  # raised again for those who ask
             mesher_kernels(form).load_enclose()
 
-    threading.Thread(target=work, name="rsym-compiler").start()
+    if backend_for(form, backend) == "llvm":
+        threading.Thread(target=work, name="rsym-compiler").start()
 
 
 def median_scales(kernels: OneLeaf, count: int, bounds: Bounds | None) -> Floats:

@@ -15,7 +15,6 @@ import numpy as np
 
 from rsym.arrays import Floats, Ints
 from rsym.backends.tape import UniformNumbers
-from rsym.bounds.interval_arithmetic import neighbours
 from rsym.bounds.intervals import interval_program
 from rsym.logic.sign_form import SignForm
 from rsym.model.symbols import with_operands
@@ -39,7 +38,7 @@ class KindTape(NamedTuple):
 
 
 @dataclass(frozen=True)
-class LeafKind:
+class TapedKind:
     """The formulas of leaves: value and gradient at points, their bounds over boxes; letters are what is lifted.
 
     `points` has the outputs of `leaf_outputs`, each times a scale, its last letter; `bounds` two ends for each.
@@ -63,7 +62,7 @@ class LeafKind:
 
 
 def _scaled(program: Program, names: Sequence[str]) -> Program:
-    """These outputs times a last letter, the scale: what leaves are compared by is the same at points and over boxes."""
+    """These outputs times a last letter, the scale: leaves are compared over boxes as they are at points."""
     numbers, count = dict(program.outputs), len(program.nodes)
     products = [Node("mul", (count, numbers[name])) for name in names]
     nodes = (*program.nodes, Node("input", (), SCALE), *products)
@@ -97,7 +96,7 @@ class LeafTapes:
             self._letters = _OwnLetters(form)
             formulas = LeafFormulas(form)
             points, bounds = formulas.points.program, formulas.bounds.program
-            self.kinds = [LeafKind(points, bounds, tuple(leaf_outputs(k))) for k in range(self.count)]
+            self.kinds = [TapedKind(points, bounds, tuple(leaf_outputs(k))) for k in range(self.count)]
             self.kind = list(range(self.count))
 
     @cached_property
@@ -106,7 +105,6 @@ class LeafTapes:
 
     def numbers(self, letters: Sequence[float], scales: Floats) -> dict[str, tuple[Floats, Ints]]:
         """For each tape the numbers of all leaves, one after the other, and where those of each leaf begin."""
-        found: dict[str, tuple[Floats, Ints]] = {}
         points, ends = self._letters.at(letters, scales), self._letters.ends(letters)
         boxes = [[*own, scale] for own, scale in zip(ends, scales, strict=True)]
         of_kind = [np.flatnonzero(self._kind_of == number) for number in range(len(self.kinds))]
@@ -118,7 +116,7 @@ class LeafTapes:
             rows = np.empty(start[-1])
             for tape, some in zip(tapes, of_kind, strict=True):
                 width = np.arange(len(tape.tape.uniform))
-                rows[start[some, None] + width] = tape.numbers([given[k] for k in some])
+                rows[start[some, None] + width] = tape.numbers([given[k] for k in some.tolist()])
             found[name] = rows, start
         return found
 
@@ -159,20 +157,20 @@ class _LiftedLetters:
         self._bounds = _uniform(expand(interval_program(part)))
         self._places = {int(name): k for k, (name, _) in enumerate(part.outputs)}
 
-    def kinds(self) -> tuple[list[LeafKind], list[int]]:
+    def kinds(self) -> tuple[list[TapedKind], list[int]]:
         """The kinds, and that of each leaf."""
         found: dict[tuple[Node, ...], int] = {}
         kind = [found.setdefault(nodes, len(found)) for nodes, _ in self._leaves]
         return [self._formulas(nodes) for nodes in found], kind
 
-    def _formulas(self, nodes: tuple[Node, ...]) -> LeafKind:
+    def _formulas(self, nodes: tuple[Node, ...]) -> TapedKind:
         letters = tuple(str(node.data) for node in nodes if node.operation == "input")
         lifted = tuple(name for name in letters if name not in self._program.coordinates)
         builder = Builder(self._program.coordinates, lifted)
         for node in nodes:
             builder.make(node.operation, *node.arguments, data=node.data)
         formulas = LeafFormulas(SignForm(builder, (len(nodes) - 1,), ()))
-        return LeafKind(formulas.points.program, formulas.bounds.program, tuple(leaf_outputs(0)))
+        return TapedKind(formulas.points.program, formulas.bounds.program, tuple(leaf_outputs(0)))
 
     def at(self, letters: Sequence[float], scales: Floats) -> Sequence[Sequence[float]]:
         values = self._values(letters)
@@ -181,7 +179,7 @@ class _LiftedLetters:
 
     def ends(self, letters: Sequence[float]) -> Sequence[Sequence[float]]:
         bounds = self._bounds(np.repeat(letters, 2)).reshape(-1, 2)
-        return [bounds[[self._places[number] for number in lifted]].ravel() for _, lifted in self._leaves]
+        return [bounds[[self._places[number] for number in lifted]].ravel().tolist() for _, lifted in self._leaves]
 
 
 def _uniform(program: Program) -> UniformNumbers:

@@ -48,7 +48,9 @@ class TapeRoutine(Routine):
 
     def lattice_points(self, indices: Sequence[Value]) -> list[Value]:
         """The coordinates of places on the lattice."""
-        return [self.element("%lattice", k) + self.element("%lattice", 3 + k) * index for k, index in enumerate(indices)]
+        return [
+            self.element("%lattice", k) + self.element("%lattice", 3 + k) * index for k, index in enumerate(indices)
+        ]
 
 
 STEP = ROW_VECTORS * VECTOR  # bytes from register to register of points
@@ -196,10 +198,10 @@ def active_leaf(r: Routine, region: str, vector: str) -> str:
         values = [entry_value(r, operand, vector) for operand in operands]
         known = [r.place("%names", "i16", r.emit(f"mul i64 {operand}, {LANES}")) for operand in operands]
         names = [r.load(place, 0, SHORTS) for place in known]
-        least, most = (better(operation, *values).name for operation in ("min", "max"))
+        least, most = (better(operation, values[0], values[1]).name for operation in ("min", "max"))
         smaller = r.emit(f"icmp eq i64 {what}, {MIN}")
         take = r.emit(f"select i1 {smaller}, <{LANES} x i1> {least}, <{LANES} x i1> {most}")
-        r.store(r.select(take, *names, SHORTS), own, 0, SHORTS)
+        r.store(r.select(take, names[0], names[1], SHORTS), own, 0, SHORTS)
         r.do(f"br label %on{number}")
         r.start(f"on{number}")
     last = r.emit(f"sub i64 {count}, 1")

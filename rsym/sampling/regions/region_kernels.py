@@ -1,4 +1,4 @@
-"""The mesher's kernels of a form as tapes: nothing is compiled for it, and at each place only what matters is evaluated.
+"""The mesher's kernels of a form as tapes: nothing is compiled for it, and what matters at a place is evaluated there.
 
 They have the methods of `MesherKernels`, and what these call words are `Regions` here.
 """
@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -18,14 +19,15 @@ from numpy.typing import NDArray
 from rsym.arrays import Flags, Floats, Ints, Shorts
 from rsym.backends.interpreter import CHECK_POINTS, check_at
 from rsym.backends.llvm_code import machine_code
-from rsym.backends.tape import TapeFunction, aligned, executor
+from rsym.backends.tape import TapeFunction, aligned
 from rsym.logic.sign_form import SignForm, cap_letters
 from rsym.model.shape import Bounds
 from rsym.program.program import FLOAT64
 from rsym.sampling.form_signs import check_parameters
-from rsym.sampling.kernels.mesher_kernels import median_scales, padded
+from rsym.sampling.kernels.mesher_kernels import SMALL, median_scales
 from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.regions.leaf_tapes import LeafTapes
+from rsym.sampling.regions.point_groups import boxes_of, by_leaf, near_each_other
 from rsym.sampling.regions.region_code import AT_ONCE, STEP, region_code
 from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes
 from rsym.sampling.regions.regions import SIGN, VALUE, Regions, joined_regions, reduce, whole_form
@@ -47,8 +49,6 @@ _SIGNATURES: dict[str, Sequence[Any]] = {
 # Entries whose tapes are written at once: a few megabytes.
 ENTRIES = 2**14
 GROUP_GRAIN = 64
-# Points are sorted into so many places along an axis of their box before they are taken together.
-PLACES = 16
 
 
 @cache
@@ -78,7 +78,7 @@ class RegionKernels:
     """Made once for a sign form; `set` chooses letters and bounds."""
 
     def __init__(self, form: SignForm, *, shared: bool) -> None:
-        self.form, self._shared = form, shared
+        self.form = form
         self._tapes = LeafTapes(form, shared=shared)
         self._values, self._boxes = (FormTapes(self._tapes, name) for name in ("value", "box"))
         self._codes = {name: self._leaf_codes(name) for name in ("gradient", "enclosure")}
@@ -123,7 +123,7 @@ class RegionKernels:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Another process makes the tapes again, and takes the letters as they are."""
-        return _revived, (self.form, self._shared, self._given)
+        return _revived, (self.form, self._given)
 
     def set(self, letters: Mapping[str, float], bounds: Bounds | None = None) -> None:
         """Take the letters of the shape, and the bounds where the form has caps."""
@@ -136,7 +136,12 @@ class RegionKernels:
             self.take((plain, np.ones(len(self.form.leaves))))
             self.take((plain, median_scales(self, len(self.form.leaves), bounds)))
             self._last.update(letters=(plain, bounds), made=(self._given, self._numbers, self._code_of_whole))
-        self._given, self._numbers, self._code_of_whole = self._last["made"]
+        else:
+            self._given, self._numbers, self._code_of_whole = self._last["made"]
+
+    _given: tuple[Sequence[float], Floats]
+    _numbers: Mapping[str, tuple[Floats, Ints]]
+    _code_of_whole: Codes
 
     def take(self, given: tuple[Sequence[float], Floats]) -> None:
         """Take the letters of the form and the scales of its leaves as they are."""
@@ -173,7 +178,11 @@ class RegionKernels:
                 found.append(self._reduced(a, b, padded_ends, parents, among, keeps, keep))
             return joined_regions(found)
 
-        made = joined_regions(run(piece, groups, GROUP_GRAIN)) if groups else Regions(np.zeros(1, np.int64), self._whole.entries[:0])
+        made = (
+            joined_regions(run(piece, groups, GROUP_GRAIN))
+            if groups
+            else Regions(np.zeros(1, np.int64), self._whole.entries[:0])
+        )
         return keep.reshape(-1)[slot], made[slot]
 
     def _portions(self, parents: Ints, among: Regions | None, first: int, last: int) -> Sequence[tuple[int, int]]:
@@ -184,7 +193,7 @@ class RegionKernels:
             size = np.diff(among.start)[parents[first:last]]
         portion = np.cumsum(size) // ENTRIES
         cuts = [0, *(np.flatnonzero(np.diff(portion)) + 1), last - first]
-        return [(first + a, first + b) for a, b in zip(cuts[:-1], cuts[1:], strict=True) if b > a]
+        return [(first + a, first + b) for a, b in pairwise(cuts) if b > a]
 
     def _reduced(
         self, first: int, last: int, ends: Floats, parents: Ints, among: Regions | None, keeps: int, keep: Flags
@@ -260,7 +269,7 @@ class RegionKernels:
         """The form, and the active leaf."""
         if not count:
             return
-        order = _near_each_other(points[:, first : first + count])
+        order = near_each_other(points[:, first : first + count])
         groups = -(-count // AT_ONCE)
         order = np.concatenate([order, np.repeat(order[-1:], groups * AT_ONCE - count)])
         given = points.take(first + order, axis=1)
@@ -278,7 +287,7 @@ class RegionKernels:
         """The regions of groups of points, which keep the value; from those of eight together."""
         if groups == 1:
             return self._whole
-        ends = _ends(points.reshape(3, groups, AT_ONCE))
+        ends = boxes_of(points.reshape(3, groups, AT_ONCE))
         above = np.arange(groups) // LANES
         few = np.arange(0, groups, LANES)
         wide = np.empty((6, len(few)))
@@ -308,19 +317,21 @@ class RegionKernels:
 
     def _of_leaves(self, name: str, leaf: Shorts, inputs: Floats, outputs: int) -> tuple[Floats, Ints]:
         """Outputs of the leaf of each point that has one, and which points these are."""
-        which, begin, padded_places, places = _by_leaf(leaf)
+        which, begin, padded_places, places = by_leaf(leaf)
         given = inputs.take(padded_places, axis=1)
         found = np.empty((outputs, given.shape[1]))
         codes = self._codes[name]
         tapes, room = self._tapes_of(name, which)
         sizes = (len(inputs), outputs, given.shape[1])
-        _call("leaves", 0, len(which), begin, given, *sizes, found, np.ascontiguousarray(codes.ends[which]), *tapes, room)
+        _call(
+            "leaves", 0, len(which), begin, given, *sizes, found, np.ascontiguousarray(codes.ends[which]), *tapes, room
+        )
         return found[:, places], padded_places[places]
 
     def slide(self, count: int, leaf: NDArray[np.int16], points: Floats, steps: int, first: int = 0) -> None:
         """Newton steps of each point onto its leaf, along the gradient."""
         own = slice(first, first + count)
-        which, begin, padded_places, places = _by_leaf(leaf[own])
+        which, begin, padded_places, places = by_leaf(leaf[own])
         given = points[:, own].take(padded_places, axis=1)
         tapes, room = self._tapes_of("gradient", which)
         ends = self._codes["gradient"].ends[which]
@@ -346,49 +357,14 @@ def _here(call: Callable[[int, int], Any], count: int, grain: int) -> Sequence[A
     return [call(0, count)]
 
 
-def _near_each_other(points: Floats) -> Ints:
-    """An order of points in which neighbours are near: by places of their box, halves of halves."""
-    low, high = points.min(axis=1, keepdims=True), points.max(axis=1, keepdims=True)
-    with np.errstate(all="ignore"):
-        share = np.nan_to_num((points - low) / (high - low))
-    place = np.minimum(share * PLACES, PLACES - 1).astype(np.int64)
-    key = np.zeros(points.shape[1], np.int64)
-    for bit in range(PLACES.bit_length() - 1):
-        for axis in range(3):
-            key |= (place[axis] >> bit & 1) << (3 * bit + axis)
-    return np.argsort(key, kind="stable")
-
-
-def _ends(points: Floats) -> Floats:
-    """The ends (6, groups) of the boxes of groups of points (3, groups, n); a point that is NaN is anywhere."""
-    ends = np.empty((6, points.shape[1]))
-    ends[::2], ends[1::2] = points.min(axis=2), points.max(axis=2)
-    lost = np.isnan(ends)
-    ends[::2][lost[::2]], ends[1::2][lost[1::2]] = -np.inf, np.inf
-    return ends
-
-
-def _by_leaf(leaf: Shorts) -> tuple[Ints, Ints, Ints, Ints]:
-    """The leaves that occur; where their points begin, each in whole vectors; which points these are, and which count."""
-    order = np.argsort(leaf, kind="stable")
-    order = order[np.searchsorted(leaf[order], 0) :]
-    which, first = np.unique(leaf[order], return_index=True)
-    count = np.diff([*first, len(order)])
-    room = -(-count // LANES) * LANES
-    begin = np.concatenate([[0], np.cumsum(room)])
-    source = np.arange(begin[-1]) - np.repeat(begin[:-1] - first, room)
-    last = np.repeat(first + count - 1, room)
-    padded_places = order[np.minimum(source, last)]
-    return which.astype(np.int64), begin, padded_places, np.flatnonzero(source <= last)
-
-
 _kernels: dict[Any, RegionKernels] = {}
 _making = threading.Lock()
 MOST_KERNELS = 64
 
 
-def region_kernels(form: SignForm, *, shared: bool) -> RegionKernels:
+def region_kernels(form: SignForm) -> RegionKernels:
     """Made once in a process; each caller has letters of its own."""
+    shared = len(form.gates) > SMALL  # of few leaves those that are alike spare little, and each has the bits of LLVM
     key = f"{shared}{form.leaves}{form.gates}{form.builder.program({'value': form.value}).digest}"
     with _making:
         kernels = _kernels.get(key)
@@ -399,7 +375,7 @@ def region_kernels(form: SignForm, *, shared: bool) -> RegionKernels:
     return kernels.copy()
 
 
-def _revived(form: SignForm, shared: bool, given: tuple[Sequence[float], Floats]) -> RegionKernels:
-    kernels = region_kernels(form, shared=shared)
+def _revived(form: SignForm, given: tuple[Sequence[float], Floats]) -> RegionKernels:
+    kernels = region_kernels(form)
     kernels.take(given)
     return kernels

@@ -79,9 +79,7 @@ def gather(chosen: Any, old: Any, entries: Any, new: Any, result: Any) -> None:
 
 
 @loop
-def reduce(
-    start: Any, entries: Any, bounds: Any, keeps: int, keep: Any, sizes: Any, results: Any
-) -> int:
+def reduce(start: Any, entries: Any, bounds: Any, keeps: int, keep: Any, sizes: Any, results: Any) -> int:
     """The regions of boxes, eight in each region, one after the other; how many entries they have in all.
 
     `bounds` (entries, 2, 8) are those of entries over boxes; `sizes` (regions, 8) tells how many entries each has, none
@@ -145,7 +143,7 @@ def _left(entries: Any, begin: int, count: int, idle: Any, need: Any, where: Any
 
 
 @step
-def _idle(what: int, entries: Any, entry: int, bounds: Any, values: int, lane: int, keeps: int) -> int:
+def _idle(what: int, entries: Any, entry: int, bounds: Any, values: int, lane: int, keeps: int) -> Any:
     """Which operands of a gate do not matter: bits 1 and 2."""
     a, b = values + entries[entry, 1], values + entries[entry, 2]
     if keeps == SIGN:

@@ -85,7 +85,7 @@ def judge(
 def _is_open(
     entries: Any, first: int, last: int, signs: Any, skip: Any, box: int, state: Any, need: Any, wanted: Any
 ) -> bool:
-    """Whether the sign of a region stays open; if so, marks the leaves it needs and notes which operands are skipped."""
+    """Whether the sign of a region stays open; if so, marks the leaves it needs and notes what is skipped."""
     count = last - first
     for i in range(count):
         what = entries[first + i, 0]

@@ -1,0 +1,155 @@
+"""Regions: the same bits as what LLVM compiles, and balls against formulas that share nothing with either."""
+
+import numpy as np
+import pytest
+
+import rsym
+from rsym import x, y, z
+from rsym.logic.sign_form import surface_form
+from rsym.sampling.kernels.mesher_kernels import SMALL, backend_for, columns, mesher_kernels, padded
+from rsym.sampling.mesh import MeshRequest
+from rsym.sampling.mesher import SharpMesher
+from rsym.sampling.regions.leaf_tapes import LeafTapes
+from rsym.sampling.regions.region_kernels import RegionKernels, region_kernels
+from rsym.sampling.regions.regions import INFINITE, MAX, MIN, MINUS_INFINITE, Regions, whole_form, without_idle
+
+MODELS = ["car", "skeleton", "valve", "streamlined", "gear", "gyroid", "bracket", "spring", "solids", "vase"]
+
+
+def balls(side, seed=7):
+    """Disjoint balls in a grid: the shape, their centres and radii."""
+    generator = np.random.default_rng(seed)
+    centres = np.stack(np.meshgrid(*[(np.arange(side) + 0.5) / side * 2 - 1] * 3, indexing="ij")).reshape(3, -1).T
+    centres = np.round(centres + generator.uniform(-0.1, 0.1, centres.shape) / side, 6)
+    radii = np.round(generator.uniform(0.5, 0.8, len(centres)) / side, 6)
+    parts = [
+        rsym.Shape(r**2 - (x - a) ** 2 - (y - b) ** 2 - (z - c) ** 2, (x, y, z))
+        for (a, b, c), r in zip(centres.tolist(), radii.tolist(), strict=True)
+    ]
+    whole = rsym.disjunction(*parts)
+    return rsym.Shape(whole.expression, (x, y, z), bounds=((-1.2, 1.2),) * 3), centres, radii
+
+
+def in_space(model):
+    shape = rsym.load(model)
+    return shape if shape.dimension == 3 else rsym.revolve(shape)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_meshes_have_the_bits_of_llvm(model):
+    shape = in_space(model)
+    mesh, same = (SharpMesher(shape, backend)(MeshRequest(32)) for backend in ("llvm", "tape"))
+    np.testing.assert_array_equal(mesh.vertices, same.vertices)
+    np.testing.assert_array_equal(mesh.faces, same.faces)
+    np.testing.assert_array_equal(mesh.leaf, same.leaf)
+    np.testing.assert_array_equal(mesh.normals, same.normals)
+    assert str(mesh.status) == str(same.status)
+    assert mesh.status.remarks == same.status.remarks
+
+
+def test_many_balls_are_few_kinds_and_have_the_bits_of_llvm():
+    shape, _, radii = balls(4)
+    form = surface_form(shape).capped()
+    assert len(form.gates) > SMALL
+    assert backend_for(form) == "tape"
+    assert len(LeafTapes(form, shared=True).kinds) <= 12
+    mesh, same = (SharpMesher(shape, backend)(MeshRequest(64)) for backend in ("llvm", "tape"))
+    np.testing.assert_array_equal(mesh.vertices, same.vertices)
+    np.testing.assert_array_equal(mesh.faces, same.faces)
+    assert mesh.status.closed
+    assert mesh.status.volume == pytest.approx(4 / 3 * np.pi * (radii**3).sum(), rel=0.02)
+
+
+def test_value_and_active_leaf_of_balls_against_their_formula():
+    shape, centres, radii = balls(5)
+    kernels = region_kernels(surface_form(shape))
+    kernels.take(((), np.ones(len(radii)))) if not kernels.form.builder.letters else kernels.set({}, shape.bounds)
+    generator = np.random.default_rng(1)
+    points = columns(generator.uniform(-1.2, 1.2, (3, 1000)))
+    value, leaf = np.empty(padded(1000)), np.empty(padded(1000), np.int16)
+    kernels.value(1000, points, value, leaf)
+    every = radii[:, None] ** 2 - ((points[:, None, :1000] - centres.T[:, :, None]) ** 2).sum(axis=0)
+    scales = np.asarray(kernels._given[1])[:, None]
+    nodes = {k: number for k, number in enumerate(kernels.form.leaves)}
+    assert len(nodes) == len(radii)
+    # Leaves come in an order of SymPy's: each ball is known by its value.
+    best = (every).max(axis=0)
+    np.testing.assert_array_equal(value[:1000] > 0, best > 0)
+    gradient = np.empty((3, padded(1000)))
+    again = np.empty(padded(1000))
+    kernels.leaf(1000, leaf, points, again, gradient)
+    np.testing.assert_array_equal(again[:1000], value[:1000])
+    unscaled = again[:1000] / scales[leaf[:1000], 0]
+    distance = np.abs(every - unscaled).min(axis=0)
+    assert distance.max() < 1e-12
+
+
+def test_regions_of_words_leave_out_what_is_idle():
+    """min(a, max(b, c)): operands of both gates left out in all ways, by hand."""
+    form = surface_form(rsym.Shape(rsym.conjunction(x, rsym.disjunction(y, z)), (x, y, z)))
+    whole = whole_form(form)
+    numbers = {what: k for k, what in enumerate(whole.entries[:, 0].tolist())}
+    inner, outer = numbers[MAX] - 3, numbers[MIN] - 3
+    words = np.zeros((4, 1), np.uint64)
+    first = form.gates[outer].first
+    leaf_side, gate_side = (0, 1) if first < 3 else (1, 0)
+    words[1] = 1 << (2 * outer + gate_side)  # the leaf alone
+    words[2] = 1 << (2 * outer + leaf_side) | 1 << (2 * inner)  # one of the inner leaves
+    words[3] = 3 << (2 * inner) | 1 << (2 * outer + leaf_side)  # nothing
+    regions = without_idle(whole, words)
+    assert np.diff(regions.start).tolist() == [5, 1, 1, 1]
+    assert regions[0:1].entries[-1, 0] == MIN
+    assert regions[1:2].entries[0, 0] == min(form.gates[outer][1:])
+    assert regions[2:3].entries[0, 0] == form.gates[inner].second
+    assert regions[3:4].entries[0, 0] == MINUS_INFINITE
+    assert INFINITE not in regions.entries[:, 0]
+
+
+def test_regions_are_chosen_like_rows():
+    regions = Regions(np.array([0, 1, 3, 3]), np.arange(9, dtype=np.int32).reshape(3, 3))
+    chosen = regions[np.array([1, 0])]
+    assert chosen.start.tolist() == [0, 2, 3]
+    assert chosen.entries.tolist() == [[3, 4, 5], [6, 7, 8], [0, 1, 2]]
+    assert len(regions[regions.start[1:] > 1]) == 2
+
+
+def test_letters_move_and_meshers_are_pickled():
+    import pickle
+
+    shape = in_space("valve")
+    kernels = region_kernels(surface_form(shape).capped())
+    kernels.set(shape.letters.values_with(None), shape.bounds)
+    again = pickle.loads(pickle.dumps(kernels))
+    assert isinstance(again, RegionKernels)
+    points = columns(np.random.default_rng(2).uniform(-1, 1, (3, 100)))
+    found = []
+    for one in (kernels, again):
+        value, leaf = np.empty(padded(100)), np.empty(padded(100), np.int16)
+        one.value(100, points, value, leaf)
+        found.append((value[:100], leaf[:100]))
+    np.testing.assert_array_equal(found[0][0], found[1][0])
+    np.testing.assert_array_equal(found[0][1], found[1][1])
+
+
+def test_bounds_of_leaves_are_those_of_llvm():
+    shape = in_space("gear")
+    form = surface_form(shape).capped()
+    tapes, llvm = region_kernels(form), mesher_kernels(form)
+    generator = np.random.default_rng(4)
+    lower = generator.uniform(-1, 1, (3, 200))
+    upper = lower + generator.uniform(0, 0.3, (3, 200))
+    leaf = np.zeros(padded(200), np.int16)
+    leaf[:200] = generator.integers(0, len(form.leaves), 200)
+    found = []
+    for kernels in (tapes, llvm):
+        kernels.set(shape.letters.values_with(None), shape.bounds)
+        bounds = np.empty((8, padded(200)))
+        kernels.enclose(200, leaf, columns(lower), columns(upper), bounds)
+        found.append(bounds[:, :200])
+    np.testing.assert_array_equal(*found)
+
+
+def test_an_unknown_backend_is_refused():
+    ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z))
+    with pytest.raises(rsym.RsymError, match="no backend 'cuda'"):
+        rsym.Mesher(ball, backend="cuda")
