@@ -6,7 +6,7 @@ takes `ax=` or a figure and returns its artist.
 files.py, formats.py, units.py, atomic.py          meshes to files: a row per format, lengths, whole or not at all
 interactive.py, viewing.py                         the page that turns; the browser
 exchange.py, dxf.py, models.py, points.py          other packages' meshes; curves; model files, letters; measured points
-looks.py, panels.py, fields.py                     level lines: looks, one panel, what users call, several at once
+looks.py, panels.py, fields.py, sign_pictures.py   level lines: looks, one panel, what users call, several; signs
 shading.py, rasteriser.py, ink.py                  bodies: light and normals, triangles to pixels, lines
 paints.py, parts.py                                what a surface is painted with: a row per map; parts
 axes3d.py, bodies.py, surfaces.py, gallery.py      three-dimensional axes, bodies on them, a mesh, many of them

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colorbar import Colorbar
 from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.image import AxesImage
 from numpy.typing import NDArray
 
 from rsym.backends.kernel import compile
@@ -19,6 +20,7 @@ from rsym.model.shape import Shape
 from rsym.output.looks import PLAIN, Look
 from rsym.output.panels import TITLES, colour_bar, draw_levels, dress
 from rsym.output.pictures import page, require_axes, whole
+from rsym.output.sign_pictures import draw_signs
 from rsym.program.fields import SIX, checked_fields
 from rsym.sampling.blanks import missing_boundary, undefined_picture
 from rsym.sampling.contours import LevelLines, trace
@@ -41,7 +43,7 @@ def plot_field(
     colour_map: str | None = None,
     outside: str | None = None,
     force: bool = False,
-) -> QuadContourSet:
+) -> QuadContourSet | AxesImage:
     r"""Filled level lines of one field, the boundary omega = 0 as a heavy line.
 
     Levels are round and spaced over a robust range, so that a singular spot does not
@@ -54,7 +56,8 @@ def plot_field(
     shape : Shape
         A shape in the plane, or one in space with ``section={z: 1.0}``.
     field : str
-        A scalar field of `compile`.
+        A scalar field of `compile`; or "sign", the inside in one colour: at each place only what matters there is
+        evaluated, and of a shape of thousands of operations that is little.
     ax : matplotlib axes, optional
         Where to draw; without it a new figure with a colour bar is made.
     levels : sequence of float, optional
@@ -75,7 +78,8 @@ def plot_field(
     Returns
     -------
     matplotlib.contour.QuadContourSet
-        The filled contours, fit for a colour bar.
+        The filled contours, fit for a colour bar; of a sign a matplotlib.image.AxesImage, whose array (ny, nx) is 1
+        inside and on the boundary, -1 elsewhere.
 
     Raises
     ------
@@ -98,9 +102,13 @@ def plot_field(
     >>> artist = rsym.plot_field(disc, ax=ax, levels=[-1, 0, 0.5], resolution=32)
     >>> print(ax.get_title(), artist.get_cmap().name)
     $\omega$ RdBu_r
+    >>> rsym.plot_field(disc, "sign", ax=ax, resolution=4).get_array()[2].tolist()
+    [-1, 1, 1, 1, 1, -1]
     """
     require_shape(shape)
     look = Look(levels, limits, colour_map, outside)
+    if field == "sign":
+        return draw_signs(shape, ax, look, title, resolution, bounds, letters, section)
     options: Any = {"resolution": resolution, "bounds": bounds, "letters": letters, "section": section, "force": force}
     sampler = plane_sampler(shape, field, **options)
     omega = sampler if field == "value" else plane_sampler(shape, "value", **options)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from rsym.errors import RsymError, RsymWarning, warn
 from rsym.output.looks import PLAIN, Look
 from rsym.program.calculus import SCALARS, title_of
-from rsym.sampling.plane import PlaneSampler
+from rsym.sampling.plane import PlaneSampler, PlaneView
 
 TITLES = {field: title_of(field) for field in SCALARS}
 
@@ -106,7 +106,7 @@ def colour_bar(artist: QuadContourSet, *axes: Axes, rows: int = 1, place: Axes |
     return bar
 
 
-def dress(ax: Axes, sampler: PlaneSampler, title: str) -> None:
+def dress(ax: Axes, sampler: PlaneSampler | PlaneView, title: str) -> None:
     """Equal scales, the lattice as limits, names of the axes, a title."""
     u, v = sampler.lattice.axis(0), sampler.lattice.axis(1)
     ax.set(

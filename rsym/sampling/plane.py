@@ -97,19 +97,53 @@ def plane_sampler(
     names = [symbol.name for symbol in shape.coordinates]
     fixed = fixed_coordinates(names, section)
     free = _free_coordinates(names, fixed)
-    box = bounds
-    if bounds is None or len(bounds) == len(names):
-        whole = _bounds_of_view(shape, bounds, letters)
-        box = tuple(whole[k] for k in free)
-    flat = Shape(0, [shape.coordinates[k] for k in free], bounds=box)
-    assert flat.bounds is not None
-    lattice = lattice_over(flat.bounds, resolution, math.inf)
+    box, lattice = _lattice_of_view(shape, free, resolution, bounds, letters)
     replace(SAMPLES, memory=held * SAMPLES.memory, time=held * SAMPLES.time).check(
         resolution, lattice.counts, force=force
     )
     program = program_of(shape, ("value", "gradient"), of=field, share=None)
     kernel = compile_program(program, ("value", "gradient"), shape)
-    return PlaneSampler(kernel, lattice, free, fixed, letters, flat.bounds)
+    return PlaneSampler(kernel, lattice, free, fixed, letters, box)
+
+
+@dataclass(frozen=True)
+class PlaneView:
+    """A plane shape, and the lattice on which it is looked at."""
+
+    shape: Shape
+    lattice: Lattice
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """The names of the coordinates."""
+        first, second = (symbol.name for symbol in self.shape.coordinates)
+        return first, second
+
+
+def plane_view(
+    shape: Shape,
+    resolution: Any,
+    bounds: Any = None,
+    letters: Mapping[Any, float] | None = None,
+    section: Mapping[Any, float] | None = None,
+) -> PlaneView:
+    """The shape, or its section, with the lattice that a sampler of it would have; nothing is compiled."""
+    flat, box = plane_section(shape, section, bounds)
+    free = _free_coordinates([symbol.name for symbol in flat.coordinates], {})
+    return PlaneView(flat, _lattice_of_view(flat, free, resolution, box, letters)[1])
+
+
+def _lattice_of_view(
+    shape: Shape, free: tuple[int, int], resolution: Any, bounds: Any, letters: Mapping[Any, float] | None
+) -> tuple[Bounds, Lattice]:
+    """The bounds of the free coordinates, and a lattice over them."""
+    box = bounds
+    if bounds is None or len(bounds) == len(shape.coordinates):
+        whole = _bounds_of_view(shape, bounds, letters)
+        box = tuple(whole[k] for k in free)
+    flat = Shape(0, [shape.coordinates[k] for k in free], bounds=box)
+    assert flat.bounds is not None
+    return flat.bounds, lattice_over(flat.bounds, resolution, math.inf)
 
 
 def _bounds_of_view(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Bounds:

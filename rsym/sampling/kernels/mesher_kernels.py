@@ -130,7 +130,10 @@ class MesherKernels:
         keep = np.empty(places.shape[1] // LANES, np.uint8)
         skip = np.empty((self.words, places.shape[1]), np.uint64)
         run(lambda first, last: self.boxes(first, last, places, keep, skip), count, GRAIN)
-        return np.unpackbits(keep, count=count, bitorder="little").view(np.bool_), skip[:, :count].T
+        words = skip[:, :count].T
+        if among is not None:  # bounds of a part may be wider: what does not matter in the whole is not asked again
+            words |= among[parent]
+        return np.unpackbits(keep, count=count, bitorder="little").view(np.bool_), words
 
     def boxes(self, first: int, last: int, ends: Floats, keep: NDArray[np.uint8], skip: NDArray[np.uint64]) -> None:
         """Which boxes may hold a zero (a bit each), which operands of gates do not matter (words, m).

@@ -30,8 +30,9 @@ from rsym.sampling.regions.leaf_tapes import LeafTapes
 from rsym.sampling.regions.point_groups import boxes_of, by_leaf, near_each_other
 from rsym.sampling.regions.region_code import AT_ONCE, STEP, region_code
 from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes
-from rsym.sampling.regions.regions import SIGN, VALUE, Regions, joined_regions, reduce, whole_form
+from rsym.sampling.regions.regions import KEPT, SIGN, VALUE, Regions, joined_regions, reduce, whole_form
 
+Sides: TypeAlias = NDArray[np.uint8]
 Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]]  # a call over pieces of a range
 
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
@@ -153,11 +154,16 @@ class RegionKernels:
 
     def kept(self, ends: Floats, parent: Ints, among: Regions | None, run: Run) -> tuple[Flags, Regions]:
         """Which boxes with these ends (6, n) may hold a zero, and the regions of all; `parent` ascends in `among`."""
+        sides, regions = self.sides(ends, parent, among, run)
+        return sides == KEPT, regions
+
+    def sides(self, ends: Floats, parent: Ints, among: Regions | None, run: Run) -> tuple[Sides, Regions]:
+        """The same, with OUTSIDE and INSIDE of the others."""
         return self._narrowed(ends, parent, among, SIGN, run)
 
     def _narrowed(
         self, ends: Floats, parent: Ints, among: Regions | None, keeps: int, run: Run
-    ) -> tuple[Flags, Regions]:
+    ) -> tuple[Sides, Regions]:
         """Boxes of one parent are bounded eight at a time."""
         count = ends.shape[1]
         first = np.flatnonzero(np.diff(parent, prepend=-1))
@@ -169,8 +175,8 @@ class RegionKernels:
         padded_ends = np.empty((6, LANES * groups))
         padded_ends.reshape(6, groups, LANES)[:] = ends[:, within % LANES == 0][:, :, None]
         padded_ends[:, slot] = ends
-        keep = np.zeros((groups, LANES), np.bool_)
-        keep.reshape(-1)[slot] = True
+        keep = np.zeros((groups, LANES), np.uint8)
+        keep.reshape(-1)[slot] = KEPT
 
         def piece(first: int, last: int) -> Regions:
             found = []
@@ -196,25 +202,32 @@ class RegionKernels:
         return [(first + a, first + b) for a, b in pairwise(cuts) if b > a]
 
     def _reduced(
-        self, first: int, last: int, ends: Floats, parents: Ints, among: Regions | None, keeps: int, keep: Flags
+        self,
+        first: int,
+        last: int,
+        ends: Floats,
+        parents: Ints,
+        among: Regions | None,
+        keeps: int,
+        keep: NDArray[np.uint8],
     ) -> Regions:
         """The regions of the boxes of some groups."""
         count = last - first
         if among is None:
-            regions, codes = self._whole[np.zeros(count, np.int64)], self._code_of_whole
-            codes = replace(codes, **{n: np.repeat(getattr(codes, n), count) for n in _OF_EACH})
+            regions, codes, own = self._whole[np.zeros(count, np.int64)], self._code_of_whole, np.zeros(count, np.int64)
         else:
             regions = among[parents[first:last]]
-            codes = self._boxes.codes(regions, self._numbers["box"])
+            some, own = np.unique(parents[first:last], return_inverse=True)
+            codes = self._boxes.codes(among[some], self._numbers["box"])
+        codes = replace(codes, **{name: getattr(codes, name)[own] for name in _OF_EACH})
         entries = np.diff(regions.start)
         bounds = np.empty((int(regions.start[-1]), 2, LANES))
-        some = np.ascontiguousarray(ends[:, LANES * first : LANES * last])
+        given = np.ascontiguousarray(ends[:, LANES * first : LANES * last])
         room = aligned(codes.memory)
-        _call("boxes", 0, count, some, some.shape[1], *_tapes(codes, room), regions.start, entries, bounds)
+        _call("boxes", 0, count, given, given.shape[1], *_tapes(codes, room), regions.start, entries, bounds)
         sizes = np.zeros((count, LANES), np.int64)
         results = np.empty((LANES * int(regions.start[-1]), 3), np.int32)
-        own = keep[first:last]
-        made = reduce(regions.start, regions.entries, bounds, keeps, own, sizes, results)
+        made = reduce(regions.start, regions.entries, bounds, keeps, keep[first:last], sizes, results)
         return Regions(np.concatenate([[0], np.cumsum(sizes)]), results[:made].copy())
 
     # On the lattice

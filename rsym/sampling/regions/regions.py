@@ -22,6 +22,7 @@ Entries: TypeAlias = NDArray[np.int32]
 
 MIN, MAX, INFINITE, MINUS_INFINITE = -1, -2, -3, -4
 SIGN, VALUE = 0, 1  # what a region is to keep of the form: its sign, or its value
+OUTSIDE, KEPT, INSIDE = 0, 1, 2  # of a box: the form is negative, may have a zero, is positive
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ def reduce(start: Any, entries: Any, bounds: Any, keeps: int, keep: Any, sizes: 
     """The regions of boxes, eight in each region, one after the other; how many entries they have in all.
 
     `bounds` (entries, 2, 8) are those of entries over boxes; `sizes` (regions, 8) tells how many entries each has, none
-    where the box does not matter: the form has no zero there, or it is not asked for by `keep`.
+    where the form has no zero; `keep`, KEPT where a box is asked for, becomes its sign there.
     """
     most, made = _most(start), 0
     need, where, idle = np.empty(most, np.bool_), np.empty(most, np.int32), np.zeros(most, np.uint8)
@@ -92,9 +93,9 @@ def reduce(start: Any, entries: Any, bounds: Any, keeps: int, keep: Any, sizes: 
         for lane in range(sizes.shape[1]):
             sizes[region, lane] = 0
             root = begin + count - 1
-            if keeps == SIGN and not (bounds[root, 0, lane] <= 0 <= bounds[root, 1, lane]):
-                keep[region, lane] = False
-            if keep[region, lane]:
+            if keeps == SIGN and keep[region, lane] and not bounds[root, 0, lane] <= 0 <= bounds[root, 1, lane]:
+                keep[region, lane] = INSIDE if bounds[root, 0, lane] > 0 else OUTSIDE
+            if keep[region, lane] == KEPT:
                 for i in range(count):
                     what = entries[begin + i, 0]
                     if what == MIN or what == MAX:
