@@ -183,8 +183,8 @@ def conflict(gradient: Any, chosen: Any, count: int, cosine: float, units: Any, 
     first `count` chosen, of boxes that conflict (TURNS at most); `units` (3, 8*count or more) is scratch.
     Zero is proved, up to the rounding of a scalar product, which `cosine` outweighs; a conflict may be an oversight.
     """
-    x, y, z = _middle(gradient, chosen, count, units)
-    if x * x + y * y + z * z > 0 and _serves(gradient, chosen, count, cosine, x, y, z):
+    known, x, y, z = _middle(gradient, chosen, count, units)
+    if known and x * x + y * y + z * z > 0 and _serves(gradient, chosen, count, cosine, x, y, z):
         return 0
     for k in range(count):
         for corner in range(8):
@@ -200,14 +200,14 @@ def conflict(gradient: Any, chosen: Any, count: int, cosine: float, units: Any, 
 
 @step
 def central_conflict(gradient: Any, chosen: Any, count: int, cosine: float, units: Any, members: Any) -> int:
-    """As `conflict`, for the middles of the boxes of gradients only."""
-    _middle(gradient, chosen, count, units)
-    return _nearest(units, count, 1, cosine, members)
+    """As `conflict`, for the middles of the boxes of gradients only; none is found where one has no direction."""
+    known, _, _, _ = _middle(gradient, chosen, count, units)
+    return _nearest(units, count, 1, cosine, members) if known else 0
 
 
 @step
 def _middle(gradient: Any, chosen: Any, count: int, units: Any) -> Any:
-    """The sum of the directions of the middles, zero if one has none; the directions go to `units`."""
+    """Whether all middles have directions, and their sum; the directions go to `units`."""
     x = y = z = 0.0
     for k in range(count):
         pair = chosen[k]
@@ -216,10 +216,10 @@ def _middle(gradient: Any, chosen: Any, count: int, units: Any) -> Any:
         c = gradient[2, 0, pair] + gradient[2, 1, pair]
         size = np.sqrt(a * a + b * b + c * c)
         if not 0 < size < np.inf:
-            return 0.0, 0.0, 0.0
+            return False, 0.0, 0.0, 0.0
         units[0, k], units[1, k], units[2, k] = a / size, b / size, c / size
         x, y, z = x + units[0, k], y + units[1, k], z + units[2, k]
-    return x, y, z
+    return True, x, y, z
 
 
 @step
