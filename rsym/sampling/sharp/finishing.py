@@ -126,6 +126,8 @@ RINGS = 3
 # One does it where leaves are planes; curved ones take two or three.
 ROUNDS = 6
 PULLS = 3
+# Quads of a patch, up to which handing its loops to threads takes longer than they do.
+ALONE = 16384
 # Steps of half again their length halve what is missing across a patch of eight vertices, and between two copies of a
 # corner, where it counts, they leave nothing. What else is missing is made good by rounds.
 FURTHER, SWEEPS = 1.5, 80
@@ -172,9 +174,9 @@ class _Patch:
         lattice: Floats,
         pool: Executor | None,
     ) -> None:
-        self.kernels, self.lattice, self.pool = kernels, lattice, pool
         near, inner = adjacency.around(folded, RINGS)
         self.quads = quads = adjacency.around(near, 1)[0]  # all that the neighbours meet
+        self.kernels, self.lattice, self.pool = kernels, lattice, pool if len(quads) > ALONE else None
         self.ids, local = np.unique(faces.reshape(-1, 6)[quads], return_inverse=True)
         self.faces = np.ascontiguousarray(local.reshape(-1, 3), np.int32)
         self.points, self.leaf = np.zeros((3, padded(len(self.ids)))), np.ascontiguousarray(leaf[quads])
@@ -202,8 +204,7 @@ class _Patch:
             if len(which):
                 self._move(which, self.meets[which], _harmonic(which, tail[follows], head[follows], count, self.points))
             turn_diagonals(self.kernels, np.ones(len(self.quads), np.uint8), self.points, self.faces, self.pool)
-            self._keep_better()
-            if not self.fewest.any():
+            if not self._keep_better() or not self.fewest.any():
                 break
 
     def pull(self, to_corners: bool) -> None:
@@ -235,9 +236,8 @@ class _Patch:
     def _move(self, which: Ints, meets: Flags, start: Floats) -> Ints:
         """Onto their leaves from where they start; those that end there, not far from where they were."""
         leaves = np.full((3, len(which)), -1, np.int16)
-        for row, vertex_meets in enumerate(meets):
-            own = self.names[vertex_meets]
-            leaves[: len(own), row] = own
+        row, own = np.nonzero(meets)
+        leaves[np.arange(len(row)) - np.searchsorted(row, row), row] = self.names[own]
         moved = solve(self.kernels, leaves, start, self.lattice, self.pool)
         near = (np.abs(moved - self.points[:, which]) < RINGS * self.lattice[3:].max()).all(axis=0)
         good: Flags = near & on_surface(off_surface(self.kernels, moved, self.lattice, self.pool), self.lattice)
@@ -245,7 +245,8 @@ class _Patch:
         done: Ints = which[good]
         return done
 
-    def _keep_better(self) -> None:
+    def _keep_better(self) -> bool:
+        """Keep the clusters that have fewer folds than ever; whether one has."""
         folds = self._count(self._folds())
         better = folds < self.fewest
         self.fewest[better] = folds[better]
@@ -254,6 +255,7 @@ class _Patch:
         points[:, : len(self.ids)][:, of_vertex] = self.points[:, : len(self.ids)][:, of_vertex]
         faces[of_vertex[faces[:, 0]]] = self.faces[of_vertex[faces[:, 0]]]
         self.best = points, faces
+        return bool(better.any())
 
     def _count(self, folds: Flags) -> Ints:
         return np.bincount(self.cluster[self.faces[::2, 0]][folds], minlength=self.cluster.max() + 1)
