@@ -265,7 +265,9 @@ class _Patch:
         count = len(self.leaf)
         middles, gradients = np.zeros((3, padded(count))), np.zeros((3, padded(count)))
         which = np.full(padded(count), -1, np.int16)
-        middles[:, :count] = self.points[:, self.faces.reshape(-1, 6)].mean(axis=2)
+        for column in self.faces.reshape(-1, 6).T:
+            middles[:, :count] += self.points[:, column]
+        middles /= 6
         which[:count] = self.leaf
         evaluate(self.kernels, which, middles, np.empty(padded(count)), gradients, count, self.pool)
         return find_flaws(self.faces, self.points, gradients, self.lattice, self.pool) & FOLDED > 0
@@ -289,24 +291,30 @@ def _harmonic(which: Ints, vertex: Ints, neighbour: Ints, count: Ints, points: F
     chosen = np.flatnonzero(count[vertex] >= 2)
     order = chosen[np.argsort(vertex[chosen], kind="stable")]
     start = np.concatenate([[0], np.cumsum(count[which])])
-    places = points.copy()
-    _sweep(which, start, np.ascontiguousarray(neighbour[order]), places)
-    return places[:, which]
+    places = np.ascontiguousarray(points.T)
+    _sweep(which, start, np.ascontiguousarray(neighbour[order]), float(np.spacing(np.abs(points).max())), places)
+    return places[which].T
 
 
 @loop
-def _sweep(which: Ints, start: Ints, neighbour: Any, points: Floats) -> None:
+def _sweep(which: Ints, start: Ints, neighbour: Any, rounding: float, points: Floats) -> None:
     """Successive over-relaxation: one vertex after the other to the middle of its neighbours, and beyond."""
-    rounding = np.spacing(np.abs(points).max())
     for _ in range(SWEEPS):
         moved = 0.0
         for w in range(len(which)):
-            for axis in range(3):
-                middle = 0.0
-                for at in range(start[w], start[w + 1]):
-                    middle += points[axis, neighbour[at]]
-                step = FURTHER * (middle / (start[w + 1] - start[w]) - points[axis, which[w]])
-                moved = max(moved, abs(step))
-                points[axis, which[w]] += step
+            v, many = which[w], start[w + 1] - start[w]
+            x = y = z = 0.0
+            for at in range(start[w], start[w + 1]):
+                u = neighbour[at]
+                x += points[u, 0]
+                y += points[u, 1]
+                z += points[u, 2]
+            x = FURTHER * (x / many - points[v, 0])
+            y = FURTHER * (y / many - points[v, 1])
+            z = FURTHER * (z / many - points[v, 2])
+            moved = max(moved, abs(x), abs(y), abs(z))
+            points[v, 0] += x
+            points[v, 1] += y
+            points[v, 2] += z
         if moved <= rounding:
             break
