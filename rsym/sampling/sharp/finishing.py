@@ -212,9 +212,10 @@ class _Patch:
         tail, head = self.faces[:, [0, 1, 2, 1, 2, 0]].ravel(), self.faces[:, [1, 2, 0, 0, 1, 2]].ravel()
         folded = np.zeros(len(self.ids), np.bool_)
         folded[self.faces.reshape(-1, 6)[self._folds()]] = True
-        good = folded[tail] & self.movable[tail] & (self.several[tail] == 1 + to_corners)
-        good &= (self.several[head] > 2) if to_corners else (self.several[head] == 2)
-        good &= (self.meets[tail] <= self.meets[head]).all(axis=1)
+        good = (folded & self.movable & (self.several == 1 + to_corners))[tail]
+        good &= ((self.several > 2) if to_corners else (self.several == 2))[head]
+        tail, head = tail[good], head[good]
+        good = (self.meets[tail] <= self.meets[head]).all(axis=1)
         tail, head = tail[good], head[good]
         order = np.lexsort((np.linalg.norm(self.points[:, tail] - self.points[:, head], axis=0), tail))
         which, first = np.unique(tail[order], return_index=True)
