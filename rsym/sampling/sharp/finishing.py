@@ -177,8 +177,11 @@ class _Patch:
         near, inner = adjacency.around(folded, RINGS)
         self.quads = quads = adjacency.around(near, 1)[0]  # all that the neighbours meet
         self.kernels, self.lattice, self.pool = kernels, lattice, pool if len(quads) > ALONE else None
-        self.ids, local = np.unique(faces.reshape(-1, 6)[quads], return_inverse=True)
-        self.faces = np.ascontiguousarray(local.reshape(-1, 3), np.int32)
+        own, number = faces.reshape(-1, 6)[quads], np.zeros(points.shape[1], np.int32)
+        number[own] = 1
+        self.ids = np.flatnonzero(number)
+        number[self.ids] = np.arange(len(self.ids))
+        self.faces = number[own].reshape(-1, 3)
         self.points, self.leaf = np.zeros((3, padded(len(self.ids)))), np.ascontiguousarray(leaf[quads])
         self.points[:, : len(self.ids)] = points[:, self.ids]
         self.names, self.codes = np.unique(self.leaf, return_inverse=True)

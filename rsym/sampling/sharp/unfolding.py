@@ -105,6 +105,7 @@ class _Region:
     ) -> None:
         self.kernels, self.lattice, self.pool = kernels, lattice, pool
         self.leaf: list[int] = leaf.tolist()
+        self.folded, self.turned = np.zeros(len(leaf), np.bool_), np.zeros(len(leaf))
         self.ids, local = np.unique(faces, return_inverse=True)
         self.corners: dict[int, Corners] = {
             face: _turn((a, b, c)) for face, (a, b, c) in enumerate(local.reshape(-1, 3).tolist())
@@ -121,27 +122,29 @@ class _Region:
         self._contractions: dict[int, list[tuple[Change, bool]]] = {}
         self._moves: dict[tuple[int, bool], list[Change]] = {}
         self._gains: dict[Change, tuple[int, int, float, float]] = {}
-        self._known: dict[tuple[Corners, int], tuple[bool, float]] = {}
-        self._judge((corners, self.leaf[face]) for face, corners in self.corners.items())
+        self._judge(list(self.corners))
 
     def improve(self, keep: bool) -> bool:
         """Take the best of the steps that do not meet; whether there was any. `keep`: no vertex leaves its edge."""
-        folded = [face for face, corners in self.corners.items() if self._known[corners, self.leaf[face]][0]]
+        folded = [face for face in np.flatnonzero(self.folded).tolist() if face in self.corners]
         edges = dict.fromkeys(edge for face in folded for edge in _edges(self.corners[face]))
         ends = list(dict.fromkeys(chain.from_iterable(edges)))
         steps = [*self._turned(edges), *self._contracted(ends, keep), *self._moved(ends, keep)]
-        self._judge(chain.from_iterable(self._after(step) for step in steps if step not in self._gains))
+        self._weigh([step for step in dict.fromkeys(steps) if step not in self._gains])
         ranked = []
         for step in steps:
-            folds, fewer, area, less = self._gain(step)
+            folds, fewer, area, less = self._gains[step]
             even = not keep and fewer == folds > 0 and less < LESS * area
             if even or (fewer < folds and less < area):
                 ranked.append((fewer - folds, less - area, step))
         touched: set[int] = set()
+        changed: list[int] = []
         for _, _, step in sorted(ranked):
             if touched.isdisjoint(step.faces):
                 touched.update(*(self.at[corner] for face in step.faces for corner in self.corners[face]))
                 self._take(step)
+                changed += step.faces[: len(step.corners)]
+        self._judge(changed)
         self._gains = {step: gain for step, gain in self._gains.items() if touched.isdisjoint(step.faces)}
         return bool(touched)
 
@@ -251,26 +254,30 @@ class _Region:
             self._rings.pop(v, None)
             self._seams.pop(v, None)
 
-    def _judge(self, triangles: Iterable[tuple[Corners, int]]) -> None:
-        new = [triangle for triangle in dict.fromkeys(triangles) if triangle not in self._known]
-        if new:
-            corners = self.points[np.array([corners for corners, _ in new])]
-            leaf = np.array([leaf for _, leaf in new], np.int16)
-            folded, turned = facing_inwards(CompiledLeaves(self.kernels), corners, leaf)
-            self._known.update(zip(new, zip(folded.tolist(), turned.tolist(), strict=True), strict=True))
+    def _judge(self, faces: list[int]) -> None:
+        """Which of some faces are folded, and how far they turn away."""
+        if faces:
+            self.folded[faces], self.turned[faces] = self._judged([self.corners[face] for face in faces], faces)
 
-    def _after(self, step: Change) -> Iterator[tuple[Corners, int]]:
-        return ((corners, self.leaf[face]) for face, corners in zip(step.faces, step.corners, strict=False))
+    def _judged(self, corners: list[Corners], faces: list[int]) -> tuple[Flags, Floats]:
+        leaf = np.array([self.leaf[face] for face in faces], np.int16)
+        return facing_inwards(CompiledLeaves(self.kernels), self.points[np.array(corners)], leaf)
 
-    def _gain(self, step: Change) -> tuple[int, int, float, float]:
-        """The folds before a step and after it, then what turns away before and after."""
-        if step not in self._gains:
-            before = [self._known[self.corners[face], self.leaf[face]] for face in step.faces]
-            after = [self._known[triangle] for triangle in self._after(step)]
-            folds, fewer = (sum(folded for folded, _ in known) for known in (before, after))
-            area, less = (sum(turned for _, turned in known) for known in (before, after))
-            self._gains[step] = folds, fewer, area, less
-        return self._gains[step]
+    def _weigh(self, steps: list[Change]) -> None:
+        """The folds before each step and after it, then what turns away before and after."""
+        if not steps:
+            return
+        corners = list(chain.from_iterable(step.corners for step in steps))
+        folded, turned = self._judged(
+            corners, list(chain.from_iterable(step.faces[: len(step.corners)] for step in steps))
+        )
+        after = np.repeat(np.arange(len(steps)), [len(step.corners) for step in steps])
+        before = np.repeat(np.arange(len(steps)), [len(step.faces) for step in steps])
+        faces = list(chain.from_iterable(step.faces for step in steps))
+        folds, area = np.bincount(before, self.folded[faces]), np.bincount(before, self.turned[faces])
+        fewer, less = np.bincount(after, folded, len(steps)), np.bincount(after, turned, len(steps))
+        sums = (folds.astype(int).tolist(), fewer.astype(int).tolist(), area.tolist(), less.tolist())
+        self._gains.update(zip(steps, zip(*sums, strict=True), strict=True))
 
     def _beside(self, u: int, v: int) -> tuple[int, int]:
         """The face that has the half-edge from u to v, and the one that has its reverse; -1 where there is none."""
@@ -301,8 +308,8 @@ class _Region:
         return np.asarray(self.points[sorted(vertices)].mean(axis=0))
 
     def _with(self, face: int, v: int, u: int) -> Corners:
-        a, b, c = (u if corner == v else corner for corner in self.corners[face])
-        return _turn((a, b, c))
+        a, b, c = self.corners[face]
+        return _turn((u if a == v else a, u if b == v else b, u if c == v else c))
 
 
 def _turn(corners: Corners) -> Corners:
