@@ -55,10 +55,10 @@ def unfold(
     around = np.zeros(len(faces), np.bool_)
     around[folded] = True
     for _ in range(RINGS):
-        _mark_faces(faces, _corners(faces, around, len(vertices)), around)
+        _mark_faces(faces, _corners(faces, around, np.zeros(len(vertices), np.bool_)), around)
     near, remain = np.flatnonzero(around), ~around
     region = _Region(kernels, vertices, faces[near], leaf[near], lattice, pool)
-    beyond = _corners(faces, remain, len(vertices))
+    beyond = _corners(faces, remain, np.zeros(len(vertices), np.bool_))
     region.free -= {corner for corner, fixed in enumerate(beyond[region.ids].tolist()) if fixed}
     while region.improve(keep=True) or region.improve(keep=False):
         pass
@@ -70,21 +70,18 @@ def unfold(
     return remain
 
 
-@loop
-def _corners(faces: Faces, which: Flags, vertices: int) -> Any:
-    """Which vertices some faces have."""
-    held = np.zeros(vertices, np.bool_)
-    for f in range(len(faces)):
-        if which[f]:
-            held[faces[f, 0]] = held[faces[f, 1]] = held[faces[f, 2]] = True
+def _corners(faces: Faces, which: Flags, held: Flags) -> Flags:
+    """Mark which vertices some faces have."""
+    held[faces[which]] = True
     return held
 
 
 @loop
 def _mark_faces(faces: Faces, held: Flags, which: Flags) -> None:
-    """Which faces have some vertices."""
+    """Mark which faces have some vertices."""
     for f in range(len(faces)):
-        which[f] |= held[faces[f, 0]] | held[faces[f, 1]] | held[faces[f, 2]]
+        if held[faces[f, 0]] or held[faces[f, 1]] or held[faces[f, 2]]:
+            which[f] = True
 
 
 class _Region:
