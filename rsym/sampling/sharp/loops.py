@@ -37,7 +37,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 R = TypeVar("R")
 
 logger = logging.getLogger(__name__)
-NOTICE = "compiling the mesher's loops, once on this machine: about ten seconds"
+NOTICE = "compiling the mesher's loops, once on this machine: some eight seconds"
 HOW = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}  # no C code calls a loop: a tenth of the time
 KIND = "loops"
 
