@@ -82,7 +82,7 @@ class ShortCompiler(CompilerBase):
 
 
 def loop(function: F) -> F:
-    """Compile a loop that Python calls: without the interpreter's lock, kept in the user's cache folder."""
+    """Compile a loop that only Python calls: without the interpreter's lock, kept in the user's cache folder."""
     compiled = njit(pipeline_class=ShortCompiler, **HOW)(function)
     # The one place numba offers for a cache of one's own; its environment variables would move the user's caches too.
     compiled._cache = LoopCache(function)
@@ -158,7 +158,7 @@ class LoopCache:
             keep_entry(KIND, self._entry(signature, compiled.codegen), dumps(compiled._reduce()))
 
     def _entry(self, signature: Any, codegen: Any) -> str:
-        machine = (numba.__version__, sys.version, *codegen.magic_tuple())
+        machine = (numba.__version__, sys.version, HOW, [one.__name__ for one in PASSES], *codegen.magic_tuple())
         digest = hashlib.sha256(repr((machine, str(signature), *_content(self._function, set()))).encode())
         return f"{self._function.__name__}-{digest.hexdigest()[:32]}"
 
