@@ -64,7 +64,7 @@ PASSES = (
 )
 
 
-class ShortCompiler(CompilerBase):
+class ShortCompiler(CompilerBase):  # type: ignore[misc]
     """numba's compiler, by the passes that loops need."""
 
     def define_pipelines(self) -> list[PassManager]:
