@@ -125,6 +125,9 @@ def _edited(
 RINGS = 3
 # One does it where leaves are planes; curved ones take two or three.
 ROUNDS = 6
+# Rounds in a row that make no cluster better, before the rest are given up: 129 of 131 flawed meshes of the models stay
+# what they were, and the two others come closer to their volumes. With one, a fold more is left on a car.
+PATIENCE = 2
 PULLS = 3
 # Quads of a patch, up to which handing its loops to threads takes longer than they do.
 ALONE = 16384
@@ -198,6 +201,7 @@ class _Patch:
 
         Those on a seam of leaves have neighbours along it; corners stay.
         """
+        waited = 0
         for _ in range(ROUNDS):
             tail, head = self.faces.ravel(), self.faces[:, [1, 2, 0]].ravel()
             seam = _seams(self.faces, np.repeat(self.codes, 2))
@@ -207,7 +211,8 @@ class _Patch:
             if len(which):
                 self._move(which, self.meets[which], _harmonic(which, tail[follows], head[follows], count, self.points))
             turn_diagonals(self.kernels, np.ones(len(self.quads), np.uint8), self.points, self.faces, self.pool)
-            if not self._keep_better() or not self.fewest.any():
+            waited = 0 if self._keep_better() else waited + 1
+            if waited == PATIENCE or not self.fewest.any():
                 break
 
     def pull(self, to_corners: bool) -> None:

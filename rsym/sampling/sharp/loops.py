@@ -8,7 +8,6 @@ compiled again because a file has moved.
 
 from __future__ import annotations
 
-import gc
 import hashlib
 import io
 import logging
@@ -38,6 +37,7 @@ from numba.core.untyped_passes import FixupArgs, GenericRewrites, IRProcessing, 
 from numba.extending import intrinsic
 
 from rsym.backends.caches import cache_folder, keep_entry, read_entry
+from rsym.garbage import uncollected
 
 F = TypeVar("F", bound=Callable[..., Any])
 R = TypeVar("R")
@@ -77,14 +77,8 @@ class ShortCompiler(CompilerBase):  # type: ignore[misc]
         return [passes]
 
     def _compile_core(self) -> Any:
-        # It makes millions of small objects, and to look for garbage among them takes another tenth of the time.
-        collects = gc.isenabled()
-        gc.disable()
-        try:
+        with uncollected():
             return super()._compile_core()
-        finally:
-            if collects:
-                gc.enable()
 
 
 def loop(function: F) -> F:
