@@ -15,9 +15,4 @@ from rsym.garbage import uncollected
 logging.getLogger("rsym").addHandler(logging.NullHandler())
 
 _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-
-
-def __getattr__(name: str) -> object:
-    """Import what a name stands for, when it is first asked for."""
-    with uncollected():
-        return _load(name)
+__getattr__ = uncollected()(_load)
