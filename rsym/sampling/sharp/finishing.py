@@ -192,9 +192,11 @@ class _Patch:
         self.meets[self.faces.ravel(), np.repeat(self.codes, 6)] = True
         self.several = self.meets.sum(axis=1)
         self.movable = (inner[self.ids] > 0) & (self.several <= 2)
-        self.cluster = components(self.faces[:, [0, 1]].ravel(), self.faces[:, [1, 2]].ravel(), len(self.ids))
+        corners = self.faces.reshape(-1, 6)[:, [0, 1, 2, 5]]
+        self.cluster = components(corners[:, :3].ravel(), corners[:, 1:].ravel(), len(self.ids))
         self.best = self.points.copy(), self.faces.copy()
-        self.fewest = self._count(self._folds()) + 1
+        self.folded = self._folds()
+        self.fewest = self._count(self.folded) + 1
 
     def relax(self) -> None:
         """Vertices to the middles of their neighbours and back onto their leaves, until no fold is left or it is late.
@@ -219,7 +221,7 @@ class _Patch:
         """The vertices of folded triangles to the nearest seam beside them, or those on seams to the nearest corner."""
         tail, head = self.faces[:, [0, 1, 2, 1, 2, 0]].ravel(), self.faces[:, [1, 2, 0, 0, 1, 2]].ravel()
         folded = np.zeros(len(self.ids), np.bool_)
-        folded[self.faces.reshape(-1, 6)[self._folds()]] = True
+        folded[self.faces.reshape(-1, 6)[self.folded]] = True
         good = (folded & self.movable & (self.several == 1 + to_corners))[tail]
         good &= ((self.several > 2) if to_corners else (self.several == 2))[head]
         tail, head = tail[good], head[good]
@@ -256,7 +258,8 @@ class _Patch:
 
     def _keep_better(self) -> bool:
         """Keep the clusters that have fewer folds than ever; whether one has."""
-        folds = self._count(self._folds())
+        self.folded = self._folds()
+        folds = self._count(self.folded)
         better = folds < self.fewest
         self.fewest[better] = folds[better]
         of_vertex = better[self.cluster]
