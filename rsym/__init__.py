@@ -9,7 +9,10 @@ import logging
 
 import lazy_loader
 
+from rsym.garbage import uncollected
+
 # A library is silent until a program that uses it asks for its log.
 logging.getLogger("rsym").addHandler(logging.NullHandler())
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__ = uncollected()(_load)

@@ -17,5 +17,8 @@ reproduction.py              every figure to a file, on two processes
 
 from lazy_loader import attach_stub
 
+from rsym.garbage import uncollected
+
 # A model is read in a tenth of the time that the figures take to import.
-__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)
+_load, __dir__, __all__ = attach_stub(__name__, __file__)
+__getattr__ = uncollected()(_load)

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from rsym.errors import RsymError, warn
+from rsym.garbage import uncollected
 from rsym.logic.sign_form import surface_form
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
@@ -169,7 +170,8 @@ class Mesher:
         require_shape(shape)
         check_in_space(shape)
         self.shape = shape
-        self._sharp = _sharp(shape, backend)
+        with uncollected():
+            self._sharp = _sharp(shape, backend)
 
     @property
     def leaves(self) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """Loops over triangles, each linear in their number: how they hang together, and what they look like.
 
-Half-edge 3*f + k runs from corner k of face f to the next corner. Faces are (m, 3) int32.
+Half-edge 3*f + k runs from corner k of face f to the next corner. Faces are (m, 3) int32. What a loop fills is made
+before it: in compiled loops each kind of array that they make takes a tenth of a second to compile.
 """
 
 from __future__ import annotations
@@ -38,30 +39,36 @@ def following(h: int) -> int:
     return h - 2 if h % 3 == 2 else h + 1
 
 
-@loop
 def pair(faces: Any, count: int) -> tuple[Any, int, int, int]:
     """The mate of each half-edge, -1 where it has not exactly one; edges, boundary edges and repeated ones.
 
     Half-edges are put into a bucket for the lower of their ends; inside a bucket the other end tells them apart.
     """
-    start = np.zeros(count + 2, np.int32)
-    for f in range(len(faces)):
-        for k in range(3):
-            start[min(faces[f, k], faces[f, k - 2]) + 2] += 1
-    for v in range(count):
-        start[v + 2] += start[v + 1]
+    start, mates = np.zeros(count + 2, np.int32), np.full(faces.size, -1, np.int32)
     # The half-edge and its other end, which is ~end if the half-edge runs down to v.
     bucket, ends = np.empty(faces.size, np.int32), np.empty(faces.size, np.int32)
+    many, last = np.zeros((count, 2), np.int32), np.zeros((count, 2), np.int32)
+    edges, boundary, repeated = _pair(faces, start, bucket, ends, many, last, mates)
+    return mates, int(edges), int(boundary), int(repeated)
+
+
+@loop
+def _pair(faces: Any, start: Any, bucket: Any, ends: Any, many: Any, last: Any, mates: Any) -> tuple[int, int, int]:
     for f in range(len(faces)):
         for k in range(3):
             a, b = faces[f, k], faces[f, k - 2]
-            place = start[min(a, b) + 1]
-            start[min(a, b) + 1] += 1
+            start[(a if a <= b else b) + 2] += 1
+    for v in range(len(many)):
+        start[v + 2] += start[v + 1]
+    for f in range(len(faces)):
+        for k in range(3):
+            a, b = faces[f, k], faces[f, k - 2]
+            low = (a if a <= b else b) + 1
+            place = start[low]
+            start[low] += 1
             bucket[place], ends[place] = 3 * f + k, b if a <= b else ~a
-    mates = np.full(faces.size, -1, np.int32)
-    many, last = np.zeros((count, 2), np.int32), np.zeros((count, 2), np.int32)
     edges, boundary, repeated = 0, 0, 0
-    for v in range(count):
+    for v in range(len(many)):
         for i in range(start[v], start[v + 1]):
             down = ends[i] < 0
             end = ~ends[i] if down else ends[i]
@@ -78,14 +85,18 @@ def pair(faces: Any, count: int) -> tuple[Any, int, int, int]:
             repeated += (up > 1) + (down > 1)
             if up == 1 and down == 1:
                 mates[last[end, 0]], mates[last[end, 1]] = last[end, 1], last[end, 0]
-    return mates, edges, boundary, repeated
+    return edges, boundary, repeated
+
+
+def pieces(faces: Any, count: int) -> Any:
+    """The number of the piece of each vertex, in the order of their first vertices; -1 for vertices of no face."""
+    label = np.full(count, -1, np.int32)
+    _pieces(faces, np.arange(count, dtype=np.int32), np.zeros(count, np.bool_), label)
+    return label
 
 
 @loop
-def pieces(faces: Any, count: int) -> Any:
-    """The number of the piece of each vertex, in the order of their first vertices; -1 for vertices of no face."""
-    root = np.arange(count).astype(np.int32)
-    used = np.zeros(count, np.bool_)
+def _pieces(faces: Any, root: Any, used: Any, label: Any) -> None:
     for f in range(len(faces)):
         used[faces[f, 0]] = used[faces[f, 1]] = used[faces[f, 2]] = True
         for k in range(1, 3):
@@ -99,28 +110,33 @@ def pieces(faces: Any, count: int) -> Any:
                 root[b] = root[root[b]]
                 b = root[b]
             # The lower vertex leads, so a root comes before all that it leads.
-            root[max(a, b)] = min(a, b)
-    label, found = np.full(count, -1, np.int32), 0
-    for v in range(count):
+            if a < b:
+                root[b] = a
+            else:
+                root[a] = b
+    found = 0
+    for v in range(len(root)):
         if used[v] and root[v] == v:
             label[v] = found
             found += 1
         elif used[v]:
             label[v] = label[root[v]]
-    return label
+
+
+def pinched(faces: Any, mates: Any, count: int) -> int:
+    """The number of vertices whose faces are not one fan: where bodies touch in a point."""
+    faces_at, first = np.zeros(count, np.int32), np.full(count, -1, np.int32)
+    return int(_pinched(faces.ravel(), mates, faces_at, first))
 
 
 @loop
-def pinched(faces: Any, mates: Any, count: int) -> int:
-    """The number of vertices whose faces are not one fan: where bodies touch in a point."""
-    flat = faces.ravel()
-    faces_at, first = np.zeros(count, np.int32), np.full(count, -1, np.int32)
+def _pinched(flat: Any, mates: Any, faces_at: Any, first: Any) -> int:
     for h in range(len(flat)):
         faces_at[flat[h]] += 1
         if first[flat[h]] < 0 or mates[h] < 0:
             first[flat[h]] = h
     found = 0
-    for v in range(count):
+    for v in range(len(first)):
         if first[v] < 0:
             continue
         h, turned = first[v], 0
@@ -143,17 +159,21 @@ def back_to_back(mates: Any) -> bool:
     return False
 
 
-@loop
 def loops(faces: Any, mates: Any) -> tuple[Any, Any]:
     """The half-edges without a mate, chained head to tail, and where in that list each closed chain begins.
 
     At the head of each one the faces are turned through until the next without a mate; that map is one to one.
     """
-    free = 0
-    for h in range(len(mates)):
-        free += mates[h] < 0
-    chain, begins = np.empty(free, np.int32), np.empty(free + 1, np.int32)
-    done = np.zeros(len(mates), np.bool_)
+    free = int((mates < 0).sum())
+    chain, begins = np.empty(free, np.int32), np.zeros(free + 1, np.int32)
+    if not free:  # a closed surface needs nothing compiled
+        return chain, begins
+    chains = _chained(mates, np.zeros(len(mates), np.bool_), chain, begins)
+    return chain, begins[: chains + 1]
+
+
+@loop
+def _chained(mates: Any, done: Any, chain: Any, begins: Any) -> int:
     n, chains = 0, 0
     for first in range(len(mates)):
         if mates[first] >= 0 or done[first]:
@@ -169,45 +189,53 @@ def loops(faces: Any, mates: Any) -> tuple[Any, Any]:
             while mates[h] >= 0:
                 h = following(mates[h])
     begins[chains] = n
-    return chain, begins[: chains + 1]
+    return chains
 
 
-@loop
 def middles(vertices: Any, faces: Any) -> Any:
     """The centroid of each triangle."""
     middle = np.empty((len(faces), 3))
-    for f in range(len(faces)):
-        for k in range(3):
-            middle[f, k] = (vertices[faces[f, 0], k] + vertices[faces[f, 1], k] + vertices[faces[f, 2], k]) / 3
+    _middles(vertices, faces, middle)
     return middle
 
 
 @loop
+def _middles(vertices: Any, faces: Any, middle: Any) -> None:
+    for f in range(len(faces)):
+        for k in range(3):
+            middle[f, k] = (vertices[faces[f, 0], k] + vertices[faces[f, 1], k] + vertices[faces[f, 2], k]) / 3
+
+
 def shapes(vertices: Any, faces: Any) -> tuple[Any, float, int, int, Any]:
     """Sums of (a - middle) . n and of |n|, the smallest angle and its vertex, flat triangles, and the normals n.
 
     The normal n = (b - a) x (c - a) is twice as long as the triangle is large. The smallest angle lies opposite
     the shortest side, and its tangent is |n| over the scalar product of the other two sides.
     """
-    middle = np.zeros(3)
+    sums, normals = np.zeros(2), np.empty((len(faces), 3))
+    least, where, flat = _shapes(vertices, faces, sums, normals)
+    return sums, math.atan(least), int(where), int(flat), normals
+
+
+@loop
+def _shapes(vertices: Any, faces: Any, sums: Any, normals: Any) -> tuple[float, int, int]:
+    x = y = z = 0.0
     for v in range(len(vertices)):
-        for k in range(3):
-            middle[k] += vertices[v, k]
-    middle /= len(vertices)
-    normals = np.empty((len(faces), 3))
-    sums, run = np.zeros(2), np.zeros(2)
+        x += vertices[v, 0]
+        y += vertices[v, 1]
+        z += vertices[v, 2]
+    x, y, z = x / len(vertices), y / len(vertices), z / len(vertices)
+    volume = area = 0.0
     least, where, flat = np.inf, 0, 0
     for f in range(len(faces)):
-        a, b, c = faces[f]
+        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
         ux, uy, uz = vertices[b, 0] - vertices[a, 0], vertices[b, 1] - vertices[a, 1], vertices[b, 2] - vertices[a, 2]
         vx, vy, vz = vertices[c, 0] - vertices[a, 0], vertices[c, 1] - vertices[a, 1], vertices[c, 2] - vertices[a, 2]
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         normals[f, 0], normals[f, 1], normals[f, 2] = nx, ny, nz
         length = math.sqrt(nx * nx + ny * ny + nz * nz)
-        run[0] += (
-            (vertices[a, 0] - middle[0]) * nx + (vertices[a, 1] - middle[1]) * ny + (vertices[a, 2] - middle[2]) * nz
-        )
-        run[1] += length
+        volume += (vertices[a, 0] - x) * nx + (vertices[a, 1] - y) * ny + (vertices[a, 2] - z) * nz
+        area += length
         uu, vv, uv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz, ux * vx + uy * vy + uz * vz
         opposite = uu + vv - 2 * uv
         if opposite <= uu and opposite <= vv:
@@ -216,14 +244,17 @@ def shapes(vertices: Any, faces: Any) -> tuple[Any, float, int, int, Any]:
             corner, across = c, vv - uv
         else:
             corner, across = b, uu - uv
-        flat += length <= FLAT * max(uu, vv, opposite)
+        flat += length <= FLAT * uu or length <= FLAT * vv or length <= FLAT * opposite
         tangent = length / across if across > 0 else 0.0
         if tangent < least:
             least, where = tangent, corner
         if f % RUN == RUN - 1:
-            sums += run
-            run[:] = 0
-    return sums + run, math.atan(least), where, flat, normals
+            sums[0] += volume
+            sums[1] += area
+            volume = area = 0.0
+    sums[0] += volume
+    sums[1] += area
+    return least, where, flat
 
 
 @loop

@@ -1,5 +1,6 @@
 """Compiled loops in the user's cache folder, and the threads that run them."""
 
+import gc
 import logging
 import os
 import stat
@@ -62,6 +63,25 @@ def test_other_types_and_other_parts_are_other_entries(folder, monkeypatch):
     monkeypatch.setitem(globals(), "double", step(lambda a: 4 * a))
     assert run() == (140, 0)
     assert len(list(folder.iterdir())) == 4
+
+
+def test_how_a_loop_is_compiled_is_part_of_its_name(folder, monkeypatch):
+    run()
+    monkeypatch.setitem(loops.HOW, "error_model", "python")
+    assert run() == (42, 0)
+    assert len(list(folder.iterdir())) == 2
+
+
+def test_compiling_leaves_the_search_for_garbage_as_it_was(folder):
+    assert gc.isenabled()
+    run()
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        run((1.0, 2.0))
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
 
 
 @pytest.mark.random

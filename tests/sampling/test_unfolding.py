@@ -4,9 +4,11 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from oracles.closeness import assert_close
 
 import rsym
-from rsym.sampling.sharp import finishing
+from rsym.sampling.sharp import finishing, unfolding
+from rsym.sampling.sharp.faces import Adjacency, facing_inwards
 
 pytestmark = pytest.mark.filterwarnings("ignore::rsym.RsymWarning")
 
@@ -66,3 +68,56 @@ def test_a_mesh_without_folds_keeps_its_bits(monkeypatch):
     as_it_was = rsym.mesh(car, 160)
     assert np.array_equal(mended.vertices, as_it_was.vertices)
     assert np.array_equal(mended.faces, as_it_was.faces)
+
+
+def test_what_is_kept_around_vertices_is_what_would_be_found_anew(monkeypatch):
+    car = rsym.paper.car()
+    kept = rsym.Mesher(car)(64)
+    forget = unfolding._Region._forget
+
+    def forget_all(region, vertices):
+        forget(region, vertices)
+        for memory in (region._rings, region._seams, region._contractions, region._moves, region._gains):
+            memory.clear()
+
+    monkeypatch.setattr(unfolding._Region, "_forget", forget_all)
+    anew = rsym.Mesher(car)(64)
+    assert np.array_equal(kept.vertices, anew.vertices)
+    assert np.array_equal(kept.faces, anew.faces)
+
+
+class Flat:
+    """Leaves whose gradient is the same everywhere."""
+
+    def __init__(self, gradient):
+        self.gradient = np.array(gradient, float)
+
+    def evaluate(self, leaf, points):
+        return points[0], np.repeat(self.gradient[:, None], points.shape[1], axis=1)
+
+
+def test_triangles_face_inwards_where_their_normal_runs_along_the_gradient():
+    generator = np.random.default_rng(3)
+    corners = generator.normal(size=(200, 3, 3))
+    corners[:20, 2] = (corners[:20, 0] + corners[:20, 1]) / 2
+    gradient = np.array([0.3, -2.0, 1.0])
+    folded, turned = facing_inwards(Flat(gradient), corners, np.zeros(200, np.int16))
+    for triangle, inwards, away in zip(corners, folded, turned, strict=True):
+        normal = np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])
+        outwards = -normal @ gradient / np.linalg.norm(gradient)
+        assert inwards == (outwards < 0 or np.linalg.norm(normal) < 1e-9)
+        assert_close(away, np.linalg.norm(normal) - outwards, rtol=1e-12, atol=1e-12)
+
+
+def test_rings_of_quads_are_those_that_share_vertices():
+    generator = np.random.default_rng(4)
+    quads = [generator.choice(60, 4, replace=False).tolist() for _ in range(40)]
+    faces = np.array([[q[k] for k in corners] for q in quads for corners in ((0, 1, 2), (0, 2, 3))], np.int32)
+    for rings in (1, 2):
+        found, inner = Adjacency(faces, 60).around(np.array([7]), rings)
+        near = {7}
+        for _ in range(rings):
+            vertices = {v for q in near for v in quads[q]}
+            near = {q for q in range(40) if vertices & set(quads[q])}
+        assert found.tolist() == sorted(near)
+        assert set(np.flatnonzero(inner).tolist()) == vertices

@@ -93,7 +93,7 @@ class CellBoxes:
         Neighbours share their faces to the last bit.
         """
         lower, upper = np.empty((3, len(self.leaf))), np.empty((3, len(self.leaf)))
-        _place(lattice, self.corner, self.size, self.start, lower, upper)
+        _place(lattice, np.ascontiguousarray(self.corner), self.size, self.start, lower, upper)
         return lower, upper
 
     def chosen(self, which: Flags, kept: Flags) -> CellBoxes:

@@ -98,8 +98,9 @@ def solve(kernels: MesherKernels, leaves: Shorts, start: Floats, lattice: Floats
     points, ids = columns(start), np.full((3, padded(count)), -1, np.int16)
     ids[:, :count] = leaves
     values, gradients = np.zeros((3, points.shape[1])), np.zeros((3, *points.shape))
+    rows = np.flatnonzero((leaves >= 0).any(axis=1)).tolist()
     for _ in range(STEPS):
-        for row in range(3):
+        for row in rows:
             evaluate(kernels, ids[row], points, values[row], gradients[row], count, pool)
         in_threads(lambda a, b: newton_step(a, b, ids, values, gradients, lattice, points), count, GRAIN, pool)
     return points[:, :count]

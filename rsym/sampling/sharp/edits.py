@@ -14,7 +14,8 @@ Source: A. Gueziec, G. Taubin, F. Lazarus and B. Horn, IEEE Trans. Vis. Comput. 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
+from itertools import chain
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -86,7 +87,8 @@ class _Soup:
 
     def join(self) -> bool:
         """Let the vertices at the ends of edges without length be one, and drop what has no extent; whether any is."""
-        tail, head = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
+        faces = self.faces
+        tail, head = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
         apart = np.abs(self.points[:, tail] - self.points[:, head]).max(axis=0)
         short = np.flatnonzero((apart <= self.no_length) & self.inner[tail] & self.inner[head])
         if not len(short):
@@ -104,14 +106,12 @@ class _Soup:
 
     def cut(self) -> bool:
         """Drop each triangle without area, and cut the one across its long side at the middle one of its corners."""
-        flat = self.numbers[is_flat(self.points, self.faces)].tolist()
+        faces = self.faces
+        flat = self.numbers[is_flat(self.points, faces)].tolist()
         if not flat:
             return False
         long = {face: max(_turns(self.corners[face]), key=self._length) for face in flat}
-        across: dict[Edge, list[int]] = defaultdict(list)
-        for face, corners in self.corners.items():
-            for edge in _edges(corners):
-                across[edge].append(face)
+        across = self._across(faces, [(b, a) for a, b, _ in long.values()])
         touched: set[int] = set()
         for face, (a, b, c) in long.items():
             for other in across[b, a]:
@@ -122,6 +122,16 @@ class _Soup:
                     self._cut(face, other, (a, b, c))
         self._cancel()
         return bool(touched)
+
+    def _across(self, faces: Faces, edges: list[Edge]) -> dict[Edge, list[int]]:
+        """The triangles that have some directed edges."""
+        size = int(faces.max()) + 1
+        half = np.flatnonzero(np.isin(_keys(faces, size), [a * size + b for a, b in edges]))
+        tail, head = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+        found: dict[Edge, list[int]] = defaultdict(list)
+        for a, b, face in zip(tail[half].tolist(), head[half].tolist(), self.numbers[half // 3].tolist(), strict=True):
+            found[a, b].append(face)
+        return found
 
     def _cut(self, face: int, other: int, corners: Corners) -> None:
         a, b, c = corners
@@ -141,7 +151,7 @@ class _Soup:
     @property
     def faces(self) -> Faces:
         """The triangles that are left."""
-        return np.array(list(self.corners.values()), np.int32).reshape(-1, 3)
+        return np.fromiter(chain.from_iterable(self.corners.values()), np.int32, 3 * len(self.corners)).reshape(-1, 3)
 
     def _put(self, face: int, corners: Corners) -> None:
         """A triangle with two equal corners is none."""
@@ -176,9 +186,9 @@ def _turns(corners: Corners) -> Iterable[Corners]:
     return (a, b, c), (b, c, a), (c, a, b)
 
 
-def _edges(corners: Corners) -> Iterator[Edge]:
-    a, b, c = corners
-    yield from ((a, b), (b, c), (c, a))
+def _keys(faces: Faces, size: int) -> Ints:
+    """A number for each directed edge, that of half-edge 3*face + k, where vertices are below `size`."""
+    return (faces.astype(np.int64) * size + np.roll(faces, -1, axis=1)).ravel()
 
 
 class Stitched(NamedTuple):
@@ -195,6 +205,8 @@ def stitch(faces: Faces, points: Floats, inner: Any) -> Stitched:
         return Stitched(faces, np.empty(0, np.int64), points[:, :0])
     mates = _mates(faces, points)
     apart, copied = _fans(faces, mates, inner, points.shape[1])
+    if len(np.unique(_keys(apart, int(apart.max()) + 1))) == apart.size:  # no two edges join the same vertices
+        return Stitched(apart, np.arange(len(apart)), points[:, copied])
     middles = _Middles(apart.tolist(), mates.tolist(), points.shape[1] + len(copied))
     middles.insert()
     count = points.shape[1]

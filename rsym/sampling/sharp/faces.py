@@ -218,13 +218,14 @@ def _inspect(
 
 def facing_inwards(leaves: CompiledLeaves, corners: Floats, leaf: NDArray[np.int16]) -> tuple[Flags, Floats]:
     """Which triangles (n, 3, 3) face inwards or have no area, and how far each turns away from its leaf."""
-    a, b, c = corners.transpose(1, 0, 2)
-    normal = np.cross(b - a, c - a)
-    _, gradient = leaves.evaluate(leaf, (a + b + c).T / 3)
+    a, b, c = np.ascontiguousarray(corners.transpose(1, 2, 0))
+    u, v = b - a, c - a
+    normal = np.stack([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])
+    _, gradient = leaves.evaluate(leaf, (a + b + c) / 3)
     with np.errstate(all="ignore"):
-        along = -np.einsum("ij,ji->i", normal, gradient) / np.linalg.norm(gradient, axis=0)
-    size = np.linalg.norm(normal, axis=1)
-    longest = np.maximum.reduce([((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))])
+        along = -(normal * gradient).sum(axis=0) / np.sqrt((gradient * gradient).sum(axis=0))
+    size = np.sqrt((normal * normal).sum(axis=0))
+    longest = np.maximum.reduce([((p - q) ** 2).sum(axis=0) for p, q in ((a, b), (b, c), (c, a))])
     return (along < 0) | (size <= FLATNESS * longest), size - np.nan_to_num(along)
 
 
@@ -240,11 +241,13 @@ class Adjacency:
         """The quads within some rings around others, and marks for the vertices all of whose quads are among them."""
         inner = np.zeros(len(self._start) - 2, np.uint8)
         for _ in range(rings):
-            vertices = np.unique(self._faces.reshape(-1, 6)[quads])
-            inner[vertices] = 1
+            inner[self._faces.reshape(-1, 6)[quads]] = 1
+            vertices = np.flatnonzero(inner)
             count = self._start[vertices + 1] - self._start[vertices]
             place = np.arange(count.sum()) + np.repeat(self._start[vertices] - np.cumsum(count) + count, count)
-            quads = np.unique(self._quads[place]).astype(np.int64)
+            near = np.zeros(len(self._faces) // 2, np.bool_)
+            near[self._quads[place]] = True
+            quads = np.flatnonzero(near)
         return quads, inner
 
 

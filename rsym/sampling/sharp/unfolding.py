@@ -14,7 +14,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Executor
 from itertools import chain
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,41 +55,41 @@ def unfold(
     around = np.zeros(len(faces), np.bool_)
     around[folded] = True
     for _ in range(RINGS):
-        _mark_faces(faces, _corners(faces, around, len(vertices)), around)
+        _mark_faces(faces, _corners(faces, around, np.zeros(len(vertices), np.bool_)), around)
     near, remain = np.flatnonzero(around), ~around
     region = _Region(kernels, vertices, faces[near], leaf[near], lattice, pool)
-    beyond = _corners(faces, remain, len(vertices))
-    region.free -= {corner for corner in region.at if beyond[corner]}
+    beyond = _corners(faces, remain, np.zeros(len(vertices), np.bool_))
+    region.free -= {corner for corner, fixed in enumerate(beyond[region.ids].tolist()) if fixed}
     while region.improve(keep=True) or region.improve(keep=False):
         pass
-    for face, number in enumerate(near.tolist()):
-        if face in region.corners:
-            faces[number] = [region.home[corner] for corner in region.corners[face]]
-            remain[number] = True
-    for corner in region.at:
-        vertices[region.home[corner]] = region.points[corner]
+    home = region.ids[np.array(region.home)]
+    kept = near[list(region.corners)]
+    faces[kept], remain[kept] = home[np.array(list(region.corners.values())).reshape(-1, 3)], True
+    used = list(region.at)
+    vertices[home[used]] = region.points[used]
     return remain
 
 
-@loop
-def _corners(faces: Faces, which: Flags, vertices: int) -> Any:
-    """Which vertices some faces have."""
-    held = np.zeros(vertices, np.bool_)
-    for f in range(len(faces)):
-        if which[f]:
-            held[faces[f, 0]] = held[faces[f, 1]] = held[faces[f, 2]] = True
+def _corners(faces: Faces, which: Flags, held: Flags) -> Flags:
+    """Mark which vertices some faces have."""
+    held[faces[which]] = True
     return held
 
 
 @loop
 def _mark_faces(faces: Faces, held: Flags, which: Flags) -> None:
-    """Which faces have some vertices."""
+    """Mark which faces have some vertices."""
     for f in range(len(faces)):
-        which[f] |= held[faces[f, 0]] | held[faces[f, 1]] | held[faces[f, 2]]
+        if held[faces[f, 0]] or held[faces[f, 1]] or held[faces[f, 2]]:
+            which[f] = True
 
 
 class _Region:
-    """Triangles around folds: `corners` of each face, the faces `at` each vertex; a vertex that moves is a new one."""
+    """Triangles around folds: `corners` of each face, the faces `at` each vertex; a vertex that moves is a new one.
+
+    Vertices are numbered here, in the order of their `ids` in the mesh; a new one has the `home` of the one it was.
+    What was found around a vertex is kept until faces there change.
+    """
 
     def __init__(
         self,
@@ -102,36 +102,47 @@ class _Region:
     ) -> None:
         self.kernels, self.lattice, self.pool = kernels, lattice, pool
         self.leaf: list[int] = leaf.tolist()
-        self.corners: dict[int, Corners] = {face: _turn((a, b, c)) for face, (a, b, c) in enumerate(faces.tolist())}
+        self.folded, self.turned = np.zeros(len(leaf), np.bool_), np.zeros(len(leaf))
+        self.ids, local = np.unique(faces, return_inverse=True)
+        self.corners: dict[int, Corners] = {
+            face: _turn((a, b, c)) for face, (a, b, c) in enumerate(local.reshape(-1, 3).tolist())
+        }
         self.at: dict[int, set[int]] = defaultdict(set)
         for face, corners in self.corners.items():
             for corner in corners:
                 self.at[corner].add(face)
-        self.home = {corner: corner for corner in self.at}
-        self.points = {corner: vertices[corner] for corner in self.at}
+        self.home = list(range(len(self.ids)))
+        self.points = vertices[self.ids]
         self.free = set(self.at)
-        self._next = len(vertices)
-        self._known: dict[tuple[Corners, int], tuple[bool, float]] = {}
-        self._judge((corners, self.leaf[face]) for face, corners in self.corners.items())
+        self._rings: dict[int, set[int]] = {}
+        self._seams: dict[int, list[int]] = {}
+        self._contractions: dict[int, list[tuple[Change, bool]]] = {}
+        self._moves: dict[tuple[int, bool], list[Change]] = {}
+        self._gains: dict[Change, tuple[int, int, float, float]] = {}
+        self._judge(list(self.corners))
 
     def improve(self, keep: bool) -> bool:
         """Take the best of the steps that do not meet; whether there was any. `keep`: no vertex leaves its edge."""
-        folded = [face for face, corners in self.corners.items() if self._known[corners, self.leaf[face]][0]]
+        folded = [face for face in np.flatnonzero(self.folded).tolist() if face in self.corners]
         edges = dict.fromkeys(edge for face in folded for edge in _edges(self.corners[face]))
         ends = list(dict.fromkeys(chain.from_iterable(edges)))
         steps = [*self._turned(edges), *self._contracted(ends, keep), *self._moved(ends, keep)]
-        self._judge(chain.from_iterable(self._after(step) for step in steps))
+        self._weigh([step for step in dict.fromkeys(steps) if step not in self._gains])
         ranked = []
         for step in steps:
-            (folds, area), (fewer, less) = self._sum(self._before(step)), self._sum(self._after(step))
+            folds, fewer, area, less = self._gains[step]
             even = not keep and fewer == folds > 0 and less < LESS * area
             if even or (fewer < folds and less < area):
                 ranked.append((fewer - folds, less - area, step))
         touched: set[int] = set()
+        changed: list[int] = []
         for _, _, step in sorted(ranked):
             if touched.isdisjoint(step.faces):
                 touched.update(*(self.at[corner] for face in step.faces for corner in self.corners[face]))
                 self._take(step)
+                changed += step.faces[: len(step.corners)]
+        self._judge(changed)
+        self._gains = {step: gain for step, gain in self._gains.items() if touched.isdisjoint(step.faces)}
         return bool(touched)
 
     def _turned(self, edges: Iterable[Edge]) -> Iterator[Change]:
@@ -146,21 +157,33 @@ class _Region:
 
     def _contracted(self, ends: Iterable[int], keep: bool) -> Iterator[Change]:
         """Each edge at some vertices contracted into either of its ends."""
-        tried = dict.fromkeys(edge for v in ends for u in sorted(self._ring(v)) for edge in ((v, u), (u, v)))
-        for v, u in tried:
+        tried: set[Change] = set()
+        for v in ends:
+            if v not in self._contractions:
+                self._contractions[v] = list(self._contractions_of(v))
+            for step, slides in self._contractions[v]:
+                if (slides or not keep) and step not in tried:
+                    tried.add(step)
+                    yield step
+
+    def _contractions_of(self, v: int) -> Iterator[tuple[Change, bool]]:
+        """Each edge at a vertex contracted into either of its ends, and whether the other one may slide there."""
+        for u in sorted(self._ring(v)) if v in self.free else ():
             both = self.at[u] & self.at[v]
+            if len(both) != 2 or u not in self.free:
+                continue
             across = set(chain.from_iterable(self.corners[face] for face in both)) - {u, v}
             # The condition under which the surface stays the manifold it was (Dey, Edelsbrunner, Guha, Nekhayev 1999).
             if (
-                len(both) == 2
-                and {u, v} <= self.free
-                and self._ring(u) & self._ring(v) == across
+                self._ring(u) & self._ring(v) == across
                 and len(self._ring(u) | self._ring(v)) > 4
                 and min(len(self.at[w]) for w in across) > 3
-                and (not keep or self._may_slide(v, u))
             ):
-                kept = tuple(sorted(self.at[v] - both))
-                yield Change((*kept, *sorted(both)), tuple(self._with(face, v, u) for face in kept))
+                gone = tuple(sorted(both))
+                for one, other in ((v, u), (u, v)):
+                    kept = tuple(sorted(self.at[one] - both))
+                    corners = tuple([self._with(face, one, other) for face in kept])
+                    yield Change((*kept, *gone), corners), self._may_slide(one, other)
 
     def _may_slide(self, v: int, u: int) -> bool:
         """Whether v comes to u along its edge of the body, or has none."""
@@ -169,36 +192,43 @@ class _Region:
 
     def _moved(self, ends: Iterable[int], keep: bool) -> Iterator[Change]:
         """Each vertex amid its neighbours, those along its edge if it has one; or on whichever leaf is there."""
+        ends = [v for v in ends if v in self.free]
         wanted: list[tuple[int, Floats, list[int]]] = []
         for v in ends:
-            if v in self.free:
-                seam, leaves = self._seam(v), sorted(self._leaves(v))
-                middle = self._middle(self._ring(v))
-                if keep and not seam:
-                    wanted.append((v, middle, leaves))
-                elif keep and len(seam) == len(leaves) == 2:
-                    wanted.append((v, self._middle(seam), leaves))
-                elif not keep:
-                    wanted.append((v, middle, []))
-                    wanted += [(v, middle, [one]) for one in leaves]
-        if not wanted:
-            return
+            if (v, keep) not in self._moves:
+                self._moves[v, keep] = []
+                wanted += self._wanted(v, keep)
+        if wanted:
+            self._move(wanted, keep)
+        return chain.from_iterable(self._moves[v, keep] for v in ends)
+
+    def _wanted(self, v: int, keep: bool) -> list[tuple[int, Floats, list[int]]]:
+        """The places that a vertex may move to, with the leaves that it is to lie on; without any on the active one."""
+        seam, leaves = self._seam(v), sorted(self._leaves(v))
+        if keep and seam:
+            return [(v, self._middle(seam), leaves)] if len(seam) == len(leaves) == 2 else []
+        middle = self._middle(self._ring(v))
+        return [(v, middle, leaves)] if keep else [(v, middle, []), *((v, middle, [one]) for one in leaves)]
+
+    def _move(self, wanted: list[tuple[int, Floats, list[int]]], keep: bool) -> None:
         start, ids = np.stack([place for _, place, _ in wanted], axis=1), np.full((3, len(wanted)), -1, np.int16)
         for row, (_, _, leaves) in enumerate(wanted):
             ids[: len(leaves), row] = leaves
         points, loose = solve(self.kernels, ids, start, self.lattice, self.pool), ids[0] < 0
-        points[:, loose] = on_active_leaf(self.kernels, start[:, loose], self.lattice, self.pool)
+        if loose.any():
+            points[:, loose] = on_active_leaf(self.kernels, start[:, loose], self.lattice, self.pool)
         good = on_surface(off_surface(self.kernels, points, self.lattice, self.pool), self.lattice)
         good &= (np.abs(points - start) <= REACH * self.lattice[3:].max()).all(axis=0)
         for row in np.flatnonzero(good).tolist():
-            v, new = wanted[row][0], self._next
-            self._next += 1
-            self.home[new], self.points[new] = self.home[v], points[:, row].copy()
+            v, new = wanted[row][0], len(self.home)
+            self.home.append(self.home[v])
             faces = tuple(sorted(self.at[v]))
-            yield Change(faces, tuple(self._with(face, v, new) for face in faces))
+            self._moves[v, keep].append(Change(faces, tuple([self._with(face, v, new) for face in faces])))
+        self.points = np.concatenate([self.points, points[:, good].T])
 
     def _take(self, step: Change) -> None:
         old = set(chain.from_iterable(self.corners[face] for face in step.faces))
+        self._forget(old)
         for face in step.faces:
             for corner in self.corners.pop(face):
                 self.at[corner].discard(face)
@@ -211,23 +241,40 @@ class _Region:
             if not self.at[corner]:
                 del self.at[corner]
 
-    def _judge(self, triangles: Iterable[tuple[Corners, int]]) -> None:
-        new = [triangle for triangle in dict.fromkeys(triangles) if triangle not in self._known]
-        if new:
-            corners = np.array([[self.points[corner] for corner in corners] for corners, _ in new])
-            leaf = np.array([leaf for _, leaf in new], np.int16)
-            folded, turned = facing_inwards(CompiledLeaves(self.kernels), corners, leaf)
-            self._known.update(zip(new, zip(folded.tolist(), turned.tolist(), strict=True), strict=True))
+    def _forget(self, vertices: set[int]) -> None:
+        """Drop what was found around vertices whose faces change: steps of their neighbours look at these too."""
+        for v in vertices.union(*(self._ring(v) for v in vertices)):
+            self._contractions.pop(v, None)
+            self._moves.pop((v, True), None)
+            self._moves.pop((v, False), None)
+        for v in vertices:
+            self._rings.pop(v, None)
+            self._seams.pop(v, None)
 
-    def _before(self, step: Change) -> Iterator[tuple[Corners, int]]:
-        return ((self.corners[face], self.leaf[face]) for face in step.faces)
+    def _judge(self, faces: list[int]) -> None:
+        """Which of some faces are folded, and how far they turn away."""
+        if faces:
+            self.folded[faces], self.turned[faces] = self._judged([self.corners[face] for face in faces], faces)
 
-    def _after(self, step: Change) -> Iterator[tuple[Corners, int]]:
-        return ((corners, self.leaf[face]) for face, corners in zip(step.faces, step.corners, strict=False))
+    def _judged(self, corners: list[Corners], faces: list[int]) -> tuple[Flags, Floats]:
+        leaf = np.array([self.leaf[face] for face in faces], np.int16)
+        return facing_inwards(CompiledLeaves(self.kernels), self.points[np.array(corners)], leaf)
 
-    def _sum(self, triangles: Iterable[tuple[Corners, int]]) -> tuple[int, float]:
-        known = [self._known[triangle] for triangle in triangles]
-        return sum(folded for folded, _ in known), sum(turned for _, turned in known)
+    def _weigh(self, steps: list[Change]) -> None:
+        """The folds before each step and after it, then what turns away before and after."""
+        if not steps:
+            return
+        corners = list(chain.from_iterable(step.corners for step in steps))
+        folded, turned = self._judged(
+            corners, list(chain.from_iterable(step.faces[: len(step.corners)] for step in steps))
+        )
+        after = np.repeat(np.arange(len(steps)), [len(step.corners) for step in steps])
+        before = np.repeat(np.arange(len(steps)), [len(step.faces) for step in steps])
+        faces = list(chain.from_iterable(step.faces for step in steps))
+        folds, area = np.bincount(before, self.folded[faces]), np.bincount(before, self.turned[faces])
+        fewer, less = np.bincount(after, folded, len(steps)), np.bincount(after, turned, len(steps))
+        sums = (folds.astype(int).tolist(), fewer.astype(int).tolist(), area.tolist(), less.tolist())
+        self._gains.update(zip(steps, zip(*sums, strict=True), strict=True))
 
     def _beside(self, u: int, v: int) -> tuple[int, int]:
         """The face that has the half-edge from u to v, and the one that has its reverse; -1 where there is none."""
@@ -237,21 +284,29 @@ class _Region:
         return (one[0], other[0]) if len(one) == len(other) == 1 else (-1, -1)
 
     def _ring(self, v: int) -> set[int]:
-        return set(chain.from_iterable(self.corners[face] for face in self.at[v])) - {v}
+        if v not in self._rings:
+            self._rings[v] = set(chain.from_iterable([self.corners[face] for face in self.at[v]])) - {v}
+        return self._rings[v]
 
     def _leaves(self, v: int) -> set[int]:
         return {self.leaf[face] for face in self.at[v]}
 
     def _seam(self, v: int) -> list[int]:
         """The neighbours along edges that have another leaf on the other side."""
-        return [u for u in sorted(self._ring(v)) if len({self.leaf[face] for face in self.at[u] & self.at[v]}) > 1]
+        if v not in self._seams:
+            leaves: dict[int, set[int]] = defaultdict(set)
+            for face in self.at[v]:
+                for u in self.corners[face]:
+                    leaves[u].add(self.leaf[face])
+            self._seams[v] = sorted(u for u, own in leaves.items() if u != v and len(own) > 1)
+        return self._seams[v]
 
     def _middle(self, vertices: Iterable[int]) -> Floats:
-        return np.asarray(np.mean([self.points[v] for v in sorted(vertices)], axis=0))
+        return np.asarray(self.points[sorted(vertices)].mean(axis=0))
 
     def _with(self, face: int, v: int, u: int) -> Corners:
-        a, b, c = (u if corner == v else corner for corner in self.corners[face])
-        return _turn((a, b, c))
+        a, b, c = self.corners[face]
+        return _turn((u if a == v else a, u if b == v else b, u if c == v else c))
 
 
 def _turn(corners: Corners) -> Corners:
