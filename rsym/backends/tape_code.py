@@ -12,9 +12,9 @@ from rsym.backends.llvm_code import SCALAR, VECTORS, Emitter, Kind, declarations
 from rsym.program.program import Node
 from rsym.program.tape import WIDTH, Pattern, operands_of, patterns
 
-# Vectors of a row.
-# On value and gradient of the car ...
-ROW_VECTORS = 16
+# Vectors of a row. Of the speed of `llvm` on the car 4 reach 0.4, 8 a half, 16 as much on value and gradient and 0.6 on
+# six fields, but what a block of 8*8 or 9*9*9 points leaves empty is work too.
+ROW_VECTORS = 8
 VARIES = 1  # the bit of an operand's address that tells a register from a number in every lane
 INT = 4  # bytes
 

@@ -10,5 +10,6 @@ bounds and named parts. In the order of the data:
 - `equation`: the data of a shape; `motions` of it; `named_parts`; `shape`: `Shape`, which joins these
 - `operations`: logic on shapes or expressions; `primitives/`: shapes of numbers; `constructions`,
   `symmetry/`, `blends/`: shapes of shapes; `skeletons`, with `positivity`: bodies around curves
-- `abridging`, `showing`: a shape as people see it; `wording`: what a message proposes and lists
+- `recent`: what is made of a shape kept by what it is; `abridging`, `showing`: a shape as people see it;
+  `wording`: what a message proposes and lists
 """

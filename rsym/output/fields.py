@@ -103,7 +103,7 @@ def plot_field(
     >>> print(ax.get_title(), artist.get_cmap().name)
     $\omega$ RdBu_r
     >>> rsym.plot_field(disc, "sign", ax=ax, resolution=4).get_array()[2].tolist()
-    [-1, 1, 1, 1, 1, -1]
+    [-1, -1, 1, 1, -1, -1]
     """
     require_shape(shape)
     look = Look(levels, limits, colour_map, outside)

@@ -16,7 +16,7 @@ from rsym.output.looks import Look
 from rsym.output.panels import dress
 from rsym.output.pictures import require_axes
 from rsym.sampling.plane import plane_view
-from rsym.sampling.plane_signs import signs_on
+from rsym.sampling.plane_regions import signs_on
 
 SIDES = ListedColormap(["#ffffff", "#3b6c9d"])  # outside, inside
 

@@ -280,7 +280,11 @@ def trace(
     if np.isnan(values).all():
         raise RsymError(f"the field {field!r} is undefined in all of the bounds", code="undefined")
     found = find_contours(values, level, positive_orientation="high")
-    moved = [_turned_like(move_onto_level(sampler, sampler.lattice.points(line), level), line) for line in found]
+    every = sampler.lattice.points(np.concatenate([*found, np.empty((0, 2))]))
+    points, good = move_onto_level(sampler, every, level)  # all at once: each vertex goes by itself
+    parts = np.cumsum([len(line) for line in found])[:-1]
+    pieces = zip(np.split(points, parts), np.split(good, parts), found, strict=True) if found else ()
+    moved = [_turned_like((place, arrived), line) for place, arrived, line in pieces]
     if bounds is not None:
         moved = _within(sampler, moved, level, bounds)
     lines = tuple(line for line, _ in moved)
@@ -320,15 +324,16 @@ def move_onto_level(
     arrived = np.zeros(len(line), bool)
     with np.errstate(all="ignore"):
         for _ in range(NEWTON_STEPS):
-            value, gradient = sampler.value_and_gradient(points)
+            open_ = np.flatnonzero(~arrived)
+            value, gradient = sampler.value_and_gradient(points[open_])
             if fixed is not None:
-                gradient[np.arange(len(line)), fixed] = 0
+                gradient[np.arange(len(open_)), fixed[open_]] = 0
             squared = np.einsum("ij,ij->i", gradient, gradient)
             step = ((value - level) / squared)[:, None] * gradient
             length = np.hypot(*step.T)
             step *= np.minimum(1, cell / np.maximum(length, 1e-300))[:, None]
-            points = np.where(arrived[:, None], points, points - step)
-            arrived |= length <= ON_LEVEL * cell
+            points[open_] -= step
+            arrived[open_] = length <= ON_LEVEL * cell
             if arrived.all():
                 break
         good = arrived & (np.hypot(*(points - line).T) <= 1.5 * cell)

@@ -14,6 +14,7 @@ from rsym.arrays import Floats
 from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
+from rsym.model.recent import recently
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
 from rsym.program.calculus import SCALARS
@@ -29,7 +30,10 @@ SURROUNDINGS = 1 / 8  # of a side, shown around a zero set whose bounds were fou
 
 @dataclass(frozen=True)
 class PlaneSampler:
-    """Values and in-plane gradient of one scalar field, as functions of the two free coordinates."""
+    """Values and in-plane gradient of one scalar field, as functions of the two free coordinates.
+
+    Of the value of a large plane shape `regions` are kernels that evaluate at each place what matters there.
+    """
 
     kernel: Kernel
     lattice: Lattice
@@ -37,6 +41,7 @@ class PlaneSampler:
     fixed: Mapping[int, float]
     letters: Mapping[Any, float] | None
     bounds: Bounds
+    regions: Any = None
 
     @property
     def names(self) -> tuple[str, str]:
@@ -54,7 +59,12 @@ class PlaneSampler:
 
     def values(self) -> Floats:
         """The field on the lattice, (nx, ny); infinite and undefined values as NaN."""
-        return self.samples()["value"]
+        if self.regions is None:
+            return self.samples()["value"]
+        from rsym.sampling.plane_regions import values_on
+
+        found = values_on(self.regions, self.lattice, self.kernel.letters.values_with(self.letters))
+        return np.where(np.isfinite(found), found, np.nan)
 
     def samples(self) -> dict[str, Floats]:
         """Every scalar field of the kernel on the lattice, as `values`."""
@@ -101,9 +111,26 @@ def plane_sampler(
     replace(SAMPLES, memory=held * SAMPLES.memory, time=held * SAMPLES.time).check(
         resolution, lattice.counts, force=force
     )
+    kernel, regions = _evaluated(shape, field, bool(fixed))
+    return PlaneSampler(kernel, lattice, free, fixed, letters, box, regions)
+
+
+@recently(16)
+def _evaluated(shape: Shape, field: str, cut: bool) -> tuple[Kernel, Any]:
+    """Value and gradient of a field, and of a large shape in the plane its regions."""
     program = program_of(shape, ("value", "gradient"), of=field, share=None)
-    kernel = compile_program(program, ("value", "gradient"), shape)
-    return PlaneSampler(kernel, lattice, free, fixed, letters, box)
+    regions = _regions(shape) if field == "value" and not cut else None
+    backend = None if regions is None else "tape"
+    return compile_program(program, ("value", "gradient"), shape, backend=backend), regions
+
+
+def _regions(shape: Shape) -> Any:
+    """Kernels for the value of a large shape, where the packages for them are there."""
+    try:
+        from rsym.sampling.plane_regions import value_kernels
+    except (ImportError, OSError):
+        return None
+    return value_kernels(shape)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property, partial
@@ -17,6 +16,7 @@ from rsym.backends.kernel import checked_threads
 from rsym.backends.registry import default_backend
 from rsym.errors import RsymError
 from rsym.model.equation import checked_bounds
+from rsym.model.recent import recently
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
 from rsym.sampling.form_signs import check_parameters
@@ -214,19 +214,13 @@ class Kernels(Protocol):
 
 
 _naming = threading.Lock()  # names are made with the nodes of a form that casters share
-# A notebook shows the same few shapes again and again: the same objects, for to compare deep nests recurses too deep.
-_recent: deque[tuple[Shape, str, LeafFields, Kernels]] = deque(maxlen=32)
 
 
+@recently(32)
 def _made(shape: Shape, backend: str) -> tuple[LeafFields, Kernels]:
     """What casters of a shape share."""
-    for known, its_backend, fields, kernels in tuple(_recent):
-        if known is shape and its_backend == backend:
-            return fields, kernels
     fields = LeafFields(shape)
-    kernels = _kernels(fields, backend)
-    _recent.append((shape, backend, fields, kernels))
-    return fields, kernels
+    return fields, _kernels(fields, backend)
 
 
 def _kernels(fields: LeafFields, backend: str) -> Kernels:

@@ -132,13 +132,18 @@ class RegionKernels:
         for names, ends in zip(self._cap_letters, bounds or [(-np.inf, np.inf)] * 3, strict=True):
             values.update(zip(names, ends, strict=True))
         check_parameters(self.form, values)
-        plain = tuple(values.get(name, 1.0) for name in self.form.builder.letters)
-        if self._last.get("letters") != (plain, bounds):
-            self.take((plain, np.ones(len(self.form.leaves))))
-            self.take((plain, median_scales(self, len(self.form.leaves), bounds)))
-            self._last.update(letters=(plain, bounds), made=(self._given, self._numbers, self._code_of_whole))
-        else:
-            self._given, self._numbers, self._code_of_whole = self._last["made"]
+        plain = self.in_order(values)
+        last = self._last.get("set")  # read once: other copies set letters meanwhile
+        if last is not None and last[0] == (plain, bounds):
+            self._given, self._numbers, self._code_of_whole = last[1]
+            return
+        self.take((plain, np.ones(len(self.form.leaves))))
+        self.take((plain, median_scales(self, len(self.form.leaves), bounds)))
+        self._last["set"] = (plain, bounds), (self._given, self._numbers, self._code_of_whole)
+
+    def in_order(self, letters: Mapping[str, float]) -> tuple[float, ...]:
+        """Letters in the order of the form."""
+        return tuple(letters.get(name, 1.0) for name in self.form.builder.letters)
 
     _given: tuple[Sequence[float], Floats]
     _numbers: Mapping[str, tuple[Floats, Ints]]
@@ -160,6 +165,10 @@ class RegionKernels:
     def sides(self, ends: Floats, parent: Ints, among: Regions | None, run: Run) -> tuple[Sides, Regions]:
         """The same, with OUTSIDE and INSIDE of the others."""
         return self._narrowed(ends, parent, among, SIGN, run)
+
+    def valued(self, ends: Floats, parent: Ints, among: Regions | None, run: Run) -> Regions:
+        """The regions of boxes that keep the value, not just the sign."""
+        return self._narrowed(ends, parent, among, VALUE, run)[1]
 
     def _narrowed(
         self, ends: Floats, parent: Ints, among: Regions | None, keeps: int, run: Run
@@ -287,14 +296,20 @@ class RegionKernels:
         order = np.concatenate([order, np.repeat(order[-1:], groups * AT_ONCE - count)])
         given = points.take(first + order, axis=1)
         regions = self._regions_of(given, groups)
-        found, names = np.empty(given.shape[1]), np.empty(given.shape[1], np.int16)
-        for a, b, some, codes, room in self._portions_of(regions, 0, groups):
+        found, names = self.within(given, regions)
+        value[first + order], leaf[first + order] = found, names
+
+    def within(self, points: Floats, regions: Regions) -> tuple[Floats, Shorts]:
+        """The form and its active leaf at points (3, n), `AT_ONCE` in each region."""
+        assert points.shape[1] == AT_ONCE * len(regions)
+        found, names = np.empty(points.shape[1]), np.empty(points.shape[1], np.int16)
+        for a, b, some, codes, room in self._portions_of(regions, 0, len(regions)):
             entries = np.diff(some.start)
             listed = (some.start, entries, some.entries, np.empty((int(entries.max()), LANES), np.int16))
             own = slice(a * AT_ONCE, b * AT_ONCE)
-            places = np.ascontiguousarray(given[:, own])
+            places = np.ascontiguousarray(points[:, own])
             _call("values", 0, b - a, places, places.shape[1], found[own], names[own], *_tapes(codes, room), *listed)
-        value[first + order], leaf[first + order] = found, names
+        return found, names
 
     def _regions_of(self, points: Floats, groups: int) -> Regions:
         """The regions of groups of points, which keep the value; from those of eight together."""
@@ -307,8 +322,8 @@ class RegionKernels:
         wide[::2], wide[1::2] = (
             np.minimum.reduceat(ends[::2], few, axis=1), np.maximum.reduceat(ends[1::2], few, axis=1)
         )  # fmt: skip
-        _, among = self._narrowed(wide, np.zeros(len(few), np.int64), None, VALUE, _here)
-        return self._narrowed(ends, above, among, VALUE, _here)[1]
+        among = self.valued(wide, np.zeros(len(few), np.int64), None, _here)
+        return self.valued(ends, above, among, _here)
 
     def leaf(
         self, count: int, leaf: NDArray[np.int16], points: Floats, value: Floats, gradient: Floats, first: int = 0
