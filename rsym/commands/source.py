@@ -37,7 +37,7 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> None:
     """Print the text, or write it."""
     from rsym.backends.source import source
-    from rsym.output.atomic import write_atomically
+    from rsym.atomic import write_atomically
 
     fields = [name.strip() for name in options.fields.split(",")]
     text = source(load_shape(options), options.language, fields, letters="constants" if options.constants else None)

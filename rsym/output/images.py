@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rsym.arrays import Flags, Floats, Shorts
 from rsym.errors import RsymError
 from rsym.model.requirements import file_path
-from rsym.output.atomic import write_atomically
+from rsym.atomic import write_atomically
 from rsym.output.cameras import Camera, Viewport
 from rsym.sampling.hits import Hits
 from rsym.sampling.stills import png

@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from rsym.errors import RsymError
-from rsym.output.atomic import write_atomically
+from rsym.atomic import write_atomically
 
 # What matplotlib would write of the day and of itself, by suffix.
 METADATA: Mapping[str, Mapping[str, str | None]] = MappingProxyType(

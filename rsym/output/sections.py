@@ -18,7 +18,7 @@ from matplotlib.path import Path as Outline
 from rsym.arrays import Floats
 from rsym.errors import RsymError, warn
 from rsym.model.requirements import file_path, several
-from rsym.output.atomic import write_atomically
+from rsym.atomic import write_atomically
 from rsym.output.cameras import Camera
 from rsym.output.dxf import dxf
 from rsym.output.paints import checked_limits, checked_map

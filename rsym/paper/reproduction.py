@@ -24,7 +24,7 @@ from typing import Any, TypeAlias
 
 from rsym.errors import RsymError, RsymWarning, warn
 from rsym.model.requirements import require_count
-from rsym.output.atomic import write_atomically
+from rsym.atomic import write_atomically
 from rsym.paper.drawing import Recipe, Reproduced, Table
 from rsym.paper.figures import RECIPES, ROWS
 from rsym.paper.page import page

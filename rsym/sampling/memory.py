@@ -58,6 +58,12 @@ def _of_process(root: Path) -> Iterator[float]:
         yield float(max(0, limit - int(pages[0]) * resource.getpagesize()))
 
 
+def resident(root: Path = Path("/")) -> float:
+    """Bytes of memory that this process has taken, 0 where that is unknown."""
+    size = _entry(root / "proc/self/status", "VmRSS:")
+    return 0.0 if size is None else 1024.0 * size
+
+
 def _entry(path: Path, name: str) -> int | None:
     """The number that follows a name in a file of lines."""
     found = next((line for line in _lines(path) if line.startswith(name)), "")
@@ -83,7 +89,7 @@ class TooLarge(RsymError):
     def __init__(self, need: float, free: float) -> None:
         self.need, self.free = need, free
         super().__init__(
-            f"about {_size(need)} of memory are needed, {_size(free)} are free",
+            f"about {size_of(need)} of memory are needed, {size_of(free)} are free",
             code="memory",
             remedy="take a smaller resolution",
         )
@@ -122,8 +128,8 @@ remedy: resolution 8000 fits, or force=True, on the command line --force, to go 
     """
     forced = ", or force=True, on the command line --force, to go on all the same" if force else ""
     return RsymError(
-        f"resolution {resolution}: about {_size(need)} of memory and {_duration(seconds)} are needed, "
-        f"{_size(free)} are free",
+        f"resolution {resolution}: about {size_of(need)} of memory and {_duration(seconds)} are needed, "
+        f"{size_of(free)} are free",
         code="memory",
         remedy=f"resolution {fits} fits{forced}",
     )
@@ -169,7 +175,14 @@ def scaled(resolution: int | Sequence[int], share: float) -> int | tuple[int, ..
     return max(2, int(resolution * share))
 
 
-def _size(amount: float) -> str:
+def size_of(amount: float) -> str:
+    """Bytes in words.
+
+    Examples
+    --------
+    >>> size_of(1.5e9)
+    '1.5 GB'
+    """
     return f"{amount / 1e9:.3g} GB" if amount >= 1e8 else f"{amount / 1e6:.3g} MB"
 
 

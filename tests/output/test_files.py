@@ -6,7 +6,7 @@ import pytest
 import trimesh
 
 from rsym.errors import RsymError
-from rsym.output.atomic import write_atomically
+from rsym.atomic import write_atomically
 from rsym.output.files import write
 from rsym.sampling.mesh import Mesh
 

@@ -16,6 +16,7 @@ PACKAGE = Path(rsym.__file__).parent
 LAYERS = {
     "errors": set(),
     "version": set(),
+    "atomic": set(),  # files that appear whole or not at all, of whoever writes some
     # Left of all that has something to say.
     "reports": set(),
     "arrays": {"numpy"},  # for those layers that may import numpy themselves

@@ -211,6 +211,11 @@ def crossing_names(surface: Topology, extent: tuple[int, int, int]) -> Ints:
     return axis * (CELLS * extent[0] * extent[1] * extent[2]) + _names(surface, extent, crossing_places(surface))
 
 
+def blocks_of_names(names: Ints, extent: tuple[int, int, int]) -> Ints:
+    """The blocks (n, 3) that vertices of these names lie in."""
+    return np.stack(np.unravel_index(names // (PATCHES * CELLS), extent), axis=1)
+
+
 def _names(surface: Topology, extent: tuple[int, int, int], place: Numbers) -> Ints:
     i, j, k = surface.corner >> 3
     block = (i * extent[1] + j) * extent[2] + k

@@ -1,0 +1,421 @@
+"""Meshes larger than memory: pieces to disk, and from there into the file, the same bytes as of the uncut mesh.
+
+A piece is a box of the lattice. Boxes that do not fit into what is left of the memory are cut along their first axis
+that has several blocks, so that pieces follow each other in the order of the surface. Pieces that are done lie in the
+folder ``NAME.parts`` beside the file until it is whole: whoever comes again goes on from there. Flaws are mended where
+all pieces are known (`sharp.mending`); then vertices and faces are written one after the other.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, BinaryIO, NamedTuple
+
+import numpy as np
+
+from rsym.arrays import Faces, Flags, Floats, Ints
+from rsym.atomic import atomic_file, target_of, writing
+from rsym.errors import RsymError
+from rsym.sampling.encoding import ply_faces, ply_header, ply_vertices, stl_faces, stl_header
+from rsym.sampling.memory import Budget, TooLarge, free_memory, resident, size_of
+from rsym.sampling.progress import Crew
+from rsym.sampling.sharp.assembly import Job, assemble
+from rsym.sampling.sharp.certificates import Unresolved, joined
+from rsym.sampling.sharp.corners import stray_vertices
+from rsym.sampling.sharp.loops import loop
+from rsym.sampling.sharp.mending import Changes, mend, to_mend
+from rsym.sampling.sharp.pieces import inside, own_piece
+from rsym.sampling.sharp.signs import BLOCK, Blocks
+from rsym.sampling.sharp.stored import StoredPiece, Surface, keep
+from rsym.sampling.status import OffSurface
+from rsym.version import __version__
+
+# For what does not grow with a piece: loops in threads, batches of boxes to certify, rows on their way to the file.
+RESERVE = 1.2e8
+# The least that a piece needs to get anywhere: a few hundred blocks.
+LEAST = 5e7
+# Rows on their way to the file at once.
+ROWS = 1 << 18
+# Indices of vertices in a file are 32-bit integers.
+MOST_VERTICES = 2**31 - 1
+LAYOUT = 1  # of the folder
+
+
+class Streamed(NamedTuple):
+    """What went into a file: how many of each, what was measured, which leaves have triangles, what was noted."""
+
+    vertices: int
+    faces: int
+    unpaired: int
+    volume: float
+    area: float
+    low: Floats
+    high: Floats
+    leaves: Flags
+    unresolved: Unresolved
+    strays: OffSurface | None
+    pieces: int
+
+
+def key_of(job: Job, letters: Any, box: Any) -> str:
+    """A hash of all that the triangles depend on."""
+    form = job.kernels.form
+    program = form.builder.program({"value": form.value}).digest
+    parts = (__version__, LAYOUT, program, form.leaves, form.gates, form.caps, sorted(letters.items()), box, job.cells)
+    return hashlib.sha256(f"{parts}{job.lattice.tobytes().hex()}".encode()).hexdigest()
+
+
+def stream(job: Job, path: Path, key: str, crew: Crew, pool: Executor, memory: float) -> Streamed | None:
+    """The surface of a job into a file; None where there is no surface."""
+    budget = Budget(_free(memory))
+    with writing(path):
+        folder = _opened(path, key)
+        crew.stage(800)
+        pieces = [StoredPiece(one, box) for one, box in _Pieces(job, folder, crew, pool, budget).all()]
+        surface = Surface(pieces, job.extent)
+        notes = joined([piece.notes for piece in pieces]) if pieces else None
+        if not surface.crossings or notes is None:
+            return None
+        crew.stage(20)
+        changes = mend(job.kernels, surface, job.lattice, crew, budget)
+        crew.stage(180)
+        writer = _Writer(job, surface, changes, crew)
+        found = writer.into(path)
+        shutil.rmtree(folder, ignore_errors=True)
+    return Streamed(*found, notes, writer.strays, len(pieces))
+
+
+def parts_of(path: Path) -> Path:
+    """The folder of the pieces of a file."""
+    target = target_of(path)
+    return target.with_name(target.name + ".parts")
+
+
+def _opened(path: Path, key: str) -> Path:
+    """The folder of the pieces, without those of another surface."""
+    folder = parts_of(path)
+    sign = folder / "surface.json"
+    if folder.exists():
+        if not sign.is_file() and any(folder.iterdir()):
+            raise RsymError(
+                f"the folder {folder.name!r} holds something else",
+                code="file-folder",
+                where=str(folder),
+                remedy="move it away, or choose another name for the file",
+            )
+        if sign.is_file() and _key_in(sign) == key:
+            return folder
+        shutil.rmtree(folder)
+    folder.mkdir()
+    draft = folder / "surface.draft"
+    draft.write_text(json.dumps({"layout": LAYOUT, "key": key}))
+    draft.rename(sign)
+    return folder
+
+
+def _key_in(sign: Path) -> str:
+    try:
+        return str(json.loads(sign.read_text())["key"])
+    except (ValueError, KeyError, TypeError):
+        return ""
+
+
+def _free(memory: float) -> float:
+    """What pieces may take of the memory, as the process stands."""
+    taken = resident()
+    free = memory - taken - RESERVE
+    if free < LEAST:
+        raise RsymError(
+            f"{size_of(memory)} of memory are too little: {size_of(taken)} are taken already",
+            code="memory",
+            remedy=f'give memory="{math.ceil((taken + RESERVE + 2 * LEAST) / 1e8) / 10:.1f}GB" or more',
+        )
+    return free
+
+
+class _Pieces:
+    """The pieces of a job, each computed unless it is there."""
+
+    def __init__(self, job: Job, folder: Path, crew: Crew, pool: Executor, budget: Budget) -> None:
+        self._job, self._folder, self._crew, self._pool, self._budget = job, folder, crew, pool, budget
+
+    def all(self) -> Iterator[tuple[Path, Ints]]:
+        """Folder and box of each, in order."""
+        extent = np.array(self._job.extent)
+        yield from self._of(np.stack([np.zeros(3, np.int64), extent * BLOCK]), 0.0, 1.0)
+
+    def _of(self, box: Ints, begin: float, end: float) -> Iterator[tuple[Path, Ints]]:
+        """The pieces of a box; it takes the progress from one share to another."""
+        folder = self._folder / "-".join(map(str, box.ravel()))
+        cut = folder.with_suffix(".cut")
+        if not folder.is_dir():
+            if not cut.is_file():
+                try:
+                    self._compute(box, folder, begin, end)
+                except TooLarge as error:
+                    cut.write_text(str(_parts(box, error)))
+            if cut.is_file():
+                boxes = _cut(box, int(cut.read_text()))
+                ends = begin + (end - begin) * np.arange(len(boxes) + 1) / len(boxes)
+                for one, low, high in zip(boxes, ends[:-1], ends[1:], strict=True):
+                    yield from self._of(one, float(low), float(high))
+                return
+        self._crew.stages.reach(end)
+        yield folder, box
+
+    def _compute(self, box: Ints, folder: Path, begin: float, end: float) -> None:
+        job, outer = self._job, self._crew
+
+        def reached(done: int, total: int) -> None:
+            outer.stages.reach(begin + (end - begin) * done / total)
+
+        crew, budget = Crew(self._pool, reached), self._budget
+        blocks = job.blocks(crew, budget, box)
+        made = assemble(job, blocks, crew, budget)
+        own = inside(blocks.corner, box)
+        own_blocks = Blocks(np.ascontiguousarray(blocks.corner[:, own]), blocks.words[own], blocks.visited)
+        piece = own_piece(made, box, job.extent)
+        del made, blocks
+        piece = replace(piece, surface=replace(piece.surface, notes=job.notes(own_blocks, crew)))
+        points = piece.surface.points
+        tops = np.stack([points.min(axis=1, initial=np.inf), points.max(axis=1, initial=-np.inf)])
+        keep(folder, piece, to_mend(job.kernels, piece.surface) if len(piece.surface.leaf) else np.empty(0, np.int64), tops)
+
+
+def _parts(box: Ints, error: TooLarge) -> int:
+    """Into how many a box is cut."""
+    blocks = (box[1] - box[0]) // BLOCK
+    if (blocks <= 1).all():
+        raise error
+    return min(max(2, math.ceil(1.1 * error.need / error.free)), int(blocks[np.argmax(blocks > 1)]))
+
+
+def _cut(box: Ints, count: int) -> list[Ints]:
+    """A box cut along its first axis of several blocks."""
+    axis = int(np.argmax(box[1] - box[0] > BLOCK))
+    ends = np.linspace(*(box[:, axis] // BLOCK), count + 1).round().astype(np.int64) * BLOCK
+    boxes = []
+    for low, high in zip(ends[:-1], ends[1:], strict=True):
+        one = box.copy()
+        one[:, axis] = low, high
+        boxes.append(one)
+    return boxes
+
+
+@dataclass(frozen=True)
+class _View:
+    """Triangles of a piece as they end: faces (m, 3) count points (n, 3), whose final numbers are ``numbers`` (n,)."""
+
+    points: Floats
+    numbers: Faces
+    faces: Faces
+    leaf: Any
+    own: Flags
+
+
+class _Writer:
+    """Writes a surface with its changes, and measures it."""
+
+    def __init__(self, job: Job, surface: Surface, changes: Changes, crew: Crew) -> None:
+        self._job, self._surface, self._changes, self._crew = job, surface, changes, crew
+        self.strays: OffSurface | None = None
+        self._sums, self._hash = np.zeros(2), np.zeros(1, np.uint64)
+        self._low, self._high = np.full(3, np.inf), np.full(3, -np.inf)
+        self._leaves = np.zeros(len(job.kernels.form.leaves), np.bool_)
+        gone = len(changes.gone)
+        self.vertices = surface.vertices + len(changes.new_vertices) - gone
+        removed = int((changes.corners[:, 0] < 0).sum())
+        self.faces = 2 * surface.crossings - removed + len(changes.new_faces)
+
+    def into(self, path: Path) -> tuple[Any, ...]:
+        """Write; numbers of vertices and faces, and what was measured."""
+        if self.vertices > MOST_VERTICES:
+            raise RsymError(
+                f"{self.vertices} vertices are more than the {MOST_VERTICES} that a file can number",
+                code="resolution",
+                remedy="take a smaller resolution",
+            )
+        if not self.faces:
+            raise RsymError(
+                "the body has no extent: its surface is points and curves",
+                code="no-surface",
+                remedy="check bounds and letters; take a higher resolution if the body is thin",
+            )
+        total = len(self._surface.pieces)
+        with atomic_file(path) as file:
+            if path.suffix.lower() == ".ply":
+                file.write(ply_header(self.vertices, self.faces))
+                for done, piece in enumerate(self._surface.pieces):
+                    self._crew.stages.reach(0.6 * done / total)
+                    view = self._view(piece, slice(0, 3))
+                    self._measure(view)
+                    for a in range(0, piece.vertices, ROWS):
+                        rows = slice(a, min(a + ROWS, piece.vertices))
+                        file.write(ply_vertices(view.points[rows][view.own[rows]]))
+                new = self._new()
+                self._measure(new)
+                file.write(ply_vertices(new.points[new.own]))
+                self._faces(file, 0.6, lambda view, rows: ply_faces(view.numbers[view.faces[rows]]))
+            else:
+                file.write(stl_header(self.faces))
+                self._faces(file, 0.0, lambda view, rows: stl_faces(view.points[view.faces[rows]]), measured=True)
+        return (
+            self.vertices, self.faces, int(self._hash[0]), float(self._sums[0]) / 6, float(self._sums[1]) / 2,
+            self._low, self._high, self._leaves,
+        )  # fmt: skip
+
+    def _faces(
+        self, file: BinaryIO, begin: float, encode: Callable[[_View, slice], bytes], *, measured: bool = False
+    ) -> None:
+        pieces = self._surface.pieces
+        for axis in range(3):
+            for number, piece in enumerate(pieces):
+                self._crew.stages.reach(begin + (1 - begin) * (axis + number / len(pieces)) / 3)
+                view = self._view(piece, slice(axis, axis + 1))
+                if measured:
+                    self._measure(view, strays=axis == 0)
+                _write(file, view, encode)
+        new = self._new()
+        if measured:
+            self._measure(new)
+        _write(file, new, encode)
+
+    def _view(self, piece: StoredPiece, axes: slice) -> _View:
+        """The triangles of a piece along some axes."""
+        changes, surface = self._changes, self._surface
+        number, there = surface.strangers(piece)
+        ids = np.concatenate([piece.first + np.arange(piece.vertices), number])
+        points = np.concatenate([piece.read("points").T, there.T])
+        quads = slice(*piece.axes[[axes.start, axes.stop]].tolist())
+        faces = piece.read("faces")[2 * quads.start : 2 * quads.stop]
+        leaf = np.repeat(piece.read("leaf")[quads], 2)
+        remain = np.ones(len(faces), np.bool_)
+        for axis in range(axes.start, axes.stop):
+            first, count = 2 * int(piece.begin[axis]), 2 * piece.per_axis[axis]
+            a, b = np.searchsorted(changes.faces, [first, first + count])
+            if a < b:
+                rows = changes.faces[a:b] - first + 2 * int(piece.axes[axis] - quads.start)
+                corners = changes.corners[a:b]
+                gone = corners[:, 0] < 0
+                remain[rows[gone]] = False
+                ids, points, faces = self._with(ids, points, faces, rows[~gone], corners[~gone])
+        points = changes.points(ids, points)
+        own = np.zeros(len(ids), np.bool_)
+        own[: piece.vertices] = True
+        if len(changes.gone):
+            own &= ~np.isin(ids, changes.gone)
+        if not remain.all():
+            faces, leaf = faces[remain], leaf[remain]
+        return _View(points, changes.numbers(ids).astype(np.int32), faces, leaf, own)
+
+    def _with(self, ids: Ints, points: Floats, faces: Faces, rows: Ints, corners: Ints) -> tuple[Ints, Floats, Faces]:
+        """The faces with some that changed, whose vertices come behind the others."""
+        more, local = np.unique(corners, return_inverse=True)
+        faces[rows] = len(ids) + local.reshape(-1, 3)
+        return np.concatenate([ids, more]), np.concatenate([points, self._points(more)]), faces
+
+    def _points(self, ids: Ints) -> Floats:
+        """The points of a few vertices, as they end."""
+        changes, points = self._changes, np.full((len(ids), 3), np.nan)
+        for piece in self._surface.pieces:
+            a, b = np.searchsorted(ids, [piece.first, piece.first + piece.vertices])
+            if a < b:
+                points[a:b] = piece.read("points")[:, ids[a:b] - piece.first].T
+        points = changes.points(ids, points)
+        new = ids >= changes.vertices
+        points[new] = changes.new_vertices[ids[new] - changes.vertices]
+        return points
+
+    def _new(self) -> _View:
+        """The triangles and vertices that come behind the others."""
+        changes = self._changes
+        new = changes.vertices + np.arange(len(changes.new_vertices))
+        used, local = np.unique(changes.new_faces, return_inverse=True)
+        ids = np.concatenate([new, used])
+        points = np.concatenate([changes.new_vertices, self._points(used)])
+        own = np.zeros(len(ids), np.bool_)
+        own[: len(new)] = ~np.isin(new, changes.gone)
+        faces = (len(new) + local.reshape(-1, 3)).astype(np.int32)
+        return _View(points, changes.numbers(ids).astype(np.int32), faces, changes.new_leaf, own)
+
+    def _measure(self, view: _View, *, strays: bool = True) -> None:
+        if len(view.faces):
+            _add(view.points, view.numbers, view.faces, self._sums, self._hash)
+            self._leaves[np.unique(view.leaf)] = True
+        own = view.points[view.own]
+        if len(own):
+            self._low = np.minimum(self._low, own.min(axis=0))
+            self._high = np.maximum(self._high, own.max(axis=0))
+            for a in range(0, len(own) if strays else 0, ROWS):
+                found = stray_vertices(self._job.kernels, own[a : a + ROWS], self._job.lattice, self._crew)
+                self.strays = _both(self.strays, found)
+
+
+def _write(file: BinaryIO, view: _View, encode: Callable[[_View, slice], bytes]) -> None:
+    for a in range(0, len(view.faces), ROWS):
+        file.write(encode(view, slice(a, a + ROWS)))
+
+
+def _both(one: OffSurface | None, other: OffSurface | None) -> OffSurface | None:
+    if one is None or other is None:
+        return one or other
+    return replace(max(one, other, key=lambda found: found.cells), vertices=one.vertices + other.vertices)
+
+
+@loop
+def _add(points: Floats, numbers: Any, faces: Any, sums: Floats, hashed: Any) -> None:
+    """Add det(a, b, c) and |(b - a) x (c - a)| of triangles, and a hash of each edge with the sign of its direction."""
+    u, v = np.empty(3), np.empty(3)
+    for f in range(len(faces)):
+        a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
+        for k in range(3):
+            u[k], v[k] = points[b, k] - points[a, k], points[c, k] - points[a, k]
+        x, y, z = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+        sums[0] += points[a, 0] * x + points[a, 1] * y + points[a, 2] * z
+        sums[1] += np.sqrt(x * x + y * y + z * z)
+        for k in range(3):
+            one, other = numbers[faces[f, k]], numbers[faces[f, (k + 1) % 3]]
+            # The mixing of splitmix64.
+            word = np.uint64(min(one, other)) << np.uint64(32) | np.uint64(max(one, other))
+            word += np.uint64(0x9E3779B97F4A7C15)
+            word = (word ^ word >> np.uint64(30)) * np.uint64(0xBF58476D1CE4E5B9)
+            word = (word ^ word >> np.uint64(27)) * np.uint64(0x94D049BB133111EB)
+            word ^= word >> np.uint64(31)
+            if one < other:
+                hashed[0] += word
+            else:
+                hashed[0] -= word
+
+
+_UNITS = {"": 1.0, "K": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
+_SIZE = re.compile(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*([KMGT]?)B?\s*", re.IGNORECASE | re.ASCII)
+
+
+def bytes_of(memory: Any) -> float:
+    """Bytes that a number or a text as "2GB" tells; what is free, and never more, where nothing is told.
+
+    Examples
+    --------
+    >>> bytes_of("1.5GB"), bytes_of(2e9)
+    (1500000000.0, 2000000000.0)
+    """
+    if memory is None:
+        return free_memory() + resident()
+    given = _SIZE.fullmatch(memory) if isinstance(memory, str) else None
+    if given is not None:
+        size = float(given[1]) * _UNITS[given[2].upper()]
+    else:
+        size = float(memory) if isinstance(memory, int | float) and not isinstance(memory, bool) else math.nan
+    if not 0 < size < math.inf:
+        raise RsymError(
+            f"memory must be a number of bytes or a text, got {memory!r}", code="memory", remedy='for example "2GB"'
+        )
+    return size
