@@ -87,7 +87,7 @@ def stream(job: Job, path: Path, key: str, crew: Crew, pool: Executor, memory: f
         crew.stage(20)
         changes = mend(job.kernels, surface, job.lattice, crew, budget)
         crew.stage(180)
-        writer = _Writer(job, surface, changes, crew)
+        writer = _Writer(job, surface, changes, crew, pool)
         found = writer.into(path)
         shutil.rmtree(folder, ignore_errors=True)
     return Streamed(*found, notes, writer.strays, len(pieces))
@@ -185,9 +185,7 @@ class _Pieces:
         piece = own_piece(made, box, job.extent)
         del made, blocks
         piece = replace(piece, surface=replace(piece.surface, notes=job.notes(own_blocks, crew)))
-        points = piece.surface.points
-        tops = np.stack([points.min(axis=1, initial=np.inf), points.max(axis=1, initial=-np.inf)])
-        keep(folder, piece, to_mend(job.kernels, piece.surface) if len(piece.surface.leaf) else np.empty(0, np.int64), tops)
+        keep(folder, piece, to_mend(job.kernels, piece))
 
 
 def _parts(box: Ints, error: TooLarge) -> int:
@@ -212,23 +210,26 @@ def _cut(box: Ints, count: int) -> list[Ints]:
 
 @dataclass(frozen=True)
 class _View:
-    """Triangles of a piece as they end: faces (m, 3) count points (n, 3), whose final numbers are ``numbers`` (n,)."""
+    """Triangles of a piece as they end: faces (m, 3) count vertices, whose final numbers are ``numbers`` (n,).
 
-    points: Floats
+    ``points`` (n, 3) are there if they were asked for. The first of the vertices are its own, of which some ``stay``.
+    """
+
     numbers: Faces
     faces: Faces
     leaf: Any
-    own: Flags
+    points: Floats
+    stay: Flags
 
 
 class _Writer:
     """Writes a surface with its changes, and measures it."""
 
-    def __init__(self, job: Job, surface: Surface, changes: Changes, crew: Crew) -> None:
-        self._job, self._surface, self._changes, self._crew = job, surface, changes, crew
+    def __init__(self, job: Job, surface: Surface, changes: Changes, crew: Crew, pool: Executor) -> None:
+        self._job, self._surface, self._changes, self._crew, self._pool = job, surface, changes, crew, pool
         self.strays: OffSurface | None = None
         self._sums, self._hash = np.zeros(2), np.zeros(1, np.uint64)
-        self._low, self._high = np.full(3, np.inf), np.full(3, -np.inf)
+        self._ends = np.repeat([[np.inf], [-np.inf]], 3, axis=1)
         self._leaves = np.zeros(len(job.kernels.form.leaves), np.bool_)
         gone = len(changes.gone)
         self.vertices = surface.vertices + len(changes.new_vertices) - gone
@@ -255,107 +256,103 @@ class _Writer:
                 file.write(ply_header(self.vertices, self.faces))
                 for done, piece in enumerate(self._surface.pieces):
                     self._crew.stages.reach(0.6 * done / total)
-                    view = self._view(piece, slice(0, 3))
-                    self._measure(view)
+                    view = self._view(piece, 0, 3)
+                    # The loop asks for no threads: it may be one of them while rows are written.
+                    measured = self._pool.submit(self._measure, view)
                     for a in range(0, piece.vertices, ROWS):
                         rows = slice(a, min(a + ROWS, piece.vertices))
-                        file.write(ply_vertices(view.points[rows][view.own[rows]]))
+                        file.write(ply_vertices(view.points[rows][view.stay[rows]]))
+                    measured.result()
+                    self._look_for_strays(view)
+                    del view
                 new = self._new()
                 self._measure(new)
-                file.write(ply_vertices(new.points[new.own]))
-                self._faces(file, 0.6, lambda view, rows: ply_faces(view.numbers[view.faces[rows]]))
+                self._look_for_strays(new)
+                file.write(ply_vertices(new.points[: len(new.stay)][new.stay]))
+                self._faces(file, 0.6, lambda view, rows: ply_faces(view.numbers[view.faces[rows]]), points=False)
             else:
                 file.write(stl_header(self.faces))
-                self._faces(file, 0.0, lambda view, rows: stl_faces(view.points[view.faces[rows]]), measured=True)
+                self._faces(file, 0.0, lambda view, rows: stl_faces(view.points[view.faces[rows]]), points=True)
         return (
             self.vertices, self.faces, int(self._hash[0]), float(self._sums[0]) / 6, float(self._sums[1]) / 2,
-            self._low, self._high, self._leaves,
+            *self._ends, self._leaves,
         )  # fmt: skip
 
     def _faces(
-        self, file: BinaryIO, begin: float, encode: Callable[[_View, slice], bytes], *, measured: bool = False
+        self, file: BinaryIO, begin: float, encode: Callable[[_View, slice], bytes], *, points: bool
     ) -> None:
+        """Write all triangles, and measure them if they come with points."""
         pieces = self._surface.pieces
         for axis in range(3):
             for number, piece in enumerate(pieces):
                 self._crew.stages.reach(begin + (1 - begin) * (axis + number / len(pieces)) / 3)
-                view = self._view(piece, slice(axis, axis + 1))
-                if measured:
-                    self._measure(view, strays=axis == 0)
+                view = self._view(piece, axis, axis + 1, points=points)
+                if points:
+                    self._measure(view)
+                    if axis == 0:
+                        self._look_for_strays(view)
                 _write(file, view, encode)
         new = self._new()
-        if measured:
+        if points:
             self._measure(new)
+            self._look_for_strays(new)
         _write(file, new, encode)
 
-    def _view(self, piece: StoredPiece, axes: slice) -> _View:
+    def _view(self, piece: StoredPiece, low: int, high: int, *, points: bool = True) -> _View:
         """The triangles of a piece along some axes."""
-        changes, surface = self._changes, self._surface
-        number, there = surface.strangers(piece)
-        ids = np.concatenate([piece.first + np.arange(piece.vertices), number])
-        points = np.concatenate([piece.read("points").T, there.T])
-        quads = slice(*piece.axes[[axes.start, axes.stop]].tolist())
+        changes = self._changes
+        strange = self._surface.strangers(piece)
+        numbers, stay = changes.stretch(piece.first, piece.vertices)
+        quads = slice(*piece.axes[[low, high]].tolist())
         faces = piece.read("faces")[2 * quads.start : 2 * quads.stop]
-        leaf = np.repeat(piece.read("leaf")[quads], 2)
-        remain = np.ones(len(faces), np.bool_)
-        for axis in range(axes.start, axes.stop):
+        leaf = piece.read("leaf")[quads]
+        remain = None
+        for axis in range(low, high):
             first, count = 2 * int(piece.begin[axis]), 2 * piece.per_axis[axis]
             a, b = np.searchsorted(changes.faces, [first, first + count])
             if a < b:
                 rows = changes.faces[a:b] - first + 2 * int(piece.axes[axis] - quads.start)
-                corners = changes.corners[a:b]
-                gone = corners[:, 0] < 0
-                remain[rows[gone]] = False
-                ids, points, faces = self._with(ids, points, faces, rows[~gone], corners[~gone])
-        points = changes.points(ids, points)
-        own = np.zeros(len(ids), np.bool_)
-        own[: piece.vertices] = True
-        if len(changes.gone):
-            own &= ~np.isin(ids, changes.gone)
-        if not remain.all():
+                gone = changes.corners[a:b, 0] < 0
+                # Whatever has changed has its vertices behind all others.
+                known = np.searchsorted(changes.known, changes.corners[a:b][~gone])
+                faces[rows[~gone]] = piece.vertices + len(strange) + known
+                if gone.any():
+                    remain = np.ones(len(faces), np.bool_) if remain is None else remain
+                    remain[rows[gone]] = False
+        leaf = np.repeat(leaf, 2)
+        if remain is not None:
             faces, leaf = faces[remain], leaf[remain]
-        return _View(points, changes.numbers(ids).astype(np.int32), faces, leaf, own)
-
-    def _with(self, ids: Ints, points: Floats, faces: Faces, rows: Ints, corners: Ints) -> tuple[Ints, Floats, Faces]:
-        """The faces with some that changed, whose vertices come behind the others."""
-        more, local = np.unique(corners, return_inverse=True)
-        faces[rows] = len(ids) + local.reshape(-1, 3)
-        return np.concatenate([ids, more]), np.concatenate([points, self._points(more)]), faces
-
-    def _points(self, ids: Ints) -> Floats:
-        """The points of a few vertices, as they end."""
-        changes, points = self._changes, np.full((len(ids), 3), np.nan)
-        for piece in self._surface.pieces:
-            a, b = np.searchsorted(ids, [piece.first, piece.first + piece.vertices])
-            if a < b:
-                points[a:b] = piece.read("points")[:, ids[a:b] - piece.first].T
-        points = changes.points(ids, points)
-        new = ids >= changes.vertices
-        points[new] = changes.new_vertices[ids[new] - changes.vertices]
-        return points
+        others = changes.numbers(np.concatenate([strange, changes.known])).astype(np.int32)
+        places = np.empty((0, 3))
+        if points:
+            places = np.empty((len(numbers) + len(others), 3))
+            places[: len(numbers)] = piece.read("points").T
+            places[len(numbers) : len(numbers) + len(strange)] = piece.read("stranger_points").T
+            places[len(numbers) + len(strange) :] = changes.known_points
+            a, b = np.searchsorted(changes.moved, [piece.first, piece.first + piece.vertices])
+            places[changes.moved[a:b] - piece.first] = changes.places[a:b]
+            changes.move(strange, places[len(numbers) : len(numbers) + len(strange)])
+        return _View(np.concatenate([numbers, others]), faces, leaf, places, stay)
 
     def _new(self) -> _View:
         """The triangles and vertices that come behind the others."""
         changes = self._changes
         new = changes.vertices + np.arange(len(changes.new_vertices))
-        used, local = np.unique(changes.new_faces, return_inverse=True)
-        ids = np.concatenate([new, used])
-        points = np.concatenate([changes.new_vertices, self._points(used)])
-        own = np.zeros(len(ids), np.bool_)
-        own[: len(new)] = ~np.isin(new, changes.gone)
-        faces = (len(new) + local.reshape(-1, 3)).astype(np.int32)
-        return _View(points, changes.numbers(ids).astype(np.int32), faces, changes.new_leaf, own)
+        numbers = changes.numbers(np.concatenate([new, changes.known])).astype(np.int32)
+        points = np.concatenate([changes.new_vertices, changes.known_points])
+        faces = (len(new) + np.searchsorted(changes.known, changes.new_faces)).astype(np.int32)
+        return _View(numbers, faces, changes.new_leaf, points, ~np.isin(new, changes.gone))
 
-    def _measure(self, view: _View, *, strays: bool = True) -> None:
+    def _measure(self, view: _View) -> None:
         if len(view.faces):
-            _add(view.points, view.numbers, view.faces, self._sums, self._hash)
-            self._leaves[np.unique(view.leaf)] = True
-        own = view.points[view.own]
-        if len(own):
-            self._low = np.minimum(self._low, own.min(axis=0))
-            self._high = np.maximum(self._high, own.max(axis=0))
-            for a in range(0, len(own) if strays else 0, ROWS):
-                found = stray_vertices(self._job.kernels, own[a : a + ROWS], self._job.lattice, self._crew)
+            _add(view.points, view.numbers, view.faces, view.leaf, self._sums, self._hash, self._ends, self._leaves)
+
+    def _look_for_strays(self, view: _View) -> None:
+        """Count the vertices that are off the surface."""
+        for a in range(0, len(view.stay), ROWS):
+            own = view.points[a : min(a + ROWS, len(view.stay))][view.stay[a : a + ROWS]]
+            if len(own):
+                found = stray_vertices(self._job.kernels, own, self._job.lattice, self._pool)
                 self.strays = _both(self.strays, found)
 
 
@@ -371,8 +368,13 @@ def _both(one: OffSurface | None, other: OffSurface | None) -> OffSurface | None
 
 
 @loop
-def _add(points: Floats, numbers: Any, faces: Any, sums: Floats, hashed: Any) -> None:
-    """Add det(a, b, c) and |(b - a) x (c - a)| of triangles, and a hash of each edge with the sign of its direction."""
+def _add(
+    points: Floats, numbers: Any, faces: Any, leaf: Any, sums: Floats, hashed: Any, ends: Floats, leaves: Flags
+) -> None:
+    """Add det(a, b, c) and |(b - a) x (c - a)| of triangles, and a hash of each edge with the sign of its direction.
+
+    The box around them grows, and their leaves are marked.
+    """
     u, v = np.empty(3), np.empty(3)
     for f in range(len(faces)):
         a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
@@ -381,7 +383,11 @@ def _add(points: Floats, numbers: Any, faces: Any, sums: Floats, hashed: Any) ->
         x, y, z = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
         sums[0] += points[a, 0] * x + points[a, 1] * y + points[a, 2] * z
         sums[1] += np.sqrt(x * x + y * y + z * z)
+        leaves[leaf[f]] = True
         for k in range(3):
+            for axis in range(3):
+                ends[0, axis] = min(ends[0, axis], points[faces[f, k], axis])
+                ends[1, axis] = max(ends[1, axis], points[faces[f, k], axis])
             one, other = numbers[faces[f, k]], numbers[faces[f, (k + 1) % 3]]
             # The mixing of splitmix64.
             word = np.uint64(min(one, other)) << np.uint64(32) | np.uint64(max(one, other))

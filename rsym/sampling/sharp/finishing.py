@@ -57,22 +57,24 @@ class Finished:
     def renumbered(self) -> Finished:
         """Without the vertices that no face has; the faces change in place."""
         used = np.zeros(len(self.vertices), np.bool_)
-        _mark(self.faces, used)
+        mark(self.faces, used)
         if used.all():
             return self
-        _renumber(self.faces, np.cumsum(used, dtype=np.int32) - np.int32(1))
+        renumber(self.faces, np.cumsum(used, dtype=np.int32) - np.int32(1))
         return Finished(self.vertices[used], self.faces, self.leaf)
 
 
 @loop
-def _mark(faces: Faces, used: Flags) -> None:
+def mark(faces: Faces, used: Flags) -> None:
+    """Mark the vertices of faces."""
     for f in range(len(faces)):
         for k in range(3):
             used[faces[f, k]] = True
 
 
 @loop
-def _renumber(faces: Faces, number: Faces) -> None:
+def renumber(faces: Faces, number: Faces) -> None:
+    """Give the vertices of faces other numbers, in place."""
     for f in range(len(faces)):
         for k in range(3):
             faces[f, k] = number[faces[f, k]]

@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Flags, Floats, Ints
+from rsym.arrays import Faces, Flags, Floats, Ints
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.memory import Budget
 from rsym.sampling.sharp.assembly import CROSSING_BYTES, Unfinished
 from rsym.sampling.sharp.crossings import CompiledLeaves
 from rsym.sampling.sharp.faces import FLAT, FOLDED, SHORT, TURNED, BeyondRim, facing_inwards
 from rsym.sampling.sharp.finishing import rework
-from rsym.sampling.sharp.pieces import blocks_of_names
+from rsym.sampling.sharp.pieces import Piece, blocks_of_names
 from rsym.sampling.sharp.stored import StoredPiece, Surface
 
 # Twice the cells that steps around a flaw usually ask for.
@@ -30,13 +30,19 @@ AROUND = 2
 PART = 4
 
 
-def to_mend(kernels: MesherKernels, surface: Unfinished) -> Ints:
-    """The crossings whose quads have a flaw, or a triangle that faces inwards."""
-    flaws = surface.flaws
-    turned = np.flatnonzero(np.repeat(flaws & (FOLDED | TURNED) > 0, 2))
-    corners = surface.points[:, surface.faces[turned]].transpose(1, 2, 0)
+def to_mend(kernels: MesherKernels, piece: Piece) -> Ints:
+    """The crossings of a piece whose quads have a flaw, or a triangle that faces inwards."""
+    surface = piece.surface
+    turned = np.flatnonzero(np.repeat(surface.flaws & (FOLDED | TURNED) > 0, 2))
+    flawed = np.flatnonzero(surface.flaws & (FOLDED | FLAT | SHORT))
+    if not len(turned):
+        return flawed
+    ids, local = np.unique(surface.faces[turned], return_inverse=True)
+    count = int(np.searchsorted(ids, surface.vertices))
+    points = [surface.points[:, ids[:count]], piece.stranger_points[:, ids[count:] - surface.vertices]]
+    corners = np.concatenate(points, axis=1).T[local.reshape(-1, 3)]
     folded, _ = facing_inwards(CompiledLeaves(kernels), corners, surface.leaf[turned // 2])
-    return np.union1d(np.flatnonzero(flaws & (FOLDED | FLAT | SHORT)), turned[folded] // 2)
+    return np.union1d(flawed, turned[folded] // 2)
 
 
 @dataclass(frozen=True)
@@ -45,7 +51,8 @@ class Changes:
 
     Vertices ``moved`` (k,), ascending, to ``places`` (k, 3); ``faces`` (m,), ascending, of two for each crossing, get
     ``corners`` (m, 3), those of -1 go; ``new_vertices``, ``new_faces`` and their ``new_leaf`` come behind the others;
-    vertices ``gone`` (g,), ascending, leave the numbering.
+    vertices ``gone`` (g,), ascending, leave the numbering. ``known`` (k,), ascending, are the vertices of corners and of
+    new faces, ``known_points`` (k, 3) where they end.
     """
 
     vertices: int
@@ -57,18 +64,28 @@ class Changes:
     new_faces: Ints
     new_leaf: NDArray[np.int16]
     gone: Ints
+    known: Ints
+    known_points: Floats
 
     def numbers(self, ids: Ints) -> Ints:
         """The final numbers of vertices."""
         return np.asarray(ids - np.searchsorted(self.gone, ids)) if len(self.gone) else ids
 
-    def points(self, ids: Ints, given: Floats) -> Floats:
-        """Where vertices (n,) end that were given at points (n, 3), which change in place."""
+    def stretch(self, first: int, count: int) -> tuple[Faces, Flags]:
+        """Final numbers of so many vertices from a first one, and which of them stay."""
+        a, b = np.searchsorted(self.gone, [first, first + count])
+        stay = np.ones(count, np.bool_)
+        if a == b:
+            return np.arange(first - a, first - a + count, dtype=np.int32), stay
+        stay[self.gone[a:b] - first] = False
+        return np.cumsum(stay, dtype=np.int32) + np.int32(first - a - 1), stay
+
+    def move(self, ids: Ints, points: Floats) -> None:
+        """Put vertices (n,) that were given at points (n, 3) where they end, in place."""
         if len(self.moved):
             at = np.minimum(np.searchsorted(self.moved, ids), len(self.moved) - 1)
             changed = np.flatnonzero(self.moved[at] == ids)
-            given[changed] = self.places[at[changed]]
-        return given
+            points[changed] = self.places[at[changed]]
 
 
 def mend(kernels: MesherKernels, surface: Surface, lattice: Floats, pool: Executor | None, budget: Budget) -> Changes:
@@ -77,7 +94,7 @@ def mend(kernels: MesherKernels, surface: Surface, lattice: Floats, pool: Execut
     none = np.empty(0, np.int64)
     changes = Changes(
         surface.vertices, none, np.empty((0, 3)), none, np.empty((0, 3), np.int64), np.empty((0, 3)),
-        np.empty((0, 3), np.int64), np.empty(0, np.int16), none,
+        np.empty((0, 3), np.int64), np.empty(0, np.int16), none, none, np.empty((0, 3)),
     )  # fmt: skip
     while len(seeds):
         part = _Part(surface, _around(seeds), budget)
@@ -151,7 +168,7 @@ class _Part:
 
     def _vertices(self, piece: StoredPiece) -> tuple[Ints, Floats, Ints]:
         """Numbers, points and blocks of all vertices of a piece, strangers last."""
-        number, there = self._surface.strangers(piece)
+        number, there = self._surface.strangers(piece), piece.read("stranger_points")
         blocks = np.repeat(piece.read("corner").T >> 3, piece.read("vertices"), axis=0)
         return (
             np.concatenate([piece.first + np.arange(piece.vertices), number]),
@@ -195,6 +212,8 @@ class _Part:
             used[:count] = self.rim
             used[made.faces] = True
             gone = ids[~used]
+        known = np.unique(np.concatenate([new[changed], ids[made.faces[kept:]]]))
+        known = known[known >= 0]
         return Changes(
             self._surface.vertices,
             self.ids[moved],
@@ -205,4 +224,6 @@ class _Part:
             ids[made.faces[kept:]],
             made.leaf[kept:],
             gone,
+            known,
+            made.vertices[np.searchsorted(ids, known)],
         )

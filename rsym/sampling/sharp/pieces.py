@@ -23,12 +23,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from rsym.arrays import Flags, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import padded
 from rsym.sampling.memory import Budget, free_memory
 from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.assembly import Assembly, Job, Unfinished, assemble
+from rsym.sampling.sharp.finishing import mark, renumber
 from rsym.sampling.sharp.signs import BLOCK, Blocks, Numbers, list_places
 from rsym.sampling.sharp.topology import Topology
 
@@ -199,10 +200,11 @@ def crossing_places(surface: Topology) -> Numbers:
     return place
 
 
-def vertex_names(surface: Topology, extent: tuple[int, int, int]) -> Ints:
-    """(Block, cell, patch) of each vertex as one integer, on a lattice of extent blocks."""
-    patch = np.arange(surface.vertices) - np.repeat(surface.start[:-1], np.diff(surface.start))
-    return np.asarray(_names(surface, extent, vertex_places(surface)) * PATCHES + patch)
+def vertex_names(surface: Topology, extent: tuple[int, int, int], which: Ints | None = None) -> Ints:
+    """(Block, cell, patch) of each vertex, or of some, as one integer, on a lattice of extent blocks."""
+    which = np.arange(surface.vertices) if which is None else which
+    cell = np.searchsorted(surface.start, which, "right") - 1
+    return np.asarray(_names(surface, extent, surface.place[cell]) * PATCHES + which - surface.start[cell])
 
 
 def crossing_names(surface: Topology, extent: tuple[int, int, int]) -> Ints:
@@ -228,7 +230,7 @@ class Piece:
 
     Blocks: ``corner`` (3, n), in lexicographic order; ``vertices`` (n,) and ``crossings`` (3, n) tell how many each
     has. Arrays of the surface are in the order of the whole surface. Faces count the piece's own vertices and, after
-    them, the `strangers`: names of vertices of other pieces. ``rim`` are the names of those own vertices that others
+    them, the `strangers`: names of vertices of other pieces, ``stranger_points`` (3, s) where they are. ``rim`` are the names of those own vertices that others
     may touch, ``rim_number`` which ones they are.
     """
 
@@ -237,6 +239,7 @@ class Piece:
     crossings: Numbers
     surface: Unfinished
     strangers: Ints
+    stranger_points: Floats
     rim: Ints
     rim_number: Numbers
 
@@ -253,30 +256,32 @@ def own_piece(made: Assembly, box: Ints, extent: tuple[int, int, int], notes: tu
     """
     surface = made.surface
     own = inside(surface.corner, box)
-    place = vertex_places(surface)
-    mine, block = own[place >> 9], crossing_places(surface) >> 9
-    crossed, axis = own[block], np.repeat(np.arange(3), np.diff(surface.axes))
-    names = vertex_names(surface, extent)
+    vertices = np.diff(surface.start[surface.cells_before[:, 0]])
+    per_axis = np.diff(surface.edges_before[:, :, 0], axis=1)
+    mine, crossed = np.repeat(own, vertices), np.repeat(np.tile(own, 3), per_axis.ravel())
 
     # Others touch the cells on the upper sides of the box: the crossings of a cell's lower ends are around it.
+    place = surface.place
     cell = surface.corner[:, place >> 9] + np.stack([place >> 6 & 7, place >> 3 & 7, place & 7])
-    rim = np.flatnonzero(mine & (cell == box[1, :, None] - 1).any(axis=0))
+    upper = own[place >> 9] & (cell == box[1, :, None] - 1).any(axis=0)
+    rim = np.flatnonzero(np.repeat(upper, np.diff(surface.start)))
+    number = np.cumsum(mine, dtype=np.int32) - np.int32(1)
     count = int(mine.sum())
-    number = np.cumsum(mine, dtype=np.int32) - 1
     faces = made.faces.reshape(-1, 6)[crossed].reshape(-1, 3)
-    strange = np.unique(faces[~mine[faces]])
+    used = np.zeros(len(mine), np.bool_)
+    mark(faces, used)
+    strange = np.flatnonzero(used & ~mine)
     number[strange] = count + np.arange(len(strange))
-
-    n = surface.corner.shape[1]
-    per_axis = np.bincount((axis * n + block)[crossed], minlength=3 * n).reshape(3, n)[:, own]
+    renumber(faces, number)
     points = np.ascontiguousarray(made.points[:, : len(mine)][:, mine])
     return Piece(
         np.ascontiguousarray(surface.corner[:, own]),
-        np.bincount(place[mine] >> 9, minlength=n)[own].astype(np.int32),
-        per_axis.astype(np.int32),
-        Unfinished(points, count, number[faces], made.leaf[crossed], made.flaws[crossed], notes),
-        names[strange],
-        names[rim],
+        vertices[own],
+        np.ascontiguousarray(per_axis[:, own]),
+        Unfinished(points, count, faces, made.leaf[crossed], made.flaws[crossed], notes),
+        vertex_names(surface, extent, strange),
+        np.ascontiguousarray(made.points[:, strange]),
+        vertex_names(surface, extent, rim),
         number[rim],
     )
 

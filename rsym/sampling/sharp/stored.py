@@ -16,19 +16,18 @@ from typing import Any
 
 import numpy as np
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Ints
 from rsym.sampling.sharp.certificates import Unresolved
 from rsym.sampling.sharp.pieces import Piece
 
 UNFINISHED = ".unfinished"
 
 
-def keep(folder: Path, piece: Piece, seeds: Ints, tops: Floats) -> None:
-    """Put a piece into a folder of its own; `seeds` are its crossings to mend, `tops` (2, 3) the ends of its points."""
+def keep(folder: Path, piece: Piece, seeds: Ints) -> None:
+    """Put a piece into a folder of its own; `seeds` are its crossings to mend."""
     draft = folder.with_name(folder.name + UNFINISHED)
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir()
-    rim_points = piece.surface.points[:, piece.rim_number]
     arrays = {
         "corner": piece.corner,
         "vertices": piece.vertices,
@@ -40,9 +39,8 @@ def keep(folder: Path, piece: Piece, seeds: Ints, tops: Floats) -> None:
         "strangers": piece.strangers,
         "rim": piece.rim,
         "rim_number": piece.rim_number,
-        "rim_points": rim_points,
+        "stranger_points": piece.stranger_points,
         "seeds": seeds,
-        "tops": tops,
         "sizes": np.array([piece.surface.vertices, *piece.crossings.sum(axis=1)], np.int64),
     }
     for number, notes in enumerate(piece.surface.notes):
@@ -95,18 +93,16 @@ class Surface:
         for number, piece in enumerate(pieces):
             piece.first, piece.begin = int(first[number]), begin[:, number]
 
-    def strangers(self, piece: StoredPiece) -> tuple[Ints, Floats]:
-        """Numbers among all vertices, and points (3, n), of those that a piece has from others."""
+    def strangers(self, piece: StoredPiece) -> Ints:
+        """Numbers among all vertices of those that a piece has from others."""
         names = piece.read("strangers")
-        number, points = np.full(len(names), -1, np.int64), np.empty((3, len(names)))
+        number = np.full(len(names), -1, np.int64)
         for other in self._touching(piece):
             rim, rim_number = other.rim
             at = np.minimum(np.searchsorted(rim, names), len(rim) - 1)
             found = np.flatnonzero(rim[at] == names)
-            if len(found):
-                number[found] = other.first + rim_number[at[found]]
-                points[:, found] = other.read("rim_points")[:, at[found]]
-        return number, points
+            number[found] = other.first + rim_number[at[found]]
+        return number
 
     def _touching(self, piece: StoredPiece) -> Iterator[StoredPiece]:
         for other in self.pieces:
