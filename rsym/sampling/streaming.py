@@ -76,6 +76,17 @@ def key_of(job: Job, letters: Any, box: Any) -> str:
 def stream(job: Job, path: Path, key: str, crew: Crew, pool: Executor, memory: float) -> Streamed | None:
     """The surface of a job into a file; None where there is no surface."""
     budget = Budget(_free(memory))
+    try:
+        return _streamed(job, path, key, crew, pool, budget)
+    except TooLarge as error:
+        raise RsymError(
+            f"a piece needs about {size_of(error.need)} of memory, {size_of(error.free)} are left for it",
+            code="memory",
+            remedy=f'give memory="{math.ceil((memory + error.need - error.free) / 1e8) / 10:.1f}GB" or more',
+        ) from None
+
+
+def _streamed(job: Job, path: Path, key: str, crew: Crew, pool: Executor, budget: Budget) -> Streamed | None:
     with writing(path):
         folder = _opened(path, key)
         crew.stage(800)
@@ -83,6 +94,7 @@ def stream(job: Job, path: Path, key: str, crew: Crew, pool: Executor, memory: f
         surface = Surface(pieces, job.extent)
         notes = joined([piece.notes for piece in pieces]) if pieces else None
         if not surface.crossings or notes is None:
+            shutil.rmtree(folder, ignore_errors=True)
             return None
         crew.stage(20)
         changes = mend(job.kernels, surface, job.lattice, crew, budget)
