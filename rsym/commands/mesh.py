@@ -63,7 +63,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--memory",
         metavar="SIZE",
-        help="stream a .ply or .stl in pieces within so much memory, such as 1GB; without it, where a mesh does not fit",
+        help="write a .ply or .stl in pieces within so much memory, as 1GB; without it only a mesh that does not fit",
     )
     parser.add_argument("--verbose", action="store_true", help="every place that is unresolved, not the worst alone")
     colours = parser.add_argument("--colour-by", choices=["part"])

@@ -16,6 +16,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -42,6 +43,8 @@ from rsym.version import __version__
 RESERVE = 1.2e8
 # The least that a piece needs to get anywhere: a few hundred blocks.
 LEAST = 5e7
+# Larger pieces save nothing, and more is lost with one.
+MOST = 4e9
 # Rows on their way to the file at once.
 ROWS = 1 << 18
 # Indices of vertices in a file are 32-bit integers.
@@ -75,7 +78,7 @@ def key_of(job: Job, letters: Any, box: Any) -> str:
 
 def stream(job: Job, path: Path, key: str, crew: Crew, pool: Executor, memory: float) -> Streamed | None:
     """The surface of a job into a file; None where there is no surface."""
-    budget = Budget(_free(memory))
+    budget = Budget(min(_free(memory), MOST))
     try:
         return _streamed(job, path, key, crew, pool, budget)
     except TooLarge as error:
@@ -100,9 +103,9 @@ def _streamed(job: Job, path: Path, key: str, crew: Crew, pool: Executor, budget
         changes = mend(job.kernels, surface, job.lattice, crew, budget)
         crew.stage(180)
         writer = _Writer(job, surface, changes, crew, pool)
-        found = writer.into(path)
+        writer.into(path)
         shutil.rmtree(folder, ignore_errors=True)
-    return Streamed(*found, notes, writer.strays, len(pieces))
+    return writer.found(notes)
 
 
 def parts_of(path: Path) -> Path:
@@ -177,8 +180,8 @@ class _Pieces:
             if cut.is_file():
                 boxes = _cut(box, int(cut.read_text()))
                 ends = begin + (end - begin) * np.arange(len(boxes) + 1) / len(boxes)
-                for one, low, high in zip(boxes, ends[:-1], ends[1:], strict=True):
-                    yield from self._of(one, float(low), float(high))
+                for one, (low, high) in zip(boxes, pairwise(ends.tolist()), strict=True):
+                    yield from self._of(one, low, high)
                 return
         self._crew.stages.reach(end)
         yield folder, box
@@ -211,9 +214,10 @@ def _parts(box: Ints, error: TooLarge) -> int:
 def _cut(box: Ints, count: int) -> list[Ints]:
     """A box cut along its first axis of several blocks."""
     axis = int(np.argmax(box[1] - box[0] > BLOCK))
-    ends = np.linspace(*(box[:, axis] // BLOCK), count + 1).round().astype(np.int64) * BLOCK
+    first, last = (box[:, axis] // BLOCK).tolist()
+    ends = np.linspace(first, last, count + 1).round().astype(np.int64) * BLOCK
     boxes = []
-    for low, high in zip(ends[:-1], ends[1:], strict=True):
+    for low, high in pairwise(ends.tolist()):
         one = box.copy()
         one[:, axis] = low, high
         boxes.append(one)
@@ -239,7 +243,7 @@ class _Writer:
 
     def __init__(self, job: Job, surface: Surface, changes: Changes, crew: Crew, pool: Executor) -> None:
         self._job, self._surface, self._changes, self._crew, self._pool = job, surface, changes, crew, pool
-        self.strays: OffSurface | None = None
+        self._strays: OffSurface | None = None
         self._sums, self._hash = np.zeros(2), np.zeros(1, np.uint64)
         self._ends = np.repeat([[np.inf], [-np.inf]], 3, axis=1)
         self._leaves = np.zeros(len(job.kernels.form.leaves), np.bool_)
@@ -248,8 +252,16 @@ class _Writer:
         removed = int((changes.corners[:, 0] < 0).sum())
         self.faces = 2 * surface.crossings - removed + len(changes.new_faces)
 
-    def into(self, path: Path) -> tuple[Any, ...]:
-        """Write; numbers of vertices and faces, and what was measured."""
+    def found(self, notes: Unresolved) -> Streamed:
+        """What was written and measured, and what was noted."""
+        volume, area = float(self._sums[0]) / 6, float(self._sums[1]) / 2
+        low, high = self._ends
+        sums = (int(self._hash[0]), volume, area)
+        count = len(self._surface.pieces)
+        return Streamed(self.vertices, self.faces, *sums, low, high, self._leaves, notes, self._strays, count)
+
+    def into(self, path: Path) -> None:
+        """Write and measure."""
         if self.vertices > MOST_VERTICES:
             raise RsymError(
                 f"{self.vertices} vertices are more than the {MOST_VERTICES} that a file can number",
@@ -285,14 +297,8 @@ class _Writer:
             else:
                 file.write(stl_header(self.faces))
                 self._faces(file, 0.0, lambda view, rows: stl_faces(view.points[view.faces[rows]]), points=True)
-        return (
-            self.vertices, self.faces, int(self._hash[0]), float(self._sums[0]) / 6, float(self._sums[1]) / 2,
-            *self._ends, self._leaves,
-        )  # fmt: skip
 
-    def _faces(
-        self, file: BinaryIO, begin: float, encode: Callable[[_View, slice], bytes], *, points: bool
-    ) -> None:
+    def _faces(self, file: BinaryIO, begin: float, encode: Callable[[_View, slice], bytes], *, points: bool) -> None:
         """Write all triangles, and measure them if they come with points."""
         pieces = self._surface.pieces
         for axis in range(3):
@@ -365,7 +371,7 @@ class _Writer:
             own = view.points[a : min(a + ROWS, len(view.stay))][view.stay[a : a + ROWS]]
             if len(own):
                 found = stray_vertices(self._job.kernels, own, self._job.lattice, self._pool)
-                self.strays = _both(self.strays, found)
+                self._strays = _both(self._strays, found)
 
 
 def _write(file: BinaryIO, view: _View, encode: Callable[[_View, slice], bytes]) -> None:

@@ -231,7 +231,7 @@ def facing_inwards(leaves: CompiledLeaves, corners: Floats, leaf: NDArray[np.int
 class BeyondRim(Exception):
     """A part of a surface is too small: it matters what is beyond some `vertices` of its rim."""
 
-    def __init__(self, vertices: Ints) -> None:
+    def __init__(self, vertices: NDArray[np.integer[Any]]) -> None:
         super().__init__("the part is too small")
         self.vertices = vertices
 

@@ -117,7 +117,7 @@ def finish(kernels: MesherKernels, surface: Unfinished, lattice: Floats, pool: E
 def rework(
     kernels: MesherKernels, surface: Unfinished, lattice: Floats, pool: Executor | None, rim: Flags | None = None
 ) -> Reworked:
-    """As `finish`, of a part of a surface too: raises `BeyondRim` if it matters what is beyond the vertices in `rim`."""
+    """As `finish`, of a part of a surface too: `BeyondRim` if it matters what is beyond the vertices in `rim`."""
     points, count, faces, leaf, flaws = surface.points, surface.vertices, surface.faces, surface.leaf, surface.flaws
     flawed, suspects = np.flatnonzero(flaws & (FOLDED | FLAT | SHORT)), np.repeat(flaws & (FOLDED | TURNED) > 0, 2)
     adjacency = Adjacency(faces, points.shape[1], rim) if len(flawed) else None

@@ -26,6 +26,8 @@ from rsym.sampling.sharp.stored import StoredPiece, Surface
 
 # Twice the cells that steps around a flaw usually ask for.
 AROUND = 2
+# The quads of a vertex begin in its block or the seven after it.
+UPPER = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 # Of a part: its quads twice, as fetched and in order, the quads around each vertex, and what edits hold.
 PART = 4
 
@@ -51,8 +53,8 @@ class Changes:
 
     Vertices ``moved`` (k,), ascending, to ``places`` (k, 3); ``faces`` (m,), ascending, of two for each crossing, get
     ``corners`` (m, 3), those of -1 go; ``new_vertices``, ``new_faces`` and their ``new_leaf`` come behind the others;
-    vertices ``gone`` (g,), ascending, leave the numbering. ``known`` (k,), ascending, are the vertices of corners and of
-    new faces, ``known_points`` (k, 3) where they end.
+    vertices ``gone`` (g,), ascending, leave the numbering. ``known`` (k,), ascending, are the vertices of corners and
+    of new faces, ``known_points`` (k, 3) where they end.
     """
 
     vertices: int
@@ -101,7 +103,8 @@ def mend(kernels: MesherKernels, surface: Surface, lattice: Floats, pool: Execut
         try:
             return part.finished(kernels, lattice, pool)
         except BeyondRim as beyond:
-            seeds = np.unique(np.concatenate([seeds, part.block[beyond.vertices]]), axis=0)
+            more = part.block[beyond.vertices][:, None] + UPPER
+            seeds = np.unique(np.concatenate([seeds, more.reshape(-1, 3)]), axis=0)
     return changes
 
 
@@ -188,9 +191,7 @@ class _Part:
         corners = np.searchsorted(self.ids, np.concatenate(faces)[order]).astype(np.int32)
         self.faces = np.ascontiguousarray(corners.reshape(-1, 3))
         self.leaf, self.flaws = np.concatenate(leaf)[order], np.concatenate(flaws)[order]
-        # The quads of a vertex begin in its block or the seven after it.
-        upper = np.stack(np.meshgrid([0, 1], [0, 1], [0, 1], indexing="ij")).reshape(3, -1).T
-        self.rim = ~np.all([self._holds(self.block + one) for one in upper], axis=0)
+        self.rim = ~np.all([self._holds(self.block + one) for one in UPPER], axis=0)
 
     def finished(self, kernels: MesherKernels, lattice: Floats, pool: Executor | None) -> Changes:
         """What finishing changes here."""

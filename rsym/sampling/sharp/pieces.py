@@ -230,8 +230,8 @@ class Piece:
 
     Blocks: ``corner`` (3, n), in lexicographic order; ``vertices`` (n,) and ``crossings`` (3, n) tell how many each
     has. Arrays of the surface are in the order of the whole surface. Faces count the piece's own vertices and, after
-    them, the `strangers`: names of vertices of other pieces, ``stranger_points`` (3, s) where they are. ``rim`` are the names of those own vertices that others
-    may touch, ``rim_number`` which ones they are.
+    them, the `strangers`: names of vertices of other pieces, ``stranger_points`` (3, s) where they are. ``rim`` are the
+    names of those own vertices that others may touch, ``rim_number`` which ones they are.
     """
 
     corner: Ints

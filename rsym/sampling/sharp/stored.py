@@ -28,7 +28,7 @@ def keep(folder: Path, piece: Piece, seeds: Ints) -> None:
     draft = folder.with_name(folder.name + UNFINISHED)
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir()
-    arrays = {
+    arrays: dict[str, Any] = {
         "corner": piece.corner,
         "vertices": piece.vertices,
         "crossings": piece.crossings,
