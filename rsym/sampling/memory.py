@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -192,3 +193,29 @@ def _duration(seconds: float) -> str:
         if seconds >= 1.5 * length:
             return f"{float(f'{seconds / length:.1g}'):.0f} {name}"
     return f"{max(1.0, seconds):.0f} s"
+
+
+_UNITS = {"": 1.0, "K": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
+_SIZE = re.compile(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*([KMGT]?)B?\s*", re.IGNORECASE | re.ASCII)
+
+
+def bytes_of(memory: Any) -> float:
+    """Bytes that a number or a text as "2GB" tells; what is taken and what is free where nothing is told.
+
+    Examples
+    --------
+    >>> bytes_of("1.5GB"), bytes_of(2e9)
+    (1500000000.0, 2000000000.0)
+    """
+    if memory is None:
+        return free_memory() + resident()
+    given = _SIZE.fullmatch(memory) if isinstance(memory, str) else None
+    if given is not None:
+        size = float(given[1]) * _UNITS[given[2].upper()]
+    else:
+        size = float(memory) if isinstance(memory, int | float) and not isinstance(memory, bool) else math.nan
+    if not 0 < size < math.inf:
+        raise RsymError(
+            f"memory must be a number of bytes or a text, got {memory!r}", code="memory", remedy='for example "2GB"'
+        )
+    return size

@@ -24,7 +24,7 @@ from rsym.sampling.extent import extent_of
 from rsym.sampling.form_signs import FormBounds, FormSigns
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, mesher_kernels
 from rsym.sampling.lattice import lattice_over, sides_of
-from rsym.sampling.memory import SURE, Budget, TooLarge, free_memory, refusal, scaled
+from rsym.sampling.memory import SURE, Budget, TooLarge, bytes_of, free_memory, refusal, scaled
 from rsym.sampling.mesh import Mesh, MeshRequest
 from rsym.sampling.mesh_file import FileStatus, MeshFile
 from rsym.sampling.progress import Crew
@@ -38,7 +38,7 @@ from rsym.sampling.sharp.pieces import in_pieces
 from rsym.sampling.sharp.signs import Blocks
 from rsym.sampling.sharp.suspects import suspects
 from rsym.sampling.status import Findings, Suspect
-from rsym.sampling.streaming import bytes_of, key_of, stream
+from rsym.sampling.streaming import key_of, stream
 
 Resolution: TypeAlias = int | Sequence[int]
 
