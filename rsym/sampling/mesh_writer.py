@@ -106,9 +106,9 @@ class Writer:
                     measured = self._pool.submit(self._measure, view)
                     for a in range(0, piece.vertices, ROWS):
                         rows = slice(a, min(a + ROWS, piece.vertices))
-                        file.write(ply_vertices(view.points[rows][view.stay[rows]]))
-                    measured.result()
+                        file.write(ply_vertices(_some(view.points[rows], view.stay[rows])))
                     self._look_for_strays(view)
+                    measured.result()
                     del view
                 new = self._new()
                 self._measure(new)
@@ -189,10 +189,15 @@ class Writer:
     def _look_for_strays(self, view: _View) -> None:
         """Count the vertices that are off the surface."""
         for a in range(0, len(view.stay), ROWS):
-            own = view.points[a : min(a + ROWS, len(view.stay))][view.stay[a : a + ROWS]]
+            own = _some(view.points[a : min(a + ROWS, len(view.stay))], view.stay[a : a + ROWS])
             if len(own):
                 found = stray_vertices(self._job.kernels, own, self._job.lattice, self._pool)
                 self._strays = _both(self._strays, found)
+
+
+def _some(points: Floats, which: Flags) -> Floats:
+    """Some points, mostly all."""
+    return points if which.all() else points[which]
 
 
 def _write(file: BinaryIO, view: _View, encode: Callable[[_View, slice], bytes]) -> None:

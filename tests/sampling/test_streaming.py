@@ -103,7 +103,7 @@ def models():
 @pytest.mark.parametrize("suffix", [".ply", ".stl"])
 def test_models_with_edges(name, suffix, tmp_path, small):
     shape, resolution = next((shape, resolution) for one, shape, resolution in models() if one == name)
-    made = rsym.mesh(shape, resolution, into=tmp_path / f"a{suffix}", memory=2e6)
+    made = rsym.mesh(shape, resolution, into=tmp_path / f"a{suffix}", memory=1e6)
     whole = rsym.mesh(shape, resolution)
     assert made.status.pieces > 2
     assert made.path.read_bytes() == bytes_written(whole, tmp_path / f"b{suffix}")

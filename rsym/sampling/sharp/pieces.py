@@ -256,34 +256,47 @@ def own_piece(made: Assembly, box: Ints, extent: tuple[int, int, int], notes: tu
     """
     surface = made.surface
     own = inside(surface.corner, box)
-    vertices = np.diff(surface.start[surface.cells_before[:, 0]])
-    per_axis = np.diff(surface.edges_before[:, :, 0], axis=1)
-    mine, crossed = np.repeat(own, vertices), np.repeat(np.tile(own, 3), per_axis.ravel())
+    first, begin = surface.start[surface.cells_before[:, 0]], surface.edges_before[:, :, 0]
+    vertices, per_axis = np.diff(first), np.diff(begin, axis=1)
+    mine = np.repeat(own, vertices)
+    # Blocks of a box follow each other in stretches, one where it is cut across the first axis alone.
+    ends = np.flatnonzero(np.diff(own, prepend=False, append=False)).reshape(-1, 2)
+    of_vertices = [slice(*pair) for pair in first[ends].tolist()]
+    of_crossings = [slice(*pair) for axis in begin for pair in axis[ends].tolist()]
 
     # Others touch the cells on the upper sides of the box: the crossings of a cell's lower ends are around it.
-    place = surface.place
+    near = own & (surface.corner + BLOCK == box[1, :, None]).any(axis=0)
+    cells = np.flatnonzero(np.repeat(near, np.diff(surface.cells_before[:, 0])))
+    place = surface.place[cells]
     cell = surface.corner[:, place >> 9] + np.stack([place >> 6 & 7, place >> 3 & 7, place & 7])
-    upper = own[place >> 9] & (cell == box[1, :, None] - 1).any(axis=0)
-    rim = np.flatnonzero(np.repeat(upper, np.diff(surface.start)))
+    cells = cells[(cell == box[1, :, None] - 1).any(axis=0)]
+    counts = surface.start[cells + 1] - surface.start[cells]
+    rim = np.repeat(surface.start[cells] - np.cumsum(counts) + counts, counts) + np.arange(counts.sum())
     number = np.cumsum(mine, dtype=np.int32) - np.int32(1)
-    count = int(mine.sum())
-    faces = made.faces.reshape(-1, 6)[crossed].reshape(-1, 3)
+    count = int(vertices[own].sum())
+    faces = _stretches(made.faces.reshape(-1, 6), of_crossings).reshape(-1, 3)
     used = np.zeros(len(mine), np.bool_)
     mark(faces, used)
     strange = np.flatnonzero(used & ~mine)
     number[strange] = count + np.arange(len(strange))
     renumber(faces, number)
-    points = np.ascontiguousarray(made.points[:, : len(mine)][:, mine])
+    points = np.concatenate([made.points[:, :0], *(made.points[:, part] for part in of_vertices)], axis=1)
+    leaf, flaws = _stretches(made.leaf, of_crossings), _stretches(made.flaws, of_crossings)
     return Piece(
         np.ascontiguousarray(surface.corner[:, own]),
         vertices[own],
         np.ascontiguousarray(per_axis[:, own]),
-        Unfinished(points, count, faces, made.leaf[crossed], made.flaws[crossed], notes),
+        Unfinished(points, count, faces, leaf, flaws, notes),
         vertex_names(surface, extent, strange),
         np.ascontiguousarray(made.points[:, strange]),
         vertex_names(surface, extent, rim),
         number[rim],
     )
+
+
+def _stretches(rows: Any, parts: Sequence[slice]) -> Any:
+    """Some stretches of rows, one after the other."""
+    return np.concatenate([rows[:0], *(rows[part] for part in parts)])
 
 
 def inside(corner: Ints, box: Ints) -> Flags:
