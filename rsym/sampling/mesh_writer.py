@@ -59,7 +59,7 @@ class _View:
     stay: Flags
 
 
-class Writer:
+class MeshWriter:
     """Writes a surface with its changes, and measures it."""
 
     def __init__(self, job: Job, surface: Surface, changes: Changes, crew: Crew, pool: Executor) -> None:

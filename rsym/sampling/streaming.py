@@ -25,7 +25,7 @@ from rsym.arrays import Ints
 from rsym.atomic import target_of, writing
 from rsym.errors import RsymError
 from rsym.sampling.memory import Budget, TooLarge, resident, size_of
-from rsym.sampling.mesh_writer import Streamed, Writer
+from rsym.sampling.mesh_writer import Streamed, MeshWriter
 from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.assembly import Job, assemble
 from rsym.sampling.sharp.certificates import joined
@@ -78,7 +78,7 @@ def _streamed(job: Job, path: Path, key: str, crew: Crew, pool: Executor, budget
         crew.stage(20)
         changes = mend(job.kernels, surface, job.lattice, crew, budget)
         crew.stage(180)
-        writer = Writer(job, surface, changes, crew, pool)
+        writer = MeshWriter(job, surface, changes, crew, pool)
         writer.into(path)
         shutil.rmtree(folder, ignore_errors=True)
     return writer.found(notes)
