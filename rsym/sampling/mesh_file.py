@@ -9,6 +9,7 @@ from pathlib import Path
 from rsym.model.shape import Bounds
 from rsym.reports.document import Document, Entry, Sentence
 from rsym.reports.render import Report
+from rsym.reports.words import plural
 from rsym.sampling.memory import size_of
 from rsym.sampling.status import Findings
 
@@ -51,7 +52,7 @@ class FileStatus(Findings, Report):
         """All that the status says; nothing of it is proved."""
         state = "closed: they enclose a volume of" if self.closed else "open: some edges have one triangle; the sum is"
         head = (
-            f"{self.triangles} triangles, {state} {self.volume:.6g}; computed in {self.pieces} pieces within"
+            f"{self.triangles} triangles, {state} {self.volume:.6g}; computed in {plural(self.pieces, 'piece')} within"
             f" {size_of(self.memory)}."
         )
         return Document(

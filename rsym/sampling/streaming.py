@@ -25,7 +25,7 @@ from rsym.arrays import Ints
 from rsym.atomic import target_of, writing
 from rsym.errors import RsymError
 from rsym.sampling.memory import Budget, TooLarge, resident, size_of
-from rsym.sampling.mesh_writer import Streamed, MeshWriter
+from rsym.sampling.mesh_writer import MeshWriter, Streamed
 from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.assembly import Job, assemble
 from rsym.sampling.sharp.certificates import joined
