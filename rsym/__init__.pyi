@@ -87,6 +87,7 @@ from .sampling.extent import extent
 from .sampling.fit_report import Fit
 from .sampling.fitting import fit
 from .sampling.mesh import Mesh
+from .sampling.mesh_file import MeshFile
 from .sampling.meshing import Mesher, mesh
 from .sampling.samples import Samples, sample
 from .sampling.sections import Section, sections
@@ -134,6 +135,7 @@ __all__ = [
     "LevelLines",
     "LintReport",
     "Mesh",
+    "MeshFile",
     "Mesher",
     "NormalisationReport",
     "Price",

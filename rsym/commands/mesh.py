@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
@@ -20,9 +21,12 @@ from rsym.commands.options import (
     load_shape,
     progress_bar,
 )
-from rsym.errors import RsymWarning
+from rsym.errors import RsymError, RsymWarning
 
 if TYPE_CHECKING:
+    from rsym.model.shape import Shape
+    from rsym.sampling.mesh import Mesh
+    from rsym.sampling.mesh_file import FileStatus
     from rsym.sampling.status import MeshStatus
 
 
@@ -56,6 +60,11 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--unit", help="of lengths in the file: mm, cm, m or in; .3mf states it, .glb is converted to metres"
     )
+    parser.add_argument(
+        "--memory",
+        metavar="SIZE",
+        help="write a .ply or .stl in pieces within so much memory, as 1GB; without it only a mesh that does not fit",
+    )
     parser.add_argument("--verbose", action="store_true", help="every place that is unresolved, not the worst alone")
     colours = parser.add_argument("--colour-by", choices=["part"])
     explain(colours, "a colour for each part of the model: %(known)s", _coloured_formats)
@@ -75,15 +84,36 @@ def _coloured_formats() -> str:
 
 def run(options: argparse.Namespace) -> None:
     """Mesh the shape, write it, and say what is known of the mesh."""
-    from rsym.output.files import write, write_features
-    from rsym.output.units import check_size, sized
-    from rsym.sampling.meshing import mesh
+    from rsym.output.units import check_size
 
     check_size(unit=options.unit, size=options.size, scale=options.scale)
     shape = load_shape(options)
+    if options.memory is not None:
+        if not _may_stream(options):
+            raise RsymError(
+                "a mesh within --memory goes into a .ply or .stl as it is",
+                code="streamed",
+                remedy="leave out --method smooth, --open, --features, --size, --scale, --unit and --colour-by",
+            )
+        _streamed(shape, options)
+        return
+    try:
+        result = _in_memory(shape, options)
+    except RsymError as error:
+        if error.code != "memory" or not _may_stream(options):
+            raise
+        print(f"{error.message}: in pieces", file=sys.stderr)
+        _streamed(shape, options)
+    else:
+        _written(result, options)
+
+
+def _in_memory(shape: Shape, options: argparse.Namespace) -> Mesh:
+    from rsym.sampling.meshing import mesh
+
     with progress_bar("step", "meshing") as progress, warnings.catch_warnings():
-        warnings.simplefilter("ignore", RsymWarning)  # the status, printed below, says the same
-        result = mesh(
+        warnings.simplefilter("ignore", RsymWarning)  # the status, printed later, says the same
+        return mesh(
             shape,
             options.resolution,
             method=options.method,
@@ -91,7 +121,13 @@ def run(options: argparse.Namespace) -> None:
             progress=progress,
             force=options.force,
         )
-    result, unit = sized(result, unit=options.unit, size=options.size, scale=options.scale)
+
+
+def _written(mesh: Mesh, options: argparse.Namespace) -> None:
+    from rsym.output.files import write, write_features
+    from rsym.output.units import sized
+
+    result, unit = sized(mesh, unit=options.unit, size=options.size, scale=options.scale)
     if options.features:
         print(write_features(result, options.features, unit=unit or "mm"))
     print(write(result, options.output, unit=unit, colour_by=options.colour_by))
@@ -101,7 +137,27 @@ def run(options: argparse.Namespace) -> None:
         print(f"size {sides} {unit or ''}".rstrip())
 
 
-def told(status: MeshStatus, resolution: int | Sequence[int], *, verbose: bool = False) -> Iterator[str]:
+def _may_stream(options: argparse.Namespace) -> bool:
+    """Whether the file can hold a mesh in pieces, and nothing is asked that takes the whole."""
+    from rsym.sampling.mesh_file import SUFFIXES
+
+    whole = (options.features, options.size, options.scale, options.unit, options.colour_by)
+    suffix = "." + options.output.rpartition(".")[2].lower()
+    return suffix in SUFFIXES and options.method == "sharp" and not options.open and whole == (None,) * 5
+
+
+def _streamed(shape: Shape, options: argparse.Namespace) -> None:
+    """The mesh in pieces, straight into the file."""
+    from rsym.sampling.meshing import mesh
+
+    with progress_bar("step", "meshing") as progress, warnings.catch_warnings():
+        warnings.simplefilter("ignore", RsymWarning)
+        made = mesh(shape, options.resolution, progress=progress, into=options.output, memory=options.memory)
+    print(made.path)
+    print(*told(made.status, options.resolution, verbose=options.verbose), sep="\n")
+
+
+def told(status: MeshStatus | FileStatus, resolution: int | Sequence[int], *, verbose: bool = False) -> Iterator[str]:
     """The status, its remarks one to a line; unless `verbose` in three lines at most, with the resolution to take.
 
     Examples

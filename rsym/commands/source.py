@@ -36,8 +36,8 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Print the text, or write it."""
+    from rsym.atomic import write_atomically
     from rsym.backends.source import source
-    from rsym.output.atomic import write_atomically
 
     fields = [name.strip() for name in options.fields.split(",")]
     text = source(load_shape(options), options.language, fields, letters="constants" if options.constants else None)

@@ -3,7 +3,7 @@
 In come shapes, meshes, patches, sections and reports; out go matplotlib artists and figures, and bytes. Every picture
 takes `ax=` or a figure and returns its artist.
 
-files.py, formats.py, units.py, atomic.py          meshes to files: a row per format, lengths, whole or not at all
+files.py, formats.py, units.py                     meshes to files: a row per format, lengths
 interactive.py, viewing.py                         the page that turns; the browser
 exchange.py, dxf.py, models.py, points.py          other packages' meshes; curves; model files, letters; measured points
 looks.py, panels.py, fields.py, sign_pictures.py   level lines: looks, one panel, what users call, several; signs

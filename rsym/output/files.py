@@ -6,11 +6,11 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from rsym.atomic import write_atomically
 from rsym.errors import RsymError
 from rsym.model.requirements import file_path, require_kind
 from rsym.model.shape import Shape
 from rsym.model.wording import documented
-from rsym.output.atomic import write_atomically
 from rsym.output.design.pages import DesignPage, page_of
 from rsym.output.dxf import features_dxf
 from rsym.output.formats import FORMATS, coloured_formats, table_of_formats

@@ -23,6 +23,7 @@ from rsym.output.interactive import page, page_of_parts
 from rsym.output.parts import part_colours
 from rsym.output.shading import BODY, linear, split_sharp
 from rsym.output.units import UNITS
+from rsym.sampling.encoding import ply_faces, ply_header, ply_vertices, stl_faces, stl_header
 from rsym.sampling.mesh import Mesh
 
 # float32 keeps 7 digits: below this ratio of size to distance from the origin fewer than 3 of them describe the body.
@@ -34,20 +35,12 @@ ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
 def stl(mesh: Mesh, unit: str | None) -> bytes:
     """Encode as binary STL: 80 empty bytes and the triangles in float32."""
     require_float32(mesh, "STL")
-    data: bytes = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False).export(file_type="stl")
-    return data
+    return stl_header(len(mesh.faces)) + stl_faces(mesh.vertices[mesh.faces])
 
 
 def ply(mesh: Mesh, unit: str | None) -> bytes:
     """Encode as binary PLY: float64 vertices, int32 faces, little-endian."""
-    header = (
-        "ply\nformat binary_little_endian 1.0\n"
-        f"element vertex {len(mesh.vertices)}\nproperty double x\nproperty double y\nproperty double z\n"
-        f"element face {len(mesh.faces)}\nproperty list uchar int vertex_indices\nend_header\n"
-    )
-    faces = np.empty(len(mesh.faces), [("count", "u1"), ("corners", "<i4", 3)])
-    faces["count"], faces["corners"] = 3, mesh.faces
-    return header.encode() + mesh.vertices.astype("<f8").tobytes() + faces.tobytes()
+    return ply_header(len(mesh.vertices), len(mesh.faces)) + ply_vertices(mesh.vertices) + ply_faces(mesh.faces)
 
 
 def obj(mesh: Mesh, unit: str | None) -> bytes:

@@ -14,9 +14,9 @@ from matplotlib.cm import ScalarMappable
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Shorts
+from rsym.atomic import write_atomically
 from rsym.errors import RsymError
 from rsym.model.requirements import file_path
-from rsym.output.atomic import write_atomically
 from rsym.output.cameras import Camera, Viewport
 from rsym.sampling.hits import Hits
 from rsym.sampling.stills import png

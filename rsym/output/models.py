@@ -10,12 +10,12 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from rsym.atomic import write_atomically
 from rsym.errors import RsymError
 from rsym.language.writing import dumps
 from rsym.model.letters import as_letters
 from rsym.model.requirements import file_path
 from rsym.model.shape import Shape
-from rsym.output.atomic import write_atomically
 
 # A thousand letters with long names; a model file holds no more than 200 000 characters in all.
 LARGEST_FILE = 100_000

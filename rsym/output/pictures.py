@@ -15,8 +15,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
+from rsym.atomic import write_atomically
 from rsym.errors import RsymError
-from rsym.output.atomic import write_atomically
 
 # What matplotlib would write of the day and of itself, by suffix.
 METADATA: Mapping[str, Mapping[str, str | None]] = MappingProxyType(

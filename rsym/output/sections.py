@@ -16,9 +16,9 @@ from matplotlib.colors import Normalize
 from matplotlib.path import Path as Outline
 
 from rsym.arrays import Floats
+from rsym.atomic import write_atomically
 from rsym.errors import RsymError, warn
 from rsym.model.requirements import file_path, several
-from rsym.output.atomic import write_atomically
 from rsym.output.cameras import Camera
 from rsym.output.dxf import dxf
 from rsym.output.paints import checked_limits, checked_map

@@ -15,8 +15,7 @@ from rsym.model.shape import Shape
 from rsym.output.looks import Look
 from rsym.output.panels import dress
 from rsym.output.pictures import require_axes
-from rsym.sampling.plane import plane_view
-from rsym.sampling.plane_regions import signs_on
+from rsym.sampling.plane import plane_view, signs_of
 
 SIDES = ListedColormap(["#ffffff", "#3b6c9d"])  # outside, inside
 
@@ -44,7 +43,7 @@ def draw_signs(
 
         _, ax = matplotlib.pyplot.subplots(layout="compressed")
     require_axes(ax)
-    signs = signs_on(view.shape, view.lattice, letters)
+    signs = signs_of(view, letters)
     lattice = view.lattice
     (left, below), (wide, high) = lattice.origin, lattice.spacing
     columns, rows = lattice.counts

@@ -22,9 +22,9 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from rsym.atomic import write_atomically
 from rsym.errors import RsymError, RsymWarning, warn
 from rsym.model.requirements import require_count
-from rsym.output.atomic import write_atomically
 from rsym.paper.drawing import Recipe, Reproduced, Table
 from rsym.paper.figures import RECIPES, ROWS
 from rsym.paper.page import page

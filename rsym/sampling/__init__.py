@@ -8,6 +8,8 @@ In come shapes and compiled kernels, out come arrays with what is known of them.
   `boundaries`, `combs`, `sections`; `blanks`: where a picture of nothing would show something
 - in space: `meshing` (`rsym.mesh`), `mesher` with `sharp/`, `kernels/` and, for large shapes, `regions/`, or
   `smooth` by marching cubes with `detail`
+- `streaming`: meshes larger than memory, in pieces to disk and by a `mesh_writer` into a `mesh_file`; `encoding`:
+  triangles as bytes
 - `mesh`: triangles; `triangles`, `manifolds`: their measures; `status`: what is known, in brief and in full
 - on meshes: `curvatures`, `leaf_fields`, `distances`; `samples`: points on a boundary or inside
 - letters from data: `boundary_distances` of points, or of the lines of sight of `silhouettes`; `fitting` (`rsym.fit`)

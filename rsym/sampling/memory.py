@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -58,6 +59,12 @@ def _of_process(root: Path) -> Iterator[float]:
         yield float(max(0, limit - int(pages[0]) * resource.getpagesize()))
 
 
+def resident(root: Path = Path("/")) -> float:
+    """Bytes of memory that this process has taken, 0 where that is unknown."""
+    size = _entry(root / "proc/self/status", "VmRSS:")
+    return 0.0 if size is None else 1024.0 * size
+
+
 def _entry(path: Path, name: str) -> int | None:
     """The number that follows a name in a file of lines."""
     found = next((line for line in _lines(path) if line.startswith(name)), "")
@@ -83,7 +90,7 @@ class TooLarge(RsymError):
     def __init__(self, need: float, free: float) -> None:
         self.need, self.free = need, free
         super().__init__(
-            f"about {_size(need)} of memory are needed, {_size(free)} are free",
+            f"about {size_of(need)} of memory are needed, {size_of(free)} are free",
             code="memory",
             remedy="take a smaller resolution",
         )
@@ -122,8 +129,8 @@ remedy: resolution 8000 fits, or force=True, on the command line --force, to go 
     """
     forced = ", or force=True, on the command line --force, to go on all the same" if force else ""
     return RsymError(
-        f"resolution {resolution}: about {_size(need)} of memory and {_duration(seconds)} are needed, "
-        f"{_size(free)} are free",
+        f"resolution {resolution}: about {size_of(need)} of memory and {_duration(seconds)} are needed, "
+        f"{size_of(free)} are free",
         code="memory",
         remedy=f"resolution {fits} fits{forced}",
     )
@@ -169,7 +176,14 @@ def scaled(resolution: int | Sequence[int], share: float) -> int | tuple[int, ..
     return max(2, int(resolution * share))
 
 
-def _size(amount: float) -> str:
+def size_of(amount: float) -> str:
+    """Bytes in words.
+
+    Examples
+    --------
+    >>> size_of(1.5e9)
+    '1.5 GB'
+    """
     return f"{amount / 1e9:.3g} GB" if amount >= 1e8 else f"{amount / 1e6:.3g} MB"
 
 
@@ -179,3 +193,29 @@ def _duration(seconds: float) -> str:
         if seconds >= 1.5 * length:
             return f"{float(f'{seconds / length:.1g}'):.0f} {name}"
     return f"{max(1.0, seconds):.0f} s"
+
+
+_UNITS = {"": 1.0, "K": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
+_SIZE = re.compile(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*([KMGT]?)B?\s*", re.IGNORECASE | re.ASCII)
+
+
+def bytes_of(memory: Any) -> float:
+    """Bytes that a number or a text as "2GB" tells; what is taken and what is free where nothing is told.
+
+    Examples
+    --------
+    >>> bytes_of("1.5GB"), bytes_of(2e9)
+    (1500000000.0, 2000000000.0)
+    """
+    if memory is None:
+        return free_memory() + resident()
+    given = _SIZE.fullmatch(memory) if isinstance(memory, str) else None
+    if given is not None:
+        size = float(given[1]) * _UNITS[given[2].upper()]
+    else:
+        size = float(memory) if isinstance(memory, int | float) and not isinstance(memory, bool) else math.nan
+    if not 0 < size < math.inf:
+        raise RsymError(
+            f"memory must be a number of bytes or a text, got {memory!r}", code="memory", remedy='for example "2GB"'
+        )
+    return size

@@ -8,6 +8,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -37,6 +38,8 @@ class MeshRequest:
     executor: Executor | None = None
     progress: Progress | None = None
     force: bool = False
+    into: Path | None = None
+    memory: Any = None
     backend: str | None = None
 
 

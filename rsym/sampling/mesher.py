@@ -24,8 +24,9 @@ from rsym.sampling.extent import extent_of
 from rsym.sampling.form_signs import FormBounds, FormSigns
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, backend_for, mesher_kernels
 from rsym.sampling.lattice import lattice_over, sides_of
-from rsym.sampling.memory import SURE, Budget, TooLarge, free_memory, refusal, scaled
+from rsym.sampling.memory import SURE, Budget, TooLarge, bytes_of, free_memory, refusal, scaled
 from rsym.sampling.mesh import Mesh, MeshRequest
+from rsym.sampling.mesh_file import FileStatus, MeshFile
 from rsym.sampling.progress import Crew
 from rsym.sampling.regions.region_kernels import region_kernels
 from rsym.sampling.regions.regions import Regions, whole_form
@@ -38,6 +39,7 @@ from rsym.sampling.sharp.pieces import in_pieces
 from rsym.sampling.sharp.signs import Blocks
 from rsym.sampling.sharp.suspects import suspects
 from rsym.sampling.status import Findings, Suspect
+from rsym.sampling.streaming import key_of, stream
 
 Resolution: TypeAlias = int | Sequence[int]
 
@@ -84,6 +86,40 @@ class SharpMesher:
             mesh.findings  # noqa: B018 - who watches the progress waits for these too
         crew.stages.finish()
         return mesh
+
+    def stream(self, request: MeshRequest) -> MeshFile:
+        """The surface into a file, in pieces."""
+        assert request.into is not None
+        box = self._box(request)
+        job = self._job(request.resolution, box, request.letters)
+        crew, memory = Crew(_threads(), request.progress), bytes_of(request.memory)
+        key = key_of(job, self.shape.letters.values_with(request.letters), box)
+        made = stream(job, request.into, key, crew, _threads(), memory)
+        if made is None:
+            missed = self._suspects(job.notes(job.blocks(crew, Budget()), crew), None, job)
+            raise _no_surface(missed, "" if missed else where_it_lies(self.shape, request.letters))
+        missed = suspects(
+            CompiledLeaves(job.kernels), job.lattice, made.unresolved, self.leaves if len(made.unresolved) else ()
+        )
+        sides = sides_of([symbol.name for symbol in self.shape.coordinates], box)
+        first = len(self.form.leaves) - self.form.caps
+        status = FileStatus(
+            clipped_at=tuple(side.name for k, side in enumerate(sides) if made.leaves[first + k]),
+            capped=request.cap,
+            sides=sides,
+            off_surface=made.strays,
+            unresolved=missed,
+            vertices=made.vertices,
+            triangles=made.faces,
+            unpaired=made.unpaired,
+            volume=made.volume,
+            area=made.area,
+            bounds=tuple(zip(made.low.tolist(), made.high.tolist(), strict=True)),
+            pieces=made.pieces,
+            memory=memory,
+        )
+        crew.stages.finish()
+        return MeshFile(request.into, status)
 
     @cached_property
     def _form_bounds(self) -> FormBounds:

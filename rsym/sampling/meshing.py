@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import logging
 import math
+import os
 import sys
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from functools import lru_cache
+from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from rsym.errors import RsymError, warn
 from rsym.garbage import uncollected
 from rsym.logic.sign_form import surface_form
-from rsym.model.requirements import require_shape
+from rsym.model.requirements import file_path, require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import check_in_space, lattice_over
 from rsym.sampling.memory import Demand
 from rsym.sampling.mesh import Mesh, MeshRequest
+from rsym.sampling.mesh_file import SUFFIXES, MeshFile
 from rsym.sampling.progress import Progress
 from rsym.sampling.smooth import smooth_mesh
 
@@ -31,6 +34,42 @@ if TYPE_CHECKING:
 SAMPLES = Demand(memory=16.0, time=2e-7)
 
 logger = logging.getLogger(__name__)
+
+
+@overload
+def mesh(
+    shape: Shape,
+    resolution: int | Sequence[int] = ...,
+    *,
+    method: str = ...,
+    bounds: Any = ...,
+    letters: Mapping[Any, float] | None = ...,
+    cap: bool = ...,
+    executor: Executor | None = ...,
+    progress: Progress | None = ...,
+    force: bool = ...,
+    into: None = ...,
+    memory: float | str | None = ...,
+    backend: str | None = ...,
+) -> Mesh: ...
+
+
+@overload
+def mesh(
+    shape: Shape,
+    resolution: int | Sequence[int] = ...,
+    *,
+    method: str = ...,
+    bounds: Any = ...,
+    letters: Mapping[Any, float] | None = ...,
+    cap: bool = ...,
+    executor: Executor | None = ...,
+    progress: Progress | None = ...,
+    force: bool = ...,
+    into: str | os.PathLike[str],
+    memory: float | str | None = ...,
+    backend: str | None = ...,
+) -> MeshFile: ...
 
 
 def mesh(
@@ -44,8 +83,10 @@ def mesh(
     executor: Executor | None = None,
     progress: Progress | None = None,
     force: bool = False,
+    into: str | os.PathLike[str] | None = None,
+    memory: float | str | None = None,
     backend: str | None = None,
-) -> Mesh:
+) -> Mesh | MeshFile:
     """The surface omega = 0 of a shape in space as triangles, outward orientation.
 
     Parameters
@@ -71,13 +112,20 @@ def mesh(
         of the mesh is kept.
     force : bool
         Whether to go on where the estimate says that there is not memory enough.
+    into : path, optional
+        Write the triangles to this file, ``.ply`` or ``.stl``, in pieces, so that they are never in memory as a whole:
+        the same bytes as `rsym.write` of the mesh. The file appears whole or not at all. Until then the pieces that
+        are done lie beside it in the folder ``NAME.parts``, up to the size of the file itself, and whoever asks for
+        the same mesh again after a cancel or a kill goes on from there. Method "sharp", with caps, without an executor.
+    memory : number of bytes or text, optional
+        With `into`, what the process may take at its peak, as ``"2GB"``; by default what is free.
     backend : {"llvm", "tape"}, optional
         How "sharp" evaluates the shape; see `Mesher`.
 
     Returns
     -------
-    Mesh
-        ``vertices`` (n, 3), ``faces`` (m, 3), ``normals`` (m, 3, 3), ``status``.
+    Mesh, or MeshFile with `into`
+        ``vertices`` (n, 3), ``faces`` (m, 3), ``normals`` (m, 3, 3), ``status``; in a file, ``path`` and ``status``.
 
     Raises
     ------
@@ -105,7 +153,24 @@ def mesh(
     if method not in _METHODS:
         raise RsymError(f"no method {method!r}", code="unknown-method", remedy=f"choose from {', '.join(_METHODS)}")
     check_in_space(shape)
-    result = _METHODS[method](shape, MeshRequest(resolution, bounds, letters, cap, executor, progress, force, backend))
+    if into is None and memory is not None:
+        raise RsymError(
+            "memory is bounded where the mesh goes into a file", code="memory", remedy='give into="name.ply", too'
+        )
+    if into is not None:
+        _check_streamed(into, method, cap, executor)
+        streamed = MeshRequest(resolution, bounds, letters, cap, None, progress, force, Path(into), memory, backend)
+        return _told(_sharp_of(shape, backend).stream(streamed), start)
+    request = MeshRequest(resolution, bounds, letters, cap, executor, progress, force, backend=backend)
+    result = _METHODS[method](shape, request)
+    return _told(result, start)
+
+
+M = TypeVar("M", Mesh, MeshFile)
+
+
+def _told(result: M, start: float) -> M:
+    """The mesh, after its findings were told."""
     elapsed = time.perf_counter() - start
     if logger.isEnabledFor(logging.INFO):
         logger.info("mesh in %.2f s: %s", elapsed, result.status)
@@ -113,6 +178,23 @@ def mesh(
         more = " `.status.remarks` tells all." if len(result.findings.unresolved) > 1 else ""
         warn(" ".join(brief) + more)
     return result
+
+
+def _check_streamed(into: Any, method: str, cap: bool, executor: Executor | None) -> None:
+    """Refuse what cannot be streamed."""
+    if file_path(into).suffix.lower() not in SUFFIXES:
+        raise RsymError(
+            f"meshes are streamed as {' or '.join(SUFFIXES)}, got {Path(into).name!r}",
+            code="file-format",
+            where=str(into),
+            remedy=f"end the name with {' or '.join(SUFFIXES)}, or write(mesh(shape), path)",
+        )
+    if method != "sharp" or not cap or executor is not None:
+        raise RsymError(
+            "a mesh goes into a file by method sharp, with caps and without an executor",
+            code="streamed",
+            remedy="leave out method, cap and executor, or write(mesh(shape, ...), path)",
+        )
 
 
 def _smoothly(shape: Shape, request: MeshRequest) -> Mesh:
@@ -126,13 +208,17 @@ def _smoothly(shape: Shape, request: MeshRequest) -> Mesh:
 def _sharply(shape: Shape, request: MeshRequest) -> Mesh:
     """What the mesher of the shape makes of the request; marching cubes where numba is missing."""
     try:
-        mesher = _mesher(shape, shape.parts, request.backend)
+        mesher = _sharp_of(shape, request.backend)
     except RsymError as error:
         if error.code != "missing-package":
             raise
         warn(f"edges are not sharp: {error}")
         return _smoothly(shape, request)
-    return mesher._sharp(request)
+    return mesher(request)
+
+
+def _sharp_of(shape: Shape, backend: str | None) -> SharpMesher:
+    return _mesher(shape, shape.parts, backend)._sharp
 
 
 _METHODS = MappingProxyType({"sharp": _sharply, "smooth": _smoothly})

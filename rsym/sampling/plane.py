@@ -147,6 +147,17 @@ class PlaneView:
         return first, second
 
 
+def signs_of(view: PlaneView, letters: Mapping[Any, float] | None = None) -> NDArray[np.int8]:
+    """The sign at the points of the lattice, (nx, ny): 1 inside and on the boundary, -1 elsewhere."""
+    try:
+        from rsym.sampling.plane_regions import signs_on
+    except (ImportError, OSError):  # without the packages for them every point is asked
+        kernel, _ = _evaluated(view.shape, "value", False)
+        inside = kernel(*view.lattice.open_axes(), letters=letters)["value"] >= 0
+        return np.where(inside, 1, -1).astype(np.int8)
+    return signs_on(view.shape, view.lattice, letters)
+
+
 def plane_view(
     shape: Shape,
     resolution: Any,

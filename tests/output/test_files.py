@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from rsym.atomic import write_atomically
 from rsym.errors import RsymError
-from rsym.output.atomic import write_atomically
 from rsym.output.files import write
 from rsym.sampling.mesh import Mesh
 

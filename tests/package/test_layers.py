@@ -17,6 +17,7 @@ LAYERS = {
     "errors": set(),
     "version": set(),
     "garbage": set(),
+    "atomic": set(),  # files that appear whole or not at all, of whoever writes some
     # Left of all that has something to say.
     "reports": set(),
     "arrays": {"numpy"},  # for those layers that may import numpy themselves
@@ -62,6 +63,7 @@ OPTIONAL = {
     "rsym.bounds.balls": "python-flint may be missing",
     "rsym.backends.llvm_code": "llvmlite may be missing",
     "rsym.backends.tape": "llvmlite may be missing",
+    "rsym.sampling.plane_regions": "numba may be missing",
     "rsym.sampling.kernels.mesher_kernels": "llvmlite may be missing",
     "rsym.sampling.kernels.ray_kernels": "llvmlite may be missing",
     "rsym.sampling.mesher": "numba may be missing",

@@ -23,12 +23,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from rsym.atomic import write_atomically
 from rsym.errors import RsymWarning
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import SignForm, shape_form
 from rsym.model.requirements import file_path, require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.output.atomic import write_atomically
 from rsym.output.design.forms import form_texts, operations_of
 from rsym.output.design.letters import listed_letters
 from rsym.output.design.plane import MOST_LEVELS, plane_looks, plane_texts

@@ -16,7 +16,7 @@ from rsym.program.tape import WIDTH
 from rsym.sampling.kernels.form_code import better
 from rsym.sampling.kernels.mesher_code import emit_root_search
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
-from rsym.sampling.regions.region_tapes import VECTOR
+from rsym.sampling.regions.region_tapes import STEP, VECTOR
 from rsym.sampling.regions.regions import MAX, MIN
 
 AT_ONCE = ROW_VECTORS * LANES  # points
@@ -51,9 +51,6 @@ class TapeRoutine(Routine):
         return [
             self.element("%lattice", k) + self.element("%lattice", 3 + k) * index for k, index in enumerate(indices)
         ]
-
-
-STEP = ROW_VECTORS * VECTOR  # bytes from register to register of points
 
 
 def region_code() -> str:

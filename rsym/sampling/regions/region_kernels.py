@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from typing import Any, TypeAlias
@@ -28,8 +28,8 @@ from rsym.sampling.kernels.mesher_kernels import SMALL, median_scales
 from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.regions.leaf_tapes import LeafTapes
 from rsym.sampling.regions.point_groups import boxes_of, by_leaf, near_each_other
-from rsym.sampling.regions.region_code import AT_ONCE, STEP, region_code
-from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes
+from rsym.sampling.regions.region_code import AT_ONCE, region_code
+from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes, leaf_codes
 from rsym.sampling.regions.regions import KEPT, SIGN, VALUE, Regions, joined_regions, reduce, whole_form
 
 Sides: TypeAlias = NDArray[np.uint8]
@@ -65,16 +65,6 @@ def _call(name: str, *arguments: Any) -> None:
     _functions()[1][name](*(a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments))
 
 
-@dataclass(frozen=True)
-class _LeafCodes:
-    """The tapes of single leaves, as the executor reads them, by kind: where the rows begin, registers and outputs."""
-
-    rows: NDArray[np.int32]
-    row: Ints
-    above: Ints
-    ends: Ints
-
-
 class RegionKernels:
     """Made once for a sign form; `set` chooses letters and bounds."""
 
@@ -82,7 +72,7 @@ class RegionKernels:
         self.form = form
         self._tapes = LeafTapes(form, shared=shared)
         self._values, self._boxes = (FormTapes(self._tapes, name) for name in ("value", "box"))
-        self._codes = {name: self._leaf_codes(name) for name in ("gradient", "enclosure")}
+        self._codes = {name: leaf_codes(self._tapes, name) for name in ("gradient", "enclosure")}
         self._whole = whole_form(form)
         self._cap_letters = [cap_letters(name) for name in form.builder.coordinates]
         self._last: dict[str, Any] = {}  # of all copies: the letters of the last one, and what follows from them
@@ -96,22 +86,6 @@ class RegionKernels:
         for program in programs.values():
             letters = [1.0 + k / 8 for k in range(len(program.letters))]
             check_at(program, TapeFunction(program), FLOAT64, points, letters)
-
-    def _leaf_codes(self, name: str) -> _LeafCodes:
-        tapes = [kind.tapes[name].tape for kind in self._tapes.kinds]
-        registers = np.array([tape.registers for tape in tapes])
-        parts = []
-        for tape in tapes:
-            rows = tape.rows.copy()
-            places = tape.rows[:, 1:].astype(np.int64)
-            above = STEP * tape.registers
-            rows[:, 1:] = np.where(places >= 0, STEP * places + 1, above + VECTOR * ~places)
-            rows[:, 1] -= 1
-            parts.append(rows)
-        kind = np.array(self._tapes.kind)
-        begin = np.cumsum([0, *map(len, parts)])[:-1]
-        ends = STEP * np.array([tape.outputs for tape in tapes])
-        return _LeafCodes(np.concatenate(parts), begin[kind], STEP * registers[kind], ends[kind])
 
     def load_enclose(self) -> None:
         """Nothing is compiled."""

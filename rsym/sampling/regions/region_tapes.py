@@ -17,6 +17,7 @@ from rsym.sampling.regions.regions import INFINITE, MAX, MIN, Regions
 from rsym.sampling.sharp.loops import loop
 
 VECTOR = 8 * LANES  # bytes
+STEP = ROW_VECTORS * VECTOR  # bytes from register to register of points
 
 
 @loop
@@ -142,7 +143,7 @@ class FormTapes:
         self.ends = np.array([tape.outputs for tape in own])
         self.coordinates = 3 if name == "value" else 6
         self.registers = np.array([tape.registers for tape in own]) - self.coordinates
-        self.step = VECTOR * (ROW_VECTORS if name == "value" else 1)
+        self.step = STEP if name == "value" else VECTOR
         known = [pattern[0] for pattern in patterns()]
         self.gates = np.array([1 + known.index("min"), 1 + known.index("max")])
 
@@ -164,3 +165,34 @@ class FormTapes:
         )  # fmt: skip
         result = self.step * (self.coordinates + outputs * entries - 1)
         return Codes(rows, uniform, begin[0, :-1], begin[1, :-1], size[1], self.step * registers, result)
+
+
+@dataclass(frozen=True)
+class LeafCodes:
+    """The tapes of single leaves as the executor reads them.
+
+    `rows` holds all; of leaf k `row` tells where its own begin, `above` at which byte its uniform numbers lie, `ends`
+    where its outputs do.
+    """
+
+    rows: NDArray[np.int32]
+    row: Ints
+    above: Ints
+    ends: Ints
+
+
+def leaf_codes(tapes: LeafTapes, name: str) -> LeafCodes:
+    """The tapes "gradient" or "enclosure" of all leaves."""
+    own = [kind.tapes[name].tape for kind in tapes.kinds]
+    registers, kind = np.array([tape.registers for tape in own]), np.array(tapes.kind)
+    parts = []
+    for tape in own:
+        places = tape.rows[:, 1:].astype(np.int64)
+        above = STEP * tape.registers
+        rows = tape.rows.copy()
+        rows[:, 1:] = np.where(places >= 0, STEP * places + VARIES, above + VECTOR * ~places)
+        rows[:, 1] -= VARIES
+        parts.append(rows)
+    begin = np.cumsum([0, *map(len, parts)])[:-1]
+    ends = STEP * np.array([tape.outputs for tape in own])
+    return LeafCodes(np.concatenate(parts), begin[kind], STEP * registers[kind], ends[kind])

@@ -12,6 +12,7 @@ In the order of the data:
   the same bits
 - `finishing`: the last stage, on the whole, moves vertices along edges; `edits` joins, cuts and stitches, `unfolding`
   turns what still faces inwards; `clusters`: what hangs together
+- `stored`: pieces on disk; `mending`: the last stage of those, where there are flaws
 - `gates`, `certificates`: cells proved simple; `suspects`, `thickness`: what the others mean
 - `features`: the curves where leaves meet
 - `loops`: compiled index loops, in threads

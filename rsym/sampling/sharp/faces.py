@@ -229,11 +229,22 @@ def facing_inwards(leaves: CompiledLeaves, corners: Floats, leaf: NDArray[np.int
     return (along < 0) | (size <= FLATNESS * longest), size - np.nan_to_num(along)
 
 
-class Adjacency:
-    """The quads around each vertex; turned diagonals change nothing, for a quad keeps its corners."""
+class BeyondRim(Exception):
+    """A part of a surface is too small: it matters what is beyond some `vertices` of its rim."""
 
-    def __init__(self, faces: Faces, vertices: int) -> None:
-        self._faces = faces
+    def __init__(self, vertices: NDArray[np.integer[Any]]) -> None:
+        super().__init__("the part is too small")
+        self.vertices = vertices
+
+
+class Adjacency:
+    """The quads around each vertex; turned diagonals change nothing, for a quad keeps its corners.
+
+    Of a part of a surface `rim` marks the vertices that may have quads elsewhere; to ask for those raises `BeyondRim`.
+    """
+
+    def __init__(self, faces: Faces, vertices: int, rim: Flags | None = None) -> None:
+        self._faces, self._rim = faces, rim
         self._start, self._quads = np.zeros(vertices + 2, np.int32), np.empty(2 * len(faces), np.int32)
         _list_quads(faces, self._start, self._quads)
 
@@ -243,6 +254,8 @@ class Adjacency:
         for _ in range(rings):
             inner[self._faces.reshape(-1, 6)[quads]] = 1
             vertices = np.flatnonzero(inner)
+            if self._rim is not None and self._rim[vertices].any():
+                raise BeyondRim(vertices[self._rim[vertices]])
             count = self._start[vertices + 1] - self._start[vertices]
             place = np.arange(count.sum()) + np.repeat(self._start[vertices] - np.cumsum(count) + count, count)
             near = np.zeros(len(self._faces) // 2, np.bool_)

@@ -23,12 +23,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from rsym.arrays import Flags, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import padded
 from rsym.sampling.memory import Budget, free_memory
 from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.assembly import Assembly, Job, Unfinished, assemble
+from rsym.sampling.sharp.finishing import mark, renumber
 from rsym.sampling.sharp.signs import BLOCK, Blocks, Numbers, list_places
 from rsym.sampling.sharp.topology import Topology
 
@@ -199,16 +200,22 @@ def crossing_places(surface: Topology) -> Numbers:
     return place
 
 
-def vertex_names(surface: Topology, extent: tuple[int, int, int]) -> Ints:
-    """(Block, cell, patch) of each vertex as one integer, on a lattice of extent blocks."""
-    patch = np.arange(surface.vertices) - np.repeat(surface.start[:-1], np.diff(surface.start))
-    return np.asarray(_names(surface, extent, vertex_places(surface)) * PATCHES + patch)
+def vertex_names(surface: Topology, extent: tuple[int, int, int], which: Ints | None = None) -> Ints:
+    """(Block, cell, patch) of each vertex, or of some, as one integer, on a lattice of extent blocks."""
+    which = np.arange(surface.vertices) if which is None else which
+    cell = np.searchsorted(surface.start, which, "right") - 1
+    return np.asarray(_names(surface, extent, surface.place[cell]) * PATCHES + which - surface.start[cell])
 
 
 def crossing_names(surface: Topology, extent: tuple[int, int, int]) -> Ints:
     """(Axis, block, lattice edge) of each crossing as one integer, on a lattice of extent blocks."""
     axis = np.repeat(np.arange(3), np.diff(surface.axes))
     return axis * (CELLS * extent[0] * extent[1] * extent[2]) + _names(surface, extent, crossing_places(surface))
+
+
+def blocks_of_names(names: Ints, extent: tuple[int, int, int]) -> Ints:
+    """The blocks (n, 3) that vertices of these names lie in."""
+    return np.stack(np.unravel_index(names // (PATCHES * CELLS), extent), axis=1)
 
 
 def _names(surface: Topology, extent: tuple[int, int, int], place: Numbers) -> Ints:
@@ -223,8 +230,8 @@ class Piece:
 
     Blocks: ``corner`` (3, n), in lexicographic order; ``vertices`` (n,) and ``crossings`` (3, n) tell how many each
     has. Arrays of the surface are in the order of the whole surface. Faces count the piece's own vertices and, after
-    them, the `strangers`: names of vertices of other pieces. ``rim`` are the names of those own vertices that others
-    may touch, ``rim_number`` which ones they are.
+    them, the `strangers`: names of vertices of other pieces, ``stranger_points`` (3, s) where they are. ``rim`` are the
+    names of those own vertices that others may touch, ``rim_number`` which ones they are.
     """
 
     corner: Ints
@@ -232,6 +239,7 @@ class Piece:
     crossings: Numbers
     surface: Unfinished
     strangers: Ints
+    stranger_points: Floats
     rim: Ints
     rim_number: Numbers
 
@@ -248,32 +256,47 @@ def own_piece(made: Assembly, box: Ints, extent: tuple[int, int, int], notes: tu
     """
     surface = made.surface
     own = inside(surface.corner, box)
-    place = vertex_places(surface)
-    mine, block = own[place >> 9], crossing_places(surface) >> 9
-    crossed, axis = own[block], np.repeat(np.arange(3), np.diff(surface.axes))
-    names = vertex_names(surface, extent)
+    first, begin = surface.start[surface.cells_before[:, 0]], surface.edges_before[:, :, 0]
+    vertices, per_axis = np.diff(first), np.diff(begin, axis=1)
+    mine = np.repeat(own, vertices)
+    # Blocks of a box follow each other in stretches, one where it is cut across the first axis alone.
+    ends = np.flatnonzero(np.diff(own, prepend=False, append=False)).reshape(-1, 2)
+    of_vertices = [slice(*pair) for pair in first[ends].tolist()]
+    of_crossings = [slice(*pair) for axis in begin for pair in axis[ends].tolist()]
 
     # Others touch the cells on the upper sides of the box: the crossings of a cell's lower ends are around it.
+    near = own & (surface.corner + BLOCK == box[1, :, None]).any(axis=0)
+    cells = np.flatnonzero(np.repeat(near, np.diff(surface.cells_before[:, 0])))
+    place = surface.place[cells]
     cell = surface.corner[:, place >> 9] + np.stack([place >> 6 & 7, place >> 3 & 7, place & 7])
-    rim = np.flatnonzero(mine & (cell == box[1, :, None] - 1).any(axis=0))
-    count = int(mine.sum())
-    number = np.cumsum(mine, dtype=np.int32) - 1
-    faces = made.faces.reshape(-1, 6)[crossed].reshape(-1, 3)
-    strange = np.unique(faces[~mine[faces]])
+    cells = cells[(cell == box[1, :, None] - 1).any(axis=0)]
+    counts = surface.start[cells + 1] - surface.start[cells]
+    rim = np.repeat(surface.start[cells] - np.cumsum(counts) + counts, counts) + np.arange(counts.sum())
+    number = np.cumsum(mine, dtype=np.int32) - np.int32(1)
+    count = int(vertices[own].sum())
+    faces = _stretches(made.faces.reshape(-1, 6), of_crossings).reshape(-1, 3)
+    used = np.zeros(len(mine), np.bool_)
+    mark(faces, used)
+    strange = np.flatnonzero(used & ~mine)
     number[strange] = count + np.arange(len(strange))
-
-    n = surface.corner.shape[1]
-    per_axis = np.bincount((axis * n + block)[crossed], minlength=3 * n).reshape(3, n)[:, own]
-    points = np.ascontiguousarray(made.points[:, : len(mine)][:, mine])
+    renumber(faces, number)
+    points = np.concatenate([made.points[:, :0], *(made.points[:, part] for part in of_vertices)], axis=1)
+    leaf, flaws = _stretches(made.leaf, of_crossings), _stretches(made.flaws, of_crossings)
     return Piece(
         np.ascontiguousarray(surface.corner[:, own]),
-        np.bincount(place[mine] >> 9, minlength=n)[own].astype(np.int32),
-        per_axis.astype(np.int32),
-        Unfinished(points, count, number[faces], made.leaf[crossed], made.flaws[crossed], notes),
-        names[strange],
-        names[rim],
+        vertices[own],
+        np.ascontiguousarray(per_axis[:, own]),
+        Unfinished(points, count, faces, leaf, flaws, notes),
+        vertex_names(surface, extent, strange),
+        np.ascontiguousarray(made.points[:, strange]),
+        vertex_names(surface, extent, rim),
         number[rim],
     )
+
+
+def _stretches(rows: Any, parts: Sequence[slice]) -> Any:
+    """Some stretches of rows, one after the other."""
+    return np.concatenate([rows[:0], *(rows[part] for part in parts)])
 
 
 def inside(corner: Ints, box: Ints) -> Flags:

@@ -1,0 +1,200 @@
+"""Meshes larger than memory: pieces to disk, and from there into the file, the same bytes as of the uncut mesh.
+
+A piece is a box of the lattice. Boxes that do not fit into what is left of the memory are cut along their first axis
+that has several blocks, so that pieces follow each other in the order of the surface. Pieces that are done lie in the
+folder ``NAME.parts`` beside the file until it is whole: whoever comes again goes on from there. Flaws are mended where
+all pieces are known (`sharp.mending`); then vertices and faces are written one after the other.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import shutil
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rsym.arrays import Ints
+from rsym.atomic import target_of, writing
+from rsym.errors import RsymError
+from rsym.sampling.memory import Budget, TooLarge, resident, size_of
+from rsym.sampling.mesh_writer import MeshWriter, Streamed
+from rsym.sampling.progress import Crew
+from rsym.sampling.sharp.assembly import Job, assemble
+from rsym.sampling.sharp.certificates import joined
+from rsym.sampling.sharp.mending import mend, to_mend
+from rsym.sampling.sharp.pieces import inside, own_piece
+from rsym.sampling.sharp.signs import BLOCK, Blocks
+from rsym.sampling.sharp.stored import StoredPiece, Surface, keep
+from rsym.version import __version__
+
+# For what does not grow with a piece: loops in threads, batches of boxes to certify, rows on their way to the file.
+RESERVE = 1.2e8
+# The least that a piece needs to get anywhere: a few hundred blocks.
+LEAST = 5e7
+# Larger pieces save nothing, and more is lost with one.
+MOST = 4e9
+LAYOUT = 1  # of the folder
+
+
+def key_of(job: Job, letters: Any, box: Any) -> str:
+    """A hash of all that the triangles depend on."""
+    form = job.kernels.form
+    program = form.builder.program({"value": form.value}).digest
+    parts = (__version__, LAYOUT, program, form.leaves, form.gates, form.caps, sorted(letters.items()), box, job.cells)
+    return hashlib.sha256(f"{parts}{job.lattice.tobytes().hex()}".encode()).hexdigest()
+
+
+def stream(job: Job, path: Path, key: str, crew: Crew, pool: Executor, memory: float) -> Streamed | None:
+    """The surface of a job into a file; None where there is no surface."""
+    budget = Budget(min(_free(memory), MOST))
+    try:
+        return _streamed(job, path, key, crew, pool, budget)
+    except TooLarge as error:
+        raise RsymError(
+            f"a piece needs about {size_of(error.need)} of memory, {size_of(error.free)} are left for it",
+            code="memory",
+            remedy=f'give memory="{math.ceil((memory + error.need - error.free) / 1e8) / 10:.1f}GB" or more',
+        ) from None
+
+
+def _streamed(job: Job, path: Path, key: str, crew: Crew, pool: Executor, budget: Budget) -> Streamed | None:
+    with writing(path):
+        folder = _opened(path, key)
+        crew.stage(800)
+        pieces = [StoredPiece(one, box) for one, box in _Pieces(job, folder, crew, pool, budget).all()]
+        surface = Surface(pieces, job.extent)
+        notes = joined([piece.notes for piece in pieces]) if pieces else None
+        if not surface.crossings or notes is None:
+            shutil.rmtree(folder, ignore_errors=True)
+            return None
+        crew.stage(20)
+        changes = mend(job.kernels, surface, job.lattice, crew, budget)
+        crew.stage(180)
+        writer = MeshWriter(job, surface, changes, crew, pool)
+        writer.into(path)
+        shutil.rmtree(folder, ignore_errors=True)
+    return writer.found(notes)
+
+
+def parts_of(path: Path) -> Path:
+    """The folder of the pieces of a file."""
+    target = target_of(path)
+    return target.with_name(target.name + ".parts")
+
+
+def _opened(path: Path, key: str) -> Path:
+    """The folder of the pieces, without those of another surface."""
+    folder = parts_of(path)
+    sign = folder / "surface.json"
+    if folder.exists():
+        if not sign.is_file() and any(folder.iterdir()):
+            raise RsymError(
+                f"the folder {folder.name!r} holds something else",
+                code="file-folder",
+                where=str(folder),
+                remedy="move it away, or choose another name for the file",
+            )
+        if sign.is_file() and _key_in(sign) == key:
+            return folder
+        shutil.rmtree(folder)
+    folder.mkdir()
+    draft = folder / "surface.draft"
+    draft.write_text(json.dumps({"layout": LAYOUT, "key": key}))
+    draft.rename(sign)
+    return folder
+
+
+def _key_in(sign: Path) -> str:
+    try:
+        return str(json.loads(sign.read_text())["key"])
+    except (ValueError, KeyError, TypeError):
+        return ""
+
+
+def _free(memory: float) -> float:
+    """What pieces may take of the memory, as the process stands."""
+    taken = resident()
+    free = memory - taken - RESERVE
+    if free < LEAST:
+        raise RsymError(
+            f"{size_of(memory)} of memory are too little: {size_of(taken)} are taken already",
+            code="memory",
+            remedy=f'give memory="{math.ceil((taken + RESERVE + 2 * LEAST) / 1e8) / 10:.1f}GB" or more',
+        )
+    return free
+
+
+class _Pieces:
+    """The pieces of a job, each computed unless it is there."""
+
+    def __init__(self, job: Job, folder: Path, crew: Crew, pool: Executor, budget: Budget) -> None:
+        self._job, self._folder, self._crew, self._pool, self._budget = job, folder, crew, pool, budget
+
+    def all(self) -> Iterator[tuple[Path, Ints]]:
+        """Folder and box of each, in order."""
+        extent = np.array(self._job.extent)
+        yield from self._of(np.stack([np.zeros(3, np.int64), extent * BLOCK]), 0.0, 1.0)
+
+    def _of(self, box: Ints, begin: float, end: float) -> Iterator[tuple[Path, Ints]]:
+        """The pieces of a box; it takes the progress from one share to another."""
+        folder = self._folder / "-".join(map(str, box.ravel()))
+        cut = folder.with_suffix(".cut")
+        if not folder.is_dir():
+            if not cut.is_file():
+                try:
+                    self._compute(box, folder, begin, end)
+                except TooLarge as error:
+                    cut.write_text(str(_parts(box, error)))
+            if cut.is_file():
+                boxes = _cut(box, int(cut.read_text()))
+                ends = begin + (end - begin) * np.arange(len(boxes) + 1) / len(boxes)
+                for one, (low, high) in zip(boxes, pairwise(ends.tolist()), strict=True):
+                    yield from self._of(one, low, high)
+                return
+        self._crew.stages.reach(end)
+        yield folder, box
+
+    def _compute(self, box: Ints, folder: Path, begin: float, end: float) -> None:
+        job, outer = self._job, self._crew
+
+        def reached(done: int, total: int) -> None:
+            outer.stages.reach(begin + (end - begin) * done / total)
+
+        crew, budget = Crew(self._pool, reached), self._budget
+        blocks = job.blocks(crew, budget, box)
+        made = assemble(job, blocks, crew, budget)
+        own = inside(blocks.corner, box)
+        own_blocks = Blocks(np.ascontiguousarray(blocks.corner[:, own]), blocks.words[own], blocks.visited)
+        piece = own_piece(made, box, job.extent)
+        del made, blocks
+        piece = replace(piece, surface=replace(piece.surface, notes=job.notes(own_blocks, crew)))
+        keep(folder, piece, to_mend(job.kernels, piece))
+
+
+def _parts(box: Ints, error: TooLarge) -> int:
+    """Into how many a box is cut."""
+    blocks = (box[1] - box[0]) // BLOCK
+    if (blocks <= 1).all():
+        raise error
+    return min(max(2, math.ceil(1.1 * error.need / error.free)), int(blocks[np.argmax(blocks > 1)]))
+
+
+def _cut(box: Ints, count: int) -> list[Ints]:
+    """A box cut along its first axis of several blocks."""
+    axis = int(np.argmax(box[1] - box[0] > BLOCK))
+    first, last = (box[:, axis] // BLOCK).tolist()
+    ends = np.linspace(first, last, count + 1).round().astype(np.int64) * BLOCK
+    boxes = []
+    for low, high in pairwise(ends.tolist()):
+        one = box.copy()
+        one[:, axis] = low, high
+        boxes.append(one)
+    return boxes
