@@ -21,7 +21,8 @@ from rsym.sampling.sharp.loops import loop, step
 Entries: TypeAlias = NDArray[np.int32]
 
 MIN, MAX, INFINITE, MINUS_INFINITE = -1, -2, -3, -4
-SIGN, VALUE = 0, 1  # what a region is to keep of the form: its sign, or its value
+# What a region is to keep of the form: its sign; its value; its sign and where it is undefined.
+SIGN, VALUE, DOMAIN = 0, 1, 2
 OUTSIDE, KEPT, INSIDE = 0, 1, 2  # of a box: the form is negative, may have a zero, is positive
 
 
@@ -93,16 +94,30 @@ def reduce(start: Any, entries: Any, bounds: Any, keeps: int, keep: Any, sizes: 
         for lane in range(sizes.shape[1]):
             sizes[region, lane] = 0
             root = begin + count - 1
-            if keeps == SIGN and keep[region, lane] and not bounds[root, 0, lane] <= 0 <= bounds[root, 1, lane]:
+            known = keeps == SIGN or (keeps == DOMAIN and _all_defined(entries, begin, count, bounds, lane))
+            if known and keep[region, lane] and not bounds[root, 0, lane] <= 0 <= bounds[root, 1, lane]:
                 keep[region, lane] = INSIDE if bounds[root, 0, lane] > 0 else OUTSIDE
             if keep[region, lane] == KEPT:
                 for i in range(count):
                     what = entries[begin + i, 0]
                     if what == MIN or what == MAX:
-                        idle[i] = _idle(what, entries, begin + i, bounds, begin, lane, keeps)
+                        idle[i] = (
+                            _idle(what, entries, begin + i, bounds, begin, lane, keeps)
+                            if known or keeps == VALUE
+                            else 0
+                        )
                 sizes[region, lane] = _left(entries, begin, count, idle, need, where, results, made)
                 made += sizes[region, lane]
     return made
+
+
+@step
+def _all_defined(entries: Any, begin: int, count: int, bounds: Any, lane: int) -> bool:
+    """Whether something is known of every leaf of a region: of what may be undefined nothing is."""
+    for i in range(begin, begin + count):
+        if entries[i, 0] >= 0 and bounds[i, 0, lane] == -np.inf and bounds[i, 1, lane] == np.inf:
+            return False
+    return True
 
 
 @step
@@ -147,7 +162,7 @@ def _left(entries: Any, begin: int, count: int, idle: Any, need: Any, where: Any
 def _idle(what: int, entries: Any, entry: int, bounds: Any, values: int, lane: int, keeps: int) -> Any:
     """Which operands of a gate do not matter: bits 1 and 2."""
     a, b = values + entries[entry, 1], values + entries[entry, 2]
-    if keeps == SIGN:
+    if keeps != VALUE:
         if what == MIN:
             return (bounds[a, 0, lane] > 0) + 2 * (bounds[b, 0, lane] > 0)
         return (bounds[a, 1, lane] < 0) + 2 * (bounds[b, 1, lane] < 0)
