@@ -7,6 +7,7 @@ import itertools
 import json
 import random
 import re
+import tempfile
 from decimal import Decimal
 
 import pytest
@@ -101,6 +102,11 @@ def mesh_status():
     return rsym.mesh(rsym.sphere(), 8).status
 
 
+def file_status():
+    with tempfile.TemporaryDirectory() as folder:
+        return rsym.mesh(rsym.sphere(), 8, into=f"{folder}/ball.ply").status
+
+
 def clipped_mesh():
     tube = rsym.Shape(1 - x**2 - y**2, (x, y, z), bounds=((-2, 2), (-2, 2), (-1, 1)))
     with pytest.warns(rsym.RsymWarning, match="clipped"):
@@ -141,7 +147,7 @@ REAL = [
     path,
     edges,
 ]
-REAL += [edges_by_samples, threshold, systems, mesh_status, clipped_mesh]
+REAL += [edges_by_samples, threshold, systems, mesh_status, file_status, clipped_mesh]
 REAL += [level_lines, refused_blend, corrected_patch, corrected_fit, fitted, moving]
 MAKERS = [functools.cache(make) for make in (*reports.EVERY, *body_reports.EVERY, *REAL)]
 

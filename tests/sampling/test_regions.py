@@ -13,7 +13,8 @@ from rsym.sampling.regions.leaf_tapes import LeafTapes
 from rsym.sampling.regions.region_kernels import RegionKernels, region_kernels
 from rsym.sampling.regions.regions import INFINITE, MAX, MIN, MINUS_INFINITE, Regions, whole_form, without_idle
 
-MODELS = ["car", "skeleton", "valve", "streamlined", "gear", "gyroid", "bracket", "spring", "solids", "vase"]
+SLOW = ["streamlined", "gyroid", "bracket", "spring", "solids", "vase", "lattice", "jack"]
+MODELS = ["car", "skeleton", "valve", "gear", *(pytest.param(model, marks=pytest.mark.slow) for model in SLOW)]
 
 
 def balls(side, seed=7):
