@@ -30,7 +30,7 @@ from rsym.sampling.regions.leaf_tapes import LeafTapes
 from rsym.sampling.regions.point_groups import boxes_of, by_leaf, near_each_other
 from rsym.sampling.regions.region_code import AT_ONCE, STEP, region_code
 from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes
-from rsym.sampling.regions.regions import KEPT, SIGN, VALUE, Regions, joined_regions, reduce, whole_form
+from rsym.sampling.regions.regions import DEFINED_SIGN, KEPT, SIGN, VALUE, Regions, joined_regions, reduce, whole_form
 
 Sides: TypeAlias = NDArray[np.uint8]
 Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]]  # a call over pieces of a range
@@ -154,12 +154,12 @@ class RegionKernels:
 
     def kept(self, ends: Floats, parent: Ints, among: Regions | None, run: Run) -> tuple[Flags, Regions]:
         """Which boxes with these ends (6, n) may hold a zero, and the regions of all; `parent` ascends in `among`."""
-        sides, regions = self.sides(ends, parent, among, run)
+        sides, regions = self._narrowed(ends, parent, among, SIGN, run)
         return sides == KEPT, regions
 
     def sides(self, ends: Floats, parent: Ints, among: Regions | None, run: Run) -> tuple[Sides, Regions]:
-        """The same, with OUTSIDE and INSIDE of the others."""
-        return self._narrowed(ends, parent, among, SIGN, run)
+        """OUTSIDE, KEPT or INSIDE; where a leaf may be undefined a box is kept."""
+        return self._narrowed(ends, parent, among, DEFINED_SIGN, run)
 
     def _narrowed(
         self, ends: Floats, parent: Ints, among: Regions | None, keeps: int, run: Run

@@ -21,7 +21,9 @@ from rsym.sampling.sharp.loops import loop, step
 Entries: TypeAlias = NDArray[np.int32]
 
 MIN, MAX, INFINITE, MINUS_INFINITE = -1, -2, -3, -4
-SIGN, VALUE = 0, 1  # what a region is to keep of the form: its sign, or its value
+# What a region is to keep of the form: its sign, where leaves that decide it hide others that are undefined; its sign
+# or its value, and that it is undefined where one of its leaves is.
+SIGN, DEFINED_SIGN, VALUE = 0, 1, 2
 OUTSIDE, KEPT, INSIDE = 0, 1, 2  # of a box: the form is negative, may have a zero, is positive
 
 
@@ -93,7 +95,9 @@ def reduce(start: Any, entries: Any, bounds: Any, keeps: int, keep: Any, sizes: 
         for lane in range(sizes.shape[1]):
             sizes[region, lane] = 0
             root = begin + count - 1
-            if keeps == SIGN and keep[region, lane] and not bounds[root, 0, lane] <= 0 <= bounds[root, 1, lane]:
+            if keeps != SIGN and keep[region, lane]:
+                _spread(entries, begin, count, bounds, lane)
+            if keeps != VALUE and keep[region, lane] and not bounds[root, 0, lane] <= 0 <= bounds[root, 1, lane]:
                 keep[region, lane] = INSIDE if bounds[root, 0, lane] > 0 else OUTSIDE
             if keep[region, lane] == KEPT:
                 for i in range(count):
@@ -103,6 +107,17 @@ def reduce(start: Any, entries: Any, bounds: Any, keeps: int, keep: Any, sizes: 
                 sizes[region, lane] = _left(entries, begin, count, idle, need, where, results, made)
                 made += sizes[region, lane]
     return made
+
+
+@step
+def _spread(entries: Any, begin: int, count: int, bounds: Any, lane: int) -> None:
+    """Of a gate nothing is known where nothing is of an operand, which may be undefined."""
+    for i in range(begin, begin + count):
+        if entries[i, 0] == MIN or entries[i, 0] == MAX:
+            for k in range(2):
+                operand = begin + entries[i, 1 + k]
+                if bounds[operand, 0, lane] == -np.inf and bounds[operand, 1, lane] == np.inf:
+                    bounds[i, 0, lane], bounds[i, 1, lane] = -np.inf, np.inf
 
 
 @step
@@ -147,7 +162,7 @@ def _left(entries: Any, begin: int, count: int, idle: Any, need: Any, where: Any
 def _idle(what: int, entries: Any, entry: int, bounds: Any, values: int, lane: int, keeps: int) -> Any:
     """Which operands of a gate do not matter: bits 1 and 2."""
     a, b = values + entries[entry, 1], values + entries[entry, 2]
-    if keeps == SIGN:
+    if keeps != VALUE:
         if what == MIN:
             return (bounds[a, 0, lane] > 0) + 2 * (bounds[b, 0, lane] > 0)
         return (bounds[a, 1, lane] < 0) + 2 * (bounds[b, 1, lane] < 0)
