@@ -85,7 +85,7 @@ class RegionKernels:
         self._codes = {name: self._leaf_codes(name) for name in ("gradient", "enclosure")}
         self._whole = whole_form(form)
         self._cap_letters = [cap_letters(name) for name in form.builder.coordinates]
-        self._last: dict[str, Any] = {}  # of all copies: the letters of the last one, and what follows from them
+        self._last: list[Any] = [(None, None)]  # of all copies: the letters of the last one, and what follows from them
         self._check()
 
     def _check(self) -> None:
@@ -133,12 +133,14 @@ class RegionKernels:
             values.update(zip(names, ends, strict=True))
         check_parameters(self.form, values)
         plain = tuple(values.get(name, 1.0) for name in self.form.builder.letters)
-        if self._last.get("letters") != (plain, bounds):
+        chosen = np.array(plain).tobytes(), bounds  # 0 and -0 are two letters
+        known, made = self._last[0]  # both at once: another thread may replace them
+        if known != chosen:
             self.take((plain, np.ones(len(self.form.leaves))))
             self.take((plain, median_scales(self, len(self.form.leaves), bounds)))
-            self._last.update(letters=(plain, bounds), made=(self._given, self._numbers, self._code_of_whole))
+            self._last[0] = chosen, (self._given, self._numbers, self._code_of_whole)
         else:
-            self._given, self._numbers, self._code_of_whole = self._last["made"]
+            self._given, self._numbers, self._code_of_whole = made
 
     _given: tuple[Sequence[float], Floats]
     _numbers: Mapping[str, tuple[Floats, Ints]]
