@@ -188,6 +188,8 @@ def _uniform(program: Program) -> UniformNumbers:
 
 def _lifted(nodes: Sequence[Node], uniform: Sequence[bool], leaf: int) -> tuple[tuple[Node, ...], list[int]]:
     """The nodes of a leaf, uniform numbers in sums and products as letters, and what these are."""
+    if uniform[leaf]:
+        return (Node("input", (), "0"),), [leaf]
     local: dict[int, int] = {}
     found: list[Node] = []
     lifted: list[int] = []
