@@ -380,7 +380,7 @@ MOST_KERNELS = 64
 def region_kernels(form: SignForm) -> RegionKernels:
     """Made once in a process; each caller has letters of its own."""
     shared = len(form.gates) > SMALL  # of few leaves those that are alike spare little, and each has the bits of LLVM
-    key = f"{shared}{form.leaves}{form.gates}{form.builder.program({'value': form.value}).digest}"
+    key = f"{shared}{form.key}"
     with _making:
         kernels = _kernels.get(key)
         if kernels is None:
