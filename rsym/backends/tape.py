@@ -74,7 +74,7 @@ class UniformNumbers:
     """What of a program is the same at all points, from its letters: single numbers, in float64."""
 
     def __init__(self, program: Program, numbers: Sequence[int], precision: Precision = FLOAT64) -> None:
-        part = assemble(program.nodes, (), program.letters, {str(number): number for number in numbers})
+        part = assemble(program.nodes, (), program.letters, {str(k): number for k, number in enumerate(numbers)})
         # Constants and letters are what varies here.
         known = {n: f"constant {n}" for n, node in enumerate(part.nodes) if node.operation in ("const", "undefined")}
         nodes = tuple(Node("input", (), known[n]) if n in known else node for n, node in enumerate(part.nodes))

@@ -122,6 +122,13 @@ class SignForm:
         make = self.builder.make
         return through(self.gates, self.leaves, lambda gate, first, second: make(gate.operation, first, second))[-1]
 
+    @property
+    def key(self) -> str:
+        """Forms with the same key have the same leaves, gates and parameters: what is made for one serves the other."""
+        chosen = {f"{k}": node for k, (_, node) in enumerate(self.parameters)}
+        digest = self.builder.program({"value": self.value, **chosen}).digest
+        return f"{self.leaves}{self.gates}{[operation for operation, _ in self.parameters]}{digest}"
+
     def capped(self) -> SignForm:
         """The form inside its bounds, six leaves more; the bounds are the letters ``x lower``, ``x upper``, ..."""
         b = self.builder

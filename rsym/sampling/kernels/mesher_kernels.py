@@ -217,7 +217,7 @@ _MOST_KERNELS = 64
 
 def mesher_kernels(form: SignForm) -> MesherKernels:
     """Compiled once in a process; each caller has letters of its own."""
-    key = f"{form.leaves}{form.gates}{form.builder.program({'value': form.value}).digest}"
+    key = form.key
     with _making:
         kernels = _kernels.get(key)
         if kernels is None:

@@ -340,7 +340,7 @@ _MOST_KERNELS = 32  # a notebook has a few models open
 
 def ray_kernels(form: SignForm) -> RayKernels:
     """Compiled once in a process."""
-    key = f"{form.leaves}{form.gates}{form.builder.program({'value': form.value}).digest}"
+    key = form.key
     with _making:
         if key not in _kernels:
             while len(_kernels) >= _MOST_KERNELS:

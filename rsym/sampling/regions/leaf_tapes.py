@@ -153,7 +153,7 @@ class _LiftedLetters:
         self._leaves = [_lifted(nodes, self._program.uniform, numbers[str(k)]) for k in range(len(form.leaves))]
         used = {number for _, lifted in self._leaves for number in lifted}
         part = assemble(self._program.nodes, (), self._program.letters, {f"{number}": number for number in used})
-        self._values = _uniform(part)
+        self._values = _uniform(expand(part))
         self._bounds = _uniform(expand(interval_program(part)))
         self._places = {int(name): k for k, (name, _) in enumerate(part.outputs)}
 
@@ -188,6 +188,8 @@ def _uniform(program: Program) -> UniformNumbers:
 
 def _lifted(nodes: Sequence[Node], uniform: Sequence[bool], leaf: int) -> tuple[tuple[Node, ...], list[int]]:
     """The nodes of a leaf, uniform numbers in sums and products as letters, and what these are."""
+    if uniform[leaf]:
+        return (Node("input", (), "0"),), [leaf]
     local: dict[int, int] = {}
     found: list[Node] = []
     lifted: list[int] = []

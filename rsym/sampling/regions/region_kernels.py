@@ -30,7 +30,7 @@ from rsym.sampling.regions.leaf_tapes import LeafTapes
 from rsym.sampling.regions.point_groups import boxes_of, by_leaf, near_each_other
 from rsym.sampling.regions.region_code import AT_ONCE, region_code
 from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes, leaf_codes
-from rsym.sampling.regions.regions import DOMAIN, KEPT, SIGN, VALUE, Regions, joined_regions, reduce, whole_form
+from rsym.sampling.regions.regions import DEFINED_SIGN, KEPT, SIGN, VALUE, Regions, joined_regions, reduce, whole_form
 
 Sides: TypeAlias = NDArray[np.uint8]
 Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]]  # a call over pieces of a range
@@ -75,7 +75,7 @@ class RegionKernels:
         self._codes = {name: leaf_codes(self._tapes, name) for name in ("gradient", "enclosure")}
         self._whole = whole_form(form)
         self._cap_letters = [cap_letters(name) for name in form.builder.coordinates]
-        self._last: dict[str, Any] = {}  # of all copies: the letters of the last one, and what follows from them
+        self._last: list[Any] = [(None, None)]  # of all copies: the letters of the last one, and what follows from them
         self._check()
 
     def _check(self) -> None:
@@ -107,13 +107,14 @@ class RegionKernels:
             values.update(zip(names, ends, strict=True))
         check_parameters(self.form, values)
         plain = self.in_order(values)
-        last = self._last.get("set")  # read once: other copies set letters meanwhile
-        if last is not None and last[0] == (plain, bounds):
-            self._given, self._numbers, self._code_of_whole = last[1]
-            return
-        self.take((plain, np.ones(len(self.form.leaves))))
-        self.take((plain, median_scales(self, len(self.form.leaves), bounds)))
-        self._last["set"] = (plain, bounds), (self._given, self._numbers, self._code_of_whole)
+        chosen = np.array(plain).tobytes(), bounds  # 0 and -0 are two letters
+        known, made = self._last[0]  # both at once: another thread may replace them
+        if known != chosen:
+            self.take((plain, np.ones(len(self.form.leaves))))
+            self.take((plain, median_scales(self, len(self.form.leaves), bounds)))
+            self._last[0] = chosen, (self._given, self._numbers, self._code_of_whole)
+        else:
+            self._given, self._numbers, self._code_of_whole = made
 
     def in_order(self, letters: Mapping[str, float]) -> tuple[float, ...]:
         """Letters in the order of the form."""
@@ -137,8 +138,8 @@ class RegionKernels:
         return sides == KEPT, regions
 
     def sides(self, ends: Floats, parent: Ints, among: Regions | None, run: Run) -> tuple[Sides, Regions]:
-        """The same, with OUTSIDE and INSIDE of the others; what may be undefined in a box is KEPT."""
-        return self._narrowed(ends, parent, among, DOMAIN, run)
+        """OUTSIDE, KEPT or INSIDE; where a leaf may be undefined a box is kept."""
+        return self._narrowed(ends, parent, among, DEFINED_SIGN, run)
 
     def valued(self, ends: Floats, parent: Ints, among: Regions | None, run: Run) -> Regions:
         """The regions of boxes that keep the value, not just the sign."""
@@ -367,7 +368,7 @@ MOST_KERNELS = 64
 def region_kernels(form: SignForm) -> RegionKernels:
     """Made once in a process; each caller has letters of its own."""
     shared = len(form.gates) > SMALL  # of few leaves those that are alike spare little, and each has the bits of LLVM
-    key = f"{shared}{form.leaves}{form.gates}{form.builder.program({'value': form.value}).digest}"
+    key = f"{shared}{form.key}"
     with _making:
         kernels = _kernels.get(key)
         if kernels is None:

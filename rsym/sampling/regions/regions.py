@@ -21,8 +21,9 @@ from rsym.sampling.sharp.loops import loop, step
 Entries: TypeAlias = NDArray[np.int32]
 
 MIN, MAX, INFINITE, MINUS_INFINITE = -1, -2, -3, -4
-# What a region is to keep of the form: its sign; its value; its sign and where it is undefined.
-SIGN, VALUE, DOMAIN = 0, 1, 2
+# What a region is to keep of the form: its sign, where leaves that decide it hide others that are undefined; its sign
+# or its value, and that it is undefined where one of its leaves is.
+SIGN, DEFINED_SIGN, VALUE = 0, 1, 2
 OUTSIDE, KEPT, INSIDE = 0, 1, 2  # of a box: the form is negative, may have a zero, is positive
 
 
@@ -94,30 +95,29 @@ def reduce(start: Any, entries: Any, bounds: Any, keeps: int, keep: Any, sizes: 
         for lane in range(sizes.shape[1]):
             sizes[region, lane] = 0
             root = begin + count - 1
-            known = keeps == SIGN or (keeps == DOMAIN and _all_defined(entries, begin, count, bounds, lane))
-            if known and keep[region, lane] and not bounds[root, 0, lane] <= 0 <= bounds[root, 1, lane]:
+            if keeps != SIGN and keep[region, lane]:
+                _spread(entries, begin, count, bounds, lane)
+            if keeps != VALUE and keep[region, lane] and not bounds[root, 0, lane] <= 0 <= bounds[root, 1, lane]:
                 keep[region, lane] = INSIDE if bounds[root, 0, lane] > 0 else OUTSIDE
             if keep[region, lane] == KEPT:
                 for i in range(count):
                     what = entries[begin + i, 0]
                     if what == MIN or what == MAX:
-                        idle[i] = (
-                            _idle(what, entries, begin + i, bounds, begin, lane, keeps)
-                            if known or keeps == VALUE
-                            else 0
-                        )
+                        idle[i] = _idle(what, entries, begin + i, bounds, begin, lane, keeps)
                 sizes[region, lane] = _left(entries, begin, count, idle, need, where, results, made)
                 made += sizes[region, lane]
     return made
 
 
 @step
-def _all_defined(entries: Any, begin: int, count: int, bounds: Any, lane: int) -> bool:
-    """Whether something is known of every leaf of a region: of what may be undefined nothing is."""
+def _spread(entries: Any, begin: int, count: int, bounds: Any, lane: int) -> None:
+    """Of a gate nothing is known where nothing is of an operand, which may be undefined."""
     for i in range(begin, begin + count):
-        if entries[i, 0] >= 0 and bounds[i, 0, lane] == -np.inf and bounds[i, 1, lane] == np.inf:
-            return False
-    return True
+        if entries[i, 0] == MIN or entries[i, 0] == MAX:
+            for k in range(2):
+                operand = begin + entries[i, 1 + k]
+                if bounds[operand, 0, lane] == -np.inf and bounds[operand, 1, lane] == np.inf:
+                    bounds[i, 0, lane], bounds[i, 1, lane] = -np.inf, np.inf
 
 
 @step
