@@ -23,7 +23,7 @@ GLYPHS = (1, 3, 6, 12, 24, 48, 72)
 CELLS = (64, 96, 128, 192, 256, 384, 512, 1024, 2048)
 LETTERS = (1, 3, 10, 30, 100, 300)
 BALLS = 300  # of which some have a letter each
-LONGEST = 60.0  # seconds that building by LLVM may take
+LONGEST, STEEP = 60.0, 10.0  # seconds that building by LLVM may take, and how many times longer for the next size
 PATIENCE = 900.0
 ROUNDS, ENOUGH = 9, 1.5  # calls after the first, and seconds for them
 WORDS = "REAL LOGIC "
@@ -164,7 +164,7 @@ MODELS = {"balls": balls, "gyroids": gyroids, "text": text, "cells": car, "lette
 
 def resolution(work, size):
     """The cells of each work: strokes of a page are thin."""
-    return {"cells": (size,) * 3, "text": 256}.get(work, 128)
+    return {"cells": size, "text": 256}.get(work, 128)
 
 
 def measured(work, size, backend):
@@ -215,7 +215,7 @@ def on_a_lattice(shape, cells):
     import rsym
     from rsym.sampling.lattice import lattice_over
 
-    lattice = lattice_over(shape.bounds, (cells,) * 3)
+    lattice = lattice_over(shape.bounds, cells)
     kernel = rsym.compile(shape, threads=1)
     kernel(0.0, 0.0, 0.0)
     start = time.process_time()
@@ -244,7 +244,7 @@ def plan():
     """What is measured: work, sizes, backend."""
     yield from (("balls", COUNTS, "tape"), ("gyroids", CUBES, "tape"), ("text", GLYPHS, "tape"))
     yield from (("cells", CELLS, "tape"), ("letters", LETTERS, "tape"))
-    yield from (("cells", CELLS, "llvm"), ("cells", CELLS[:6], "lattice"), ("letters", LETTERS[::2], "llvm"))
+    yield from (("cells", CELLS, "llvm"), ("cells", CELLS[:7], "lattice"), ("letters", (*LETTERS[::2], BALLS), "llvm"))
     yield from (("balls", COUNTS, "llvm"), ("gyroids", CUBES, "llvm"), ("text", GLYPHS, "llvm"))
 
 
@@ -275,7 +275,7 @@ def main(arguments):
             found = alone(work, size, backend)
             rows.append({name: round(value, 6) if isinstance(value, float) else value for name, value in found.items()})
             print(rows[-1], flush=True)
-            if backend == "llvm" and found["build"] > LONGEST / 4:  # the next one has three times as many leaves
+            if backend == "llvm" and work != "letters" and found["build"] * STEEP > LONGEST:
                 break
     versions = {name: importlib.metadata.version(name) for name in ("numpy", "numba", "llvmlite", "sympy")}
     about = {
