@@ -1,7 +1,8 @@
 """How time and memory grow with leaves, cells and letters: figures measured once, stored in `growth.json`.
 
-Each row of the file was measured in a process of its own by `tests/benchmarks/bench_growth.py`, which writes it: seconds
-are those of the processor, in all threads; bytes are the peak of the process above what it held before the shape was made.
+Each row of the file was measured in a process of its own by `tests/benchmarks/bench_growth.py`, which writes it:
+seconds are those of the processor, in all threads; bytes are the peak of the process above what it held before the
+shape was made.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,7 +26,7 @@ STORED = "growth.json"
 # A law is fitted to sizes from such a share of the largest on: below, what is always there counts, as of few leaves, or
 # what comes with coarse meshes, as the folds of the car below 256 cells, which take longer than all else.
 REACH = {"cells": 8.0}
-USUAL_REACH = 100.0
+USUAL_REACH = 30.0
 DENSE = "llvm"  # one function of the whole form
 SIZE = (12.6, 8.4)
 PLACES = {"left": 0.06, "right": 0.98, "bottom": 0.13, "top": 0.96, "wspace": 0.34, "hspace": 0.62}
@@ -141,57 +142,81 @@ def draw_growth() -> Drawing:
     figure = Figure(figsize=SIZE)
     above, below = figure.subplots(2, 3, gridspec_kw=PLACES)
     told: list[tuple[str, ...]] = []
-    of_leaves = [(work, way) for way in ("tape", DENSE) for work in LEAVES]
-    of_cells = [("cells", way) for way in ("tape", DENSE, "lattice")]
-    of_letters = [("letters", way) for way in ("tape", DENSE)]
-    for ax, title, quantity, label, across, parts in (
-        (above[0], "Building a mesher", "build", "seconds", "leaves", of_leaves),
-        (above[1], "A mesh, again", "mesh", "seconds", "leaves", of_leaves),
-        (above[2], "Memory", "bytes", "megabytes", "leaves", of_leaves),
-        (below[0], "A mesh of the car, again", "mesh", "seconds", "cells along the longest side", of_cells),
-        (below[1], "Memory for the car", "bytes", "megabytes", "cells along the longest side", of_cells),
-        (below[2], "A mesh of 300 balls, a letter moved", "mesh", "seconds", "letters", of_letters),
-    ):
-        lines = [series(rows, work, way, quantity) for work, way in parts]
-        _draw_panel(ax, lines, 1e6 if quantity == "bytes" else 1.0)
-        ax.set_title(title, fontsize=11)
-        ax.set(xlabel=across, ylabel=label)
-        told += [(title, *_told(line)) for line in lines]
-    for work, way in of_leaves:
-        told.append(("A mesh, again, for a triangle", *_told(series(rows, work, way, "mesh/triangles"))))
+    for ax, panel in zip((*above, *below), PANELS, strict=True):
+        lines = [series(rows, work, way, panel.quantity) for work, way in panel.parts]
+        _draw_panel(ax, lines, panel.unit)
+        ax.set_title(panel.title, fontsize=11)
+        ax.set(xlabel=panel.across, ylabel=panel.unit.name)
+        told += [_told(panel, line) for line in lines]
+    told += [_told(SHARE, series(rows, work, way, SHARE.quantity)) for work, way in SHARE.parts]
     return Drawing(figure, "", 0, _remark(known["about"]), Table(_HEADER, tuple(told)))
 
 
-_HEADER = ("what", "of", "by", "smallest", "largest", "at the largest", "exponent", "fitted from")
+class Unit(NamedTuple):
+    """What numbers are shown in, how many of those stored it is, and its sign."""
+
+    name: str
+    size: float
+    sign: str
+
+
+class Panel(NamedTuple):
+    """What is shown of which works, each by one way."""
+
+    title: str
+    quantity: str
+    unit: Unit
+    across: str
+    parts: tuple[tuple[str, str], ...]
+
+
+_SECONDS, _MICROSECONDS, _MEGABYTES = Unit("seconds", 1.0, "s"), Unit("", 1e-6, "µs"), Unit("megabytes", 1e6, "MB")
+_OF_LEAVES = tuple((work, way) for way in ("tape", DENSE) for work in LEAVES)
+_OF_CELLS = tuple(("cells", way) for way in ("tape", DENSE, "lattice"))
+_OF_LETTERS = (("letters", "tape"), ("letters", DENSE))
+_CELLS = "cells along the longest side"
+PANELS = (
+    Panel("Building a mesher", "build", _SECONDS, "leaves", _OF_LEAVES),
+    Panel("A mesh, again", "mesh", _SECONDS, "leaves", _OF_LEAVES),
+    Panel("Memory for both", "bytes", _MEGABYTES, "leaves", _OF_LEAVES),
+    Panel("A mesh of the car, again", "mesh", _SECONDS, _CELLS, _OF_CELLS),
+    Panel("Memory for the car", "bytes", _MEGABYTES, _CELLS, _OF_CELLS),
+    Panel("A mesh of 300 balls, a letter moved", "mesh", _SECONDS, "letters", _OF_LETTERS),
+)
+SHARE = Panel("A mesh, again, for a triangle", "mesh/triangles", _MICROSECONDS, "leaves", _OF_LEAVES)
+_HEADER = ("what", "of", "by", "against", "from", "to", "there", "exponent", "fitted from")
 _WAYS = {"tape": "regions", DENSE: "one compiled function", "lattice": "every point"}
+_BODIES = {"cells": "the car", "letters": "300 balls"}
 
 
-def _told(line: Series) -> tuple[str, ...]:
-    """One row of the table, but for its title."""
-    fitted, _ = line.fitted
+def _told(panel: Panel, line: Series) -> tuple[str, ...]:
+    """One row of the table."""
+    (least, *_), last = line.fitted[0], line.values[-1] / panel.unit.size
     return (
-        NAMES[line.work] if line.work in LEAVES else {"cells": "the car", "letters": "300 balls"}[line.work],
+        panel.title,
+        _BODIES.get(line.work, NAMES[line.work]),
         _WAYS[line.backend],
+        panel.across,
         f"{line.sizes[0]:g}",
         f"{line.sizes[-1]:g}",
-        f"{line.values[-1]:.3g}",
+        f"{spaced(round(last)) if last >= 100 else f'{last:.3g}'} {panel.unit.sign}",
         _exponent(line.law).replace("-", "−"),
-        f"{min(fitted):g}",
+        f"{least:g}",
     )
 
 
-def _draw_panel(ax: Axes, lines: Sequence[Series], unit: float) -> None:
+def _draw_panel(ax: Axes, lines: Sequence[Series], unit: Unit) -> None:
     """Points, with the fitted law as a line as far as it was fitted, its exponent in the legend."""
     for line in lines:
         colour = {DENSE: DENSE_COLOUR, "lattice": LATTICE_COLOUR}.get(line.backend, COLOURS[line.work])
         face = colour if line.backend == "tape" else "white"
         fitted, _ = line.fitted
-        ends = np.array([min(fitted), max(fitted)])
+        ends = [min(fitted), max(fitted)]
         law = line.law
-        ax.plot(ends, law.factor * ends**law.exponent / unit, color=colour, linewidth=1.3, alpha=0.65)
+        ax.plot(ends, [law.at(end) / unit.size for end in ends], color=colour, linewidth=1.3, alpha=0.65)
         marks: dict[str, Any] = {"color": colour, "markerfacecolor": face, "markersize": 5, "linestyle": "none"}
         label = rf"{_name(line)} $\propto n^{{{_exponent(law)}}}$"
-        ax.plot(line.sizes, np.array(line.values) / unit, marker=MARKERS[line.work], label=label, **marks)
+        ax.plot(line.sizes, np.array(line.values) / unit.size, marker=MARKERS[line.work], label=label, **marks)
     ax.set(xscale="log", yscale="log")
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(LogLocator(10.0, numticks=12))
@@ -230,11 +255,11 @@ def _remark(about: dict[str, Any]) -> str:
     cores = CORES.get(about["cores"], f"{about['cores']} cores")
     return (
         f"Measured once, on {cores}, each in a process of its own; nothing was measured in this run. Seconds are those "
-        "of the processor, in all threads; the least of several calls after the first. Memory is the peak of the process "
-        "above what it held before the shape was made, in megabytes of 10⁶ bytes. Regions evaluate what matters in a "
-        "box and compile nothing for the model; the dense way beside it compiles one function of the whole model by "
-        "LLVM. Balls and gyroid lattices have 128 cells along a side, the text 256. Surfaces grow with the number of "
-        "leaves, so the last rows of the table count seconds for a triangle. The car by every point of the lattice: its "
-        "value there and marching cubes. Laws are fitted to "
-        "the larger sizes, as the table says."
+        "of the processor, in all threads, of meshes the least of several calls after the first. Memory is the peak of "
+        "the process above what it held before the shape was made, in megabytes of 10⁶ bytes. Regions evaluate what "
+        "matters in a box and compile nothing for the model; the dense way beside it, red, compiles the whole model to "
+        "one function by LLVM. Every point of the lattice, grey: values there and marching cubes. Balls and gyroid "
+        "lattices have 128 cells along a side, texts 256. Surfaces grow with the leaves of these models, so the last "
+        "rows of the table tell the time for one triangle. Laws are fitted to the larger sizes only: from those that "
+        "the table names on."
     )
