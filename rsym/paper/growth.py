@@ -47,7 +47,7 @@ class PowerLaw:
 
     def at(self, size: float) -> float:
         """Its value."""
-        return self.factor * size**self.exponent
+        return self.factor * float(size**self.exponent)
 
 
 def power_law(sizes: Sequence[float], values: Sequence[float]) -> PowerLaw:
@@ -152,7 +152,7 @@ def draw_growth() -> Drawing:
     return Drawing(figure, "", 0, _remark(known["about"]), Table(_HEADER, tuple(told)))
 
 
-class Unit(NamedTuple):
+class PanelUnit(NamedTuple):
     """What numbers are shown in, how many of those stored it is, and its sign."""
 
     name: str
@@ -165,12 +165,16 @@ class Panel(NamedTuple):
 
     title: str
     quantity: str
-    unit: Unit
+    unit: PanelUnit
     across: str
     parts: tuple[tuple[str, str], ...]
 
 
-_SECONDS, _MICROSECONDS, _MEGABYTES = Unit("seconds", 1.0, "s"), Unit("", 1e-6, "µs"), Unit("megabytes", 1e6, "MB")
+_SECONDS, _MICROSECONDS, _MEGABYTES = (
+    PanelUnit("seconds", 1.0, "s"),
+    PanelUnit("", 1e-6, "µs"),
+    PanelUnit("megabytes", 1e6, "MB"),
+)
 _OF_LEAVES = tuple((work, way) for way in ("tape", DENSE) for work in LEAVES)
 _OF_CELLS = tuple(("cells", way) for way in ("tape", DENSE, "lattice"))
 _OF_LETTERS = (("letters", "tape"), ("letters", DENSE))
@@ -205,7 +209,7 @@ def _told(panel: Panel, line: Series) -> tuple[str, ...]:
     )
 
 
-def _draw_panel(ax: Axes, lines: Sequence[Series], unit: Unit) -> None:
+def _draw_panel(ax: Axes, lines: Sequence[Series], unit: PanelUnit) -> None:
     """Points, with the fitted law as a line as far as it was fitted, its exponent in the legend."""
     for line in lines:
         colour = {DENSE: DENSE_COLOUR, "lattice": LATTICE_COLOUR}.get(line.backend, COLOURS[line.work])
