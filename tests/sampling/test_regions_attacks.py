@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from rsym.sampling.plane_signs import signs_on
 
 import rsym
 from rsym import RsymError, x, y, z
 from rsym.logic.sign_form import surface_form
 from rsym.sampling.kernels.mesher_kernels import columns, mesher_kernels, padded
 from rsym.sampling.lattice import lattice_over
+from rsym.sampling.plane_regions import signs_on
 from rsym.sampling.regions.region_kernels import RegionKernels, region_kernels
 from rsym.sampling.regions.regions import INSIDE, KEPT, OUTSIDE
 
