@@ -150,6 +150,12 @@ def test_bounds_of_leaves_are_those_of_llvm():
     np.testing.assert_array_equal(*found)
 
 
+def test_more_leaves_than_have_numbers_are_refused(monkeypatch):
+    monkeypatch.setattr("rsym.sampling.regions.region_kernels.MOST_LEAVES", 3)
+    with pytest.raises(rsym.RsymError, match="at most 3 leaves apart, the shape has 7"):
+        rsym.Mesher(rsym.Shape(1 - x**2 - y**2 - z**4 / 7, (x, y, z)), backend="tape")
+
+
 def test_an_unknown_backend_is_refused():
     ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z))
     with pytest.raises(rsym.RsymError, match="no backend 'cuda'"):

@@ -20,6 +20,7 @@ from rsym.arrays import Flags, Floats, Ints, Shorts
 from rsym.backends.interpreter import CHECK_POINTS, check_at
 from rsym.backends.llvm_code import machine_code
 from rsym.backends.tape import TapeFunction, aligned
+from rsym.errors import RsymError
 from rsym.logic.sign_form import SignForm, cap_letters
 from rsym.model.shape import Bounds
 from rsym.program.program import FLOAT64
@@ -50,6 +51,7 @@ _SIGNATURES: dict[str, Sequence[Any]] = {
 # Entries whose tapes are written at once: a few megabytes.
 ENTRIES = 2**14
 GROUP_GRAIN = 64
+MOST_LEAVES = 32_000  # their numbers have 16 bits
 
 
 @cache
@@ -69,6 +71,12 @@ class RegionKernels:
     """Made once for a sign form; `set` chooses letters and bounds."""
 
     def __init__(self, form: SignForm, *, shared: bool) -> None:
+        if len(form.leaves) > MOST_LEAVES:
+            raise RsymError(
+                f"a mesher tells at most {MOST_LEAVES:,} leaves apart, the shape has {len(form.leaves):,}",
+                code="leaves",
+                remedy="mesh parts of it",
+            )
         self.form = form
         self._tapes = LeafTapes(form, shared=shared)
         self._values, self._boxes = (FormTapes(self._tapes, name) for name in ("value", "box"))
@@ -168,11 +176,7 @@ class RegionKernels:
                 found.append(self._reduced(a, b, padded_ends, parents, among, keeps, keep))
             return joined_regions(found)
 
-        made = (
-            joined_regions(run(piece, groups, GROUP_GRAIN))
-            if groups
-            else Regions(np.zeros(1, np.int64), self._whole.entries[:0])
-        )
+        made = joined_regions([self._whole[:0], *run(piece, groups, GROUP_GRAIN)])
         return keep.reshape(-1)[slot], made[slot]
 
     def _portions(self, parents: Ints, among: Regions | None, first: int, last: int) -> Sequence[tuple[int, int]]:
