@@ -103,7 +103,12 @@ def run(options: argparse.Namespace) -> None:
         if error.code != "memory" or not _may_stream(options):
             raise
         print(f"{error.message}: in pieces", file=sys.stderr)
-        _streamed(shape, options)
+        try:
+            _streamed(shape, options)
+        except RsymError as narrower:
+            if narrower.code != "memory":
+                raise
+            raise error from narrower  # not even pieces fit: what it says of --force holds
     else:
         _written(result, options)
 
