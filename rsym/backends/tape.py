@@ -34,26 +34,29 @@ class Executor:
             address = self._engine.get_function_address("evaluate_uniform")
             self.evaluate_uniform = ctypes.CFUNCTYPE(None, pointer, pointer, integer, integer)(address)
 
-    def addresses(self, places: NDArray[Any], uniforms: int) -> Ints:
-        """Where places lie in the memory: uniform numbers as whole vectors, then registers; `VARIES` marks these."""
-        registers = self.vector * (uniforms + ROW_VECTORS * places) + VARIES
-        return np.where(places >= 0, registers, self.vector * ~places).astype(np.int64)
+    def above(self, tape: Tape) -> int:
+        """The byte of the memory where the registers end and the uniform numbers begin, each a whole vector."""
+        return self.vector * ROW_VECTORS * tape.registers
+
+    def addresses(self, tape: Tape, places: NDArray[Any]) -> Ints:
+        """Where places lie in the memory; `VARIES` marks registers."""
+        registers = self.vector * ROW_VECTORS * places.astype(np.int64) + VARIES
+        return np.where(places >= 0, registers, self.above(tape) + self.vector * ~places)
 
     def code(self, tape: Tape) -> Rows:
         """The rows as the executor reads them."""
         code = tape.rows.copy()
-        code[:, 1:] = self.addresses(tape.rows[:, 1:], len(tape.uniform))
+        code[:, 1:] = self.addresses(tape, tape.rows[:, 1:])
         code[:, 1] -= VARIES
         return code
 
     def memory(self, tape: Tape, uniform: Floats) -> NDArray[np.uint8]:
         """Room for the registers of a tape, with its uniform numbers in place."""
-        size = self.vector * (len(tape.uniform) + ROW_VECTORS * tape.registers)
-        room = aligned(size)
+        room = aligned(self.above(tape) + self.vector * len(tape.uniform))
         lanes = VECTORS[self.precision.name].lanes
         with np.errstate(over="ignore"):
             splats = np.repeat(uniform.astype(self.precision.dtype), lanes)
-        room[: self.vector * len(tape.uniform)] = splats.view(np.uint8)
+        room[self.above(tape) :] = splats.view(np.uint8)
         return room
 
 
@@ -109,7 +112,7 @@ class TapeFunction:
         self._code = self._executor.code(self.tape)
         self._uniform = UniformNumbers(program, self.tape.uniform, precision)
         places = np.array([*range(len(program.coordinates)), *self.tape.outputs])
-        self._places = self._executor.addresses(places, len(self.tape.uniform)) & ~VARIES
+        self._places = self._executor.addresses(self.tape, places) & ~VARIES
 
     @cached_property
     def source(self) -> str:

@@ -16,7 +16,6 @@ from rsym.program.tape import WIDTH, Pattern, operands_of, patterns
 # six fields, but what a block of 8*8 or 9*9*9 points leaves empty is work too.
 ROW_VECTORS = 8
 VARIES = 1  # the bit of an operand's address that tells a register from a number in every lane
-INT = 4  # bytes
 
 
 def executor_source(precision: str) -> str:
@@ -117,7 +116,7 @@ def _case(pattern: Pattern, label: str, kind: Kind, vectors: int) -> list[str]:
 def _evaluate(kind: Kind) -> str:
     """`inputs` and `outputs` are arrays of addresses, `from` and `to` those of their registers."""
     size = size_of(kind) * ROW_VECTORS
-    element = 8 if kind.element == "double" else 4
+    element = size_of(kind) // kind.lanes
     return f"""
 define void @evaluate(ptr %code, ptr %memory, ptr %inputs, i64 %in, ptr %outputs, i64 %out, ptr %places, i64 %count) {{
 entry:

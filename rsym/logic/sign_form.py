@@ -226,9 +226,14 @@ def surface_form(shape: Shape) -> SignForm:
     return sign_form(builder, lower(builder, with_gates(shape.expression)))
 
 
-def shape_form(shape: Shape) -> SignForm:
-    """The sign form in the coordinates and letters of a shape alone: the same leaves, in the same order."""
-    builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(shape.letters))
+def shape_builder(shape: Shape, *more: str) -> Builder:
+    """A builder of the coordinates of a shape, and more on which it does not depend, and of its letters."""
+    return Builder((*(symbol.name for symbol in shape.coordinates), *more), tuple(shape.letters))
+
+
+def shape_form(shape: Shape, *more: str) -> SignForm:
+    """The sign form in the coordinates and letters of a shape alone, and more: the same leaves, in the same order."""
+    builder = shape_builder(shape, *more)
     return sign_form(builder, lower(builder, with_gates(shape.expression)))
 
 
@@ -237,7 +242,7 @@ def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
 
     Where derivatives of omega do not exist a normalised value need not exist; omega does.
     """
-    builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(shape.letters))
+    builder = shape_builder(shape)
     stripped = Stripping(
         builder, partial(constant_sign, builder), keeps=lambda node: builder.nodes[node].operation == "normalised"
     )

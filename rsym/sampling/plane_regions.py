@@ -15,15 +15,14 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Floats, Ints
 from rsym.backends.kernel import checked_threads, lasting_threads
-from rsym.logic.sign_form import Gate, SignForm, sign_form
+from rsym.logic.sign_form import Gate, SignForm, shape_builder, shape_form
 from rsym.logic.stripping import Signed
-from rsym.model.blends.gates import with_gates
 from rsym.model.recent import recently
 from rsym.model.shape import Shape
 from rsym.model.symbols import with_operands
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower
-from rsym.sampling.kernels.mesher_kernels import backend_for
+from rsym.sampling.kernels.mesher_kernels import backend_for, in_order
 from rsym.sampling.lattice import Lattice
 from rsym.sampling.regions.region_code import AT_ONCE
 from rsym.sampling.regions.region_kernels import RegionKernels, Run, region_kernels
@@ -37,21 +36,16 @@ TURNED = {"min": "max", "max": "min"}
 ACROSS = "across it"  # kernels have three coordinates; no user has one of this name
 
 
-def _builder(shape: Shape) -> Builder:
-    return Builder((*(symbol.name for symbol in shape.coordinates), ACROSS), tuple(shape.letters))
-
-
 @recently(8)
 def _sign_kernels(shape: Shape) -> RegionKernels:
     """Those of the sign form, which kernels want in space."""
-    builder = _builder(shape)
-    return region_kernels(sign_form(builder, lower(builder, with_gates(shape.expression))))
+    return region_kernels(shape_form(shape, ACROSS))
 
 
 @recently(8)
 def value_kernels(shape: Shape) -> RegionKernels | None:
     """Those of the shape itself, its minima and maxima the gates; None where it has so few that nothing is gained."""
-    builder = _builder(shape)
+    builder = shape_builder(shape, ACROSS)
     form = choice_form(builder, lower(builder, shape.expression))
     return region_kernels(form) if backend_for(form) == "tape" else None
 
@@ -187,7 +181,7 @@ def _fill_signs(boxes: PlaneBoxes, corner: Ints, regions: Regions, tiles: NDArra
 def values_on(kernels: RegionKernels, lattice: Lattice, letters: Mapping[str, float]) -> Floats:
     """The value at the points of a lattice, (nx, ny); `letters` are those of the shape, all of them."""
     kernels = kernels.copy()
-    kernels.take((kernels.in_order(letters), np.ones(len(kernels.form.leaves))))
+    kernels.take((in_order(kernels.form, letters), np.ones(len(kernels.form.leaves))))
     boxes = PlaneBoxes(kernels, lattice)
     tiles = boxes.tiles(np.nan, np.float64)
     large = kernels.valued(*boxes.first(), None, boxes.run)

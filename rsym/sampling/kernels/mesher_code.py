@@ -226,9 +226,7 @@ def crossings(s: LeafFormulas) -> Routine:
             places = at(root)
             both = r.emit(f"call {NAMED} @named({_arguments(places, words)})")
             leaf = r.emit(f"extractvalue {NAMED} {both}, 1")
-            left = r.emit(f"sub i64 {end}, {i}")
-            few = r.emit(f"icmp slt i64 {left}, {LANES}")
-            count = r.emit(f"select i1 {few}, i64 {left}, i64 {LANES}")
+            count = r.up_to(i, end, LANES)
             for k, place in enumerate(places):
                 r.store_some(place.name, DOUBLES, real, r.place(r.row("%points", "%stride", k), "double", i), count)
             r.store_some(leaf, SHORTS, short, r.place("%leaf", "i16", i), count)

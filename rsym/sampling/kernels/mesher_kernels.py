@@ -80,7 +80,6 @@ class MesherKernels:
         for routine in routines:
             self._load(machine_code(routine))
         self._constants = np.zeros(max(1, formulas.points.constants + formulas.bounds.constants))
-        self._cap_letters = [cap_letters(name) for name in self.program.coordinates]
         check_leaves(self)
 
     def _load(self, engine: Any) -> None:
@@ -107,11 +106,7 @@ class MesherKernels:
 
     def set(self, letters: Mapping[str, float], bounds: Bounds | None = None) -> None:
         """Take the letters of the shape, and the bounds where the form has caps."""
-        values = dict(letters)
-        for names, ends in zip(self._cap_letters, bounds or [(-np.inf, np.inf)] * 3, strict=True):
-            values.update(zip(names, ends, strict=True))
-        check_parameters(self.form, values)
-        plain = [values.get(name, 1.0) for name in self.form.builder.letters]
+        plain = letters_of_form(self.form, letters, bounds)
         twice = np.repeat(plain, 2)
         self._functions["box_constants"](twice.ctypes.data, self._constants.ctypes.data)
         self.set_points([*plain, *[1.0] * len(self.form.leaves)])
@@ -260,6 +255,20 @@ def compile_ahead(form: SignForm, backend: str | None = None) -> None:
 
     if backend_for(form, backend) == "llvm":
         threading.Thread(target=work, name="rsym-compiler").start()
+
+
+def letters_of_form(form: SignForm, letters: Mapping[str, float], bounds: Bounds | None) -> tuple[float, ...]:
+    """Letters of a shape and bounds in the order of its form, which they must be legal for."""
+    values = dict(letters)
+    for name, ends in zip(form.builder.coordinates, bounds or [(-np.inf, np.inf)] * 3, strict=True):
+        values.update(zip(cap_letters(name), ends, strict=True))
+    check_parameters(form, values)
+    return in_order(form, values)
+
+
+def in_order(form: SignForm, letters: Mapping[str, float]) -> tuple[float, ...]:
+    """Letters in the order of a form."""
+    return tuple(letters.get(name, 1.0) for name in form.builder.letters)
 
 
 def median_scales(kernels: OneLeaf, count: int, bounds: Bounds | None) -> Floats:

@@ -75,6 +75,12 @@ class Routine:
         place = self.place(pointer, element, index)
         self.do(f"store {type} {value}, ptr {place}, align {_size(element)}")
 
+    def up_to(self, begin: str, end: str, most: int) -> str:
+        """How many there are from begin to below end, but no more than that."""
+        left = self.emit(f"sub i64 {end}, {begin}")
+        few = self.emit(f"icmp slt i64 {left}, {most}")
+        return self.emit(f"select i1 {few}, i64 {left}, i64 {most}")
+
     def row(self, pointer: str, stride: str, k: int, element: str = "double") -> str:
         """Row k of an array."""
         return self.place(pointer, element, self.emit(f"mul i64 {stride}, {k}")) if k else pointer

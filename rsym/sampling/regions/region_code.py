@@ -56,9 +56,8 @@ class TapeRoutine(Routine):
 def region_code() -> str:
     """The module."""
     kind = VECTORS["float64"]
-    extra = f"declare i{LANES} @llvm.cttz.i{LANES}(i{LANES}, i1)"
     routines = (boxes(), signs(), crossings(), values(), leaves(), slide())
-    return "\n".join([*head(kind), extra, *run_routines(kind), *(routine.text for routine in routines)])
+    return "\n".join([*head(kind), *run_routines(kind), *(routine.text for routine in routines)])
 
 
 def boxes() -> Routine:
@@ -100,9 +99,7 @@ def signs() -> Routine:
         corner = [r.element(r.row("%corner", "%stride", k), block) for k in range(3)]
         target = r.place("%bits", "i8", r.emit(f"mul i64 {block}, %bytes"))
         with r.loop("0", "%points", AT_ONCE) as i:
-            left = r.emit(f"sub i64 %points, {i}")
-            few = r.emit(f"icmp slt i64 {left}, {AT_ONCE}")
-            some = r.emit(f"select i1 {few}, i64 {left}, i64 {AT_ONCE}")
+            some = r.up_to(i, "%points", AT_ONCE)
             with r.loop("0", some, LANES) as v:
                 at = r.emit(f"add i64 {i}, {v}")
                 offset = [r.value(r.load(r.row("%offsets", "%points", k), at)) for k in range(3)]
@@ -153,8 +150,7 @@ def crossings() -> Routine:
                 r.put([place.name for place in places], STEP)
                 r.run_one(rows)
                 leaf = active_leaf(r, block, "0")
-                left = r.emit(f"sub i64 {end}, {i}")
-                count = r.emit(f"select i1 {r.emit(f'icmp slt i64 {left}, {LANES}')}, i64 {left}, i64 {LANES}")
+                count = r.up_to(i, end, LANES)
                 for k, place in enumerate(places):
                     r.store_some(place.name, DOUBLES, real, r.place(r.row("%points", "%stride", k), "double", i), count)
                 r.store_some(leaf, SHORTS, short, r.place("%leaf", "i16", i), count)
@@ -249,9 +245,7 @@ def leaves() -> Routine:
         end = r.load("%begin", r.emit(f"add i64 {leaf}, 1"), "i64")
         registers = r.place("%ends", "i64", r.emit(f"mul i64 {leaf}, %outs"))
         with r.loop(begin, end, AT_ONCE) as i:
-            left = r.emit(f"sub i64 {end}, {i}")
-            few = r.emit(f"icmp slt i64 {left}, {AT_ONCE}")
-            some = r.emit(f"shl i64 {r.emit(f'select i1 {few}, i64 {left}, i64 {AT_ONCE}')}, 3")
+            some = r.emit(f"shl i64 {r.up_to(i, end, AT_ONCE)}, 3")
 
             def copy(target: str, source: str, some: str = some) -> None:
                 r.do(f"call void @llvm.memcpy.p0.p0.i64(ptr {target}, ptr {source}, i64 {some}, i1 false)")

@@ -21,11 +21,10 @@ from rsym.backends.interpreter import CHECK_POINTS, check_at
 from rsym.backends.llvm_code import machine_code
 from rsym.backends.tape import TapeFunction, aligned
 from rsym.errors import RsymError
-from rsym.logic.sign_form import SignForm, cap_letters
+from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Bounds
 from rsym.program.program import FLOAT64
-from rsym.sampling.form_signs import check_parameters
-from rsym.sampling.kernels.mesher_kernels import SMALL, median_scales
+from rsym.sampling.kernels.mesher_kernels import SMALL, letters_of_form, median_scales
 from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.regions.leaf_tapes import LeafTapes
 from rsym.sampling.regions.point_groups import boxes_of, by_leaf, near_each_other
@@ -82,7 +81,6 @@ class RegionKernels:
         self._values, self._boxes = (FormTapes(self._tapes, name) for name in ("value", "box"))
         self._codes = {name: leaf_codes(self._tapes, name) for name in ("gradient", "enclosure")}
         self._whole = whole_form(form)
-        self._cap_letters = [cap_letters(name) for name in form.builder.coordinates]
         self._last: list[Any] = [(None, None)]  # of all copies: the letters of the last one, and what follows from them
         self._check()
 
@@ -110,11 +108,7 @@ class RegionKernels:
 
     def set(self, letters: Mapping[str, float], bounds: Bounds | None = None) -> None:
         """Take the letters of the shape, and the bounds where the form has caps."""
-        values = dict(letters)
-        for names, ends in zip(self._cap_letters, bounds or [(-np.inf, np.inf)] * 3, strict=True):
-            values.update(zip(names, ends, strict=True))
-        check_parameters(self.form, values)
-        plain = self.in_order(values)
+        plain = letters_of_form(self.form, letters, bounds)
         chosen = np.array(plain).tobytes(), bounds  # 0 and -0 are two letters
         known, made = self._last[0]  # both at once: another thread may replace them
         if known != chosen:
@@ -123,10 +117,6 @@ class RegionKernels:
             self._last[0] = chosen, (self._given, self._numbers, self._code_of_whole)
         else:
             self._given, self._numbers, self._code_of_whole = made
-
-    def in_order(self, letters: Mapping[str, float]) -> tuple[float, ...]:
-        """Letters in the order of the form."""
-        return tuple(letters.get(name, 1.0) for name in self.form.builder.letters)
 
     _given: tuple[Sequence[float], Floats]
     _numbers: Mapping[str, tuple[Floats, Ints]]

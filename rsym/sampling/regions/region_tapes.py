@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats, Ints
+from rsym.backends.tape import executor
 from rsym.backends.tape_code import ROW_VECTORS, VARIES
 from rsym.program.tape import WIDTH, patterns
 from rsym.sampling.kernels.routines import LANES
@@ -21,11 +22,9 @@ STEP = ROW_VECTORS * VECTOR  # bytes from register to register of points
 
 
 @loop
-def measure(
-    first: int, last: int, start: Any, entries: Any, kind: Any, rows: Any, numbers: Any, registers: Any, size: Any
-) -> None:
+def measure(start: Any, entries: Any, kind: Any, rows: Any, numbers: Any, registers: Any, size: Any) -> None:
     """Of each region how many rows, uniform numbers and registers its tape has (3, regions), behind coordinates."""
-    for region in range(first, last):
+    for region in range(len(start) - 1):
         own, given, scratch = 1, 0, 0
         for i in range(start[region], start[region + 1]):
             what = entries[i, 0]
@@ -35,13 +34,11 @@ def measure(
                 scratch = max(scratch, registers[kind[what]])
             else:
                 own, given = own + 2, given + 1
-        size[0, region - first], size[1, region - first], size[2, region - first] = own, given, scratch
+        size[0, region], size[1, region], size[2, region] = own, given, scratch
 
 
 @loop
 def write(
-    first: int,
-    last: int,
     start: Any,
     entries: Any,
     kind: Any,
@@ -59,13 +56,13 @@ def write(
     uniform: Any,
     registers: Any,
 ) -> None:
-    """The tapes of regions: rows to `target` and uniform numbers to `uniform`, from ``begin[:, region - first]`` on."""
-    for region in range(first, last):
+    """The tapes of regions: rows to `target` and uniform numbers to `uniform`, from ``begin[:, region]`` on."""
+    for region in range(len(registers)):
         count = start[region + 1] - start[region]
-        row, number = begin[0, region - first], begin[1, region - first]
+        row, number = begin[0, region], begin[1, region]
         base = number
         scratch = coordinates + outputs * count
-        above = step_bytes * registers[region - first]
+        above = step_bytes * registers[region]
         for i in range(count):
             entry = start[region] + i
             what = entries[entry, 0]
@@ -152,7 +149,7 @@ class FormTapes:
         count = len(regions)
         size = np.empty((3, count), np.int64)
         given, places = numbers
-        measure(0, count, regions.start, regions.entries, self.kind, self.rows, places, self.registers, size)
+        measure(regions.start, regions.entries, self.kind, self.rows, places, self.registers, size)
         begin = np.zeros((2, count + 1), np.int64)
         np.cumsum(size[:2], axis=1, out=begin[:, 1:])
         outputs = self.ends.shape[1]
@@ -160,7 +157,7 @@ class FormTapes:
         registers = self.coordinates + outputs * entries + size[2]
         rows, uniform = np.empty((begin[0, -1], WIDTH), np.int32), np.zeros(begin[1, -1])
         write(
-            0, count, regions.start, regions.entries, self.kind, self.rows, self.code, places, given, self.ends,
+            regions.start, regions.entries, self.kind, self.rows, self.code, places, given, self.ends,
             self.coordinates, outputs, self.step, self.gates, begin, rows, uniform, registers,
         )  # fmt: skip
         result = self.step * (self.coordinates + outputs * entries - 1)
@@ -185,14 +182,7 @@ def leaf_codes(tapes: LeafTapes, name: str) -> LeafCodes:
     """The tapes "gradient" or "enclosure" of all leaves."""
     own = [kind.tapes[name].tape for kind in tapes.kinds]
     registers, kind = np.array([tape.registers for tape in own]), np.array(tapes.kind)
-    parts = []
-    for tape in own:
-        places = tape.rows[:, 1:].astype(np.int64)
-        above = STEP * tape.registers
-        rows = tape.rows.copy()
-        rows[:, 1:] = np.where(places >= 0, STEP * places + VARIES, above + VECTOR * ~places)
-        rows[:, 1] -= VARIES
-        parts.append(rows)
+    parts = [executor().code(tape) for tape in own]
     begin = np.cumsum([0, *map(len, parts)])[:-1]
     ends = STEP * np.array([tape.outputs for tape in own])
     return LeafCodes(np.concatenate(parts), begin[kind], STEP * registers[kind], ends[kind])
