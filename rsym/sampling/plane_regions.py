@@ -181,7 +181,7 @@ def _fill_signs(boxes: PlaneBoxes, corner: Ints, regions: Regions, tiles: NDArra
 def values_on(kernels: RegionKernels, lattice: Lattice, letters: Mapping[str, float]) -> Floats:
     """The value at the points of a lattice, (nx, ny); `letters` are those of the shape, all of them."""
     kernels = kernels.copy()
-    kernels.take((in_order(kernels.form, letters), np.ones(len(kernels.form.leaves))))
+    kernels.take((in_order(kernels.form, letters), np.ones(len(kernels.form.leaves)), None))
     boxes = PlaneBoxes(kernels, lattice)
     tiles = boxes.tiles(np.nan, np.float64)
     large = kernels.valued(*boxes.first(), None, boxes.run)
@@ -194,7 +194,7 @@ def values_on(kernels: RegionKernels, lattice: Lattice, letters: Mapping[str, fl
         index = (corner[:, :, None] + offsets[:, None, :]).reshape(2, -1)
         points = np.zeros((3, index.shape[1]))
         points[:2] = boxes.flat[:2, None] + boxes.flat[3:5, None] * index
-        found, _ = kernels.within(points, regions[first:last])
+        found, _ = kernels.within(points, regions[first:last], AT_ONCE * np.arange(last - first + 1))
         tiles[corner[0] // SMALL, :, corner[1] // SMALL] = found.reshape(-1, SMALL, SMALL)
 
     boxes.run(part, small.shape[1], GRAIN)
