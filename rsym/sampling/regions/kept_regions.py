@@ -72,7 +72,8 @@ class KeptRegions:
             self._start, self._entries = _with_room(self._start, last + 1), _with_room(self._entries, used)
             child = _with_room(self._child, last)
             self._ends[first:last], self._depth[first:last] = ends, np.repeat(self._depth[which] + 1, 8)
-            self._start[first + 1 : last + 1], self._entries[self._used : used] = self._used + made.start[1:], made.entries
+            self._start[first + 1 : last + 1] = self._used + made.start[1:]
+            self._entries[self._used : used] = made.entries
             halved = (np.diff(made.start) > FEW) & (self._depth[first:last] < DEEPEST)
             child[first:last] = np.where(halved, OPEN, LAST)
             self._count, self._used = last, used

@@ -9,7 +9,7 @@ from rsym.sampling.kernels.routines import LANES
 
 
 def by_number(numbers: Shorts | Ints) -> tuple[Ints, Ints, Ints, Ints]:
-    """The numbers that occur, from 0 on; where the points of each begin, in whole vectors; which these are, and which count."""
+    """The numbers from 0 on that occur; where points of each begin, in whole vectors; which these are, which count."""
     order = np.argsort(numbers, kind="stable")
     order = order[np.searchsorted(numbers[order], 0) :]
     which, first = np.unique(numbers[order], return_index=True)

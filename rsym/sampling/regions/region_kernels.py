@@ -29,7 +29,7 @@ from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.regions.kept_regions import KeptRegions
 from rsym.sampling.regions.leaf_tapes import LeafTapes
 from rsym.sampling.regions.point_groups import by_number
-from rsym.sampling.regions.region_code import AT_ONCE, region_code
+from rsym.sampling.regions.region_code import region_code
 from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes, leaf_codes
 from rsym.sampling.regions.regions import DEFINED_SIGN, KEPT, SIGN, VALUE, Regions, joined_regions, reduce, whole_form
 
