@@ -21,9 +21,10 @@ from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
-from numba import njit, types
+from numba import _dynfunc, njit, types
+from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, CompileResult
-from numba.core.compiler_machinery import PassManager
+from numba.core.compiler_machinery import PassManager, register_pass
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 from numba.core.typed_passes import (
@@ -48,6 +49,51 @@ HOW = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}  # no C 
 KIND = "loops"
 
 
+class LoopLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """Code of a loop, optimised once, as a whole: numba does so thrice, by function and cheaply before."""
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        ll_module.data_layout = self._codegen._data_layout
+
+    def _optimize_final_module(self) -> None:
+        passes, builder = self._codegen._module_pass_manager()
+        passes.run(self._final_module, builder)
+
+
+class StepLibrary(LoopLibrary):
+    """Code of a step: it becomes a part of loops, is optimised there, and no machine ever runs it by itself."""
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class LoopLowering(NativeLowering):  # type: ignore[misc]
+    """To LLVM, by libraries of our own."""
+
+    _name = "loop_lowering"
+
+    def run_pass(self, state: Any) -> bool:
+        """Lower a loop, or a step, of which no machine code is made."""
+        is_step = state.flags.no_compile = state.flags.no_cpython_wrapper
+        kind = StepLibrary if is_step else LoopLibrary
+        state.library = kind(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+        super().run_pass(state)
+        if is_step:
+            # Loops find the code of a step by a function that stands for it; there is nothing to be called.
+            described = state.cr.fndesc
+            name = described.qualname.rpartition(".")[2]
+            stands = _dynfunc.make_function(described.lookup_module(), name, "", 0, state.cr.env, (state.library,))
+            state.targetctx.insert_user_function(stands, described, [state.library])
+            state.cr = state.cr._replace(cfunc=stands)
+        return True
+
+
 # What plain loops need of numba's passes. Those left out are for closures, array expressions, parallel loops, and notes
 # on types that nobody reads; they take some of the time, and change nothing here.
 PASSES = (
@@ -59,7 +105,7 @@ PASSES = (
     NopythonTypeInference,
     PreLowerStripPhis,
     IRLegalization,
-    NativeLowering,
+    LoopLowering,
     NoPythonBackend,
 )
 
