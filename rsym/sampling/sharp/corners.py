@@ -99,19 +99,29 @@ def solve(kernels: MesherKernels, leaves: Shorts, start: Floats, lattice: Floats
     ids[:, :count] = leaves
     values, gradients = np.zeros((3, points.shape[1])), np.zeros((3, *points.shape))
     rows = np.flatnonzero((leaves >= 0).any(axis=1)).tolist()
+    arrays = (ids, values, gradients, float(lattice[3:].max()), points)
     for _ in range(STEPS):
         for row in rows:
             evaluate(kernels, ids[row], points, values[row], gradients[row], count, pool)
-        in_threads(lambda a, b: newton_step(a, b, ids, values, gradients, lattice, points), count, GRAIN, pool)
+        in_threads(lambda a, b: newton_step(a, b, *arrays, np.empty((3, 4))), count, GRAIN, pool)
     return points[:, :count]
 
 
 @loop
 def newton_step(
-    first: int, last: int, ids: Shorts, values: Floats, gradients: Floats, lattice: Floats, points: Floats
+    first: int,
+    last: int,
+    ids: Shorts,
+    values: Floats,
+    gradients: Floats,
+    cell: float,
+    points: Floats,
+    matrix: Floats,
 ) -> None:
-    """The step of least norm to where the tangent planes of the leaves of each point meet; a cell at most."""
-    matrix, cell = np.empty((3, 4)), max(lattice[3], lattice[4], lattice[5])
+    """The step of least norm to where the tangent planes of the leaves of each point meet; a cell at most.
+
+    `matrix` (3, 4) is scratch.
+    """
     for w in range(first, last):
         size = 0
         while size < 3 and ids[size, w] >= 0:
@@ -137,7 +147,8 @@ def newton_step(
             step = 0.0
             for i in range(size):
                 step += matrix[i, 3] * gradients[i, a, w]
-            points[a, w] += min(max(step, -cell), cell)
+            step = -cell if -cell > step else step
+            points[a, w] += cell if cell < step else step
 
 
 def _best(

@@ -378,7 +378,8 @@ def _sweep(which: Ints, start: Ints, neighbour: Any, rounding: float, points: Fl
             x = FURTHER * (x / many - points[v, 0])
             y = FURTHER * (y / many - points[v, 1])
             z = FURTHER * (z / many - points[v, 2])
-            moved = max(moved, abs(x), abs(y), abs(z))
+            for size in (abs(x), abs(y), abs(z)):
+                moved = size if size > moved else moved
             points[v, 0] += x
             points[v, 1] += y
             points[v, 2] += z
