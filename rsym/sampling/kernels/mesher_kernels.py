@@ -11,14 +11,16 @@ import ctypes
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from functools import cached_property
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats, Ints
+from rsym.backends.caches import digest_of_rooms, keep_entry, read_entry
 from rsym.backends.interpreter import CHECK_POINTS, check_at
-from rsym.backends.llvm_code import machine_code
+from rsym.backends.llvm_code import KEPT_FROM, entry_name, kept_machine_code, machine_code
 from rsym.errors import RsymError
 from rsym.logic.sign_form import SignForm, cap_letters
 from rsym.model.shape import Bounds
@@ -31,6 +33,9 @@ from rsym.sampling.kernels.routines import LANES
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
 Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]]  # a call over pieces of a range
 GRAIN = 2048  # boxes
+KIND = "forms"
+# All that has a part in the text of a form.
+ROOMS = ("model", "model/blends", "analysis", "program", "backends", "logic", "bounds", "sampling/kernels")
 _SIGNATURES: dict[str, Sequence[Any]] = {
     "point_constants": (_POINTER, _POINTER),
     "box_constants": (_POINTER, _POINTER),
@@ -62,6 +67,66 @@ def columns(points: NDArray[Any]) -> Floats:
     return array
 
 
+class FormCode:
+    """Machine code of the routines of a form: made from formulas, or taken as it is from this machine's folder.
+
+    To make the text takes three times as long as to read the code. What was made by the same source of all rooms that
+    have a part in it, and was checked, is found by the key of the form.
+    """
+
+    def __init__(self, form: SignForm) -> None:
+        self.formulas = LeafFormulas(form)
+        rooms = digest_of_rooms(*ROOMS)
+        self._name = entry_name(f"{rooms} {form.builder.letters} {form.key}") if rooms else ""
+        self._enclose = ""  # the name by which it is kept, if it is
+
+    @cached_property
+    def _texts(self) -> tuple[str, ...]:
+        return mesher_code(self.formulas)
+
+    @cached_property
+    def source(self) -> str:
+        """All code as text."""
+        return "\n".join(self._texts)
+
+    @cached_property
+    def _is_kept(self) -> bool:
+        return bool(self._name) and len(self.source) >= KEPT_FROM
+
+    def kept(self) -> tuple[int, list[Any]] | None:
+        """How many constants there are, and the engines of all modules but the last."""
+        index = read_entry(KIND, self._name) if self._name else None
+        if index is None:
+            return None
+        constants, *names, enclose = index.decode().split()
+        engines = [kept_machine_code(name) for name in names]
+        if None in engines:
+            return None
+        self._enclose = enclose
+        return int(constants), engines
+
+    def made(self) -> tuple[int, list[Any]]:
+        """The same, from the formulas."""
+        engines = [machine_code(text, effort, kept=self._is_kept) for text, effort in self._modules()]
+        return self.formulas.points.constants + self.formulas.bounds.constants, engines
+
+    def keep(self) -> None:
+        """Let others find what was made and is right."""
+        if self._is_kept:
+            constants = self.formulas.points.constants + self.formulas.bounds.constants
+            names = [entry_name(*module) for module in (*self._modules(), (self._texts[-1], 2))]
+            keep_entry(KIND, self._name, " ".join([str(constants), *names]).encode())
+
+    def _modules(self) -> list[tuple[str, int]]:
+        """The modules but the last, and the effort: what runs once for a choice of letters is not worth optimising."""
+        return [(text, 2 if number else 0) for number, text in enumerate(self._texts[:-1])]
+
+    def enclose(self) -> Any:
+        """The engine of the last module."""
+        engine = kept_machine_code(self._enclose) if self._enclose else None
+        return machine_code(self._texts[-1], kept=self._is_kept) if engine is None else engine
+
+
 class MesherKernels:
     """Compiled once for a sign form; `set` chooses letters and bounds.
 
@@ -69,18 +134,31 @@ class MesherKernels:
     """
 
     def __init__(self, form: SignForm) -> None:
-        formulas = LeafFormulas(form)
-        self.form, self.words, self.program = form, formulas.words, formulas.scaled_program
-        constants, *routines, self._enclose_source = mesher_code(formulas)
-        self.source = "\n".join([constants, *routines, self._enclose_source])
+        self.form, self._code = form, FormCode(form)
+        self.words = self._code.formulas.words
         self._engines: list[Any] = []
         self._functions: dict[str, Callable[..., None]] = {}
-        # What runs once for a choice of letters is not worth optimising.
-        self._load(machine_code(constants, 0))
-        for routine in routines:
-            self._load(machine_code(routine))
-        self._constants = np.zeros(max(1, formulas.points.constants + formulas.bounds.constants))
-        check_leaves(self)
+        made = self._code.kept()
+        if made is None:
+            constants, engines = self._code.made()
+        else:
+            constants, engines = made
+        for engine in engines:
+            self._load(engine)
+        self._constants = np.zeros(max(1, constants))
+        if made is None:
+            check_leaves(self)
+            self._code.keep()
+
+    @property
+    def program(self) -> Program:
+        """Value and gradient of every leaf, times its scale."""
+        return self._code.formulas.scaled_program
+
+    @property
+    def source(self) -> str:
+        """All code as text."""
+        return self._code.source
 
     def _load(self, engine: Any) -> None:
         self._engines.append(engine)
@@ -92,7 +170,7 @@ class MesherKernels:
         """Compile what only certificates need: a third of all code, and a mesh can do without."""
         with _finishing:
             if "enclose" not in self._functions:
-                self._load(machine_code(self._enclose_source))
+                self._load(self._code.enclose())
 
     def copy(self) -> MesherKernels:
         """The same code with letters of its own."""
@@ -287,7 +365,10 @@ def median_scales(kernels: OneLeaf, count: int, bounds: Bounds | None) -> Floats
         steepness = np.abs(gradient[:, :every]).max(axis=0).reshape(count, CHECK_POINTS)
         known = np.isfinite(steepness) & (steepness > 0)
         some = known.any(axis=1)
-        usual = np.nanmedian(np.where(known, steepness, np.nan)[some], axis=1)
+        # The median of what is known; np.nanmedian loads all masked arrays for it.
+        ordered, last = np.sort(np.where(known, steepness, np.nan)[some], axis=1), known[some].sum(axis=1) - 1
+        row = np.arange(len(last))
+        usual = (ordered[row, last // 2] + ordered[row, (last + 1) // 2]) / 2
     scales = np.ones(count)
     scales[some] = 2.0 ** -np.clip(np.frexp(usual)[1], -1000, 1000)
     return scales
