@@ -382,9 +382,11 @@ class OneLeaf(Protocol):
 
 
 class CheckedLeaves(OneLeaf, Protocol):
-    """What is checked of kernels: `program` has value and derivatives of one leaf after the other."""
+    """What is checked of kernels."""
 
-    program: Program
+    @property
+    def program(self) -> Program:
+        """Value and derivatives of one leaf after the other."""
 
     def set_points(self, letters: Sequence[float]) -> None:
         """Take letters."""

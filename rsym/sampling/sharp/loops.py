@@ -20,6 +20,7 @@ from functools import cache
 from types import CodeType
 from typing import Any, TypeVar, cast
 
+import llvmlite.binding as llvm
 import numba
 import numpy as np
 from numba import _dynfunc, njit, types
@@ -204,12 +205,21 @@ class LoopCache:
     def save_overload(self, signature: Any, compiled: Any) -> None:
         """Keep a compiled loop; a folder that cannot be written is no error."""
         if not compiled.library.has_dynamic_globals:
-            keep_entry(KIND, self._entry(signature, compiled.codegen), dumps(compiled._reduce()))
+            (name, kind, (code, _)), *rest = compiled._reduce()
+            # Beside the machine code numba keeps all that could be linked into other loops: only its entry is asked for.
+            known = llvm.parse_assembly(f'define void @"{compiled.fndesc.llvm_cpython_wrapper_name}"() {{ ret void }}')
+            entry = (name, kind, (code, known.as_bitcode())), *rest
+            keep_entry(KIND, self._entry(signature, compiled.codegen), dumps(entry))
 
     def _entry(self, signature: Any, codegen: Any) -> str:
-        machine = (numba.__version__, sys.version, HOW, [one.__name__ for one in PASSES], *codegen.magic_tuple())
+        machine = (numba.__version__, sys.version, HOW, [one.__name__ for one in PASSES], _machine(codegen))
         digest = hashlib.sha256(repr((machine, str(signature), *_content(self._function, set()))).encode())
         return f"{self._function.__name__}-{digest.hexdigest()[:32]}"
+
+
+@cache
+def _machine(codegen: Any) -> Any:
+    return codegen.magic_tuple()
 
 
 class _Entry(pickle.Unpickler):
