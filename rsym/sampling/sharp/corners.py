@@ -100,10 +100,15 @@ def solve(kernels: MesherKernels, leaves: Shorts, start: Floats, lattice: Floats
     values, gradients = np.zeros((3, points.shape[1])), np.zeros((3, *points.shape))
     rows = np.flatnonzero((leaves >= 0).any(axis=1)).tolist()
     arrays = (ids, values, gradients, float(lattice[3:].max()), points)
-    for _ in range(STEPS):
-        for row in rows:
-            evaluate(kernels, ids[row], points, values[row], gradients[row], count, pool)
-        in_threads(lambda a, b: newton_step(a, b, *arrays, np.empty((3, 4))), count, GRAIN, pool)
+
+    def piece(first: int, last: int) -> None:
+        matrix = np.empty((3, 4))
+        for _ in range(STEPS):
+            for row in rows:
+                kernels.leaf(last - first, ids[row], points, values[row], gradients[row], first)
+            newton_step(first, last, *arrays, matrix)
+
+    in_threads(piece, count, GRAIN, pool)
     return points[:, :count]
 
 

@@ -206,7 +206,7 @@ class LoopCache:
         """Keep a compiled loop; a folder that cannot be written is no error."""
         if not compiled.library.has_dynamic_globals:
             (name, kind, (code, _)), *rest = compiled._reduce()
-            # Beside the machine code numba keeps all that could be linked into other loops: only its entry is asked for.
+            # Beside the code numba keeps what could be linked into other loops: only the name of its entry is needed.
             known = llvm.parse_assembly(f'define void @"{compiled.fndesc.llvm_cpython_wrapper_name}"() {{ ret void }}')
             entry = (name, kind, (code, known.as_bitcode())), *rest
             keep_entry(KIND, self._entry(signature, compiled.codegen), dumps(entry))
