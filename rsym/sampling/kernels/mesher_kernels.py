@@ -251,14 +251,15 @@ class MesherKernels:
     def value(self, count: int, points: Floats, value: Floats, leaf: NDArray[np.int16], first: int = 0) -> None:
         """The form, and the active leaf."""
         p, f, n = _from(points, first), _from(value, first), _from(leaf, first)
-        self._call("value", count, p, points.shape[1], self._constants, f, n)
+        self._functions["value"](count, p, points.shape[1], self._constants.ctypes.data, f, n)
 
     def leaf(
         self, count: int, leaf: NDArray[np.int16], points: Floats, value: Floats, gradient: Floats, first: int = 0
     ) -> None:
         """Value and gradient of the leaf of each point; none where its number is negative."""
-        n, p, f, g = (_from(array, first) for array in (leaf, points, value, gradient))
-        self._call("leaf", count, n, p, points.shape[1], self._constants, f, g, gradient.shape[1])
+        n, p, f, g = _from(leaf, first), _from(points, first), _from(value, first), _from(gradient, first)
+        constants = self._constants.ctypes.data
+        self._functions["leaf"](count, n, p, points.shape[1], constants, f, g, gradient.shape[1])
 
     def slide(self, count: int, leaf: NDArray[np.int16], points: Floats, steps: int, first: int = 0) -> None:
         """Newton steps of each point onto its leaf, along the gradient."""

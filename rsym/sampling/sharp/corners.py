@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Ints, Shorts
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
-from rsym.sampling.sharp.crossings import Crossings, evaluate
+from rsym.sampling.sharp.crossings import LEAF_GRAIN, Crossings, evaluate
 from rsym.sampling.sharp.faces import smallest
 from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.topology import Topology
@@ -108,7 +108,7 @@ def solve(kernels: MesherKernels, leaves: Shorts, start: Floats, lattice: Floats
                 kernels.leaf(last - first, ids[row], points, values[row], gradients[row], first)
             newton_step(first, last, *arrays, matrix)
 
-    in_threads(piece, count, GRAIN, pool)
+    in_threads(piece, count, LEAF_GRAIN, pool)
     return points[:, :count]
 
 

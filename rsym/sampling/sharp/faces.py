@@ -266,7 +266,7 @@ class Adjacency:
         inner = np.zeros(len(self._start) - 2, np.uint8)
         for _ in range(rings):
             inner[self._faces.reshape(-1, 6)[quads]] = 1
-            vertices = np.flatnonzero(inner)
+            vertices = np.flatnonzero(inner.view(np.bool_))
             if self._rim is not None and self._rim[vertices].any():
                 raise BeyondRim(vertices[self._rim[vertices]])
             count = self._start[vertices + 1] - self._start[vertices]

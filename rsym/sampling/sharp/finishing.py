@@ -338,8 +338,8 @@ class _Patch:
         count = len(self.leaf)
         middles, gradients = np.zeros((3, padded(count))), np.zeros((3, padded(count)))
         which = np.full(padded(count), -1, np.int16)
-        for column in self.faces.reshape(-1, 6).T:
-            middles[:, :count] += self.points[:, column]
+        for column in np.ascontiguousarray(self.faces.reshape(-1, 6).T, np.intp):
+            middles[:, :count] += self.points.take(column, axis=1)
         middles /= 6
         which[:count] = self.leaf
         evaluate(self.kernels, which, middles, np.empty(padded(count)), gradients, count, self.pool)
