@@ -98,9 +98,11 @@ class _Soup:
         label = components(one_end, other_end, len(ids))
         _, first = np.unique(label, return_index=True)
         one = dict(zip(ids.tolist(), ids[first[label]].tolist(), strict=True))
-        for face, (a, b, c) in list(self.corners.items()):
-            if a in one or b in one or c in one:
-                self._put(face, (one.get(a, a), one.get(b, b), one.get(c, c)))
+        touched = np.zeros(self.points.shape[1], np.bool_)
+        touched[ids] = True
+        for face in self.numbers[touched[faces].any(axis=1)].tolist():
+            a, b, c = self.corners[face]
+            self._put(face, (one.get(a, a), one.get(b, b), one.get(c, c)))
         self._cancel()
         return True
 
