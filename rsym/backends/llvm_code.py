@@ -185,6 +185,11 @@ def kept_machine_code(name: str) -> llvm.ExecutionEngine | None:
         return _engine(code)
 
 
+def bitcode(source: str) -> bytes:
+    """A module in LLVM's own binary form."""
+    return bytes(llvm.parse_assembly(source).as_bitcode())
+
+
 def _machine(effort: int) -> llvm.TargetMachine:
     return _target().create_target_machine(**_host(), opt=effort)
 

@@ -40,9 +40,9 @@ def test_cycles_are_found_later_all_the_same(looking):
         node = Node()
         node.self = node
         del node
-    assert sum(isinstance(one, Node) for one in gc.get_objects()) == 1
+    assert sum(type(one) is Node for one in gc.get_objects()) == 1
     gc.collect()
-    assert not any(isinstance(one, Node) for one in gc.get_objects())
+    assert not any(type(one) is Node for one in gc.get_objects())
 
 
 def test_what_is_frozen_stays_so(looking):

@@ -16,6 +16,7 @@ import rsym
 from rsym import x, y, z
 from rsym.errors import RsymError
 from rsym.logic.sign_form import surface_form
+from rsym.sampling.kernels import mesher_code
 from rsym.sampling.kernels import mesher_kernels as module
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, mesher_kernels, padded
 from rsym.sampling.lattice import SHIFTS
@@ -131,8 +132,8 @@ def test_letters_change_nothing_but_constants():
 
 
 def test_what_a_thread_compiles_ahead_is_not_compiled_again(monkeypatch, folder):
-    made, code = [], module.mesher_code
-    monkeypatch.setattr(module, "mesher_code", lambda formulas: made.append(formulas) or code(formulas))
+    made, code = [], mesher_code.mesher_code
+    monkeypatch.setattr(mesher_code, "mesher_code", lambda formulas: made.append(formulas) or code(formulas))
     ellipsoid = rsym.Shape(sp.Rational(7, 9) - x**2 - 3 * y**2 - z**2, (x, y, z))
     module.compile_ahead(surface_form(ellipsoid))
     kernels = mesher_kernels(surface_form(ellipsoid))
@@ -147,15 +148,15 @@ def test_what_a_thread_compiles_ahead_is_not_compiled_again(monkeypatch, folder)
 def folder(tmp_path, monkeypatch):
     """An empty folder of compiled code, which keeps short texts too."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(module, "KEPT_FROM", 0)
+    monkeypatch.setattr(mesher_code, "KEPT_FROM", 0)
     return tmp_path / "rsym"
 
 
 @pytest.fixture
 def texts(monkeypatch):
     """The forms of which a text was made."""
-    made, code = [], module.mesher_code
-    monkeypatch.setattr(module, "mesher_code", lambda formulas: made.append(formulas.form) or code(formulas))
+    made, code = [], mesher_code.mesher_code
+    monkeypatch.setattr(mesher_code, "mesher_code", lambda formulas: made.append(formulas.form) or code(formulas))
     return made
 
 
@@ -185,7 +186,7 @@ def test_kernels_of_a_form_are_made_once_on_a_machine(folder, texts, form):
     first = all_of(form)
     assert [all_of(form), all_of(form)] == [first, first]
     assert len(texts) == 1
-    assert len(list((folder / module.KIND).iterdir())) == 1
+    assert len(list((folder / mesher_code.KIND).iterdir())) == 1
 
 
 def test_kept_kernels_tell_their_program_and_their_text(folder, texts, form):
@@ -195,7 +196,7 @@ def test_kept_kernels_tell_their_program_and_their_text(folder, texts, form):
     assert second.program.digest == first.program.digest
 
 
-@pytest.mark.parametrize("kind", [module.KIND, "kernels"])
+@pytest.mark.parametrize("kind", [mesher_code.KIND, "kernels"])
 @pytest.mark.parametrize("damage", [b"", b"short", None])
 def test_kernels_of_which_something_is_damaged_are_made_again(folder, texts, form, kind, damage):
     first = all_of(form)
@@ -210,23 +211,23 @@ def test_kernels_of_which_something_is_damaged_are_made_again(folder, texts, for
 
 def test_what_makes_the_text_is_part_of_the_name(folder, texts, form, monkeypatch):
     MesherKernels(form)
-    monkeypatch.setattr(module, "digest_of_rooms", lambda *_: "otherwise")
+    monkeypatch.setattr(mesher_code, "digest_of_rooms", lambda *_: "otherwise")
     MesherKernels(form)
-    assert len(texts) == len(list((folder / module.KIND).iterdir())) == 2
-    monkeypatch.setattr(module, "digest_of_rooms", lambda *_: "")  # what cannot be told is not kept
+    assert len(texts) == len(list((folder / mesher_code.KIND).iterdir())) == 2
+    monkeypatch.setattr(mesher_code, "digest_of_rooms", lambda *_: "")  # what cannot be told is not kept
     for _ in range(2):
         MesherKernels(form)
     assert len(texts) == 4
-    assert len(list((folder / module.KIND).iterdir())) == 2
+    assert len(list((folder / mesher_code.KIND).iterdir())) == 2
 
 
 def test_what_is_wrong_is_not_kept(folder, form, monkeypatch):
-    code = module.mesher_code
-    monkeypatch.setattr(module, "mesher_code", lambda s: [text.replace("fadd", "fsub") for text in code(s)])
+    code = mesher_code.mesher_code
+    monkeypatch.setattr(mesher_code, "mesher_code", lambda s: [text.replace("fadd", "fsub") for text in code(s)])
     with pytest.raises(RsymError) as caught:
         MesherKernels(form)
     assert caught.value.code == "miscompiled"
-    assert not (folder / module.KIND).exists()
+    assert not (folder / mesher_code.KIND).exists()
 
 
 def test_the_room_of_kernels_is_made_by_the_rooms_that_are_digested():
@@ -234,7 +235,7 @@ def test_the_room_of_kernels_is_made_by_the_rooms_that_are_digested():
     code = "import sys, rsym.sampling.kernels.mesher_code; print(*(m for m in sys.modules if m.startswith('rsym.')))"
     names = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     rooms = {name.rpartition(".")[0].removeprefix("rsym").removeprefix(".").replace(".", "/") for name in names}
-    assert rooms <= {"", "sampling", *module.ROOMS}
+    assert rooms <= {"", "sampling", *mesher_code.ROOMS}
 
 
 @pytest.mark.parametrize("value", [-1, 2])

@@ -11,31 +11,24 @@ import ctypes
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from functools import cached_property
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats, Ints
-from rsym.backends.caches import digest_of_rooms, keep_entry, read_entry
 from rsym.backends.interpreter import CHECK_POINTS, check_at
-from rsym.backends.llvm_code import KEPT_FROM, entry_name, kept_machine_code, machine_code
 from rsym.errors import RsymError
 from rsym.logic.sign_form import SignForm, cap_letters
 from rsym.model.shape import Bounds
 from rsym.program.program import FLOAT64, Program
 from rsym.sampling.form_signs import check_parameters
-from rsym.sampling.kernels.form_code import LeafFormulas
-from rsym.sampling.kernels.mesher_code import mesher_code
+from rsym.sampling.kernels.mesher_code import FormCode
 from rsym.sampling.kernels.routines import LANES
 
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
 Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]]  # a call over pieces of a range
 GRAIN = 2048  # boxes
-KIND = "forms"
-# All that has a part in the text of a form.
-ROOMS = ("model", "model/blends", "analysis", "program", "backends", "logic", "bounds", "sampling/kernels")
 _SIGNATURES: dict[str, Sequence[Any]] = {
     "point_constants": (_POINTER, _POINTER),
     "box_constants": (_POINTER, _POINTER),
@@ -65,66 +58,6 @@ def columns(points: NDArray[Any]) -> Floats:
     array = np.zeros((3, padded(points.shape[1])))
     array[:, : points.shape[1]] = points
     return array
-
-
-class FormCode:
-    """Machine code of the routines of a form: made from formulas, or taken as it is from this machine's folder.
-
-    To make the text takes three times as long as to read the code. What was made by the same source of all rooms that
-    have a part in it, and was checked, is found by the key of the form.
-    """
-
-    def __init__(self, form: SignForm) -> None:
-        self.formulas = LeafFormulas(form)
-        rooms = digest_of_rooms(*ROOMS)
-        self._name = entry_name(f"{rooms} {form.builder.letters} {form.key}") if rooms else ""
-        self._enclose = ""  # the name by which it is kept, if it is
-
-    @cached_property
-    def _texts(self) -> tuple[str, ...]:
-        return mesher_code(self.formulas)
-
-    @cached_property
-    def source(self) -> str:
-        """All code as text."""
-        return "\n".join(self._texts)
-
-    @cached_property
-    def _is_kept(self) -> bool:
-        return bool(self._name) and len(self.source) >= KEPT_FROM
-
-    def kept(self) -> tuple[int, list[Any]] | None:
-        """How many constants there are, and the engines of all modules but the last."""
-        index = read_entry(KIND, self._name) if self._name else None
-        if index is None:
-            return None
-        constants, *names, enclose = index.decode().split()
-        engines = [kept_machine_code(name) for name in names]
-        if None in engines:
-            return None
-        self._enclose = enclose
-        return int(constants), engines
-
-    def made(self) -> tuple[int, list[Any]]:
-        """The same, from the formulas."""
-        engines = [machine_code(text, effort, kept=self._is_kept) for text, effort in self._modules()]
-        return self.formulas.points.constants + self.formulas.bounds.constants, engines
-
-    def keep(self) -> None:
-        """Let others find what was made and is right."""
-        if self._is_kept:
-            constants = self.formulas.points.constants + self.formulas.bounds.constants
-            names = [entry_name(*module) for module in (*self._modules(), (self._texts[-1], 2))]
-            keep_entry(KIND, self._name, " ".join([str(constants), *names]).encode())
-
-    def _modules(self) -> list[tuple[str, int]]:
-        """The modules but the last, and the effort: what runs once for a choice of letters is not worth optimising."""
-        return [(text, 2 if number else 0) for number, text in enumerate(self._texts[:-1])]
-
-    def enclose(self) -> Any:
-        """The engine of the last module."""
-        engine = kept_machine_code(self._enclose) if self._enclose else None
-        return machine_code(self._texts[-1], kept=self._is_kept) if engine is None else engine
 
 
 class MesherKernels:
