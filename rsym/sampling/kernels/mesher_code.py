@@ -1,4 +1,4 @@
-"""The routines of the mesher as LLVM text, what it asks of a form over boxes, blocks, edges and points; their code, kept.
+"""The routines of the mesher as LLVM text, what it asks of a form over boxes, blocks, edges and points, and their code.
 
 An array of points is three rows of a stated length. Every routine works on eight lanes at a time, and no lane depends
 on another. A coordinate of the lattice is origin + spacing*index, rounded twice, whoever computes it; both steps are
