@@ -1,0 +1,92 @@
+"""Boundaries and sections of shapes of many leaves: by what matters where, with the signs of kernels that see all."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy as sp
+from oracles.many_balls import many_balls
+
+import rsym
+from rsym import x, y, z
+from rsym.sampling.boundaries import boundary
+from rsym.sampling.plane import PlaneSampler, plane_sampler
+
+
+@pytest.fixture(scope="module")
+def discs():
+    return many_balls(70, 2)
+
+
+@pytest.fixture(scope="module")
+def balls():
+    return many_balls(80, 3)
+
+
+def dense(sampler):
+    """The same, looked at everywhere by one kernel."""
+    made = replace(sampler)
+    made.__dict__["large"] = None
+    return made
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """How many points dense kernels are asked for."""
+    counts = []
+    plain = PlaneSampler._call
+
+    def counted(self, u, v):
+        counts.append(np.broadcast(u, v).size)
+        return plain(self, u, v)
+
+    monkeypatch.setattr(PlaneSampler, "_call", counted)
+    return counts
+
+
+def test_signs_of_many_discs_and_what_is_inside_are_those_of_the_value(discs):
+    sampler = plane_sampler(discs[0], "value", resolution=100)
+    assert sampler.large is not None
+    np.testing.assert_array_equal(sampler.signs(), dense(sampler).signs())
+    points = np.random.default_rng(5).uniform(-1.2, 1.2, (3000, 2))
+    inside = sampler.inside(points)
+    np.testing.assert_array_equal(inside, dense(sampler).inside(points))
+    distances = np.linalg.norm(points[:, None] - discs[1], axis=2)
+    np.testing.assert_array_equal(inside, (distances < discs[2]).any(axis=1))
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_signs_of_a_section_of_many_balls_are_those_of_the_value(balls, axis):
+    section = {(x, y, z)[axis]: 0.3}
+    sampler = plane_sampler(balls[0], "value", resolution=70, section=section)
+    assert sampler.large is not None
+    signs = sampler.signs()
+    np.testing.assert_array_equal(signs, dense(sampler).signs())
+    assert (signs == 1).any()
+
+
+def test_values_of_a_section_of_many_balls_are_those_of_their_kernel_to_the_bit(asked):
+    shape, _, _ = many_balls(80, 3, rsym.R1)
+    sampler = plane_sampler(shape, "value", resolution=70, section={y: -0.2})
+    values = sampler.values()
+    assert not asked
+    np.testing.assert_array_equal(values, sampler.samples()["value"])
+
+
+def test_where_omega_is_undefined_signs_are_so_too(discs):
+    shape = discs[0] | rsym.Shape(sp.sqrt(x - 0.5) - 1, (x, y))
+    sampler = plane_sampler(shape, "value", resolution=40)
+    assert sampler.large is not None
+    signs = sampler.signs()
+    assert np.isnan(signs).any()
+    np.testing.assert_array_equal(signs, dense(sampler).signs())
+
+
+def test_the_boundary_of_many_discs_is_found_without_looking_at_all_of_them(discs, asked):
+    shape, _, radii = discs
+    found = boundary(shape, shape.bounds, 64)
+    assert asked == [len(found.points)]
+    assert found.closed
+    assert len(found.lines) == len(radii)
+    assert found.area() == pytest.approx(np.pi * (radii**2).sum(), rel=1e-7)
+    assert found.deviation == pytest.approx(1 - 2 * radii.min(), abs=1e-3)
