@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -247,6 +247,10 @@ class PlaneForm:
     kernels: RegionKernels
     free: tuple[int, int]
     fixed: Mapping[int, float]
+
+    def without(self, leaves: Sequence[int]) -> PlaneForm:
+        """The form in which these leaves are infinite."""
+        return replace(self, kernels=self.kernels.without(leaves))
 
     def signs_on(self, lattice: Lattice) -> tuple[NDArray[np.int8], bool]:
         """The signs at the points of a lattice, 0 counts as positive, and whether the form is undefined somewhere."""

@@ -330,7 +330,7 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
     start, end = (np.concatenate([line[part] for line in lines]) for part in (slice(None, -1), slice(1, None)))
     along = end - start
     length = np.hypot(*along.T)
-    leaf = leaves.active(leaves(start + along / 2)[0])[1]
+    leaf = leaves.active(start + along / 2)[1]
     known = np.array(leaf_names(shape_form(shape), shape))
     shares = np.cumsum(np.where(_wanted(shape, known[leaf], over), length, 0.0))
     with np.errstate(all="ignore"):
@@ -338,12 +338,12 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
 
     def onto(places: Floats, which: NDArray[Any], number: NDArray[Any]) -> Floats:
         """How far along the normals of their chords points are from a leaf."""
-        moved, at = np.zeros(len(places)), np.arange(len(places))
+        moved = np.zeros(len(places))
         for _ in range(NEWTON_STEPS):
-            values, gradients = leaves(places + moved[:, None] * across[which])
-            slope = np.einsum("ij,ij->i", gradients[number, at], across[which])
+            ((value, gradient),) = leaves.of(places + moved[:, None] * across[which], number)
+            slope = np.einsum("ij,ij->i", gradient, across[which])
             with np.errstate(all="ignore"):
-                moved = moved - values[number, at] / slope
+                moved = moved - value / slope
         return np.where(np.abs(moved) <= length[which], moved, 0.0)
 
     def draw(count: int, generator: np.random.Generator) -> _Drawn:
@@ -352,13 +352,13 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
         at = end[which] - ((shares[which] - places) / length[which])[:, None] * along[which]
         number = leaf[which]
         points = at + onto(at, which, number)[:, None] * across[which]
-        other = leaves.active(leaves(points)[0])[1]
+        other = leaves.active(points)[1]
         (beyond,) = np.nonzero(other != number)  # the chord goes on from one leaf to the next
         back = onto(at[beyond], which[beyond], other[beyond])
         points[beyond] = at[beyond] + back[:, None] * across[which[beyond]]
-        away, number = leaves.distance(points)
-        gradient = leaves(points)[1][number, np.arange(count)]
+        value, gradient, _ = leaves.of_active(points)
         with np.errstate(all="ignore"):
+            away = np.abs(value) / np.linalg.norm(gradient, axis=1)
             normals = -gradient / np.hypot(*gradient.T)[:, None]
             stretch = 1 / np.einsum("ij,ij->i", normals, across[which])
         normals = np.where(np.isfinite(normals).all(axis=1)[:, None], normals, across[which])

@@ -90,3 +90,43 @@ def test_the_boundary_of_many_discs_is_found_without_looking_at_all_of_them(disc
     assert len(found.lines) == len(radii)
     assert found.area() == pytest.approx(np.pi * (radii**2).sum(), rel=1e-7)
     assert found.deviation == pytest.approx(1 - 2 * radii.min(), abs=1e-3)
+
+
+def test_sections_of_many_balls_are_circles_and_compile_nothing(balls, monkeypatch):
+    def refuse(*_):
+        raise AssertionError("a kernel of all leaves")
+
+    monkeypatch.setattr("rsym.sampling.plane._kernel", refuse)
+    monkeypatch.setattr("rsym.sampling.plane_leaves._all_leaves", refuse)
+    shape, centres, radii = balls
+    met = np.abs(centres[:, 0] + 0.37) < radii
+    (found,) = rsym.sections(shape, [-0.37], axis=x, resolution=80)
+    assert len(found.lines) == met.sum() > 3
+    assert found.lines.status.closed == len(found.lines)
+    area = np.pi * (radii[met] ** 2 - (centres[met, 0] + 0.37) ** 2).sum()
+    assert found.lines.area == pytest.approx(area, rel=0.03)
+    for line in found.lines:
+        off = np.linalg.norm(found.in_space(line)[:, None] - centres, axis=2) - radii
+        assert np.abs(off).min(axis=0).min() < 1e-13
+        assert np.abs(off).min(axis=1).max() < 1e-13
+
+
+def test_sections_along_a_face_and_with_corners_are_those_of_kernels_of_all_leaves(balls, monkeypatch):
+    shape = (balls[0] | rsym.Shape(0.13 - abs(x), (x, y, z))) & rsym.Shape(z - 0.25, (x, y, z))
+    own = rsym.sections(shape, [0.25, 0.5], resolution=60)
+    monkeypatch.setattr("rsym.sampling.plane_regions.backend_for", lambda form: "llvm")
+    for one, other in zip(own, rsym.sections(shape, [0.25, 0.5], resolution=60), strict=True):
+        assert one.lines.status == other.lines.status
+        assert len(one.lines) == len(other.lines) > 3
+        for line, same in zip(one.lines, other.lines, strict=True):
+            np.testing.assert_allclose(line, same, atol=1e-13)
+
+
+def test_points_on_the_boundary_of_many_discs_lie_on_their_circles(discs):
+    shape, centres, radii = discs
+    found = rsym.sample(shape, 300, over="boundary", resolution=80, rng=1)
+    off = np.abs(np.linalg.norm(found.points[:, None] - centres, axis=2) - radii)
+    assert off.min(axis=1).max() < 1e-13
+    nearest = centres[off.argmin(axis=1)]
+    outwards = (found.points - nearest) / np.linalg.norm(found.points - nearest, axis=1)[:, None]
+    np.testing.assert_allclose(found.normals, outwards, atol=1e-9)

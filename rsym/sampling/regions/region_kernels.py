@@ -30,7 +30,9 @@ from rsym.sampling.regions.leaf_tapes import LeafTapes
 from rsym.sampling.regions.point_groups import boxes_of, by_leaf, near_each_other
 from rsym.sampling.regions.region_code import AT_ONCE, region_code
 from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes, leaf_codes
-from rsym.sampling.regions.regions import DEFINED_SIGN, KEPT, SIGN, VALUE, Regions, joined_regions, reduce, whole_form
+from rsym.sampling.regions.regions import (
+    DEFINED_SIGN, INFINITE, KEPT, SIGN, VALUE, Regions, joined_regions, reduce, whole_form,
+)  # fmt: skip
 
 Sides: TypeAlias = NDArray[np.uint8]
 Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]]  # a call over pieces of a range
@@ -127,6 +129,14 @@ class RegionKernels:
         self._given = given
         self._numbers = self._tapes.numbers(*given)
         self._code_of_whole = self._boxes.codes(self._whole, self._numbers["box"])
+
+    def without(self, leaves: Sequence[int]) -> RegionKernels:
+        """The same with the same letters, these leaves infinite wherever the form is asked for."""
+        twin, entries = self.copy(), self._whole.entries.copy()
+        entries[list(leaves)] = INFINITE, 0, 0
+        twin._whole = replace(self._whole, entries=entries)
+        twin.take(self._given)
+        return twin
 
     # What matters where
 
