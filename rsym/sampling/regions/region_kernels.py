@@ -31,8 +31,16 @@ from rsym.sampling.regions.point_groups import boxes_of, by_leaf, near_each_othe
 from rsym.sampling.regions.region_code import AT_ONCE, region_code
 from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes, leaf_codes
 from rsym.sampling.regions.regions import (
-    DEFINED_SIGN, INFINITE, KEPT, SIGN, VALUE, Regions, joined_regions, reduce, whole_form,
-)  # fmt: skip
+    DEFINED_SIGN,
+    INFINITE,
+    KEPT,
+    SIGN,
+    VALUE,
+    Regions,
+    joined_regions,
+    reduce,
+    whole_form,
+)
 
 Sides: TypeAlias = NDArray[np.uint8]
 Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]]  # a call over pieces of a range
