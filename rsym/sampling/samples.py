@@ -18,12 +18,12 @@ from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError, warn
 from rsym.logic.leaf_names import leaf_names
-from rsym.logic.sign_form import shape_form, surface_form
+from rsym.logic.sign_form import shape_form
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
-from rsym.sampling.extent import bounds_or_extent
-from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, halves
+from rsym.sampling.extent import bounds_or_extent, proved_signs
+from rsym.sampling.form_signs import Boxes, FormSigns, halves
 from rsym.sampling.leaf_fields import LeafFields, distances
 from rsym.sampling.memory import Budget, TooLarge, free_memory
 from rsym.sampling.meshing import mesh
@@ -229,7 +229,7 @@ def _inside(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> _
         raise RsymError(
             "the inside goes on without end", code="unbounded", remedy="give bounds=((xmin, xmax), ...), or ~shape"
         )
-    signs = FormSigns(FormBounds(surface_form(shape)), shape.letters.values_with(letters))
+    signs = proved_signs(shape, letters)
     boxes, within = _holding(signs, Boxes(lower[:, None], upper[:, None]))
     if bounds is None and ((within.lower == lower[:, None]) | (within.upper == upper[:, None])).any():
         warn("the shape leaves its bounds; points are drawn within them alone, wider bounds=... hold all of it")
