@@ -298,7 +298,8 @@ def of_many_leaves():
         sp.sqrt(x + 2) - 3 - y**2,
         sp.sin(3 * x) / 4 - y**2 - x**2,
         1 - abs(x - r) * 8 - y**2,
-        *(1 - (x - k) ** 2 * (2 + sp.cos(y)) - (y + k) ** 2 for k in range(8)),
+        *(1 - (x - k) ** 2 * (2 + sp.cos(y)) - (y + k) ** 2 for k in range(4)),
+        *(x**3 - 3 * x * y**2 + k * y - x * y / 3 - y**4 for k in range(4)),
     ]
     parts = [Shape(leaf, (x, y), letters={r: 1.25} if leaf.has(r) else None) for leaf in more]
     return (discs | rsym.disjunction(*parts)) & Shape(y + 5, (x, y))
@@ -314,6 +315,8 @@ def test_signs_of_many_leaves_by_tapes_are_those_of_compiled_bounds():
     boxes = Boxes(centres - sizes, centres + sizes)
     found = signs.over(boxes)
     np.testing.assert_array_equal(found, compiled.over(boxes))
+    leaves = [bounds.near([boxes], signs.letters) for bounds in (signs.bounds, compiled.bounds)]
+    np.testing.assert_array_equal(*leaves)
     assert min((found == sign).sum() for sign in (-1, 0, 1)) > 20
     for size in (3.0, 50.0, 2.0**40):
         cones = halves(halves(slabs(cube(2, 1.0), np.zeros((2, 2))))[0])[0]
