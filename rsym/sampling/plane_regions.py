@@ -23,8 +23,9 @@ from rsym.model.shape import Shape
 from rsym.model.symbols import with_operands
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower
-from rsym.sampling.kernels.mesher_kernels import backend_for, in_order, padded
+from rsym.sampling.kernels.mesher_kernels import backend_for
 from rsym.sampling.lattice import Lattice
+from rsym.sampling.regions.own_leaves import FLAT, OwnLeaves, across, unscaled
 from rsym.sampling.regions.region_code import AT_ONCE
 from rsym.sampling.regions.region_kernels import RegionKernels, Run, region_kernels
 from rsym.sampling.regions.regions import INSIDE, KEPT, Regions
@@ -34,15 +35,13 @@ from rsym.sampling.sharp.loops import in_threads
 LARGE, SMALL = 64, math.isqrt(AT_ONCE)
 GRAIN = 256  # small boxes
 TURNED = {"min": "max", "max": "min"}
-ACROSS = "across it"  # kernels have three coordinates; no user has one of this name
 PLANE: tuple[int, int] = (0, 1)
-FLAT: Mapping[int, float] = {2: 0.0}
 
 
 @recently(8)
 def _form(shape: Shape) -> SignForm:
     """The sign form, which kernels want in space."""
-    return shape_form(shape, *_across(shape))
+    return shape_form(shape, *across(shape))
 
 
 @recently(8)
@@ -53,13 +52,9 @@ def _sign_kernels(shape: Shape) -> RegionKernels:
 @recently(8)
 def value_kernels(shape: Shape) -> RegionKernels | None:
     """Those of the shape itself, its minima and maxima the gates; None where it has so few that nothing is gained."""
-    builder = shape_builder(shape, *_across(shape))
+    builder = shape_builder(shape, *across(shape))
     form = choice_form(builder, lower(builder, shape.expression))
     return region_kernels(form) if backend_for(form) == "tape" else None
-
-
-def _across(shape: Shape) -> Sequence[str]:
-    return (ACROSS,) if shape.dimension == 2 else ()
 
 
 def choice_form(builder: Builder, number: int) -> SignForm:
@@ -106,7 +101,7 @@ class PlaneBoxes:
         self,
         kernels: RegionKernels,
         lattice: Lattice,
-        free: tuple[int, int] = PLANE,
+        free: tuple[int, ...] = PLANE,
         fixed: Mapping[int, float] = FLAT,
         threads: int | None = None,
     ) -> None:
@@ -211,11 +206,11 @@ def values_on(
     kernels: RegionKernels,
     lattice: Lattice,
     letters: Mapping[str, float],
-    free: tuple[int, int] = PLANE,
+    free: tuple[int, ...] = PLANE,
     fixed: Mapping[int, float] = FLAT,
 ) -> Floats:
     """The value at the points of a lattice, (nx, ny); `letters` are those of the shape, all of them."""
-    boxes = PlaneBoxes(_unscaled(kernels, letters), lattice, free, fixed)
+    boxes = PlaneBoxes(unscaled(kernels, letters), lattice, free, fixed)
     tiles = boxes.tiles(np.nan, np.float64)
     large = boxes.kernels.valued(*boxes.first(), None, boxes.run)
     small, parent = boxes.inside(np.arange(boxes.large.shape[1]))
@@ -233,20 +228,9 @@ def values_on(
     return boxes.joined(tiles)
 
 
-def _unscaled(kernels: RegionKernels, letters: Mapping[str, float]) -> RegionKernels:
-    """Kernels with letters, the leaves as they are."""
-    own = kernels.copy()
-    own.take((in_order(kernels.form, letters), np.ones(len(kernels.form.leaves))))
-    return own
-
-
 @dataclass(frozen=True)
-class PlaneForm:
+class PlaneForm(OwnLeaves):
     """The sign form of a large shape in a plane of two free coordinates, and its leaves."""
-
-    kernels: RegionKernels
-    free: tuple[int, int]
-    fixed: Mapping[int, float]
 
     def without(self, leaves: Sequence[int]) -> PlaneForm:
         """The form in which these leaves are infinite."""
@@ -258,36 +242,22 @@ class PlaneForm:
 
     def value(self, points: Floats) -> tuple[Floats, Shorts]:
         """The form at points (n, 2), and its active leaf."""
-        places = self._in_space(points)
+        places = self.in_space(points)
         value, leaf = np.empty(places.shape[1]), np.empty(places.shape[1], np.int16)
         self.kernels.value(len(points), places, value, leaf)
         return value[: len(points)], leaf[: len(points)]
 
-    def leaf(self, points: Floats, leaf: Ints) -> tuple[Floats, Floats]:
-        """The value (n,) and the gradient (n, 2) of the leaf of each point."""
-        places = self._in_space(points)
-        value, gradient = np.empty(places.shape[1]), np.empty(places.shape)
-        self.kernels.leaf(len(points), leaf.astype(np.int16), places, value, gradient)
-        return value[: len(points)], gradient[list(self.free), : len(points)].T
-
-    def _in_space(self, points: Floats) -> Floats:
-        places = np.zeros((3, padded(len(points))))
-        for axis, value in self.fixed.items():
-            places[axis] = value
-        places[list(self.free), : len(points)] = points.T
-        return places
-
 
 def plane_form(
     shape: Shape,
-    free: tuple[int, int] = PLANE,
+    free: tuple[int, ...] = PLANE,
     fixed: Mapping[int, float] = FLAT,
     letters: Mapping[Any, float] | None = None,
 ) -> PlaneForm | None:
     """The sign form of a shape in a plane; None where it is so small that nothing is gained."""
     if backend_for(_form(shape)) != "tape":
         return None
-    kernels = _unscaled(_sign_kernels(shape), shape.letters.values_with(letters))
+    kernels = unscaled(_sign_kernels(shape), shape.letters.values_with(letters))
     return PlaneForm(kernels, free, fixed or FLAT)
 
 
