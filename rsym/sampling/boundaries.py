@@ -129,7 +129,7 @@ def _crossings(sampler: PlaneSampler, lines: Sequence[Floats]) -> list[Floats]:
 
 def _refined(sampler: PlaneSampler, lines: Sequence[Floats], finest: float) -> list[Floats]:
     """Halve the segments at both sides of every bend, again and again, those of all lines at once."""
-    lines, going = list(lines), range(len(lines))
+    lines, going = list(lines), list(range(len(lines)))
     for _ in range(PASSES):
         wanted = [_beside_bends(lines[k], finest) for k in going]
         parts = [lines[k][np.stack([at, at + 1])] for k, at in zip(going, wanted, strict=True)]

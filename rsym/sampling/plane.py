@@ -33,7 +33,7 @@ SURROUNDINGS = 1 / 8  # of a side, shown around a zero set whose bounds were fou
 class PlaneSampler:
     """Values and in-plane gradient of one scalar field, as functions of the two free coordinates.
 
-    What it is evaluated by is made when it is asked for.
+    What it is evaluated by is made when it is asked for, if no kernel, of other fields say, is given.
     """
 
     shape: Shape
@@ -43,6 +43,7 @@ class PlaneSampler:
     fixed: Mapping[int, float]
     letters: Mapping[Any, float] | None
     bounds: Bounds
+    given: Kernel | None = None
 
     @property
     def names(self) -> tuple[str, str]:
@@ -53,7 +54,7 @@ class PlaneSampler:
     @cached_property
     def kernel(self) -> Kernel:
         """Value and gradient of the field."""
-        return _kernel(self.shape, self.field)
+        return _kernel(self.shape, self.field) if self.given is None else self.given
 
     @property
     def regions(self) -> Any:
@@ -84,9 +85,10 @@ class PlaneSampler:
         if self.large is not None:
             found, undefined = self.large.signs_on(self.lattice)
             if not undefined:
-                return found.astype(np.float64)
+                return np.asarray(found, np.float64)
         values = self.values()
-        return np.where(np.isnan(values), np.nan, np.where(values >= 0, 1.0, -1.0))
+        signs: Floats = np.where(np.isnan(values), np.nan, np.where(values >= 0, 1.0, -1.0))
+        return signs
 
     def samples(self) -> dict[str, Floats]:
         """Every scalar field of the kernel on the lattice, as `values`."""

@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from rsym.backends.tape import TapeFunction
 from rsym.bounds.far_forms import far_leaves
 from rsym.bounds.intervals import IntervalFunction
 from rsym.logic.sign_form import SignForm
@@ -98,4 +99,5 @@ def _tape(builder: Builder, leaf: int, *, sharpened: bool) -> KindTape:
     program = builder.program({"leaf": leaf})
     numbers = (dict(program.outputs)["leaf"],) if sharpened else ()
     bounds = IntervalFunction(program, "tape", sharpened=numbers)
+    assert isinstance(bounds.function, TapeFunction)
     return kind_tape(bounds.function.program, [name for name, _ in bounds.bounds.outputs])
