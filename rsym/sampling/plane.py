@@ -110,8 +110,8 @@ class PlaneSampler:
 
     @cached_property
     def large(self) -> Any:
-        """The sign form of a large shape in this plane, of which at each place what matters is evaluated; else None."""
-        return large_form(self.shape, self.free, self.fixed, self.letters)
+        """The sign form of the value of a large shape, evaluated by what matters at a place; else None."""
+        return large_form(self.shape, self.free, self.fixed, self.letters) if self.field == "value" else None
 
     def _call(self, u: Floats, v: Floats) -> dict[str, NDArray[Any]]:
         coordinates: list[Any] = [None] * (2 + len(self.fixed))
