@@ -10,7 +10,11 @@ from oracles.many_balls import many_balls
 import rsym
 from rsym import x, y, z
 from rsym.sampling.boundaries import boundary
+from rsym.sampling.extent import proved_signs
+from rsym.sampling.form_signs import FormBounds
 from rsym.sampling.plane import PlaneSampler, plane_sampler
+from rsym.sampling.plane_regions import PlaneForm
+from rsym.sampling.regions.region_signs import TapedBounds
 
 
 @pytest.fixture(scope="module")
@@ -130,3 +134,39 @@ def test_points_on_the_boundary_of_many_discs_lie_on_their_circles(discs):
     nearest = centres[off.argmin(axis=1)]
     outwards = (found.points - nearest) / np.linalg.norm(found.points - nearest, axis=1)[:, None]
     np.testing.assert_allclose(found.normals, outwards, atol=1e-9)
+
+
+SLOW = ["gear", "car", "spring", "solids", "vase", "lattice", "jack", "gyroid", "snowflake"]
+
+
+@pytest.mark.parametrize("model", ["bracket", *(pytest.param(model, marks=pytest.mark.slow) for model in SLOW)])
+def test_sections_and_extents_have_the_same_bits_by_tapes(model, monkeypatch):
+    def looked_at():
+        shape = rsym.load(model)
+        if shape.dimension == 2:
+            shape = rsym.extrude(shape, 0, 1)
+        (low, high), axis = (shape.bounds or rsym.extent(shape))[2], shape.coordinates[2]
+        heights = [0.0, 0.7 * low + 0.3 * high, (low + high) / 2]
+        sampler = plane_sampler(shape, "value", resolution=20, section={axis: heights[1]})
+        found = rsym.sections(shape, heights, axis=axis, resolution=100)
+        return found, extent_or_words(shape), (sampler.large, type(proved_signs(shape).bounds))
+
+    sections, extent, (large, bounds) = looked_at()
+    assert (large, bounds) == (None, FormBounds)
+    for where in ("rsym.sampling.plane_regions", "rsym.sampling.kernels.mesher_kernels"):
+        monkeypatch.setattr(f"{where}.backend_for", lambda form: "tape")
+    same, same_extent, (large, bounds) = looked_at()
+    assert (type(large), bounds) == (PlaneForm, TapedBounds)
+    assert same_extent == extent
+    for one, other in zip(sections, same, strict=True):
+        assert one.lines.status == other.lines.status
+        for line, again in zip(one.lines, other.lines, strict=True):
+            np.testing.assert_array_equal(line, again)
+    assert any(len(one.lines) for one in sections)
+
+
+def extent_or_words(shape):
+    try:
+        return rsym.extent(shape)
+    except rsym.RsymError as error:
+        return str(error)
