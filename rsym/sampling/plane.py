@@ -54,12 +54,15 @@ class PlaneSampler:
     @cached_property
     def kernel(self) -> Kernel:
         """Value and gradient of the field."""
-        return _kernel(self.shape, self.field) if self.given is None else self.given
+        return _kernel(self.shape, self.field, bool(self.fixed)) if self.given is None else self.given
 
     @property
     def regions(self) -> Any:
-        """Of the value of a large shape kernels that evaluate at each place what matters there; else None."""
-        return _regions(self.shape) if self.field == "value" else None
+        """Of the value of a large plane shape kernels that evaluate at each place what matters there; else None.
+
+        Of a section they take longer to make than they spare: of 1000 balls 1.5 s for 0.1 s in each picture.
+        """
+        return _regions(self.shape) if self.field == "value" and not self.fixed else None
 
     def at(self, letters: Mapping[Any, float] | None, section: Mapping[Any, float] | None = None) -> PlaneSampler:
         """The same with other letters, and in another section along the same coordinates; nothing is compiled."""
@@ -76,8 +79,7 @@ class PlaneSampler:
             return self.samples()["value"]
         from rsym.sampling.plane_regions import values_on
 
-        letters = self.shape.letters.values_with(self.letters)
-        found = values_on(self.regions, self.lattice, letters, self.free, self.fixed)
+        found = values_on(self.regions, self.lattice, self.shape.letters.values_with(self.letters))
         return np.where(np.isfinite(found), found, np.nan)
 
     def signs(self) -> Floats:
@@ -152,10 +154,10 @@ def plane_sampler(
 
 
 @recently(16)
-def _kernel(shape: Shape, field: str) -> Kernel:
+def _kernel(shape: Shape, field: str, cut: bool) -> Kernel:
     """Value and gradient of a field; where regions have the values of a lattice few points are left to a tape."""
     program = program_of(shape, ("value", "gradient"), of=field, share=None)
-    backend = "tape" if field == "value" and _regions(shape) is not None else None
+    backend = "tape" if field == "value" and not cut and _regions(shape) is not None else None
     return compile_program(program, ("value", "gradient"), shape, backend=backend)
 
 
@@ -198,7 +200,7 @@ def signs_of(view: PlaneView, letters: Mapping[Any, float] | None = None) -> NDA
     try:
         from rsym.sampling.plane_regions import signs_on
     except (ImportError, OSError):  # without the packages for them every point is asked
-        inside = _kernel(view.shape, "value")(*view.lattice.open_axes(), letters=letters)["value"] >= 0
+        inside = _kernel(view.shape, "value", False)(*view.lattice.open_axes(), letters=letters)["value"] >= 0
         return np.where(inside, 1, -1).astype(np.int8)
     return signs_on(view.shape, view.lattice, letters)
 

@@ -25,7 +25,7 @@ from rsym.program.builder import Builder
 from rsym.program.lowering import lower
 from rsym.sampling.kernels.mesher_kernels import backend_for
 from rsym.sampling.lattice import Lattice
-from rsym.sampling.regions.own_leaves import FLAT, OwnLeaves, across, unscaled
+from rsym.sampling.regions.own_leaves import ACROSS, FLAT, OwnLeaves, across, unscaled
 from rsym.sampling.regions.region_code import AT_ONCE
 from rsym.sampling.regions.region_kernels import RegionKernels, Run, region_kernels
 from rsym.sampling.regions.regions import INSIDE, KEPT, Regions
@@ -51,8 +51,8 @@ def _sign_kernels(shape: Shape) -> RegionKernels:
 
 @recently(8)
 def value_kernels(shape: Shape) -> RegionKernels | None:
-    """Those of the shape itself, its minima and maxima the gates; None where it has so few that nothing is gained."""
-    builder = shape_builder(shape, *across(shape))
+    """Those of a plane shape, its minima and maxima the gates; None where it has so few that nothing is gained."""
+    builder = shape_builder(shape, ACROSS)
     form = choice_form(builder, lower(builder, shape.expression))
     return region_kernels(form) if backend_for(form) == "tape" else None
 
@@ -202,15 +202,9 @@ def _fill_signs(boxes: PlaneBoxes, corner: Ints, regions: Regions, tiles: NDArra
     return any(boxes.run(part, corner.shape[1], GRAIN))
 
 
-def values_on(
-    kernels: RegionKernels,
-    lattice: Lattice,
-    letters: Mapping[str, float],
-    free: tuple[int, ...] = PLANE,
-    fixed: Mapping[int, float] = FLAT,
-) -> Floats:
+def values_on(kernels: RegionKernels, lattice: Lattice, letters: Mapping[str, float]) -> Floats:
     """The value at the points of a lattice, (nx, ny); `letters` are those of the shape, all of them."""
-    boxes = PlaneBoxes(unscaled(kernels, letters), lattice, free, fixed)
+    boxes = PlaneBoxes(unscaled(kernels, letters), lattice)
     tiles = boxes.tiles(np.nan, np.float64)
     large = boxes.kernels.valued(*boxes.first(), None, boxes.run)
     small, parent = boxes.inside(np.arange(boxes.large.shape[1]))

@@ -69,14 +69,6 @@ def test_signs_of_a_section_of_many_balls_are_those_of_the_value(balls, axis):
     assert (signs == 1).any()
 
 
-def test_values_of_a_section_of_many_balls_are_those_of_their_kernel_to_the_bit(asked):
-    shape, _, _ = many_balls(80, 3, rsym.R1)
-    sampler = plane_sampler(shape, "value", resolution=70, section={y: -0.2})
-    values = sampler.values()
-    assert not asked
-    np.testing.assert_array_equal(values, sampler.samples()["value"])
-
-
 def test_where_omega_is_undefined_signs_are_so_too(discs):
     shape = discs[0] | rsym.Shape(sp.sqrt(x - 0.5) - 1, (x, y))
     sampler = plane_sampler(shape, "value", resolution=40)
