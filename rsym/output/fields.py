@@ -313,7 +313,7 @@ def sheet_sampler(
     omega = plane_sampler(
         shape, "value", resolution=resolution, bounds=bounds, section=section, held=len(names), force=force
     )
-    return SheetSampler(omega, replace(omega, kernel=compile(shape, names)))
+    return SheetSampler(omega, replace(omega, given=compile(shape, names)))
 
 
 def _arrangement(sampler: PlaneSampler, count: int) -> tuple[int, int, tuple[float, float]]:

@@ -6,12 +6,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from skimage.measure import find_contours
 
-from rsym.arrays import Flags, Floats
+from rsym.arrays import Flags, Floats, Ints
 from rsym.model.shape import Shape
 from rsym.sampling.plane import PlaneSampler, plane_sampler
 
@@ -90,48 +92,61 @@ def boundary(shape: Shape, bounds: Sequence[Sequence[float]], resolution: int = 
     """
     sampler = plane_sampler(shape, "value", resolution=resolution, bounds=tuple(bounds))
     extent = max(high - low for low, high in bounds)
-    found = (_crossings(sampler, line) for line in find_contours(sampler.values(), 0.0))
-    lines = tuple(_refined(sampler, line, FINEST * extent) for line in found if len(line) > 2)
-    middles = tuple(_over(sampler, line[:-1], line[1:])[0] for line in lines)
-    every = np.concatenate([np.empty((0, 2)), *lines, *middles])
+    found = find_contours(sampler.values() if sampler.large is None else sampler.signs(), 0.0)
+    lines = _refined(sampler, [line for line in _crossings(sampler, found) if len(line) > 2], FINEST * extent)
+    middles = _over(sampler, *_segments_of(lines))[0]
+    every = np.concatenate([np.empty((0, 2)), *lines, middles])
     _, gradient = sampler.value_and_gradient(every)
-    return Boundary(lines, middles, np.hypot(*gradient.T))
+    return Boundary(tuple(lines), tuple(_parts(middles, [len(line) - 1 for line in lines])), np.hypot(*gradient.T))
 
 
-def _crossings(sampler: PlaneSampler, line: Floats) -> Floats:
-    """Where the boundary crosses the edges of the lattice that a contour (n, 2) of indices crosses.
+def _segments_of(lines: Sequence[Floats]) -> tuple[Floats, Floats]:
+    """Starts and ends of the segments of all lines."""
+    start, end = ([line[part] for line in lines] for part in (slice(None, -1), slice(1, None)))
+    return np.concatenate([np.empty((0, 2)), *start]), np.concatenate([np.empty((0, 2)), *end])
+
+
+def _parts(array: NDArray[Any], counts: Sequence[int]) -> list[NDArray[Any]]:
+    """So many rows for each."""
+    return np.split(array, np.cumsum(counts)[:-1]) if counts else []
+
+
+def _crossings(sampler: PlaneSampler, lines: Sequence[Floats]) -> list[Floats]:
+    """Where the boundary crosses the edges of the lattice that contours (n, 2) of indices cross.
 
     Unlike Newton's steps this keeps the vertices in their order at corners too.
     """
-    low, high = np.floor(line), np.ceil(line)
-    below = _inside(sampler, sampler.lattice.points(low))
+    index = np.concatenate([np.empty((0, 2)), *lines])
+    low, high = np.floor(index), np.ceil(index)
+    below = sampler.inside(sampler.lattice.points(low))
     for _ in range(HALVINGS):
         half = (low + high) / 2
-        same = (_inside(sampler, sampler.lattice.points(half)) == below)[:, None]
+        same = (sampler.inside(sampler.lattice.points(half)) == below)[:, None]
         low, high = np.where(same, half, low), np.where(same, high, half)
-    points = sampler.lattice.points((low + high) / 2)
-    fresh = (np.diff(points, axis=0) != 0).any(axis=1)
-    kept: Floats = points[np.append(True, fresh)]
-    return kept
+    points = _parts(sampler.lattice.points((low + high) / 2), [len(line) for line in lines])
+    return [line[np.append(True, (np.diff(line, axis=0) != 0).any(axis=1))] for line in points]
 
 
-def _inside(sampler: PlaneSampler, points: Floats) -> Flags:
-    inside: Flags = sampler.value_and_gradient(points)[0] > 0
-    return inside
-
-
-def _refined(sampler: PlaneSampler, line: Floats, finest: float) -> Floats:
-    """Halve the segments at both sides of every bend, again and again."""
+def _refined(sampler: PlaneSampler, lines: Sequence[Floats], finest: float) -> list[Floats]:
+    """Halve the segments at both sides of every bend, again and again, those of all lines at once."""
+    lines, going = list(lines), list(range(len(lines)))
     for _ in range(PASSES):
-        along = np.diff(line, axis=0)
-        length = np.hypot(*along.T)
-        bent = _bends(along, closed=bool((line[0] == line[-1]).all()))
-        wanted = np.flatnonzero((bent[:-1] | bent[1:]) & (length > finest))
-        middles, found = _over(sampler, line[wanted], line[wanted + 1])
-        if not found.any():
-            break
-        line = np.insert(line, wanted[found] + 1, middles[found], axis=0)
-    return line
+        wanted = [_beside_bends(lines[k], finest) for k in going]
+        parts = [lines[k][np.stack([at, at + 1])] for k, at in zip(going, wanted, strict=True)]
+        start, end = np.concatenate([np.empty((2, 0, 2)), *parts], axis=1)
+        middles, found = (_parts(array, [len(at) for at in wanted]) for array in _over(sampler, start, end))
+        changed = [k for k, some in zip(going, found, strict=True) if some.any()]
+        for k, at, middle, some in zip(going, wanted, middles, found, strict=True):
+            lines[k] = np.insert(lines[k], at[some] + 1, middle[some], axis=0)
+        going = changed
+    return lines
+
+
+def _beside_bends(line: Floats, finest: float) -> Ints:
+    """The segments at both sides of bends that are not as short as they may be."""
+    along = np.diff(line, axis=0)
+    bent = _bends(along, closed=bool((line[0] == line[-1]).all()))
+    return np.flatnonzero((bent[:-1] | bent[1:]) & (np.hypot(*along.T) > finest))
 
 
 def _bends(along: Floats, *, closed: bool) -> Flags:
@@ -152,7 +167,7 @@ def _over(sampler: PlaneSampler, start: Floats, end: Floats) -> tuple[Floats, Fl
         return middle + shares[..., None] * normal
 
     def sign(shares: Floats) -> Flags:
-        return _inside(sampler, at(shares).reshape(-1, 2)).reshape(shares.shape)
+        return sampler.inside(at(shares).reshape(-1, 2)).reshape(shares.shape)
 
     # All that is asked before the halving, in one call: the nearest share first, and this side before the other.
     sides = [(side * before, side * after) for before, after in pairwise(REACH) for side in (1.0, -1.0)]

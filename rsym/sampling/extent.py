@@ -20,9 +20,10 @@ from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
 from rsym.logic.sign_form import surface_form
 from rsym.model.equation import checked_bounds
+from rsym.model.recent import recently
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, cube, grid, halves, points, slabs
+from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, LeafBounds, cube, grid, halves, points, slabs
 
 LARGEST, SMALLEST = 2.0**40, 2.0**-40  # 1e12, far beyond any model in any unit, and 1e-12
 DEEPEST = 9  # halvings of cones and slabs: a cone is then 1/256 of a cube's face
@@ -61,7 +62,23 @@ def extent(shape: Shape, letters: Mapping[Any, float] | None = None) -> Bounds:
     True
     """
     require_shape(shape)
-    return extent_of(FormSigns(FormBounds(surface_form(shape)), shape.letters.values_with(letters)))
+    return extent_of(proved_signs(shape, letters))
+
+
+def proved_signs(shape: Shape, letters: Mapping[Any, float] | None = None) -> FormSigns:
+    """The signs of its form over boxes and cones, of a large one by tapes where the packages for them are there."""
+    return FormSigns(_leaf_bounds(shape), shape.letters.values_with(letters))
+
+
+@recently(16)
+def _leaf_bounds(shape: Shape) -> LeafBounds:
+    form = surface_form(shape)
+    try:
+        from rsym.sampling.kernels.mesher_kernels import backend_for
+        from rsym.sampling.regions.region_signs import TapedBounds
+    except (ImportError, OSError):
+        return FormBounds(form)
+    return TapedBounds(form) if backend_for(form) == "tape" else FormBounds(form)
 
 
 def extent_of(signs: FormSigns) -> Bounds:

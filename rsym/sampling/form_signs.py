@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,22 +111,54 @@ def halves(boxes: Boxes) -> tuple[Boxes, NDArray[np.intp]]:
 Signs: TypeAlias = NDArray[np.int8]
 
 
-@dataclass(frozen=True)
-class FormBounds:
-    """The compiled bounds of the leaves of a form, over boxes and far away; letters are given later."""
+class LeafBounds(Protocol):
+    """The signs (leaves, n) that the leaves of a form are proved to have over boxes, 0 where that is not known."""
 
     form: SignForm
 
+    def near(self, parts: Sequence[Boxes], letters: Mapping[str, float]) -> Signs:
+        """Over boxes, the only part, by images and mean values."""
+
+    def far(self, parts: Sequence[Boxes], letters: Mapping[str, float]) -> Signs:
+        """Over boxes, directions and nearness."""
+
+
+class FormBounds:
+    """The compiled bounds of the leaves of a form, over boxes and far away; letters are given later."""
+
+    def __init__(self, form: SignForm) -> None:
+        self.form = form
+
+    def near(self, parts: Sequence[Boxes], letters: Mapping[str, float]) -> Signs:
+        """Over boxes, the only part, by images and mean values."""
+        return _signs(self._near, parts, letters)
+
+    def far(self, parts: Sequence[Boxes], letters: Mapping[str, float]) -> Signs:
+        """Over boxes, directions and nearness."""
+        return _signs(self._far, parts, letters)
+
     @cached_property
-    def near(self) -> IntervalFunction:
-        """Over boxes, by images and mean values."""
+    def _near(self) -> IntervalFunction:
         program = _program(self.form.builder, self.form.leaves)
         return IntervalFunction(program, threads=1, sharpened=tuple(sorted({number for _, number in program.outputs})))
 
     @cached_property
-    def far(self) -> IntervalFunction:
-        """Over boxes, directions and nearness; in NumPy, for it is larger and called for few boxes."""
+    def _far(self) -> IntervalFunction:
+        """In NumPy, for it is larger and called for few boxes."""
         return IntervalFunction(_program(*far_leaves(self.form)), "numpy", threads=1)
+
+
+def _signs(function: IntervalFunction, parts: Sequence[Boxes], letters: Mapping[str, float]) -> Signs:
+    lower, upper = [row for part in parts for row in part.lower], [row for part in parts for row in part.upper]
+    # The bounds are letters of the builder too, though no leaf uses them.
+    values = dict.fromkeys(function.program.letters, 0.0) | dict(letters)
+    return np.array([signs_between(low, high) for low, high in function(lower, upper, values).values()], np.int8)
+
+
+def signs_between(low: Floats, high: Floats) -> Signs:
+    """1 or -1 where all between bounds have that sign, else 0."""
+    signs: Signs = (low > 0).astype(np.int8) - (high < 0)
+    return signs
 
 
 @dataclass(frozen=True)
@@ -145,7 +177,7 @@ class FormSigns:
     [-1]
     """
 
-    bounds: FormBounds
+    bounds: LeafBounds
     letters: Mapping[str, float]
 
     @property
@@ -155,7 +187,7 @@ class FormSigns:
 
     def over(self, boxes: Boxes) -> Signs:
         """The signs over boxes."""
-        return self._joined(self._of_leaves(self.bounds.near, [boxes]))
+        return self._joined(self.bounds.near([boxes], self.letters))
 
     def beyond(self, directions: Boxes, size: float) -> Signs:
         """The signs at all s*u with u in the directions, on faces of the cube max|u_i| = 1, and s >= size.
@@ -164,20 +196,13 @@ class FormSigns:
         """
         lower, upper = directions.lower, directions.upper
         near = Boxes(np.where(lower >= 0, lower * size, -np.inf), np.where(upper <= 0, upper * size, np.inf))
-        leaves = self._of_leaves(self.bounds.near, [near])
+        leaves = self.bounds.near([near], self.letters)
         open_boxes = np.flatnonzero(self._joined(leaves) == 0)
         if len(open_boxes):
             nearness = Boxes(np.zeros((1, len(open_boxes))), np.full((1, len(open_boxes)), 1 / size))
-            far = self._of_leaves(self.bounds.far, [near[open_boxes], directions[open_boxes], nearness])
+            far = self.bounds.far([near[open_boxes], directions[open_boxes], nearness], self.letters)
             leaves[:, open_boxes] = np.where(leaves[:, open_boxes] == 0, far, leaves[:, open_boxes])
         return self._joined(leaves)
-
-    def _of_leaves(self, function: IntervalFunction, parts: Sequence[Boxes]) -> Signs:
-        lower, upper = [row for part in parts for row in part.lower], [row for part in parts for row in part.upper]
-        # The bounds are letters of the builder too, though no leaf uses them.
-        values = dict.fromkeys(function.program.letters, 0.0) | dict(self.letters)
-        bounds = function(lower, upper, values).values()
-        return np.array([(low > 0).astype(np.int8) - (high < 0) for low, high in bounds], np.int8)
 
     def _joined(self, leaves: Signs) -> Signs:
         """Of -1, 0 and 1: a min is negative where one operand is, and positive where both are."""

@@ -20,8 +20,7 @@ from rsym.logic.sign_form import has_kinks, surface_form
 from rsym.model.equation import checked_bounds
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.blanks import where_it_lies
-from rsym.sampling.extent import extent_of
-from rsym.sampling.form_signs import FormBounds, FormSigns
+from rsym.sampling.extent import extent
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, backend_for, mesher_kernels
 from rsym.sampling.lattice import lattice_over, sides_of
 from rsym.sampling.memory import SURE, Budget, TooLarge, bytes_of, free_memory, refusal, scaled
@@ -121,16 +120,11 @@ class SharpMesher:
         crew.stages.finish()
         return MeshFile(request.into, status)
 
-    @cached_property
-    def _form_bounds(self) -> FormBounds:
-        return FormBounds(surface_form(self.shape))
-
     def _box(self, request: MeshRequest) -> Bounds:
         """The bounds given, else the shape's own, else its extent at these letters."""
         if request.bounds is not None:
             return checked_bounds(request.bounds, 3)
-        letters = self.shape.letters.values_with(request.letters)
-        return self.shape.bounds or extent_of(FormSigns(self._form_bounds, letters))
+        return self.shape.bounds or extent(self.shape, request.letters)
 
     def _job(self, resolution: Resolution, box: Bounds, letters: Mapping[Any, float] | None) -> Job:
         lattice = lattice_over(box, resolution, math.inf)

@@ -27,13 +27,11 @@ SMOOTH_JOINT = 1e-2
 
 def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     """The lines omega = 0 of a prepared plane."""
-    values = sampler.values()
-    if np.isnan(values).all():
+    signs = sampler.signs()
+    if np.isnan(signs).all():
         raise RsymError("omega is undefined in all of the plane", code="undefined", remedy="choose other bounds")
     # Signs alone: then every vertex lies in the middle of its edge, and its edge is known.
-    found = find_contours(
-        np.where(np.isnan(values), np.nan, np.where(values >= 0, 1.0, -1.0)), 0.0, positive_orientation="high"
-    )
+    found = find_contours(signs, 0.0, positive_orientation="high")
     cell = min(sampler.lattice.spacing)
     points = _on_edges(sampler, leaves, np.concatenate([*found, np.empty((0, 2))]))
     distance, leaf = leaves.distance(points)
@@ -48,7 +46,7 @@ def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     status = LevelLinesStatus(
         vertices=sum(map(len, lines)),
         kept=int(np.count_nonzero(~(distance <= ON_LEVEL * cell))),
-        undefined_samples=int(np.isnan(values).sum()),
+        undefined_samples=int(np.isnan(signs).sum()),
         closed=closed,
         open=len(found) - closed,
         unresolved_corners=corners.missed,
@@ -60,10 +58,10 @@ def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> Floa
     """The zero of the form on the edge of each vertex; `index` holds the middles of the edges."""
     low = np.floor(index)
     along = index - low > 0
-    start, end = (leaves.form(sampler.lattice.points(low + k * along)) for k in (0, 1))
+    start, end = (leaves.active(sampler.lattice.points(low + k * along))[0] for k in (0, 1))
 
     def at(t: Floats, which: Ints) -> Floats:
-        return leaves.form(sampler.lattice.points(low[which] + t[:, None] * along[which]))
+        return leaves.active(sampler.lattice.points(low[which] + t[:, None] * along[which]))[0]
 
     return sampler.lattice.points(low + bracketed_roots(at, start, end)[:, None] * along)
 
@@ -97,9 +95,9 @@ def _corners(leaves: PlaneLeaves, joints: Joints, cell: float) -> _Corners:
     point, holds = _one_corner(leaves, joints, cell)
     joint, points = np.flatnonzero(holds), point[holds]
     # The third leaf, of a step or a chamfer smaller than a cell, is looked for among all.
-    number = len(leaves.kernel.program.outputs) // 3
-    rest = np.repeat(np.flatnonzero(~holds), number)
-    pair, holds = _two_corners(leaves, joints.take(rest), np.tile(np.arange(number), len(rest) // number), cell)
+    rest = np.repeat(np.flatnonzero(~holds), leaves.count)
+    third = np.tile(np.arange(leaves.count), np.count_nonzero(~holds))
+    pair, holds = _two_corners(leaves, joints.take(rest), third, cell)
     found, first = np.unique(rest[holds], return_index=True)
     joint = np.concatenate([joint, np.repeat(found, 2)])
     points = np.concatenate([points, pair[holds][first].reshape(-1, 2)])
@@ -120,13 +118,15 @@ def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Float
 def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) -> tuple[Floats, Flags]:
     middle = (joints.before + joints.after) / 2
     first, second = leaves.common(middle, joints.one, third), leaves.common(middle, third, joints.other)
-    return np.stack([first, second], axis=1), (
-        _near(joints, first, cell)
-        & _near(joints, second, cell)
-        & _bounds(leaves, joints.before, first, joints.one, cell)
-        & _bounds(leaves, first, second, third, cell)
-        & _bounds(leaves, second, joints.after, joints.other, cell)
+    holds = _near(joints, first, cell) & _near(joints, second, cell)
+    near = np.flatnonzero(holds)
+    some, one, two, third = joints.take(near), first[near], second[near], third[near]
+    holds[near] = (
+        _bounds(leaves, some.before, one, some.one, cell)
+        & _bounds(leaves, one, two, third, cell)
+        & _bounds(leaves, two, some.after, some.other, cell)
     )
+    return np.stack([first, second], axis=1), holds
 
 
 def _near(joints: Joints, points: Floats, cell: float) -> Flags:
@@ -145,8 +145,8 @@ def _bounds(leaves: PlaneLeaves, start: Floats, end: Floats, leaf: Ints, cell: f
 
 def _turn(leaves: PlaneLeaves, joints: Joints) -> Floats:
     """The sine of the angle by which the boundary turns at a joint."""
-    at = np.arange(len(joints.one))
-    (p, q), (u, v) = leaves(joints.before)[1][joints.one, at].T, leaves(joints.after)[1][joints.other, at].T
+    ((_, before),), ((_, after),) = leaves.of(joints.before, joints.one), leaves.of(joints.after, joints.other)
+    (p, q), (u, v) = before.T, after.T
     with np.errstate(all="ignore"):
         turn: Floats = np.abs(p * v - q * u) / np.hypot(p, q) / np.hypot(u, v)
     return turn

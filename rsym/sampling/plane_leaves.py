@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from rsym.arrays import Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
-from rsym.logic.sign_form import Gate, shape_form, through
+from rsym.logic.sign_form import Gate, SignForm, shape_form, through
+from rsym.model.recent import recently
 from rsym.model.shape import Shape
 from rsym.program.differentiation import derivative
+from rsym.sampling.plane import large_form
 
 NEWTON_STEPS = 12
 
@@ -29,72 +32,120 @@ class PlaneLeaves:
     >>> import rsym
     >>> from rsym import x, y, z
     >>> leaves = leaves_of(rsym.Shape(rsym.conjunction(x, y, 1 - z), (x, y, z)), (0, 1), {2: 0.0})
-    >>> values, gradients = leaves(np.array([[3.0, 2.0]]))
-    >>> leaves.active(values)[0].tolist(), gradients[:, 0].tolist()
-    ([1.0], [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
+    >>> leaves.active(np.array([[3.0, 2.0]]))
+    (array([1.]), array([2]))
+    >>> list(leaves.of(np.array([[3.0, 2.0]]), np.array([1])))
+    [(array([2.]), array([[0., 1.]]))]
     """
 
-    kernel: Kernel
-    gates: tuple[Gate, ...]
+    form: SignForm
+    shape: Shape
     free: tuple[int, int]
     fixed: Mapping[int, float]
     letters: Mapping[Any, float] | None
     flat: tuple[int, ...] = ()
 
-    def __call__(self, points: Floats) -> tuple[Floats, Floats]:
-        """The values (leaves, n) and the gradients (leaves, n, 2) at points (n, 2)."""
-        program = self.kernel.program
-        coordinates = [np.full(len(points), self.fixed.get(k, 0.0)) for k in range(len(program.coordinates))]
-        coordinates[self.free[0]], coordinates[self.free[1]] = points.T
-        values = self.kernel.letters.values_with(self.letters)
-        out = np.empty((len(program.outputs), len(points)))
-        letters = [values[name] for name in program.letters]
-        run_in_blocks(self.kernel.function, coordinates, letters, out, self.kernel.threads)
-        parts = out.reshape(len(out) // 3, 3, len(points))
-        parts[list(self.flat), 0] = np.inf
-        return parts[:, 0], parts[:, 1:].transpose(0, 2, 1)
+    @property
+    def count(self) -> int:
+        """How many leaves there are."""
+        return len(self.form.leaves)
 
     def at(self, fixed: Mapping[int, float], points: Floats) -> PlaneLeaves:
         """The same in another plane; `points` are some of it."""
         plane = replace(self, fixed=fixed, flat=())
-        return replace(plane, flat=tuple(np.flatnonzero((plane(points)[0] == 0).all(axis=1)).tolist()))
+        if plane._large is None:
+            values, _ = plane._every(points)
+        else:
+            every = np.repeat(np.arange(self.count), len(points))
+            ((values, _),) = plane.of(np.tile(points, (self.count, 1)), every)
+        zero = (values.reshape(self.count, -1) == 0).all(axis=1)
+        return replace(plane, flat=tuple(np.flatnonzero(zero).tolist()))
 
-    def active(self, values: Floats) -> tuple[Floats, Ints]:
-        """The value of the form, and the number of the leaf that gives it."""
-        return active_leaf(self.gates, values)
+    def active(self, points: Floats) -> tuple[Floats, Ints]:
+        """The value of the form at points (n, 2), and the number of the leaf that gives it."""
+        if self._large is not None:
+            value, leaf = self._large.value(points)
+            return value, leaf.astype(np.int64)
+        return active_leaf(self.form.gates, self._every(points)[0])
 
-    def form(self, points: Floats) -> Floats:
-        """The value of the form."""
-        return self.active(self(points)[0])[0]
+    def of(self, points: Floats, *leaves: Ints) -> Iterator[tuple[Floats, Floats]]:
+        """For each array of leaves the value (n,) and the gradient (n, 2) of the leaf of each point."""
+        if self._large is None:
+            values, gradients = self._every(points)
+            at = np.arange(len(points))
+            yield from ((values[leaf, at], gradients[leaf, at]) for leaf in leaves)
+        else:
+            for leaf in leaves:
+                value, gradient = self._large.leaf(points, leaf)
+                value[np.isin(leaf, self.flat)] = np.inf
+                yield value, gradient
+
+    def of_active(self, points: Floats) -> tuple[Floats, Floats, Ints]:
+        """Value and gradient of the leaf that gives the value of the form, and which it is."""
+        if self._large is not None:
+            _, leaf = self.active(points)
+            ((value, gradient),) = self.of(points, leaf)
+            return value, gradient, leaf
+        values, gradients = self._every(points)
+        value, leaf = active_leaf(self.form.gates, values)
+        return value, gradients[leaf, np.arange(len(points))], leaf
 
     def distance(self, points: Floats) -> tuple[Floats, Ints]:
         """How far the zero of the active leaf is, to first order, and which leaf it is."""
-        values, gradients = self(points)
-        value, leaf = self.active(values)
-        slope = np.linalg.norm(gradients[leaf, np.arange(len(points))], axis=1)
+        value, gradient, leaf = self.of_active(points)
         with np.errstate(all="ignore"):
-            return np.abs(value) / slope, leaf
+            return np.abs(value) / np.linalg.norm(gradient, axis=1), leaf
 
     def slide(self, points: Floats, leaf: Ints) -> Floats:
         """Newton from each point onto its leaf."""
-        at = np.arange(len(points))
         for _ in range(NEWTON_STEPS):
-            values, gradients = self(points)
-            f, p = values[leaf, at], gradients[leaf, at]
+            ((f, p),) = self.of(points, leaf)
             with np.errstate(all="ignore"):
                 points = points - (f / np.einsum("ij,ij->i", p, p))[:, None] * p
         return points
 
     def common(self, points: Floats, one: Ints, other: Ints) -> Floats:
         """Newton from points to the common zeros of two leaves each; NaN or far away where there is none."""
-        at = np.arange(len(points))
         for _ in range(NEWTON_STEPS):
-            values, gradients = self(points)
-            f, g = values[one, at], values[other, at]
-            (p, q), (u, v) = gradients[one, at].T, gradients[other, at].T
+            (f, first), (g, second) = self.of(points, one, other)
+            (p, q), (u, v) = first.T, second.T
             with np.errstate(all="ignore"):
                 points = points - np.stack([f * v - g * q, g * p - f * u], axis=1) / (p * v - q * u)[:, None]
         return points
+
+    def _every(self, points: Floats) -> tuple[Floats, Floats]:
+        """The values (leaves, n) and the gradients (leaves, n, 2) at points (n, 2)."""
+        program = self._kernel.program
+        coordinates = [np.full(len(points), self.fixed.get(k, 0.0)) for k in range(len(program.coordinates))]
+        coordinates[self.free[0]], coordinates[self.free[1]] = points.T
+        values = self._kernel.letters.values_with(self.letters)
+        out = np.empty((len(program.outputs), len(points)))
+        letters = [values[name] for name in program.letters]
+        run_in_blocks(self._kernel.function, coordinates, letters, out, self._kernel.threads)
+        parts = out.reshape(len(out) // 3, 3, len(points))
+        parts[list(self.flat), 0] = np.inf
+        return parts[:, 0], parts[:, 1:].transpose(0, 2, 1)
+
+    @cached_property
+    def _large(self) -> Any:
+        """The form of a large shape, of which at each place what matters is evaluated; else None."""
+        found = large_form(self.shape, self.free, self.fixed, self.letters)
+        return found if found is None or not self.flat else found.without(self.flat)
+
+    @cached_property
+    def _kernel(self) -> Kernel:
+        return _all_leaves(self.form, self.shape, self.free)
+
+
+@recently(16)
+def _all_leaves(form: SignForm, shape: Shape, free: tuple[int, int]) -> Kernel:
+    """Value and gradient in the plane of each leaf."""
+    builder = form.builder
+    outputs = {}
+    for k, leaf in enumerate(form.leaves):
+        outputs[f"leaf_{k}"] = leaf
+        outputs.update({f"leaf_{k}_{i}": derivative(builder, leaf, builder.coordinates[i]) for i in free})
+    return compile_program(builder.program(outputs), (), shape)
 
 
 def active_leaf(gates: Sequence[Gate], values: Sequence[Floats] | Floats) -> tuple[Floats, Ints]:
@@ -111,12 +162,5 @@ def active_leaf(gates: Sequence[Gate], values: Sequence[Floats] | Floats) -> tup
 def leaves_of(
     shape: Shape, free: tuple[int, int], fixed: Mapping[int, float], letters: Mapping[Any, float] | None = None
 ) -> PlaneLeaves:
-    """Compile value and gradient in the plane of each leaf of a shape."""
-    form = shape_form(shape)
-    builder = form.builder
-    outputs = {}
-    for k, leaf in enumerate(form.leaves):
-        outputs[f"leaf_{k}"] = leaf
-        outputs.update({f"leaf_{k}_{i}": derivative(builder, leaf, builder.coordinates[i]) for i in free})
-    kernel = compile_program(builder.program(outputs), (), shape)
-    return PlaneLeaves(kernel, form.gates, free, fixed, letters)
+    """The leaves of a shape in a plane."""
+    return PlaneLeaves(shape_form(shape), shape, free, fixed, letters)

@@ -1,4 +1,4 @@
-"""Sign or value of a plane shape on a lattice, by what matters in large boxes and in small ones inside.
+"""Sign or value of a shape on a plane lattice, by what matters in large boxes and in small ones inside.
 
 Most of a sign is known by boxes. A value needs all points, but of a minimum only the part that may be the smallest.
 """
@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Floats, Ints, Shorts
 from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.logic.sign_form import Gate, SignForm, shape_builder, shape_form
 from rsym.logic.stripping import Signed
@@ -22,8 +23,9 @@ from rsym.model.shape import Shape
 from rsym.model.symbols import with_operands
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower
-from rsym.sampling.kernels.mesher_kernels import backend_for, in_order
+from rsym.sampling.kernels.mesher_kernels import backend_for
 from rsym.sampling.lattice import Lattice
+from rsym.sampling.regions.own_leaves import ACROSS, FLAT, OwnLeaves, across, unscaled
 from rsym.sampling.regions.region_code import AT_ONCE
 from rsym.sampling.regions.region_kernels import RegionKernels, Run, region_kernels
 from rsym.sampling.regions.regions import INSIDE, KEPT, Regions
@@ -33,18 +35,23 @@ from rsym.sampling.sharp.loops import in_threads
 LARGE, SMALL = 64, math.isqrt(AT_ONCE)
 GRAIN = 256  # small boxes
 TURNED = {"min": "max", "max": "min"}
-ACROSS = "across it"  # kernels have three coordinates; no user has one of this name
+PLANE: tuple[int, int] = (0, 1)
+
+
+@recently(8)
+def _form(shape: Shape) -> SignForm:
+    """The sign form, which kernels want in space."""
+    return shape_form(shape, *across(shape))
 
 
 @recently(8)
 def _sign_kernels(shape: Shape) -> RegionKernels:
-    """Those of the sign form, which kernels want in space."""
-    return region_kernels(shape_form(shape, ACROSS))
+    return region_kernels(_form(shape))
 
 
 @recently(8)
 def value_kernels(shape: Shape) -> RegionKernels | None:
-    """Those of the shape itself, its minima and maxima the gates; None where it has so few that nothing is gained."""
+    """Those of a plane shape, its minima and maxima the gates; None where it has so few that nothing is gained."""
     builder = shape_builder(shape, ACROSS)
     form = choice_form(builder, lower(builder, shape.expression))
     return region_kernels(form) if backend_for(form) == "tape" else None
@@ -88,13 +95,22 @@ def _without_neg(builder: Builder, part: Signed) -> Signed:
 
 
 class PlaneBoxes:
-    """A lattice in boxes of `SMALL` points a side, and what kernels say of them."""
+    """A lattice in boxes of `SMALL` points a side, and what kernels say of them; `fixed` places it in space."""
 
-    def __init__(self, kernels: RegionKernels, lattice: Lattice, threads: int | None = None) -> None:
-        self.kernels, self.counts = kernels, lattice.counts
+    def __init__(
+        self,
+        kernels: RegionKernels,
+        lattice: Lattice,
+        free: tuple[int, ...] = PLANE,
+        fixed: Mapping[int, float] = FLAT,
+        threads: int | None = None,
+    ) -> None:
+        self.kernels, self.counts, self.free = kernels, lattice.counts, free
         count = checked_threads(threads)
         self.run: Run = partial(in_threads, pool=lasting_threads("rsym-plane", count) if count > 1 else None)
-        self.flat = np.array([*lattice.origin, 0.0, *lattice.spacing, 0.0])
+        self.flat = np.zeros(6)
+        self.flat[list(fixed)] = list(fixed.values())
+        self.flat[list(free)], self.flat[[3 + k for k in free]] = lattice.origin, lattice.spacing
         self.large = _corners([np.arange(0, points, LARGE) for points in self.counts])
         self.rows = tuple(-(-points // SMALL) for points in self.counts)
 
@@ -112,11 +128,17 @@ class PlaneBoxes:
 
     def ends(self, corner: Ints, size: int) -> Floats:
         """The ends (6, n) of what the points of boxes fill."""
-        ends = np.zeros((6, corner.shape[1]))
-        for k in range(2):
-            ends[2 * k] = self.flat[k] + self.flat[3 + k] * corner[k]
-            ends[2 * k + 1] = self.flat[k] + self.flat[3 + k] * np.minimum(corner[k] + size - 1, self.counts[k] - 1)
+        ends = np.repeat(self.flat[:3], 2)[:, None] * np.ones(corner.shape[1])
+        for axis, index, count in zip(self.free, corner, self.counts, strict=True):
+            for k, at in enumerate((index, np.minimum(index + size - 1, count - 1))):
+                ends[2 * axis + k] = self.flat[axis] + self.flat[3 + axis] * at
         return ends
+
+    def in_space(self, index: Ints) -> Floats:
+        """Indices (2, n) among those in space (3, n); there is one plane."""
+        places = np.zeros((3, index.shape[1]))
+        places[list(self.free)] = index
+        return places
 
     def tiles(self, filled: Any, kind: Any) -> NDArray[Any]:
         """An array with the points of each small box."""
@@ -144,8 +166,12 @@ def signs_on(
     """
     kernels = _sign_kernels(shape).copy()
     kernels.set(shape.letters.values_with(letters), (*_box(lattice), (0.0, 0.0)))
-    boxes = PlaneBoxes(kernels, lattice, threads)
-    tiles = boxes.tiles(-1, np.int8)
+    return _signs(PlaneBoxes(kernels, lattice, threads=threads))[0]
+
+
+def _signs(boxes: PlaneBoxes) -> tuple[NDArray[np.int8], bool]:
+    """The signs at the points of a lattice, and whether the form is undefined at some, where the sign is -1."""
+    kernels, tiles = boxes.kernels, boxes.tiles(-1, np.int8)
     sides, regions = kernels.sides(*boxes.first(), None, boxes.run)
     each = LARGE // SMALL
     for row, column in (boxes.large[:, sides == INSIDE] // SMALL).T:
@@ -156,49 +182,77 @@ def signs_on(
     inside = small[:, sides == INSIDE] // SMALL
     tiles[inside[0], :, inside[1]] = 1
     last = sides == KEPT
-    _fill_signs(boxes, small[:, last], regions[last], tiles)
-    return boxes.joined(tiles)
+    undefined = _fill_signs(boxes, small[:, last], regions[last], tiles)
+    return boxes.joined(tiles), undefined
 
 
-def _fill_signs(boxes: PlaneBoxes, corner: Ints, regions: Regions, tiles: NDArray[np.int8]) -> None:
-    """The signs at the points of small boxes, each by its region."""
-    places = np.zeros((3, corner.shape[1]))
-    places[:2] = corner
-    offsets = np.zeros((3, SMALL * SMALL))
-    offsets[:2] = _corners([np.arange(SMALL)] * 2)
+def _fill_signs(boxes: PlaneBoxes, corner: Ints, regions: Regions, tiles: NDArray[np.int8]) -> bool:
+    """The signs at the points of small boxes, each by its region, and whether one of them may be undefined."""
+    places, offsets = boxes.in_space(corner), boxes.in_space(_corners([np.arange(SMALL)] * 2))
 
-    def part(first: int, last: int) -> None:
+    def part(first: int, last: int) -> bool:
         bits, undefined = np.zeros((last - first, SMALL * SMALL // 8), np.uint8), np.zeros(last - first, np.uint8)
         own = np.ascontiguousarray(places[:, first:last])
         boxes.kernels.signs(0, last - first, own, regions[first:last], boxes.flat, offsets, bits, undefined)
         positive = np.unpackbits(bits, axis=1, bitorder="little").reshape(-1, SMALL, SMALL)
         tile = corner[:, first:last] // SMALL
         tiles[tile[0], :, tile[1]] = 2 * positive.astype(np.int8) - 1
+        return bool(undefined.any())
 
-    boxes.run(part, corner.shape[1], GRAIN)
+    return any(boxes.run(part, corner.shape[1], GRAIN))
 
 
 def values_on(kernels: RegionKernels, lattice: Lattice, letters: Mapping[str, float]) -> Floats:
     """The value at the points of a lattice, (nx, ny); `letters` are those of the shape, all of them."""
-    kernels = kernels.copy()
-    kernels.take((in_order(kernels.form, letters), np.ones(len(kernels.form.leaves)), None))
-    boxes = PlaneBoxes(kernels, lattice)
+    boxes = PlaneBoxes(unscaled(kernels, letters), lattice)
     tiles = boxes.tiles(np.nan, np.float64)
-    large = kernels.valued(*boxes.first(), None, boxes.run)
+    large = boxes.kernels.valued(*boxes.first(), None, boxes.run)
     small, parent = boxes.inside(np.arange(boxes.large.shape[1]))
-    regions = kernels.valued(boxes.ends(small, SMALL), parent, large, boxes.run)
+    regions = boxes.kernels.valued(boxes.ends(small, SMALL), parent, large, boxes.run)
     offsets = _corners([np.arange(SMALL)] * 2)
 
     def part(first: int, last: int) -> None:
         corner = small[:, first:last]
-        index = (corner[:, :, None] + offsets[:, None, :]).reshape(2, -1)
-        points = np.zeros((3, index.shape[1]))
-        points[:2] = boxes.flat[:2, None] + boxes.flat[3:5, None] * index
-        found, _ = kernels.within(points, regions[first:last], AT_ONCE * np.arange(last - first + 1))
+        index = boxes.in_space((corner[:, :, None] + offsets[:, None, :]).reshape(2, -1))
+        points = boxes.flat[:3, None] + boxes.flat[3:, None] * index
+        found, _ = boxes.kernels.within(points, regions[first:last], AT_ONCE * np.arange(last - first + 1))
         tiles[corner[0] // SMALL, :, corner[1] // SMALL] = found.reshape(-1, SMALL, SMALL)
 
     boxes.run(part, small.shape[1], GRAIN)
     return boxes.joined(tiles)
+
+
+@dataclass(frozen=True)
+class PlaneForm(OwnLeaves):
+    """The sign form of a large shape in a plane of two free coordinates, and its leaves."""
+
+    def without(self, leaves: Sequence[int]) -> PlaneForm:
+        """The form in which these leaves are infinite."""
+        return replace(self, kernels=self.kernels.without(leaves))
+
+    def signs_on(self, lattice: Lattice) -> tuple[NDArray[np.int8], bool]:
+        """The signs at the points of a lattice, 0 counts as positive, and whether the form is undefined somewhere."""
+        return _signs(PlaneBoxes(self.kernels, lattice, self.free, self.fixed))
+
+    def value(self, points: Floats) -> tuple[Floats, Shorts]:
+        """The form at points (n, 2), and its active leaf."""
+        places = self.in_space(points)
+        value, leaf = np.empty(places.shape[1]), np.empty(places.shape[1], np.int16)
+        self.kernels.value(len(points), places, value, leaf)
+        return value[: len(points)], leaf[: len(points)]
+
+
+def plane_form(
+    shape: Shape,
+    free: tuple[int, ...] = PLANE,
+    fixed: Mapping[int, float] = FLAT,
+    letters: Mapping[Any, float] | None = None,
+) -> PlaneForm | None:
+    """The sign form of a shape in a plane; None where it is so small that nothing is gained."""
+    if backend_for(_form(shape)) != "tape":
+        return None
+    kernels = unscaled(_sign_kernels(shape), shape.letters.values_with(letters))
+    return PlaneForm(kernels, free, fixed or FLAT)
 
 
 def _box(lattice: Lattice) -> Sequence[tuple[float, float]]:

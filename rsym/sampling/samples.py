@@ -18,12 +18,12 @@ from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError, warn
 from rsym.logic.leaf_names import leaf_names
-from rsym.logic.sign_form import shape_form, surface_form
+from rsym.logic.sign_form import shape_form
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
-from rsym.sampling.extent import bounds_or_extent
-from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, halves
+from rsym.sampling.extent import bounds_or_extent, proved_signs
+from rsym.sampling.form_signs import Boxes, FormSigns, halves
 from rsym.sampling.leaf_fields import LeafFields, distances
 from rsym.sampling.memory import Budget, TooLarge, free_memory
 from rsym.sampling.meshing import mesh
@@ -229,7 +229,7 @@ def _inside(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> _
         raise RsymError(
             "the inside goes on without end", code="unbounded", remedy="give bounds=((xmin, xmax), ...), or ~shape"
         )
-    signs = FormSigns(FormBounds(surface_form(shape)), shape.letters.values_with(letters))
+    signs = proved_signs(shape, letters)
     boxes, within = _holding(signs, Boxes(lower[:, None], upper[:, None]))
     if bounds is None and ((within.lower == lower[:, None]) | (within.upper == upper[:, None])).any():
         warn("the shape leaves its bounds; points are drawn within them alone, wider bounds=... hold all of it")
@@ -330,7 +330,7 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
     start, end = (np.concatenate([line[part] for line in lines]) for part in (slice(None, -1), slice(1, None)))
     along = end - start
     length = np.hypot(*along.T)
-    leaf = leaves.active(leaves(start + along / 2)[0])[1]
+    leaf = leaves.active(start + along / 2)[1]
     known = np.array(leaf_names(shape_form(shape), shape))
     shares = np.cumsum(np.where(_wanted(shape, known[leaf], over), length, 0.0))
     with np.errstate(all="ignore"):
@@ -338,12 +338,12 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
 
     def onto(places: Floats, which: NDArray[Any], number: NDArray[Any]) -> Floats:
         """How far along the normals of their chords points are from a leaf."""
-        moved, at = np.zeros(len(places)), np.arange(len(places))
+        moved = np.zeros(len(places))
         for _ in range(NEWTON_STEPS):
-            values, gradients = leaves(places + moved[:, None] * across[which])
-            slope = np.einsum("ij,ij->i", gradients[number, at], across[which])
+            ((value, gradient),) = leaves.of(places + moved[:, None] * across[which], number)
+            slope = np.einsum("ij,ij->i", gradient, across[which])
             with np.errstate(all="ignore"):
-                moved = moved - values[number, at] / slope
+                moved = moved - value / slope
         return np.where(np.abs(moved) <= length[which], moved, 0.0)
 
     def draw(count: int, generator: np.random.Generator) -> _Drawn:
@@ -352,13 +352,13 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
         at = end[which] - ((shares[which] - places) / length[which])[:, None] * along[which]
         number = leaf[which]
         points = at + onto(at, which, number)[:, None] * across[which]
-        other = leaves.active(leaves(points)[0])[1]
+        other = leaves.active(points)[1]
         (beyond,) = np.nonzero(other != number)  # the chord goes on from one leaf to the next
         back = onto(at[beyond], which[beyond], other[beyond])
         points[beyond] = at[beyond] + back[:, None] * across[which[beyond]]
-        away, number = leaves.distance(points)
-        gradient = leaves(points)[1][number, np.arange(count)]
+        value, gradient, _ = leaves.of_active(points)
         with np.errstate(all="ignore"):
+            away = np.abs(value) / np.linalg.norm(gradient, axis=1)
             normals = -gradient / np.hypot(*gradient.T)[:, None]
             stretch = 1 / np.einsum("ij,ij->i", normals, across[which])
         normals = np.where(np.isfinite(normals).all(axis=1)[:, None], normals, across[which])

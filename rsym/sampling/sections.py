@@ -153,8 +153,8 @@ def _within(found: LevelLines, bounds: Bounds, leaves: PlaneLeaves) -> LevelLine
     points, leaf = places.copy(), leaves.distance(places)[1]
     with np.errstate(all="ignore"):
         for _ in range(NEWTON_STEPS):
-            values, gradients = leaves(points)
-            points[at, along] -= values[leaf, at] / gradients[leaf, at, along]
+            ((value, gradient),) = leaves.of(points, leaf)
+            points[at, along] -= value / gradient[at, along]
     low, high = np.array(bounds, float).T
     chord = np.array(
         [

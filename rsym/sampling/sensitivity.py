@@ -103,9 +103,8 @@ class Sensitivity(Report):
                 remedy="a row for each point",
             )
         if self.shape.dimension == 2:
-            values, gradients = self._leaves(given)
-            active = self._leaves.active(values)[1]
-            return self._of_leaves(given, active, gradients)
+            _, gradient, active = self._leaves.of_active(given)
+            return self._of_leaves(given, active, gradient)
         fields = self._fields
         return _speed(fields.at(fields.active(given), given))
 
@@ -167,20 +166,20 @@ class Sensitivity(Report):
         length = np.hypot(*(end - start).T)
         start, end, length = start[length > 0], end[length > 0], length[length > 0]
         across = np.stack([(end - start)[:, 1], -(end - start)[:, 0]], axis=1) / length[:, None]
-        leaf, at = self._leaves.active(self._leaves((start + end) / 2)[0])[1], np.arange(len(start))
+        leaf = self._leaves.active((start + end) / 2)[1]
         total = 0.0
         for node, share in zip(NODES, WEIGHTS, strict=True):
             points = start + node * (end - start)
             for _ in range(NEWTON_STEPS):
-                values, gradients = self._leaves(points)
+                ((value, gradient),) = self._leaves.of(points, leaf)
                 with np.errstate(all="ignore"):
-                    step = values[leaf, at] / np.einsum("ij,ij->i", gradients[leaf, at], across)
+                    step = value / np.einsum("ij,ij->i", gradient, across)
                 points = points - np.where(np.abs(step) <= length, step, 0.0)[:, None] * across
-            gradients = self._leaves(points)[1]
+            ((_, gradient),) = self._leaves.of(points, leaf)
             with np.errstate(all="ignore"):
-                outwards = np.abs(np.einsum("ij,ij->i", gradients[leaf, at], across))
-                slope = np.linalg.norm(gradients[leaf, at], axis=1)
-                total += _summed(self._of_leaves(points, leaf, gradients) * slope / outwards, share * length)
+                outwards = np.abs(np.einsum("ij,ij->i", gradient, across))
+                slope = np.linalg.norm(gradient, axis=1)
+                total += _summed(self._of_leaves(points, leaf, gradient) * slope / outwards, share * length)
         return total
 
     def document(self) -> Document:
@@ -235,21 +234,23 @@ class Sensitivity(Report):
     def _turned(self, line: Floats) -> Floats:
         """The line in the direction that has the inside to its left."""
         middles, along = (line[1:] + line[:-1]) / 2, np.diff(line, axis=0)
-        values, gradients = self._leaves(middles)
-        inwards = gradients[self._leaves.active(values)[1], np.arange(len(middles))]
+        _, inwards, _ = self._leaves.of_active(middles)
         left = np.nansum(along[:, 0] * inwards[:, 1] - along[:, 1] * inwards[:, 0])
         return line if left >= 0 else line[::-1]
 
-    def _of_leaves(self, points: Floats, leaf: Ints, gradients: Floats) -> Floats:
-        """The speed of a leaf at each point (n, 2), with the gradients (leaves, n, 2) of all of them there."""
+    def _of_leaves(self, points: Floats, leaf: Ints, gradient: Floats) -> Floats:
+        """The speed of a leaf at each point (n, 2), with its gradient (n, 2) there."""
         found = self._by_letter(*points.T, letters=self.letters)
         rows, at = np.stack([found[name] for name in self._by_letter.fields]), np.arange(len(points))
-        return _speed({BY_LETTER: rows[leaf, at], "gradient": gradients[leaf, at]})
+        return _speed({BY_LETTER: rows[leaf, at], "gradient": gradient})
 
     def _at_ends(self, line: Floats) -> Floats:
         """The speed at both ends of each chord of a line, that of the leaf at the middle of the chord."""
-        leaf = self._leaves.active(self._leaves((line[1:] + line[:-1]) / 2)[0])[1]
-        ends = [self._of_leaves(points, leaf, self._leaves(points)[1]) for points in (line[:-1], line[1:])]
+        leaf = self._leaves.active((line[1:] + line[:-1]) / 2)[1]
+        ends = []
+        for points in (line[:-1], line[1:]):
+            ((_, gradient),) = self._leaves.of(points, leaf)
+            ends.append(self._of_leaves(points, leaf, gradient))
         return np.stack(ends, axis=1)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from oracles.closeness import assert_close
+from oracles.many_balls import many_balls
 
 import rsym
 from rsym import RsymError, Shape, x, y, z
@@ -14,8 +15,9 @@ from rsym.backends.interpreter import interpret
 from rsym.bounds.far_forms import NEARNESS, FarForms, direction_of
 from rsym.logic.sign_form import surface_form
 from rsym.program.fields import program_of
-from rsym.sampling.extent import bounds_or_extent, extent
+from rsym.sampling.extent import bounds_or_extent, extent, proved_signs
 from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, cube, grid, halves, slabs
+from rsym.sampling.regions.region_signs import TapedBounds
 
 C = rsym.R0.conjunction
 # A rotation without symmetry; rows are the directions of the body.
@@ -285,3 +287,47 @@ def test_a_mesh_without_bounds_holds_the_whole_body_at_any_letters(method):
     with pytest.raises(RsymError) as caught:
         rsym.mesh(Shape(1 - x**2 - y**2, (x, y, z)), method=method)
     assert caught.value.code == "unbounded"
+
+
+def of_many_leaves():
+    """Leaves of several kinds, with letters and without, some undefined, some without end."""
+    r = sp.Symbol("r", real=True)
+    discs, _, _ = many_balls(60, 2)
+    more = [
+        (r - x) * (2 + x) - y**2 / 3,
+        sp.sqrt(x + 2) - 3 - y**2,
+        sp.sin(3 * x) / 4 - y**2 - x**2,
+        1 - abs(x - r) * 8 - y**2,
+        *(1 - (x - k) ** 2 * (2 + sp.cos(y)) - (y + k) ** 2 for k in range(4)),
+        *(x**3 - 3 * x * y**2 + k * y - x * y / 3 - y**4 for k in range(4)),
+    ]
+    parts = [Shape(leaf, (x, y), letters={r: 1.25} if leaf.has(r) else None) for leaf in more]
+    return (discs | rsym.disjunction(*parts)) & Shape(y + 5, (x, y))
+
+
+def test_signs_of_many_leaves_by_tapes_are_those_of_compiled_bounds():
+    shape = of_many_leaves()
+    signs = proved_signs(shape)
+    assert isinstance(signs.bounds, TapedBounds)
+    compiled = FormSigns(FormBounds(signs.bounds.form), signs.letters)
+    generator = np.random.default_rng(4)
+    centres, sizes = generator.uniform(-3, 3, (2, 999)), 2.0 ** generator.uniform(-9, 2, (2, 999))
+    boxes = Boxes(centres - sizes, centres + sizes)
+    found = signs.over(boxes)
+    np.testing.assert_array_equal(found, compiled.over(boxes))
+    leaves = [bounds.near([boxes], signs.letters) for bounds in (signs.bounds, compiled.bounds)]
+    np.testing.assert_array_equal(*leaves)
+    assert min((found == sign).sum() for sign in (-1, 0, 1)) > 20
+    for size in (3.0, 50.0, 2.0**40):
+        cones = halves(halves(slabs(cube(2, 1.0), np.zeros((2, 2))))[0])[0]
+        np.testing.assert_array_equal(signs.beyond(cones, size), compiled.beyond(cones, size))
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_extent_of_many_balls_is_found_without_compiled_bounds(dimension, monkeypatch):
+    shape, centres, radii = many_balls(70, dimension)
+    monkeypatch.setattr("rsym.sampling.extent.FormBounds", None)
+    for (low, high), along in zip(extent(shape), centres.T, strict=True):
+        exact = (along - radii).min(), (along + radii).max()
+        assert low <= exact[0] < exact[1] <= high
+        assert high - low <= 1.05 * (exact[1] - exact[0])

@@ -2,13 +2,17 @@
 
 import json
 import random
+from dataclasses import replace
 
+import numpy as np
 import pytest
 import sympy as sp
+from oracles.many_balls import many_balls
 
 import rsym
 import rsym.verify.lint.logic
 from rsym import Letter, x, y, z
+from rsym.verify.lint.zeros import Functions, functions_of
 
 BOX = ((-2, 2), (-2, 2))
 CUBE = ((-2, 2), (-2, 2), (-2, 2))
@@ -364,3 +368,36 @@ def test_nests_of_hundreds():
     assert len(logic.leaves) == 301
     assert len(logic.literals) == 301
     assert len(logic.gates) == 300
+
+
+@pytest.mark.parametrize("dimension", [2, pytest.param(3, marks=pytest.mark.slow)])
+def test_many_functions_at_points_of_their_own_have_the_bits_of_one_kernel_of_all(dimension):
+    shape, _, radii = many_balls(70, dimension)
+    every = [*shape.expression.operands, sp.sin(3 * x) - y, shape.expression]
+    functions = functions_of(shape, every)
+    assert functions.own is not None
+    generator = np.random.default_rng(2)
+    which, points = generator.integers(len(every), size=500), generator.uniform(-1, 1, (500, dimension))
+    value, slope = functions.of(which, points)
+    expected, slopes = replace(functions, own=None).of(which, points)
+    np.testing.assert_array_equal(value, expected)
+    np.testing.assert_array_equal(slope, slopes)
+    leaf = which < 70
+    squares = (slope[leaf] ** 2).sum(axis=1) / 4 + value[leaf]  # a ball's gradient is twice the way to its centre
+    assert np.abs(squares - (radii**2)[:, None]).min(axis=0).max() < 1e-14
+
+
+def test_a_fault_among_many_discs_is_found_and_not_all_of_them_are_asked_everywhere(monkeypatch):
+    points = []
+    plain = Functions.__call__
+    monkeypatch.setattr(Functions, "__call__", lambda self, where: points.append(len(where)) or plain(self, where))
+    _, centres, radii = many_balls(70, 2)
+    discs = [
+        plane((3 if k == 40 else 1) * (r**2 - (x - u) ** 2 - (y - v) ** 2) / (2 * r), ((-1.2, 1.2),) * 2)
+        for k, ((u, v), r) in enumerate(zip(centres.tolist(), radii.tolist(), strict=True))
+    ]
+    (found,) = rsym.lint(rsym.disjunction(*discs)).findings
+    assert found.range == pytest.approx((3, 3))
+    off = np.linalg.norm(centres - found.point, axis=1) - radii
+    assert np.abs(off).argmin() == 40
+    assert sum(points) < 400_000

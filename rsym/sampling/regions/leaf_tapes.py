@@ -31,10 +31,11 @@ SCALE = "the scale"  # no end of a letter is called so
 
 
 class KindTape(NamedTuple):
-    """A tape of a kind, and what its uniform numbers are made of."""
+    """A tape of a kind, what its uniform numbers are made of, and how many coordinates it has."""
 
     tape: Tape
     numbers: UniformNumbers
+    coordinates: int
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ class TapedKind:
             "box": (_scaled(self.bounds, ends[:2]), ends[:2]),
             "enclosure": (self.bounds, ends),
         }
-        return {name: _tape(program, outputs) for name, (program, outputs) in chosen.items()}
+        return {name: kind_tape(program, outputs) for name, (program, outputs) in chosen.items()}
 
 
 def _scaled(program: Program, names: Sequence[str]) -> Program:
@@ -70,11 +71,23 @@ def _scaled(program: Program, names: Sequence[str]) -> Program:
     return Program(nodes, program.coordinates, (*program.letters, SCALE), outputs)
 
 
-def _tape(program: Program, names: Sequence[str]) -> KindTape:
+def kind_tape(program: Program, names: Sequence[str]) -> KindTape:
+    """The tape of these outputs of an expanded program."""
     numbers = dict(program.outputs)
     one = assemble(program.nodes, program.coordinates, program.letters, {name: numbers[name] for name in names})
     tape = tape_of(one)
-    return KindTape(tape, UniformNumbers(one, tape.uniform))
+    return KindTape(tape, UniformNumbers(one, tape.uniform), len(one.coordinates))
+
+
+def leaf_numbers(tapes: Sequence[KindTape], kind: Ints, given: Sequence[Sequence[float]]) -> tuple[Floats, Ints]:
+    """The uniform numbers of all leaves, one after the other, from their letters, and where those of each begin."""
+    start = np.zeros(len(kind) + 1, np.int64)
+    start[1:] = np.cumsum(np.array([len(one.tape.uniform) for one in tapes])[kind])
+    rows = np.empty(start[-1])
+    for number, one in enumerate(tapes):
+        some, width = np.flatnonzero(kind == number), np.arange(len(one.tape.uniform))
+        rows[start[some, None] + width] = one.numbers([given[k] for k in some.tolist()])
+    return rows, start
 
 
 class LeafTapes:
@@ -90,35 +103,32 @@ class LeafTapes:
     def __init__(self, form: SignForm, *, shared: bool) -> None:
         self.count = len(form.leaves)
         if shared:
-            self._letters: _Letters = _LiftedLetters(form)
-            self.kinds, self.kind = self._letters.kinds()
+            lifted = LiftedLetters(form)
+            self._letters: _Letters = lifted
+            forms, self.kind = lifted.forms()
+            self.kinds = [_formulas(one) for one in forms]
         else:
             self._letters = _OwnLetters(form)
             formulas = LeafFormulas(form)
             points, bounds = formulas.points.program, formulas.bounds.program
             self.kinds = [TapedKind(points, bounds, tuple(leaf_outputs(k))) for k in range(self.count)]
-            self.kind = list(range(self.count))
+            self.kind = np.arange(self.count)
 
-    @cached_property
-    def _kind_of(self) -> Ints:
-        return np.array(self.kind)
+    def named(self, name: str) -> tuple[Sequence[KindTape], Ints]:
+        """The tapes of one name, one for each kind, and the kind of each leaf."""
+        return [kind.tapes[name] for kind in self.kinds], self.kind
 
     def numbers(self, letters: Sequence[float], scales: Floats) -> dict[str, tuple[Floats, Ints]]:
         """For each tape the numbers of all leaves, one after the other, and where those of each leaf begin."""
         points, ends = self._letters.at(letters, scales), self._letters.ends(letters)
         boxes = [[*own, scale] for own, scale in zip(ends, scales, strict=True)]
-        of_kind = [np.flatnonzero(self._kind_of == number) for number in range(len(self.kinds))]
-        found: dict[str, tuple[Floats, Ints]] = {}
-        for name, given in {"value": points, "gradient": points, "box": boxes, "enclosure": ends}.items():
-            tapes = [kind.tapes[name] for kind in self.kinds]
-            start = np.zeros(self.count + 1, np.int64)
-            start[1:] = np.cumsum([len(tapes[number].tape.uniform) for number in self.kind])
-            rows = np.empty(start[-1])
-            for tape, some in zip(tapes, of_kind, strict=True):
-                width = np.arange(len(tape.tape.uniform))
-                rows[start[some, None] + width] = tape.numbers([given[k] for k in some.tolist()])
-            found[name] = rows, start
-        return found
+        given = {"value": points, "gradient": points, "box": boxes, "enclosure": ends}
+        return {name: leaf_numbers(*self.named(name), letters_of) for name, letters_of in given.items()}
+
+
+def _formulas(form: SignForm) -> TapedKind:
+    formulas = LeafFormulas(form)
+    return TapedKind(formulas.points.program, formulas.bounds.program, tuple(leaf_outputs(0)))
 
 
 class _Letters(Protocol):
@@ -144,7 +154,7 @@ class _OwnLetters:
         return [np.repeat(letters, 2).tolist()] * self._count
 
 
-class _LiftedLetters:
+class LiftedLetters:
     """What is uniform in a leaf, each place a letter of its own."""
 
     def __init__(self, form: SignForm) -> None:
@@ -157,27 +167,28 @@ class _LiftedLetters:
         self._bounds = _uniform(expand(interval_program(part)))
         self._places = {int(name): k for k, (name, _) in enumerate(part.outputs)}
 
-    def kinds(self) -> tuple[list[TapedKind], list[int]]:
-        """The kinds, and that of each leaf."""
+    def forms(self) -> tuple[list[SignForm], Ints]:
+        """The kinds, each as a form of one leaf whose letters are what is lifted, and that of each leaf."""
         found: dict[tuple[Node, ...], int] = {}
         kind = [found.setdefault(nodes, len(found)) for nodes, _ in self._leaves]
-        return [self._formulas(nodes) for nodes in found], kind
+        return [self._form(nodes) for nodes in found], np.array(kind)
 
-    def _formulas(self, nodes: tuple[Node, ...]) -> TapedKind:
+    def _form(self, nodes: tuple[Node, ...]) -> SignForm:
         letters = tuple(str(node.data) for node in nodes if node.operation == "input")
         lifted = tuple(name for name in letters if name not in self._program.coordinates)
         builder = Builder(self._program.coordinates, lifted)
         for node in nodes:
             builder.make(node.operation, *node.arguments, data=node.data)
-        formulas = LeafFormulas(SignForm(builder, (len(nodes) - 1,), ()))
-        return TapedKind(formulas.points.program, formulas.bounds.program, tuple(leaf_outputs(0)))
+        return SignForm(builder, (len(nodes) - 1,), ())
 
     def at(self, letters: Sequence[float], scales: Floats) -> Sequence[Sequence[float]]:
+        """Of the formulas at points, the scale last."""
         values = self._values(letters)
         every = [[values[self._places[number]] for number in lifted] for _, lifted in self._leaves]
         return [[*own, scale] for own, scale in zip(every, scales, strict=True)]
 
     def ends(self, letters: Sequence[float]) -> Sequence[Sequence[float]]:
+        """Of the formulas over boxes: lower and upper ends."""
         bounds = self._bounds(np.repeat(letters, 2)).reshape(-1, 2)
         return [bounds[[self._places[number] for number in lifted]].ravel().tolist() for _, lifted in self._leaves]
 

@@ -77,14 +77,16 @@ def boxes() -> Routine:
     """Bounds of the entries of regions from first to below last over eight boxes each, region by region."""
     r = TapeRoutine(
         "boxes",
-        {"first": "i64", "last": "i64", "ends": "ptr", "stride": "i64"}
+        {"first": "i64", "last": "i64", "ends": "ptr", "ins": "i64", "stride": "i64"}
         | TAPES
         | {"places": "ptr", "entries": "ptr", "bounds": "ptr"},
     )
     with r.loop("%first", "%last", 1) as tape:
         rows, _ = r.take(tape)
         at = r.emit(f"mul i64 {tape}, {LANES}")
-        r.put([r.load(r.row("%ends", "%stride", k), at) for k in range(6)], VECTOR)
+        with r.loop("0", "%ins", 1) as k:
+            end = r.load(r.place("%ends", "double", r.emit(f"mul i64 {k}, %stride")), at)
+            r.store(end, r.place("%memory", "i8", r.emit(f"mul i64 {k}, {VECTOR}")), 0)
         r.run_one(rows)
         keep_bounds(r, tape)
     r.do("ret void")
@@ -95,7 +97,7 @@ def keep_bounds(r: Routine, tape: str) -> None:
     """Copy the bounds of all entries of a region."""
     target = r.place("%bounds", "double", r.emit(f"mul i64 {r.load('%places', tape, 'i64')}, {2 * LANES}"))
     size = r.emit(f"mul i64 {r.load('%entries', tape, 'i64')}, {2 * VECTOR}")
-    source = r.place("%memory", "i8", 6 * VECTOR)
+    source = r.place("%memory", "i8", r.emit(f"mul i64 %ins, {VECTOR}"))
     r.do(f"call void @llvm.memcpy.p0.p0.i64(ptr {target}, ptr {source}, i64 {size}, i1 false)")
 
 

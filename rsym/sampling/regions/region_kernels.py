@@ -31,7 +31,17 @@ from rsym.sampling.regions.leaf_tapes import LeafTapes
 from rsym.sampling.regions.point_groups import by_number
 from rsym.sampling.regions.region_code import region_code
 from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes, leaf_codes
-from rsym.sampling.regions.regions import DEFINED_SIGN, KEPT, SIGN, VALUE, Regions, joined_regions, reduce, whole_form
+from rsym.sampling.regions.regions import (
+    DEFINED_SIGN,
+    INFINITE,
+    KEPT,
+    SIGN,
+    VALUE,
+    Regions,
+    joined_regions,
+    reduce,
+    whole_form,
+)
 
 Sides: TypeAlias = NDArray[np.uint8]
 Given: TypeAlias = tuple[Sequence[float], Floats, Bounds | None]  # letters, scales of leaves, bounds
@@ -40,7 +50,7 @@ Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]] 
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
 _TAPES = [_POINTER] * 8
 _SIGNATURES: dict[str, Sequence[Any]] = {
-    "boxes": (_INTEGER, _INTEGER, _POINTER, _INTEGER, *_TAPES, *[_POINTER] * 3),
+    "boxes": (*[_INTEGER] * 2, _POINTER, *[_INTEGER] * 2, *_TAPES, *[_POINTER] * 3),
     "signs": (_INTEGER, _INTEGER, _POINTER, _INTEGER, *[_POINTER] * 2, _INTEGER, _POINTER, _INTEGER, _POINTER, *_TAPES),
     "crossings": (
         *[_INTEGER] * 2, *[_POINTER] * 2, _INTEGER, *[_POINTER] * 3, _INTEGER, _POINTER, *_TAPES, *[_POINTER] * 4,
@@ -80,7 +90,7 @@ class RegionKernels:
             )
         self.form = form
         self._tapes = LeafTapes(form, shared=shared)
-        self._values, self._boxes = (FormTapes(self._tapes, name) for name in ("value", "box"))
+        self._values, self._boxes = (FormTapes(*self._tapes.named(name)) for name in ("value", "box"))
         self._codes = {name: leaf_codes(self._tapes, name) for name in ("gradient", "enclosure")}
         self._whole = whole_form(form)
         self._last: list[Any] = [(None, None)]  # of all copies: the letters of the last one, and what follows from them
@@ -136,6 +146,14 @@ class RegionKernels:
 
     def _narrowed_here(self, ends: Floats, parent: Ints, among: Regions) -> Regions:
         return self.valued(ends, parent, among, _here)
+
+    def without(self, leaves: Sequence[int]) -> RegionKernels:
+        """The same with the same letters, these leaves infinite wherever the form is asked for."""
+        twin, entries = self.copy(), self._whole.entries.copy()
+        entries[list(leaves)] = INFINITE, 0, 0
+        twin._whole = replace(self._whole, entries=entries)
+        twin.take(self._given)
+        return twin
 
     # What matters where
 
@@ -206,12 +224,7 @@ class RegionKernels:
             regions = among[parents[first:last]]
             some, own = np.unique(parents[first:last], return_inverse=True)
             codes = self._boxes.codes(among[some], self._numbers["box"])
-        codes = replace(codes, **{name: getattr(codes, name)[own] for name in _OF_EACH})
-        entries = np.diff(regions.start)
-        bounds = np.empty((int(regions.start[-1]), 2, LANES))
-        given = np.ascontiguousarray(ends[:, LANES * first : LANES * last])
-        room = aligned(codes.memory)
-        _call("boxes", 0, count, given, given.shape[1], *_tapes(codes, room), regions.start, entries, bounds)
+        bounds = bounds_of(regions, codes[own], ends[:, LANES * first : LANES * last])
         sizes = np.zeros((count, LANES), np.int64)
         results = np.empty((LANES * int(regions.start[-1]), 3), np.int32)
         made = reduce(regions.start, regions.entries, bounds, keeps, keep[first:last], sizes, results)
@@ -334,7 +347,12 @@ class RegionKernels:
         return (codes.rows, numbers, codes.row[which], places[which], count, above, above), room
 
 
-_OF_EACH = ("row", "number", "count", "above", "result")
+def bounds_of(regions: Regions, codes: Codes, ends: Floats) -> Floats:
+    """The bounds (entries, 2, 8) of the entries of regions, of each over eight boxes with these ends, one a column."""
+    bounds, given = np.empty((int(regions.start[-1]), 2, LANES)), np.ascontiguousarray(ends)
+    listed = (regions.start, np.diff(regions.start), bounds)
+    _call("boxes", 0, len(regions), given, *given.shape, *_tapes(codes, aligned(codes.memory)), *listed)
+    return bounds
 
 
 def _tapes(codes: Codes, room: NDArray[np.uint8]) -> Sequence[NDArray[Any]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +14,7 @@ from rsym.backends.tape import executor
 from rsym.backends.tape_code import ROW_VECTORS, VARIES
 from rsym.program.tape import WIDTH, patterns
 from rsym.sampling.kernels.routines import LANES
-from rsym.sampling.regions.leaf_tapes import LeafTapes
+from rsym.sampling.regions.leaf_tapes import KindTape, LeafTapes
 from rsym.sampling.regions.regions import INFINITE, MAX, MIN, Regions
 from rsym.sampling.sharp.loops import loop
 
@@ -128,19 +129,26 @@ class Codes:
         """The bytes that a thread needs for any of them."""
         return int((self.above + VECTOR * self.count).max(initial=0))
 
+    def __getitem__(self, which: Ints) -> Codes:
+        """Some of them, by their numbers, as often as these are named."""
+        row, number, count, above, result = (
+            array[which] for array in (self.row, self.number, self.count, self.above, self.result)
+        )
+        return Codes(self.rows, self.uniform, row, number, count, above, result)
+
 
 class FormTapes:
-    """The tapes of leaves of one sort, "value" or "box", as parts of those of regions."""
+    """The tapes of leaves of one sort, at points or over boxes, as parts of those of regions; `kind` is each leaf's."""
 
-    def __init__(self, tapes: LeafTapes, name: str) -> None:
-        own = [kind.tapes[name].tape for kind in tapes.kinds]
-        self.kind = np.array(tapes.kind)
+    def __init__(self, tapes: Sequence[KindTape], kind: Ints) -> None:
+        own = [one.tape for one in tapes]
+        self.kind = kind
         self.rows = np.cumsum([0, *map(len, own)])
         self.code = np.concatenate([tape.rows[:-1] for tape in own]).astype(np.int64)
         self.ends = np.array([tape.outputs for tape in own])
-        self.coordinates = 3 if name == "value" else 6
+        self.coordinates = tapes[0].coordinates
         self.registers = np.array([tape.registers for tape in own]) - self.coordinates
-        self.step = STEP if name == "value" else VECTOR
+        self.step = STEP if self.ends.shape[1] == 1 else VECTOR  # bounds have two ends
         known = [pattern[0] for pattern in patterns()]
         self.gates = np.array([1 + known.index("min"), 1 + known.index("max")])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -244,10 +245,14 @@ class Survey:
 
     def place(self, expression: sp.Expr) -> ModelPlace:
         """Where an expression stands in the model."""
-        return self.places[self.expressions.index(expression)]
+        return self.places[self._numbers[expression]]
 
     def _of(self, expression: sp.Expr) -> Any:
-        return self.zeros.which == self.expressions.index(expression)
+        return self.zeros.which == self._numbers[expression]
+
+    @cached_property
+    def _numbers(self) -> Mapping[sp.Expr, int]:
+        return {expression: number for number, expression in enumerate(self.expressions)}
 
 
 def survey_of(shape: Shape, bounds: Any, progress: Progress | None = None) -> Survey:

@@ -107,16 +107,17 @@ def _kinds(gate: Gate, keeps: bool, local: LocalSigns) -> dict[str, NDArray[np.b
 def _local(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> LocalSigns:
     """The signs of all steps at points of zero sets."""
     count = len(logic.leaves)
-    at = np.empty((count, len(zeros.which)), np.int8)
+    at, omega = np.empty((count, len(zeros.which)), np.int8), np.empty(len(zeros.which))
     for start in range(0, len(zeros.which), functions.portion):
         here = slice(start, start + functions.portion)
         values, gradients = functions(zeros.points[here])
         near = np.abs(values) <= CONVERGED * size * np.linalg.norm(gradients, axis=2)
-        at[:, here] = np.where(near, 0, np.sign(values))[:count]
+        at[:, here], omega[here] = np.where(near, 0, np.sign(values))[:count], values[-1]
     at[zeros.which, np.arange(len(zeros.which))] = 0
-    beside = [functions.values(zeros.points + step * size * zeros.sides) for step in (BESIDE, -BESIDE)]
-    ahead, behind = (_steps(logic, np.sign(values[:count]).astype(np.int8)) for values in beside)
-    omega, before, after = functions.values(zeros.points)[-1], beside[0][-1], beside[1][-1]
+    (ahead, before), (behind, after) = (
+        functions.signs(zeros.points + step * size * zeros.sides) for step in (BESIDE, -BESIDE)
+    )
+    ahead, behind = (_steps(logic, signs[:count]) for signs in (ahead, behind))
     confirmed = (np.sign(before) == ahead[-1]) & (np.sign(after) == behind[-1])
     # Where a normalised omega is zero on a sheet it is 0/0.
     confirmed &= ~(np.abs(omega) > THIN * np.minimum(np.abs(before), np.abs(after)))
