@@ -13,6 +13,7 @@ import logging
 import os
 import sys
 import tempfile
+from functools import cache
 from pathlib import Path
 
 logger = logging.getLogger(__name__)
@@ -59,6 +60,23 @@ def keep_entry(kind: str, name: str, payload: bytes) -> None:
         _forget(folder)
     except (OSError, RuntimeError) as reason:
         logger.info("compiled code is not kept: %s", reason)
+
+
+@cache
+def digest_of_rooms(*rooms: str) -> str:
+    """A digest of the source of rooms of this package, empty where that cannot be read.
+
+    In the name of an entry it stands for everything that these rooms do: what has changed makes another entry.
+    """
+    digest, count = hashlib.sha256(), 0
+    try:
+        for room in rooms:
+            for module in sorted((Path(__file__).parents[1] / room).glob("*.py")):
+                digest.update(f"{room}/{module.name} ".encode() + module.read_bytes())
+                count += 1
+    except OSError:
+        return ""
+    return digest.hexdigest() if count else ""
 
 
 def _forget(folder: Path) -> None:

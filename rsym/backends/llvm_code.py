@@ -159,26 +159,49 @@ def _host() -> dict[str, str]:
     return {"cpu": llvm.get_host_cpu_name(), "features": llvm.get_host_cpu_features().flatten()}
 
 
-def machine_code(source: str, effort: int = 2) -> llvm.ExecutionEngine:
-    """The engine that holds the compiled functions of a module; they live as long as it does."""
+def machine_code(source: str, effort: int = 2, *, kept: bool = False) -> llvm.ExecutionEngine:
+    """The engine that holds the compiled functions of a module; they live as long as it does.
+
+    Short texts are not kept on this machine, unless they are to be `kept`.
+    """
     with _COMPILING:
-        # A fresh one: the engine that is made with it owns it.
-        machine = _target().create_target_machine(**_host(), opt=effort)
-        name = _entry(source, effort) if len(source) >= KEPT_FROM else ""
+        name = entry_name(source, effort) if kept or len(source) >= KEPT_FROM else ""
         code = read_entry(KIND, name) if name else None
         if code is None:
             module = llvm.parse_assembly(source)
             module.verify()
-            code = machine.emit_object(module)
+            code = _machine(effort).emit_object(module)
             if name:
                 keep_entry(KIND, name, code)
-        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
-        engine.add_object_file(llvm.ObjectFileRef.from_data(code))
-        engine.finalize_object()
+        return _engine(code)
+
+
+def kept_machine_code(name: str) -> llvm.ExecutionEngine | None:
+    """The engine of a module that was kept under this name, without its text."""
+    code = read_entry(KIND, name)
+    if code is None:
+        return None
+    with _COMPILING:
+        return _engine(code)
+
+
+def bitcode(source: str) -> bytes:
+    """A module in LLVM's own binary form."""
+    return bytes(llvm.parse_assembly(source).as_bitcode())
+
+
+def _machine(effort: int) -> llvm.TargetMachine:
+    return _target().create_target_machine(**_host(), opt=effort)
+
+
+def _engine(code: bytes) -> llvm.ExecutionEngine:
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine(2))  # a machine of its own: it is given away
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
     return engine
 
 
-def _entry(source: str, effort: int) -> str:
+def entry_name(source: str, effort: int = 2) -> str:
     """A name for everything that decides what a text compiles to."""
     machine = (llvmlite.__version__, llvm.llvm_version_info, llvm.get_default_triple(), *_host().values(), effort)
     return hashlib.sha256(repr((machine, source)).encode()).hexdigest()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -27,6 +28,7 @@ Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 Run: TypeAlias = Callable[[argparse.Namespace], int | None]
 
 QUIET = ContextVar("quiet", default=False)  # whether the command that runs shows no progress
+COMPILER = logging.getLogger("rsym.sampling.sharp.loops")
 MOST_VALUES = 10_000  # of a run start:stop:step
 
 
@@ -320,14 +322,23 @@ def progress_bar(unit: str, label: str) -> Iterator[ProgressBar]:
     from tqdm import tqdm
 
     with tqdm(total=1, unit=unit, desc=label, disable=True if QUIET.get() else None, leave=False) as bar:
-        yield ProgressBar(bar, label)
+        progress = ProgressBar(bar, label)
+        notes, before = _Notes(progress), COMPILER.level
+        if not QUIET.get():
+            COMPILER.addHandler(notes)
+            COMPILER.setLevel(logging.INFO)
+        try:
+            yield progress
+        finally:
+            COMPILER.removeHandler(notes)
+            COMPILER.setLevel(before)
 
 
 class ProgressBar:
     """A progress as a bar that shows the stage at work and what is undecided so far."""
 
     def __init__(self, bar: tqdm[Any], label: str) -> None:
-        self._bar, self._label = bar, label
+        self._bar, self._label, self._noted = bar, label, False
 
     def describe(self, stage: str, undecided: float) -> None:
         """Show the stage in front of the bar, and behind it the share that is undecided, if it is known."""
@@ -335,10 +346,30 @@ class ProgressBar:
         if not math.isnan(undecided):
             self._bar.set_postfix_str(f"undecided {100 * undecided:.{2 if undecided < 0.99 else 3}g} %", refresh=False)
 
+    def note(self, text: str) -> None:
+        """Show behind the bar what holds it up, until it goes on."""
+        self._noted = True
+        self._bar.set_postfix_str(text)
+
     def __call__(self, done: int, total: int) -> None:
         """Show so many of all steps as done."""
+        if self._noted:
+            self._noted = False
+            self._bar.set_postfix_str("", refresh=False)
         self._bar.total, self._bar.n = total, done
         self._bar.refresh()
+
+
+class _Notes(logging.Handler):
+    """What is compiled meanwhile, behind a bar."""
+
+    def __init__(self, progress: ProgressBar) -> None:
+        super().__init__(logging.INFO)
+        self._progress = progress
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if record.levelno == logging.INFO:  # what is more stands above the bar
+            self._progress.note(record.getMessage())
 
 
 def add_timeout(parser: argparse.ArgumentParser, end: str) -> None:

@@ -8,6 +8,7 @@ from os import PathLike
 from pathlib import Path
 
 from rsym.errors import RsymError, warn
+from rsym.garbage import uncollected
 from rsym.language.assembly import assemble
 from rsym.language.model import ModelFile, collect
 from rsym.language.parser import parse
@@ -59,7 +60,8 @@ def load(path: str | PathLike[str], *, shape: str | None = None, variant: str | 
     ...     rsym.load(path).expression
     -disjunction(x, x - y, system=R1)
     """
-    return read_model(path, shape=shape, variant=variant)[0]
+    with uncollected():
+        return read_model(path, shape=shape, variant=variant)[0]
 
 
 def read_model(

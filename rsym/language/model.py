@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 
 from rsym.errors import RsymError
 from rsym.language.building import FormulaBuilder
-from rsym.language.functions import FAMILIES, SYSTEMS, operations
+from rsym.language.functions import FAMILIES, SYSTEMS, TextFunction, operations
 from rsym.language.pieces import SPACE
 from rsym.language.syntax import (
     ARITIES,
@@ -262,6 +263,11 @@ def _empty(interval: Range, low: Number, high: Number, code: str) -> RsymError:
     return interval.place.refuse(f"the range [{float(low):g}, {float(high):g}] is empty", code, "write [low, high]")
 
 
+@cache
+def _plain_operations() -> Mapping[str, TextFunction]:
+    return operations(R0)  # to make them for each number took a tenth of reading the car
+
+
 def closed_number(expression: Expression, floats: bool = False) -> Number:
     """The exact value of a closed rational expression; as floats a decimal is the float that it names."""
     bare = expression.parts[0] if isinstance(expression, Sum) and expression.signs == (-1,) else expression
@@ -272,7 +278,7 @@ def closed_number(expression: Expression, floats: bool = False) -> Number:
         if name.name == "pi":
             remedy += "; an angle may be a letter in degrees, which formulas take as: a deg"
         raise name.place.refuse(f"'{name.name}' cannot stand here", "letter-value", remedy)
-    value = FormulaBuilder(operations(R0)).build(expression, {}).exact
+    value = FormulaBuilder(_plain_operations()).build(expression, {}).exact
     if value is None:
         raise expression.place.refuse(
             "expected a rational number", "letter-value", "write its decimal value, for example 1.4142"

@@ -70,10 +70,10 @@ def _pair(faces: Any, start: Any, bucket: Any, ends: Any, many: Any, last: Any, 
     edges, boundary, repeated = 0, 0, 0
     for v in range(len(many)):
         for i in range(start[v], start[v + 1]):
-            down = ends[i] < 0
-            end = ~ends[i] if down else ends[i]
-            many[end, int(down)] += 1
-            last[end, int(down)] = bucket[i]
+            down = 1 if ends[i] < 0 else 0
+            end = ~ends[i] if ends[i] < 0 else ends[i]
+            many[end, down] += 1
+            last[end, down] = bucket[i]
         for i in range(start[v], start[v + 1]):
             end = ~ends[i] if ends[i] < 0 else ends[i]
             up, down = many[end, 0], many[end, 1]

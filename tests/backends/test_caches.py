@@ -46,6 +46,27 @@ def test_a_long_text_is_compiled_once_and_kept(folder, compiled):
     assert len(compiled) == len(list(folder.iterdir())) == 2
 
 
+def test_a_kept_module_is_found_by_its_name_alone(compiled):
+    assert llvm_code.kept_machine_code(llvm_code.entry_name(TEXT)) is None
+    llvm_code.machine_code(TEXT, kept=True)
+    engine = llvm_code.kept_machine_code(llvm_code.entry_name(TEXT))
+    twice = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)(engine.get_function_address("twice"))
+    assert twice(2.5) == 5.0
+    assert len(compiled) == 1
+
+
+def test_the_digest_of_rooms_changes_with_any_of_their_modules(tmp_path, monkeypatch):
+    monkeypatch.setattr(caches, "__file__", str(tmp_path / "backends" / "caches.py"))
+    (tmp_path / "one").mkdir()
+    digests = [caches.digest_of_rooms.__wrapped__("one")]
+    for name, text in (("a", "1"), ("b", "1"), ("a", "2"), ("a", "1"), ("__init__", "")):
+        (tmp_path / "one" / f"{name}.py").write_text(text)
+        digests.append(caches.digest_of_rooms.__wrapped__("one"))
+    assert digests[0] == ""  # nothing can be told
+    assert len(set(digests)) == 5
+    assert digests[2] == digests[4]
+
+
 def test_a_short_text_is_not_worth_a_file(folder, compiled):
     assert [twice(TEXT), twice(TEXT)] == [7.0, 7.0]
     assert len(compiled) == 2

@@ -1,6 +1,8 @@
 """What a person at a terminal meets first: help in groups, what was meant, models, quiet, completion, prisms."""
 
 import importlib.metadata
+import io
+import logging
 import os
 import subprocess
 import sys
@@ -119,6 +121,25 @@ def test_quiet_shows_no_bar_and_no_notice(flat, tmp_path, monkeypatch, capsys):
     assert shown[0] is None
     assert set(shown[1:]) == {True}
     assert not QUIET.get()
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_a_bar_shows_which_loop_is_compiled(monkeypatch):
+    terminal, compiler = Terminal(), logging.getLogger("rsym.sampling.sharp.loops")
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with progress_bar("step", "meshing") as progress:
+        compiler.info("compiling loop 3: scan")
+        assert "compiling loop 3: scan" in terminal.getvalue()
+        progress(1, 2)
+        before = len(terminal.getvalue())
+        progress(2, 2)
+        assert "scan" not in terminal.getvalue()[before:]
+    assert not compiler.handlers
+    assert not compiler.isEnabledFor(logging.INFO)
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -1,6 +1,7 @@
 """Compiled loops in the user's cache folder, and the threads that run them."""
 
 import gc
+import itertools
 import logging
 import os
 import stat
@@ -44,14 +45,19 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_loop_is_compiled_once_and_kept_in_a_private_folder(folder, caplog):
+def test_a_loop_is_compiled_once_and_kept_in_a_private_folder(folder, caplog, monkeypatch):
     loops._announce.cache_clear()
-    with caplog.at_level(logging.WARNING, "rsym"):
+    monkeypatch.setattr(loops, "_COMPILED", itertools.count(1))
+    with caplog.at_level(logging.INFO, "rsym"):
         assert run() == (42, 0)
         assert run() == (42, 1)
-    assert [record.message for record in caplog.records] == [loops.NOTICE]
+        assert run((1.0,)) == (6.0, 0)
+    warned = [record.message for record in caplog.records if record.levelno == logging.WARNING]
+    assert warned == [loops.NOTICE]
+    told = [record.message for record in caplog.records if record.levelno == logging.INFO]
+    assert told == ["compiling loop 1: scaled", "compiling loop 2: scaled"]
     assert stat.S_IMODE(folder.stat().st_mode) == 0o700
-    assert len(list(folder.iterdir())) == 1
+    assert len(list(folder.iterdir())) == 2
 
 
 @pytest.mark.slow

@@ -1,5 +1,7 @@
 """The mesher's kernels against plain evaluations of the formulas at points."""
 
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -14,8 +16,9 @@ import rsym
 from rsym import x, y, z
 from rsym.errors import RsymError
 from rsym.logic.sign_form import surface_form
+from rsym.sampling.kernels import mesher_code
 from rsym.sampling.kernels import mesher_kernels as module
-from rsym.sampling.kernels.mesher_kernels import MesherKernels, mesher_kernels, padded
+from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, mesher_kernels, padded
 from rsym.sampling.lattice import SHIFTS
 from rsym.sampling.sharp.crossings import _offsets, find_crossings, sample_signs
 from rsym.sampling.sharp.signs import find_blocks
@@ -128,9 +131,9 @@ def test_letters_change_nothing_but_constants():
         assert value[0] == 0
 
 
-def test_what_a_thread_compiles_ahead_is_not_compiled_again(monkeypatch):
-    made, code = [], module.mesher_code
-    monkeypatch.setattr(module, "mesher_code", lambda formulas: made.append(formulas) or code(formulas))
+def test_what_a_thread_compiles_ahead_is_not_compiled_again(monkeypatch, folder):
+    made, code = [], mesher_code.mesher_code
+    monkeypatch.setattr(mesher_code, "mesher_code", lambda formulas: made.append(formulas) or code(formulas))
     ellipsoid = rsym.Shape(sp.Rational(7, 9) - x**2 - 3 * y**2 - z**2, (x, y, z))
     module.compile_ahead(surface_form(ellipsoid))
     kernels = mesher_kernels(surface_form(ellipsoid))
@@ -139,6 +142,100 @@ def test_what_a_thread_compiles_ahead_is_not_compiled_again(monkeypatch):
             thread.join()
     assert len(made) == 1
     assert mesher_kernels(surface_form(ellipsoid)).source is kernels.source
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty folder of compiled code, which keeps short texts too."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(mesher_code, "KEPT_FROM", 0)
+    return tmp_path / "rsym"
+
+
+@pytest.fixture
+def texts(monkeypatch):
+    """The forms of which a text was made."""
+    made, code = [], mesher_code.mesher_code
+    monkeypatch.setattr(mesher_code, "mesher_code", lambda formulas: made.append(formulas.form) or code(formulas))
+    return made
+
+
+def all_of(form):
+    """What kernels that are new to the process say of a form."""
+    kernels = MesherKernels(form)
+    kernels.set({"r": 1.25}, BOUNDS)
+    points, bounds = columns(np.linspace(-1, 1, 27).reshape(3, 9)), np.zeros((8, padded(9)))
+    value, leaf = np.zeros(padded(9)), np.zeros(padded(9), np.int16)
+    kernels.value(9, points, value, leaf)
+    kernels.enclose(9, leaf, points, points + 0.25, bounds)
+    kept, words = kernels.kept(np.array([[-2, -1], [0, 1]] * 3, np.float64).reshape(6, 2), None, None, whole)
+    return [part.tobytes() for part in (value, leaf, bounds[:, :9], kept, words)]
+
+
+def whole(call, count, grain):
+    return [call(0, count)]
+
+
+@pytest.fixture
+def form():
+    shape = rsym.Shape(rsym.conjunction(r - x**2 - y**2 - z**2, z + x / 3), (x, y, z), letters={r: 1}, bounds=BOUNDS)
+    return surface_form(shape).capped()
+
+
+def test_kernels_of_a_form_are_made_once_on_a_machine(folder, texts, form):
+    first = all_of(form)
+    assert [all_of(form), all_of(form)] == [first, first]
+    assert len(texts) == 1
+    assert len(list((folder / mesher_code.KIND).iterdir())) == 1
+
+
+def test_kept_kernels_tell_their_program_and_their_text(folder, texts, form):
+    first, second = MesherKernels(form), MesherKernels(form)
+    assert not texts[1:]
+    assert second.source == first.source
+    assert second.program.digest == first.program.digest
+
+
+@pytest.mark.parametrize("kind", [mesher_code.KIND, "kernels"])
+@pytest.mark.parametrize("damage", [b"", b"short", None])
+def test_kernels_of_which_something_is_damaged_are_made_again(folder, texts, form, kind, damage):
+    first = all_of(form)
+    for entry in (folder / kind).iterdir():
+        kept = entry.read_bytes()
+        entry.write_bytes(kept[: len(kept) // 2] if damage is None else damage)
+    assert all_of(form) == first
+    assert len(texts) == 2
+    assert all_of(form) == first
+    assert len(texts) == 2
+
+
+def test_what_makes_the_text_is_part_of_the_name(folder, texts, form, monkeypatch):
+    MesherKernels(form)
+    monkeypatch.setattr(mesher_code, "digest_of_rooms", lambda *_: "otherwise")
+    MesherKernels(form)
+    assert len(texts) == len(list((folder / mesher_code.KIND).iterdir())) == 2
+    monkeypatch.setattr(mesher_code, "digest_of_rooms", lambda *_: "")  # what cannot be told is not kept
+    for _ in range(2):
+        MesherKernels(form)
+    assert len(texts) == 4
+    assert len(list((folder / mesher_code.KIND).iterdir())) == 2
+
+
+def test_what_is_wrong_is_not_kept(folder, form, monkeypatch):
+    code = mesher_code.mesher_code
+    monkeypatch.setattr(mesher_code, "mesher_code", lambda s: [text.replace("fadd", "fsub") for text in code(s)])
+    with pytest.raises(RsymError) as caught:
+        MesherKernels(form)
+    assert caught.value.code == "miscompiled"
+    assert not (folder / mesher_code.KIND).exists()
+
+
+def test_the_room_of_kernels_is_made_by_the_rooms_that_are_digested():
+    """All rooms from which the text of kernels takes anything: what they import."""
+    code = "import sys, rsym.sampling.kernels.mesher_code; print(*(m for m in sys.modules if m.startswith('rsym.')))"
+    names = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    rooms = {name.rpartition(".")[0].removeprefix("rsym").removeprefix(".").replace(".", "/") for name in names}
+    assert rooms <= {"", "sampling", *mesher_code.ROOMS}
 
 
 @pytest.mark.parametrize("value", [-1, 2])

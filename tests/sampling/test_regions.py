@@ -1,14 +1,21 @@
 """Regions: the same bits as what LLVM compiles, and balls against formulas that share nothing with either."""
 
+import itertools
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
+import sympy as sp
 
 import rsym
 from rsym import x, y, z
 from rsym.logic.sign_form import surface_form
 from rsym.sampling.kernels.mesher_kernels import SMALL, backend_for, columns, mesher_kernels, padded
+from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.mesh import MeshRequest
 from rsym.sampling.mesher import SharpMesher
+from rsym.sampling.regions import kept_regions
+from rsym.sampling.regions.kept_regions import MOST
 from rsym.sampling.regions.leaf_tapes import LeafTapes
 from rsym.sampling.regions.region_kernels import RegionKernels, region_kernels
 from rsym.sampling.regions.regions import INFINITE, MAX, MIN, MINUS_INFINITE, Regions, whole_form, without_idle
@@ -81,6 +88,59 @@ def test_value_and_active_leaf_of_balls_against_their_formula():
     unscaled = again[:1000] / scales[leaf[:1000], 0]
     distance = np.abs(every - unscaled).min(axis=0)
     assert distance.max() < 1e-12
+
+
+def of_whole(kernels, points):
+    """Value and leaf where everything is evaluated, point by point in vectors of their own."""
+    count = points.shape[1]
+    begin = np.arange(count + 1) * LANES
+    found, names = kernels.within(np.repeat(points, LANES, axis=1), kernels._whole[np.zeros(count, int)], begin)
+    return found[::LANES], names[::LANES]
+
+
+@pytest.mark.parametrize("most", [0, 2000, MOST])
+def test_kept_regions_have_the_bits_of_the_whole(most, monkeypatch):
+    """Questions large and small, from threads at once, on the faces of boxes, outside of all, and nowhere."""
+    monkeypatch.setattr(kept_regions, "MOST", most)
+    shape = balls(5)[0]
+    kernels = RegionKernels(surface_form(shape), shared=True)
+    kernels.set({}, shape.bounds)
+    generator = np.random.default_rng(3)
+    points = generator.uniform(-1.2, 1.2, (3, 600))
+    points[:, :100] = generator.choice(np.linspace(-2.4, 2.4, 33), (3, 100))  # outside, and where boxes meet
+    points[:, 100:110] = generator.uniform(2.5, 1e9, (3, 10))
+    points[0, 110:120], points[1, 120:130], points[2, 130:140] = np.nan, np.inf, -np.inf
+    points[:, 140:200] = points[:, [200]] + generator.uniform(-1e-3, 1e-3, (3, 60))
+    places = columns(points)
+    value, leaf = np.empty(padded(600)), np.empty(padded(600), np.int16)
+    cuts = np.unique([0, 600, *generator.integers(0, 600, 40)]).tolist()
+
+    def part(ends):
+        kernels.copy().value(ends[1] - ends[0], places, value, leaf, first=ends[0])
+
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(part, list(itertools.pairwise(cuts))))
+    expected, names = of_whole(kernels, points)
+    np.testing.assert_array_equal(value[:600], expected)
+    np.testing.assert_array_equal(leaf[:600], names)
+    numbers, regions = kernels._kept.at(points)
+    entries = np.diff(regions.start)[numbers]
+    assert (entries[100:140] == len(kernels._whole.entries)).all()
+    assert (entries[140:].max() <= 2 * kept_regions.FEW) if most == MOST else most or not numbers.any()
+
+
+def test_kept_regions_are_those_of_the_letters():
+    """One set of kernels for two letters: what is kept for one never answers for the other."""
+    a = sp.Symbol("a", real=True)
+    parts = [rsym.Shape(a**2 - (x - k) ** 2 - y**2 - z**2, (x, y, z), letters={a: 0.5}) for k in range(12)]
+    kernels = RegionKernels(surface_form(rsym.disjunction(*parts)), shared=True)
+    points = columns(np.random.default_rng(5).uniform(-1, 1, (3, 50)) * [[6], [1], [1]] + [[5.5], [0], [0]])
+    for one in (0.5, 1.5, 0.5):
+        kernels.set({"a": one}, ((-1, 12), (-1, 1), (-1, 1)))
+        value, leaf = np.empty(padded(50)), np.empty(padded(50), np.int16)
+        kernels.value(50, points, value, leaf)
+        every = one**2 - (points[0] - np.arange(12)[:, None]) ** 2 - points[1] ** 2 - points[2] ** 2
+        np.testing.assert_array_equal(value[:50] > 0, every.max(axis=0)[:50] > 0)
 
 
 def test_regions_of_words_leave_out_what_is_idle():

@@ -77,7 +77,7 @@ def test_what_is_kept_around_vertices_is_what_would_be_found_anew(monkeypatch):
 
     def forget_all(region, vertices):
         forget(region, vertices)
-        for memory in (region._rings, region._seams, region._contractions, region._moves, region._gains):
+        for memory in (region._rings, region._seams, region._turns, region._contractions, region._moves):
             memory.clear()
 
     monkeypatch.setattr(unfolding._Region, "_forget", forget_all)

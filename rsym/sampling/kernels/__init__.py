@@ -5,8 +5,8 @@ and nothing is compiled. In the order of the data:
 
 - `routines`: LLVM functions with loops and branches, eight lanes at a time
 - `form_code`: the leaves with their gradients, the whole form at points, and what is left of it in a block
-- `mesher_code`: all its routines as LLVM text
-- `mesher_kernels`: the text compiled, checked against the interpreter, kept in the process
+- `mesher_code`: all its routines as LLVM text, compiled and kept on the machine
+- `mesher_kernels`: the code, checked against the interpreter, kept in the process
 - `ray_code`: models of a form along rays, what matters of it in a beam, its active leaf at points; `ray_state`: the
   state of eight rays; `march_code`: their march and the roots; `picture_code`: tiles and rays as LLVM text;
   `ray_kernels`: compiled, for `rays`

@@ -26,11 +26,20 @@ class LeafFormulas:
     """A sign form as its routines need it."""
 
     def __init__(self, form: SignForm) -> None:
+        self.form = form
         self.gates: tuple[Gate, ...] = form.gates
         self.count = len(form.leaves)
-        self.program = leaf_program(form)
-        self.scaled_program = leaf_program(form, scaled=True)
-        self.coordinates = self.program.coordinates
+        self.coordinates = form.builder.coordinates
+
+    @cached_property
+    def program(self) -> Program:
+        """Value and gradient of every leaf."""
+        return leaf_program(self.form)
+
+    @cached_property
+    def scaled_program(self) -> Program:
+        """The same, each leaf times its scale."""
+        return leaf_program(self.form, scaled=True)
 
     @cached_property
     def points(self) -> Formulas:

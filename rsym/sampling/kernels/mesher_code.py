@@ -1,4 +1,4 @@
-"""The routines of the mesher as LLVM text: what it asks of a sign form, over boxes, blocks, edges and points.
+"""The routines of the mesher as LLVM text, what it asks of a form over boxes, blocks, edges and points, and their code.
 
 An array of points is three rows of a stated length. Every routine works on eight lanes at a time, and no lane depends
 on another. A coordinate of the lattice is origin + spacing*index, rounded twice, whoever computes it; both steps are
@@ -8,9 +8,13 @@ monotone, so that what is proved on the corners of a box as they are rounded hol
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
 
-from rsym.backends.llvm_code import VECTORS, declarations
+from rsym.backends.caches import digest_of_rooms, keep_entry, read_entry
+from rsym.backends.llvm_code import KEPT_FROM, VECTORS, declarations, entry_name, kept_machine_code, machine_code
 from rsym.backends.vector_code import Value
+from rsym.logic.sign_form import SignForm
 from rsym.sampling.kernels.form_code import (
     ENDS,
     NAMED,
@@ -32,6 +36,70 @@ PATIENCE = 12
 # The halves that follow end at the last bit of t.
 MOST_STEPS = 70
 NEAR_ENOUGH = 2e-14
+
+KIND = "forms"
+# All that has a part in the text of a form.
+ROOMS = ("model", "model/blends", "analysis", "program", "backends", "logic", "bounds", "sampling/kernels")
+
+
+class FormCode:
+    """Machine code of the routines of a form: made from formulas, or taken as it is from this machine's folder.
+
+    To make the text takes three times as long as to read the code. What was made by the same source of all rooms that
+    have a part in it, and was checked, is found by the key of the form.
+    """
+
+    def __init__(self, form: SignForm) -> None:
+        self.formulas = LeafFormulas(form)
+        rooms = digest_of_rooms(*ROOMS)
+        self._name = entry_name(f"{rooms} {form.builder.letters} {form.key}") if rooms else ""
+        self._enclose = ""  # the name by which it is kept, if it is
+
+    @cached_property
+    def _texts(self) -> tuple[str, ...]:
+        return mesher_code(self.formulas)
+
+    @cached_property
+    def source(self) -> str:
+        """All code as text."""
+        return "\n".join(self._texts)
+
+    @cached_property
+    def _is_kept(self) -> bool:
+        return bool(self._name) and len(self.source) >= KEPT_FROM
+
+    def kept(self) -> tuple[int, list[Any]] | None:
+        """How many constants there are, and the engines of all modules but the last."""
+        index = read_entry(KIND, self._name) if self._name else None
+        if index is None:
+            return None
+        constants, *names, enclose = index.decode().split()
+        engines = [kept_machine_code(name) for name in names]
+        if None in engines:
+            return None
+        self._enclose = enclose
+        return int(constants), engines
+
+    def made(self) -> tuple[int, list[Any]]:
+        """The same, from the formulas."""
+        engines = [machine_code(text, effort, kept=self._is_kept) for text, effort in self._modules()]
+        return self.formulas.points.constants + self.formulas.bounds.constants, engines
+
+    def keep(self) -> None:
+        """Let others find what was made and is right."""
+        if self._is_kept:
+            constants = self.formulas.points.constants + self.formulas.bounds.constants
+            names = [entry_name(*module) for module in (*self._modules(), (self._texts[-1], 2))]
+            keep_entry(KIND, self._name, " ".join([str(constants), *names]).encode())
+
+    def _modules(self) -> list[tuple[str, int]]:
+        """The modules but the last, and the effort: what runs once for a choice of letters is not worth optimising."""
+        return [(text, 2 if number else 0) for number, text in enumerate(self._texts[:-1])]
+
+    def enclose(self) -> Any:
+        """The engine of the last module."""
+        engine = kept_machine_code(self._enclose) if self._enclose else None
+        return machine_code(self._texts[-1], kept=self._is_kept) if engine is None else engine
 
 
 def mesher_code(formulas: LeafFormulas) -> tuple[str, ...]:

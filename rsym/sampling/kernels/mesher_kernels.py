@@ -18,14 +18,12 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Floats, Ints
 from rsym.backends.interpreter import CHECK_POINTS, check_at
-from rsym.backends.llvm_code import machine_code
 from rsym.errors import RsymError
 from rsym.logic.sign_form import SignForm, cap_letters
 from rsym.model.shape import Bounds
 from rsym.program.program import FLOAT64, Program
 from rsym.sampling.form_signs import check_parameters
-from rsym.sampling.kernels.form_code import LeafFormulas
-from rsym.sampling.kernels.mesher_code import mesher_code
+from rsym.sampling.kernels.mesher_code import FormCode
 from rsym.sampling.kernels.routines import LANES
 
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
@@ -69,18 +67,31 @@ class MesherKernels:
     """
 
     def __init__(self, form: SignForm) -> None:
-        formulas = LeafFormulas(form)
-        self.form, self.words, self.program = form, formulas.words, formulas.scaled_program
-        constants, *routines, self._enclose_source = mesher_code(formulas)
-        self.source = "\n".join([constants, *routines, self._enclose_source])
+        self.form, self._code = form, FormCode(form)
+        self.words = self._code.formulas.words
         self._engines: list[Any] = []
         self._functions: dict[str, Callable[..., None]] = {}
-        # What runs once for a choice of letters is not worth optimising.
-        self._load(machine_code(constants, 0))
-        for routine in routines:
-            self._load(machine_code(routine))
-        self._constants = np.zeros(max(1, formulas.points.constants + formulas.bounds.constants))
-        check_leaves(self)
+        made = self._code.kept()
+        if made is None:
+            constants, engines = self._code.made()
+        else:
+            constants, engines = made
+        for engine in engines:
+            self._load(engine)
+        self._constants = np.zeros(max(1, constants))
+        if made is None:
+            check_leaves(self)
+            self._code.keep()
+
+    @property
+    def program(self) -> Program:
+        """Value and gradient of every leaf, times its scale."""
+        return self._code.formulas.scaled_program
+
+    @property
+    def source(self) -> str:
+        """All code as text."""
+        return self._code.source
 
     def _load(self, engine: Any) -> None:
         self._engines.append(engine)
@@ -92,7 +103,7 @@ class MesherKernels:
         """Compile what only certificates need: a third of all code, and a mesh can do without."""
         with _finishing:
             if "enclose" not in self._functions:
-                self._load(machine_code(self._enclose_source))
+                self._load(self._code.enclose())
 
     def copy(self) -> MesherKernels:
         """The same code with letters of its own."""
@@ -173,14 +184,15 @@ class MesherKernels:
     def value(self, count: int, points: Floats, value: Floats, leaf: NDArray[np.int16], first: int = 0) -> None:
         """The form, and the active leaf."""
         p, f, n = _from(points, first), _from(value, first), _from(leaf, first)
-        self._call("value", count, p, points.shape[1], self._constants, f, n)
+        self._functions["value"](count, p, points.shape[1], self._constants.ctypes.data, f, n)
 
     def leaf(
         self, count: int, leaf: NDArray[np.int16], points: Floats, value: Floats, gradient: Floats, first: int = 0
     ) -> None:
         """Value and gradient of the leaf of each point; none where its number is negative."""
-        n, p, f, g = (_from(array, first) for array in (leaf, points, value, gradient))
-        self._call("leaf", count, n, p, points.shape[1], self._constants, f, g, gradient.shape[1])
+        n, p, f, g = _from(leaf, first), _from(points, first), _from(value, first), _from(gradient, first)
+        constants = self._constants.ctypes.data
+        self._functions["leaf"](count, n, p, points.shape[1], constants, f, g, gradient.shape[1])
 
     def slide(self, count: int, leaf: NDArray[np.int16], points: Floats, steps: int, first: int = 0) -> None:
         """Newton steps of each point onto its leaf, along the gradient."""
@@ -287,7 +299,10 @@ def median_scales(kernels: OneLeaf, count: int, bounds: Bounds | None) -> Floats
         steepness = np.abs(gradient[:, :every]).max(axis=0).reshape(count, CHECK_POINTS)
         known = np.isfinite(steepness) & (steepness > 0)
         some = known.any(axis=1)
-        usual = np.nanmedian(np.where(known, steepness, np.nan)[some], axis=1)
+        # The median of what is known; np.nanmedian loads all masked arrays for it.
+        ordered, last = np.sort(np.where(known, steepness, np.nan)[some], axis=1), known[some].sum(axis=1) - 1
+        row = np.arange(len(last))
+        usual = (ordered[row, last // 2] + ordered[row, (last + 1) // 2]) / 2
     scales = np.ones(count)
     scales[some] = 2.0 ** -np.clip(np.frexp(usual)[1], -1000, 1000)
     return scales
@@ -301,9 +316,11 @@ class OneLeaf(Protocol):
 
 
 class CheckedLeaves(OneLeaf, Protocol):
-    """What is checked of kernels: `program` has value and derivatives of one leaf after the other."""
+    """What is checked of kernels."""
 
-    program: Program
+    @property
+    def program(self) -> Program:
+        """Value and derivatives of one leaf after the other."""
 
     def set_points(self, letters: Sequence[float]) -> None:
         """Take letters."""

@@ -46,6 +46,19 @@ class TapeRoutine(Routine):
         """Work out a tape on the first vector of each register."""
         self.do(f"call void @run_one(ptr {rows}, ptr %memory)")
 
+    def run_some(self, rows: str, points: str) -> None:
+        """Work out a tape on the first vector where that has all points, else on all."""
+        number = len(self.lines)
+        one = self.emit(f"icmp sle i64 {points}, {LANES}")
+        self.do(f"br i1 {one}, label %one{number}, label %all{number}")
+        self.start(f"one{number}")
+        self.run_one(rows)
+        self.do(f"br label %ran{number}")
+        self.start(f"all{number}")
+        self.do(f"call void @run(ptr {rows}, ptr %memory)")
+        self.do(f"br label %ran{number}")
+        self.start(f"ran{number}")
+
     def lattice_points(self, indices: Sequence[Value]) -> list[Value]:
         """The coordinates of places on the lattice."""
         return [
@@ -210,25 +223,31 @@ def entry_value(r: Routine, entry: str, vector: str) -> Value:
 
 
 def values() -> Routine:
-    """The form at points, `AT_ONCE` for each region from first to below last, and its active leaf."""
+    """The form at points and its active leaf, for each region at points of its own, whole vectors."""
     r = TapeRoutine(
         "values",
-        {"first": "i64", "last": "i64", "points": "ptr", "stride": "i64", "value": "ptr", "leaf": "ptr"}
+        {"first": "i64", "last": "i64", "begin": "ptr", "points": "ptr", "stride": "i64"}
+        | {"value": "ptr", "leaf": "ptr"}
         | TAPES
         | {"places": "ptr", "entries": "ptr", "listed": "ptr", "names": "ptr"},
     )
     with r.loop("%first", "%last", 1) as region:
         rows, result = r.take(region)
-        begin = r.emit(f"mul i64 {region}, {AT_ONCE}")
-        for k in range(3):
-            source = r.place(r.row("%points", "%stride", k), "double", begin)
-            target = r.place("%memory", "i8", k * STEP)
-            r.do(f"call void @llvm.memcpy.p0.p0.i64(ptr {target}, ptr {source}, i64 {STEP}, i1 false)")
-        r.do(f"call void @run(ptr {rows}, ptr %memory)")
-        with r.loop("0", f"{ROW_VECTORS}", 1) as v:
-            at = r.emit(f"add i64 {begin}, {r.emit(f'mul i64 {v}, {LANES}')}")
-            r.store(active_leaf(r, region, v), "%leaf", at, SHORTS)
-            r.store(r.load(result, r.emit(f"mul i64 {v}, {LANES}")), "%value", at)
+        begin = r.load("%begin", region, "i64")
+        end = r.load("%begin", r.emit(f"add i64 {region}, 1"), "i64")
+        with r.loop(begin, end, AT_ONCE) as i:
+            some = r.up_to(i, end, AT_ONCE)
+            size = r.emit(f"shl i64 {some}, 3")
+            for k in range(3):
+                source = r.place(r.row("%points", "%stride", k), "double", i)
+                target = r.place("%memory", "i8", k * STEP)
+                r.do(f"call void @llvm.memcpy.p0.p0.i64(ptr {target}, ptr {source}, i64 {size}, i1 false)")
+            r.run_some(rows, some)
+            with r.loop("0", some, LANES) as v:
+                at = r.emit(f"add i64 {i}, {v}")
+                vector = r.emit(f"lshr i64 {v}, {LANES.bit_length() - 1}")
+                r.store(active_leaf(r, region, vector), "%leaf", at, SHORTS)
+                r.store(r.load(result, v), "%value", at)
     r.do("ret void")
     return r
 

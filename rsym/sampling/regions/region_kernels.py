@@ -26,9 +26,10 @@ from rsym.model.shape import Bounds
 from rsym.program.program import FLOAT64
 from rsym.sampling.kernels.mesher_kernels import SMALL, letters_of_form, median_scales
 from rsym.sampling.kernels.routines import LANES
+from rsym.sampling.regions.kept_regions import KeptRegions
 from rsym.sampling.regions.leaf_tapes import LeafTapes
-from rsym.sampling.regions.point_groups import boxes_of, by_leaf, near_each_other
-from rsym.sampling.regions.region_code import AT_ONCE, region_code
+from rsym.sampling.regions.point_groups import by_number
+from rsym.sampling.regions.region_code import region_code
 from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes, leaf_codes
 from rsym.sampling.regions.regions import (
     DEFINED_SIGN,
@@ -43,6 +44,7 @@ from rsym.sampling.regions.regions import (
 )
 
 Sides: TypeAlias = NDArray[np.uint8]
+Given: TypeAlias = tuple[Sequence[float], Floats, Bounds | None]  # letters, scales of leaves, bounds
 Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]]  # a call over pieces of a range
 
 _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
@@ -53,7 +55,7 @@ _SIGNATURES: dict[str, Sequence[Any]] = {
     "crossings": (
         *[_INTEGER] * 2, *[_POINTER] * 2, _INTEGER, *[_POINTER] * 3, _INTEGER, _POINTER, *_TAPES, *[_POINTER] * 4,
     ),
-    "values": (_INTEGER, _INTEGER, _POINTER, _INTEGER, *[_POINTER] * 2, *_TAPES, *[_POINTER] * 4),
+    "values": (_INTEGER, _INTEGER, *[_POINTER] * 2, _INTEGER, *[_POINTER] * 2, *_TAPES, *[_POINTER] * 4),
     "leaves": (_INTEGER, _INTEGER, *[_POINTER] * 2, *[_INTEGER] * 3, *[_POINTER] * 2, *_TAPES),
     "slide": (_INTEGER, _INTEGER, *[_POINTER] * 2, *[_INTEGER] * 2, _POINTER, *_TAPES),
 }  # fmt: skip
@@ -122,21 +124,28 @@ class RegionKernels:
         chosen = np.array(plain).tobytes(), bounds  # 0 and -0 are two letters
         known, made = self._last[0]  # both at once: another thread may replace them
         if known != chosen:
-            self.take((plain, np.ones(len(self.form.leaves))))
-            self.take((plain, median_scales(self, len(self.form.leaves), bounds)))
-            self._last[0] = chosen, (self._given, self._numbers, self._code_of_whole)
+            self.take((plain, np.ones(len(self.form.leaves)), bounds))
+            self.take((plain, median_scales(self, len(self.form.leaves), bounds), bounds))
+            self._last[0] = chosen, (self._given, self._numbers, self._code_of_whole, self._kept)
         else:
-            self._given, self._numbers, self._code_of_whole = made
+            self._given, self._numbers, self._code_of_whole, self._kept = made
 
-    _given: tuple[Sequence[float], Floats]
+    _given: Given
     _numbers: Mapping[str, tuple[Floats, Ints]]
     _code_of_whole: Codes
+    _kept: KeptRegions
 
-    def take(self, given: tuple[Sequence[float], Floats]) -> None:
-        """Take the letters of the form and the scales of its leaves as they are."""
+    def take(self, given: Given) -> None:
+        """Take the letters of the form, the scales of its leaves and the bounds as they are."""
         self._given = given
-        self._numbers = self._tapes.numbers(*given)
+        letters, scales, bounds = given
+        self._numbers = self._tapes.numbers(letters, scales)
         self._code_of_whole = self._boxes.codes(self._whole, self._numbers["box"])
+        self.__dict__.pop("_kept", None)  # a copy that only has these letters narrows for those that are kept
+        self._kept = KeptRegions(bounds, self._whole, self.copy()._narrowed_here)
+
+    def _narrowed_here(self, ends: Floats, parent: Ints, among: Regions) -> Regions:
+        return self.valued(ends, parent, among, _here)
 
     def without(self, leaves: Sequence[int]) -> RegionKernels:
         """The same with the same letters, these leaves infinite wherever the form is asked for."""
@@ -273,39 +282,21 @@ class RegionKernels:
         """The form, and the active leaf."""
         if not count:
             return
-        order = near_each_other(points[:, first : first + count])
-        groups = -(-count // AT_ONCE)
-        order = np.concatenate([order, np.repeat(order[-1:], groups * AT_ONCE - count)])
-        given = points.take(first + order, axis=1)
-        regions = self._regions_of(given, groups)
-        found, names = self.within(given, regions)
-        value[first + order], leaf[first + order] = found, names
+        own = points[:, first : first + count]
+        numbers, regions = self._kept.at(own)
+        which, begin, padded_places, places = by_number(numbers)
+        found, names = self.within(own.take(padded_places, axis=1), regions[which], begin)
+        value[first + padded_places[places]], leaf[first + padded_places[places]] = found[places], names[places]
 
-    def within(self, points: Floats, regions: Regions) -> tuple[Floats, Shorts]:
-        """The form and its active leaf at points (3, n), `AT_ONCE` in each region."""
-        assert points.shape[1] == AT_ONCE * len(regions)
+    def within(self, points: Floats, regions: Regions, begin: Ints) -> tuple[Floats, Shorts]:
+        """The form and its active leaf at points (3, n), those of region k from ``begin[k]`` on, in whole vectors."""
         found, names = np.empty(points.shape[1]), np.empty(points.shape[1], np.int16)
         for a, b, some, codes, room in self._portions_of(regions, 0, len(regions)):
             entries = np.diff(some.start)
             listed = (some.start, entries, some.entries, np.empty((int(entries.max()), LANES), np.int16))
-            own = slice(a * AT_ONCE, b * AT_ONCE)
-            places = np.ascontiguousarray(points[:, own])
-            _call("values", 0, b - a, places, places.shape[1], found[own], names[own], *_tapes(codes, room), *listed)
+            arrays = (np.ascontiguousarray(begin[a : b + 1]), points, points.shape[1], found, names)
+            _call("values", 0, b - a, *arrays, *_tapes(codes, room), *listed)
         return found, names
-
-    def _regions_of(self, points: Floats, groups: int) -> Regions:
-        """The regions of groups of points, which keep the value; from those of eight together."""
-        if groups == 1:
-            return self._whole
-        ends = boxes_of(points.reshape(3, groups, AT_ONCE))
-        above = np.arange(groups) // LANES
-        few = np.arange(0, groups, LANES)
-        wide = np.empty((6, len(few)))
-        wide[::2], wide[1::2] = (
-            np.minimum.reduceat(ends[::2], few, axis=1), np.maximum.reduceat(ends[1::2], few, axis=1)
-        )  # fmt: skip
-        among = self.valued(wide, np.zeros(len(few), np.int64), None, _here)
-        return self.valued(ends, above, among, _here)
 
     def leaf(
         self, count: int, leaf: NDArray[np.int16], points: Floats, value: Floats, gradient: Floats, first: int = 0
@@ -327,7 +318,7 @@ class RegionKernels:
 
     def _of_leaves(self, name: str, leaf: Shorts, inputs: Floats, outputs: int) -> tuple[Floats, Ints]:
         """Outputs of the leaf of each point that has one, and which points these are."""
-        which, begin, padded_places, places = by_leaf(leaf)
+        which, begin, padded_places, places = by_number(leaf)
         given = inputs.take(padded_places, axis=1)
         found = np.empty((outputs, given.shape[1]))
         codes = self._codes[name]
@@ -341,7 +332,7 @@ class RegionKernels:
     def slide(self, count: int, leaf: NDArray[np.int16], points: Floats, steps: int, first: int = 0) -> None:
         """Newton steps of each point onto its leaf, along the gradient."""
         own = slice(first, first + count)
-        which, begin, padded_places, places = by_leaf(leaf[own])
+        which, begin, padded_places, places = by_number(leaf[own])
         given = points[:, own].take(padded_places, axis=1)
         tapes, room = self._tapes_of("gradient", which)
         ends = self._codes["gradient"].ends[which]
@@ -390,7 +381,7 @@ def region_kernels(form: SignForm) -> RegionKernels:
     return kernels.copy()
 
 
-def _revived(form: SignForm, given: tuple[Sequence[float], Floats]) -> RegionKernels:
+def _revived(form: SignForm, given: Given) -> RegionKernels:
     kernels = region_kernels(form)
     kernels.take(given)
     return kernels

@@ -283,7 +283,12 @@ def fitted(
     high = low + lattice[3:, None] * (1 + 2 * CLOSE)
     points = np.empty((3, len(which)))
     rings, tangents = (surface.ring_start, surface.ring), (crossings.points, crossings.gradients)
-    in_threads(lambda a, b: minimise(a, b, which, *rings, *tangents, low, high, points), len(which), FIT_GRAIN, pool)
+    arrays = (which, *rings, *tangents, low, high, points)
+
+    def piece(first: int, last: int) -> None:
+        minimise(first, last, *arrays, np.empty((3, 3)), np.empty((3, 3)), np.empty((2, 3)))
+
+    in_threads(piece, len(which), FIT_GRAIN, pool)
     return points
 
 
@@ -299,41 +304,55 @@ def minimise(
     low: Floats,
     high: Floats,
     out: Floats,
+    matrix: Floats,
+    vectors: Floats,
+    sums: Floats,
 ) -> None:
-    """The fit for each of some vertices, clamped between low and high."""
-    matrix, vectors = np.empty((3, 3)), np.empty((3, 3))
-    middle, right = np.empty(3), np.empty(3)
+    """The fit for each of some vertices, clamped between low and high.
+
+    `matrix`, `vectors` (3, 3) and `sums` (2, 3), the middle of the crossings and the right-hand side, are scratch.
+    """
     for w in range(first, last):
         begin, end = ring_start[which[w]], ring_start[which[w] + 1]
-        middle[:] = 0
+        for a in range(3):
+            sums[0, a] = sums[1, a] = 0.0
+            for q in range(3):
+                matrix[a, q] = 0.0
         for at in range(begin, end):
             for a in range(3):
-                middle[a] += crossing[a, ring[at]] / (end - begin)
-        matrix[:] = 0
-        right[:] = 0
+                sums[0, a] += crossing[a, ring[at]] / (end - begin)
         for at in range(begin, end):
             c = ring[at]
-            square = gradient[0, c] ** 2 + gradient[1, c] ** 2 + gradient[2, c] ** 2
+            square = 0.0
+            for a in range(3):
+                square += gradient[a, c] * gradient[a, c]
             if not 0 < square < np.inf:  # no tangent plane
                 continue
             height = 0.0
             for a in range(3):
-                height += gradient[a, c] * (crossing[a, c] - middle[a])
+                height += gradient[a, c] * (crossing[a, c] - sums[0, a])
             for a in range(3):
-                right[a] += gradient[a, c] * height / square
+                sums[1, a] += gradient[a, c] * height / square
                 for q in range(3):
                     matrix[a, q] += gradient[a, c] * gradient[q, c] / square
         diagonalise(matrix, vectors)
-        top = max(matrix[0, 0], matrix[1, 1], matrix[2, 2])
+        top = matrix[0, 0]
         for a in range(3):
-            out[a, w] = middle[a]
+            top = matrix[a, a] if matrix[a, a] > top else top
+            out[a, w] = sums[0, a]
         for k in range(3):
             if matrix[k, k] > FLAT * top:
-                step = (vectors[0, k] * right[0] + vectors[1, k] * right[1] + vectors[2, k] * right[2]) / matrix[k, k]
+                step = 0.0
+                for a in range(3):
+                    step += vectors[a, k] * sums[1, a]
+                step /= matrix[k, k]
                 for a in range(3):
                     out[a, w] += step * vectors[a, k]
         for a in range(3):
-            out[a, w] = min(max(out[a, w], low[a, w]), high[a, w])
+            if low[a, w] > out[a, w]:
+                out[a, w] = low[a, w]
+            if high[a, w] < out[a, w]:
+                out[a, w] = high[a, w]
 
 
 @step

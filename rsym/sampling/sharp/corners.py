@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Ints, Shorts
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
-from rsym.sampling.sharp.crossings import Crossings, evaluate
+from rsym.sampling.sharp.crossings import LEAF_GRAIN, Crossings, evaluate
 from rsym.sampling.sharp.faces import smallest
 from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.topology import Topology
@@ -94,33 +94,42 @@ def _subsets(leaves: Shorts, kinds: NDArray[np.int8], size: int, open_: Flags) -
 
 def solve(kernels: MesherKernels, leaves: Shorts, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
     """Newton's method on up to three leaves for each point, least norm."""
-    count = start.shape[1]
-    points, ids = columns(start), np.full((3, padded(count)), -1, np.int16)
-    ids[:, :count] = leaves
-    values, gradients = np.zeros((3, points.shape[1])), np.zeros((3, *points.shape))
-    rows = np.flatnonzero((leaves >= 0).any(axis=1)).tolist()
-    for _ in range(STEPS):
-        for row in rows:
-            evaluate(kernels, ids[row], points, values[row], gradients[row], count, pool)
-        in_threads(lambda a, b: newton_step(a, b, ids, values, gradients, lattice, points), count, GRAIN, pool)
-    return points[:, :count]
+    points, cell = start.copy(), float(lattice[3:].max())
+    size = int((leaves >= 0).any(axis=1).sum())
+
+    def piece(first: int, last: int) -> None:
+        """All leaves of all points in one call: `width` of the first leaves, then of the second ones."""
+        count, width = last - first, padded(last - first)
+        ids, values = np.full((size, width), -1, np.int16), np.zeros((size, width))
+        ids[:, :count] = leaves[:size, first:last]
+        own, places, gradients = points[:, first:last].copy(), np.zeros((3, size, width)), np.zeros((3, size, width))
+        given, found, matrix = places.reshape(3, -1), gradients.reshape(3, -1), np.empty((3, 4))
+        for _ in range(STEPS):
+            places[:, :, :count] = own[:, None]
+            kernels.leaf(given.shape[1], ids.ravel(), given, values.ravel(), found)
+            newton_step(ids, values, gradients, cell, own, matrix)
+        points[:, first:last] = own
+
+    if size:
+        in_threads(piece, points.shape[1], LEAF_GRAIN, pool)
+    return points
 
 
 @loop
-def newton_step(
-    first: int, last: int, ids: Shorts, values: Floats, gradients: Floats, lattice: Floats, points: Floats
-) -> None:
-    """The step of least norm to where the tangent planes of the leaves of each point meet; a cell at most."""
-    matrix, cell = np.empty((3, 4)), max(lattice[3], lattice[4], lattice[5])
-    for w in range(first, last):
+def newton_step(ids: Shorts, values: Floats, gradients: Floats, cell: float, points: Floats, matrix: Floats) -> None:
+    """The step of least norm to where the tangent planes of the leaves of each point meet; a cell at most.
+
+    Of the points (3, n) the leaves (k, m), their values (k, m) and gradients (3, k, m); `matrix` (3, 4) is scratch.
+    """
+    for w in range(points.shape[1]):
         size = 0
-        while size < 3 and ids[size, w] >= 0:
+        while size < len(ids) and ids[size, w] >= 0:
             size += 1
         for i in range(size):
             for j in range(size):
                 matrix[i, j] = 0.0
                 for a in range(3):
-                    matrix[i, j] += gradients[i, a, w] * gradients[j, a, w]
+                    matrix[i, j] += gradients[a, i, w] * gradients[a, j, w]
             matrix[i, i] *= 1 + 1e-14
             matrix[i, 3] = -values[i, w]
         for i in range(size):
@@ -136,8 +145,9 @@ def newton_step(
         for a in range(3):
             step = 0.0
             for i in range(size):
-                step += matrix[i, 3] * gradients[i, a, w]
-            points[a, w] += min(max(step, -cell), cell)
+                step += matrix[i, 3] * gradients[a, i, w]
+            step = -cell if -cell > step else step
+            points[a, w] += cell if cell < step else step
 
 
 def _best(

@@ -71,9 +71,9 @@ def edit(
 
 def _are_flawed(points: Floats, quads: Faces, no_length: float) -> Flags:
     """Which quads (m, 2, 3) have a triangle without area or an edge without length."""
-    corners = points[:, quads]
-    short = np.abs(np.roll(corners, -1, axis=3) - corners).max(axis=0).min(axis=2) <= no_length
-    return np.asarray((short | is_flat(points, quads.reshape(-1, 3)).reshape(-1, 2)).any(axis=1))
+    sides = _sides(points, quads.reshape(-1, 3))
+    short = np.minimum.reduce([np.abs(side).max(axis=0) for side in sides]) <= no_length
+    return np.asarray((short | _have_no_area(*sides)).reshape(-1, 2).any(axis=1))
 
 
 class _Soup:
@@ -98,9 +98,11 @@ class _Soup:
         label = components(one_end, other_end, len(ids))
         _, first = np.unique(label, return_index=True)
         one = dict(zip(ids.tolist(), ids[first[label]].tolist(), strict=True))
-        for face, (a, b, c) in list(self.corners.items()):
-            if a in one or b in one or c in one:
-                self._put(face, (one.get(a, a), one.get(b, b), one.get(c, c)))
+        touched = np.zeros(self.points.shape[1], np.bool_)
+        touched[ids] = True
+        for face in self.numbers[touched[faces].any(axis=1)].tolist():
+            a, b, c = self.corners[face]
+            self._put(face, (one.get(a, a), one.get(b, b), one.get(c, c)))
         self._cancel()
         return True
 
@@ -175,10 +177,24 @@ class _Soup:
 
 def is_flat(points: Floats, faces: Any) -> Flags:
     """Which triangles have no area."""
-    a, b, c = points[:, faces].transpose(2, 1, 0)
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    longest = np.maximum.reduce([np.linalg.norm(side, axis=1) for side in (b - a, c - b, a - c)])
-    return np.asarray(area <= FLATNESS * longest**2)
+    return _have_no_area(*_sides(points, faces))
+
+
+def _sides(points: Floats, faces: Any) -> tuple[Floats, Floats, Floats]:
+    """From corner 0 of each triangle to 1 and 2, and from 1 to 2, as (3, m)."""
+    a, b, c = (points.take(corner, axis=1) for corner in np.ascontiguousarray(faces.T, np.intp))
+    return b - a, c - a, c - b
+
+
+def _have_no_area(u: Floats, v: Floats, w: Floats) -> Flags:
+    normal = np.stack([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])
+    longest = np.maximum.reduce([_lengths(side) for side in (u, v, w)])
+    return np.asarray(_lengths(normal) <= FLATNESS * longest**2)
+
+
+def _lengths(sides: Floats) -> Floats:
+    x, y, z = sides
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def _turns(corners: Corners) -> Iterable[Corners]:

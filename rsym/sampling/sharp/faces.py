@@ -65,7 +65,10 @@ def connect(
         else:
             sharp[e] = feature[a] | feature[b] | feature[c] | feature[d]
             p, q, r, s, g = at(points, a), at(points, b), at(points, c), at(points, d), at(gradients, e)
-            if min(merit(p, q, r, g), merit(p, r, s, g)) < min(merit(q, r, s, g), merit(q, s, p, g)):
+            one, other = merit(p, q, r, g), merit(p, r, s, g)
+            first_worst = other if other < one else one
+            one, other = merit(q, r, s, g), merit(q, s, p, g)
+            if first_worst < (other if other < one else one):
                 a, b, c, d = b, c, d, a
         faces[2 * e, 0], faces[2 * e, 1], faces[2 * e, 2] = a, b, c
         faces[2 * e + 1, 0], faces[2 * e + 1, 1], faces[2 * e + 1, 2] = a, c, d
@@ -82,7 +85,8 @@ def merit(a: Any, b: Any, c: Any, g: Any) -> Any:
     """Twice the area of a triangle as seen against g (without g: as seen best) over its longer side at a squared."""
     ux, uy, uz, vx, vy, vz = b[0] - a[0], b[1] - a[1], b[2] - a[2], c[0] - a[0], c[1] - a[1], c[2] - a[2]
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-    side = max(ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz) + 1e-300
+    u, v = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
+    side = (v if v > u else u) + 1e-300
     if g[0] == 0 and g[1] == 0 and g[2] == 0:
         return np.sqrt(nx * nx + ny * ny + nz * nz) / side
     return -(nx * g[0] + ny * g[1] + nz * g[2]) / side
@@ -102,16 +106,16 @@ def turn_diagonals(
         return
     middle, gradient = np.zeros((3, padded(count))), np.zeros((3, padded(count)))
     value, leaf = np.empty(middle.shape[1]), np.full(middle.shape[1], -1, np.int16)
-    in_threads(lambda a, b: middles(a, b, which, faces, points, middle), len(which), GRAIN, pool)
+    in_threads(lambda a, b: middles(a, b, which, faces, points, middle, _corners()), len(which), GRAIN, pool)
     in_threads(lambda a, b: kernels.value(b - a, middle, value, leaf, first=a), count, GRAIN, pool)
     evaluate(kernels, leaf, middle, value, gradient, count, pool)
-    in_threads(lambda a, b: choose(a, b, which, gradient, points, faces), len(which), GRAIN, pool)
+    arrays = (which, gradient, points, faces)
+    in_threads(lambda a, b: choose(a, b, *arrays, _corners(), np.empty((2, 2))), len(which), GRAIN, pool)
 
 
 @loop
-def middles(first: int, last: int, which: Any, faces: Faces, points: Floats, middle: Floats) -> None:
-    """The middles of the four possible triangles of each quad."""
-    quad = np.empty(4, np.int64)
+def middles(first: int, last: int, which: Any, faces: Faces, points: Floats, middle: Floats, quad: Ints) -> None:
+    """The middles of the four possible triangles of each quad; `quad` (4,) is scratch."""
     for w in range(first, last):
         corners_of(faces, which[w], quad)
         for t in range(4):
@@ -120,6 +124,10 @@ def middles(first: int, last: int, which: Any, faces: Faces, points: Floats, mid
                 for k in range(3):
                     total += points[axis, quad[TRIANGLES[t, k]]]
                 middle[axis, 4 * w + t] = total / 3
+
+
+def _corners() -> Ints:
+    return np.empty(4, np.int64)
 
 
 @step
@@ -131,23 +139,27 @@ def corners_of(faces: Faces, quad: int, corners: Any) -> None:
 
 
 @loop
-def choose(first: int, last: int, which: Any, gradient: Floats, points: Floats, faces: Faces) -> None:
-    """Take the diagonal that costs less; of even ones that with the better worst triangle."""
-    quad = np.empty(4, np.int64)
-    cost, shape = np.empty(2), np.empty(2)
+def choose(
+    first: int, last: int, which: Any, gradient: Floats, points: Floats, faces: Faces, quad: Ints, rating: Floats
+) -> None:
+    """Take the diagonal that costs less; of even ones that with the better worst triangle.
+
+    `quad` (4,) and `rating` (2, 2), the cost and the worst shape of each diagonal, are scratch.
+    """
     for w in range(first, last):
         corners_of(faces, which[w], quad)
         area = 0.0
         for diagonal in range(2):
-            cost[diagonal], shape[diagonal] = 0.0, np.inf
+            rating[0, diagonal], rating[1, diagonal] = 0.0, np.inf
             for t in (2 * diagonal, 2 * diagonal + 1):
                 a, b, c = quad[TRIANGLES[t, 0]], quad[TRIANGLES[t, 1]], quad[TRIANGLES[t, 2]]
                 size, along, longest = triangle(points, a, b, c, gradient, 4 * w + t)
-                cost[diagonal] += size - along
-                shape[diagonal] = min(shape[diagonal], size / (longest + 1e-300))
+                rating[0, diagonal] += size - along
+                shape = size / (longest + 1e-300)
+                rating[1, diagonal] = shape if shape < rating[1, diagonal] else rating[1, diagonal]
                 area += size
-        even = abs(cost[0] - cost[1]) < EVEN * (cost[0] + cost[1]) + 1e-9 * area
-        if shape[1] > shape[0] if even else cost[1] < cost[0]:
+        even = abs(rating[0, 0] - rating[0, 1]) < EVEN * (rating[0, 0] + rating[0, 1]) + 1e-9 * area
+        if rating[1, 1] > rating[1, 0] if even else rating[0, 1] < rating[0, 0]:
             for k in range(3):
                 faces[2 * which[w], k] = quad[1 + k]
             faces[2 * which[w] + 1, 0], faces[2 * which[w] + 1, 1], faces[2 * which[w] + 1, 2] = (
@@ -166,7 +178,9 @@ def triangle(points: Floats, a: int, b: int, c: int, gradient: Floats, at: int) 
     gx, gy, gz = gradient[0, at], gradient[1, at], gradient[2, at]
     steep = np.sqrt(gx * gx + gy * gy + gz * gz)
     wx, wy, wz = vx - ux, vy - uy, vz - uz
-    longest = max(ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz, wx * wx + wy * wy + wz * wz)
+    u, v, w = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz, wx * wx + wy * wy + wz * wz
+    longest = v if v > u else u
+    longest = w if w > longest else longest
     along = -(nx * gx + ny * gy + nz * gz) / steep if steep > 0 else 0.0
     return np.sqrt(nx * nx + ny * ny + nz * nz), along, longest
 
@@ -180,7 +194,8 @@ def find_flaws(faces: Faces, points: Floats, gradients: Floats, lattice: Floats,
     """FOLDED, FLAT, SHORT and TURNED for each quad; `gradients` (3, quads) of the leaf of the quad, inwards."""
     flaws = np.zeros(len(faces) // 2, np.uint8)
     shortest = smallest(lattice) ** 2
-    in_threads(lambda a, b: _inspect(a, b, faces, points, gradients, shortest, flaws), len(flaws), FLAW_GRAIN, pool)
+    arrays = (faces, points, gradients, shortest, flaws)
+    in_threads(lambda a, b: _inspect(a, b, *arrays), len(flaws), FLAW_GRAIN, pool)
     return flaws
 
 
@@ -188,31 +203,29 @@ def find_flaws(faces: Faces, points: Floats, gradients: Floats, lattice: Floats,
 def _inspect(
     first: int, last: int, faces: Faces, points: Floats, gradients: Floats, shortest: float, flaws: Any
 ) -> None:
-    u, v, n = np.empty(3), np.empty(3), np.empty(3)
     for e in range(first, last):
-        for f in (2 * e, 2 * e + 1):
+        gx, gy, gz = gradients[0, e], gradients[1, e], gradients[2, e]
+        steep = gx * gx + gy * gy + gz * gz
+        for f in range(2 * e, 2 * e + 2):
             a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
             if a < 0:
                 continue
-            uu = vv = ww = along = steep = 0.0
-            for k in range(3):
-                u[k], v[k] = points[k, b] - points[k, a], points[k, c] - points[k, a]
-                uu += u[k] * u[k]
-                vv += v[k] * v[k]
-                ww += (v[k] - u[k]) ** 2
-            n[0], n[1], n[2] = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
-            for k in range(3):
-                along += n[k] * gradients[k, e]
-                steep += gradients[k, e] ** 2
-            longest = max(uu, vv, ww)
+            ux, uy, uz = points[0, b] - points[0, a], points[1, b] - points[1, a], points[2, b] - points[2, a]
+            vx, vy, vz = points[0, c] - points[0, a], points[1, c] - points[1, a], points[2, c] - points[2, a]
+            wx, wy, wz = vx - ux, vy - uy, vz - uz
+            nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+            uu, vv, ww = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz, wx * wx + wy * wy + wz * wz
+            along = nx * gx + ny * gy + nz * gz
+            longest, least = vv if vv > uu else uu, vv if vv < uu else uu
+            longest, least = ww if ww > longest else longest, ww if ww < least else least
             if longest > shortest and along > FOLD * longest * np.sqrt(steep):
                 flaws[e] |= FOLDED
-            nn = n[0] ** 2 + n[1] ** 2 + n[2] ** 2
+            nn = nx * nx + ny * ny + nz * nz
             if along > -ASKED * np.sqrt(nn * steep):
                 flaws[e] |= TURNED
-            if nn < (FLATNESS * longest) ** 2:
+            if nn < FLATNESS * longest * (FLATNESS * longest):
                 flaws[e] |= FLAT
-            if min(uu, vv, ww) < shortest:
+            if least < shortest:
                 flaws[e] |= SHORT
 
 
@@ -253,7 +266,7 @@ class Adjacency:
         inner = np.zeros(len(self._start) - 2, np.uint8)
         for _ in range(rings):
             inner[self._faces.reshape(-1, 6)[quads]] = 1
-            vertices = np.flatnonzero(inner)
+            vertices = np.flatnonzero(inner.view(np.bool_))
             if self._rim is not None and self._rim[vertices].any():
                 raise BeyondRim(vertices[self._rim[vertices]])
             count = self._start[vertices + 1] - self._start[vertices]

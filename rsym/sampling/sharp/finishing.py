@@ -20,7 +20,6 @@ from rsym.arrays import Faces, Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.sharp.assembly import Unfinished
-from rsym.sampling.sharp.clusters import components
 from rsym.sampling.sharp.corners import off_surface, on_surface, solve
 from rsym.sampling.sharp.crossings import CompiledLeaves, evaluate
 from rsym.sampling.sharp.edits import edit
@@ -38,6 +37,7 @@ from rsym.sampling.sharp.faces import (
 from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.unfolding import RINGS as UNFOLDED
 from rsym.sampling.sharp.unfolding import unfold
+from rsym.sampling.triangles import pair, pieces
 
 GRAIN = 16384
 
@@ -246,10 +246,9 @@ class _Patch:
         self.meets[self.faces.ravel(), np.repeat(self.codes, 6)] = True
         self.several = self.meets.sum(axis=1)
         self.movable = (inner[self.ids] > 0) & (self.several <= 2)
-        corners = self.faces.reshape(-1, 6)[:, [0, 1, 2, 5]]
-        self.cluster = components(corners[:, :3].ravel(), corners[:, 1:].ravel(), len(self.ids))
-        self.best = self.points.copy(), self.faces.copy()
+        self.cluster = pieces(self.faces, len(self.ids))
         self.folded = self._folds()
+        self.best = self.points.copy(), self.faces.copy(), self.folded
         self.fewest = self._count(self.folded) + 1
 
     def relax(self) -> None:
@@ -260,7 +259,7 @@ class _Patch:
         waited = 0
         for _ in range(ROUNDS):
             tail, head = self.faces.ravel(), self.faces[:, [1, 2, 0]].ravel()
-            seam = _seams(self.faces, np.repeat(self.codes, 2))
+            seam = _seams(self.faces, len(self.ids), self.codes)
             follows = self.movable[tail] & ((self.several[tail] == 1) | seam)
             count = np.bincount(tail[follows], minlength=len(self.ids))
             which = np.flatnonzero(count >= 2)
@@ -293,10 +292,10 @@ class _Patch:
 
     def settle(self, points: Floats, faces: Faces) -> Ints:
         """Put what is best in its place in the mesh; the quads that are folded still."""
-        self.points, self.faces = self.best
+        self.points, self.faces, self.folded = self.best
         points[:, self.ids] = self.points[:, : len(self.ids)]
         faces.reshape(-1, 6)[self.quads] = self.ids[self.faces.reshape(-1, 6)]
-        return self.quads[self._folds()]
+        return self.quads[self.folded]
 
     def _move(self, which: Ints, meets: Flags, start: Floats) -> Ints:
         """Onto their leaves from where they start; those that end there, not far from where they were."""
@@ -317,11 +316,19 @@ class _Patch:
         better = folds < self.fewest
         self.fewest[better] = folds[better]
         of_vertex = better[self.cluster]
-        points, faces = self.best[0].copy(), self.best[1].copy()
-        points[:, : len(self.ids)][:, of_vertex] = self.points[:, : len(self.ids)][:, of_vertex]
-        faces[of_vertex[faces[:, 0]]] = self.faces[of_vertex[faces[:, 0]]]
-        self.best = points, faces
-        return bool(better.any())
+        if not better.any():
+            return False
+        of_quad = of_vertex[self.faces[::2, 0]]
+        points, faces, folded = self.best
+        points = np.where(
+            np.append(of_vertex, np.zeros(points.shape[1] - len(of_vertex), np.bool_)), self.points, points
+        )
+        self.best = (
+            points,
+            np.where(np.repeat(of_quad, 2)[:, None], self.faces, faces),
+            np.where(of_quad, self.folded, folded),
+        )
+        return True
 
     def _count(self, folds: Flags) -> Ints:
         return np.bincount(self.cluster[self.faces[::2, 0]][folds], minlength=self.cluster.max() + 1)
@@ -331,25 +338,19 @@ class _Patch:
         count = len(self.leaf)
         middles, gradients = np.zeros((3, padded(count))), np.zeros((3, padded(count)))
         which = np.full(padded(count), -1, np.int16)
-        for column in self.faces.reshape(-1, 6).T:
-            middles[:, :count] += self.points[:, column]
+        for column in np.ascontiguousarray(self.faces.reshape(-1, 6).T, np.intp):
+            middles[:, :count] += self.points.take(column, axis=1)
         middles /= 6
         which[:count] = self.leaf
         evaluate(self.kernels, which, middles, np.empty(padded(count)), gradients, count, self.pool)
         return find_flaws(self.faces, self.points, gradients, self.lattice, self.pool) & FOLDED > 0
 
 
-def _seams(faces: Faces, code: Ints) -> Flags:
-    """Which half-edges have another leaf on the other side."""
-    tail, head = faces.ravel().astype(np.int64), faces[:, [1, 2, 0]].ravel()
-    code = np.repeat(code, 3)
-    key = np.minimum(tail, head) * (int(head.max()) + 1) + np.maximum(tail, head)
-    order = np.argsort(key, kind="stable")
-    twins = np.flatnonzero(np.diff(key[order]) == 0)
-    one, other = order[twins], order[twins + 1]
-    seam = np.zeros(len(tail), np.bool_)
-    seam[one] = seam[other] = code[one] != code[other]
-    return seam
+def _seams(faces: Faces, count: int, code: Ints) -> Flags:
+    """Which half-edges have another leaf on the other side; `code` tells the leaves of quads apart."""
+    mates, *_ = pair(faces, count)
+    code = np.repeat(code, 6)
+    return np.asarray((mates >= 0) & (code != code[mates]))
 
 
 def _harmonic(which: Ints, vertex: Ints, neighbour: Ints, count: Ints, points: Floats) -> Floats:
@@ -378,7 +379,8 @@ def _sweep(which: Ints, start: Ints, neighbour: Any, rounding: float, points: Fl
             x = FURTHER * (x / many - points[v, 0])
             y = FURTHER * (y / many - points[v, 1])
             z = FURTHER * (z / many - points[v, 2])
-            moved = max(moved, abs(x), abs(y), abs(z))
+            for size in (abs(x), abs(y), abs(z)):
+                moved = size if size > moved else moved
             points[v, 0] += x
             points[v, 1] += y
             points[v, 2] += z

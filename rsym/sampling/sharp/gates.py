@@ -34,7 +34,6 @@ def reach(first: Any, entries: Any, reached: Any) -> None:
                 reached[region, entries[i, 0]] = True
 
 
-@loop
 def judge(
     first: Any,
     entries: Any,
@@ -53,11 +52,41 @@ def judge(
 
     `value` (2, m) and `gradient` (3, 2, m) enclose the leaves; a cosine of 1 or more asks for no direction.
     """
-    size = _most(first)
-    signs, wanted = np.zeros(leaves, np.int8), np.zeros(leaves, np.bool_)
-    state, need = np.zeros(size, np.int8), np.zeros(size, np.bool_)
-    most = _most(start)
-    chosen, units, members = np.empty(most, np.int64), np.empty((3, 8 * most)), np.empty(TURNS, np.int64)
+    size, most = _most(np.diff(first)), _most(np.diff(start))
+    marks, rows = np.zeros((2, leaves), np.int8), np.zeros((2, size), np.int8)
+    bounds, scratch = (value, gradient, cosine), (marks, rows, *_scratch(most))
+    _judge(first, entries, region, start, leaf, skip, *bounds, verdict, kept, *scratch)
+
+
+def _most(counts: Any) -> int:
+    return int(counts.max(initial=1))
+
+
+def _scratch(most: int) -> tuple[Any, Any, Any]:
+    """Chosen pairs, their unit vectors, and members of a conflict."""
+    return np.empty(most, np.int64), np.empty((3, 8 * most)), np.empty(TURNS, np.int64)
+
+
+@loop
+def _judge(
+    first: Any,
+    entries: Any,
+    region: Any,
+    start: Any,
+    leaf: Any,
+    skip: Any,
+    value: Any,
+    gradient: Any,
+    cosine: float,
+    verdict: Any,
+    kept: Any,
+    marks: Any,
+    rows: Any,
+    chosen: Any,
+    units: Any,
+    members: Any,
+) -> None:
+    """`marks` (2, leaves) are the sign of each leaf and whether it is wanted."""
     for box in range(len(verdict)):
         count = 0
         begin, end = start[box], start[box + 1]
@@ -65,11 +94,10 @@ def judge(
             kept[begin] = _sign(value, begin) == 0
         else:
             for pair in range(begin, end):
-                signs[leaf[pair]] = _sign(value, pair)
-                wanted[leaf[pair]] = False
-            if _is_open(entries, first[region[box]], first[region[box] + 1], signs, skip, box, state, need, wanted):
+                marks[0, leaf[pair]], marks[1, leaf[pair]] = _sign(value, pair), 0
+            if _is_open(entries, first[region[box]], first[region[box] + 1], skip, box, marks, rows):
                 for pair in range(begin, end):
-                    kept[pair] = wanted[leaf[pair]]
+                    kept[pair] = marks[1, leaf[pair]] != 0
         for pair in range(begin, end):
             if kept[pair]:
                 chosen[count] = pair
@@ -82,43 +110,43 @@ def judge(
 
 
 @step
-def _is_open(
-    entries: Any, first: int, last: int, signs: Any, skip: Any, box: int, state: Any, need: Any, wanted: Any
-) -> bool:
-    """Whether the sign of a region stays open; if so, marks the leaves it needs and notes what is skipped."""
+def _is_open(entries: Any, first: int, last: int, skip: Any, box: int, marks: Any, rows: Any) -> bool:
+    """Whether the sign of a region stays open; if so, marks the leaves it needs and notes what is skipped.
+
+    `rows` (2, entries) are the sign of each entry and whether it is needed.
+    """
     count = last - first
     for i in range(count):
         what = entries[first + i, 0]
         if what >= 0:
-            state[i] = signs[what]
+            rows[0, i] = marks[0, what]
         elif what == MIN or what == MAX:
             neutral = -1 if what == MAX else 1
-            a = neutral if _skipped(skip, box, 2 * i) else state[entries[first + i, 1]]
-            b = neutral if _skipped(skip, box, 2 * i + 1) else state[entries[first + i, 2]]
-            state[i] = max(a, b) if what == MAX else min(a, b)
+            a = neutral if _skipped(skip, box, 2 * i) else rows[0, entries[first + i, 1]]
+            b = neutral if _skipped(skip, box, 2 * i + 1) else rows[0, entries[first + i, 2]]
+            rows[0, i] = a if (a > b) == (what == MAX) else b
         else:
-            state[i] = 1 if what == INFINITE else -1
-    if state[count - 1] != 0:
+            rows[0, i] = 1 if what == INFINITE else -1
+    if rows[0, count - 1] != 0:
         return False
     for i in range(count):
-        need[i] = i == count - 1
+        rows[1, i] = i == count - 1
     for i in range(count - 1, -1, -1):
         what = entries[first + i, 0]
-        if not need[i]:
+        if rows[1, i] == 0:
             continue
         if what >= 0:
-            wanted[what] = True
+            marks[1, what] = 1
         elif what == MIN or what == MAX:
             for operand in range(2):
                 bit = 2 * i + operand
-                if state[entries[first + i, 1 + operand]] != 0:
+                if rows[0, entries[first + i, 1 + operand]] != 0:
                     skip[box, bit >> 6] |= np.uint64(1) << np.uint64(bit & 63)
                 elif not _skipped(skip, box, bit):
-                    need[entries[first + i, 1 + operand]] = True
+                    rows[1, entries[first + i, 1 + operand]] = 1
     return True
 
 
-@loop
 def judge_groups(
     ends: Any, start: Any, value: Any, gradient: Any, cosine: float, last: bool, member: Any, verdict: Any
 ) -> None:
@@ -127,10 +155,24 @@ def judge_groups(
     A group is unresolved before the last level where the middles of *sure* pairs conflict: there the leaf is the
     only one that matters, and with 0 in the middle half of its values it surely vanishes in the box.
     """
-    most = 1
-    for group in range(len(verdict)):
-        most = max(most, start[ends[group + 1]] - start[ends[group]])
-    chosen, units, members = np.empty(most, np.int64), np.empty((3, 8 * most)), np.empty(TURNS, np.int64)
+    scratch = _scratch(_most(np.diff(start[ends])))
+    _judge_groups(ends, start, value, gradient, cosine, last, member, verdict, *scratch)
+
+
+@loop
+def _judge_groups(
+    ends: Any,
+    start: Any,
+    value: Any,
+    gradient: Any,
+    cosine: float,
+    last: bool,
+    member: Any,
+    verdict: Any,
+    chosen: Any,
+    units: Any,
+    members: Any,
+) -> None:
     for group in range(len(verdict)):
         count, found, sure = 0, 0, 0
         for box in range(ends[group], ends[group + 1]):
@@ -152,14 +194,6 @@ def judge_groups(
 @step
 def _surely_vanishes(value: Any, pair: int) -> Any:
     return 2 * abs(value[0, pair] + value[1, pair]) < value[1, pair] - value[0, pair]
-
-
-@step
-def _most(start: Any) -> int:
-    most = 1
-    for box in range(len(start) - 1):
-        most = max(most, start[box + 1] - start[box])
-    return most
 
 
 @step
@@ -256,7 +290,8 @@ def _nearest(units: Any, count: int, each: int, cosine: float, members: Any) -> 
         if size <= cosine:
             break
         a, b, c = units[0, at] - x, units[1, at] - y, units[2, at] - z
-        share = min(1.0, -(x * a + y * b + z * c) / (a * a + b * b + c * c))
+        share = -(x * a + y * b + z * c) / (a * a + b * b + c * c)
+        share = share if share < 1 else 1.0
         x, y, z = x + share * a, y + share * b, z + share * c
         known = False
         for k in range(found):

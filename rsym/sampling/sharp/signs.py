@@ -43,9 +43,11 @@ def line(bits: Bytes, block: int, i: int, j: int) -> Any:
 
 
 @loop
-def scan(bits: Bytes, first: int, last: int, cells: Words, edges: Words) -> None:
-    """Fields of the cells that hold surface (blocks, 8) and of the lattice edges that cross it (3, blocks, 8)."""
-    row = np.empty(81, np.uint64)
+def scan(bits: Bytes, first: int, last: int, cells: Words, edges: Words, row: Words) -> None:
+    """Fields of the cells that hold surface (blocks, 8) and of the lattice edges that cross it (3, blocks, 8).
+
+    `row` (81,) is scratch.
+    """
     for b in range(first, last):
         for r in range(81):
             row[r] = line(bits, b, 0, r)

@@ -132,11 +132,11 @@ def topology(
     quads = np.empty((crossings, 4), np.int32)
     quads.fill(ABSENT)
 
-    fields, lists = (cells_before, edges, edges_before), (place, start, links)
+    fields, lists = (cells_before, edges.ravel(), edges_before.ravel()), (place, start, links)
     tables, out = (table.patch, table.order, EDGE_SHIFT), (ring_start, ring, quads)
 
     def piece(first: int, last: int) -> None:
-        link(first, last, corner, blocks, origin, *fields, case, *lists, *tables, *out)
+        link(first, last, corner, blocks, origin, *fields, case, *lists, *tables, *out, np.empty(8, np.int64))
 
     in_threads(piece, n, GRAIN, pool)
     surface = (case, place, start, ring_start, ring, quads, flips)
@@ -148,7 +148,7 @@ def scanned(bits: Bytes, pool: Executor | None = None) -> tuple[Words, Words]:
     n = len(bits)
     cells, edges = np.empty((n + 1, 8), np.uint64), np.empty((3, n + 1, 8), np.uint64)
     cells[n], edges[:, n] = 0, 0
-    in_threads(lambda first, last: scan(bits, first, last, cells, edges), n, GRAIN, pool)
+    in_threads(lambda a, b: scan(bits, a, b, cells, edges, np.empty(81, np.uint64)), n, GRAIN, pool)
     return cells, edges
 
 
@@ -172,8 +172,8 @@ def link(
     blocks: Numbers,
     origin: Ints,
     cells_before: Numbers,
-    edges: Words,
-    edges_before: Numbers,
+    words: Words,
+    before: Numbers,
     case: NDArray[np.uint16],
     place: Numbers,
     start: Numbers,
@@ -184,10 +184,13 @@ def link(
     ring_start: Numbers,
     ring: Numbers,
     quads: Numbers,
+    near: Ints,
 ) -> None:
-    """Give each vertex the crossings of its patch, and the quad of each crossing its vertices."""
-    words, before, words_of_axis = edges.reshape(-1), edges_before.reshape(-1), 8 * edges.shape[1]
-    near = np.empty(8, np.int64)
+    """Give each vertex the crossings of its patch, and the quad of each crossing its vertices.
+
+    `words` and `before` are the fields of the crossings and their ranks, flat; `near` (8,) is scratch.
+    """
+    words_of_axis = len(words) // 3
     for b in range(first, last):
         for c in range(8):
             i, j, k = corner[0, b] + 8 * (c >> 2), corner[1, b] + 8 * (c >> 1 & 1), corner[2, b] + 8 * (c & 1)
@@ -238,7 +241,8 @@ def separate(
     *Why nothing else matters.* A cell is touched through one face at most, and what is done there depends on the
     signs of the two cells beside it: on no order, no thread and no cut.
     """
-    return int(_separate(corner, case, place, blocks, origin, cells, before, patch_table().twice))
+    twice, cell = patch_table().twice, np.empty(3, np.int64)
+    return int(_separate(corner, case, place, blocks, origin, cells, before, twice, cell))
 
 
 @loop
@@ -251,9 +255,9 @@ def _separate(
     cells: Words,
     before: Numbers,
     twice: Bytes,
+    c: Ints,
 ) -> Any:
     flips = 0
-    c = np.empty(3, np.int64)
     for n in range(len(case)):
         face = twice[case[n] >> 1]
         if face & 1 == 0:  # the cell below a face decides

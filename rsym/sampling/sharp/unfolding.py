@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Executor
+from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple
 
@@ -35,11 +36,38 @@ REACH = 1.0
 LESS = 0.9
 
 
-class Change(NamedTuple):
-    """Faces that go, and the corners of those that take their place, in order; the last ones have none."""
+class Gain(NamedTuple):
+    """The folds before a change and after it, then what turns away before and after."""
+
+    folds: int
+    fewer: int
+    area: float
+    less: float
+
+
+UNKNOWN = Gain(0, 0, 0.0, 0.0)
+
+
+@dataclass(eq=False)
+class Change:
+    """Faces that go, and the corners of those that take their place, in order; the last ones have none.
+
+    A change is found once, and goes as soon as faces around it do.
+    """
 
     faces: tuple[int, ...]
     corners: tuple[Corners, ...]
+    gain: Gain = UNKNOWN
+
+    def __lt__(self, other: Change) -> bool:
+        return (self.faces, self.corners) < (other.faces, other.corners)
+
+
+class Contraction(NamedTuple):
+    """An edge contracted into one of its ends, and whether the other one may slide there."""
+
+    change: Change
+    slides: bool
 
 
 def unfold(
@@ -116,9 +144,9 @@ class _Region:
         self.free = set(self.at)
         self._rings: dict[int, set[int]] = {}
         self._seams: dict[int, list[int]] = {}
-        self._contractions: dict[int, list[tuple[Change, bool]]] = {}
+        self._turns: dict[Edge, Change | None] = {}
+        self._contractions: dict[Edge, list[Contraction]] = {}
         self._moves: dict[tuple[int, bool], list[Change]] = {}
-        self._gains: dict[Change, tuple[int, int, float, float]] = {}
         self._judge(list(self.corners))
 
     def improve(self, keep: bool) -> bool:
@@ -127,10 +155,10 @@ class _Region:
         edges = dict.fromkeys(edge for face in folded for edge in _edges(self.corners[face]))
         ends = list(dict.fromkeys(chain.from_iterable(edges)))
         steps = [*self._turned(edges), *self._contracted(ends, keep), *self._moved(ends, keep)]
-        self._weigh([step for step in dict.fromkeys(steps) if step not in self._gains])
+        self._weigh([step for step in steps if step.gain is UNKNOWN])
         ranked = []
         for step in steps:
-            folds, fewer, area, less = self._gains[step]
+            folds, fewer, area, less = step.gain
             even = not keep and fewer == folds > 0 and less < LESS * area
             if even or (fewer < folds and less < area):
                 ranked.append((fewer - folds, less - area, step))
@@ -142,48 +170,54 @@ class _Region:
                 self._take(step)
                 changed += step.faces[: len(step.corners)]
         self._judge(changed)
-        self._gains = {step: gain for step, gain in self._gains.items() if touched.isdisjoint(step.faces)}
         return bool(touched)
 
     def _turned(self, edges: Iterable[Edge]) -> Iterator[Change]:
         """Each edge turned within the quad of its two triangles, if they have one leaf."""
-        for u, v in edges:
-            one, other = self._beside(u, v)
-            if one < 0 or other < 0 or self.leaf[one] != self.leaf[other] or not {u, v} <= self.free:
-                continue
-            (w,), (x,) = set(self.corners[one]) - {u, v}, set(self.corners[other]) - {u, v}
-            if min(len(self.at[u]), len(self.at[v])) > 3 and w != x and self.at[w].isdisjoint(self.at[x]):
-                yield Change((one, other), (_turn((w, u, x)), _turn((x, v, w))))
+        for edge in edges:
+            if edge not in self._turns:
+                self._turns[edge] = self._turn_of(*edge)
+            change = self._turns[edge]
+            if change is not None:
+                yield change
+
+    def _turn_of(self, u: int, v: int) -> Change | None:
+        one, other = self._beside(u, v)
+        if one < 0 or other < 0 or self.leaf[one] != self.leaf[other] or not {u, v} <= self.free:
+            return None
+        (w,), (x,) = set(self.corners[one]) - {u, v}, set(self.corners[other]) - {u, v}
+        if min(len(self.at[u]), len(self.at[v])) <= 3 or w == x or not self.at[w].isdisjoint(self.at[x]):
+            return None
+        return Change((one, other), (_turn((w, u, x)), _turn((x, v, w))))
 
     def _contracted(self, ends: Iterable[int], keep: bool) -> Iterator[Change]:
         """Each edge at some vertices contracted into either of its ends."""
-        tried: set[Change] = set()
-        for v in ends:
-            if v not in self._contractions:
-                self._contractions[v] = list(self._contractions_of(v))
-            for step, slides in self._contractions[v]:
-                if (slides or not keep) and step not in tried:
-                    tried.add(step)
-                    yield step
+        edges = dict.fromkeys((min(u, v), max(u, v)) for v in ends if v in self.free for u in sorted(self._ring(v)))
+        for edge in edges:
+            if edge not in self._contractions:
+                self._contractions[edge] = list(self._contractions_of(*edge))
+            for change, slides in self._contractions[edge]:
+                if slides or not keep:
+                    yield change
 
-    def _contractions_of(self, v: int) -> Iterator[tuple[Change, bool]]:
-        """Each edge at a vertex contracted into either of its ends, and whether the other one may slide there."""
-        for u in sorted(self._ring(v)) if v in self.free else ():
-            both = self.at[u] & self.at[v]
-            if len(both) != 2 or u not in self.free:
-                continue
-            across = set(chain.from_iterable(self.corners[face] for face in both)) - {u, v}
-            # The condition under which the surface stays the manifold it was (Dey, Edelsbrunner, Guha, Nekhayev 1999).
-            if (
-                self._ring(u) & self._ring(v) == across
-                and len(self._ring(u) | self._ring(v)) > 4
-                and min(len(self.at[w]) for w in across) > 3
-            ):
-                gone = tuple(sorted(both))
-                for one, other in ((v, u), (u, v)):
+    def _contractions_of(self, u: int, v: int) -> Iterator[Contraction]:
+        """An edge contracted into either of its ends, where that changes a fold."""
+        both = self.at[u] & self.at[v]
+        if len(both) != 2 or u not in self.free or v not in self.free:
+            return
+        across = set(chain.from_iterable(self.corners[face] for face in both)) - {u, v}
+        # The condition under which the surface stays the manifold it was (Dey, Edelsbrunner, Guha, Nekhayev 1999).
+        if (
+            self._ring(u) & self._ring(v) == across
+            and len(self._ring(u) | self._ring(v)) > 4
+            and min(len(self.at[w]) for w in across) > 3
+        ):
+            gone = tuple(sorted(both))
+            for one, other in ((v, u), (u, v)):
+                if any(self.folded[face] for face in self.at[one]):
                     kept = tuple(sorted(self.at[one] - both))
                     corners = tuple([self._with(face, one, other) for face in kept])
-                    yield Change((*kept, *gone), corners), self._may_slide(one, other)
+                    yield Contraction(Change((*kept, *gone), corners), self._may_slide(one, other))
 
     def _may_slide(self, v: int, u: int) -> bool:
         """Whether v comes to u along its edge of the body, or has none."""
@@ -244,7 +278,10 @@ class _Region:
     def _forget(self, vertices: set[int]) -> None:
         """Drop what was found around vertices whose faces change: steps of their neighbours look at these too."""
         for v in vertices.union(*(self._ring(v) for v in vertices)):
-            self._contractions.pop(v, None)
+            for u in self._ring(v):
+                self._contractions.pop((min(u, v), max(u, v)), None)
+                self._turns.pop((u, v), None)
+                self._turns.pop((v, u), None)
             self._moves.pop((v, True), None)
             self._moves.pop((v, False), None)
         for v in vertices:
@@ -261,7 +298,7 @@ class _Region:
         return facing_inwards(CompiledLeaves(self.kernels), self.points[np.array(corners)], leaf)
 
     def _weigh(self, steps: list[Change]) -> None:
-        """The folds before each step and after it, then what turns away before and after."""
+        """What each step gains."""
         if not steps:
             return
         corners = list(chain.from_iterable(step.corners for step in steps))
@@ -274,7 +311,8 @@ class _Region:
         folds, area = np.bincount(before, self.folded[faces]), np.bincount(before, self.turned[faces])
         fewer, less = np.bincount(after, folded, len(steps)), np.bincount(after, turned, len(steps))
         sums = (folds.astype(int).tolist(), fewer.astype(int).tolist(), area.tolist(), less.tolist())
-        self._gains.update(zip(steps, zip(*sums, strict=True), strict=True))
+        for step, *gain in zip(steps, *sums, strict=True):
+            step.gain = Gain(*gain)
 
     def _beside(self, u: int, v: int) -> tuple[int, int]:
         """The face that has the half-edge from u to v, and the one that has its reverse; -1 where there is none."""
