@@ -113,7 +113,9 @@ class PlaneSampler:
     @cached_property
     def large(self) -> Any:
         """The sign form of the value of a large shape, evaluated by what matters at a place; else None."""
-        return large_form(self.shape, self.free, self.fixed, self.letters) if self.field == "value" else None
+        if self.field != "value":
+            return None
+        return large_form(self.shape, self.free, self.fixed, self.letters, self.bounds)
 
     def _call(self, u: Floats, v: Floats) -> dict[str, NDArray[Any]]:
         coordinates: list[Any] = [None] * (2 + len(self.fixed))
@@ -171,14 +173,18 @@ def _regions(shape: Shape) -> Any:
 
 
 def large_form(
-    shape: Shape, free: tuple[int, int], fixed: Mapping[int, float], letters: Mapping[Any, float] | None
+    shape: Shape,
+    free: tuple[int, int],
+    fixed: Mapping[int, float],
+    letters: Mapping[Any, float] | None,
+    bounds: Bounds | None,
 ) -> Any:
     """The sign form of a large shape in a plane, by tapes, where the packages for them are there; else None."""
     try:
         from rsym.sampling.plane_regions import plane_form
     except (ImportError, OSError):
         return None
-    return plane_form(shape, free, fixed, letters)
+    return plane_form(shape, free, fixed, letters, bounds)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from rsym.arrays import Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.logic.sign_form import Gate, SignForm, shape_form, through
 from rsym.model.recent import recently
-from rsym.model.shape import Shape
+from rsym.model.shape import Bounds, Shape
 from rsym.program.differentiation import derivative
 from rsym.sampling.plane import large_form
 
@@ -43,6 +43,7 @@ class PlaneLeaves:
     free: tuple[int, int]
     fixed: Mapping[int, float]
     letters: Mapping[Any, float] | None
+    bounds: Bounds | None = None
     flat: tuple[int, ...] = ()
 
     @property
@@ -129,7 +130,7 @@ class PlaneLeaves:
     @cached_property
     def _large(self) -> Any:
         """The form of a large shape, of which at each place what matters is evaluated; else None."""
-        found = large_form(self.shape, self.free, self.fixed, self.letters)
+        found = large_form(self.shape, self.free, self.fixed, self.letters, self.bounds)
         return found if found is None or not self.flat else found.without(self.flat)
 
     @cached_property
@@ -160,7 +161,11 @@ def active_leaf(gates: Sequence[Gate], values: Sequence[Floats] | Floats) -> tup
 
 
 def leaves_of(
-    shape: Shape, free: tuple[int, int], fixed: Mapping[int, float], letters: Mapping[Any, float] | None = None
+    shape: Shape,
+    free: tuple[int, int],
+    fixed: Mapping[int, float],
+    letters: Mapping[Any, float] | None = None,
+    bounds: Bounds | None = None,
 ) -> PlaneLeaves:
-    """The leaves of a shape in a plane."""
-    return PlaneLeaves(shape_form(shape), shape, free, fixed, letters)
+    """The leaves of a shape in a plane, asked for mostly within bounds of that."""
+    return PlaneLeaves(shape_form(shape), shape, free, fixed, letters, bounds)

@@ -19,7 +19,7 @@ from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.logic.sign_form import Gate, SignForm, shape_builder, shape_form
 from rsym.logic.stripping import Signed
 from rsym.model.recent import recently
-from rsym.model.shape import Shape
+from rsym.model.shape import Bounds, Shape
 from rsym.model.symbols import with_operands
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower
@@ -247,12 +247,20 @@ def plane_form(
     free: tuple[int, ...] = PLANE,
     fixed: Mapping[int, float] = FLAT,
     letters: Mapping[Any, float] | None = None,
+    bounds: Bounds | None = None,
 ) -> PlaneForm | None:
-    """The sign form of a shape in a plane; None where it is so small that nothing is gained."""
+    """The sign form of a shape in a plane; None where it is so small that nothing is gained.
+
+    Most questions come from within the bounds (2 pairs) of the plane.
+    """
     if backend_for(_form(shape)) != "tape":
         return None
-    kernels = unscaled(_sign_kernels(shape), shape.letters.values_with(letters))
-    return PlaneForm(kernels, free, fixed or FLAT)
+    fixed = fixed or FLAT
+    box = None
+    if bounds is not None:
+        ends = dict(zip(free, bounds, strict=True)) | {axis: (value, value) for axis, value in fixed.items()}
+        box = tuple(ends[axis] for axis in range(3))
+    return PlaneForm(unscaled(_sign_kernels(shape), shape.letters.values_with(letters), box), free, fixed)
 
 
 def _box(lattice: Lattice) -> Sequence[tuple[float, float]]:

@@ -130,7 +130,7 @@ def sections(
         shape, "value", resolution=resolution, bounds=bounds, letters=letters, section={axis: heights[0]}, force=force
     )
     normal = names.index(str(axis))
-    leaves = leaves_of(shape, first.free, first.fixed, letters)
+    leaves = leaves_of(shape, first.free, first.fixed, letters, first.bounds)
     # A leaf that is zero at all of these is zero all over the plane.
     places = first.lattice.points(np.stack(np.meshgrid([1.2, 3.1, 4.7], [1.3, 2.9, 5.2]), axis=-1).reshape(-1, 2))
     steps, found = Steps(len(heights), progress), []

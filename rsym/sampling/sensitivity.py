@@ -222,7 +222,7 @@ class Sensitivity(Report):
 
     @cached_property
     def _leaves(self) -> PlaneLeaves:
-        return leaves_of(self.shape, (0, 1), {}, self.letters)
+        return leaves_of(self.shape, (0, 1), {}, self.letters, self.bounds)
 
     @cached_property
     def _by_letter(self) -> Kernel:

@@ -7,7 +7,7 @@ a box instead of the size of the form. In the order of the data:
 - `regions`: what is left of a form in a box, as a list of entries, from the bounds of those of a larger box
 - `region_tapes`: the rows of a region; `region_code`: loops that run them, as LLVM text that knows no model
 - `kept_regions`: regions that keep the value where questions came, in a tree of boxes
-- `own_leaves`: leaves at points of their own, whatever joins them
-- `region_signs`: proved signs of leaves over boxes and far away, for extents
 - `point_groups`: points that are taken together; `region_kernels`: the kernels of a form, for the mesher
+- `own_leaves`: leaves at points of their own, whatever joins them; `region_signs`: their proved signs over boxes
+  and far away
 """

@@ -10,7 +10,7 @@ import numpy as np
 
 from rsym.arrays import Floats, Ints
 from rsym.logic.sign_form import SignForm, shape_builder
-from rsym.model.shape import Shape
+from rsym.model.shape import Bounds, Shape
 from rsym.program.lowering import lower_all
 from rsym.sampling.kernels.mesher_kernels import in_order, padded
 from rsym.sampling.regions.region_kernels import RegionKernels
@@ -24,10 +24,10 @@ def across(shape: Shape) -> Sequence[str]:
     return (ACROSS,) if shape.dimension == 2 else ()
 
 
-def unscaled(kernels: RegionKernels, letters: Mapping[str, float]) -> RegionKernels:
-    """Kernels with letters, the leaves as they are."""
+def unscaled(kernels: RegionKernels, letters: Mapping[str, float], bounds: Bounds | None = None) -> RegionKernels:
+    """Kernels with letters, the leaves as they are, for questions that come mostly from within bounds in space."""
     own = kernels.copy()
-    own.take((in_order(kernels.form, letters), np.ones(len(kernels.form.leaves)), None))
+    own.take((in_order(kernels.form, letters), np.ones(len(kernels.form.leaves)), bounds))
     return own
 
 
