@@ -81,15 +81,30 @@ def gather(chosen: Any, old: Any, entries: Any, new: Any, result: Any) -> None:
                 result[i, j] = entries[i + shift, j]
 
 
-@loop
 def reduce(start: Any, entries: Any, bounds: Any, keeps: int, keep: Any, sizes: Any, results: Any) -> int:
     """The regions of boxes, eight in each region, one after the other; how many entries they have in all.
 
     `bounds` (entries, 2, 8) are those of entries over boxes; `sizes` (regions, 8) tells how many entries each has, none
     where the form has no zero; `keep`, KEPT where a box is asked for, becomes its sign there.
     """
-    most, made = _most(start), 0
-    need, where, idle = np.empty(most, np.bool_), np.empty(most, np.int32), np.zeros(most, np.uint8)
+    scratch = _scratch(int(np.diff(start).max(initial=0)))
+    return int(_reduce(start, entries, bounds, keeps, keep, sizes, results, *scratch))
+
+
+@loop
+def _reduce(
+    start: Any,
+    entries: Any,
+    bounds: Any,
+    keeps: int,
+    keep: Any,
+    sizes: Any,
+    results: Any,
+    need: Any,
+    where: Any,
+    idle: Any,
+) -> int:
+    made = 0
     for region in range(len(start) - 1):
         begin, count = start[region], start[region + 1] - start[region]
         for lane in range(sizes.shape[1]):
@@ -118,14 +133,6 @@ def _spread(entries: Any, begin: int, count: int, bounds: Any, lane: int) -> Non
                 operand = begin + entries[i, 1 + k]
                 if bounds[operand, 0, lane] == -np.inf and bounds[operand, 1, lane] == np.inf:
                     bounds[i, 0, lane], bounds[i, 1, lane] = -np.inf, np.inf
-
-
-@step
-def _most(start: Any) -> int:
-    most = 0
-    for region in range(len(start) - 1):
-        most = max(most, start[region + 1] - start[region])
-    return most
 
 
 @step
@@ -175,15 +182,19 @@ def without_idle(whole: Regions, words: NDArray[np.uint64]) -> Regions:
     """What is left of a whole form in boxes, by their words: bit 2*gate + operand is set where that does not matter."""
     sizes = np.empty(len(words), np.int64)
     results = np.empty((len(words) * len(whole.entries), 3), np.int32)
-    made = reduce_by_words(whole.entries, words, sizes, results)
+    made = reduce_by_words(whole.entries, words, sizes, results, *_scratch(len(whole.entries)))
     return Regions(np.concatenate([[0], np.cumsum(sizes)]), results[:made].copy())
 
 
+def _scratch(most: int) -> tuple[Any, Any, Any]:
+    """Which entries are needed, where they come to be, and which of their operands are idle."""
+    return np.empty(most, np.bool_), np.empty(most, np.int32), np.zeros(most, np.uint8)
+
+
 @loop
-def reduce_by_words(entries: Any, words: Any, sizes: Any, results: Any) -> int:
+def reduce_by_words(entries: Any, words: Any, sizes: Any, results: Any, need: Any, where: Any, idle: Any) -> int:
     """The regions of a form, box by box; how many entries they have in all."""
     count, made = len(entries), 0
-    need, where, idle = np.empty(count, np.bool_), np.empty(count, np.int32), np.zeros(count, np.uint8)
     for box in range(len(words)):
         gate = 0
         for i in range(count):
