@@ -38,7 +38,7 @@ def read_entry(kind: str, name: str) -> bytes | None:
         entry = cache_folder(kind) / name
         stored = entry.read_bytes() if _is_ours(entry.parent) and _is_ours(entry) else b""
         payload = stored[DIGEST:]
-        if not payload or stored[:DIGEST] != hashlib.sha256(payload).digest():
+        if not payload or stored[:DIGEST] != _digest(name, payload):
             return None
         with contextlib.suppress(OSError):  # of a folder that is only to be read
             os.utime(entry)  # what is used stays
@@ -55,11 +55,16 @@ def keep_entry(kind: str, name: str, payload: bytes) -> None:
         folder.chmod(0o700)
         with tempfile.TemporaryDirectory(dir=folder) as aside:
             whole = Path(aside) / name
-            whole.write_bytes(hashlib.sha256(payload).digest() + payload)
+            whole.write_bytes(_digest(name, payload) + payload)
             os.replace(whole, folder / name)
         _forget(folder)
     except (OSError, RuntimeError) as reason:
         logger.info("compiled code is not kept: %s", reason)
+
+
+def _digest(name: str, payload: bytes) -> bytes:
+    """Of an entry under its name: whole, and not another one."""
+    return hashlib.sha256(name.encode() + b" " + payload).digest()
 
 
 @cache

@@ -110,6 +110,7 @@ def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Float
     corner = leaves.common((joints.before + joints.after) / 2, joints.one, joints.other)
     return corner, (
         _near(joints, corner, cell)
+        & _meet(leaves, corner, joints.one, joints.other, cell)
         & _bounds(leaves, joints.before, corner, joints.one, cell)
         & _bounds(leaves, corner, joints.after, joints.other, cell)
     )
@@ -122,7 +123,9 @@ def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) 
     near = np.flatnonzero(holds)
     some, one, two, third = joints.take(near), first[near], second[near], third[near]
     holds[near] = (
-        _bounds(leaves, some.before, one, some.one, cell)
+        _meet(leaves, one, some.one, third, cell)
+        & _meet(leaves, two, third, some.other, cell)
+        & _bounds(leaves, some.before, one, some.one, cell)
         & _bounds(leaves, one, two, third, cell)
         & _bounds(leaves, two, some.after, some.other, cell)
     )
@@ -132,6 +135,13 @@ def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) 
 def _near(joints: Joints, points: Floats, cell: float) -> Flags:
     near: Flags = np.linalg.norm(points - joints.before, axis=1) <= REACH * cell
     return near
+
+
+def _meet(leaves: PlaneLeaves, points: Floats, one: Ints, other: Ints, cell: float) -> Flags:
+    """Whether both leaves are zero at each point: Newton's method ends somewhere where they are nowhere."""
+    with np.errstate(all="ignore"):
+        cells = [np.abs(f) / np.linalg.norm(slope, axis=1) / cell for f, slope in leaves.of(points, one, other)]
+    return np.asarray(np.maximum(*cells) <= ON_LEVEL)
 
 
 def _bounds(leaves: PlaneLeaves, start: Floats, end: Floats, leaf: Ints, cell: float) -> Flags:

@@ -98,3 +98,10 @@ def test_what_was_not_used_for_longest_is_forgotten(monkeypatch):
     assert read_entry("things", "0") == b"\0"  # used, so it stays
     keep_entry("things", "4", b"\4")
     assert {one.name for one in cache_folder("things").iterdir()} == {"0", "3", "4"}
+
+
+def test_an_entry_under_the_name_of_another_is_none():
+    for k in range(2):
+        keep_entry("things", f"{k}", bytes([k]))
+    (cache_folder("things") / "0").replace(cache_folder("things") / "1")
+    assert read_entry("things", "1") is None

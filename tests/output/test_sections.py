@@ -271,3 +271,14 @@ def test_lines_end_at_the_bounds_on_the_surface():
     assert (line[:, 0].max(), line[:, 1].max()) == (0.5, 0.75)
     assert_close(np.hypot(*line.T), np.full(len(line), radius), atol=1e-12)
     assert (section.lines.status.open, section.lines.status.vertices) == (1, len(line))
+
+
+def test_leaves_that_do_not_meet_have_no_corner():
+    """Two circles 0.046 apart, in cells of 0.078: every vertex on one of them, and the corners told as unresolved."""
+    both = rsym.disjunction(64 - x**2 - y**2, 0.04 - (x + 8) ** 2 - (y - 2) ** 2)
+    body = rsym.Shape(rsym.conjunction(both, 1 - z**2), (x, y, z), bounds=((-10, 10), (-10, 10), (-2, 2)))
+    (section,) = rsym.sections(body, [0.5], resolution=256)
+    u, v = np.concatenate(section.lines).T
+    off = np.minimum(abs(np.hypot(u, v) - 8), abs(np.hypot(u + 8, v - 2) - 0.2))
+    assert off.max() < 1e-12
+    assert section.lines.status.unresolved_corners == 2

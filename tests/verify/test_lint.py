@@ -401,3 +401,10 @@ def test_a_fault_among_many_discs_is_found_and_not_all_of_them_are_asked_everywh
     off = np.linalg.norm(centres - found.point, axis=1) - radii
     assert np.abs(off).argmin() == 40
     assert sum(points) < 400_000
+
+
+def test_what_is_undefined_has_no_sign():
+    """A strip of discs cut where a root ends: no warning, and the findings of the discs."""
+    discs = rsym.disjunction(*[sp.Rational(9, 25) - (x + i - 1) ** 2 - y**2 for i in range(5)])
+    cut = rsym.conjunction(discs, sp.sqrt(x + 2) - sp.Rational(1, 3))
+    assert rsym.lint(rsym.Shape(cut, (x, y), bounds=((-7, 7), (-7, 7)))).findings

@@ -112,7 +112,7 @@ def _local(logic: Logic, functions: Functions, zeros: Zeros, size: float) -> Loc
         here = slice(start, start + functions.portion)
         values, gradients = functions(zeros.points[here])
         near = np.abs(values) <= CONVERGED * size * np.linalg.norm(gradients, axis=2)
-        at[:, here], omega[here] = np.where(near, 0, np.sign(values))[:count], values[-1]
+        at[:, here], omega[here] = np.where(near, 0, np.nan_to_num(np.sign(values)))[:count], values[-1]
     at[zeros.which, np.arange(len(zeros.which))] = 0
     (ahead, before), (behind, after) = (
         functions.signs(zeros.points + step * size * zeros.sides) for step in (BESIDE, -BESIDE)

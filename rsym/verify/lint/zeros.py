@@ -204,12 +204,12 @@ class Functions:
         return parts[:, 0], parts[:, 1:].transpose(0, 2, 1)
 
     def signs(self, points: Floats) -> tuple[NDArray[np.int8], Floats]:
-        """The signs (count - 1, n) of all functions but the last, and the value (n,) of that."""
+        """The signs (count - 1, n) of all functions but the last, 0 where undefined, and the value (n,) of that."""
         signs, last = np.empty((self.count - 1, len(points)), np.int8), np.empty(len(points))
         for start in range(0, len(points), self.portion):
             here = slice(start, start + self.portion)
             values, _ = self(points[here])
-            signs[:, here], last[here] = np.sign(values[:-1]).astype(np.int8), values[-1]
+            signs[:, here], last[here] = np.nan_to_num(np.sign(values[:-1])), values[-1]
         return signs, last
 
     def of(self, which: Ints, points: Floats) -> tuple[Floats, Floats]:
