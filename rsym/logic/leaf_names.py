@@ -18,6 +18,7 @@ from rsym.program.lowering import lower_all
 LONGEST_FORMULA = 40  # characters
 # A formula of more pieces is too long to be read, and written out it may be exponentially longer than it is stored.
 MOST_PIECES = 60
+FLOAT_DIGITS = 15  # that SymPy writes at most
 
 
 def leaf_names(form: SignForm, shape: Shape) -> tuple[str, ...]:
@@ -103,6 +104,9 @@ def _least_length(expression: sp.Expr) -> int:
             total += len(part.name)
         elif isinstance(part, sp.Rational):
             total += sum(len(str(abs(int(number)))) for number in (part.p, part.q) if abs(number) != 1)
+        elif isinstance(part, sp.Float):
+            digits = f"{float(part):.{FLOAT_DIGITS}g}".partition("e")[0]
+            total += len(digits.strip("-").replace(".", "").strip("0"))
         elif isinstance(part, sp.Add):
             total += len(" + ") * (len(part.args) - 1)
             stack.extend(part.args)

@@ -16,7 +16,7 @@ from rsym.arrays import Floats, Integers
 from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
-from rsym.logic.sign_form import has_kinks, surface_form
+from rsym.logic.sign_form import SignForm, has_kinks, surface_form
 from rsym.model.equation import checked_bounds
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.blanks import where_it_lies
@@ -53,11 +53,11 @@ PACE = 96  # cells along a side of the mesh that tells how long blocks take
 
 
 class SharpMesher:
-    """What stands behind `rsym.Mesher`; arguments as there."""
+    """What stands behind `rsym.Mesher`; arguments as there, and the form of the shape where that is known."""
 
-    def __init__(self, shape: Shape, backend: str | None = None) -> None:
+    def __init__(self, shape: Shape, backend: str | None = None, form: SignForm | None = None) -> None:
         self.shape = shape
-        self.form = surface_form(shape).capped()
+        self.form = surface_form(shape).capped() if form is None else form
         by_tapes = backend_for(self.form, backend) == "tape"
         self._kernels: Any = region_kernels(self.form) if by_tapes else mesher_kernels(self.form)
         self._region = whole_form(self.form)

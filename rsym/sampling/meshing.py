@@ -284,12 +284,15 @@ class Mesher:
 
 
 def _sharp(shape: Shape, backend: str | None) -> SharpMesher:
+    form = None
     try:
         if "rsym.sampling.mesher" not in sys.modules:
             # The compiler takes as long as importing the mesher, and numba above all.
             from rsym.sampling.kernels.mesher_kernels import compile_ahead
 
-            compile_ahead(surface_form(shape).capped(), backend)
+            form = surface_form(shape).capped()
+            if compile_ahead(form, backend):
+                form = None
         from rsym.sampling.mesher import SharpMesher
     except (ImportError, OSError) as error:  # OSError: the package is there, its library is not
         raise RsymError(
@@ -297,7 +300,7 @@ def _sharp(shape: Shape, backend: str | None) -> SharpMesher:
             code="missing-package",
             remedy='pip install numba, or method="smooth"',
         ) from error
-    return SharpMesher(shape, backend)
+    return SharpMesher(shape, backend, form)
 
 
 @lru_cache(maxsize=4)

@@ -96,6 +96,9 @@ def test_sides_of_the_bounds_are_caps():
     )
 
 
+FLOATS = [0.5, -0.1, 100.0, 1e-8, -2.5e300, 1 / 3, 123456.0, 1234567890123456.7, 1e15, 1e16, 0.0001, 9.999999999999999]
+
+
 def test_a_text_is_never_shorter_than_it_must_be():
     a, third = sp.Symbol("alpha", real=True), sp.Rational(1, 3)
     formulas = [
@@ -107,6 +110,8 @@ def test_a_text_is_never_shorter_than_it_must_be():
         2**x * sp.Abs(y - 10) - 1 / x,
         sp.Mul(-1, x + y, evaluate=False),
         sp.Rational(1, 100) - rsym.conjunction(x, y),
+        *[sp.Float(number) * x - y + sp.Float(number) for number in FLOATS],
+        *[sp.Float(number, 30) - x for number in FLOATS],
     ]
     for formula in formulas:
         assert 0 < naming._least_length(formula) <= len(sp.sstr(formula))
@@ -115,5 +120,6 @@ def test_a_text_is_never_shorter_than_it_must_be():
 def test_what_is_too_long_is_not_written(monkeypatch):
     long = sp.Rational(1, 4) - sum((u - sp.Rational(617, 500)) ** 2 for u in (x, y, z))
     monkeypatch.setattr(naming.sp, "sstr", lambda formula: pytest.fail("written"))
-    shape = rsym.Shape(rsym.disjunction(long, long.subs(x, x + 5)), (x, y, z))
-    assert names(shape) == ("leaf 0", "leaf 1")
+    for some in (long, 0.372 - sum((u - 0.94037) ** 2 for u in (x, y, z))):
+        shape = rsym.Shape(rsym.disjunction(some, some.subs(x, x + 5)), (x, y, z))
+        assert names(shape) == ("leaf 0", "leaf 1")

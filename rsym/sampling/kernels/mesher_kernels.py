@@ -255,18 +255,21 @@ def backend_for(form: SignForm, backend: str | None = None) -> str:
     return backend
 
 
-def compile_ahead(form: SignForm, backend: str | None = None) -> None:
+def compile_ahead(form: SignForm, backend: str | None = None) -> bool:
     """Start compiling in a thread of its own; who asks for the kernels of an equal form meanwhile waits for it.
 
-    LLVM works without the interpreter's lock, so something else can be imported beside it. The form is the thread's.
+    LLVM works without the interpreter's lock, so something else can be imported beside it. Whether there is such a
+    thread: the form is its own then.
     """
 
     def work() -> None:
         with suppress(RsymError):  # raised again for those who ask
             mesher_kernels(form).load_enclose()
 
-    if backend_for(form, backend) == "llvm":
+    ahead = backend_for(form, backend) == "llvm"
+    if ahead:
         threading.Thread(target=work, name="rsym-compiler").start()
+    return ahead
 
 
 def letters_of_form(form: SignForm, letters: Mapping[str, float], bounds: Bounds | None) -> tuple[float, ...]:
