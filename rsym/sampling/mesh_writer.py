@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import Executor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -99,9 +100,9 @@ class MeshWriter:
         with atomic_file(path) as file:
             if path.suffix.lower() == ".ply":
                 file.write(ply_header(self.vertices, self.faces))
-                for done, piece in enumerate(self._surface.pieces):
+                asked = [(piece, 0, 3) for piece in self._surface.pieces]
+                for done, (view, piece) in enumerate(zip(self._ahead(asked), self._surface.pieces, strict=True)):
                     self._crew.stages.reach(0.6 * done / total)
-                    view = self._view(piece, 0, 3)
                     # The loop asks for no threads: it may be one of them while rows are written.
                     measured = self._pool.submit(self._measure, view)
                     for a in range(0, piece.vertices, ROWS):
@@ -109,7 +110,6 @@ class MeshWriter:
                         file.write(ply_vertices(_some(view.points[rows], view.stay[rows])))
                     self._look_for_strays(view)
                     measured.result()
-                    del view
                 new = self._new()
                 self._measure(new)
                 self._look_for_strays(new)
@@ -122,20 +122,31 @@ class MeshWriter:
     def _faces(self, file: BinaryIO, begin: float, encode: Callable[[_View, slice], bytes], *, points: bool) -> None:
         """Write all triangles, and measure them if they come with points."""
         pieces = self._surface.pieces
-        for axis in range(3):
-            for number, piece in enumerate(pieces):
-                self._crew.stages.reach(begin + (1 - begin) * (axis + number / len(pieces)) / 3)
-                view = self._view(piece, axis, axis + 1, points=points)
-                if points:
-                    self._measure(view)
-                    if axis == 0:
-                        self._look_for_strays(view)
-                _write(file, view, encode)
+        asked = [(piece, axis, axis + 1) for axis in range(3) for piece in pieces]
+        for number, view in enumerate(self._ahead(asked, points=points)):
+            self._crew.stages.reach(begin + (1 - begin) * number / len(asked))
+            if points:
+                self._measure(view)
+                if number < len(pieces):
+                    self._look_for_strays(view)
+            _write(file, view, encode)
         new = self._new()
         if points:
             self._measure(new)
             self._look_for_strays(new)
         _write(file, new, encode)
+
+    def _ahead(self, asked: Sequence[tuple[StoredPiece, int, int]], *, points: bool = True) -> Iterator[_View]:
+        """The views asked for, each read while the one before is written."""
+        with ThreadPoolExecutor(1, "rsym-reader") as reader:
+            calls = [partial(self._view, *one, points=points) for one in asked]
+            coming = reader.submit(calls[0])
+            for call in calls[1:]:
+                view = coming.result()
+                coming = reader.submit(call)
+                yield view
+                del view
+            yield coming.result()
 
     def _view(self, piece: StoredPiece, low: int, high: int, *, points: bool = True) -> _View:
         """The triangles of a piece along some axes."""
