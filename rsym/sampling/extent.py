@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
+from rsym.logic.lifting import opened
 from rsym.logic.sign_form import surface_form
 from rsym.model.equation import checked_bounds
 from rsym.model.recent import recently
@@ -72,7 +73,7 @@ def proved_signs(shape: Shape, letters: Mapping[Any, float] | None = None) -> Fo
 
 @recently(16)
 def _leaf_bounds(shape: Shape) -> LeafBounds:
-    form = surface_form(shape)
+    form = opened(surface_form(shape))
     try:
         from rsym.sampling.kernels.mesher_kernels import backend_for
         from rsym.sampling.regions.region_signs import TapedBounds

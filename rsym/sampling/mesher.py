@@ -16,6 +16,7 @@ from rsym.arrays import Floats, Integers
 from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
+from rsym.logic.lifting import opened
 from rsym.logic.sign_form import SignForm, has_kinks, surface_form
 from rsym.model.equation import checked_bounds
 from rsym.model.shape import Bounds, Shape
@@ -57,7 +58,7 @@ class SharpMesher:
 
     def __init__(self, shape: Shape, backend: str | None = None, form: SignForm | None = None) -> None:
         self.shape = shape
-        self.form = surface_form(shape).capped() if form is None else form
+        self.form = opened(surface_form(shape)).capped() if form is None else form
         by_tapes = backend_for(self.form, backend) == "tape"
         self._kernels: Any = region_kernels(self.form) if by_tapes else mesher_kernels(self.form)
         self._region = whole_form(self.form)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from rsym.errors import RsymError, warn
 from rsym.garbage import uncollected
+from rsym.logic.lifting import opened
 from rsym.logic.sign_form import surface_form
 from rsym.model.requirements import file_path, require_shape
 from rsym.model.shape import Shape
@@ -290,7 +291,7 @@ def _sharp(shape: Shape, backend: str | None) -> SharpMesher:
             # The compiler takes as long as importing the mesher, and numba above all.
             from rsym.sampling.kernels.mesher_kernels import compile_ahead
 
-            form = surface_form(shape).capped()
+            form = opened(surface_form(shape)).capped()
             if compile_ahead(form, backend):
                 form = None
         from rsym.sampling.mesher import SharpMesher

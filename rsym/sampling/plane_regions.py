@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Floats, Ints, Shorts
 from rsym.backends.kernel import checked_threads, lasting_threads
+from rsym.logic.lifting import TURNED, lifted, opened
 from rsym.logic.sign_form import Gate, SignForm, shape_builder, shape_form
 from rsym.logic.stripping import Signed
 from rsym.model.recent import recently
@@ -34,14 +35,13 @@ from rsym.sampling.sharp.loops import in_threads
 # Points along a side of the boxes: of a text of 7 900 operations 334 matter in the large ones and 35 in the small.
 LARGE, SMALL = 64, math.isqrt(AT_ONCE)
 GRAIN = 256  # small boxes
-TURNED = {"min": "max", "max": "min"}
 PLANE: tuple[int, int] = (0, 1)
 
 
 @recently(8)
 def _form(shape: Shape) -> SignForm:
     """The sign form, which kernels want in space."""
-    return shape_form(shape, *across(shape))
+    return opened(shape_form(shape, *across(shape)))
 
 
 @recently(8)
@@ -53,7 +53,7 @@ def _sign_kernels(shape: Shape) -> RegionKernels:
 def value_kernels(shape: Shape) -> RegionKernels | None:
     """Those of a plane shape, its minima and maxima the gates; None where it has so few that nothing is gained."""
     builder = shape_builder(shape, ACROSS)
-    form = choice_form(builder, lower(builder, shape.expression))
+    form = choice_form(builder, lifted(builder, lower(builder, shape.expression)))
     return region_kernels(form) if backend_for(form) == "tape" else None
 
 

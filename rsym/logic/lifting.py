@@ -1,0 +1,124 @@
+"""Lifting: min, max and absolute values inside sums and multiples come to the top, where they are gates.
+
+Rounding keeps the order of numbers, so a + c and k*a, each rounded, of the larger of two numbers are the larger of
+both results: max(a, b) + c = max(a + c, b + c) and -2*max(a, b) = min(-2*a, -2*b) to the last bit, and |a| is
+max(a, -a). An offset or a shell of a body of a thousand parts is then a form of a thousand leaves, of which few matter
+at a place, instead of one leaf that is evaluated in whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from rsym.logic.sign_form import SignForm, sign_form, through
+from rsym.model.symbols import with_operands
+from rsym.program.builder import Builder
+from rsym.program.program import live
+
+TURNED = {"min": "max", "max": "min"}
+CHOICES = {*TURNED, "abs"}
+# Of so few choices in a leaf, as of so few gates, all is evaluated everywhere; they also keep the surface they had.
+FEW = 64
+# So many times the choices of a leaf may be made on the way: absolute values within each other double them.
+GROWTH = 32
+
+
+def opened(form: SignForm) -> SignForm:
+    """The form with the choices in its large leaves lifted to gates.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> from rsym.logic.sign_form import surface_form
+    >>> row = rsym.disjunction(*[1 - (x - 3 * k) ** 2 - y**2 for k in range(100)], system=rsym.R1)
+    >>> form = surface_form(rsym.Shape(row / 2 - 1, (x, y, z)))
+    >>> len(form.leaves), len(opened(form).leaves)
+    (1, 100)
+    """
+    builder = form.builder
+    leaves = tuple(lifted(builder, leaf) for leaf in form.leaves)
+    if leaves == form.leaves:
+        return form
+    made = through(form.gates, leaves, lambda gate, first, second: builder.make(gate.operation, first, second))
+    return replace(sign_form(builder, made[-1]), parameters=form.parameters)
+
+
+def lifted(builder: Builder, number: int) -> int:
+    """A node of the same value to the bit, with choices on top of sums and multiples if it has many."""
+    choices = sum(builder.nodes[part].operation in CHOICES for part in live(builder.nodes, [number]))
+    if choices <= FEW:
+        return number
+    lifting = _Lifting(builder, GROWTH * choices)
+    found = number
+    for part, below in with_operands(number, lifting.operands, int):
+        found = lifting.lift(part) if below else part
+    return number if lifting.made > lifting.most else found
+
+
+class _Lifting:
+    """What nodes become, by their numbers, and how many gates were `made`, at `most` so many."""
+
+    def __init__(self, builder: Builder, most: int) -> None:
+        self.builder, self.most, self.made = builder, most, 0
+        self._done: dict[int, int] = {}
+        self._weight: dict[int, int] = {}
+
+    def operands(self, number: int) -> Sequence[int]:
+        """The arguments through which choices come to the top."""
+        operation, arguments, _ = self.builder.nodes[number]
+        if operation in CHOICES or operation in {"add", "neg"}:
+            return arguments
+        return arguments[1:] if operation == "mul" and self._factor(number) else ()
+
+    def lift(self, number: int) -> int:
+        """The node, those of its operands being known."""
+        found = self._done[number] = self._lift(number)
+        return found
+
+    def _lift(self, number: int) -> int:
+        make = self.builder.make
+        operation, arguments, _ = self.builder.nodes[number]
+        below = [self._done.get(argument, argument) for argument in arguments]
+        if operation in TURNED:
+            return make(operation, *below)
+        if operation == "abs":
+            return make("max", below[0], self._over(below[0], self.builder.neg, turned=True))
+        if operation == "neg":
+            return self._over(below[0], self.builder.neg, turned=True)
+        if operation == "mul":
+            negative = self._factor(number) < 0
+            return self._over(below[1], lambda part: make("mul", arguments[0], part), turned=negative)
+        k = 0 if self._gates(below[0]) >= self._gates(below[1]) else 1
+        other = arguments[1 - k]
+        return self._over(below[k], lambda part: make("add", *((part, other) if k == 0 else (other, part))))
+
+    def _factor(self, number: int) -> float:
+        """The constant that a node is a multiple by, 0 if it is none."""
+        return float(self.builder.value(self.builder.nodes[number].arguments[0]) or 0)
+
+    def _gates(self, number: int) -> int:
+        """How many gates are on top of a node, each as often as it is used."""
+        for part, below in with_operands(number, self._choices, int):
+            if part not in self._weight:
+                self._weight[part] = min(1 + sum(self._weight[one] for one in below), 1 << 62) if below else 0
+        return self._weight[number]
+
+    def _choices(self, number: int) -> Sequence[int]:
+        operation, arguments, _ = self.builder.nodes[number]
+        return arguments if operation in TURNED else ()
+
+    def _over(self, number: int, call: Callable[[int], int], *, turned: bool = False) -> int:
+        """What is done with a value, done with those that its gates choose from."""
+        done: dict[int, int] = {}
+        for part, below in with_operands(number, self._choices if self.made <= self.most else lambda _: (), int):
+            if below:
+                operation = self.builder.nodes[part].operation
+                done[part] = self.builder.make(
+                    TURNED[operation] if turned else operation, *(done[one] for one in below)
+                )
+                self.made += 1
+            else:
+                done[part] = call(part)
+        return done[number]
