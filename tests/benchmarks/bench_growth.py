@@ -9,6 +9,7 @@ import math
 import os
 import platform
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -26,6 +27,7 @@ BALLS = 300  # of which some have a letter each
 LONGEST, STEEP = 150.0, 10.0  # seconds that building by LLVM may take, and how many times longer for the next size
 PATIENCE = 900.0
 ROUNDS, ENOUGH = 9, 1.5  # calls after the first, and seconds for them
+CACHES = Path(tempfile.gettempdir()) / "rsym-growth"  # loops stay in it
 WORDS = "REAL LOGIC "
 SIZE, WIDTH, PITCH, LINE = 1.6, 0.11, 1.35, 2.2  # of a glyph: height, half a stroke, to the next one, to the next line
 # Strokes: lines from point to point; arcs about a point, with the half-plane that they are in.
@@ -234,9 +236,12 @@ def peak():
 
 
 def alone(work, size, backend):
-    """A row, by a process of its own."""
+    """A row, by a process of its own, which finds no code of models on the machine."""
     command = [sys.executable, __file__, work, str(size), backend]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=PATIENCE)
+    for kind in ("forms", "kernels"):
+        shutil.rmtree(CACHES / "rsym" / kind, ignore_errors=True)
+    own = os.environ | {"XDG_CACHE_HOME": str(CACHES)}
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=PATIENCE, env=own)
     return json.loads(done.stdout)
 
 
