@@ -235,7 +235,8 @@ class Mesher:
     backend : {"llvm", "tape"}, optional
         ``llvm`` compiles the whole shape: the fastest for small ones. ``tape`` compiles nothing and evaluates at each
         place what matters there, leaves that are the same but for numbers as one: what a mesh costs hardly grows with
-        the number of parts. By default ``tape`` for shapes of more than 64 operations "and" or "or".
+        the number of parts. By default ``tape`` for shapes of more than 64 operations "and" or "or", or of more than
+        2 000 operations in all: LLVM compiles these longer than many meshes take.
 
     Raises
     ------

@@ -9,6 +9,7 @@ import pytest
 import sympy as sp
 from hypothesis import given, settings
 from oracles.closeness import assert_close
+from oracles.many_balls import many_balls
 from oracles.tiers import examples
 from oracles.trees import trees
 
@@ -295,3 +296,14 @@ def test_a_zero_without_a_change_of_sign_is_kept(expression):
     ends = [LATTICE[0] + LATTICE[3] * (corner[0] + shift) for shift in (0, 8)]
     on_plane = corner[1:, (ends[0] <= 0) & (ends[1] >= 0)]
     assert len(np.unique(on_plane, axis=1).T) == 16
+
+
+def test_what_llvm_would_compile_too_long_is_evaluated_by_tapes():
+    few, _, _ = many_balls(20, 3, rsym.R1)
+    many, _, _ = many_balls(70, 3)
+    one_leaf = sp.Add(*(sp.sin(k * x) * sp.exp(k * y) for k in range(1, 500)))
+    chosen = [
+        module.backend_for(surface_form(rsym.Shape(e, (x, y, z)))) for e in (few.expression, many.expression, one_leaf)
+    ]
+    assert chosen == ["llvm", "tape", "tape"]
+    assert module.backend_for(surface_form(many), "llvm") == "llvm"
