@@ -8,7 +8,7 @@ at a place, instead of one leaf that is evaluated in whole.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 from rsym.logic.sign_form import SignForm, sign_form, through
@@ -47,7 +47,7 @@ def opened(form: SignForm) -> SignForm:
 
 def lifted(builder: Builder, number: int) -> int:
     """A node of the same value to the bit, with choices on top of sums and multiples if it has many."""
-    choices = _choices(builder, number)
+    choices = choices_in(builder, number)
     if choices <= FEW:
         return number
     lifting = _Lifting(builder, GROWTH * choices)
@@ -57,9 +57,9 @@ def lifted(builder: Builder, number: int) -> int:
     return number if lifting.made > lifting.most else found
 
 
-def _choices(builder: Builder, number: int) -> int:
+def choices_in(builder: Builder, number: int, kinds: Collection[str] = CHOICES) -> int:
     """How many minima, maxima and absolute values a node is made of."""
-    return sum(builder.nodes[part].operation in CHOICES for part in live(builder.nodes, [number]))
+    return sum(builder.nodes[part].operation in kinds for part in live(builder.nodes, [number]))
 
 
 class _Lifting:
@@ -108,7 +108,7 @@ class _Lifting:
     def _is_large(self, number: int) -> bool:
         """Whether a node holds more choices than are evaluated everywhere."""
         if number not in self._large:
-            self._large[number] = _choices(self.builder, number) > FEW
+            self._large[number] = choices_in(self.builder, number) > FEW
         return self._large[number]
 
     def _factor(self, number: int) -> float:

@@ -23,10 +23,10 @@ Parts: TypeAlias = list[str]  # the names of what makes up a value
 
 
 class LeafFormulas:
-    """A sign form as its routines need it."""
+    """A sign form as its routines need it; without `gradients` the values of leaves alone."""
 
-    def __init__(self, form: SignForm) -> None:
-        self.form = form
+    def __init__(self, form: SignForm, *, gradients: bool = True) -> None:
+        self.form, self.gradients = form, gradients
         self.gates: tuple[Gate, ...] = form.gates
         self.count = len(form.leaves)
         self.coordinates = form.builder.coordinates
@@ -34,12 +34,12 @@ class LeafFormulas:
     @cached_property
     def program(self) -> Program:
         """Value and gradient of every leaf."""
-        return leaf_program(self.form)
+        return leaf_program(self.form, gradients=self.gradients)
 
     @cached_property
     def scaled_program(self) -> Program:
         """The same, each leaf times its scale."""
-        return leaf_program(self.form, scaled=True)
+        return leaf_program(self.form, scaled=True, gradients=self.gradients)
 
     @cached_property
     def points(self) -> Formulas:
@@ -49,7 +49,7 @@ class LeafFormulas:
     @cached_property
     def bounds(self) -> Formulas:
         """Leaves over boxes, by mean values where a coordinate repeats; nothing where one may be undefined."""
-        leaves = [number for _, number in self.program.outputs[:: 1 + len(AXES)]]
+        leaves = [number for _, number in self.program.outputs[:: 1 + len(AXES) * self.gradients]]
         return Formulas(expand(interval_program(self.program, leaves, strict=True)), self.points.constants)
 
     @property
@@ -73,14 +73,16 @@ def scale_letters(count: int) -> list[str]:
     return [f"scale {k}" for k in range(count)]
 
 
-def leaf_program(form: SignForm, scaled: bool = False) -> Program:
+def leaf_program(form: SignForm, scaled: bool = False, gradients: bool = True) -> Program:
     """Value and gradient of every leaf."""
     b = form.builder
     outputs: dict[str, int] = {}
     scales = scale_letters(len(form.leaves)) if scaled else []
     for k, leaf in enumerate(form.leaves):
         value = b.mul(b.input(scales[k]), leaf) if scaled else leaf
-        outputs.update(zip(leaf_outputs(k), (value, *gradient(b, value)), strict=True))
+        outputs.update(
+            zip(leaf_outputs(k), (value, *gradient(b, value)), strict=True) if gradients else {f"leaf{k}": value}
+        )
     return assemble(b.nodes, b.coordinates, (*b.letters, *scales), outputs)
 
 

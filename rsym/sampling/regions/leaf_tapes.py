@@ -6,7 +6,7 @@ each leaf has a row of numbers for each tape.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, Protocol
@@ -42,24 +42,38 @@ class KindTape(NamedTuple):
 class TapedKind:
     """The formulas of leaves: value and gradient at points, their bounds over boxes; letters are what is lifted.
 
-    `points` has the outputs of `leaf_outputs`, each times a scale, its last letter; `bounds` two ends for each.
+    `formulas` has the outputs of `leaf_outputs`, at points each times a scale, its last letter, over boxes two ends
+    for each.
     """
 
-    points: Program
-    bounds: Program
+    formulas: LeafFormulas
     outputs: tuple[str, ...]
 
+    @property
+    def points(self) -> Program:
+        """All outputs at points."""
+        return self.formulas.points.program
+
+    def tape(self, name: str) -> KindTape:
+        """The tape "value", "gradient", "box" or "enclosure", made when it is first asked for."""
+        if name not in self._tapes:
+            self._tapes[name] = self._made(name)
+        return self._tapes[name]
+
     @cached_property
-    def tapes(self) -> Mapping[str, KindTape]:
-        """The tapes by name."""
+    def _tapes(self) -> dict[str, KindTape]:
+        return {}
+
+    def _made(self, name: str) -> KindTape:
         ends = [f"{output}_{end}" for output in self.outputs for end in ENDS]
-        chosen = {
-            "value": (self.points, self.outputs[:1]),
-            "gradient": (self.points, self.outputs),
-            "box": (_scaled(self.bounds, ends[:2]), ends[:2]),
-            "enclosure": (self.bounds, ends),
-        }
-        return {name: kind_tape(program, outputs) for name, (program, outputs) in chosen.items()}
+        match name:
+            case "value":
+                return kind_tape(self.points, self.outputs[:1])
+            case "gradient":
+                return kind_tape(self.points, self.outputs)
+            case "box":
+                return kind_tape(_scaled(self.formulas.bounds.program, ends[:2]), ends[:2])
+        return kind_tape(self.formulas.bounds.program, ends)
 
 
 def _scaled(program: Program, names: Sequence[str]) -> Program:
@@ -98,37 +112,50 @@ class LeafTapes:
     form : SignForm
     shared : bool
         Whether leaves that are the same but for numbers are one kind; else each leaf is one.
+    gradients : bool
+        Whether more than values and their bounds will be asked for.
     """
 
-    def __init__(self, form: SignForm, *, shared: bool) -> None:
+    def __init__(self, form: SignForm, *, shared: bool, gradients: bool = True) -> None:
         self.count = len(form.leaves)
         if shared:
             lifted = LiftedLetters(form)
-            self._letters: _Letters = lifted
+            self.letters: _Letters = lifted
             forms, self.kind = lifted.forms()
-            self.kinds = [_formulas(one) for one in forms]
+            made = [LeafFormulas(one, gradients=gradients) for one in forms]
+            self.kinds = [TapedKind(one, tuple(leaf_outputs(0))) for one in made]
         else:
-            self._letters = _OwnLetters(form)
+            self.letters = _OwnLetters(form)
             formulas = LeafFormulas(form)
-            points, bounds = formulas.points.program, formulas.bounds.program
-            self.kinds = [TapedKind(points, bounds, tuple(leaf_outputs(k))) for k in range(self.count)]
+            self.kinds = [TapedKind(formulas, tuple(leaf_outputs(k))) for k in range(self.count)]
             self.kind = np.arange(self.count)
 
     def named(self, name: str) -> tuple[Sequence[KindTape], Ints]:
         """The tapes of one name, one for each kind, and the kind of each leaf."""
-        return [kind.tapes[name] for kind in self.kinds], self.kind
+        return [kind.tape(name) for kind in self.kinds], self.kind
 
-    def numbers(self, letters: Sequence[float], scales: Floats) -> dict[str, tuple[Floats, Ints]]:
+    def numbers(self, letters: Sequence[float], scales: Floats) -> LeafNumbers:
         """For each tape the numbers of all leaves, one after the other, and where those of each leaf begin."""
-        points, ends = self._letters.at(letters, scales), self._letters.ends(letters)
-        boxes = [[*own, scale] for own, scale in zip(ends, scales, strict=True)]
-        given = {"value": points, "gradient": points, "box": boxes, "enclosure": ends}
-        return {name: leaf_numbers(*self.named(name), letters_of) for name, letters_of in given.items()}
+        return LeafNumbers(self, letters, scales)
 
 
-def _formulas(form: SignForm) -> TapedKind:
-    formulas = LeafFormulas(form)
-    return TapedKind(formulas.points.program, formulas.bounds.program, tuple(leaf_outputs(0)))
+class LeafNumbers(dict[str, tuple[Floats, Ints]]):
+    """The numbers of tapes by name, found when they are first asked for."""
+
+    def __init__(self, tapes: LeafTapes, letters: Sequence[float], scales: Floats) -> None:
+        self._tapes, self._letters, self._scales = tapes, letters, scales
+
+    def __missing__(self, name: str) -> tuple[Floats, Ints]:
+        """Those of one tape."""
+        own = self._tapes.letters
+        if name in ("value", "gradient"):
+            given = own.at(self._letters, self._scales)
+        elif name == "enclosure":
+            given = own.ends(self._letters)
+        else:
+            given = [[*ends, scale] for ends, scale in zip(own.ends(self._letters), self._scales, strict=True)]
+        found = self[name] = leaf_numbers(*self._tapes.named(name), given)
+        return found
 
 
 class _Letters(Protocol):

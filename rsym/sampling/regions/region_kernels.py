@@ -5,11 +5,10 @@ They have the methods of `MesherKernels`, and what these call words are `Regions
 
 from __future__ import annotations
 
-import ctypes
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, TypeAlias
 
@@ -18,19 +17,20 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Ints, Shorts
 from rsym.backends.interpreter import CHECK_POINTS, check_at
-from rsym.backends.llvm_code import machine_code
 from rsym.backends.tape import TapeFunction, aligned
 from rsym.errors import RsymError
+from rsym.logic.leaf_parts import NONE, OPERANDS, parted
 from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Bounds
 from rsym.program.program import FLOAT64
 from rsym.sampling.kernels.mesher_kernels import SMALL, letters_of_form, median_scales
 from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.regions.kept_regions import KeptRegions
-from rsym.sampling.regions.leaf_tapes import LeafTapes
+from rsym.sampling.regions.large_leaves import LargeLeafTapes, LargeLeaves
+from rsym.sampling.regions.leaf_tapes import LeafNumbers, LeafTapes
 from rsym.sampling.regions.point_groups import by_number
-from rsym.sampling.regions.region_code import region_code
-from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes, leaf_codes
+from rsym.sampling.regions.region_calls import ENTRIES, bounds_of, call, tapes_of
+from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes, LeafCodes, leaf_codes
 from rsym.sampling.regions.regions import (
     DEFINED_SIGN,
     INFINITE,
@@ -41,41 +41,17 @@ from rsym.sampling.regions.regions import (
     joined_regions,
     reduce,
     whole_form,
+    whole_parts,
 )
 
 Sides: TypeAlias = NDArray[np.uint8]
 Given: TypeAlias = tuple[Sequence[float], Floats, Bounds | None]  # letters, scales of leaves, bounds
 Run: TypeAlias = Callable[[Callable[[int, int], Any], int, int], Sequence[Any]]  # a call over pieces of a range
 
-_POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
-_TAPES = [_POINTER] * 8
-_SIGNATURES: dict[str, Sequence[Any]] = {
-    "boxes": (*[_INTEGER] * 2, _POINTER, *[_INTEGER] * 2, *_TAPES, *[_POINTER] * 3),
-    "signs": (_INTEGER, _INTEGER, _POINTER, _INTEGER, *[_POINTER] * 2, _INTEGER, _POINTER, _INTEGER, _POINTER, *_TAPES),
-    "crossings": (
-        *[_INTEGER] * 2, *[_POINTER] * 2, _INTEGER, *[_POINTER] * 3, _INTEGER, _POINTER, *_TAPES, *[_POINTER] * 4,
-    ),
-    "values": (_INTEGER, _INTEGER, *[_POINTER] * 2, _INTEGER, *[_POINTER] * 2, *_TAPES, *[_POINTER] * 4),
-    "leaves": (_INTEGER, _INTEGER, *[_POINTER] * 2, *[_INTEGER] * 3, *[_POINTER] * 2, *_TAPES),
-    "slide": (_INTEGER, _INTEGER, *[_POINTER] * 2, *[_INTEGER] * 2, _POINTER, *_TAPES),
-}  # fmt: skip
-# Entries whose tapes are written at once: a few megabytes.
-ENTRIES = 2**14
 GROUP_GRAIN = 64
+# What follows from letters.
+_LETTERED = ("_given", "_numbers", "_own", "_code_of_whole", "_kept", "_large")
 MOST_LEAVES = 32_000  # their numbers have 16 bits
-
-
-@cache
-def _functions() -> tuple[Any, Mapping[str, Callable[..., None]]]:
-    engine = machine_code(region_code())
-    made = {
-        name: ctypes.CFUNCTYPE(None, *kinds)(engine.get_function_address(name)) for name, kinds in _SIGNATURES.items()
-    }
-    return engine, made
-
-
-def _call(name: str, *arguments: Any) -> None:
-    _functions()[1][name](*(a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments))
 
 
 class RegionKernels:
@@ -89,24 +65,54 @@ class RegionKernels:
                 remedy="mesh parts of it",
             )
         self.form = form
-        self._tapes = LeafTapes(form, shared=shared)
-        self._values, self._boxes = (FormTapes(*self._tapes.named(name)) for name in ("value", "box"))
-        self._codes = {name: leaf_codes(self._tapes, name) for name in ("gradient", "enclosure")}
-        self._whole = whole_form(form)
+        parts = parted(form)
+        if parts is None:
+            self._parts, self._whole, operands = LeafTapes(form, shared=shared), whole_form(form), 0
+            self._leaf_tapes = self._parts
+        else:
+            self._parts, self._whole = LeafTapes(parts.form, shared=True, gradients=False), whole_parts(parts)
+            operands = len(OPERANDS)
+            self._large_tapes = LargeLeafTapes(self._parts, self._whole, len(form.leaves))
+            self._leaf_tapes = LeafTapes(_without(form, self._large_tapes.leaves), shared=shared)
+        self.in_parts = parts is not None
+        self._shared = shared
+        self._values, self._boxes = (FormTapes(*self._parts.named(name), operands) for name in ("value", "box"))
+        self._made_codes: dict[str, LeafCodes] = {}
         self._last: list[Any] = [(None, None)]  # of all copies: the letters of the last one, and what follows from them
         self._check()
 
     def _check(self) -> None:
         """Compare the tapes with the interpreter: a miscompiled formula must never get any further."""
         generator = np.random.default_rng(20130605)
-        points = [generator.uniform(-1, 1, CHECK_POINTS) for _ in range(3)]
-        programs = {kind.points.digest: kind.points for kind in self._tapes.kinds}
+        points = [generator.uniform(-1, 1, CHECK_POINTS) for _ in range(3 + len(OPERANDS))]
+        programs = {kind.points.digest: kind.points for kind in (*self._leaf_tapes.kinds, *self._parts.kinds)}
         for program in programs.values():
             letters = [1.0 + k / 8 for k in range(len(program.letters))]
-            check_at(program, TapeFunction(program), FLOAT64, points, letters)
+            check_at(program, TapeFunction(program), FLOAT64, points[: len(program.coordinates)], letters)
 
     def load_enclose(self) -> None:
         """Nothing is compiled."""
+
+    def _tapes(self, name: str) -> LeafTapes:
+        """Those that have the tape "gradient", but of leaves in parts, or "enclosure"."""
+        return self._enclosed if self.in_parts and name == "enclosure" else self._leaf_tapes
+
+    @cached_property
+    def _enclosed(self) -> LeafTapes:
+        return LeafTapes(self.form, shared=self._shared)
+
+    def _codes(self, name: str) -> LeafCodes:
+        """The tapes "gradient" or "enclosure" of leaves."""
+        if name not in self._made_codes:
+            self._made_codes[name] = leaf_codes(self._tapes(name), name)
+        return self._made_codes[name]
+
+    def _numbers_of(self, name: str) -> tuple[Floats, Ints]:
+        """The numbers of these tapes."""
+        if name not in self._own:
+            letters, scales, _ = self._given
+            self._own[name] = self._tapes(name).numbers(letters, scales)[name]
+        return self._own[name]
 
     def copy(self) -> RegionKernels:
         """The same tapes with letters of their own."""
@@ -126,23 +132,28 @@ class RegionKernels:
         if known != chosen:
             self.take((plain, np.ones(len(self.form.leaves)), bounds))
             self.take((plain, median_scales(self, len(self.form.leaves), bounds), bounds))
-            self._last[0] = chosen, (self._given, self._numbers, self._code_of_whole, self._kept)
+            self._last[0] = chosen, {name: self.__dict__[name] for name in _LETTERED if name in self.__dict__}
         else:
-            self._given, self._numbers, self._code_of_whole, self._kept = made
+            self.__dict__.update(made)
 
     _given: Given
-    _numbers: Mapping[str, tuple[Floats, Ints]]
+    _numbers: LeafNumbers  # of parts
+    _own: dict[str, tuple[Floats, Ints]]  # of leaves
     _code_of_whole: Codes
     _kept: KeptRegions
+    _large: LargeLeaves
 
     def take(self, given: Given) -> None:
         """Take the letters of the form, the scales of its leaves and the bounds as they are."""
         self._given = given
         letters, scales, bounds = given
-        self._numbers = self._tapes.numbers(letters, scales)
+        every = np.concatenate([scales, np.ones(self._parts.count - len(scales))])
+        self._numbers, self._own = self._parts.numbers(letters, every), {}
         self._code_of_whole = self._boxes.codes(self._whole, self._numbers["box"])
         self.__dict__.pop("_kept", None)  # a copy that only has these letters narrows for those that are kept
-        self._kept = KeptRegions(bounds, self._whole, self.copy()._narrowed_here)
+        self._kept = KeptRegions(bounds, self._whole, narrow := self.copy()._narrowed_here)
+        if self.in_parts:
+            self._large = self._large_tapes.at(letters, every, bounds, narrow)
 
     def _narrowed_here(self, ends: Floats, parent: Ints, among: Regions) -> Regions:
         return self.valued(ends, parent, among, _here)
@@ -150,7 +161,7 @@ class RegionKernels:
     def without(self, leaves: Sequence[int]) -> RegionKernels:
         """The same with the same letters, these leaves infinite wherever the form is asked for."""
         twin, entries = self.copy(), self._whole.entries.copy()
-        entries[list(leaves)] = INFINITE, 0, 0
+        entries[np.isin(entries[:, 0], leaves)] = INFINITE, NONE, NONE
         twin._whole = replace(self._whole, entries=entries)
         twin.take(self._given)
         return twin
@@ -247,7 +258,7 @@ class RegionKernels:
         for a, b, _, codes, room in self._portions_of(words, first, last):
             own = np.ascontiguousarray(corner[:, a:b])
             arrays = (offsets, offsets.shape[1], bits[a:b], bits.shape[1], undefined[a:b])
-            _call("signs", 0, b - a, own, own.shape[1], lattice, *arrays, *_tapes(codes, room))
+            call("signs", 0, b - a, own, own.shape[1], lattice, *arrays, *tapes_of(codes, room))
 
     def crossings(
         self,
@@ -267,7 +278,7 @@ class RegionKernels:
             names = np.empty((int(entries.max(initial=1)), LANES), np.int16)
             arrays = (starts[a : b + 1], edges, edges.shape[1], axis, lattice, points, points.shape[1], leaf)
             listed = (regions.start, entries, regions.entries, names)
-            _call("crossings", 0, b - a, *arrays, *_tapes(codes, room), *listed)
+            call("crossings", 0, b - a, *arrays, *tapes_of(codes, room), *listed)
 
     def _portions_of(self, words: Regions, first: int, last: int) -> Any:
         """Regions whose tapes are written at once, with these, and a room."""
@@ -295,7 +306,7 @@ class RegionKernels:
             entries = np.diff(some.start)
             listed = (some.start, entries, some.entries, np.empty((int(entries.max()), LANES), np.int16))
             arrays = (np.ascontiguousarray(begin[a : b + 1]), points, points.shape[1], found, names)
-            _call("values", 0, b - a, *arrays, *_tapes(codes, room), *listed)
+            call("values", 0, b - a, *arrays, *tapes_of(codes, room), *listed)
         return found, names
 
     def leaf(
@@ -303,7 +314,11 @@ class RegionKernels:
     ) -> None:
         """Value and gradient of the leaf of each point; none where its number is negative."""
         own = slice(first, first + count)
-        found, order = self._of_leaves("gradient", leaf[own], points[:, own], 4)
+        numbers = leaf[own]
+        if self.in_parts:
+            self._large.leaf(numbers, points[:, own], value[own], gradient[:, own])
+            numbers = self._large.without_these(numbers)
+        found, order = self._of_leaves("gradient", numbers, points[:, own], 4)
         value[first + order], gradient[:, first + order] = found[0], found[1:]
 
     def enclose(
@@ -321,10 +336,10 @@ class RegionKernels:
         which, begin, padded_places, places = by_number(leaf)
         given = inputs.take(padded_places, axis=1)
         found = np.empty((outputs, given.shape[1]))
-        codes = self._codes[name]
+        codes = self._codes(name)
         tapes, room = self._tapes_of(name, which)
         sizes = (len(inputs), outputs, given.shape[1])
-        _call(
+        call(
             "leaves", 0, len(which), begin, given, *sizes, found, np.ascontiguousarray(codes.ends[which]), *tapes, room
         )
         return found[:, places], padded_places[places]
@@ -332,31 +347,29 @@ class RegionKernels:
     def slide(self, count: int, leaf: NDArray[np.int16], points: Floats, steps: int, first: int = 0) -> None:
         """Newton steps of each point onto its leaf, along the gradient."""
         own = slice(first, first + count)
-        which, begin, padded_places, places = by_number(leaf[own])
+        numbers = leaf[own]
+        if self.in_parts:
+            self._large.slide(numbers, points[:, own], steps)
+            numbers = self._large.without_these(numbers)
+        which, begin, padded_places, places = by_number(numbers)
         given = points[:, own].take(padded_places, axis=1)
         tapes, room = self._tapes_of("gradient", which)
-        ends = self._codes["gradient"].ends[which]
-        _call("slide", 0, len(which), begin, given, given.shape[1], steps, ends, *tapes, room)
+        ends = self._codes("gradient").ends[which]
+        call("slide", 0, len(which), begin, given, given.shape[1], steps, ends, *tapes, room)
         points[:, first + padded_places[places]] = given[:, places]
 
     def _tapes_of(self, name: str, which: Ints) -> tuple[Sequence[Any], NDArray[np.uint8]]:
         """The tapes of leaves by their numbers."""
-        codes, (numbers, places) = self._codes[name], self._numbers[name]
+        codes, (numbers, places) = self._codes(name), self._numbers_of(name)
         count, above = places[which + 1] - places[which], codes.above[which]
         room = aligned(int((above + VECTOR * count).max(initial=0)))
         return (codes.rows, numbers, codes.row[which], places[which], count, above, above), room
 
 
-def bounds_of(regions: Regions, codes: Codes, ends: Floats) -> Floats:
-    """The bounds (entries, 2, 8) of the entries of regions, of each over eight boxes with these ends, one a column."""
-    bounds, given = np.empty((int(regions.start[-1]), 2, LANES)), np.ascontiguousarray(ends)
-    listed = (regions.start, np.diff(regions.start), bounds)
-    _call("boxes", 0, len(regions), given, *given.shape, *_tapes(codes, aligned(codes.memory)), *listed)
-    return bounds
-
-
-def _tapes(codes: Codes, room: NDArray[np.uint8]) -> Sequence[NDArray[Any]]:
-    return codes.rows, codes.uniform, codes.row, codes.number, codes.count, codes.above, codes.result, room
+def _without(form: SignForm, leaves: Collection[int]) -> SignForm:
+    """The form with 0 in the place of these leaves."""
+    zero = form.builder.const(0)
+    return replace(form, leaves=tuple(zero if k in leaves else leaf for k, leaf in enumerate(form.leaves)))
 
 
 def _here(call: Callable[[int, int], Any], count: int, grain: int) -> Sequence[Any]:

@@ -19,7 +19,7 @@ from rsym.sampling.form_signs import Boxes, Signs, signs_between
 from rsym.sampling.kernels.mesher_kernels import in_order
 from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.regions.leaf_tapes import KindTape, LiftedLetters, kind_tape, leaf_numbers
-from rsym.sampling.regions.region_kernels import ENTRIES, bounds_of
+from rsym.sampling.regions.region_calls import ENTRIES, bounds_of
 from rsym.sampling.regions.region_tapes import Codes, FormTapes
 from rsym.sampling.regions.regions import Regions
 

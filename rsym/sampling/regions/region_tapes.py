@@ -49,6 +49,7 @@ def write(
     given: Any,
     ends: Any,
     coordinates: int,
+    operands: int,
     outputs: int,
     step_bytes: int,
     gates: Any,
@@ -77,12 +78,15 @@ def write(
                         if place < 0:
                             target[row, k] = above + VECTOR * (number - base + ~place)
                             continue
-                        if place >= coordinates:
-                            found = scratch + place - coordinates
+                        if place >= coordinates + operands:
+                            found = scratch + place - coordinates - operands
                             for j in range(outputs):
                                 if place == ends[shape, j]:
                                     found = result + j
                             place = found
+                        elif place >= coordinates:
+                            operand = entries[entry, 1 + (place - coordinates) // outputs]
+                            place = coordinates + outputs * operand + (place - coordinates) % outputs
                         target[row, k] = step_bytes * place + (VARIES if k > 1 else 0)
                     row += 1
                 for k in range(numbers[what], numbers[what + 1]):
@@ -138,17 +142,21 @@ class Codes:
 
 
 class FormTapes:
-    """The tapes of leaves of one sort, at points or over boxes, as parts of those of regions; `kind` is each leaf's."""
+    """The tapes of leaves of one sort, at points or over boxes, as parts of those of regions; `kind` is each leaf's.
 
-    def __init__(self, tapes: Sequence[KindTape], kind: Ints) -> None:
+    Of leaves in parts so many of the last coordinates are values of `operands`, or their bounds.
+    """
+
+    def __init__(self, tapes: Sequence[KindTape], kind: Ints, operands: int = 0) -> None:
         own = [one.tape for one in tapes]
         self.kind = kind
         self.rows = np.cumsum([0, *map(len, own)])
         self.code = np.concatenate([tape.rows[:-1] for tape in own]).astype(np.int64)
         self.ends = np.array([tape.outputs for tape in own])
-        self.coordinates = tapes[0].coordinates
-        self.registers = np.array([tape.registers for tape in own]) - self.coordinates
-        self.step = STEP if self.ends.shape[1] == 1 else VECTOR  # bounds have two ends
+        self.operands = operands * self.ends.shape[1]
+        self.coordinates = tapes[0].coordinates - self.operands
+        self.registers = np.array([tape.registers for tape in own]) - tapes[0].coordinates
+        self.step = VECTOR if self.ends.shape[1] == 2 else STEP  # bounds have two ends
         known = [pattern[0] for pattern in patterns()]
         self.gates = np.array([1 + known.index("min"), 1 + known.index("max")])
 
@@ -166,7 +174,7 @@ class FormTapes:
         rows, uniform = np.empty((begin[0, -1], WIDTH), np.int32), np.zeros(begin[1, -1])
         write(
             regions.start, regions.entries, self.kind, self.rows, self.code, places, given, self.ends,
-            self.coordinates, outputs, self.step, self.gates, begin, rows, uniform, registers,
+            self.coordinates, self.operands, outputs, self.step, self.gates, begin, rows, uniform, registers,
         )  # fmt: skip
         result = self.step * (self.coordinates + outputs * entries - 1)
         return Codes(rows, uniform, begin[0, :-1], begin[1, :-1], size[1], self.step * registers, result)
@@ -188,7 +196,7 @@ class LeafCodes:
 
 def leaf_codes(tapes: LeafTapes, name: str) -> LeafCodes:
     """The tapes "gradient" or "enclosure" of all leaves."""
-    own = [kind.tapes[name].tape for kind in tapes.kinds]
+    own = [kind.tape(name).tape for kind in tapes.kinds]
     registers, kind = np.array([tape.registers for tape in own]), np.array(tapes.kind)
     parts = [executor().code(tape) for tape in own]
     begin = np.cumsum([0, *map(len, parts)])[:-1]

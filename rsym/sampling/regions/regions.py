@@ -1,8 +1,11 @@
 """Regions: what is left of a form in boxes, as lists of entries.
 
-An entry is three numbers: of a leaf its number, and nothing more; of a gate MIN or MAX and the entries of its operands;
+An entry is three numbers: of a leaf its number, and NONE twice; of a gate MIN or MAX and the entries of its operands;
 where no operand of a gate matters, INFINITE or MINUS_INFINITE. Operands come before their gate, the last entry is the
 form. From a region and the bounds of its entries over a box in it follows the region of that box.
+
+A large leaf is in parts (`leaf_parts`): it has the entries of its operands too, of gates and parts below it, whose
+numbers are those behind the leaves. Of these the values count, whatever is to be kept of the form.
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Ints
+from rsym.logic.leaf_parts import NONE, LeafParts
 from rsym.logic.sign_form import SignForm
 from rsym.sampling.sharp.loops import loop, step
 
@@ -63,12 +67,54 @@ def whole_form(form: SignForm) -> Regions:
     >>> from rsym import x, y, z
     >>> from rsym.logic.sign_form import surface_form
     >>> whole_form(surface_form(rsym.Shape(rsym.conjunction(x, y), (x, y, z)))).entries.tolist()
-    [[0, 0, 0], [1, 0, 0], [-1, 0, 1]]
+    [[0, -1, -1], [1, -1, -1], [-1, 0, 1]]
     """
-    leaves = [(k, 0, 0) for k in range(len(form.leaves))]
-    gates = [(MIN if operation == "min" else MAX, first, second) for operation, first, second in form.gates]
-    entries = np.array([*leaves, *gates], np.int32)
+    return _region([*((k, NONE, NONE) for k in range(len(form.leaves))), *form.gates])
+
+
+def whole_parts(parts: LeafParts) -> Regions:
+    """The same of a form in parts."""
+    return _region(parts.entries)
+
+
+def _region(rows: Sequence[tuple[int | str, int, int]]) -> Regions:
+    kinds: dict[int | str, int] = {"min": MIN, "max": MAX}
+    entries = np.array([(kinds.get(what, what), first, second) for what, first, second in rows], np.int32)
     return Regions(np.array([0, len(entries)]), entries)
+
+
+def of_leaves(regions: Regions) -> Regions:
+    """The same regions without what is inside leaves."""
+    if not ((regions.entries[:, 0] >= 0) & (regions.entries[:, 1] != NONE)).any():
+        return regions
+    start, entries = np.zeros_like(regions.start), np.empty_like(regions.entries)
+    most = int(np.diff(regions.start).max(initial=0))
+    leave_leaves(regions.start, regions.entries, start, entries, np.empty(most, np.bool_), np.empty(most, np.int32))
+    return Regions(start, entries[: start[-1]].copy())
+
+
+@loop
+def leave_leaves(start: Any, entries: Any, new: Any, results: Any, need: Any, where: Any) -> None:
+    """Copy the gates and leaves that the form is made of, without operands of leaves."""
+    made = 0
+    for region in range(len(start) - 1):
+        begin, count = start[region], start[region + 1] - start[region]
+        for i in range(count):
+            need[i] = i == count - 1
+        for i in range(count - 1, -1, -1):
+            if need[i] and (entries[begin + i, 0] == MIN or entries[begin + i, 0] == MAX):
+                for k in range(2):
+                    need[entries[begin + i, 1 + k]] = True
+        for i in range(count):
+            if need[i]:
+                what = entries[begin + i, 0]
+                where[i] = made - new[region]
+                results[made, 0] = what
+                for k in range(2):
+                    joins = what == MIN or what == MAX
+                    results[made, 1 + k] = where[entries[begin + i, 1 + k]] if joins else NONE
+                made += 1
+        new[region + 1] = made
 
 
 @loop
@@ -87,7 +133,8 @@ def reduce(start: Any, entries: Any, bounds: Any, keeps: int, keep: Any, sizes: 
     `bounds` (entries, 2, 8) are those of entries over boxes; `sizes` (regions, 8) tells how many entries each has, none
     where the form has no zero; `keep`, KEPT where a box is asked for, becomes its sign there.
     """
-    scratch = _scratch(int(np.diff(start).max(initial=0)))
+    most = int(np.diff(start).max(initial=0))
+    scratch = *_scratch(most), np.empty(most, np.bool_)
     return int(_reduce(start, entries, bounds, keeps, keep, sizes, results, *scratch))
 
 
@@ -103,34 +150,56 @@ def _reduce(
     need: Any,
     where: Any,
     idle: Any,
+    valued: Any,
 ) -> int:
     made = 0
     for region in range(len(start) - 1):
         begin, count = start[region], start[region + 1] - start[region]
+        inside = _inside(entries, begin, count, valued)
         for lane in range(sizes.shape[1]):
             sizes[region, lane] = 0
             root = begin + count - 1
-            if keeps != SIGN and keep[region, lane]:
-                _spread(entries, begin, count, bounds, lane)
+            if (keeps != SIGN or inside) and keep[region, lane]:
+                _spread(entries, begin, count, bounds, lane, keeps, valued)
             if keeps != VALUE and keep[region, lane] and not bounds[root, 0, lane] <= 0 <= bounds[root, 1, lane]:
                 keep[region, lane] = INSIDE if bounds[root, 0, lane] > 0 else OUTSIDE
             if keep[region, lane] == KEPT:
                 for i in range(count):
                     what = entries[begin + i, 0]
                     if what == MIN or what == MAX:
-                        idle[i] = _idle(what, entries, begin + i, bounds, begin, lane, keeps)
+                        idle[i] = _idle(what, entries, begin + i, bounds, begin, lane, VALUE if valued[i] else keeps)
                 sizes[region, lane] = _left(entries, begin, count, idle, need, where, results, made)
                 made += sizes[region, lane]
     return made
 
 
 @step
-def _spread(entries: Any, begin: int, count: int, bounds: Any, lane: int) -> None:
-    """Of a gate nothing is known where nothing is of an operand, which may be undefined."""
+def _inside(entries: Any, begin: int, count: int, valued: Any) -> bool:
+    """Whether a leaf is in parts, and of which entries the value counts for it."""
+    inside = False
+    for i in range(count):
+        valued[i] = False
+    for i in range(count - 1, -1, -1):
+        what = entries[begin + i, 0]
+        gate = what == MIN or what == MAX
+        if (gate and valued[i]) or what >= 0:
+            for k in range(2):
+                if entries[begin + i, 1 + k] != NONE:
+                    valued[entries[begin + i, 1 + k]] = True
+                    inside = True
+    return inside
+
+
+@step
+def _spread(entries: Any, begin: int, count: int, bounds: Any, lane: int, keeps: int, valued: Any) -> None:
+    """Nothing is known of what has an operand of which nothing is, which may be undefined; of signs gates know more."""
     for i in range(begin, begin + count):
-        if entries[i, 0] == MIN or entries[i, 0] == MAX:
+        gate = entries[i, 0] == MIN or entries[i, 0] == MAX
+        if entries[i, 0] >= 0 or (gate and (keeps != SIGN or valued[i - begin])):
             for k in range(2):
                 operand = begin + entries[i, 1 + k]
+                if entries[i, 1 + k] == NONE:
+                    continue
                 if bounds[operand, 0, lane] == -np.inf and bounds[operand, 1, lane] == np.inf:
                     bounds[i, 0, lane], bounds[i, 1, lane] = -np.inf, np.inf
 
@@ -141,17 +210,23 @@ def _left(entries: Any, begin: int, count: int, idle: Any, need: Any, where: Any
     for i in range(count):
         need[i] = i == count - 1
     for i in range(count - 1, -1, -1):
-        if need[i] and (entries[begin + i, 0] == MIN or entries[begin + i, 0] == MAX):
+        what = entries[begin + i, 0]
+        if need[i] and (what == MIN or what == MAX or what >= 0):
             for k in range(2):
-                if not idle[i] >> k & 1:
+                if entries[begin + i, 1 + k] != NONE and not (what < 0 and idle[i] >> k & 1):
                     need[entries[begin + i, 1 + k]] = True
     number = 0
     for i in range(count):
         if not need[i]:
             continue
         what = entries[begin + i, 0]
-        a, b = 0, 0
-        if what == MIN or what == MAX:
+        a, b = NONE, NONE
+        if what >= 0:
+            if entries[begin + i, 1] != NONE:
+                a = where[entries[begin + i, 1]]
+            if entries[begin + i, 2] != NONE:
+                b = where[entries[begin + i, 2]]
+        elif what == MIN or what == MAX:
             if idle[i] == 1 or idle[i] == 2:
                 where[i] = where[entries[begin + i, 2 if idle[i] == 1 else 1]]
                 continue

@@ -45,7 +45,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.regions.regions import Regions, without_idle
+from rsym.sampling.regions.regions import Regions, of_leaves, without_idle
 from rsym.sampling.sharp.crossings import Leaves
 from rsym.sampling.sharp.gates import OPEN, UNRESOLVED, judge, judge_groups, reach
 from rsym.sampling.sharp.loops import loop
@@ -272,7 +272,7 @@ def certify(
     def part(first: int) -> Unresolved:
         blocks = slice(first, first + BLOCKS)
         some = words[blocks]
-        regions = some if isinstance(some, Regions) else without_idle(form.region, some)
+        regions = of_leaves(some) if isinstance(some, Regions) else without_idle(form.region, some)
         return _part(form, regions, fine, _blocks(form, corner[:, blocks], regions, depth), depth)
 
     run = map if pool is None else pool.map
