@@ -14,7 +14,11 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 import rsym
 from rsym import x, y, z
+from rsym.logic.sign_form import surface_form
+from rsym.sampling.kernels.mesher_kernels import mesher_kernels
 from rsym.sampling.lattice import SHIFTS, lattice_over
+from rsym.sampling.regions.region_kernels import region_kernels
+from rsym.sampling.sharp.corners import on_active_leaf, solve
 
 AXES = (x, y, z)
 
@@ -460,3 +464,20 @@ def car():
 def test_the_skeleton_body_revolved_is_closed(reading):
     status = judged(rsym.Mesher(rsym.revolve(rsym.paper.skeleton_body(reading=reading)))(96), 2)
     assert (status.folded, status.degenerate, status.off_surface) == (0, 0, None)
+
+
+@pytest.mark.parametrize("backend", [mesher_kernels, region_kernels])
+def test_a_point_goes_where_it_would_alone(backend):
+    bounds = ((-1.0, 1.0),) * 3
+    kernels = backend(surface_form(rsym.Shape(rsym.conjunction(1 - x**2 - y**2 - z**2, 0.3 - x * y), AXES)))
+    kernels.set({}, bounds)
+    lattice, generator = np.array([-1.0, -1, -1, 0.1, 0.1, 0.1]), np.random.default_rng(6)
+    both = np.array([[0, 0, 1], [1, -1, -1], [-1, -1, -1]], np.int16)[:, generator.integers(0, 3, 10)]
+    for find in (lambda which, start: solve(kernels, both[:, which], start, lattice, None),
+                 lambda which, start: on_active_leaf(kernels, start, lattice, None)):  # fmt: skip
+        start = generator.uniform(-1, 1, (3, 10))
+        away = start * 0.03 ** np.arange(10)  # the first take several steps, the last ones none
+        start = find(np.arange(10), start) + away
+        together = find(np.arange(10), start)
+        alone = [find(np.array([k]), start[:, [k]]) for k in range(10)]
+        assert np.array_equal(together, np.concatenate(alone, axis=1))

@@ -73,14 +73,13 @@ def test_a_mesh_without_folds_keeps_its_bits(monkeypatch):
 def test_what_is_kept_around_vertices_is_what_would_be_found_anew(monkeypatch):
     car = rsym.paper.car()
     kept = rsym.Mesher(car)(64)
-    forget = unfolding._Region._forget
+    improve = unfolding._Region.improve
 
-    def forget_all(region, vertices):
-        forget(region, vertices)
-        for memory in (region._rings, region._seams, region._turns, region._contractions, region._moves):
-            memory.clear()
+    def improve_anew(region, keep):
+        region.known[:], region.quiet[:], region.moves = False, False, region.moves[:, :0]
+        return improve(region, keep)
 
-    monkeypatch.setattr(unfolding._Region, "_forget", forget_all)
+    monkeypatch.setattr(unfolding._Region, "improve", improve_anew)
     anew = rsym.Mesher(car)(64)
     assert np.array_equal(kept.vertices, anew.vertices)
     assert np.array_equal(kept.faces, anew.faces)

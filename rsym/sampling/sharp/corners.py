@@ -99,20 +99,41 @@ def solve(kernels: MesherKernels, leaves: Shorts, start: Floats, lattice: Floats
 
     def piece(first: int, last: int) -> None:
         """All leaves of all points in one call: `width` of the first leaves, then of the second ones."""
-        count, width = last - first, padded(last - first)
-        ids, values = np.full((size, width), -1, np.int16), np.zeros((size, width))
-        ids[:, :count] = leaves[:size, first:last]
-        own, places, gradients = points[:, first:last].copy(), np.zeros((3, size, width)), np.zeros((3, size, width))
-        given, found, matrix = places.reshape(3, -1), gradients.reshape(3, -1), np.empty((3, 4))
+        which, own, matrix = np.arange(first, last), points[:, first:last].copy(), np.empty((3, 4))
+        count = 0
         for _ in range(STEPS):
+            if len(which) != count:
+                count, width = len(which), padded(len(which))
+                ids, values = np.full((size, width), -1, np.int16), np.zeros((size, width))
+                places, gradients = np.zeros((3, size, width)), np.zeros((3, size, width))
+                ids[:, :count] = leaves[:size, which]
+            before = own.copy()
             places[:, :, :count] = own[:, None]
+            given, found = places.reshape(3, -1), gradients.reshape(3, -1)
             kernels.leaf(given.shape[1], ids.ravel(), given, values.ravel(), found)
             newton_step(ids, values, gradients, cell, own, matrix)
-        points[:, first:last] = own
+            which, own = _moving(which, own, before, points)
+            if not len(which):
+                return
+        points[:, which] = own
 
     if size:
         in_threads(piece, points.shape[1], LEAF_GRAIN, pool)
     return points
+
+
+def _moving(which: Ints, own: Floats, before: Floats, points: Floats) -> tuple[Ints, Floats]:
+    """The points `own` (3, n) that a step has moved, numbers and all; the others never move again, and go to `points`.
+
+    Unless these are few: then all go on.
+    """
+    one, other = own.view(np.int64), before.view(np.int64)  # what is not a number does not differ from itself
+    moved = np.logical_or.reduce(one != other)
+    if 2 * np.count_nonzero(moved) > len(which):
+        return which, own
+    points[:, which] = own
+    still = np.flatnonzero(moved)
+    return which[still], own.take(still, axis=1)
 
 
 @loop
@@ -231,20 +252,23 @@ def _is_zero(kernels: MesherKernels, points: Floats, lattice: Floats) -> Flags:
 
 def _slid(kernels: MesherKernels, start: Floats, pool: Executor | None) -> Floats:
     """Newton steps; a point that comes to a kink, where there is no gradient, stays there."""
-    count = start.shape[1]
-    points, value = columns(start), np.empty(padded(count))
-    leaf = np.full(points.shape[1], -1, np.int16)
+    points = start.copy()
 
     def piece(first: int, last: int) -> None:
+        which, own = np.arange(first, last), points[:, first:last].copy()
         for _ in range(STEPS):
-            before = points[:, first:last].copy()
-            kernels.value(last - first, points, value, leaf, first=first)
-            kernels.slide(last - first, leaf, points, 1, first=first)
-            lost = ~np.isfinite(points[:, first:last]).all(axis=0)
-            points[:, first:last][:, lost] = before[:, lost]
+            count, places = len(which), columns(own)
+            leaf = np.full(places.shape[1], -1, np.int16)
+            kernels.value(count, places, np.empty(places.shape[1]), leaf)
+            kernels.slide(count, leaf, places, 1)
+            lost = ~np.isfinite(places[:, :count]).all(axis=0)
+            which, own = _moving(which, np.where(lost, own, places[:, :count]), own, points)
+            if not len(which):
+                return
+        points[:, which] = own
 
-    in_threads(piece, count, GRAIN, pool)
-    return points[:, :count]
+    in_threads(piece, points.shape[1], GRAIN, pool)
+    return points
 
 
 def stray_vertices(

@@ -250,6 +250,18 @@ class BeyondRim(Exception):
         self.vertices = vertices
 
 
+def ranges(start: NDArray[np.integer[Any]], count: NDArray[np.integer[Any]]) -> tuple[Ints, Ints]:
+    """All numbers from each start on, so many, and whose each is.
+
+    Examples
+    --------
+    >>> ranges(np.array([5, 0]), np.array([2, 3]))
+    (array([0, 0, 1, 1, 1]), array([5, 6, 0, 1, 2]))
+    """
+    owner = np.repeat(np.arange(len(start)), count)
+    return owner, np.arange(len(owner)) + (start - np.cumsum(count) + count)[owner]
+
+
 class Adjacency:
     """The quads around each vertex; turned diagonals change nothing, for a quad keeps its corners.
 
@@ -269,8 +281,8 @@ class Adjacency:
             vertices = np.flatnonzero(inner.view(np.bool_))
             if self._rim is not None and self._rim[vertices].any():
                 raise BeyondRim(vertices[self._rim[vertices]])
-            count = self._start[vertices + 1] - self._start[vertices]
-            place = np.arange(count.sum()) + np.repeat(self._start[vertices] - np.cumsum(count) + count, count)
+            start = self._start[vertices]
+            _, place = ranges(start, self._start[vertices + 1] - start)
             near = np.zeros(len(self._faces) // 2, np.bool_)
             near[self._quads[place]] = True
             quads = np.flatnonzero(near)
