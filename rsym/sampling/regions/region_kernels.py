@@ -52,6 +52,9 @@ _TAPES = [_POINTER] * 8
 _SIGNATURES: dict[str, Sequence[Any]] = {
     "boxes": (*[_INTEGER] * 2, _POINTER, *[_INTEGER] * 2, *_TAPES, *[_POINTER] * 3),
     "signs": (_INTEGER, _INTEGER, _POINTER, _INTEGER, *[_POINTER] * 2, _INTEGER, _POINTER, _INTEGER, _POINTER, *_TAPES),
+    "fill": (
+        _INTEGER, _INTEGER, _POINTER, _INTEGER, *[_POINTER] * 2, _INTEGER, _POINTER, _INTEGER, _POINTER, *_TAPES,
+    ),
     "crossings": (
         *[_INTEGER] * 2, *[_POINTER] * 2, _INTEGER, *[_POINTER] * 3, _INTEGER, _POINTER, *_TAPES, *[_POINTER] * 4,
     ),
@@ -248,6 +251,21 @@ class RegionKernels:
             own = np.ascontiguousarray(corner[:, a:b])
             arrays = (offsets, offsets.shape[1], bits[a:b], bits.shape[1], undefined[a:b])
             _call("signs", 0, b - a, own, own.shape[1], lattice, *arrays, *_tapes(codes, room))
+
+    def fill(
+        self,
+        corner: Floats,
+        regions: Regions,
+        lattice: Floats,
+        offsets: Floats,
+        starts: Ints,
+        value: Floats,
+    ) -> None:
+        """The form at the points `offsets` of blocks in an array, whose rows they begin at `starts`; else NaN."""
+        for a, b, _, codes, room in self._portions_of(regions, 0, len(regions)):
+            own = np.ascontiguousarray(corner[:, a:b])
+            arrays = (offsets, offsets.shape[1], starts[a:b], value.shape[1], value)
+            _call("fill", 0, b - a, own, own.shape[1], lattice, *arrays, *_tapes(codes, room))
 
     def crossings(
         self,
