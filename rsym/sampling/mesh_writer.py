@@ -50,7 +50,8 @@ class Streamed(NamedTuple):
 class _View:
     """Triangles of a piece as they end: faces (m, 3) count vertices, whose final numbers are ``numbers`` (n,).
 
-    ``points`` (n, 3) are there if they were asked for. The first of the vertices are its own, of which some ``stay``.
+    ``points`` (n, 3) and ``leaf`` (m,) are there if they were asked for. The first of the vertices are its own, of
+    which some ``stay``.
     """
 
     numbers: Faces
@@ -154,8 +155,8 @@ class MeshWriter:
         strange = self._surface.strangers(piece)
         numbers, stay = changes.stretch(piece.first, piece.vertices)
         quads = slice(*piece.axes[[low, high]].tolist())
-        faces = piece.read("faces")[2 * quads.start : 2 * quads.stop]
-        leaf = piece.read("leaf")[quads]
+        faces = piece.read_rows("faces", slice(2 * quads.start, 2 * quads.stop))
+        leaf = np.repeat(piece.read_rows("leaf", quads), 2) if points else None
         remain = None
         for axis in range(low, high):
             first, count = 2 * int(piece.begin[axis]), 2 * piece.per_axis[axis]
@@ -169,9 +170,8 @@ class MeshWriter:
                 if gone.any():
                     remain = np.ones(len(faces), np.bool_) if remain is None else remain
                     remain[rows[gone]] = False
-        leaf = np.repeat(leaf, 2)
         if remain is not None:
-            faces, leaf = faces[remain], leaf[remain]
+            faces, leaf = faces[remain], None if leaf is None else leaf[remain]
         others = changes.numbers(np.concatenate([strange, changes.known])).astype(np.int32)
         places = np.empty((0, 3))
         if points:
