@@ -19,7 +19,7 @@ from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.assembly import Job
 from rsym.sampling.sharp.certificates import Unresolved
 from rsym.sampling.sharp.corners import stray_vertices
-from rsym.sampling.sharp.loops import loop
+from rsym.sampling.sharp.loops import loop, step
 from rsym.sampling.sharp.mending import Changes
 from rsym.sampling.sharp.stored import StoredPiece, Surface
 from rsym.sampling.status import OffSurface
@@ -230,27 +230,44 @@ def _add(
 
     The box around them grows, and their leaves are marked.
     """
-    u, v = np.empty(3), np.empty(3)
+    volume, area, total = sums[0], sums[1], hashed[0]
+    low, high, shared = ends[0], ends[1], False
     for f in range(len(faces)):
         a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
-        for k in range(3):
-            u[k], v[k] = points[b, k] - points[a, k], points[c, k] - points[a, k]
-        x, y, z = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
-        sums[0] += points[a, 0] * x + points[a, 1] * y + points[a, 2] * z
-        sums[1] += np.sqrt(x * x + y * y + z * z)
+        px, py, pz = points[a, 0], points[a, 1], points[a, 2]
+        qx, qy, qz = points[b, 0], points[b, 1], points[b, 2]
+        rx, ry, rz = points[c, 0], points[c, 1], points[c, 2]
+        ux, uy, uz, vx, vy, vz = qx - px, qy - py, qz - pz, rx - px, ry - py, rz - pz
+        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        volume += px * x + py * y + pz * z
+        area += np.sqrt(x * x + y * y + z * z)
         leaves[leaf[f]] = True
-        for k in range(3):
-            for axis in range(3):
-                ends[0, axis] = min(ends[0, axis], points[faces[f, k], axis])
-                ends[1, axis] = max(ends[1, axis], points[faces[f, k], axis])
-            one, other = numbers[faces[f, k]], numbers[faces[f, (k + 1) % 3]]
-            # The mixing of splitmix64.
-            word = np.uint64(min(one, other)) << np.uint64(32) | np.uint64(max(one, other))
-            word += np.uint64(0x9E3779B97F4A7C15)
-            word = (word ^ word >> np.uint64(30)) * np.uint64(0xBF58476D1CE4E5B9)
-            word = (word ^ word >> np.uint64(27)) * np.uint64(0x94D049BB133111EB)
-            word ^= word >> np.uint64(31)
-            if one < other:
-                hashed[0] += word
-            else:
-                hashed[0] -= word
+        if not shared:
+            widen(low, high, px, py, pz)
+            widen(low, high, qx, qy, qz)
+            total += hash_of(numbers[a], numbers[b])
+        widen(low, high, rx, ry, rz)
+        total += hash_of(numbers[b], numbers[c])
+        # The second triangle of a quad has the third side of the first one in reverse, mostly: no sum, no new corners.
+        shared = f + 1 < len(faces) and faces[f + 1, 0] == a and faces[f + 1, 1] == c and numbers[a] != numbers[c]
+        if not shared:
+            total += hash_of(numbers[c], numbers[a])
+    sums[0], sums[1], hashed[0] = volume, area, total
+
+
+@step
+def widen(low: Floats, high: Floats, x: float, y: float, z: float) -> None:
+    """A box that holds a point, too."""
+    low[0], low[1], low[2] = min(low[0], x), min(low[1], y), min(low[2], z)
+    high[0], high[1], high[2] = max(high[0], x), max(high[1], y), max(high[2], z)
+
+
+@step
+def hash_of(one: int, other: int) -> Any:
+    """Of an edge the mixing of splitmix64, negative for one direction."""
+    word = np.uint64(min(one, other)) << np.uint64(32) | np.uint64(max(one, other))
+    word += np.uint64(0x9E3779B97F4A7C15)
+    word = (word ^ word >> np.uint64(30)) * np.uint64(0xBF58476D1CE4E5B9)
+    word = (word ^ word >> np.uint64(27)) * np.uint64(0x94D049BB133111EB)
+    word ^= word >> np.uint64(31)
+    return word if one < other else np.uint64(0) - word
