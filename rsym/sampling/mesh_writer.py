@@ -14,7 +14,7 @@ import numpy as np
 from rsym.arrays import Faces, Flags, Floats
 from rsym.atomic import atomic_file
 from rsym.errors import RsymError
-from rsym.sampling.encoding import ply_faces, ply_header, ply_vertices, stl_faces, stl_header
+from rsym.sampling.encoding import ply_header, ply_vertices, stl_faces, stl_header
 from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.assembly import Job
 from rsym.sampling.sharp.certificates import Unresolved
@@ -115,12 +115,12 @@ class MeshWriter:
                 self._measure(new)
                 self._look_for_strays(new)
                 file.write(ply_vertices(new.points[: len(new.stay)][new.stay]))
-                self._faces(file, 0.6, lambda view, rows: ply_faces(view.numbers[view.faces[rows]]), points=False)
+                self._faces(file, 0.6, _ply_rows, points=False)
             else:
                 file.write(stl_header(self.faces))
                 self._faces(file, 0.0, lambda view, rows: stl_faces(view.points[view.faces[rows]]), points=True)
 
-    def _faces(self, file: BinaryIO, begin: float, encode: Callable[[_View, slice], bytes], *, points: bool) -> None:
+    def _faces(self, file: BinaryIO, begin: float, encode: Callable[[_View, slice], Any], *, points: bool) -> None:
         """Write all triangles, and measure them if they come with points."""
         pieces = self._surface.pieces
         asked = [(piece, axis, axis + 1) for axis in range(3) for piece in pieces]
@@ -211,9 +211,28 @@ def _some(points: Floats, which: Flags) -> Floats:
     return points if which.all() else points[which]
 
 
-def _write(file: BinaryIO, view: _View, encode: Callable[[_View, slice], bytes]) -> None:
+def _write(file: BinaryIO, view: _View, encode: Callable[[_View, slice], Any]) -> None:
     for a in range(0, len(view.faces), ROWS):
         file.write(encode(view, slice(a, a + ROWS)))
+
+
+def _ply_rows(view: _View, rows: slice) -> Any:
+    """The bytes of `ply_faces`, in a tenth of its time."""
+    faces = view.faces[rows]
+    made = np.empty((len(faces), 13), np.uint8)
+    _number(view.numbers, faces, made)
+    return made
+
+
+@loop
+def _number(numbers: Any, faces: Any, rows: Any) -> None:
+    """For each triangle a 3, then the numbers of its corners in four bytes each, the lowest first."""
+    for f in range(len(faces)):
+        rows[f, 0] = 3
+        for k in range(3):
+            number = numbers[faces[f, k]]
+            for byte in range(4):
+                rows[f, 1 + 4 * k + byte] = number >> 8 * byte & 255
 
 
 def _both(one: OffSurface | None, other: OffSurface | None) -> OffSurface | None:
