@@ -125,12 +125,15 @@ def test_a_cancel_keeps_what_is_done(cube, tmp_path, small, monkeypatch):
     with pytest.raises(RsymError, match="cancelled"):
         rsym.mesh(cube, CELLS, into=path, memory=6e5, progress=lambda done, total: len(calls) < 3)
     assert path.read_bytes() == b"older"
-    assert len(calls) == 3
+    begun = len(calls)
+    assert begun in (3, 4)
+    kept = sum(one.is_dir() for one in streaming.parts_of(path).iterdir())
+    assert begun - kept in (0, 1)  # the last one is cut out and kept beside what was cancelled
     reports = []
     made = rsym.mesh(
         cube, CELLS, into=path, memory=6e5, progress=lambda done, total: reports.append((done, total)) or True
     )
-    assert len(calls) == 3 + made.status.pieces - 2  # the third was not kept any more
+    assert len(calls) == begun + made.status.pieces - kept
     assert path.read_bytes() == bytes_written(rsym.mesh(cube, CELLS), tmp_path / "uncut.ply")
     assert reports == sorted(reports)
     assert reports[-1] == (1000, 1000)
