@@ -12,7 +12,7 @@ import hashlib
 import json
 import math
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -21,13 +21,13 @@ from typing import Any
 
 import numpy as np
 
-from rsym.arrays import Ints
+from rsym.arrays import Floats, Ints
 from rsym.atomic import target_of, writing
 from rsym.errors import RsymError
 from rsym.sampling.memory import Budget, TooLarge, resident, size_of
 from rsym.sampling.mesh_writer import MeshWriter, Streamed
 from rsym.sampling.progress import Crew
-from rsym.sampling.sharp.assembly import Assembly, Job, assemble
+from rsym.sampling.sharp.assembly import USUAL_BYTES, Assembly, Job, assemble
 from rsym.sampling.sharp.certificates import joined
 from rsym.sampling.sharp.mending import mend, to_mend
 from rsym.sampling.sharp.pieces import Piece, inside, own_piece
@@ -43,7 +43,9 @@ LEAST = 5e7
 MOST = 4e9
 # A piece that is cut out holds two thirds of what it took to compute it.
 BESIDE = 0.25
-LAYOUT = 1  # of the folder
+# Of what is free, what a piece may take that is foretold: how many blocks there are is known within a twentieth.
+FILL = 0.92
+LAYOUT = 2  # of the folder
 
 
 def key_of(job: Job, letters: Any, box: Any) -> str:
@@ -183,15 +185,25 @@ class _Pieces:
                 try:
                     self._compute(box, folder, begin, end)
                 except TooLarge as error:
-                    cut.write_text(str(_parts(box, error)))
+                    draft = folder.with_suffix(".draft")
+                    draft.write_text(json.dumps(self._places(box, error)))
+                    draft.rename(cut)
             if cut.is_file():
-                boxes = _cut(box, int(cut.read_text()))
+                boxes = _cut(box, json.loads(cut.read_text()))
                 ends = begin + (end - begin) * np.arange(len(boxes) + 1) / len(boxes)
                 for one, (low, high) in zip(boxes, pairwise(ends.tolist()), strict=True):
                     yield from self._of(one, low, high)
                 return
         self._crew.stages.reach(end)
         yield folder, box
+
+    def _places(self, box: Ints, error: TooLarge) -> list[int]:
+        """The layers of a box, along the axis that it is cut along, at which a piece begins that fits."""
+        axis = _axis(box)
+        if axis is None:
+            raise error
+        need = USUAL_BYTES * self._job.layers(Crew(self._pool), self._budget, box, axis)
+        return places(need * max(1.0, error.need / max(1.0, float(need.sum()))), FILL * error.free)
 
     def _compute(self, box: Ints, folder: Path, begin: float, end: float) -> None:
         job, outer = self._job, self._crew
@@ -221,21 +233,44 @@ def _keep(folder: Path, made: Future[tuple[Piece, Ints]], notes: tuple[Any, ...]
     keep(folder, replace(piece, surface=replace(piece.surface, notes=notes)), seeds)
 
 
-def _parts(box: Ints, error: TooLarge) -> int:
-    """Into how many a box is cut."""
-    blocks = (box[1] - box[0]) // BLOCK
-    if (blocks <= 1).all():
-        raise error
-    return min(max(2, math.ceil(1.1 * error.need / error.free)), int(blocks[np.argmax(blocks > 1)]))
+def _axis(box: Ints) -> int | None:
+    """The first axis of a box along which it has several blocks."""
+    several = np.flatnonzero(box[1] - box[0] > BLOCK)
+    return int(several[0]) if len(several) else None
 
 
-def _cut(box: Ints, count: int) -> list[Ints]:
-    """A box cut along its first axis of several blocks."""
-    axis = int(np.argmax(box[1] - box[0] > BLOCK))
-    first, last = (box[:, axis] // BLOCK).tolist()
-    ends = np.linspace(first, last, count + 1).round().astype(np.int64) * BLOCK
+def places(need: Floats, free: float) -> list[int]:
+    """The layers, but for the first, at which pieces begin that need no more than is free, with the layers beside them.
+
+    `need` is that of each layer, and of one beside them at either end. Of a layer that needs more a piece is made all
+    the same, and there are two pieces at least.
+
+    Examples
+    --------
+    >>> places(np.array([0.0, 1, 1, 1, 1, 1, 1, 0]), 4.0)
+    [3]
+    >>> places(np.array([0.0, 1, 1, 9, 1, 1, 1, 0]), 4.0)
+    [1, 2, 3, 4]
+    """
+    before, count = np.cumsum([0.0, *need]), len(need) - 2
+    found: list[int] = []
+    begin = 0
+    while True:
+        # A piece of layers from begin to below end takes what is before end + 2 and not before begin.
+        end = int(np.searchsorted(before, before[begin] + free, "right")) - 3
+        begin = max(begin + 1, end)
+        if begin >= count:
+            return found or [min(max(1, int(np.searchsorted(before, before[-1] / 2)) - 1), count - 1)]
+        found.append(begin)
+
+
+def _cut(box: Ints, places: Sequence[int]) -> list[Ints]:
+    """A box cut at layers along its first axis of several blocks."""
+    axis = _axis(box)
+    assert axis is not None
+    ends = [box[0, axis], *(box[0, axis] + BLOCK * np.array(places)), box[1, axis]]
     boxes = []
-    for low, high in pairwise(ends.tolist()):
+    for low, high in pairwise(ends):
         one = box.copy()
         one[:, axis] = low, high
         boxes.append(one)

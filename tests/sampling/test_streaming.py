@@ -118,6 +118,19 @@ def counted(monkeypatch):
     return calls
 
 
+def test_boxes_are_cut_by_what_they_hold(tmp_path, small, monkeypatch):
+    """A ball with a pin: in equal parts some would hold little, and others would be cut again."""
+    pin = rsym.conjunction(0.02 - y**2 - z**2, 4 - x, x + 1)
+    body = rsym.Shape(
+        rsym.disjunction(1 - (x + 1) ** 2 - y**2 - z**2, pin), (x, y, z), bounds=((-2.1, 4.2), (-1.1, 1.1), (-1.1, 1.1))
+    )
+    asked, plain = [], streaming.assemble
+    monkeypatch.setattr(streaming, "assemble", lambda *given: asked.append(1) or plain(*given))
+    made = rsym.mesh(body, 240, into=tmp_path / "pin.ply", memory=2e6)
+    assert made.status.closed
+    assert len(asked) <= 1.3 * made.status.pieces
+
+
 def test_a_cancel_keeps_what_is_done(cube, tmp_path, small, monkeypatch):
     path = tmp_path / "cube.ply"
     path.write_bytes(b"older")

@@ -34,6 +34,7 @@ Inspect: TypeAlias = Callable[[MesherKernels, Blocks, Floats, Executor], Any]
 
 GRAIN = 4096
 HALO = 1  # blocks beside a box that is computed on its own
+COARSE = 4 * BLOCK  # boxes of so many cells a side tell how many blocks layers have
 
 # Bytes that are held at once, by what is allocated: of a block its corner, words, signs, fields and ranks; of a
 # cell and of a crossing their rows when the vertices are placed, when most is held. A plane has 64 cells and 64
@@ -68,10 +69,7 @@ class Job:
 
     def blocks(self, crew: Crew, budget: Budget, box: Ints | None = None) -> Blocks:
         """The blocks that the surface may meet, or those of a box and beside it."""
-        region = None
-        if box is not None:
-            region = np.maximum(box[0] - HALO * BLOCK, 0), np.minimum(box[1] + HALO * BLOCK, self.cells)
-
+        region = None if box is None else self._around(box)
         before = 0
 
         def claim(kept: int, size: int) -> None:
@@ -83,6 +81,24 @@ class Job:
             before = kept
 
         return find_blocks(self.kernels, self.lattice, self.cells, crew, region, claim)
+
+    def layers(self, crew: Crew, budget: Budget, box: Ints, axis: int) -> Floats:
+        """About how many blocks there are in each layer of a box along an axis, the layers beside it first and last."""
+        region = self._around(box)
+        size = COARSE if (region[1] - region[0] >= 2 * COARSE).all() else BLOCK
+        cells, claim = self.cells, (lambda kept, size: budget.claim(8 * kept * BOX_BYTES))
+        boxes = find_blocks(self.kernels, self.lattice, cells, crew, region, claim, size)
+        each = size // BLOCK
+        held = np.bincount(boxes.corner[axis] // size, minlength=-(-cells[axis] // size)) * float(each)
+        ends = box[:, axis] // BLOCK + [-HALO, HALO]
+        layers = np.arange(*ends)
+        return np.where(
+            (layers >= 0) & (layers // each < len(held)), held[np.clip(layers // each, 0, len(held) - 1)], 0
+        )
+
+    def _around(self, box: Ints) -> tuple[Ints, Ints]:
+        """The cells of a box and of the blocks beside it."""
+        return np.maximum(box[0] - HALO * BLOCK, 0), np.minimum(box[1] + HALO * BLOCK, self.cells)
 
     def notes(self, blocks: Blocks, crew: Crew) -> tuple[Any, ...]:
         """What `inspect` says of blocks."""

@@ -188,8 +188,9 @@ def find_blocks(
     pool: Executor | None = None,
     region: tuple[Sequence[int], Sequence[int]] | None = None,
     claim: Callable[[int, int], None] = lambda kept, size: None,
+    finest: int = BLOCK,
 ) -> Blocks:
-    """The blocks of a lattice, or of a region of cells in it, in which the form may have a zero.
+    """The blocks of a lattice, or of a region of cells in it, in which the form may have a zero; or `finest` boxes.
 
     Which blocks are kept depends on the whole lattice alone, not on the region. `claim` is told how many
     boxes of what size are kept before their halves, eight of each, are allocated, and may raise.
@@ -206,7 +207,7 @@ def find_blocks(
         keep, words = kernels.kept(_ends(lattice, corner, size), parent, among, run)
         visited.append((size, corner.shape[1], int(keep.sum())))
         corner, among = corner[:, keep], words[keep]
-        if size == BLOCK:
+        if size <= finest:
             break
         claim(corner.shape[1], size)
         size //= 2
