@@ -90,7 +90,7 @@ def _keys(points: Floats, columns: int) -> Ints:
     whole = np.floor(points)
     row, column = np.moveaxis(whole.astype(np.int64), -1, 0)
     below, beside = np.moveaxis(points > whole, -1, 0)
-    return 3 * (columns * row + column) + 2 * below + beside
+    return np.asarray(3 * (columns * row + column) + 2 * below + beside)
 
 
 def _after(start: Ints, end: Ints) -> Ints | None:

@@ -27,11 +27,11 @@ from rsym.errors import RsymError
 from rsym.sampling.memory import Budget, TooLarge, resident, size_of
 from rsym.sampling.mesh_writer import MeshWriter, Streamed
 from rsym.sampling.progress import Crew
-from rsym.sampling.sharp.assembly import USUAL_BYTES, Assembly, Job, assemble
+from rsym.sampling.sharp.assembly import BESIDE_BYTES, USUAL_BYTES, Assembly, Job, assemble
 from rsym.sampling.sharp.certificates import joined
 from rsym.sampling.sharp.mending import mend, to_mend
-from rsym.sampling.sharp.pieces import Piece, inside, own_piece
-from rsym.sampling.sharp.signs import BLOCK, Blocks
+from rsym.sampling.sharp.pieces import Piece, own_piece
+from rsym.sampling.sharp.signs import BLOCK, Blocks, inside
 from rsym.sampling.sharp.stored import StoredPiece, Surface, keep
 from rsym.version import __version__
 
@@ -202,8 +202,9 @@ class _Pieces:
         axis = _axis(box)
         if axis is None:
             raise error
-        need = USUAL_BYTES * self._job.layers(Crew(self._pool), self._budget, box, axis)
-        return places(need * max(1.0, error.need / max(1.0, float(need.sum()))), FILL * error.free)
+        blocks = self._job.layers(Crew(self._pool), self._budget, box, axis)
+        blocks *= max(1.0, error.need / max(1.0, USUAL_BYTES * float(blocks.sum())))
+        return places(USUAL_BYTES * blocks[1:-1], BESIDE_BYTES * blocks, FILL * error.free)
 
     def _compute(self, box: Ints, folder: Path, begin: float, end: float) -> None:
         job, outer = self._job, self._crew
@@ -213,7 +214,7 @@ class _Pieces:
 
         crew = Crew(self._pool, reached)
         blocks = job.blocks(crew, self._budget, box)
-        made = assemble(job, blocks, crew, self._budget)
+        made = assemble(job, blocks, crew, self._budget, box)
         self._finished()
         own = inside(blocks.corner, box)
         own_blocks = Blocks(np.ascontiguousarray(blocks.corner[:, own]), blocks.words[own], blocks.visited)
@@ -239,28 +240,27 @@ def _axis(box: Ints) -> int | None:
     return int(several[0]) if len(several) else None
 
 
-def places(need: Floats, free: float) -> list[int]:
-    """The layers, but for the first, at which pieces begin that need no more than is free, with the layers beside them.
+def places(own: Floats, beside: Floats, free: float) -> list[int]:
+    """The layers, but for the first, at which pieces begin that need no more than is free.
 
-    `need` is that of each layer, and of one beside them at either end. Of a layer that needs more a piece is made all
-    the same, and there are two pieces at least.
+    `own` is what each layer needs, ``beside[1:-1]`` what it needs where it is beside a piece, as the two at its ends
+    are. Of a layer that needs more a piece is made all the same, and there are two pieces at least.
 
     Examples
     --------
-    >>> places(np.array([0.0, 1, 1, 1, 1, 1, 1, 0]), 4.0)
+    >>> places(np.ones(6), np.ones(8), 5.0)
     [3]
-    >>> places(np.array([0.0, 1, 1, 9, 1, 1, 1, 0]), 4.0)
-    [1, 2, 3, 4]
+    >>> places(np.array([1.0, 1, 9, 1, 1, 1]), np.zeros(8), 4.0)
+    [2, 3]
     """
-    before, count = np.cumsum([0.0, *need]), len(need) - 2
-    found: list[int] = []
+    count, found = len(own), list[int]()
+    before = np.cumsum([0.0, *own])
     begin = 0
     while True:
-        # A piece of layers from begin to below end takes what is before end + 2 and not before begin.
-        end = int(np.searchsorted(before, before[begin] + free, "right")) - 3
-        begin = max(begin + 1, end)
+        need = before[begin + 1 :] - before[begin] + beside[begin] + beside[begin + 2 :]
+        begin += max(1, int(np.flatnonzero(need <= free).max(initial=-1)) + 1)
         if begin >= count:
-            return found or [min(max(1, int(np.searchsorted(before, before[-1] / 2)) - 1), count - 1)]
+            return found or [min(max(1, int(np.searchsorted(before, before[-1] / 2))), count - 1)]
         found.append(begin)
 
 

@@ -253,13 +253,7 @@ class RegionKernels:
             _call("signs", 0, b - a, own, own.shape[1], lattice, *arrays, *_tapes(codes, room))
 
     def fill(
-        self,
-        corner: Floats,
-        regions: Regions,
-        lattice: Floats,
-        offsets: Floats,
-        starts: Ints,
-        value: Floats,
+        self, corner: Floats, regions: Regions, lattice: Floats, offsets: Floats, starts: Ints, value: Floats
     ) -> None:
         """The form at the points `offsets` of blocks in an array, whose rows they begin at `starts`; else NaN."""
         for a, b, _, codes, room in self._portions_of(regions, 0, len(regions)):
