@@ -138,7 +138,7 @@ def run_in_blocks(
 
     if not arrays[0].ndim:
         arrays, out = [array.reshape(1) for array in arrays], out.reshape(-1, 1)
-    blocks = list(blocks_of(arrays[0].shape, function.block_size))
+    blocks = list(blocks_of(arrays[0].shape, _size(arrays[0].size, function.block_size, threads)))
     if threads > 1 and len(blocks) > 1:
         with ThreadPoolExecutor(threads) as pool:
             list(pool.map(work, blocks))
@@ -261,6 +261,18 @@ def compiled(
                 _CACHE.pop(next(iter(_CACHE)))
             _CACHE[key] = function
     return function
+
+
+def _size(count: int, most: int, threads: int) -> int:
+    """The size of blocks of at most so many points, as many for each thread where one block does not hold all.
+
+    Examples
+    --------
+    >>> _size(100, 100, 2), _size(101, 100, 2), _size(450, 100, 2)
+    (100, 51, 75)
+    """
+    rounds = -(-count // (most * threads))
+    return -(-count // (rounds * threads)) if count > most else most
 
 
 def blocks_of(shape: tuple[int, ...], size: int) -> Iterator[tuple[slice, ...]]:

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
-from skimage.measure import find_contours
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.model.shape import Shape
+from rsym.sampling.isolines import index_lines
 from rsym.sampling.plane import PlaneSampler, plane_sampler
 
 RESOLUTION = 256
@@ -92,7 +92,7 @@ def boundary(shape: Shape, bounds: Sequence[Sequence[float]], resolution: int = 
     """
     sampler = plane_sampler(shape, "value", resolution=resolution, bounds=tuple(bounds))
     extent = max(high - low for low, high in bounds)
-    found = find_contours(sampler.values() if sampler.large is None else sampler.signs(), 0.0)
+    found = index_lines(sampler.values() if sampler.large is None else sampler.signs(), 0.0)
     lines = _refined(sampler, [line for line in _crossings(sampler, found) if len(line) > 2], FINEST * extent)
     middles = _over(sampler, *_segments_of(lines))[0]
     every = np.concatenate([np.empty((0, 2)), *lines, middles])

@@ -9,7 +9,6 @@ from typing import Any, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import NDArray
-from skimage.measure import find_contours
 
 from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
@@ -18,6 +17,7 @@ from rsym.model.requirements import optional_package, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.reports.document import Document, Sentence, numerical
 from rsym.reports.render import Report
+from rsym.sampling.isolines import index_lines
 from rsym.sampling.plane import PlaneSampler, plane_sampler
 from rsym.sampling.stills import line_picture
 
@@ -277,9 +277,10 @@ def trace(
 ) -> LevelLines:
     """The level lines of a prepared field over its lattice, or within bounds; `values` are its samples, if known."""
     values = sampler.values() if values is None else values
-    if np.isnan(values).all():
+    undefined = np.count_nonzero(np.isnan(values))
+    if undefined == values.size:
         raise RsymError(f"the field {field!r} is undefined in all of the bounds", code="undefined")
-    found = find_contours(values, level, positive_orientation="high")
+    found = [line[::-1] for line in index_lines(values, level)]
     every = sampler.lattice.points(np.concatenate([*found, np.empty((0, 2))]))
     points, good = move_onto_level(sampler, every, level)  # all at once: each vertex goes by itself
     parts = np.cumsum([len(line) for line in found])[:-1]
@@ -292,7 +293,7 @@ def trace(
     status = LevelLinesStatus(
         vertices=sum(map(len, lines)),
         kept=sum(int((~good).sum()) for _, good in moved),
-        undefined_samples=int(np.isnan(values).sum()),
+        undefined_samples=undefined,
         closed=closed,
         open=len(lines) - closed,
     )

@@ -10,11 +10,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from skimage.measure import find_contours
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus
+from rsym.sampling.isolines import index_lines
 from rsym.sampling.plane import PlaneSampler
 from rsym.sampling.plane_leaves import PlaneLeaves
 from rsym.sampling.roots import bracketed_roots
@@ -31,7 +31,7 @@ def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     if np.isnan(signs).all():
         raise RsymError("omega is undefined in all of the plane", code="undefined", remedy="choose other bounds")
     # Signs alone: then every vertex lies in the middle of its edge, and its edge is known.
-    found = find_contours(signs, 0.0, positive_orientation="high")
+    found = [line[::-1] for line in index_lines(signs, 0.0)]
     cell = min(sampler.lattice.spacing)
     points = _on_edges(sampler, leaves, np.concatenate([*found, np.empty((0, 2))]))
     distance, leaf = leaves.distance(points)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
+from rsym.model.equation import checked_bounds
 from rsym.model.letters import real_number
 from rsym.model.recent import recently
 from rsym.model.shape import Bounds, Shape
@@ -79,8 +80,7 @@ class PlaneSampler:
             return self.samples()["value"]
         from rsym.sampling.plane_regions import values_on
 
-        found = values_on(self.regions, self.lattice, self.shape.letters.values_with(self.letters))
-        return np.where(np.isfinite(found), found, np.nan)
+        return values_on(self.regions, self.lattice, self.shape.letters.values_with(self.letters))
 
     def signs(self) -> Floats:
         """The sign of the value on the lattice, (nx, ny): 1 inside and on the boundary, -1 outside, else NaN."""
@@ -239,7 +239,7 @@ def _lattice_of_view(
 
 def _bounds_of_view(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Bounds:
     """The bounds given, else the shape's own, else its extent and some surroundings."""
-    chosen = shape.replace(bounds=bounds).bounds
+    chosen = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
     if chosen is not None:
         return chosen
     wider = ((low, high, SURROUNDINGS * (high - low)) for low, high in extent(shape, letters))

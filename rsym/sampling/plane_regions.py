@@ -203,23 +203,21 @@ def _fill_signs(boxes: PlaneBoxes, corner: Ints, regions: Regions, tiles: NDArra
 
 
 def values_on(kernels: RegionKernels, lattice: Lattice, letters: Mapping[str, float]) -> Floats:
-    """The value at the points of a lattice, (nx, ny); `letters` are those of the shape, all of them."""
+    """The value at the points of a lattice, (nx, ny), NaN where it is infinite; `letters` are all of the shape's."""
     boxes = PlaneBoxes(unscaled(kernels, letters), lattice)
-    tiles = boxes.tiles(np.nan, np.float64)
     large = boxes.kernels.valued(*boxes.first(), None, boxes.run)
     small, parent = boxes.inside(np.arange(boxes.large.shape[1]))
     regions = boxes.kernels.valued(boxes.ends(small, SMALL), parent, large, boxes.run)
-    offsets = _corners([np.arange(SMALL)] * 2)
+    places, offsets = boxes.in_space(small), boxes.in_space(_corners([np.arange(SMALL)] * 2))
+    values = np.empty((SMALL * boxes.rows[0], SMALL * boxes.rows[1]))
+    starts = values.shape[1] * small[0] + small[1]
 
     def part(first: int, last: int) -> None:
-        corner = small[:, first:last]
-        index = boxes.in_space((corner[:, :, None] + offsets[:, None, :]).reshape(2, -1))
-        points = boxes.flat[:3, None] + boxes.flat[3:, None] * index
-        found, _ = boxes.kernels.within(points, regions[first:last], AT_ONCE * np.arange(last - first + 1))
-        tiles[corner[0] // SMALL, :, corner[1] // SMALL] = found.reshape(-1, SMALL, SMALL)
+        own = slice(first, last)
+        boxes.kernels.fill(places[:, own], regions[own], boxes.flat, offsets, starts[own], values)
 
     boxes.run(part, small.shape[1], GRAIN)
-    return boxes.joined(tiles)
+    return values[: boxes.counts[0], : boxes.counts[1]]
 
 
 @dataclass(frozen=True)

@@ -60,6 +60,17 @@ def test_values_of_a_text_are_those_of_its_kernel_to_the_bit(letters):
     np.testing.assert_array_equal(sampler.values(), sampler.samples()["value"])
 
 
+def test_values_are_undefined_where_a_kernel_has_none_or_infinite_ones(letters):
+    both = rsym.disjunction(letters.expression, sp.exp(1000 * x) - 2, sp.sqrt(x + 0.9) - 1, system=rsym.R1)
+    shape = rsym.Shape(both, (x, y), bounds=((-1.0, 1.0), (-0.5, 0.5)))
+    sampler = plane_sampler(shape, "value", resolution=61)
+    assert sampler.regions is not None
+    values = sampler.values()
+    np.testing.assert_array_equal(values, sampler.samples()["value"])
+    points = points_of(sampler.lattice)[0]
+    np.testing.assert_array_equal(np.isnan(values), (points < -0.9) | (points > math.log(np.finfo(float).max) / 1000))
+
+
 def test_level_lines_of_a_text_are_closed_and_lie_on_the_level(text, letters):
     lines = rsym.level_lines(letters, resolution=256, bounds=box_of(letters))
     assert lines.status.open == 0

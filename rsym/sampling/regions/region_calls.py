@@ -23,6 +23,9 @@ _TAPES = [_POINTER] * 8
 _SIGNATURES: dict[str, Sequence[Any]] = {
     "boxes": (*[_INTEGER] * 2, _POINTER, *[_INTEGER] * 2, *_TAPES, *[_POINTER] * 3),
     "signs": (_INTEGER, _INTEGER, _POINTER, _INTEGER, *[_POINTER] * 2, _INTEGER, _POINTER, _INTEGER, _POINTER, *_TAPES),
+    "fill": (
+        _INTEGER, _INTEGER, _POINTER, _INTEGER, *[_POINTER] * 2, _INTEGER, _POINTER, _INTEGER, _POINTER, *_TAPES,
+    ),
     "crossings": (
         *[_INTEGER] * 2, *[_POINTER] * 2, _INTEGER, *[_POINTER] * 3, _INTEGER, _POINTER, *_TAPES, *[_POINTER] * 4,
     ),

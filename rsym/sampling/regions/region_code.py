@@ -6,6 +6,7 @@ on eight.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
@@ -69,7 +70,7 @@ class TapeRoutine(Routine):
 def region_code() -> str:
     """The module."""
     kind = VECTORS["float64"]
-    routines = (boxes(), signs(), crossings(), values(), leaves(), slide())
+    routines = (boxes(), signs(), fill(), crossings(), values(), leaves(), slide())
     return "\n".join([*head(kind), *run_routines(kind), *(routine.text for routine in routines)])
 
 
@@ -111,22 +112,51 @@ def signs() -> Routine:
     )
     with r.loop("%first", "%last", 1) as block:
         rows, result = r.take(block)
-        corner = [r.element(r.row("%corner", "%stride", k), block) for k in range(3)]
         target = r.place("%bits", "i8", r.emit(f"mul i64 {block}, %bytes"))
-        with r.loop("0", "%points", AT_ONCE) as i:
-            some = r.up_to(i, "%points", AT_ONCE)
-            with r.loop("0", some, LANES) as v:
-                at = r.emit(f"add i64 {i}, {v}")
-                offset = [r.value(r.load(r.row("%offsets", "%points", k), at)) for k in range(3)]
-                for k, place in enumerate(r.lattice_points([a + b for a, b in zip(corner, offset, strict=True)])):
-                    r.store(place.name, r.place("%memory", "i8", k * STEP), v)
-            r.do(f"call void @run(ptr {rows}, ptr %memory)")
+        with lattice_parts(r, block, rows) as (i, some):
             with r.loop("0", some, LANES) as v:
                 value = r.value(r.load(result, v))
                 at = r.emit(f"lshr i64 {r.emit(f'add i64 {i}, {v}')}, 3")
                 r.store(r.mask(value.compare("oge", 0.0).name), target, at, "i8")
                 bad = r.mask(value.compare("uno", 0.0).name)
                 r.store(r.emit(f"or i8 {bad}, {r.load('%undefined', block, 'i8')}"), "%undefined", block, "i8")
+    r.do("ret void")
+    return r
+
+
+@contextmanager
+def lattice_parts(r: TapeRoutine, block: str, rows: str) -> Iterator[tuple[str, str]]:
+    """The body for parts of the points of a block: the first of each and how many, on which the tape has been run."""
+    corner = [r.element(r.row("%corner", "%stride", k), block) for k in range(3)]
+    with r.loop("0", "%points", AT_ONCE) as i:
+        some = r.up_to(i, "%points", AT_ONCE)
+        with r.loop("0", some, LANES) as v:
+            at = r.emit(f"add i64 {i}, {v}")
+            offset = [r.value(r.load(r.row("%offsets", "%points", k), at)) for k in range(3)]
+            for k, place in enumerate(r.lattice_points([a + b for a, b in zip(corner, offset, strict=True)])):
+                r.store(place.name, r.place("%memory", "i8", k * STEP), v)
+        r.do(f"call void @run(ptr {rows}, ptr %memory)")
+        yield i, some
+
+
+def fill() -> Routine:
+    """The form at the points of blocks, NaN where it is infinite: rows of `LANES` of an array from ``starts[k]`` on."""
+    r = TapeRoutine(
+        "fill",
+        {"first": "i64", "last": "i64", "corner": "ptr", "stride": "i64", "lattice": "ptr"}
+        | {"offsets": "ptr", "points": "i64", "starts": "ptr", "width": "i64", "value": "ptr"}
+        | TAPES,
+    )
+    with r.loop("%first", "%last", 1) as block:
+        rows, result = r.take(block)
+        target = r.place("%value", "double", r.load("%starts", block, "i64"))
+        with lattice_parts(r, block, rows) as (i, some):
+            with r.loop("0", some, LANES) as v:
+                value = r.value(r.load(result, v))
+                finite = (value - value).compare("oeq", 0.0)
+                row = r.emit(f"lshr i64 {r.emit(f'add i64 {i}, {v}')}, {LANES.bit_length() - 1}")
+                known = r.select(finite.name, value.name, r.number(math.nan).name, DOUBLES)
+                r.store(known, target, r.emit(f"mul i64 {row}, %width"))
     r.do("ret void")
     return r
 

@@ -260,6 +260,15 @@ class RegionKernels:
             arrays = (offsets, offsets.shape[1], bits[a:b], bits.shape[1], undefined[a:b])
             call("signs", 0, b - a, own, own.shape[1], lattice, *arrays, *tapes_of(codes, room))
 
+    def fill(
+        self, corner: Floats, regions: Regions, lattice: Floats, offsets: Floats, starts: Ints, value: Floats
+    ) -> None:
+        """The form at the points `offsets` of blocks in an array, whose rows they begin at `starts`; else NaN."""
+        for a, b, _, codes, room in self._portions_of(regions, 0, len(regions)):
+            own = np.ascontiguousarray(corner[:, a:b])
+            arrays = (offsets, offsets.shape[1], starts[a:b], value.shape[1], value)
+            call("fill", 0, b - a, own, own.shape[1], lattice, *arrays, *tapes_of(codes, room))
+
     def crossings(
         self,
         first: int,

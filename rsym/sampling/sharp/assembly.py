@@ -25,7 +25,7 @@ from rsym.sampling.sharp.corners import settle
 from rsym.sampling.sharp.crossings import Crossings, find_crossings, sample_signs
 from rsym.sampling.sharp.faces import connect, find_flaws, turn_diagonals
 from rsym.sampling.sharp.loops import in_threads, loop, step
-from rsym.sampling.sharp.signs import BLOCK, Blocks, find_blocks
+from rsym.sampling.sharp.signs import BLOCK, Blocks, find_blocks, inside
 from rsym.sampling.sharp.topology import Topology, scanned, topology
 
 # What else to find out about blocks: a module's function, so that a process can be told its name.
@@ -34,12 +34,14 @@ Inspect: TypeAlias = Callable[[MesherKernels, Blocks, Floats, Executor], Any]
 
 GRAIN = 4096
 HALO = 1  # blocks beside a box that is computed on its own
+COARSE = 4 * BLOCK  # boxes of so many cells a side tell how many blocks layers have
 
 # Bytes that are held at once, by what is allocated: of a block its corner, words, signs, fields and ranks; of a
 # cell and of a crossing their rows when the vertices are placed, when most is held. A plane has 64 cells and 64
 # crossings in a block that it passes through the middle of.
 BLOCK_BYTES, CELL_BYTES, CROSSING_BYTES = 700, 80, 110
 USUAL_BYTES = BLOCK_BYTES + 64 * (CELL_BYTES + CROSSING_BYTES)
+BESIDE_BYTES = BLOCK_BYTES + 24 * (CELL_BYTES + CROSSING_BYTES)  # of a block beside a box
 # Places of cells are 512*block + cell, in 32 bits.
 MOST_BLOCKS = 2**22
 # Of boxes of the octree: corners, twice, words and what is kept.
@@ -68,21 +70,34 @@ class Job:
 
     def blocks(self, crew: Crew, budget: Budget, box: Ints | None = None) -> Blocks:
         """The blocks that the surface may meet, or those of a box and beside it."""
-        region = None
-        if box is not None:
-            region = np.maximum(box[0] - HALO * BLOCK, 0), np.minimum(box[1] + HALO * BLOCK, self.cells)
-
+        region = None if box is None else self._around(box)
         before = 0
 
-        def claim(kept: int, size: int) -> None:
-            nonlocal before
+        def claim(corner: Floats, size: int) -> None:
+            nonlocal before  # and of boxes that reach beyond this one nothing is foretold
+            own = np.ones(corner.shape[1], np.bool_) if box is None else inside(corner, box - [[0], [size - 1]])
+            kept = int(np.count_nonzero(own))
             expected = kept * (size // BLOCK) ** 2 * USUAL_BYTES
-            budget.claim(8 * kept * BOX_BYTES, expected)
+            budget.claim(8 * len(own) * BOX_BYTES, expected)
             if kept >= SETTLED:
                 budget.claim(expected / (DOUBT if kept < GROWTH * before else GREAT_DOUBT), expected)
             before = kept
 
         return find_blocks(self.kernels, self.lattice, self.cells, crew, region, claim)
+
+    def layers(self, crew: Crew, budget: Budget, box: Ints, axis: int) -> Floats:
+        """About how many blocks there are in each layer of a box along an axis, the layers beside it first and last."""
+        region = self._around(box)
+        size = COARSE if (region[1] - region[0] >= 2 * COARSE).all() else BLOCK
+        cells, claim = self.cells, (lambda corner, size: budget.claim(8 * corner.shape[1] * BOX_BYTES))
+        boxes = find_blocks(self.kernels, self.lattice, cells, crew, region, claim, size)
+        each, (first, last) = size // BLOCK, (box[:, axis] // BLOCK).tolist()
+        count = np.bincount(boxes.corner[axis] // size, minlength=-(-cells[axis] // size))
+        return np.pad(np.repeat(count * float(each), each), HALO)[first : last + 2 * HALO]
+
+    def _around(self, box: Ints) -> tuple[Ints, Ints]:
+        """The cells of a box and of the blocks beside it."""
+        return np.maximum(box[0] - HALO * BLOCK, 0), np.minimum(box[1] + HALO * BLOCK, self.cells)
 
     def notes(self, blocks: Blocks, crew: Crew) -> tuple[Any, ...]:
         """What `inspect` says of blocks."""
@@ -142,16 +157,16 @@ def claim_whole(job: Job, budget: Budget) -> None:
     claim(int(np.bitwise_count(cells).sum()), int(np.bitwise_count(edges).sum()))
 
 
-def assemble(job: Job, blocks: Blocks, crew: Crew, budget: Budget) -> Assembly:
+def assemble(job: Job, blocks: Blocks, crew: Crew, budget: Budget, box: Ints | None = None) -> Assembly:
     """The surface in some blocks: signs of lattice points, what hangs together, crossings, vertices, faces.
 
-    Each array is dropped as soon as no later stage reads it.
+    Each array is dropped as soon as no later stage reads it. Of blocks beside a box there is what its quads need.
     """
-    kernels, lattice, claim = job.kernels, job.lattice, claim_of(blocks, budget)
+    kernels, lattice, claim = job.kernels, job.lattice, claim_of(blocks, budget, box)
     crew.stage(70)
     bits = sample_signs(kernels, blocks, lattice, crew)
     crew.stage(120, loops=3)
-    surface = topology(blocks.corner, bits, crew, claim)
+    surface = topology(blocks.corner, bits, crew, claim, box)
     crew.stage(160, loops=4)
     crossings = find_crossings(kernels, blocks, surface, lattice, crew)
     crew.stage(200, loops=4)
@@ -164,10 +179,11 @@ def assemble(job: Job, blocks: Blocks, crew: Crew, budget: Budget) -> Assembly:
     return Assembly(surface, vertices.points, crossings.leaf[: surface.crossings], faces, flaws)
 
 
-def claim_of(blocks: Blocks, budget: Budget) -> Callable[[int, int], None]:
-    """Claim memory for blocks, and later for the cells and crossings in them."""
+def claim_of(blocks: Blocks, budget: Budget, box: Ints | None = None) -> Callable[[int, int], None]:
+    """Claim memory for blocks, and later for the cells and crossings in them, mostly in a box."""
     count = blocks.corner.shape[1]
-    budget.claim(count * BLOCK_BYTES, count * USUAL_BYTES)
+    own = count if box is None else int(np.count_nonzero(inside(blocks.corner, box)))
+    budget.claim(count * BLOCK_BYTES, count * BLOCK_BYTES + own * (USUAL_BYTES - BLOCK_BYTES))
     if count > MOST_BLOCKS:
         raise RsymError(
             f"the surface meets {count} blocks of cells, more than the {MOST_BLOCKS} that can be numbered at once",

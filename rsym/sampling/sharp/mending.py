@@ -141,16 +141,16 @@ class _Part:
         for piece, local in zip(surface.pieces, rows, strict=True):
             if not len(local):
                 continue
-            table, given, where = self._vertices(piece)
-            quads = piece.read("faces").reshape(-1, 6)[local]
-            used = np.unique(quads)
+            quads = piece.read_rows("faces", np.stack([2 * local, 2 * local + 1], axis=1)).reshape(-1, 6)
+            used, corners = np.unique(quads, return_inverse=True)
+            numbers, given, where = self._vertices(piece, used)
             crossing.append(piece.crossing(local))
-            faces.append(table[quads])
-            leaf.append(piece.read("leaf")[local])
-            flaws.append(piece.read("flaws")[local])
-            ids.append(table[used])
-            points.append(given[:, used])
-            block.append(where[used])
+            faces.append(numbers[corners.reshape(quads.shape)])
+            leaf.append(piece.read_rows("leaf", local))
+            flaws.append(piece.read_rows("flaws", local))
+            ids.append(numbers)
+            points.append(given)
+            block.append(where)
         self._assemble(crossing, faces, leaf, flaws, ids, points, block)
 
     def _key(self, blocks: Ints) -> Ints:
@@ -169,14 +169,17 @@ class _Part:
         held = self._holds(corner.T >> 3)
         return np.flatnonzero(np.repeat(np.tile(held, 3), crossings.ravel()))
 
-    def _vertices(self, piece: StoredPiece) -> tuple[Ints, Floats, Ints]:
-        """Numbers, points and blocks of all vertices of a piece, strangers last."""
-        number, there = self._surface.strangers(piece), piece.read("stranger_points")
-        blocks = np.repeat(piece.read("corner").T >> 3, piece.read("vertices"), axis=0)
+    def _vertices(self, piece: StoredPiece, used: Ints) -> tuple[Ints, Floats, Ints]:
+        """Numbers, points and blocks of some vertices of a piece, ascending, strangers last."""
+        count = int(np.searchsorted(used, piece.vertices))
+        own, strange = used[:count], used[count:] - piece.vertices
+        number, there = self._surface.strangers(piece)[strange], piece.read("stranger_points")[:, strange]
+        block = np.searchsorted(np.cumsum(piece.read("vertices")), own, "right")
+        names = piece.read("strangers")[strange]
         return (
-            np.concatenate([piece.first + np.arange(piece.vertices), number]),
-            np.concatenate([piece.read("points"), there], axis=1),
-            np.concatenate([blocks, blocks_of_names(piece.read("strangers"), self._surface.extent)]),
+            np.concatenate([piece.first + own, number]),
+            np.concatenate([piece.read_rows("points", np.s_[:, own]), there], axis=1),
+            np.concatenate([piece.read("corner")[:, block].T >> 3, blocks_of_names(names, self._surface.extent)]),
         )
 
     def _assemble(self, crossing: Any, faces: Any, leaf: Any, flaws: Any, ids: Any, points: Any, block: Any) -> None:

@@ -23,14 +23,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from rsym.arrays import Flags, Floats, Ints
+from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import padded
 from rsym.sampling.memory import Budget, free_memory
 from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.assembly import Assembly, Job, Unfinished, assemble
 from rsym.sampling.sharp.finishing import mark, renumber
-from rsym.sampling.sharp.signs import BLOCK, Blocks, Numbers, list_places
+from rsym.sampling.sharp.signs import BLOCK, Blocks, Numbers, inside, list_places
 from rsym.sampling.sharp.topology import Topology
 
 # Enough pieces to share among a few workers; the halo of a piece of 90x90 blocks costs 5 %, and such a piece of the
@@ -60,7 +60,7 @@ def compute(task: PieceTask) -> Piece:
     job, crew = task.job, Crew()
     budget = Budget(free_memory())
     blocks = job.blocks(crew, budget, task.box)
-    made = assemble(job, blocks, crew, budget)
+    made = assemble(job, blocks, crew, budget, task.box)
     return own_piece(made, task.box, job.extent, job.notes(_of(task.box, blocks), crew))
 
 
@@ -297,11 +297,6 @@ def own_piece(made: Assembly, box: Ints, extent: tuple[int, int, int], notes: tu
 def _stretches(rows: Any, parts: Sequence[slice]) -> Any:
     """Some stretches of rows, one after the other."""
     return np.concatenate([rows[:0], *(rows[part] for part in parts)])
-
-
-def inside(corner: Ints, box: Ints) -> Flags:
-    """Which cells are in a box (2, 3)."""
-    return np.asarray(((corner >= box[0, :, None]) & (corner < box[1, :, None])).all(axis=0))
 
 
 def weld(pieces: list[Piece]) -> Unfinished:

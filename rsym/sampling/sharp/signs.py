@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.kernels.mesher_kernels import MesherKernels
 from rsym.sampling.sharp.loops import in_threads, loop, lowest, popcount, step
 
@@ -81,6 +81,26 @@ def ranks(fields: Words) -> tuple[Numbers, int]:
     before = np.zeros(count.size, np.int32)
     np.cumsum(count[:-1], out=before[1:])
     return before.reshape(fields.shape), int(before[-1]) + int(count[-1])
+
+
+# Lines of eight cells, from the first on, so many.
+_LINES = np.array([sum(1 << 8 * j for j in range(count)) for count in range(9)], np.uint64)
+
+
+def fields_in(corner: Ints, low: Ints, high: Ints) -> Words:
+    """Fields (blocks, 8) of the cells of blocks that lie in a box, from `low` to below `high`.
+
+    Examples
+    --------
+    >>> field = fields_in(np.zeros((3, 1), np.int64), np.array([-3, 1, 2]), np.array([2, 3, 4]))
+    >>> [hex(word) for word in field[0].tolist()]
+    ['0xc0c00', '0xc0c00', '0x0', '0x0', '0x0', '0x0', '0x0', '0x0']
+    """
+    begin, end = (np.clip(ends[:, None] - corner, 0, 8) for ends in (low, high))
+    plane = (_LINES[end[1]] - _LINES[begin[1]]) * ((1 << end[2]) - (1 << begin[2])).astype(np.uint64)
+    layer = np.arange(8)
+    held = (layer >= begin[0][:, None]) & (layer < end[0][:, None])
+    return np.where(held, plane[:, None], np.uint64(0))
 
 
 @step
@@ -187,11 +207,12 @@ def find_blocks(
     cells: Sequence[int],
     pool: Executor | None = None,
     region: tuple[Sequence[int], Sequence[int]] | None = None,
-    claim: Callable[[int, int], None] = lambda kept, size: None,
+    claim: Callable[[Floats, int], None] = lambda corner, size: None,
+    finest: int = BLOCK,
 ) -> Blocks:
-    """The blocks of a lattice, or of a region of cells in it, in which the form may have a zero.
+    """The blocks of a lattice, or of a region of cells in it, in which the form may have a zero; or `finest` boxes.
 
-    Which blocks are kept depends on the whole lattice alone, not on the region. `claim` is told how many
+    Which blocks are kept depends on the whole lattice alone, not on the region. `claim` is told which
     boxes of what size are kept before their halves, eight of each, are allocated, and may raise.
     """
     size = BLOCK
@@ -206,9 +227,9 @@ def find_blocks(
         keep, words = kernels.kept(_ends(lattice, corner, size), parent, among, run)
         visited.append((size, corner.shape[1], int(keep.sum())))
         corner, among = corner[:, keep], words[keep]
-        if size == BLOCK:
+        if size <= finest:
             break
-        claim(corner.shape[1], size)
+        claim(corner, size)
         size //= 2
         parent = np.repeat(np.arange(corner.shape[1]), len(_HALVES))
         corner = (corner[:, :, None] + size * _HALVES.T[:, None, :]).reshape(3, -1)
@@ -216,6 +237,11 @@ def find_blocks(
         corner, parent = corner[:, some], parent[some]
     order = np.lexsort(corner[::-1])
     return Blocks(np.ascontiguousarray(corner[:, order], np.int64), among[order], tuple(visited))
+
+
+def inside(corner: Ints | Floats, box: Ints) -> Flags:
+    """Which cells are in a box (2, 3)."""
+    return np.asarray(((corner >= box[0, :, None]) & (corner < box[1, :, None])).all(axis=0))
 
 
 def _ends(lattice: Floats, corner: Floats, size: int) -> Floats:

@@ -64,6 +64,11 @@ class StoredPiece:
         """An array of the piece."""
         return np.load(self._folder / f"{name}.npy", allow_pickle=False)
 
+    def read_rows(self, name: str, which: Any) -> Any:
+        """Some rows of an array of the piece, by numbers or a slice; the others stay on disk."""
+        mapped = np.load(self._folder / f"{name}.npy", mmap_mode="r", allow_pickle=False)
+        return np.array(mapped[which])
+
     @property
     def notes(self) -> Unresolved:
         """What was not resolved in it."""

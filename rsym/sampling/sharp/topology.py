@@ -29,6 +29,7 @@ from rsym.sampling.sharp.signs import (
     Numbers,
     Words,
     block_at,
+    fields_in,
     find,
     list_cells,
     lookup,
@@ -40,6 +41,10 @@ from rsym.sampling.sharp.signs import (
 GRAIN = 32
 
 JOINED = np.uint16(1)
+
+# Cells beside a box: quads in it have vertices in one layer below it, whose faces may be joined for the sake of the
+# next, as those in its last layer for that of the one above. Crossings around them are in one layer more.
+BELOW, ABOVE = 2, 1
 
 
 @dataclass(frozen=True)
@@ -97,10 +102,12 @@ def topology(
     bits: Bytes,
     pool: Executor | None = None,
     claim: Callable[[int, int], None] = lambda cells, crossings: None,
+    box: Ints | None = None,
 ) -> Topology:
     """Find the surface of the sign bits of blocks in lexicographic order; manifold by construction.
 
-    `claim` is told how many cells and crossings there are before anything is allocated for them, and may raise.
+    `claim` is told how many cells and crossings there are before anything is allocated for them, and may raise. Of what
+    is beside a `box` (2, 3) of cells only what the quads in it need is found.
 
     Two patches of neighbouring cells are joined by each segment that they share on the face between the cells. Where
     they share both segments of an ambiguous face, four triangles would meet on one edge; `separate` re-pairs such
@@ -120,6 +127,9 @@ def topology(
     corner, bits = np.ascontiguousarray(corner, np.int64), np.ascontiguousarray(bits)
     n, table, (blocks, origin) = corner.shape[1], patch_table(), lookup(corner)
     cells, edges = scanned(bits, pool)
+    if box is not None:
+        cells[:-1] &= fields_in(corner, box[0] - BELOW, box[1] + ABOVE)
+        edges[:, :-1] &= fields_in(corner, box[0] - BELOW, box[1] + ABOVE + 1)
     (cells_before, active), (edges_before, crossings) = ranks(cells), ranks(edges)
     claim(active, crossings)
     case, place = np.empty(active, np.uint16), np.empty(active, np.int32)
