@@ -1,13 +1,13 @@
 """Parts of leaves: a large one is cut at the minima and maxima in it, where few of their operands matter at a place.
 
-What lies between two such choices is a part, a function of the coordinates and of at most two operands: choices, or
-other parts. In a blend of a thousand balls with a function of their own minimum a place needs one of them, and a region
-keeps the rest out as it does with leaves.
+A choice is a part of its own, and what lies between two of them, a function of the coordinates and of at most two
+operands, which are parts again. In a blend of a thousand balls with a function of their own minimum a place needs one
+of them, and a region keeps the rest out as it does with leaves.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias
@@ -36,12 +36,15 @@ class LeafParts:
         The parts as leaves, in two coordinates more, `OPERANDS`; the first ones are the leaves of the form in parts,
         in their order and of their values.
     entries : tuple of (what, first, second)
-        In the order of evaluation: a part by its number, or "min" or "max", and the entries of its operands, `NONE`
-        where a part lacks one. The last one is the form.
+        In the order of evaluation: a part by its number, or a gate of the form, "min" or "max", and the entries of its
+        operands, `NONE` where a part lacks one. The last one is the form.
+    choices : mapping
+        "min" or "max" of the parts that are nothing else, by their numbers.
     """
 
     form: SignForm
     entries: tuple[Entry, ...]
+    choices: Mapping[int, str]
 
 
 def parted(form: SignForm) -> LeafParts | None:
@@ -54,8 +57,8 @@ def parted(form: SignForm) -> LeafParts | None:
     >>> from rsym.logic.sign_form import surface_form
     >>> row = rsym.disjunction(*[1 - (x - 3 * k) ** 2 - y**2 for k in range(100)], system=rsym.R1)
     >>> parts = parted(surface_form(rsym.Shape(row + 1 / (2 + row**2), (x, y, z))))
-    >>> len(parts.form.leaves), parts.entries[-2:]
-    (101, (('max', 196, 197), (0, 198, -1)))
+    >>> len(parts.form.leaves), parts.entries[-2:], parts.choices[199]
+    (200, ((199, 196, 197), (0, 198, -1)), 'max')
     """
     cuts = [_cuts(form.builder, leaf) for leaf in form.leaves]
     return _Parting(form).parted(cuts) if any(cuts) else None
@@ -90,6 +93,7 @@ class _Parting:
         self._target = Builder((*source.coordinates, *OPERANDS), source.letters)
         self._entries: list[Entry] = []
         self._parts: list[int] = [NONE] * len(form.leaves)
+        self._choices: dict[int, str] = {}
         self._places: dict[int, int] = {}  # of entries, by the nodes of the form that they are
         self._made, self._most = 0, GROWTH * len(source.nodes)
 
@@ -105,7 +109,7 @@ class _Parting:
             ends.append(self._entry(leaf, cut or {}, k))
         for operation, *operands in self._form.gates:
             ends.append(self._add(operation, *(ends[operand] for operand in operands)))
-        return LeafParts(SignForm(self._target, tuple(self._parts), ()), tuple(self._entries))
+        return LeafParts(SignForm(self._target, tuple(self._parts), ()), tuple(self._entries), self._choices)
 
     def _operands(self, leaf: int, cut: dict[int, Cut] | None, number: int) -> Sequence[int]:
         """The nodes whose entries that of a node needs."""
@@ -119,7 +123,9 @@ class _Parting:
         """The entry of a node whose operands have theirs."""
         operation, arguments, _ = self._nodes[number]
         if operation in TURNED and leaf == NONE:
-            return self._add(operation, *(self._places[argument] for argument in arguments))
+            self._parts.append(self._target.make(operation, *map(self._target.input, OPERANDS)))
+            self._choices[len(self._parts) - 1] = operation
+            return self._add(len(self._parts) - 1, *(self._places[argument] for argument in arguments))
         operands = sorted(cut.get(number, frozenset()) - {number})
         part = self._formula(number, operands)
         if leaf == NONE:

@@ -10,7 +10,9 @@ from oracles.many_balls import many_balls
 import rsym
 from rsym import x, y, z
 from rsym.logic import leaf_parts
-from rsym.logic.sign_form import surface_form
+from rsym.logic.leaf_parts import parted
+from rsym.logic.sign_form import Gate, SignForm, surface_form
+from rsym.program.builder import Builder
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
 from rsym.sampling.mesher import SharpMesher
 from rsym.sampling.meshing import MeshRequest
@@ -112,3 +114,52 @@ def test_workers_and_copies_evaluate_the_same():
     for twin in (kernels.copy(), pickle.loads(pickle.dumps(kernels))):
         for expected, found in zip(asked(kernels), asked(twin), strict=True):
             np.testing.assert_array_equal(found, expected)
+
+
+def at_random(builder, generator, depth):
+    """A node of choices and arithmetic, in places undefined or infinite."""
+    if depth <= 0:
+        names = [builder.input(name) for name in ("x", "y", "z", "r")]
+        first, second = generator.choice(names, 2).tolist()
+        return (first, builder.mul(first, second), builder.add(first, builder.const(-1)))[generator.integers(3)]
+    a, b = (at_random(builder, generator, depth - int(generator.integers(1, 3))) for _ in "ab")
+    kind = generator.choice(
+        ["min", "max", "min", "max", "add", "mul", "r0_conjunction", "sqrt", "div", "log", "select"]
+    )
+    match str(kind):
+        case "sqrt":
+            return builder.sqrt(builder.add(a, builder.abs(b)))
+        case "log":
+            return builder.make("log", builder.neg(a))
+        case "div":
+            return builder.div(a, b)
+        case "select":
+            return builder.select(a, b, a, b)
+    return builder.make(str(kind), a, b)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_forms_at_random_have_the_bits_of_whole_leaves(seed, monkeypatch):
+    generator, tried = np.random.default_rng(seed), 0
+    while tried < 10:
+        builder = Builder(("x", "y", "z"), ("r",))
+        leaves = [
+            builder.add(builder.mul(builder.const(3), builder.input("x")), at_random(builder, generator, 6))
+            for _ in "ab"
+        ]
+        form = SignForm(builder, tuple(leaves), (Gate("min", 0, 1),))
+        monkeypatch.setattr(leaf_parts, "FEW", 1)
+        if leaves[0] == leaves[1] or parted(form) is None:
+            continue
+        tried += 1
+        found = []
+        for few in (64, 1):  # whole, and in parts
+            monkeypatch.setattr(leaf_parts, "FEW", few)
+            kernels = RegionKernels(form, shared=True)
+            assert kernels.in_parts == (few == 1)
+            kernels.set({"r": 0.3}, ((-1.2, 1.2),) * 3)
+            found.append(asked(kernels))
+        for name, expected, same in zip(("value", "gradient", "slid", "form", "active"), *found, strict=True):
+            known = ~np.isnan(found[0][3]) if name == "active" else slice(None)  # of what is undefined none is active
+            np.testing.assert_array_equal(same[..., known], expected[..., known], err_msg=f"{name}, form {tried}")

@@ -9,7 +9,8 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
-from rsym.logic.sign_form import surface_form
+from rsym.logic.sign_form import SignForm, surface_form
+from rsym.program.builder import Builder
 from rsym.sampling.kernels.mesher_kernels import SMALL, backend_for, columns, mesher_kernels, padded
 from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.mesh import MeshRequest
@@ -218,3 +219,16 @@ def test_an_unknown_backend_is_refused():
     ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z))
     with pytest.raises(rsym.RsymError, match="no backend 'cuda'"):
         rsym.Mesher(ball, backend="cuda")
+
+
+def test_a_sum_that_stands_in_both_orders_is_one_node():
+    b = Builder(("x", "y", "z"), ())
+    u, v = b.input("x"), b.input("y")
+    leaf = b.add(b.make("exp", b.make("add", u, v)), b.mul(b.make("sin", b.make("add", v, u)), b.input("z")))
+    kernels = RegionKernels(SignForm(b, (leaf,), ()), shared=True)
+    kernels.set({}, ((-1.0, 1.0),) * 3)
+    points = columns(np.random.default_rng(4).uniform(-1, 1, (3, 50)))
+    value, active = np.empty(padded(50)), np.empty(padded(50), np.int16)
+    kernels.value(50, points, value, active)
+    x_, y_, z_ = points[:, :50]
+    np.testing.assert_allclose(value[:50] / kernels._given[1][0], np.exp(x_ + y_) + np.sin(x_ + y_) * z_, rtol=1e-13)

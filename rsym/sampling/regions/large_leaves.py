@@ -6,28 +6,29 @@ So the sums are those of the derivative of the whole leaf, and the bits are.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
 
 from rsym.arrays import Floats, Ints, Shorts
-from rsym.backends.interpreter import CHECK_POINTS, check_at
-from rsym.backends.tape import TapeFunction, aligned
+from rsym.backends.tape import aligned
 from rsym.logic.leaf_parts import NONE, OPERANDS
 from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Bounds
 from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative
 from rsym.program.expansion import expand
-from rsym.program.program import FLOAT64, Program, assemble
+from rsym.program.program import Node, Program, assemble
 from rsym.sampling.kernels.form_code import AXES, leaf_outputs
 from rsym.sampling.regions.kept_regions import KeptRegions, Narrow
-from rsym.sampling.regions.leaf_tapes import SCALE, LeafTapes, kind_tape, leaf_numbers
+from rsym.sampling.regions.leaf_tapes import SCALE, LeafTapes, check_tape, kind_tape, leaf_numbers
 from rsym.sampling.regions.point_groups import by_number
 from rsym.sampling.regions.region_calls import ENTRIES, call, tapes_of
 from rsym.sampling.regions.region_tapes import STEP, FormTapes
-from rsym.sampling.regions.regions import MAX, MIN, Regions
+from rsym.sampling.regions.regions import Regions
 
 OUTPUTS = 1 + len(AXES)
 
@@ -39,14 +40,22 @@ class LargeLeafTapes:
         self._parts = parts
         what, operand, _ = whole.entries.T
         tops = np.flatnonzero((0 <= what) & (what < leaves) & (operand != NONE))
-        self._choices = {MIN: parts.count, MAX: parts.count + 1}
         self._regions = {int(what[top]): _below(whole, int(top)) for top in tops}
-        forms = [*(kind.formulas.form for kind in parts.kinds), *map(_choice, ("min", "max"))]
-        programs = [total_program(form) for form in forms]
+        made: dict[tuple[int, ...], int] = {}
+        self._kind, programs = np.zeros(parts.count, np.int64), list[Program]()
+        # By which coordinates an entry has a derivative, as bits.
+        axes = [0] * (len(what) + 1)
+        for entry, (number, *below) in enumerate(whole.entries.tolist()):
+            if number >= 0:
+                key = int(parts.kind[number]), *(axes[one] for one in below)
+                if key not in made:
+                    made[key] = len(programs)
+                    programs.append(total_program(parts.kinds[key[0]].formulas.form, key[1:]))
+                self._kind[number] = made[key]
+                axes[entry] = _axes(programs[made[key]])
         for program in programs:
-            _check(program)
+            check_tape(program)
         self._tapes = [kind_tape(program, leaf_outputs(0)) for program in programs]
-        self._kind = np.array([*parts.kind, len(forms) - 2, len(forms) - 1])
         self._forms = FormTapes(self._tapes, self._kind, len(OPERANDS))
 
     @property
@@ -56,23 +65,16 @@ class LargeLeafTapes:
 
     def at(self, letters: Sequence[float], scales: Floats, bounds: Bounds | None, narrow: Narrow) -> LargeLeaves:
         """With letters and the scales of all parts."""
-        given = [*self._parts.letters.at(letters, scales), [1.0], [1.0]]
-        numbers = leaf_numbers(self._tapes, self._kind, given)
+        numbers = leaf_numbers(self._tapes, self._kind, self._parts.letters.at(letters, scales))
         kept = {k: KeptRegions(bounds, region, narrow) for k, region in self._regions.items()}
-        return LargeLeaves(self._forms, self._choices, numbers, kept)
+        return LargeLeaves(self._forms, numbers, kept)
 
 
 class LargeLeaves:
     """Value and gradient of the leaves in parts, for some letters."""
 
-    def __init__(
-        self,
-        forms: FormTapes,
-        choices: dict[int, int],
-        numbers: tuple[Floats, Ints],
-        kept: dict[int, KeptRegions],
-    ) -> None:
-        self._forms, self._choices, self._numbers, self._kept = forms, choices, numbers, kept
+    def __init__(self, forms: FormTapes, numbers: tuple[Floats, Ints], kept: Mapping[int, KeptRegions]) -> None:
+        self._forms, self._numbers, self._kept = forms, numbers, kept
 
     def leaf(self, leaf: Shorts, points: Floats, value: Floats, gradient: Floats) -> None:
         """Value and gradient where the leaf is one of these; points (3, n), leaves of which are numbers (n,)."""
@@ -104,7 +106,7 @@ class LargeLeaves:
         sizes = len(given), OUTPUTS, given.shape[1]
         portion = sorted_ones.start[1:] // ENTRIES
         for a, b in pairwise([0, *(np.flatnonzero(np.diff(portion)) + 1), len(which)]):
-            some = self._in_kinds(sorted_ones[a:b])
+            some = sorted_ones[a:b]
             codes = self._forms.codes(some, self._numbers)
             last = self._forms.coordinates + OUTPUTS * (np.diff(some.start) - 1)
             ends = STEP * (last[:, None] + np.arange(OUTPUTS))
@@ -116,12 +118,11 @@ class LargeLeaves:
         result[:, padded_places[places]] = found[:, places]
         return result
 
-    def _in_kinds(self, regions: Regions) -> Regions:
-        """The same, their choices as parts."""
-        entries = regions.entries.copy()
-        for operation, number in self._choices.items():
-            entries[regions.entries[:, 0] == operation, 0] = number
-        return Regions(regions.start, entries)
+
+def without_leaves(form: SignForm, leaves: Collection[int]) -> SignForm:
+    """The form with 0 in the place of these leaves."""
+    zero = form.builder.const(0)
+    return replace(form, leaves=tuple(zero if k in leaves else leaf for k, leaf in enumerate(form.leaves)))
 
 
 def _below(whole: Regions, top: int) -> Regions:
@@ -138,13 +139,11 @@ def _below(whole: Regions, top: int) -> Regions:
     return Regions(np.array([0, len(entries)]), entries)
 
 
-def _choice(operation: str) -> SignForm:
-    builder = Builder((*AXES, *OPERANDS), ())
-    return SignForm(builder, (builder.make(operation, *map(builder.input, OPERANDS)),), ())
+def total_program(form: SignForm, operands: Sequence[int]) -> Program:
+    """Value and derivatives of a part times its scale, behind each operand its derivatives as coordinates.
 
-
-def total_program(form: SignForm) -> Program:
-    """Value and derivatives of a part times its scale, behind each operand its derivatives as coordinates."""
+    `operands` tell by bits which of these there are; others are 0 also where a choice has no derivative.
+    """
     source = form.builder
     axes = source.coordinates[: len(AXES)]
     given = [name for operand in OPERANDS for name in (operand, *(f"{operand} by {axis}" for axis in axes))]
@@ -152,16 +151,16 @@ def total_program(form: SignForm) -> Program:
     made: list[int] = []
     for node in source.nodes:
         made.append(b.make(node.operation, *(made[argument] for argument in node.arguments), data=node.data))
-    for operand in OPERANDS:
-        for axis in axes:
-            b.derivatives[b.input(operand), axis] = b.input(f"{operand} by {axis}")
+    for operand, some in zip(OPERANDS, operands, strict=True):
+        for k, axis in enumerate(axes):
+            depends = some >> k & 1
+            b.derivatives[b.input(operand), axis] = b.input(f"{operand} by {axis}") if depends else b.const(0)
     value = b.mul(b.input(SCALE), made[form.leaves[0]])
     outputs = (value, *(derivative(b, value, axis) for axis in axes))
     return expand(assemble(b.nodes, b.coordinates, b.letters, dict(zip(leaf_outputs(0), outputs, strict=True))))
 
 
-def _check(program: Program) -> None:
-    """Compare with the interpreter: a miscompiled formula must never get any further."""
-    generator = np.random.default_rng(20130605)
-    points = [generator.uniform(-1, 1, CHECK_POINTS) for _ in program.coordinates]
-    check_at(program, TapeFunction(program), FLOAT64, points, [1.0 + k / 8 for k in range(len(program.letters))])
+def _axes(program: Program) -> int:
+    """Which of the derivatives are not 0 by their formula, as bits."""
+    zero = Node("const", (), Fraction(0))
+    return sum((program.nodes[number] != zero) << k for k, (_, number) in enumerate(program.outputs[1:]))

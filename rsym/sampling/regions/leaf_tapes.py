@@ -13,14 +13,15 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from rsym.arrays import Floats, Ints
-from rsym.backends.tape import UniformNumbers
+from rsym.arrays import Flags, Floats, Ints
+from rsym.backends.interpreter import CHECK_POINTS, check_at
+from rsym.backends.tape import TapeFunction, UniformNumbers
 from rsym.bounds.intervals import interval_program
 from rsym.logic.sign_form import SignForm
 from rsym.model.symbols import with_operands
 from rsym.program.builder import Builder
 from rsym.program.expansion import expand
-from rsym.program.program import Node, Program, assemble
+from rsym.program.program import FLOAT64, Node, Program, assemble
 from rsym.program.tape import Tape, tape_of
 from rsym.sampling.kernels.form_code import ENDS, LeafFormulas, leaf_outputs
 from rsym.sampling.kernels.leaf_kinds import ordered_nodes
@@ -93,6 +94,13 @@ def kind_tape(program: Program, names: Sequence[str]) -> KindTape:
     return KindTape(tape, UniformNumbers(one, tape.uniform), len(one.coordinates))
 
 
+def check_tape(program: Program) -> None:
+    """Compare with the interpreter: a miscompiled formula must never get any further."""
+    generator = np.random.default_rng(20130605)
+    points = [generator.uniform(-1, 1, CHECK_POINTS) for _ in program.coordinates]
+    check_at(program, TapeFunction(program), FLOAT64, points, [1.0 + k / 8 for k in range(len(program.letters))])
+
+
 def leaf_numbers(tapes: Sequence[KindTape], kind: Ints, given: Sequence[Sequence[float]]) -> tuple[Floats, Ints]:
     """The uniform numbers of all leaves, one after the other, from their letters, and where those of each begin."""
     start = np.zeros(len(kind) + 1, np.int64)
@@ -144,6 +152,12 @@ class LeafNumbers(dict[str, tuple[Floats, Ints]]):
 
     def __init__(self, tapes: LeafTapes, letters: Sequence[float], scales: Floats) -> None:
         self._tapes, self._letters, self._scales = tapes, letters, scales
+
+    @cached_property
+    def undefined(self) -> Flags:
+        """Which leaves have a number that is not defined: their bounds do not know."""
+        given = self._tapes.letters.at(self._letters, self._scales)
+        return np.array([any(number != number for number in own) for own in given])
 
     def __missing__(self, name: str) -> tuple[Floats, Ints]:
         """Those of one tape."""
@@ -204,9 +218,10 @@ class LiftedLetters:
         letters = tuple(str(node.data) for node in nodes if node.operation == "input")
         lifted = tuple(name for name in letters if name not in self._program.coordinates)
         builder = Builder(self._program.coordinates, lifted)
+        made: list[int] = []  # sums that differ in the order of their operands are one node now
         for node in nodes:
-            builder.make(node.operation, *node.arguments, data=node.data)
-        return SignForm(builder, (len(nodes) - 1,), ())
+            made.append(builder.make(node.operation, *(made[argument] for argument in node.arguments), data=node.data))
+        return SignForm(builder, (made[-1],), ())
 
     def at(self, letters: Sequence[float], scales: Floats) -> Sequence[Sequence[float]]:
         """Of the formulas at points, the scale last."""

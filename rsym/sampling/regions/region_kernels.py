@@ -6,7 +6,7 @@ They have the methods of `MesherKernels`, and what these call words are `Regions
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
@@ -16,18 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Ints, Shorts
-from rsym.backends.interpreter import CHECK_POINTS, check_at
-from rsym.backends.tape import TapeFunction, aligned
+from rsym.backends.tape import aligned
 from rsym.errors import RsymError
 from rsym.logic.leaf_parts import NONE, OPERANDS, parted
 from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Bounds
-from rsym.program.program import FLOAT64
 from rsym.sampling.kernels.mesher_kernels import SMALL, letters_of_form, median_scales
 from rsym.sampling.kernels.routines import LANES
 from rsym.sampling.regions.kept_regions import KeptRegions
-from rsym.sampling.regions.large_leaves import LargeLeafTapes, LargeLeaves
-from rsym.sampling.regions.leaf_tapes import LeafNumbers, LeafTapes
+from rsym.sampling.regions.large_leaves import LargeLeafTapes, LargeLeaves, without_leaves
+from rsym.sampling.regions.leaf_tapes import LeafNumbers, LeafTapes, check_tape
 from rsym.sampling.regions.point_groups import by_number
 from rsym.sampling.regions.region_calls import ENTRIES, bounds_of, call, tapes_of
 from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes, LeafCodes, leaf_codes
@@ -38,6 +36,7 @@ from rsym.sampling.regions.regions import (
     SIGN,
     VALUE,
     Regions,
+    choices_of,
     joined_regions,
     reduce,
     whole_form,
@@ -73,22 +72,14 @@ class RegionKernels:
             self._parts, self._whole = LeafTapes(parts.form, shared=True, gradients=False), whole_parts(parts)
             operands = len(OPERANDS)
             self._large_tapes = LargeLeafTapes(self._parts, self._whole, len(form.leaves))
-            self._leaf_tapes = LeafTapes(_without(form, self._large_tapes.leaves), shared=shared)
-        self.in_parts = parts is not None
-        self._shared = shared
+            self._leaf_tapes = LeafTapes(without_leaves(form, self._large_tapes.leaves), shared=shared)
+        self.in_parts, self._choices, self._shared = parts is not None, choices_of(parts), shared
         self._values, self._boxes = (FormTapes(*self._parts.named(name), operands) for name in ("value", "box"))
         self._made_codes: dict[str, LeafCodes] = {}
         self._last: list[Any] = [(None, None)]  # of all copies: the letters of the last one, and what follows from them
-        self._check()
-
-    def _check(self) -> None:
-        """Compare the tapes with the interpreter: a miscompiled formula must never get any further."""
-        generator = np.random.default_rng(20130605)
-        points = [generator.uniform(-1, 1, CHECK_POINTS) for _ in range(3 + len(OPERANDS))]
-        programs = {kind.points.digest: kind.points for kind in (*self._leaf_tapes.kinds, *self._parts.kinds)}
-        for program in programs.values():
-            letters = [1.0 + k / 8 for k in range(len(program.letters))]
-            check_at(program, TapeFunction(program), FLOAT64, points[: len(program.coordinates)], letters)
+        kinds = (*self._leaf_tapes.kinds, *self._parts.kinds)
+        for program in {kind.points.digest: kind.points for kind in kinds}.values():
+            check_tape(program)
 
     def load_enclose(self) -> None:
         """Nothing is compiled."""
@@ -236,9 +227,12 @@ class RegionKernels:
             some, own = np.unique(parents[first:last], return_inverse=True)
             codes = self._boxes.codes(among[some], self._numbers["box"])
         bounds = bounds_of(regions, codes[own], ends[:, LANES * first : LANES * last])
+        if self._numbers.undefined.any():
+            leaf = regions.entries[:, 0]
+            bounds[(leaf >= 0) & self._numbers.undefined[np.maximum(leaf, 0)]] = [[-np.inf], [np.inf]]
         sizes = np.zeros((count, LANES), np.int64)
         results = np.empty((LANES * int(regions.start[-1]), 3), np.int32)
-        made = reduce(regions.start, regions.entries, bounds, keeps, keep[first:last], sizes, results)
+        made = reduce(regions.start, regions.entries, self._choices, bounds, keeps, keep[first:last], sizes, results)
         return Regions(np.concatenate([[0], np.cumsum(sizes)]), results[:made].copy())
 
     # On the lattice
@@ -373,12 +367,6 @@ class RegionKernels:
         count, above = places[which + 1] - places[which], codes.above[which]
         room = aligned(int((above + VECTOR * count).max(initial=0)))
         return (codes.rows, numbers, codes.row[which], places[which], count, above, above), room
-
-
-def _without(form: SignForm, leaves: Collection[int]) -> SignForm:
-    """The form with 0 in the place of these leaves."""
-    zero = form.builder.const(0)
-    return replace(form, leaves=tuple(zero if k in leaves else leaf for k, leaf in enumerate(form.leaves)))
 
 
 def _here(call: Callable[[int, int], Any], count: int, grain: int) -> Sequence[Any]:

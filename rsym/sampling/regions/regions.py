@@ -4,13 +4,14 @@ An entry is three numbers: of a leaf its number, and NONE twice; of a gate MIN o
 where no operand of a gate matters, INFINITE or MINUS_INFINITE. Operands come before their gate, the last entry is the
 form. From a region and the bounds of its entries over a box in it follows the region of that box.
 
-A large leaf is in parts (`leaf_parts`): it has the entries of its operands too, of gates and parts below it, whose
-numbers are those behind the leaves. Of these the values count, whatever is to be kept of the form.
+A large leaf is in parts (`leaf_parts`): it has the entries of its operands too, whose numbers are those behind the
+leaves, and so on. `choices` tell by these numbers which parts are a MIN or a MAX and nothing else, 0 of others. Of
+parts the values count, whatever is to be kept of the form.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -25,6 +26,7 @@ from rsym.sampling.sharp.loops import loop, step
 Entries: TypeAlias = NDArray[np.int32]
 
 MIN, MAX, INFINITE, MINUS_INFINITE = -1, -2, -3, -4
+KINDS: Mapping[int | str, int] = {"min": MIN, "max": MAX}
 # What a region is to keep of the form: its sign, where leaves that decide it hide others that are undefined; its sign
 # or its value, and that it is undefined where one of its leaves is.
 SIGN, DEFINED_SIGN, VALUE = 0, 1, 2
@@ -77,9 +79,15 @@ def whole_parts(parts: LeafParts) -> Regions:
     return _region(parts.entries)
 
 
+def choices_of(parts: LeafParts | None) -> Entries:
+    """MIN, MAX or 0 by the numbers of parts; nothing of a form in none."""
+    count = 0 if parts is None else len(parts.form.leaves)
+    chosen = {} if parts is None else parts.choices
+    return np.array([KINDS.get(chosen.get(k, ""), 0) for k in range(count)], np.int32)
+
+
 def _region(rows: Sequence[tuple[int | str, int, int]]) -> Regions:
-    kinds: dict[int | str, int] = {"min": MIN, "max": MAX}
-    entries = np.array([(kinds.get(what, what), first, second) for what, first, second in rows], np.int32)
+    entries = np.array([(KINDS.get(what, what), first, second) for what, first, second in rows], np.int32)
     return Regions(np.array([0, len(entries)]), entries)
 
 
@@ -127,21 +135,21 @@ def gather(chosen: Any, old: Any, entries: Any, new: Any, result: Any) -> None:
                 result[i, j] = entries[i + shift, j]
 
 
-def reduce(start: Any, entries: Any, bounds: Any, keeps: int, keep: Any, sizes: Any, results: Any) -> int:
+def reduce(start: Any, entries: Any, choices: Any, bounds: Any, keeps: int, keep: Any, sizes: Any, results: Any) -> int:
     """The regions of boxes, eight in each region, one after the other; how many entries they have in all.
 
     `bounds` (entries, 2, 8) are those of entries over boxes; `sizes` (regions, 8) tells how many entries each has, none
     where the form has no zero; `keep`, KEPT where a box is asked for, becomes its sign there.
     """
-    most = int(np.diff(start).max(initial=0))
-    scratch = *_scratch(most), np.empty(most, np.bool_)
-    return int(_reduce(start, entries, bounds, keeps, keep, sizes, results, *scratch))
+    scratch = _scratch(int(np.diff(start).max(initial=0)))
+    return int(_reduce(start, entries, choices, bounds, keeps, keep, sizes, results, *scratch))
 
 
 @loop
 def _reduce(
     start: Any,
     entries: Any,
+    choices: Any,
     bounds: Any,
     keeps: int,
     keep: Any,
@@ -150,52 +158,35 @@ def _reduce(
     need: Any,
     where: Any,
     idle: Any,
-    valued: Any,
 ) -> int:
     made = 0
     for region in range(len(start) - 1):
         begin, count = start[region], start[region + 1] - start[region]
-        inside = _inside(entries, begin, count, valued)
         for lane in range(sizes.shape[1]):
             sizes[region, lane] = 0
             root = begin + count - 1
-            if (keeps != SIGN or inside) and keep[region, lane]:
-                _spread(entries, begin, count, bounds, lane, keeps, valued)
+            if (keeps != SIGN or len(choices)) and keep[region, lane]:
+                _spread(entries, begin, count, bounds, lane, keeps)
             if keeps != VALUE and keep[region, lane] and not bounds[root, 0, lane] <= 0 <= bounds[root, 1, lane]:
                 keep[region, lane] = INSIDE if bounds[root, 0, lane] > 0 else OUTSIDE
             if keep[region, lane] == KEPT:
                 for i in range(count):
-                    what = entries[begin + i, 0]
+                    what, rule = entries[begin + i, 0], keeps
+                    if what >= 0 and len(choices):
+                        what, rule = choices[what], VALUE
+                    idle[i] = 0
                     if what == MIN or what == MAX:
-                        idle[i] = _idle(what, entries, begin + i, bounds, begin, lane, VALUE if valued[i] else keeps)
+                        idle[i] = _idle(what, entries, begin + i, bounds, begin, lane, rule)
                 sizes[region, lane] = _left(entries, begin, count, idle, need, where, results, made)
                 made += sizes[region, lane]
     return made
 
 
 @step
-def _inside(entries: Any, begin: int, count: int, valued: Any) -> bool:
-    """Whether a leaf is in parts, and of which entries the value counts for it."""
-    inside = False
-    for i in range(count):
-        valued[i] = False
-    for i in range(count - 1, -1, -1):
-        what = entries[begin + i, 0]
-        gate = what == MIN or what == MAX
-        if (gate and valued[i]) or what >= 0:
-            for k in range(2):
-                if entries[begin + i, 1 + k] != NONE:
-                    valued[entries[begin + i, 1 + k]] = True
-                    inside = True
-    return inside
-
-
-@step
-def _spread(entries: Any, begin: int, count: int, bounds: Any, lane: int, keeps: int, valued: Any) -> None:
+def _spread(entries: Any, begin: int, count: int, bounds: Any, lane: int, keeps: int) -> None:
     """Nothing is known of what has an operand of which nothing is, which may be undefined; of signs gates know more."""
     for i in range(begin, begin + count):
-        gate = entries[i, 0] == MIN or entries[i, 0] == MAX
-        if entries[i, 0] >= 0 or (gate and (keeps != SIGN or valued[i - begin])):
+        if entries[i, 0] >= 0 or (keeps != SIGN and (entries[i, 0] == MIN or entries[i, 0] == MAX)):
             for k in range(2):
                 operand = begin + entries[i, 1 + k]
                 if entries[i, 1 + k] == NONE:
@@ -210,10 +201,9 @@ def _left(entries: Any, begin: int, count: int, idle: Any, need: Any, where: Any
     for i in range(count):
         need[i] = i == count - 1
     for i in range(count - 1, -1, -1):
-        what = entries[begin + i, 0]
-        if need[i] and (what == MIN or what == MAX or what >= 0):
+        if need[i] and entries[begin + i, 0] >= MAX:
             for k in range(2):
-                if entries[begin + i, 1 + k] != NONE and not (what < 0 and idle[i] >> k & 1):
+                if entries[begin + i, 1 + k] != NONE and not idle[i] >> k & 1:
                     need[entries[begin + i, 1 + k]] = True
     number = 0
     for i in range(count):
@@ -221,19 +211,17 @@ def _left(entries: Any, begin: int, count: int, idle: Any, need: Any, where: Any
             continue
         what = entries[begin + i, 0]
         a, b = NONE, NONE
-        if what >= 0:
-            if entries[begin + i, 1] != NONE:
-                a = where[entries[begin + i, 1]]
-            if entries[begin + i, 2] != NONE:
-                b = where[entries[begin + i, 2]]
-        elif what == MIN or what == MAX:
+        if what >= MAX:
             if idle[i] == 1 or idle[i] == 2:
                 where[i] = where[entries[begin + i, 2 if idle[i] == 1 else 1]]
                 continue
             if idle[i] == 3:
                 what = INFINITE if what == MIN else MINUS_INFINITE
             else:
-                a, b = where[entries[begin + i, 1]], where[entries[begin + i, 2]]
+                if entries[begin + i, 1] != NONE:
+                    a = where[entries[begin + i, 1]]
+                if entries[begin + i, 2] != NONE:
+                    b = where[entries[begin + i, 2]]
         results[made + number, 0], results[made + number, 1], results[made + number, 2] = what, a, b
         where[i] = number
         number += 1
