@@ -277,7 +277,7 @@ def trace(
 ) -> LevelLines:
     """The level lines of a prepared field over its lattice, or within bounds; `values` are its samples, if known."""
     values = sampler.values() if values is None else values
-    undefined = np.count_nonzero(np.isnan(values))
+    undefined = int(np.count_nonzero(np.isnan(values)))
     if undefined == values.size:
         raise RsymError(f"the field {field!r} is undefined in all of the bounds", code="undefined")
     found = [line[::-1] for line in index_lines(values, level)]

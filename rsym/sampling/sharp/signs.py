@@ -206,7 +206,7 @@ def find_blocks(
     lattice: Floats,
     cells: Sequence[int],
     pool: Executor | None = None,
-    region: tuple[Sequence[int], Sequence[int]] | None = None,
+    region: tuple[Ints | Sequence[int], Ints | Sequence[int]] | None = None,
     claim: Callable[[Floats, int], None] = lambda corner, size: None,
     finest: int = BLOCK,
 ) -> Blocks:
@@ -239,7 +239,7 @@ def find_blocks(
     return Blocks(np.ascontiguousarray(corner[:, order], np.int64), among[order], tuple(visited))
 
 
-def inside(corner: Ints | Floats, box: Ints) -> Flags:
+def inside(corner: Ints | Floats, box: Ints | Floats) -> Flags:
     """Which cells are in a box (2, 3)."""
     return np.asarray(((corner >= box[0, :, None]) & (corner < box[1, :, None])).all(axis=0))
 
