@@ -6,5 +6,6 @@ A shape comes in; expressions, or another shape, go out, R-nodes kept and letter
 - `contracts/`: what a formula promises, from its operations alone
 - `normalisation`: omega over the length of its gradient, to any order, and any equation as a shape;
   `transformations`: a shape under any smooth map
+- `conditions`: what a function must meet on parts of the boundary, as data
 - `latex`: fields as formulas for a paper
 """
