@@ -89,6 +89,7 @@ from .sampling.fitting import fit
 from .sampling.mesh import Mesh
 from .sampling.mesh_file import MeshFile
 from .sampling.meshing import Mesher, mesh
+from .sampling.rules.quadrature import BoundaryQuadrature, Quadrature, quadrature
 from .sampling.samples import Samples, sample
 from .sampling.sections import Section, sections
 from .sampling.sensitivity import Sensitivity, sensitivity
@@ -120,6 +121,7 @@ __all__ = [
     "SIX",
     "BodyCover",
     "BodyReport",
+    "BoundaryQuadrature",
     "Camera",
     "ContinuityReport",
     "Curve",
@@ -139,6 +141,7 @@ __all__ = [
     "Mesher",
     "NormalisationReport",
     "Price",
+    "Quadrature",
     "R0m",
     "RAlpha",
     "RepairReport",
@@ -256,6 +259,7 @@ __all__ = [
     "primitives",
     "principal_curvatures",
     "product",
+    "quadrature",
     "quadric",
     "rectangle",
     "regular_polygon",
