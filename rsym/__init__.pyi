@@ -90,6 +90,7 @@ from .sampling.fitting import fit
 from .sampling.mesh import Mesh
 from .sampling.mesh_file import MeshFile
 from .sampling.meshing import Mesher, mesh
+from .sampling.rules.quadrature import BoundaryQuadrature, Quadrature, quadrature
 from .sampling.samples import Samples, sample
 from .sampling.sections import Section, sections
 from .sampling.sensitivity import Sensitivity, sensitivity
@@ -121,6 +122,7 @@ __all__ = [
     "SIX",
     "BodyCover",
     "BodyReport",
+    "BoundaryQuadrature",
     "Camera",
     "ContinuityReport",
     "Curve",
@@ -140,6 +142,7 @@ __all__ = [
     "Mesher",
     "NormalisationReport",
     "Price",
+    "Quadrature",
     "R0m",
     "RAlpha",
     "RepairReport",
@@ -261,6 +264,7 @@ __all__ = [
     "primitives",
     "principal_curvatures",
     "product",
+    "quadrature",
     "quadric",
     "rectangle",
     "regular_polygon",
