@@ -81,6 +81,9 @@ from .output.sweep import plot_sweep
 from .output.systems import SystemRow, SystemTable, compare_systems
 from .output.verdicts import plot_verdict
 from .output.viewing import view
+from .problems.solution import Attained, Solution, SolutionReport
+from .problems.solving import solve
+from .problems.spectra import Spectrum, modes
 from .program.fields import SIX
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
@@ -120,6 +123,7 @@ __all__ = [
     "R0",
     "R1",
     "SIX",
+    "Attained",
     "BodyCover",
     "BodyReport",
     "BoundaryQuadrature",
@@ -159,6 +163,9 @@ __all__ = [
     "SingularPoint",
     "SmoothnessAtlas",
     "SmoothnessReport",
+    "Solution",
+    "SolutionReport",
+    "Spectrum",
     "SystemRow",
     "SystemTable",
     "Threshold",
@@ -235,6 +242,7 @@ __all__ = [
     "mesh",
     "mirror_group",
     "mirrored",
+    "modes",
     "nappe",
     "negation",
     "neovius",
@@ -290,6 +298,7 @@ __all__ = [
     "slab",
     "smoothness_atlas",
     "smoothness_threshold",
+    "solve",
     "source",
     "space_curve",
     "sphere",

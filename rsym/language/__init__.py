@@ -4,6 +4,7 @@ Text comes in; a `Shape` goes out, or an error with line and column. And back: a
 
 - `functions`, `pieces`: what formulas may call
 - `scanner`: text to tokens; `expressions`, `parser`: tokens to the tree of `syntax`, loops unrolled
+- `equations`: differential equations to two such trees
 - `model`: what each statement declares, every name once
 - `exact`, `extent`: numbers and work bounded before SymPy sees them; `building`: the tree to SymPy; `assembly`: a shape
   of it; `loading`: from a file

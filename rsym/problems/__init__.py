@@ -1,7 +1,13 @@
-"""Functions on shapes: what interpolates data on the boundary, and what meets conditions there.
+"""Functions on shapes: what interpolates data on the boundary, what meets conditions there, and what solves equations.
 
-A shape with named parts comes in, and conditions by the names of these; expressions and shapes on the same
-coordinates go out, letters live.
+A shape with named parts comes in, and conditions by the names of these; functions of the same coordinates go out.
 
 - `conditions`: conditions by name, brought to the leaves of the shape
+- `terms`: what is linear in an unknown function; `equation_text`, `equations`: a differential equation, of text or
+  SymPy, as its coefficients
+- `pointwise`: formulas compiled, at points; `weights`: functions that vanish on parts of the boundary; `lifts`: those
+  with given values there
+- `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
+- `galerkin`: the system of a problem; `refinement`: until its error is small; `solution`: what comes out
+- `solving`, `spectra`: what is asked
 """

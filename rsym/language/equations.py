@@ -1,0 +1,37 @@
+"""The text of a differential equation to a syntax tree: two sides, with the operators that formulas do not have."""
+
+from __future__ import annotations
+
+from rsym.language.expressions import ExpressionParser
+from rsym.language.scanner import Cursor, scan
+from rsym.language.syntax import ARITIES, Expression
+
+# Fewest and most arguments.
+OPERATORS: dict[str, tuple[int, int | None]] = {
+    "grad": (1, 1),
+    "div": (1, 1),
+    "laplacian": (1, 1),
+    "bilaplacian": (1, 1),
+    "dot": (2, 2),
+    "diff": (2, None),
+}
+_EXAMPLE = 'for example "-div(k*grad(u)) + c*u = f"'
+
+
+def parse_equation(text: str) -> tuple[Expression, Expression]:
+    """The two sides of an equation.
+
+    Examples
+    --------
+    >>> left, right = parse_equation("-laplacian(u) = 2*x")
+    >>> left.parts[0].function, [part.parts for part in right.parts]
+    ('laplacian', [(), ()])
+    """
+    cursor = Cursor(scan(text.strip()))
+    parser = ExpressionParser(cursor, {**ARITIES, **OPERATORS}, vectors=True)
+    left = parser.expression()
+    cursor.expect("=", _EXAMPLE)
+    right = parser.expression()
+    if not cursor.at_end:
+        raise cursor.unexpected("the end of the equation", _EXAMPLE)
+    return left, right

@@ -1,0 +1,364 @@
+"""Galerkin's equations of a boundary value problem on weighted splines: what is integrated, and the system.
+
+u = g + omega*phi + a*e: a lift g of the values on the boundary, the weight omega, a spline phi, and a few functions e
+beside, such as the one that is 1 on a hole at an unknown level. Conditions on fluxes are integrals along the boundary.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from scipy import sparse
+
+from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Robin, Supported, UnknownLevel
+from rsym.arrays import Floats
+from rsym.errors import RsymError
+from rsym.logic.sign_form import SignForm, shape_form
+from rsym.model.equation import Equation
+from rsym.model.shape import Shape
+from rsym.problems.equations import EllipticEquation
+from rsym.problems.lifts import lift_of
+from rsym.problems.pointwise import PointFormulas, compiled, formulas, values_of, with_derivatives
+from rsym.problems.splines.cardinals import derivatives
+from rsym.problems.splines.web import WebSplines, web_splines
+from rsym.problems.systems.forms import Assembler, CellPoints, extended
+from rsym.problems.weights import product_node, weighing
+from rsym.sampling.rules.quadrature import Quadrature
+
+Jets = Callable[[Floats], Floats]
+VALUE, FLUX = "value", "flux"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A shape, an equation, and a condition on each leaf of the shape.
+
+    conditions : in the order of the leaves of `shape_form`; None where nothing is said, so nothing flows.
+    axis : the coordinate whose axis the shape is turned about, -1 in the plane and in space.
+    """
+
+    shape: Shape
+    equation: EllipticEquation
+    conditions: tuple[BoundaryCondition | None, ...]
+    axis: int = -1
+
+    @property
+    def dimension(self) -> int:
+        """Of the shape."""
+        return len(self.shape.coordinates)
+
+    @cached_property
+    def form(self) -> SignForm:
+        """The sign form of the shape."""
+        return shape_form(self.shape)
+
+    def leaves(self, *kinds: type[BoundaryCondition]) -> tuple[int, ...]:
+        """The leaves with conditions of some kinds."""
+        return tuple(k for k, condition in enumerate(self.conditions) if isinstance(condition, kinds))
+
+    @property
+    def order(self) -> int:
+        """Of the highest derivatives that are integrated."""
+        return self.equation.order // 2
+
+    @cached_property
+    def operands(self) -> tuple[int, ...]:
+        """The conjuncts that make up the weight."""
+        return weighing(self.form, self.shape, self.leaves(Dirichlet, UnknownLevel, Clamped, Supported))
+
+    @cached_property
+    def clamped(self) -> tuple[int, ...]:
+        """Those of them that stand in it twice."""
+        return weighing(self.form, self.shape, self.leaves(Clamped))
+
+    @cached_property
+    def weight(self) -> PointFormulas:
+        """The derivatives of the weight, one order more than is integrated: points are asked for these too."""
+        b = self.form.builder
+        node = b.mul(product_node(self.form, self.operands), product_node(self.form, self.clamped))
+        nodes = with_derivatives(b, {"weight": node}, b.coordinates, max(2, self.order))
+        return compiled(self.shape, b, nodes)
+
+    @cached_property
+    def levels(self) -> tuple[tuple[int, ...], ...]:
+        """The conjuncts of the parts at unknown levels, one part after the other."""
+        found = weighing(self.form, self.shape, self.leaves(UnknownLevel))
+        return tuple((operand,) for operand in found)
+
+    @cached_property
+    def extra(self) -> PointFormulas | None:
+        """The functions e with their derivatives: W/(W + w) is 1 where w = 0 and 0 where W, all other weights, is."""
+        if not self.levels:
+            return None
+        b = self.form.builder
+        nodes = {}
+        for number, hole in enumerate(self.levels):
+            own = product_node(self.form, hole)
+            others = product_node(self.form, [operand for operand in self.operands if operand not in hole])
+            nodes[f"level {number}"] = b.div(others, b.add(others, own))
+        return compiled(self.shape, b, with_derivatives(b, nodes, b.coordinates, max(2, self.order)))
+
+    @cached_property
+    def lift(self) -> PointFormulas | None:
+        """The derivatives of a function with the values of u on the boundary."""
+        return lift_of(self.shape, self.conditions)
+
+    @cached_property
+    def coefficients(self) -> PointFormulas:
+        """The coefficients of the equation, in the order of `EllipticEquation.expressions`."""
+        return formulas(self.shape, self.equation.expressions, self.equation.functions)
+
+    def radius(self, points: Floats) -> Floats:
+        """What an integral about an axis is weighed by: the distance from it, 2 pi apart; else 1."""
+        if self.axis < 0:
+            return np.ones(len(points))
+        return np.abs(points[:, 1 - self.axis])
+
+
+@dataclass(frozen=True)
+class Discretisation:
+    """A problem on a rule of integration, by splines of a degree."""
+
+    problem: Problem
+    rule: Quadrature
+    degree: int
+    threads: int | None = None
+
+    @cached_property
+    def splines(self) -> WebSplines:
+        """The splines of the grid of the rule."""
+        grid = self.rule.grid
+        return web_splines(grid.lower, grid.size, grid.counts, self.degree, self.rule.touched, self.rule.full)
+
+    @property
+    def kinds(self) -> int:
+        """How many derivatives are integrated."""
+        return len(derivatives(self.problem.dimension, self.problem.order))
+
+    @cached_property
+    def assembler(self) -> Assembler:
+        """Of matrices."""
+        return Assembler(self.splines, self.problem.order, self.threads)
+
+    @cached_property
+    def inside(self) -> CellPoints:
+        """The points inside."""
+        return CellPoints(self.rule.points, self.rule.cells)
+
+    @property
+    def extra_count(self) -> int:
+        """How many functions there are beside the splines."""
+        return len(self.problem.levels)
+
+    def tests(self, points: Floats) -> Floats:
+        """The weight and its derivatives (kinds, n)."""
+        return self.problem.weight(points)[: self.kinds]
+
+    def extras(self, points: Floats) -> Floats:
+        """The derivatives (kinds, functions, n) of the functions beside the splines."""
+        if self.problem.extra is None:
+            return np.zeros((self.kinds, 0, len(points)))
+        found = self.problem.extra(points).reshape(self.extra_count, -1, len(points))
+        return np.ascontiguousarray(found[:, : self.kinds].transpose(1, 0, 2))
+
+    # -- forms at points -------------------------------------------------------------------------------------------
+
+    def equation_form(self, some: slice, points: Floats) -> Floats:
+        """Of the equation: rows are tests, columns u."""
+        dimension = self.problem.dimension
+        weights = self.rule.weights[some] * self.problem.radius(points)
+        values = dict(zip(self.problem.equation.expressions, self.problem.coefficients(points), strict=True))
+        self._require_elliptic(values, points)
+        form = np.zeros((len(points), self.kinds, self.kinds))
+        for i in range(dimension):
+            form[:, 1 + i, 0] = 0.0
+            form[:, 0, 1 + i] = weights * values[f"b{i}"]
+            for j in range(dimension):
+                form[:, 1 + i, 1 + j] = weights * values[f"a{i}{j}"]
+        form[:, 0, 0] = weights * values["c"]
+        if self.problem.order == 2:
+            second = [
+                1 + dimension + k for k, index in enumerate(derivatives(dimension, 2)[1 + dimension :]) if 2 in index
+            ]
+            for i in second:
+                for j in second:
+                    form[:, i, j] = weights * values["d"]
+        return form
+
+    def load_form(self, some: slice, points: Floats) -> Floats:
+        """Of the right side, (n, kinds, 1)."""
+        place = list(self.problem.equation.expressions).index("f")
+        found = np.zeros((len(points), self.kinds, 1))
+        found[:, 0, 0] = (
+            self.rule.weights[some] * self.problem.radius(points) * self.problem.coefficients(points)[place]
+        )
+        return found
+
+    def _require_elliptic(self, values: Mapping[str, Floats], points: Floats) -> None:
+        dimension = self.problem.dimension
+        if self.problem.order == 2:
+            wrong = ~(values["d"] > 0)
+        else:
+            matrix = np.array([[values[f"a{i}{j}"] for j in range(dimension)] for i in range(dimension)])
+            matrix = (matrix + matrix.transpose(1, 0, 2)) / 2
+            wrong = ~(np.linalg.eigvalsh(np.moveaxis(matrix, 2, 0))[:, 0] > 0)
+        if wrong.any():
+            place = ", ".join(f"{value:.4g}" for value in points[int(np.argmax(wrong))])
+            raise RsymError(
+                f"the equation is not elliptic at ({place})",
+                code="not-elliptic",
+                remedy="the coefficients of the second derivatives must be positive definite all over the shape",
+            )
+
+    # -- the boundary ----------------------------------------------------------------------------------------------
+
+    @cached_property
+    def flux_parts(self) -> tuple[tuple[CellPoints, Floats, Floats, Floats], ...]:
+        """Of each leaf with a condition on the flux: points, weights, the coefficient of u and the flux there."""
+        found = []
+        boundary, problem = self.rule.boundary, self.problem
+        for leaf in problem.leaves(Robin):
+            condition = problem.conditions[leaf]
+            assert isinstance(condition, Robin)
+            on = boundary.leaves == leaf
+            where = CellPoints(np.ascontiguousarray(boundary.points[on]), boundary.cells[on])
+            weights = boundary.weights[on] * problem.radius(where.points)
+            both = [value_at(problem.shape, value, where.points) for value in (condition.coefficient, condition.flux)]
+            # du/dn is along A n: the flux of the equation is A grad u . n.
+            found.append((where, weights * self._conductivity(where.points), *both))
+        return tuple(found)
+
+    def _conductivity(self, points: Floats) -> Floats:
+        """K of a diffusion k times the identity, at points."""
+        problem = self.problem
+        diffusion = problem.equation.diffusion
+        n = range(problem.dimension)
+        if any(diffusion[i][j] != (diffusion[0][0] if i == j else 0) for i in n for j in n):
+            raise RsymError(
+                "a condition on du/dn needs an equation that diffuses alike in all directions",
+                code="condition",
+                remedy='"-div(k*grad(u)) = f" with a number or an expression k',
+            )
+        return problem.coefficients(points)[0]
+
+    # -- the system ------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def matrix(self) -> sparse.csr_matrix:
+        """Of all functions: inner splines, then the others."""
+        symmetric = self.problem.equation.symmetric
+        own = self.assembler.matrix(self.inside, self.equation_form, self.tests, symmetric=symmetric)
+        for where, weights, coefficient, _ in self.flux_parts:
+            if len(weights) and coefficient.any():
+                own = own + self.assembler.matrix(where, at_values(weights * coefficient, self.kinds), self.tests)
+        return self._bordered(extended(self.splines, own), self._with_extras, symmetric)
+
+    def mass(self, density: sp.Expr | Callable[..., Any] = sp.S.One) -> sparse.csr_matrix:
+        """Of the products of functions."""
+        values = value_at(self.problem.shape, density, self.rule.points) * self.rule.weights
+        form = at_values(values * self.problem.radius(self.rule.points), self.kinds)
+        own = self.assembler.matrix(self.inside, form, self.tests)
+
+        def applied(given: Jets, count: int, form: Any = form) -> list[tuple[CellPoints, Any]]:
+            return [(self.inside, form)]
+
+        return self._bordered(extended(self.splines, own), applied, True)
+
+    @cached_property
+    def right(self) -> Floats:
+        """Of the load, the fluxes and the lift."""
+        total = self._loads(self.inside, self.load_form)
+        for where, weights, _, flux in self.flux_parts:
+            if len(weights) and flux.any():
+                total = total + self._loads(where, _single(weights * flux, self.kinds))
+        lift = self.problem.lift
+        if lift is not None:
+            for where, form in self._with_extras(lift, 1):
+                total = total - self._loads(where, _applied(form, lambda points: lift(points)[: self.kinds, None]))
+        return total[0]
+
+    def _with_extras(self, given: Jets, count: int) -> list[tuple[CellPoints, Any]]:
+        """The forms of the whole equation, with where they are integrated."""
+        found: list[tuple[CellPoints, Any]] = [(self.inside, self.equation_form)]
+        for where, weights, coefficient, _ in self.flux_parts:
+            found.append((where, at_values(weights * coefficient, self.kinds)))
+        return found
+
+    def _loads(self, where: CellPoints, load: Any, count: int = 1) -> Floats:
+        """The loads (count, functions) of inner splines, then of the others."""
+        own = self.assembler.loads(where, load, self.tests, count) @ self.splines.extension
+        if not self.extra_count:
+            return np.asarray(own)
+        extra = np.zeros((count, self.extra_count))
+        for _, _, some in where.chunks():
+            points = where.points[some]
+            extra += np.einsum("kfn,nkc->cf", self.extras(points), load(some, points))
+        return np.concatenate((own, extra), axis=1)
+
+    def _bordered(self, own: sparse.csr_matrix, forms: Any, symmetric: bool) -> sparse.csr_matrix:
+        """With the rows and columns of the other functions."""
+        count = self.extra_count
+        if not count:
+            return own
+        columns = np.zeros((own.shape[0] + count, count))
+        rows = np.zeros((count, own.shape[0] + count))
+        for where, form in forms(self.extras, count):
+            columns += self._loads(where, _applied(form, self.extras), count).T
+            if not symmetric:
+                rows += self._loads(where, _applied(form, self.extras, transposed=True), count)
+        if symmetric:
+            rows = columns.T
+        n = own.shape[0]
+        blocks = [
+            [own, sparse.csr_matrix(columns[:n])],
+            [sparse.csr_matrix(rows[:, :n]), sparse.csr_matrix(columns[n:])],
+        ]
+        return sparse.bmat(blocks, format="csr")
+
+
+def at_values(weights: Floats, kinds: int) -> Callable[[slice, Floats], Floats]:
+    """The form weights*u*v."""
+
+    def form(some: slice, points: Floats) -> Floats:
+        found = np.zeros((len(points), kinds, kinds))
+        found[:, 0, 0] = weights[some]
+        return found
+
+    return form
+
+
+def _single(weights: Floats, kinds: int) -> Callable[[slice, Floats], Floats]:
+    """The load weights*v."""
+
+    def load(some: slice, points: Floats) -> Floats:
+        found = np.zeros((len(points), kinds, 1))
+        found[:, 0, 0] = weights[some]
+        return found
+
+    return load
+
+
+def _applied(form: Any, given: Jets, *, transposed: bool = False) -> Callable[[slice, Floats], Floats]:
+    """The load that a form makes of given functions, whose derivatives are (kinds, functions, n)."""
+
+    def load(some: slice, points: Floats) -> Floats:
+        values = form(some, points)
+        if transposed:
+            values = values.transpose(0, 2, 1)
+        return np.ascontiguousarray(np.einsum("nkl,lcn->nkc", values, given(points)))
+
+    return load
+
+
+def value_at(shape: Shape, value: Any, points: Floats) -> Floats:
+    """An expression, a shape or a Python function at points."""
+    if isinstance(value, Equation):
+        value = value.expression
+    if isinstance(value, sp.Basic):
+        return formulas(shape, {VALUE: value})(points)[0]
+    return values_of(FLUX, value, list(np.ascontiguousarray(points.T)))
