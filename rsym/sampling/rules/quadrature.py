@@ -17,12 +17,15 @@ from rsym.model.equation import checked_bounds
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
-from rsym.sampling.rules.columns import PlaneRule, cut_rule, gauss
-from rsym.sampling.rules.division import divide, undivided
+from rsym.sampling.rules.bases import plane_rule
+from rsym.sampling.rules.columns import CellRule, rules_together, tensor_rule
+from rsym.sampling.rules.division import Limits, divide, undivided
 from rsym.sampling.rules.leaf_functions import LeafFunctions, rule_form
+from rsym.sampling.rules.space import space_rule
 
 ORDER = 8
 AT_ONCE = 4096  # cells
+LIMITS = Limits(6, 24)
 
 
 @dataclass(frozen=True)
@@ -166,8 +169,6 @@ def quadrature(
     True
     """
     require_shape(shape)
-    if shape.dimension != 2:
-        raise RsymError("rules are made in the plane", code="arity", remedy="give a shape of x and y")
     box = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
     capped = box is not None
     if box is None:
@@ -198,17 +199,22 @@ def _grid(box: Bounds, cells: int) -> CellGrid:
 
 def _portion(
     functions: LeafFunctions, grid: CellGrid, cells: Ints, order: int, near: Floats
-) -> tuple[PlaneRule, Ints, float]:
+) -> tuple[CellRule, Ints, float]:
     """The rule in some cells, those that are full, and the measure of what is not resolved."""
     lower, upper = grid.corners(cells)
-    found = divide(functions, undivided(lower, upper, cells, functions.count), near)
-    rules = [_tensor(found.lower, found.upper, found.owner, order)]
+    found = divide(functions, undivided(lower, upper, cells, functions.count), near, LIMITS)
+    rules = [tensor_rule(found.lower, found.upper, found.owner, order)]
     unresolved = 0.0
     for pieces in found.cut:
         if len(pieces):
-            rules.append(cut_rule(functions, pieces, order))
+            if functions.dimension == 2:
+                rules.append(plane_rule(functions, pieces, order))
+            else:
+                rule, part = space_rule(functions, pieces, order)
+                rules.append(rule)
+                unresolved += part
             unresolved += float(np.prod(pieces.upper - pieces.lower, axis=0)[~pieces.proved].sum())
-    rule = _sorted(rules)
+    rule = rules_together(rules)
     content = np.bincount(rule.owner - cells[0], rule.weights, len(cells))
     whole = np.prod(upper - lower, axis=0)
     full = np.abs(content / whole - 1) < 1e-12
@@ -218,37 +224,15 @@ def _portion(
     other &= counts == order**functions.dimension
     if other.any():
         keep = ~other[rule.owner - cells[0]]
-        plain = _tensor(lower[:, other], upper[:, other], cells[other], order)
+        plain = tensor_rule(lower[:, other], upper[:, other], cells[other], order)
         points, weights, owner = rule.points[:, keep], rule.weights[keep], rule.owner[keep]
-        rule = _sorted([replace(rule, points=points, weights=weights, owner=owner), plain])
+        rule = rules_together([replace(rule, points=points, weights=weights, owner=owner), plain])
     return rule, cells[full], unresolved
 
 
-def _tensor(lower: Floats, upper: Floats, owner: Ints, order: int) -> PlaneRule:
-    """The plain Gauss rule on boxes."""
-    x, w = gauss(order)
-    dimension = len(lower)
-    place = np.stack(np.meshgrid(*[x] * dimension, indexing="ij")).reshape(dimension, 1, -1)
-    weight = np.prod(np.stack(np.meshgrid(*[w] * dimension, indexing="ij")).reshape(dimension, -1), axis=0)
-    side = upper - lower
-    points = (lower[:, :, None] + side[:, :, None] * place).reshape(dimension, -1)
-    weights = (np.prod(side, axis=0)[:, None] * weight).ravel()
-    none = np.empty((dimension, 0)), np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64)
-    return PlaneRule(points, weights, np.repeat(owner, len(weight)), *none)
-
-
-def _sorted(rules: list[PlaneRule]) -> PlaneRule:
-    """Rules as one, by cell."""
-    parts = [
-        np.concatenate([getattr(rule, name) for rule in rules], axis=-1) for name in PlaneRule.__dataclass_fields__
-    ]
-    inner, edge = np.argsort(parts[2], kind="stable"), np.argsort(parts[6], kind="stable")
-    return PlaneRule(*(part[..., inner] for part in parts[:3]), *(part[..., edge] for part in parts[3:]))
-
-
-def _together(made: list[tuple[PlaneRule, Ints, float]]) -> tuple[PlaneRule, Ints, float]:
+def _together(made: list[tuple[CellRule, Ints, float]]) -> tuple[CellRule, Ints, float]:
     return (
-        _sorted([rule for rule, _, _ in made]),
+        rules_together([rule for rule, _, _ in made]),
         np.concatenate([full for _, full, _ in made]),
         sum(unresolved for _, _, unresolved in made),
     )
