@@ -89,6 +89,8 @@ from .sampling.fitting import fit
 from .sampling.mesh import Mesh
 from .sampling.mesh_file import MeshFile
 from .sampling.meshing import Mesher, mesh
+from .sampling.rules.integrals import integrate
+from .sampling.rules.measures import MeasureReport, measure
 from .sampling.rules.quadrature import BoundaryQuadrature, Quadrature, quadrature
 from .sampling.samples import Samples, sample
 from .sampling.sections import Section, sections
@@ -136,6 +138,7 @@ __all__ = [
     "Letter",
     "LevelLines",
     "LintReport",
+    "MeasureReport",
     "Mesh",
     "MeshFile",
     "Mesher",
@@ -215,6 +218,7 @@ __all__ = [
     "hessian",
     "implication",
     "implicit",
+    "integrate",
     "joining",
     "kaleidoscope",
     "lambdify",
@@ -228,6 +232,7 @@ __all__ = [
     "load_letters",
     "loads",
     "mean_curvature",
+    "measure",
     "mesh",
     "mirror_group",
     "mirrored",

@@ -66,6 +66,15 @@ class LeafFunctions:
         scale = self.scales[leaf]
         return value * scale, gradient[: self.dimension] * scale
 
+    def sign(self, points: Floats) -> Any:
+        """The sign (n,) of the form at points (dim, n)."""
+        count = points.shape[1]
+        value, _ = self.evaluate(np.repeat(np.arange(self.count), count), np.tile(points, self.count))
+        signs = list(np.sign(value).reshape(self.count, count))
+        for is_max, first, second in self.gates:
+            signs.append((np.maximum if is_max else np.minimum)(signs[first], signs[second]))
+        return signs[-1]
+
     def judge(self, pieces: CutPieces, value: Floats) -> tuple[Any, Ints, Flags]:
         """From bounds of values the signs of all leaves, the sign of the form, and which leaves that depends on."""
         signs, verdict = pieces.signs.copy(), np.zeros(len(pieces), np.int64)

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Floats, Ints
+from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
 from rsym.model.equation import checked_bounds
-from rsym.model.requirements import require_shape
+from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
 from rsym.sampling.rules.bases import plane_rule
@@ -24,8 +25,8 @@ from rsym.sampling.rules.leaf_functions import LeafFunctions, rule_form
 from rsym.sampling.rules.space import space_rule
 
 ORDER = 8
-AT_ONCE = 4096  # cells
-LIMITS = Limits(6, 24)
+AT_ONCE = {2: 1024, 3: 256}  # cells
+LIMITS = {2: Limits(6, 44), 3: Limits(5, 24)}
 
 
 @dataclass(frozen=True)
@@ -158,7 +159,44 @@ def quadrature(
     near: ArrayLike | None = None,
     threads: int | None = None,
 ) -> Quadrature:
-    """Gauss rules on a shape and on its boundary.
+    """Gauss rules on a shape and on its boundary, which know every leaf of its sign form and every corner.
+
+    A cell is divided until along one axis every leaf that matters in it rises or falls, proved by intervals, or does
+    not change. There: Gauss points along the base, between the places where a leaf meets the ends of the piece or
+    another leaf; on the line above each, the roots of leaves; Gauss points between roots where the gates of the form
+    say inside. In space the base is a plane and treated likewise. On the boundary, at the roots, with base weight db:
+
+        ds = |grad f|/|f_k| db
+
+    All points are inside, all weights positive. R-functions of any system, normalised or not, give the same rule.
+
+    Parameters
+    ----------
+    shape : Shape
+        In the plane or in space. Its boundary must be piecewise smooth for the rule to be accurate.
+    cells : int
+        Cubical cells along the longest side.
+    order : int
+        Gauss points along each direction: exact to the degree 2 order - 1 in cells without boundary.
+    bounds : pairs, optional
+        Else the shape's own; both cap the shape, and their sides are parts ``cap x lower`` and so on. A shape without
+        any has its `extent`.
+    letters : mapping, optional
+        Override the defaults; nothing is compiled for them.
+    near : (k, dim), optional
+        Points, such as corners, towards which cells are halved up to 28 times, until they are small against their
+        distance from them.
+    threads : int, optional
+        The bits do not depend on it.
+
+    Raises
+    ------
+    RsymError
+        ``unbounded`` without bounds for a shape that goes on for ever; ``undefined`` where a leaf that matters has no
+        value; for a number that is no positive integer.
+
+    Source: R. I. Saye (2015), High-order quadrature methods for implicitly defined surfaces and volumes, SIAM J. Sci.
+    Comput. 37.
 
     Examples
     --------
@@ -168,26 +206,73 @@ def quadrature(
     >>> bool(abs(rule.weights.sum() / (2 * math.pi) - 1) < 1e-14)
     True
     """
+    return prepared(shape, bounds, letters).rule(cells, order, near, threads)
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A shape at letters within bounds, ready for rules."""
+
+    functions: LeafFunctions
+    box: Bounds
+    parts: tuple[str, ...]
+
+    def rule(self, cells: int, order: int, near: ArrayLike | None = None, threads: int | None = None) -> Quadrature:
+        """The rule with so many cells along the longest side, and so many points along each direction of a cell."""
+        require_count("cells", cells, "the number of cells along the longest side, for example 32")
+        require_count("order", order, "the number of points along each direction of a cell, for example 8")
+        functions, dimension = self.functions, self.functions.dimension
+        grid, points = _grid(self.box, cells), _points(near, dimension)
+        every, size = np.arange(math.prod(grid.counts)), AT_ONCE[dimension]
+
+        def portion(first: int) -> tuple[CellRule, Ints, float]:
+            return _portion(functions, grid, every[first : first + size], order, points)
+
+        count = checked_threads(threads)
+        if count > 1 and len(every) > size:
+            made = list(lasting_threads("rsym-rules", count).map(portion, range(0, len(every), size)))
+        else:
+            made = [portion(first) for first in range(0, len(every), size)]
+        rule = rules_together([rule for rule, _, _ in made])
+        full = np.concatenate([full for _, full, _ in made])
+        _, gradient = functions.evaluate(rule.edge_leaf, rule.edge_points)
+        normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
+        boundary = BoundaryQuadrature(
+            rule.edge_points.T, rule.edge_weights, normals, rule.edge_leaf, rule.edge_owner, self.parts
+        )
+        touched = np.union1d(rule.owner, rule.edge_owner)
+        unresolved = sum(part for _, _, part in made)
+        return Quadrature(
+            rule.points.T, rule.weights, rule.owner, grid, full, touched, self.parts, boundary, order, unresolved
+        )
+
+
+def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Prepared:
+    """A shape within the bounds given, else its own, which cap it, else its extent."""
     require_shape(shape)
     box = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
-    capped = box is not None
-    if box is None:
-        box = extent(shape, letters)
-    grid = _grid(box, cells)
-    form = rule_form(shape, capped)
-    functions = LeafFunctions(shape, form, letters, box)
-    parts = leaf_names(form, shape)
-    points = np.empty((0, shape.dimension)) if near is None else np.asarray(near, float).reshape(-1, shape.dimension)
-    every = np.arange(math.prod(grid.counts))
-    made = [_portion(functions, grid, every[k : k + AT_ONCE], order, points) for k in range(0, len(every), AT_ONCE)]
-    rule, full, unresolved = _together(made)
-    _, gradient = functions.evaluate(rule.edge_leaf, rule.edge_points)
-    normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
-    boundary = BoundaryQuadrature(
-        rule.edge_points.T, rule.edge_weights, normals, rule.edge_leaf, rule.edge_owner, parts
-    )
-    touched = np.union1d(np.unique(rule.owner), np.unique(rule.edge_owner))
-    return Quadrature(rule.points.T, rule.weights, rule.owner, grid, full, touched, parts, boundary, order, unresolved)
+    form = rule_form(shape, box is not None)
+    known = extent(shape, letters) if box is None else box
+    functions = LeafFunctions(shape, form, letters, known)
+    if box is None and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
+        raise RsymError(
+            "the inside of the shape is unbounded",
+            code="unbounded",
+            remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
+        )
+    return Prepared(functions, known, leaf_names(form, shape))
+
+
+def _points(near: ArrayLike | None, dimension: int) -> Floats:
+    """Points (k, dim) from what was given."""
+    found = np.empty((0, dimension)) if near is None else np.asarray(near, np.float64)
+    if found.size and (found.ndim != 2 or found.shape[1] != dimension or not np.isfinite(found).all()):
+        raise RsymError(
+            f"expected finite points (k, {dimension}) near which cells are divided, got the shape {found.shape}",
+            code="points",
+            remedy="a row for each point",
+        )
+    return found.reshape(-1, dimension)
 
 
 def _grid(box: Bounds, cells: int) -> CellGrid:
@@ -202,7 +287,7 @@ def _portion(
 ) -> tuple[CellRule, Ints, float]:
     """The rule in some cells, those that are full, and the measure of what is not resolved."""
     lower, upper = grid.corners(cells)
-    found = divide(functions, undivided(lower, upper, cells, functions.count), near, LIMITS)
+    found = divide(functions, undivided(lower, upper, cells, functions.count), near, LIMITS[functions.dimension])
     rules = [tensor_rule(found.lower, found.upper, found.owner, order)]
     unresolved = 0.0
     for pieces in found.cut:
@@ -228,11 +313,3 @@ def _portion(
         points, weights, owner = rule.points[:, keep], rule.weights[keep], rule.owner[keep]
         rule = rules_together([replace(rule, points=points, weights=weights, owner=owner), plain])
     return rule, cells[full], unresolved
-
-
-def _together(made: list[tuple[CellRule, Ints, float]]) -> tuple[CellRule, Ints, float]:
-    return (
-        rules_together([rule for rule, _, _ in made]),
-        np.concatenate([full for _, full, _ in made]),
-        sum(unresolved for _, _, unresolved in made),
-    )
