@@ -93,6 +93,8 @@ from .sampling.fitting import fit
 from .sampling.mesh import Mesh
 from .sampling.mesh_file import MeshFile
 from .sampling.meshing import Mesher, mesh
+from .sampling.rules.integrals import integrate
+from .sampling.rules.measures import MeasureReport, measure
 from .sampling.rules.quadrature import BoundaryQuadrature, Quadrature, quadrature
 from .sampling.samples import Samples, sample
 from .sampling.sections import Section, sections
@@ -141,6 +143,7 @@ __all__ = [
     "Letter",
     "LevelLines",
     "LintReport",
+    "MeasureReport",
     "Mesh",
     "MeshFile",
     "Mesher",
@@ -226,6 +229,7 @@ __all__ = [
     "hessian",
     "implication",
     "implicit",
+    "integrate",
     "joining",
     "kaleidoscope",
     "lambdify",
@@ -239,6 +243,7 @@ __all__ = [
     "load_letters",
     "loads",
     "mean_curvature",
+    "measure",
     "mesh",
     "mirror_group",
     "mirrored",

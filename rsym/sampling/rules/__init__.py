@@ -7,5 +7,7 @@ In comes a shape, out come points and weights inside and on the boundary. In the
 - `isolation`: all roots of functions of one variable; `curves`: the functions of one variable in a cut cell
 - `columns`: Gauss, roots, Gauss on cut cells in the plane; `segments`: of their bases; `lines`,
   `walks`: along their heights
-- `quadrature`: `rsym.quadrature`
+- `space`: the same over the parts of a plane base
+- `quadrature`: `rsym.quadrature`; `refinement`: until two rules agree; `integrals`: `rsym.integrate`; `measures`:
+  `rsym.measure`
 """

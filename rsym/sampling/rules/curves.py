@@ -16,9 +16,13 @@ from rsym.sampling.rules.isolation import Brackets, roots
 
 
 def placed(height_axis: Ints, base: Floats, height: Floats) -> Floats:
-    """Points (2, n) with these places along the base and the height."""
-    upright = height_axis == 1
-    return np.stack([np.where(upright, base, height), np.where(upright, height, base)])
+    """Points (dim, n) with these places (n,), or (2, n) in space, along the base and along the height."""
+    if base.ndim == 1:
+        upright = height_axis == 1
+        return np.stack([np.where(upright, base, height), np.where(upright, height, base)])
+    first = np.where(height_axis == 0, height, base[0])
+    second = np.where(height_axis == 1, height, np.where(height_axis == 0, base[0], base[1]))
+    return np.stack([first, second, np.where(height_axis == 2, height, base[1])])
 
 
 def along(gradient: Floats, axis: Ints) -> Floats:
@@ -72,7 +76,7 @@ class Risers:
     def evaluate(self, which: Ints, at: Floats) -> tuple[Floats, Floats]:
         """Values and slopes."""
         axis = self.axis[which]
-        value, gradient = self.functions.evaluate(self.leaf[which], placed(axis, self.base[which], at))
+        value, gradient = self.functions.evaluate(self.leaf[which], placed(axis, self.base[..., which], at))
         return value, along(gradient, axis)
 
     def enclose(self, which: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:

@@ -19,8 +19,6 @@ INSIDE, OPEN, OUTSIDE = 1, 0, -1
 # A leaf may climb so steeply over the axes across, or any if its slope changes by this factor at most in the cell.
 STEEP, EVEN = 4.0, 2.0
 FLAT_SCORE = 0.3  # of an axis along which a leaf does not change: better than a steep one
-LEVELS = 6  # of division where much is left open, as along a curve on which gradients vanish
-DEEPEST = 24  # where little is, as around a point
 MOST = 64  # parts of a cell left open at a level
 GRADED = 28  # levels of division towards a given point
 
@@ -30,7 +28,11 @@ class BoundedFunctions(Protocol):
 
     dimension: int
     tolerance: float
-    gates: Ints
+    gates: Ints | None  # none: every part is wanted, and the functions only part the cells
+    walls: Flags  # of functions that part cells, those that are the boundary's
+
+    def judge(self, pieces: CutPieces, value: Floats) -> tuple[Any, Ints, Flags]:
+        """From bounds of values the signs of all leaves, the verdict on each piece, and which of its leaves matter."""
 
     def evaluate(self, leaf: Ints, points: Floats) -> tuple[Floats, Floats]:
         """Values (n,) of leaf[k] at point k of (dim, n), and gradients (dim, n)."""
@@ -103,15 +105,13 @@ class CutPieces:
         lower = np.where(corner == 0, self.lower[:, :, None], middle).reshape(dimension, -1)
         upper = np.where(corner == 0, middle, self.upper[:, :, None]).reshape(dimension, -1)
         counts = np.repeat(np.diff(self.start), parts)
-        first = np.repeat(self.start[:-1], parts)
-        start = starts(counts)
-        pairs = np.repeat(first - start[:-1], counts) + np.arange(start[-1])
+        pairs = span(np.repeat(self.start[:-1], parts), counts)
         return CutPieces(
             lower,
             upper,
             np.repeat(self.owner, parts),
             np.repeat(self.signs, parts, axis=0),
-            start,
+            starts(counts),
             self.leaf[pairs],
             np.empty((dimension, 2, 0)),
             np.repeat(self.axis, parts),
@@ -122,6 +122,13 @@ class CutPieces:
 def starts(counts: Ints) -> Ints:
     """Where each of so many things begins, and the end."""
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+
+
+def span(first: Ints, counts: Ints) -> Ints:
+    """The numbers first[k], first[k] + 1, ... so many for each k, in a row."""
+    begin = starts(counts)
+    found: Ints = np.repeat(first - begin[:-1], counts) + np.arange(begin[-1])
+    return found
 
 
 def undivided(lower: Floats, upper: Floats, owner: Ints, leaves: int) -> CutPieces:
@@ -161,19 +168,25 @@ class Divided:
     cut: list[CutPieces]
 
 
-def divide(functions: BoundedFunctions, cells: CutPieces, near: Floats) -> Divided:
+@dataclass(frozen=True)
+class Limits:
+    """So many levels of division where much is left open, as along a curve on which gradients vanish, and little."""
+
+    usual: int
+    deepest: int
+
+
+def divide(functions: BoundedFunctions, cells: CutPieces, near: Floats, limits: Limits) -> Divided:
     """Divide cells; those close to one of the points `near` (k, dim) are divided towards it."""
     inside: list[tuple[Floats, Floats, Ints]] = []
     whole = np.empty(0, np.int64)
     cut: list[CutPieces] = []
     pieces = cells
-    for level in range(max(DEEPEST, GRADED if len(near) else 0) + 1):
+    for level in range(max(limits.deepest, GRADED if len(near) else 0) + 1):
         if not len(pieces):
             break
         value, gradient = functions.enclose(pieces.leaf, pieces.lower[:, pieces.piece], pieces.upper[:, pieces.piece])
-        verdict, kept = np.zeros(len(pieces), np.int64), np.zeros(len(pieces.leaf), bool)
-        signs = pieces.signs.copy()
-        judge(functions.gates, functions.tolerance, pieces.start, pieces.leaf, value, signs, verdict, kept)
+        signs, verdict, kept = functions.judge(pieces, value)
         pieces = replace(pieces, gradient=gradient, signs=signs)
         towards = close(pieces, near) if level < GRADED else np.zeros(len(pieces), bool)
         full = (verdict == INSIDE) & ~towards
@@ -187,7 +200,9 @@ def divide(functions: BoundedFunctions, cells: CutPieces, near: Floats) -> Divid
         pieces = replace(pieces, axis=axis, proved=proved)
         going = ~proved & ~towards
         crowd = np.bincount(pieces.owner[going], minlength=1) if going.any() else np.zeros(1, np.int64)
-        last = (level >= LEVELS) & (crowd[np.minimum(pieces.owner, len(crowd) - 1)] > MOST) | (level >= DEEPEST)
+        last = (level >= limits.usual) & (crowd[np.minimum(pieces.owner, len(crowd) - 1)] > MOST) | (
+            level >= limits.deepest
+        )
         done = (proved | last) & ~towards
         cut.append(pieces.chosen(done))
         pieces = pieces.chosen(~done).halved()
@@ -203,45 +218,6 @@ def close(pieces: CutPieces, near: Floats) -> Flags:
         place = point[:, None]
         found |= ((place >= pieces.lower - half) & (place <= pieces.upper + half)).all(axis=0)
     return found
-
-
-@loop
-def judge(gates: Any, tolerance: float, start: Any, leaf: Any, value: Any, signs: Any, verdict: Any, kept: Any) -> None:
-    """Signs of leaves from their bounds, the sign of the form, and which leaves of open sign that depends on."""
-    leaves, count = signs.shape[1], len(gates)
-    known = np.zeros(leaves + count, np.int8)
-    wanted = np.zeros(leaves + count, np.bool_)
-    for piece in range(len(verdict)):
-        for pair in range(start[piece], start[piece + 1]):
-            if value[0, pair] > tolerance:
-                signs[piece, leaf[pair]] = 1
-            elif value[1, pair] < -tolerance:
-                signs[piece, leaf[pair]] = -1
-        for k in range(leaves):
-            known[k] = signs[piece, k]
-        for k in range(count):
-            a, b = known[gates[k, 1]], known[gates[k, 2]]
-            if gates[k, 0] == 0:
-                known[leaves + k] = min(a, b)
-            else:
-                known[leaves + k] = max(a, b)
-        top = leaves + count - 1
-        verdict[piece] = known[top]
-        if known[top] == 0:
-            for k in range(leaves + count):
-                wanted[k] = False
-            wanted[top] = True
-            for k in range(count - 1, -1, -1):
-                if wanted[leaves + k]:
-                    for j in range(1, 3):
-                        if known[gates[k, j]] == 0:
-                            wanted[gates[k, j]] = True
-            for pair in range(start[piece], start[piece + 1]):
-                kept[pair] = wanted[leaf[pair]] and known[leaf[pair]] == 0
-            # Whatever the others are, the form is the same.
-            for k in range(leaves):
-                if known[k] == 0 and not wanted[k]:
-                    signs[piece, k] = -1
 
 
 @loop

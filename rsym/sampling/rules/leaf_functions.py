@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.logic.lifting import opened
 from rsym.logic.sign_form import Gate, SignForm, surface_form
 from rsym.model.recent import recently
@@ -21,7 +21,9 @@ from rsym.sampling.kernels.mesher_kernels import (
 )
 from rsym.sampling.regions.own_leaves import across, unscaled
 from rsym.sampling.regions.region_kernels import region_kernels
+from rsym.sampling.rules.division import CutPieces
 from rsym.sampling.sharp.crossings import CompiledLeaves
+from rsym.sampling.sharp.loops import loop
 
 EPSILON = float(np.finfo(np.float64).eps)
 
@@ -44,6 +46,7 @@ class LeafFunctions:
     def __init__(self, shape: Shape, form: SignForm, letters: Mapping[Any, float] | None, bounds: Bounds) -> None:
         self.dimension, self.count = shape.dimension, len(form.leaves)
         self.gates = gate_array(form.gates)
+        self.walls = np.ones(self.count, np.bool_)
         self.tolerance = 8 * EPSILON * max(abs(end) for pair in bounds for end in pair)
         box = (*bounds, (-1.0, 1.0))[:3]
         values = shape.letters.values_with(letters)
@@ -62,6 +65,22 @@ class LeafFunctions:
         value, gradient = self._leaves.evaluate(leaf.astype(np.int16), self._in_space(points))
         scale = self.scales[leaf]
         return value * scale, gradient[: self.dimension] * scale
+
+    def sign(self, points: Floats) -> Any:
+        """The sign (n,) of the form at points (dim, n)."""
+        count = points.shape[1]
+        value, _ = self.evaluate(np.repeat(np.arange(self.count), count), np.tile(points, self.count))
+        signs = list(np.sign(value).reshape(self.count, count))
+        for is_max, first, second in self.gates:
+            signs.append((np.maximum if is_max else np.minimum)(signs[first], signs[second]))
+        return signs[-1]
+
+    def judge(self, pieces: CutPieces, value: Floats) -> tuple[Any, Ints, Flags]:
+        """From bounds of values the signs of all leaves, the sign of the form, and which leaves that depends on."""
+        signs, verdict = pieces.signs.copy(), np.zeros(len(pieces), np.int64)
+        kept = np.zeros(len(pieces.leaf), np.bool_)
+        judge_form(self.gates, self.tolerance, pieces.start, pieces.leaf, value, signs, verdict, kept)
+        return signs, verdict, kept
 
     def enclose(self, leaf: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
         """Bounds (2, n) of leaf[k] over box k of (dim, n), and (dim, 2, n) of its gradient; infinite if undefined."""
@@ -87,3 +106,44 @@ def gate_array(gates: tuple[Gate, ...]) -> Ints:
 
 def _kernels(form: SignForm) -> Any:
     return region_kernels(form) if backend_for(form) == "tape" else mesher_kernels(form)
+
+
+@loop
+def judge_form(
+    gates: Any, tolerance: float, start: Any, leaf: Any, value: Any, signs: Any, verdict: Any, kept: Any
+) -> None:
+    """Signs of leaves from their bounds, the sign of the form, and which leaves of open sign that depends on."""
+    leaves, count = signs.shape[1], len(gates)
+    known = np.zeros(leaves + count, np.int8)
+    wanted = np.zeros(leaves + count, np.bool_)
+    for piece in range(len(verdict)):
+        for pair in range(start[piece], start[piece + 1]):
+            if value[0, pair] > tolerance:
+                signs[piece, leaf[pair]] = 1
+            elif value[1, pair] < -tolerance:
+                signs[piece, leaf[pair]] = -1
+        for k in range(leaves):
+            known[k] = signs[piece, k]
+        for k in range(count):
+            a, b = known[gates[k, 1]], known[gates[k, 2]]
+            if gates[k, 0] == 0:
+                known[leaves + k] = min(a, b)
+            else:
+                known[leaves + k] = max(a, b)
+        top = leaves + count - 1
+        verdict[piece] = known[top]
+        if known[top] == 0:
+            for k in range(leaves + count):
+                wanted[k] = False
+            wanted[top] = True
+            for k in range(count - 1, -1, -1):
+                if wanted[leaves + k]:
+                    for j in range(1, 3):
+                        if known[gates[k, j]] == 0:
+                            wanted[gates[k, j]] = True
+            for pair in range(start[piece], start[piece + 1]):
+                kept[pair] = wanted[leaf[pair]] and known[leaf[pair]] == 0
+            # Whatever the others are, the form is the same.
+            for k in range(leaves):
+                if known[k] == 0 and not wanted[k]:
+                    signs[piece, k] = -1

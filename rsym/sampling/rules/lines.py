@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.rules.division import BoundedFunctions
-from rsym.sampling.rules.walks import walk_inside, walk_upright
+from rsym.sampling.rules.division import BoundedFunctions, span, starts
+from rsym.sampling.rules.walks import walk_inside, walk_parts, walk_upright
 
 
 @dataclass(frozen=True)
@@ -58,18 +58,30 @@ class Lines:
             (np.empty((3, most)), np.empty((2, most), np.int64)),
         )
         sizes = np.zeros(2, np.int64)
-        walk_inside(
-            self.functions.gates, self.functions.tolerance, self.ends, weight, *self._leaves(), signs,
-            *panels, *edges, sizes, self._order(),
-        )  # fmt: skip
+        room = (*panels, *edges, sizes, self._order())
+        if self.functions.gates is None:
+            walls = self.functions.walls[self.leaf]
+            walk_parts(self.functions.tolerance, self.ends, weight, *self._leaves(), walls, *room)
+        else:
+            walk_inside(
+                self.functions.gates, self.functions.tolerance, self.ends, weight, *self._leaves(), signs, *room
+            )  # fmt: skip
         return _panels(*panels, sizes[0]), _panels(*edges, sizes[1])
 
-    def walked_upright(self, kind: Ints, left: Any, right: Any) -> Panels:
+    def chosen(self, which: Ints) -> Lines:
+        """Some of the lines."""
+        counts = np.diff(self.begin)[which]
+        pairs = span(self.begin[:-1][which], counts)
+        parts = (a[pairs] for a in (self.leaf, self.upright, self.below, self.above, self.root))
+        ends = self.ends[:, which]
+        return Lines(self.functions, self.piece[which], self.base[..., which], ends, starts(counts), *parts)
+
+    def walked_upright(self, kind: Ints, left: Any, right: Any, weight: Floats) -> Panels:
         """Where the boundary runs along the lines."""
         most = len(self.leaf) + len(self.piece)
         edges, sizes = (np.empty((3, most)), np.empty((2, most), np.int64)), np.zeros(1, np.int64)
         walk_upright(
-            self.functions.gates, self.functions.tolerance, self.ends, kind, *self._leaves(), left, right,
+            self.functions.gates, self.functions.tolerance, self.ends, kind, weight, *self._leaves(), left, right,
             *edges, sizes, self._order(),
         )  # fmt: skip
         return _panels(*edges, sizes[0])

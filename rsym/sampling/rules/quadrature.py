@@ -11,18 +11,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Floats, Ints
+from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
 from rsym.model.equation import checked_bounds
-from rsym.model.requirements import require_shape
+from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
-from rsym.sampling.rules.columns import PlaneRule, cut_rule, gauss
-from rsym.sampling.rules.division import divide, undivided
+from rsym.sampling.rules.bases import plane_rule
+from rsym.sampling.rules.columns import CellRule, rules_together, tensor_rule
+from rsym.sampling.rules.division import Limits, divide, undivided
 from rsym.sampling.rules.leaf_functions import LeafFunctions, rule_form
+from rsym.sampling.rules.space import space_rule
 
 ORDER = 8
-AT_ONCE = 4096  # cells
+AT_ONCE = {2: 1024, 3: 256}  # cells
+LIMITS = {2: Limits(6, 44), 3: Limits(5, 24)}
 
 
 @dataclass(frozen=True)
@@ -155,7 +159,44 @@ def quadrature(
     near: ArrayLike | None = None,
     threads: int | None = None,
 ) -> Quadrature:
-    """Gauss rules on a shape and on its boundary.
+    """Gauss rules on a shape and on its boundary, which know every leaf of its sign form and every corner.
+
+    A cell is divided until along one axis every leaf that matters in it rises or falls, proved by intervals, or does
+    not change. There: Gauss points along the base, between the places where a leaf meets the ends of the piece or
+    another leaf; on the line above each, the roots of leaves; Gauss points between roots where the gates of the form
+    say inside. In space the base is a plane and treated likewise. On the boundary, at the roots, with base weight db:
+
+        ds = |grad f|/|f_k| db
+
+    All points are inside, all weights positive. R-functions of any system, normalised or not, give the same rule.
+
+    Parameters
+    ----------
+    shape : Shape
+        In the plane or in space. Its boundary must be piecewise smooth for the rule to be accurate.
+    cells : int
+        Cubical cells along the longest side.
+    order : int
+        Gauss points along each direction: exact to the degree 2 order - 1 in cells without boundary.
+    bounds : pairs, optional
+        Else the shape's own; both cap the shape, and their sides are parts ``cap x lower`` and so on. A shape without
+        any has its `extent`.
+    letters : mapping, optional
+        Override the defaults; nothing is compiled for them.
+    near : (k, dim), optional
+        Points, such as corners, towards which cells are halved up to 28 times, until they are small against their
+        distance from them.
+    threads : int, optional
+        The bits do not depend on it.
+
+    Raises
+    ------
+    RsymError
+        ``unbounded`` without bounds for a shape that goes on for ever; ``undefined`` where a leaf that matters has no
+        value; for a number that is no positive integer.
+
+    Source: R. I. Saye (2015), High-order quadrature methods for implicitly defined surfaces and volumes, SIAM J. Sci.
+    Comput. 37.
 
     Examples
     --------
@@ -165,28 +206,73 @@ def quadrature(
     >>> bool(abs(rule.weights.sum() / (2 * math.pi) - 1) < 1e-14)
     True
     """
+    return prepared(shape, bounds, letters).rule(cells, order, near, threads)
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A shape at letters within bounds, ready for rules."""
+
+    functions: LeafFunctions
+    box: Bounds
+    parts: tuple[str, ...]
+
+    def rule(self, cells: int, order: int, near: ArrayLike | None = None, threads: int | None = None) -> Quadrature:
+        """The rule with so many cells along the longest side, and so many points along each direction of a cell."""
+        require_count("cells", cells, "the number of cells along the longest side, for example 32")
+        require_count("order", order, "the number of points along each direction of a cell, for example 8")
+        functions, dimension = self.functions, self.functions.dimension
+        grid, points = _grid(self.box, cells), _points(near, dimension)
+        every, size = np.arange(math.prod(grid.counts)), AT_ONCE[dimension]
+
+        def portion(first: int) -> tuple[CellRule, Ints, float]:
+            return _portion(functions, grid, every[first : first + size], order, points)
+
+        count = checked_threads(threads)
+        if count > 1 and len(every) > size:
+            made = list(lasting_threads("rsym-rules", count).map(portion, range(0, len(every), size)))
+        else:
+            made = [portion(first) for first in range(0, len(every), size)]
+        rule = rules_together([rule for rule, _, _ in made])
+        full = np.concatenate([full for _, full, _ in made])
+        _, gradient = functions.evaluate(rule.edge_leaf, rule.edge_points)
+        normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
+        boundary = BoundaryQuadrature(
+            rule.edge_points.T, rule.edge_weights, normals, rule.edge_leaf, rule.edge_owner, self.parts
+        )
+        touched = np.union1d(rule.owner, rule.edge_owner)
+        unresolved = sum(part for _, _, part in made)
+        return Quadrature(
+            rule.points.T, rule.weights, rule.owner, grid, full, touched, self.parts, boundary, order, unresolved
+        )
+
+
+def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Prepared:
+    """A shape within the bounds given, else its own, which cap it, else its extent."""
     require_shape(shape)
-    if shape.dimension != 2:
-        raise RsymError("rules are made in the plane", code="arity", remedy="give a shape of x and y")
     box = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
-    capped = box is not None
-    if box is None:
-        box = extent(shape, letters)
-    grid = _grid(box, cells)
-    form = rule_form(shape, capped)
-    functions = LeafFunctions(shape, form, letters, box)
-    parts = leaf_names(form, shape)
-    points = np.empty((0, shape.dimension)) if near is None else np.asarray(near, float).reshape(-1, shape.dimension)
-    every = np.arange(math.prod(grid.counts))
-    made = [_portion(functions, grid, every[k : k + AT_ONCE], order, points) for k in range(0, len(every), AT_ONCE)]
-    rule, full, unresolved = _together(made)
-    _, gradient = functions.evaluate(rule.edge_leaf, rule.edge_points)
-    normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
-    boundary = BoundaryQuadrature(
-        rule.edge_points.T, rule.edge_weights, normals, rule.edge_leaf, rule.edge_owner, parts
-    )
-    touched = np.union1d(np.unique(rule.owner), np.unique(rule.edge_owner))
-    return Quadrature(rule.points.T, rule.weights, rule.owner, grid, full, touched, parts, boundary, order, unresolved)
+    form = rule_form(shape, box is not None)
+    known = extent(shape, letters) if box is None else box
+    functions = LeafFunctions(shape, form, letters, known)
+    if box is None and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
+        raise RsymError(
+            "the inside of the shape is unbounded",
+            code="unbounded",
+            remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
+        )
+    return Prepared(functions, known, leaf_names(form, shape))
+
+
+def _points(near: ArrayLike | None, dimension: int) -> Floats:
+    """Points (k, dim) from what was given."""
+    found = np.empty((0, dimension)) if near is None else np.asarray(near, np.float64)
+    if found.size and (found.ndim != 2 or found.shape[1] != dimension or not np.isfinite(found).all()):
+        raise RsymError(
+            f"expected finite points (k, {dimension}) near which cells are divided, got the shape {found.shape}",
+            code="points",
+            remedy="a row for each point",
+        )
+    return found.reshape(-1, dimension)
 
 
 def _grid(box: Bounds, cells: int) -> CellGrid:
@@ -198,17 +284,22 @@ def _grid(box: Bounds, cells: int) -> CellGrid:
 
 def _portion(
     functions: LeafFunctions, grid: CellGrid, cells: Ints, order: int, near: Floats
-) -> tuple[PlaneRule, Ints, float]:
+) -> tuple[CellRule, Ints, float]:
     """The rule in some cells, those that are full, and the measure of what is not resolved."""
     lower, upper = grid.corners(cells)
-    found = divide(functions, undivided(lower, upper, cells, functions.count), near)
-    rules = [_tensor(found.lower, found.upper, found.owner, order)]
+    found = divide(functions, undivided(lower, upper, cells, functions.count), near, LIMITS[functions.dimension])
+    rules = [tensor_rule(found.lower, found.upper, found.owner, order)]
     unresolved = 0.0
     for pieces in found.cut:
         if len(pieces):
-            rules.append(cut_rule(functions, pieces, order))
+            if functions.dimension == 2:
+                rules.append(plane_rule(functions, pieces, order))
+            else:
+                rule, part = space_rule(functions, pieces, order)
+                rules.append(rule)
+                unresolved += part
             unresolved += float(np.prod(pieces.upper - pieces.lower, axis=0)[~pieces.proved].sum())
-    rule = _sorted(rules)
+    rule = rules_together(rules)
     content = np.bincount(rule.owner - cells[0], rule.weights, len(cells))
     whole = np.prod(upper - lower, axis=0)
     full = np.abs(content / whole - 1) < 1e-12
@@ -218,37 +309,7 @@ def _portion(
     other &= counts == order**functions.dimension
     if other.any():
         keep = ~other[rule.owner - cells[0]]
-        plain = _tensor(lower[:, other], upper[:, other], cells[other], order)
+        plain = tensor_rule(lower[:, other], upper[:, other], cells[other], order)
         points, weights, owner = rule.points[:, keep], rule.weights[keep], rule.owner[keep]
-        rule = _sorted([replace(rule, points=points, weights=weights, owner=owner), plain])
+        rule = rules_together([replace(rule, points=points, weights=weights, owner=owner), plain])
     return rule, cells[full], unresolved
-
-
-def _tensor(lower: Floats, upper: Floats, owner: Ints, order: int) -> PlaneRule:
-    """The plain Gauss rule on boxes."""
-    x, w = gauss(order)
-    dimension = len(lower)
-    place = np.stack(np.meshgrid(*[x] * dimension, indexing="ij")).reshape(dimension, 1, -1)
-    weight = np.prod(np.stack(np.meshgrid(*[w] * dimension, indexing="ij")).reshape(dimension, -1), axis=0)
-    side = upper - lower
-    points = (lower[:, :, None] + side[:, :, None] * place).reshape(dimension, -1)
-    weights = (np.prod(side, axis=0)[:, None] * weight).ravel()
-    none = np.empty((dimension, 0)), np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64)
-    return PlaneRule(points, weights, np.repeat(owner, len(weight)), *none)
-
-
-def _sorted(rules: list[PlaneRule]) -> PlaneRule:
-    """Rules as one, by cell."""
-    parts = [
-        np.concatenate([getattr(rule, name) for rule in rules], axis=-1) for name in PlaneRule.__dataclass_fields__
-    ]
-    inner, edge = np.argsort(parts[2], kind="stable"), np.argsort(parts[6], kind="stable")
-    return PlaneRule(*(part[..., inner] for part in parts[:3]), *(part[..., edge] for part in parts[3:]))
-
-
-def _together(made: list[tuple[PlaneRule, Ints, float]]) -> tuple[PlaneRule, Ints, float]:
-    return (
-        _sorted([rule for rule, _, _ in made]),
-        np.concatenate([full for _, full, _ in made]),
-        sum(unresolved for _, _, unresolved in made),
-    )

@@ -144,9 +144,47 @@ def walk_inside(
 
 
 @loop
+def walk_parts(
+    tolerance: float, ends: Any, weight: Any, begin: Any, leaf: Any, upright: Any, below: Any, above: Any, root: Any,
+    walls: Any, panels: Any, panel_numbers: Any, edges: Any, edge_numbers: Any, sizes: Any, order: Any,
+) -> None:  # fmt: skip
+    """All intervals between crossings on each line, and the crossings of walls; ~leaf where one is at an end.
+
+    A wall at an end belongs to the piece in which it is positive.
+    """
+    inner, outer = 0, 0
+    for line in range(len(weight)):
+        first, last, at, share = begin[line], begin[line + 1], ends[0, line], weight[line]
+        count = sort_crossings(first, last, tolerance, below, above, root, order)
+        for end in range(2):
+            found = -1
+            for k in range(first, last):
+                here, there = (below[k], above[k]) if end == 0 else (above[k], below[k])
+                if walls[k] and not upright[k] and found < 0 and abs(here) <= tolerance and there > tolerance:
+                    found = k
+            if found >= 0:
+                outer = note(edges, edge_numbers, outer, ends[end, line], ends[end, line], share, line, ~leaf[found])
+        number = 0
+        while number < count:
+            here, found = root[order[number]], -1
+            while number < count and root[order[number]] - here <= tolerance:
+                if walls[order[number]] and found < 0:
+                    found = order[number]
+                number += 1
+            if found >= 0:
+                outer = note(edges, edge_numbers, outer, here, here, share, line, leaf[found])
+            if here > at:
+                inner = note(panels, panel_numbers, inner, at, here, share, line, -1)
+            at = here
+        if ends[1, line] > at:
+            inner = note(panels, panel_numbers, inner, at, ends[1, line], share, line, -1)
+    sizes[0], sizes[1] = inner, outer
+
+
+@loop
 def walk_upright(
-    gates: Any, tolerance: float, ends: Any, kind: Any, begin: Any, leaf: Any, upright: Any, below: Any, above: Any,
-    root: Any, left: Any, right: Any, edges: Any, edge_numbers: Any, sizes: Any, order: Any,
+    gates: Any, tolerance: float, ends: Any, kind: Any, weight: Any, begin: Any, leaf: Any, upright: Any, below: Any,
+    above: Any, root: Any, left: Any, right: Any, edges: Any, edge_numbers: Any, sizes: Any, order: Any,
 ) -> None:  # fmt: skip
     """The intervals of lines on upright leaves where the inside is on one side only.
 
@@ -171,7 +209,7 @@ def walk_upright(
                     j = leaf[k]
                     if upright[k] and found < 0 and left[line, j] != right[line, j] and (left[line, j] > 0) == one:
                         found = j
-                outer = note(edges, edge_numbers, outer, at, end, 1.0, line, found)
+                outer = note(edges, edge_numbers, outer, at, end, weight[line], line, found)
             at, following = end, number + 1
             if number < count:
                 following = cross(number, count, tolerance, leaf, root, order, left[line])
