@@ -148,7 +148,7 @@ class Discretisation:
     @cached_property
     def inside(self) -> CellPoints:
         """The points inside."""
-        return CellPoints(self.rule.points, self.rule.cells)
+        return CellPoints(self.rule.points, self.rule.cells, self.rule.full, self.rule.order)
 
     @property
     def extra_count(self) -> int:
@@ -204,9 +204,13 @@ class Discretisation:
         if self.problem.order == 2:
             wrong = ~(values["d"] > 0)
         else:
-            matrix = np.array([[values[f"a{i}{j}"] for j in range(dimension)] for i in range(dimension)])
-            matrix = (matrix + matrix.transpose(1, 0, 2)) / 2
-            wrong = ~(np.linalg.eigvalsh(np.moveaxis(matrix, 2, 0))[:, 0] > 0)
+            # Sylvester: the leading minors of the symmetric part are positive.
+            a = [[(values[f"a{i}{j}"] + values[f"a{j}{i}"]) / 2 for j in range(dimension)] for i in range(dimension)]
+            minors = [a[0][0], a[0][0] * a[1][1] - a[0][1] ** 2]
+            if dimension == 3:
+                twice = 2 * a[0][1] * a[1][2] * a[0][2]
+                minors.append(minors[1] * a[2][2] + twice - a[0][0] * a[1][2] ** 2 - a[1][1] * a[0][2] ** 2)
+            wrong = ~np.all([minor > 0 for minor in minors], axis=0)
         if wrong.any():
             place = ", ".join(f"{value:.4g}" for value in points[int(np.argmax(wrong))])
             raise RsymError(
@@ -295,9 +299,9 @@ class Discretisation:
         if not self.extra_count:
             return np.asarray(own)
         extra = np.zeros((count, self.extra_count))
-        for _, _, some in where.chunks():
-            points = where.points[some]
-            extra += np.einsum("kfn,nkc->cf", self.extras(points), load(some, points))
+        for chunk in where.chunks():
+            points = where.points[chunk.points]
+            extra += np.einsum("kfn,nkc->cf", self.extras(points), load(chunk.points, points))
         return np.concatenate((own, extra), axis=1)
 
     def _bordered(self, own: sparse.csr_matrix, forms: Any, symmetric: bool) -> sparse.csr_matrix:

@@ -60,6 +60,7 @@ def spread(table: Floats, local: Ints, kinds: Ints, phi: Floats) -> None:
 @loop
 def cell_matrices(
     begins: Ints,
+    chosen: Ints,
     cells: Ints,
     points: Floats,
     forms: Floats,
@@ -74,9 +75,10 @@ def cell_matrices(
     psi: Floats,
     out: Floats,
 ) -> None:
-    """The matrix (splines, splines) of each cell, of a symmetric form the lower triangle alone."""
+    """The matrices (splines, splines) of some of the cells, of a symmetric form the lower triangle alone."""
     count, features = len(local), len(kinds)
-    for c in range(len(cells)):
+    for n in range(len(chosen)):
+        c = chosen[n]
         matrix = out[c]
         for i in range(count):
             for j in range(count):
@@ -103,8 +105,100 @@ def cell_matrices(
 
 
 @loop
+def whole_cell_matrices(
+    begins: Ints,
+    forms: Floats,
+    chosen: Ints,
+    pairs: Ints,
+    parents: Ints,
+    along: Floats,
+    places: Ints,
+    symmetric: bool,
+    scratch: Floats,
+    out: Floats,
+) -> None:
+    """The matrices of some of the cells, those of a plain Gauss rule, one axis summed after the other, the last first.
+
+    pairs, parents : of each axis, and each combination of derivatives that is left, which product of two derivatives
+        along this axis it is, and which combination of the axes before; -1 behind the last.
+    along : (derivatives, points, splines**2), the products along an axis, in all cells and along all axes alike.
+    places : where the entry (i, j) of a matrix is in a product of those of the axes.
+    scratch : (2, largest) numbers.
+    """
+    count, points, square = along.shape[0], along.shape[1], along.shape[2]
+    wide = round(square**0.5)
+    features = forms.shape[1]
+    for c in range(len(chosen)):
+        first = begins[chosen[c]]
+        total = begins[chosen[c] + 1] - first
+        given, made = scratch[0], scratch[1]
+        for f in range(features):
+            for g in range(features):
+                for k in range(total):
+                    given[(f * features + g) * total + k] = forms[first + k, f, g]
+        rest, before = 1, total
+        for axis in range(len(pairs) - 1, -1, -1):
+            before //= points
+            last = 0
+            for combination in range(pairs.shape[1]):
+                if pairs[axis, combination] >= 0 and parents[axis, combination] >= last:
+                    last = parents[axis, combination] + 1
+            for k in range(last * before * square * rest):
+                made[k] = 0.0
+            for combination in range(pairs.shape[1]):
+                pair = pairs[axis, combination]
+                if pair < 0 or pair >= count:
+                    continue
+                for q in range(before):
+                    target = (parents[axis, combination] * before + q) * square * rest
+                    for k in range(points):
+                        source = ((combination * before + q) * points + k) * rest
+                        products = along[pair, k]
+                        if rest == 1:
+                            value = given[source]
+                            if value != 0.0:
+                                row = made[target : target + square]
+                                for ij in range(square):
+                                    row[ij] += value * products[ij]
+                        else:
+                            right = given[source : source + rest]
+                            for ij in range(square):
+                                if symmetric and axis == 0 and ij // wide < ij % wide:
+                                    continue
+                                value = products[ij]
+                                row = made[target + ij * rest : target + ij * rest + rest]
+                                for r in range(rest):
+                                    row[r] += value * right[r]
+            given, made = made, given
+            rest *= square
+        matrix = out[chosen[c]]
+        for i in range(len(matrix)):
+            for j in range(i + 1 if symmetric else len(matrix)):
+                matrix[i, j] = given[places[i, j]]
+
+
+@loop
+def whole_cell_loads(begins: Ints, loads: Floats, chosen: Ints, phi: Floats, out: Floats) -> None:
+    """The loads of such cells; phi : (points, kinds, splines), in all of them alike."""
+    for c in range(len(chosen)):
+        first, total = begins[chosen[c]], out[chosen[c]]
+        for j in range(len(total)):
+            row = total[j]
+            for i in range(len(row)):
+                row[i] = 0.0
+            for k in range(len(phi)):
+                for f in range(phi.shape[1]):
+                    value = loads[first + k, f, j]
+                    if value != 0.0:
+                        splines = phi[k, f]
+                        for i in range(len(row)):
+                            row[i] += value * splines[i]
+
+
+@loop
 def cell_loads(
     begins: Ints,
+    chosen: Ints,
     cells: Ints,
     points: Floats,
     loads: Floats,
@@ -117,8 +211,9 @@ def cell_loads(
     phi: Floats,
     out: Floats,
 ) -> None:
-    """The loads (functions, splines) of each cell."""
-    for c in range(len(cells)):
+    """The loads (functions, splines) of some of the cells."""
+    for n in range(len(chosen)):
+        c = chosen[n]
         for j in range(out.shape[1]):
             for i in range(len(local)):
                 out[c, j, i] = 0.0

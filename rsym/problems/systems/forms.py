@@ -6,20 +6,21 @@ in it: the integral of grad u . grad v has the weights on the diagonal, but for 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from scipy import sparse
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import checked_threads
 from rsym.problems.splines.cardinals import derivatives, digits, pieces, product_terms
 from rsym.problems.splines.web import WebSplines
+from rsym.problems.systems.axis_sums import AxisSums
 from rsym.problems.systems.cell_code import (
     cell_loads,
     cell_matrices,
@@ -28,6 +29,8 @@ from rsym.problems.systems.cell_code import (
     gather_loads,
     pull_back,
     pull_back_loads,
+    whole_cell_loads,
+    whole_cell_matrices,
 )
 
 # Cells whose matrices are held at once; where their pieces begin depends on nothing else.
@@ -37,26 +40,44 @@ GRAIN = 64
 Weight: TypeAlias = Callable[[Floats], Floats]  # points (n, dimension) to derivatives (kinds, n)
 
 
+class Chunk(NamedTuple):
+    """Some cells: their numbers, where their points begin in a slice of all, which have those of a plain rule."""
+
+    cells: Ints
+    begins: Ints
+    plain: Flags
+    points: slice
+
+
 @dataclass(frozen=True)
 class CellPoints:
-    """Points (n, dimension) of a rule, sorted by cells, and the number of the cell of each."""
+    """Points (n, dimension) of a rule, sorted by cells, and the number of the cell of each.
+
+    plain : cells whose points are those of the plain Gauss rule of an order, the last coordinate fastest, if there are
+        as many as there.
+    """
 
     points: Floats
     cells: Ints
 
-    @cached_property
-    def groups(self) -> tuple[Ints, Ints]:
-        """The cells that have points, and where those of each begin, with the end."""
-        cells, begins = np.unique(self.cells, return_index=True)
-        return cells.astype(np.int64), np.append(begins, len(self.cells)).astype(np.int64)
+    plain: Ints = field(default_factory=lambda: np.empty(0, np.int64))
+    order: int = 0
 
-    def chunks(self) -> Iterator[tuple[Ints, Ints, slice]]:
-        """Some cells after the others: their numbers, where their points begin in the slice of these."""
-        cells, begins = self.groups
+    @cached_property
+    def groups(self) -> tuple[Ints, Ints, Flags]:
+        """The cells that have points, where those of each begin, with the end, and whether they are a plain rule's."""
+        cells, begins = np.unique(self.cells, return_index=True)
+        begins = np.append(begins, len(self.cells)).astype(np.int64)
+        plain = np.isin(cells, self.plain) & (np.diff(begins) == self.order ** self.points.shape[1])
+        return cells.astype(np.int64), begins, plain
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Some cells after the others."""
+        cells, begins, plain = self.groups
         for first in range(0, len(cells), AT_ONCE):
             some = slice(first, first + AT_ONCE)
             ends = begins[first : first + AT_ONCE + 1]
-            yield cells[some], ends - ends[0], slice(int(ends[0]), int(ends[-1]))
+            yield Chunk(cells[some], ends - ends[0], plain[some], slice(int(ends[0]), int(ends[-1])))
 
 
 FormAt: TypeAlias = Callable[[slice, Floats], Floats]  # which points, and these, to (n, kinds, kinds)
@@ -89,31 +110,38 @@ class Assembler:
         stencil = np.zeros((len(splines.active), len(offsets)))
         terms = np.array(product_terms(splines.dimension, self.order), np.int64)
         out = np.empty((AT_ONCE, len(local), len(local)))
+        sums = AxisSums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
         with self._pool() as pool:
-            for cells, begins, some in where.chunks():
-                points = np.ascontiguousarray(where.points[some])
-                given = np.ascontiguousarray(form(some, points))
+            for chunk in where.chunks():
+                points = np.ascontiguousarray(where.points[chunk.points])
+                given = np.ascontiguousarray(form(chunk.points, points))
                 first = tests(points)
                 pulled = np.empty_like(given)
                 pull_back(terms, first, first if trials is None else trials(points), given, pulled)
-                places = splines.cells(cells)
+                cells = splines.cells(chunk.cells)
+                whole, cut = np.flatnonzero(chunk.plain), np.flatnonzero(~chunk.plain)
 
                 def work(
-                    start: int,
-                    places: Ints = places,
-                    begins: Ints = begins,
+                    some: Ints,
+                    chunk: Chunk = chunk,
+                    cells: Ints = cells,
                     points: Floats = points,
                     pulled: Floats = pulled,
                 ) -> None:
-                    end = min(start + GRAIN, len(places))
+                    if chunk.plain[some[0]]:
+                        tables = sums.pairs, sums.parents, sums.along, sums.places
+                        scratch = np.empty((2, sums.largest))
+                        whole_cell_matrices(chunk.begins, pulled, some, *tables, symmetric, scratch, out)
+                        return
                     features = np.empty((2, self.kinds, len(local)))
                     cell_matrices(
-                        *(begins[start : end + 1], places[start:end], points, pulled, *self._grid, symmetric),
-                        *(self._table(), features[0], features[1], out[start:end]),
+                        *(chunk.begins, some, cells, points, pulled, *self._grid, symmetric),
+                        *(self._table(), features[0], features[1], out),
                     )
 
-                _each(pool, work, range(0, len(places), GRAIN))
-                gather(places, out, local, shape, splines.number, symmetric, stencil)
+                pieces = [kind[k : k + GRAIN] for kind in (cut, whole) for k in range(0, len(kind), GRAIN)]
+                _each(pool, work, pieces)
+                gather(cells, out, local, shape, splines.number, symmetric, stencil)
         return self._compressed(stencil, offsets, shape)
 
     def loads(self, where: CellPoints, load: LoadAt, tests: Weight, count: int = 1) -> Floats:
@@ -123,14 +151,18 @@ class Assembler:
         terms = np.array(product_terms(splines.dimension, self.order), np.int64)
         total = np.zeros((count, len(splines.active)))
         features = np.empty((self.kinds, len(local)))
-        for cells, begins, some in where.chunks():
-            points = np.ascontiguousarray(where.points[some])
-            given = np.ascontiguousarray(load(some, points))
+        sums = AxisSums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
+        for chunk in where.chunks():
+            points = np.ascontiguousarray(where.points[chunk.points])
+            given = np.ascontiguousarray(load(chunk.points, points))
             pulled = np.empty_like(given)
             pull_back_loads(terms, tests(points), given, pulled)
-            places, out = splines.cells(cells), np.empty((len(cells), count, len(local)))
-            cell_loads(begins, places, points, pulled, *self._grid, self._table(), features, out)
-            gather_loads(places, out, local, shape, splines.number, total)
+            cells, out = splines.cells(chunk.cells), np.empty((len(chunk.cells), count, len(local)))
+            whole, cut = np.flatnonzero(chunk.plain), np.flatnonzero(~chunk.plain)
+            if len(whole):
+                whole_cell_loads(chunk.begins, pulled, whole, sums.everywhere, out)
+            cell_loads(chunk.begins, cut, cells, points, pulled, *self._grid, self._table(), features, out)
+            gather_loads(cells, out, local, shape, splines.number, total)
         return total
 
     @cached_property
@@ -162,12 +194,12 @@ class Assembler:
         return sparse.csr_matrix((values, columns.astype(np.int32), begins.astype(np.int32)), (len(stencil),) * 2)
 
 
-def _each(pool: Executor | None, work: Callable[[int], None], starts: range) -> None:
+def _each(pool: Executor | None, work: Callable[[Ints], None], pieces: Sequence[Ints]) -> None:
     if pool is None:
-        for start in starts:
-            work(start)
+        for piece in pieces:
+            work(piece)
     else:
-        list(pool.map(work, starts))
+        list(pool.map(work, pieces))
 
 
 def extended(splines: WebSplines, matrix: sparse.csr_matrix, others: WebSplines | None = None) -> sparse.csr_matrix:
