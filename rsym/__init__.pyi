@@ -84,6 +84,7 @@ from .output.viewing import view
 from .problems.solution import Attained, Solution, SolutionReport
 from .problems.solving import solve
 from .problems.spectra import Spectrum, modes
+from .problems.stated import StatedProblem, load_problem
 from .program.fields import SIX
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
@@ -169,6 +170,7 @@ __all__ = [
     "Solution",
     "SolutionReport",
     "Spectrum",
+    "StatedProblem",
     "SystemRow",
     "SystemTable",
     "Threshold",
@@ -241,6 +243,7 @@ __all__ = [
     "lint",
     "load",
     "load_letters",
+    "load_problem",
     "loads",
     "mean_curvature",
     "measure",

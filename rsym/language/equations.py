@@ -6,6 +6,8 @@ from rsym.language.expressions import ExpressionParser
 from rsym.language.scanner import Cursor, scan
 from rsym.language.syntax import ARITIES, Expression
 
+UNKNOWN = "u"
+
 # Fewest and most arguments.
 OPERATORS: dict[str, tuple[int, int | None]] = {
     "grad": (1, 1),
@@ -28,10 +30,15 @@ def parse_equation(text: str) -> tuple[Expression, Expression]:
     ('laplacian', [(), ()])
     """
     cursor = Cursor(scan(text.strip()))
+    both = sides(cursor)
+    if not cursor.at_end:
+        raise cursor.unexpected("the end of the equation", _EXAMPLE)
+    return both
+
+
+def sides(cursor: Cursor) -> tuple[Expression, Expression]:
+    """The two sides of an equation that begins at a cursor."""
     parser = ExpressionParser(cursor, {**ARITIES, **OPERATORS}, vectors=True)
     left = parser.expression()
     cursor.expect("=", _EXAMPLE)
-    right = parser.expression()
-    if not cursor.at_end:
-        raise cursor.unexpected("the end of the equation", _EXAMPLE)
-    return left, right
+    return left, parser.expression()

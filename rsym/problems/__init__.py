@@ -9,5 +9,5 @@ A shape with named parts comes in, and conditions by the names of these; functio
   with given values there
 - `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
 - `galerkin`: the system of a problem; `refinement`: until its error is small; `solution`: what comes out
-- `solving`, `spectra`: what is asked
+- `solving`, `spectra`: what is asked; `stated`: what a model file asks
 """

@@ -9,15 +9,13 @@ from typing import Any
 import sympy as sp
 
 from rsym.language.building import FormulaBuilder, symbol_part
-from rsym.language.equations import OPERATORS
+from rsym.language.equations import OPERATORS, UNKNOWN
 from rsym.language.functions import operations
 from rsym.language.syntax import Call, Expression, Name, Product, Sum, Vector, names_in, postorder
 from rsym.model.symbols import real_symbol, substitute
 from rsym.model.systems import R0
 from rsym.model.wording import listing, proposal
 from rsym.problems.terms import SECOND, Row, ScalarTerm, TermCalculus, VectorTerm, too_high
-
-UNKNOWN = "u"
 
 
 class EquationReader:

@@ -16,11 +16,12 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from rsym.errors import RsymError
-from rsym.language.equations import parse_equation
+from rsym.language.equations import UNKNOWN, parse_equation
+from rsym.language.stating import WrittenEquation
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression, real_replacements, real_symbol, substitute
 from rsym.model.wording import listing
-from rsym.problems.equation_text import UNKNOWN, EquationReader
+from rsym.problems.equation_text import EquationReader
 from rsym.problems.terms import SECOND, Row, ScalarTerm, TermCalculus, too_high
 
 Function = Callable[..., Any]
@@ -97,8 +98,10 @@ def equation_of(
         else:
             meanings[name] = as_expression(value)
     calculus = TermCalculus(coordinates, frozenset(map(real_symbol, functions)))
-    if isinstance(given, str):
-        left, right = parse_equation(given)
+    if isinstance(given, WrittenEquation):
+        meanings = {**given.meanings, **meanings}
+    if isinstance(given, str | WrittenEquation):
+        left, right = parse_equation(given) if isinstance(given, str) else (given.left, given.right)
         reader = EquationReader(calculus, meanings)
         whole = reader.scalar(left).plus(reader.scalar(right).scaled(sp.S.NegativeOne, calculus))
     else:
