@@ -11,6 +11,7 @@ from .analysis.differential import (
 )
 from .analysis.latex import latex
 from .analysis.normalisation import implicit, normalise
+from .analysis.structures import SolutionStructure
 from .analysis.transformations import transform
 from .backends.jax_functions import to_jax
 from .backends.kernel import Kernel, compile
@@ -81,6 +82,8 @@ from .output.sweep import plot_sweep
 from .output.systems import SystemRow, SystemTable, compare_systems
 from .output.verdicts import plot_verdict
 from .output.viewing import view
+from .problems.interpolation import interpolate
+from .problems.solution_structures import solution_structure
 from .program.fields import SIX
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
@@ -156,6 +159,7 @@ __all__ = [
     "SingularPoint",
     "SmoothnessAtlas",
     "SmoothnessReport",
+    "SolutionStructure",
     "SystemRow",
     "SystemTable",
     "Threshold",
@@ -216,6 +220,7 @@ __all__ = [
     "hessian",
     "implication",
     "implicit",
+    "interpolate",
     "joining",
     "kaleidoscope",
     "lambdify",
@@ -286,6 +291,7 @@ __all__ = [
     "slab",
     "smoothness_atlas",
     "smoothness_threshold",
+    "solution_structure",
     "source",
     "space_curve",
     "sphere",
