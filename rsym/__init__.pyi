@@ -11,6 +11,7 @@ from .analysis.differential import (
 )
 from .analysis.latex import latex
 from .analysis.normalisation import implicit, normalise
+from .analysis.structures import SolutionStructure
 from .analysis.transformations import transform
 from .backends.jax_functions import to_jax
 from .backends.kernel import Kernel, compile
@@ -81,7 +82,9 @@ from .output.sweep import plot_sweep
 from .output.systems import SystemRow, SystemTable, compare_systems
 from .output.verdicts import plot_verdict
 from .output.viewing import view
+from .problems.interpolation import interpolate
 from .problems.solution import Attained, Solution, SolutionReport
+from .problems.solution_structures import solution_structure
 from .problems.solving import solve
 from .problems.spectra import Spectrum, modes
 from .program.fields import SIX
@@ -168,6 +171,7 @@ __all__ = [
     "SmoothnessReport",
     "Solution",
     "SolutionReport",
+    "SolutionStructure",
     "Spectrum",
     "SystemRow",
     "SystemTable",
@@ -230,6 +234,7 @@ __all__ = [
     "implication",
     "implicit",
     "integrate",
+    "interpolate",
     "joining",
     "kaleidoscope",
     "lambdify",
@@ -303,6 +308,7 @@ __all__ = [
     "slab",
     "smoothness_atlas",
     "smoothness_threshold",
+    "solution_structure",
     "solve",
     "source",
     "space_curve",

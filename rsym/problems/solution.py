@@ -166,14 +166,15 @@ class Solution:
         for first in range(0, len(points), AT_ONCE):
             some = slice(first, first + AT_ONCE)
             here = points[some]
-            weight = self.problem.weight(here)
+            weight = self.problem.weight(order)(here)
             phi = jets(self.splines, self.coefficients[None], here, order)[:, 0]
             for term in product_terms(self.problem.dimension, order):
                 found[term.whole, some] += term.times * weight[term.left] * phi[term.right]
-            if self.problem.lift is not None:
-                found[:, some] += self.problem.lift(here)[:kinds]
-            if self.problem.extra is not None:
-                beside = self.problem.extra(here).reshape(len(self.others), -1, len(here))[:, :kinds]
+            lift, extra = self.problem.lift(order), self.problem.extra(order)
+            if lift is not None:
+                found[:, some] += lift(here)
+            if extra is not None:
+                beside = extra(here).reshape(len(self.others), -1, len(here))
                 found[:, some] += np.einsum("f,fkn->kn", self.others, beside)
         return found
 

@@ -14,7 +14,7 @@ from rsym.errors import RsymError
 from rsym.model.arguments import coordinate, whole
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.problems.conditions import resolved
+from rsym.problems.conditions import given_by_name, resolved
 from rsym.problems.equations import equation_of
 from rsym.problems.galerkin import Problem
 from rsym.problems.refinement import HIGHEST_DEGREE, refined
@@ -141,7 +141,7 @@ def problem_of(
         if shape.dimension != 2:
             raise RsymError("axis= is for shapes in the plane", code="axis", remedy="leave it out")
         turned = coordinate(axis, shape.coordinates, "the axis")
-    made = Problem(shape, found, resolved(shape, conditions), turned)
+    made = Problem(shape, found, given_by_name(shape, conditions), resolved(shape, conditions), turned)
     if single:
         _require_single(made)
     return made

@@ -180,3 +180,30 @@ def test_too_few_cells_and_wrong_degrees_are_refused():
     for degree in (0, 7, 2.5):
         with pytest.raises(rsym.RsymError, match="degree"):
             rsym.solve(RIM, "-laplacian(u) = 1", 0, degree=degree)
+
+
+def test_different_values_on_parts_are_met_and_contradictions_refused():
+    found = rsym.solve(RING, "-laplacian(u) = 0", {"rim": 0, "bore": 1}, cells=16)
+    assert abs(found(0, 0.7) - math.log(0.7) / math.log(0.5)) < 1e-6
+    angle = np.arange(50.0)
+    assert np.abs(found(0.5 * np.cos(angle), 0.5 * np.sin(angle)) - 1).max() < 1e-14
+    square = rsym.half_plane((1, 0), 0).named("left") & rsym.half_plane((0, 1), 0).named("floor")
+    square = square & rsym.half_plane((-1, 0), -1) & rsym.half_plane((0, -1), -1)
+    with pytest.raises(rsym.RsymError, match=r"meet at \(0, 0\), where one is given 0, the other 1"):
+        rsym.solve(square, "-laplacian(u) = 0", {"left": 0, "floor": 1, ...: 0}, cells=8)
+
+
+def test_a_clamped_plate():
+    """(1 - r**2)**2/64 for the load 1, and (1 - r**2)/4 of a membrane whose edge is pulled to a slope."""
+    found = rsym.solve(RIM, "bilaplacian(u) = 1", rsym.clamped(), cells=8)
+    assert abs(found(0.3, 0.4) - 0.75**2 / 64) < 1e-14
+    sloping = rsym.solve(RIM, "bilaplacian(u) = 0", rsym.clamped(0, sp.Rational(-1, 2)), cells=12)
+    assert abs(sloping(0.3, 0.4) - 0.75 / 4) < 1e-9
+    with pytest.raises(rsym.RsymError, match="degree"):
+        rsym.solve(RIM, "bilaplacian(u) = 1", rsym.clamped(), cells=8, degree=1)
+
+
+def test_in_space():
+    ball = rsym.solve(rsym.sphere(1), "-laplacian(u) = 6", 0, cells=6, degree=2)
+    assert abs(ball(0.1, 0.2, 0.3) - 0.86) < 1e-4
+    assert ball.gradient(0.1, 0.2, [0.3, 0.4]).shape == (2, 3)
