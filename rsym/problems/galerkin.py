@@ -23,7 +23,6 @@ from rsym.logic.weights import weight
 from rsym.model.equation import Equation
 from rsym.model.shape import Shape
 from rsym.problems.conditions import Name
-from rsym.problems.conjuncts import grouped
 from rsym.problems.equations import EllipticEquation
 from rsym.problems.lifts import lift_of
 from rsym.problems.pointwise import PointFormulas, compiled, formulas, values_of, with_derivatives
@@ -45,6 +44,8 @@ class Problem:
     named : the conditions by the names of parts.
     conditions : in the order of the leaves of `shape_form`; None where nothing is said, so nothing flows.
     axis : the coordinate whose axis the shape is turned about, -1 in the plane and in space.
+    levels : the leaves of the parts at unknown levels, one part after the other.
+    flows : what flows into each of these parts, nothing by default.
     """
 
     shape: Shape
@@ -52,6 +53,8 @@ class Problem:
     named: Mapping[Name, BoundaryCondition]
     conditions: tuple[BoundaryCondition | None, ...]
     axis: int = -1
+    levels: tuple[tuple[int, ...], ...] = ()
+    flows: tuple[float, ...] = ()
 
     def __getstate__(self) -> dict[str, Any]:
         """What was compiled on the way is made again."""
@@ -99,11 +102,6 @@ class Problem:
         if self.lift_expression == 0:
             return None
         return self._with_derivatives("lift", order, lambda: {"": lower(self.form.builder, self.lift_expression)})
-
-    @cached_property
-    def levels(self) -> tuple[tuple[int, ...], ...]:
-        """The leaves of the parts at unknown levels, one part after the other."""
-        return grouped(self.form, self.leaves(UnknownLevel))
 
     @cached_property
     def extra_nodes(self) -> dict[str, int]:
@@ -307,6 +305,8 @@ class Discretisation:
         if lift is not None:
             for where, form in self._with_extras(lift, 1):
                 total = total - self._loads(where, _applied(form, lambda points: lift(points)[:, None]))
+        for number, flow in enumerate(self.problem.flows):
+            total[0, total.shape[1] - self.extra_count + number] += flow
         return total[0]
 
     def _with_extras(self, given: Jets, count: int) -> list[tuple[CellPoints, Any]]:
