@@ -11,6 +11,7 @@ from .analysis.differential import (
 )
 from .analysis.latex import latex
 from .analysis.normalisation import implicit, normalise
+from .analysis.structures import SolutionStructure
 from .analysis.transformations import transform
 from .backends.jax_functions import to_jax
 from .backends.kernel import Kernel, compile
@@ -81,10 +82,13 @@ from .output.sweep import plot_sweep
 from .output.systems import SystemRow, SystemTable, compare_systems
 from .output.verdicts import plot_verdict
 from .output.viewing import view
+from .problems.interpolation import interpolate
 from .problems.solution import Attained, Solution, SolutionReport
+from .problems.solution_structures import solution_structure
 from .problems.solving import solve
 from .problems.spectra import Spectrum, modes
 from .problems.stated import StatedProblem, load_problem
+from .problems.torsion import Torsion, torsion
 from .program.fields import SIX
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
@@ -169,12 +173,14 @@ __all__ = [
     "SmoothnessReport",
     "Solution",
     "SolutionReport",
+    "SolutionStructure",
     "Spectrum",
     "StatedProblem",
     "SystemRow",
     "SystemTable",
     "Threshold",
     "ThresholdCurve",
+    "Torsion",
     "__version__",
     "analytic_condition",
     "arc",
@@ -232,6 +238,7 @@ __all__ = [
     "implication",
     "implicit",
     "integrate",
+    "interpolate",
     "joining",
     "kaleidoscope",
     "lambdify",
@@ -306,6 +313,7 @@ __all__ = [
     "slab",
     "smoothness_atlas",
     "smoothness_threshold",
+    "solution_structure",
     "solve",
     "source",
     "space_curve",
@@ -320,6 +328,7 @@ __all__ = [
     "to_pyvista",
     "to_torch",
     "to_trimesh",
+    "torsion",
     "torus",
     "transform",
     "triangle_wave",

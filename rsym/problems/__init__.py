@@ -3,11 +3,14 @@
 A shape with named parts comes in, and conditions by the names of these; functions of the same coordinates go out.
 
 - `conditions`: conditions by name, brought to the leaves of the shape
+- `meetings`: where parts of the boundary are, and where they meet; `parts`: that they are there and data agree
+- `interpolation`: values and normal derivatives on parts, by one function; `solution_structures`: functions with
+  undetermined ones in them that meet conditions
 - `terms`: what is linear in an unknown function; `equation_text`, `equations`: a differential equation, of text or
   SymPy, as its coefficients
-- `pointwise`: formulas compiled, at points; `weights`: functions that vanish on parts of the boundary; `lifts`: those
-  with given values there
+- `pointwise`: formulas compiled, at points; `loops`: the curves of a boundary; `lifts`: functions with values there
 - `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
-- `galerkin`: the system of a problem; `refinement`: until its error is small; `solution`: what comes out
-- `solving`, `spectra`: what is asked; `stated`: what a model file asks
+- `galerkin`: the system of a problem; `refinement`: until its error is small; `printed`: a solution
+  as an expression; `solution`: what comes out
+- `solving`, `spectra`, `torsion`: what is asked; `stated`: what a model file asks
 """

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from types import EllipsisType
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy as sp
 
@@ -16,6 +16,8 @@ from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import symbols_of
 from rsym.model.wording import listing, proposal
+
+Name: TypeAlias = str | EllipsisType  # of a part, ... for the rest
 
 
 def resolved(shape: Shape, conditions: Any) -> tuple[BoundaryCondition | None, ...]:
@@ -43,10 +45,22 @@ def resolved(shape: Shape, conditions: Any) -> tuple[BoundaryCondition | None, .
     (Robin(coefficient=0, flux=0), Dirichlet(value=1))
     """
     require_shape(shape)
+    given = given_by_name(shape, conditions)
+    return tuple(given.get(name) for name in assigned(shape, given))
+
+
+def assigned(shape: Shape, names: Collection[Name]) -> tuple[Name, ...]:
+    """Which of some names of parts each leaf of ``surface_form(shape)`` goes by, ``...`` for the rest.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> assigned(rsym.disc(2).named("rim") - rsym.disc(1).named("bore"), ["bore"])
+    (Ellipsis, 'bore')
+    """
     parts = leaf_parts(surface_form(shape), shape)
-    given = _given(shape, conditions)
-    known = list(dict.fromkeys(name for names in parts for name in names))
-    for name in given:
+    known = list(dict.fromkeys(name for names_of_leaf in parts for name in names_of_leaf))
+    for name in names:
         if name is not ... and name not in known:
             raise RsymError(
                 f"no part {name!r} on the boundary; it has {listing(known)}",
@@ -55,19 +69,19 @@ def resolved(shape: Shape, conditions: Any) -> tuple[BoundaryCondition | None, .
                     name, known, 'a part gets its name when it is made, shape.named("rim"); ... is the rest'
                 ),
             )
-    chosen = [next((name for name in names if name in given), ...) for names in parts]
-    for name in given:
+    chosen = [next((name for name in names_of_leaf if name in names), ...) for names_of_leaf in parts]
+    for name in names:
         if name is not ... and name not in chosen:
-            smaller = listing(dict.fromkeys(one for one, names in zip(chosen, parts, strict=True) if name in names))
+            smaller = listing(dict.fromkeys(str(one) for one, all_ in zip(chosen, parts, strict=True) if name in all_))
             raise RsymError(
-                f"the condition on {name!r} would hold nowhere: all of that part belongs to {smaller}, named too",
+                f"what is said of {name!r} would hold nowhere: all of that part belongs to {smaller}, named too",
                 code="unknown-part",
                 remedy="leave one of them out",
             )
-    return tuple(given.get(name) for name in chosen)
+    return tuple(chosen)
 
 
-def _given(shape: Shape, conditions: Any) -> dict[str | EllipsisType, BoundaryCondition]:
+def given_by_name(shape: Shape, conditions: Any) -> dict[Name, BoundaryCondition]:
     """The conditions by name, symbols checked."""
     if not isinstance(conditions, Mapping):
         conditions = {...: conditions}

@@ -6,7 +6,7 @@ beside, such as the one that is 1 on a hole at an unknown level. Conditions on f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -19,33 +19,46 @@ from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Robi
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.logic.sign_form import SignForm, shape_form
+from rsym.logic.weights import weight
 from rsym.model.equation import Equation
 from rsym.model.shape import Shape
+from rsym.problems.conditions import Name
 from rsym.problems.equations import EllipticEquation
 from rsym.problems.lifts import lift_of
 from rsym.problems.pointwise import PointFormulas, compiled, formulas, values_of, with_derivatives
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.web import WebSplines, web_splines
 from rsym.problems.systems.forms import Assembler, CellPoints, extended
-from rsym.problems.weights import product_node, weighing
+from rsym.program.lowering import lower
 from rsym.sampling.rules.quadrature import Quadrature
 
 Jets = Callable[[Floats], Floats]
 VALUE, FLUX = "value", "flux"
+VALUED = (Dirichlet, UnknownLevel, Clamped, Supported)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Problem:
     """A shape, an equation, and a condition on each leaf of the shape.
 
+    named : the conditions by the names of parts.
     conditions : in the order of the leaves of `shape_form`; None where nothing is said, so nothing flows.
     axis : the coordinate whose axis the shape is turned about, -1 in the plane and in space.
+    levels : the leaves of the parts at unknown levels, one part after the other.
+    flows : what flows into each of these parts, nothing by default.
     """
 
     shape: Shape
     equation: EllipticEquation
+    named: Mapping[Name, BoundaryCondition]
     conditions: tuple[BoundaryCondition | None, ...]
     axis: int = -1
+    levels: tuple[tuple[int, ...], ...] = ()
+    flows: tuple[float, ...] = ()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What was compiled on the way is made again."""
+        return {name: self.__dict__[name] for name in self.__dataclass_fields__}
 
     @property
     def dimension(self) -> int:
@@ -67,46 +80,53 @@ class Problem:
         return self.equation.order // 2
 
     @cached_property
-    def operands(self) -> tuple[int, ...]:
-        """The conjuncts that make up the weight."""
-        return weighing(self.form, self.shape, self.leaves(Dirichlet, UnknownLevel, Clamped, Supported))
+    def weight_node(self) -> int:
+        """What vanishes where u is given, and twice where its slope is too."""
+        return self.form.builder.mul(self._vanishing(self.leaves(*VALUED)), self._vanishing(self.leaves(Clamped)))
+
+    def _vanishing(self, leaves: Collection[int]) -> int:
+        found = weight(self.form, leaves)
+        return self.form.builder.const(1) if found is None else found
+
+    def weight(self, order: int) -> PointFormulas:
+        """The derivatives of the weight up to an order."""
+        return self._with_derivatives("weight", order, lambda: {"": self.weight_node})
 
     @cached_property
-    def clamped(self) -> tuple[int, ...]:
-        """Those of them that stand in it twice."""
-        return weighing(self.form, self.shape, self.leaves(Clamped))
+    def lift_expression(self) -> sp.Expr:
+        """A function with the values of u on the boundary."""
+        return lift_of(self.shape, self.named)
 
-    @cached_property
-    def weight(self) -> PointFormulas:
-        """The derivatives of the weight, one order more than is integrated: points are asked for these too."""
-        b = self.form.builder
-        node = b.mul(product_node(self.form, self.operands), product_node(self.form, self.clamped))
-        nodes = with_derivatives(b, {"weight": node}, b.coordinates, max(2, self.order))
-        return compiled(self.shape, b, nodes)
-
-    @cached_property
-    def levels(self) -> tuple[tuple[int, ...], ...]:
-        """The conjuncts of the parts at unknown levels, one part after the other."""
-        found = weighing(self.form, self.shape, self.leaves(UnknownLevel))
-        return tuple((operand,) for operand in found)
-
-    @cached_property
-    def extra(self) -> PointFormulas | None:
-        """The functions e with their derivatives: W/(W + w) is 1 where w = 0 and 0 where W, all other weights, is."""
-        if not self.levels:
+    def lift(self, order: int) -> PointFormulas | None:
+        """Its derivatives; None where it is 0."""
+        if self.lift_expression == 0:
             return None
-        b = self.form.builder
-        nodes = {}
-        for number, hole in enumerate(self.levels):
-            own = product_node(self.form, hole)
-            others = product_node(self.form, [operand for operand in self.operands if operand not in hole])
-            nodes[f"level {number}"] = b.div(others, b.add(others, own))
-        return compiled(self.shape, b, with_derivatives(b, nodes, b.coordinates, max(2, self.order)))
+        return self._with_derivatives("lift", order, lambda: {"": lower(self.form.builder, self.lift_expression)})
 
     @cached_property
-    def lift(self) -> PointFormulas | None:
-        """The derivatives of a function with the values of u on the boundary."""
-        return lift_of(self.shape, self.conditions)
+    def extra_nodes(self) -> dict[str, int]:
+        """The functions e: W/(W + w) is 1 where the weight w of a hole is 0, and 0 where W, that of all others, is."""
+        b, found = self.form.builder, {}
+        for number, hole in enumerate(self.levels):
+            others = self._vanishing([leaf for leaf in self.leaves(*VALUED) if leaf not in hole])
+            found[f"level {number}"] = b.div(others, b.add(others, self._vanishing(hole)))
+        return found
+
+    def extra(self, order: int) -> PointFormulas | None:
+        """Their derivatives, one function after the other."""
+        return self._with_derivatives("extra", order, lambda: self.extra_nodes) if self.levels else None
+
+    def _with_derivatives(self, name: str, order: int, nodes: Callable[[], Mapping[str, int]]) -> PointFormulas:
+        """What was compiled is kept."""
+        if (name, order) not in self._made:
+            b = self.form.builder
+            found = with_derivatives(b, nodes(), b.coordinates, order)
+            self._made[name, order] = compiled(self.shape, b, found)
+        return self._made[name, order]
+
+    @cached_property
+    def _made(self) -> dict[tuple[str, int], PointFormulas]:
+        return {}
 
     @cached_property
     def coefficients(self) -> PointFormulas:
@@ -157,14 +177,15 @@ class Discretisation:
 
     def tests(self, points: Floats) -> Floats:
         """The weight and its derivatives (kinds, n)."""
-        return self.problem.weight(points)[: self.kinds]
+        return self.problem.weight(self.problem.order)(points)
 
     def extras(self, points: Floats) -> Floats:
         """The derivatives (kinds, functions, n) of the functions beside the splines."""
-        if self.problem.extra is None:
+        functions = self.problem.extra(self.problem.order)
+        if functions is None:
             return np.zeros((self.kinds, 0, len(points)))
-        found = self.problem.extra(points).reshape(self.extra_count, -1, len(points))
-        return np.ascontiguousarray(found[:, : self.kinds].transpose(1, 0, 2))
+        found = functions(points).reshape(self.extra_count, -1, len(points))
+        return np.ascontiguousarray(found.transpose(1, 0, 2))
 
     # -- forms at points -------------------------------------------------------------------------------------------
 
@@ -280,10 +301,12 @@ class Discretisation:
         for where, weights, _, flux in self.flux_parts:
             if len(weights) and flux.any():
                 total = total + self._loads(where, _single(weights * flux, self.kinds))
-        lift = self.problem.lift
+        lift = self.problem.lift(self.problem.order)
         if lift is not None:
             for where, form in self._with_extras(lift, 1):
-                total = total - self._loads(where, _applied(form, lambda points: lift(points)[: self.kinds, None]))
+                total = total - self._loads(where, _applied(form, lambda points: lift(points)[:, None]))
+        for number, flow in enumerate(self.problem.flows):
+            total[0, total.shape[1] - self.extra_count + number] += flow
         return total[0]
 
     def _with_extras(self, given: Jets, count: int) -> list[tuple[CellPoints, Any]]:

@@ -3,52 +3,59 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import sympy as sp
 
-from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported
-from rsym.errors import RsymError
-from rsym.logic.sign_form import shape_builder
-from rsym.model.equation import Equation
+from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported, UnknownLevel
+from rsym.analysis.transfinite import Piece, inverse_distances
 from rsym.model.shape import Shape
-from rsym.problems.pointwise import PointFormulas, compiled, with_derivatives
-from rsym.program.lowering import lower
+from rsym.model.symbols import symbols_of
+from rsym.problems.conditions import Name
+from rsym.problems.interpolation import interpolate
+from rsym.problems.parts import formula, parts_of
 
 
-def values_on(conditions: tuple[BoundaryCondition | None, ...]) -> Mapping[int, sp.Expr]:
-    """The value of u on each leaf that has one."""
-    found = {}
-    for leaf, condition in enumerate(conditions):
-        if isinstance(condition, Dirichlet | Clamped | Supported):
-            value = condition.value
-            if isinstance(value, Equation):
-                value = value.expression
-            if not isinstance(value, sp.Expr):
-                raise RsymError(
-                    "the value of u on the boundary is a Python function: its derivatives are not known",
-                    code="condition",
-                    remedy="give an expression in the coordinates, or a Shape",
-                )
-            found[leaf] = value
-    return found
+def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition]) -> sp.Expr:
+    """An expression that is u, and has the slopes of u, on the parts where these are given; 0 where they are 0.
 
+    Of one value for all of these parts it is that; else, without slopes, the sum of u_i/w_i over that of 1/w_i, w_i the
+    weights of the parts, which are positive inside: no power of them is as smooth. Where parts meet second derivatives
+    are not bounded, and orders of convergence fall.
 
-def lift_of(shape: Shape, conditions: tuple[BoundaryCondition | None, ...]) -> PointFormulas | None:
-    """The derivatives of a function that is u on the boundary; None where u is 0 there.
+    Raises
+    ------
+    RsymError
+        As `interpolate`: for parts that are not there, and values that differ where parts meet.
 
     Examples
     --------
-    >>> import numpy as np, rsym
+    >>> import rsym
     >>> from rsym import x
-    >>> lift_of(rsym.disc(1), (rsym.dirichlet(x),))(np.array([[0.5, 0.5]]))[:3].tolist()
-    [[0.5], [1.0], [0.0]]
+    >>> ring = rsym.disc(2).named("rim") - rsym.disc(1).named("bore")
+    >>> lift_of(ring, {"rim": rsym.dirichlet(x), ...: rsym.neumann()})
+    x
     """
-    values = values_on(conditions)
-    different = list(dict.fromkeys(values.values()))
-    if not any(different):
-        return None
-    if len(different) > 1:
-        raise RsymError("different values", code="condition")
-    builder = shape_builder(shape)
-    nodes = with_derivatives(builder, {"lift": lower(builder, different[0])}, builder.coordinates, 2)
-    return compiled(shape, builder, nodes)
+    data: dict[Name, tuple[sp.Expr, ...]] = {}
+    for name, condition in conditions.items():
+        if isinstance(condition, UnknownLevel):
+            data[name] = (sp.S.Zero,)
+        elif isinstance(condition, Dirichlet | Clamped | Supported):
+            data[name] = tuple(_expression(shape, value, name) for value in condition.values)
+    values = {given[0] for given in data.values()}
+    if len(values) < 2:
+        value = values.pop() if values else sp.S.Zero
+        level = not set(symbols_of(value)) & set(shape.coordinates)
+        if all(len(given) == 1 or (level and given[1] == 0) for given in data.values()):
+            return value
+    if any(len(given) > 1 for given in data.values()):
+        return interpolate(shape, data).expression
+    parts = parts_of(shape, data)
+    parts.require_all()
+    parts.require_agreement({name: given[0] for name, given in data.items() if name in parts.leaves})
+    factors = parts.factors()
+    return inverse_distances([Piece(data[name][0], factors[name]) for name in parts.leaves], 1)
+
+
+def _expression(shape: Shape, value: Any, name: Name) -> sp.Expr:
+    return formula(value, shape, f"the value on {'the rest' if name is ... else repr(name)}")[0]

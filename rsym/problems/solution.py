@@ -9,15 +9,18 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+import sympy as sp
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_parts
+from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
 from rsym.problems.galerkin import Discretisation, Problem
+from rsym.problems.printed import printed
 from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
@@ -166,14 +169,15 @@ class Solution:
         for first in range(0, len(points), AT_ONCE):
             some = slice(first, first + AT_ONCE)
             here = points[some]
-            weight = self.problem.weight(here)
+            weight = self.problem.weight(order)(here)
             phi = jets(self.splines, self.coefficients[None], here, order)[:, 0]
             for term in product_terms(self.problem.dimension, order):
                 found[term.whole, some] += term.times * weight[term.left] * phi[term.right]
-            if self.problem.lift is not None:
-                found[:, some] += self.problem.lift(here)[:kinds]
-            if self.problem.extra is not None:
-                beside = self.problem.extra(here).reshape(len(self.others), -1, len(here))[:, :kinds]
+            lift, extra = self.problem.lift(order), self.problem.extra(order)
+            if lift is not None:
+                found[:, some] += lift(here)
+            if extra is not None:
+                beside = extra(here).reshape(len(self.others), -1, len(here))
                 found[:, some] += np.einsum("f,fkn->kn", self.others, beside)
         return found
 
@@ -198,6 +202,15 @@ class Solution:
             # On the axis u_r/r is u_rr.
             pure = found[every.index(tuple(2 * (k == 1 - axis) for k in range(2)))]
             return total + np.where(radius == 0, pure, found[1 + (1 - axis)] / radius)
+
+    def sampled(self, *coordinates: Any, letters: Mapping[Any, float] | None = None) -> dict[str, Any]:
+        """Value and gradient at points, for pictures: also beside the shape, in the cells that it touches, else NaN."""
+        arrays = np.broadcast_arrays(*(np.asarray(one, np.float64) for one in coordinates))
+        points = np.stack([array.ravel() for array in arrays], axis=1)
+        found, on = np.full((1 + self.problem.dimension, len(points)), np.nan), self.splines.carried(points)
+        found[:, on] = self.jets(points[on], 1)
+        parts = found.reshape(-1, *arrays[0].shape)
+        return {"value": parts[0], "gradient": np.moveaxis(parts[1:], 0, -1)}
 
     def _field(self, coordinates: tuple[ArrayLike, ...], order: int) -> Floats:
         if len(coordinates) != self.problem.dimension:
@@ -290,6 +303,25 @@ class Solution:
             if here < value:
                 point, value = place[0].copy(), here
         return Attained(value, tuple(float(one) for one in point))
+
+    def formula(self, degree: int = 6) -> sp.Expr:
+        """An expression: the weight times the best polynomial of a total degree, and the lift.
+
+        It meets the conditions on values identically, letters of the shape symbolic in it; the coefficients are those
+        for the letters of the solution.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> from rsym import x, y
+        >>> u = rsym.solve(rsym.disc(1), "-laplacian(u) = 1", 0, cells=8).formula(0)
+        >>> abs(u.subs({x: 0.6, y: 0.0}) - 0.16) < 1e-12, u.subs({x: 1, y: 0})
+        (True, 0)
+        """
+        whole(degree, "the degree", 0)
+        if self.report.eigenvalue is not None:
+            raise RsymError("a mode has no formula of this kind", code="formula", remedy="solve has")
+        return printed(Discretisation(self.problem, self.rule, self.report.degree), degree)
 
     def with_letters(self, values: Mapping[Any, float]) -> Solution:
         """The same problem for other letters, with the same cells and degree: new matrices, nothing compiled."""

@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from rsym.analysis.conditions import Clamped, Dirichlet, Robin, Supported
+from rsym.analysis.conditions import Clamped, Dirichlet, Robin, Supported, UnknownLevel
 from rsym.errors import RsymError
 from rsym.model.arguments import coordinate, whole
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.problems.conditions import resolved
+from rsym.problems.conditions import given_by_name, resolved
 from rsym.problems.equations import equation_of
 from rsym.problems.galerkin import Problem
+from rsym.problems.loops import holes
 from rsym.problems.refinement import HIGHEST_DEGREE, refined
 from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
 from rsym.sampling.progress import Progress
@@ -141,7 +142,9 @@ def problem_of(
         if shape.dimension != 2:
             raise RsymError("axis= is for shapes in the plane", code="axis", remedy="leave it out")
         turned = coordinate(axis, shape.coordinates, "the axis")
-    made = Problem(shape, found, resolved(shape, conditions), turned)
+    on_leaves = resolved(shape, conditions)
+    unknown = [leaf for leaf, one in enumerate(on_leaves) if isinstance(one, UnknownLevel)]
+    made = Problem(shape, found, given_by_name(shape, conditions), on_leaves, turned, holes(shape, unknown))
     if single:
         _require_single(made)
     return made

@@ -110,7 +110,7 @@ def modes(
     problem = problem_of(
         shape, equation, 0 if conditions is None else conditions, letters=letters, axis=axis, single=False
     )
-    if problem.lift is not None or not problem.equation.symmetric:
+    if problem.lift_expression != 0 or not problem.equation.symmetric:
         raise RsymError(
             "modes need conditions with values 0, and an equation without first derivatives",
             code="condition",

@@ -91,8 +91,8 @@ class StatedProblem:
 def load_problem(path: str | PathLike[str], *, shape: str | None = None, variant: str | None = None) -> StatedProblem:
     """The problem that a model file states in its lines ``equation`` and ``on``; `loads` tells the rest of it.
 
-    ``equation -laplacian(u) = 1`` says what a function u on the shape is to meet; there, too, the letters and the
-    formulas before it have their meaning. ``on rim = 0``, ``on "wheel arch" = robin(2, 1)`` say what holds on a part:
+    ``equation -laplacian(u) = 1`` says what a function u on the shape is to meet; letters and formulas of
+    the file have their meaning there. ``on rim = 0``, ``on "wheel arch" = robin(2, 1)`` say what holds on a part:
     a value, or ``dirichlet``, ``neumann``, ``robin``, ``constant``, ``clamped``, ``supported``, which are those of
     rsym; ``on others = 0`` is the rest. Nothing of it is run.
 

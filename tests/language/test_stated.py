@@ -77,7 +77,6 @@ def test_variants_hold_for_conditions(loaded):
         ("on rim", 4, "'='"),
         ("on 3 = 1", 4, "name of a part"),
         ("on rim = q2", 10, "unknown name 'q2'"),
-        ("on rim = later; later = x", 10, "defined later"),
         ("on rim = 0; on rim = 1", 13, "given already"),
         ("on others = 0; on others = 1", 16, "given already"),
         ("equation -laplacian(u)", 22, "'='"),

@@ -180,3 +180,58 @@ def test_too_few_cells_and_wrong_degrees_are_refused():
     for degree in (0, 7, 2.5):
         with pytest.raises(rsym.RsymError, match="degree"):
             rsym.solve(RIM, "-laplacian(u) = 1", 0, degree=degree)
+
+
+def test_different_values_on_parts_are_met_and_contradictions_refused():
+    found = rsym.solve(RING, "-laplacian(u) = 0", {"rim": 0, "bore": 1}, cells=16)
+    assert abs(found(0, 0.7) - math.log(0.7) / math.log(0.5)) < 1e-6
+    angle = np.arange(50.0)
+    assert np.abs(found(0.5 * np.cos(angle), 0.5 * np.sin(angle)) - 1).max() < 1e-14
+    square = rsym.half_plane((1, 0), 0).named("left") & rsym.half_plane((0, 1), 0).named("floor")
+    square = square & rsym.half_plane((-1, 0), -1) & rsym.half_plane((0, -1), -1)
+    with pytest.raises(rsym.RsymError, match=r"meet at \(0, 0\), where one is given 0, the other 1"):
+        rsym.solve(square, "-laplacian(u) = 0", {"left": 0, "floor": 1, ...: 0}, cells=8)
+
+
+def test_a_clamped_plate():
+    """(1 - r**2)**2/64 for the load 1, and (1 - r**2)/4 of a membrane whose edge is pulled to a slope."""
+    found = rsym.solve(RIM, "bilaplacian(u) = 1", rsym.clamped(), cells=8)
+    assert abs(found(0.3, 0.4) - 0.75**2 / 64) < 1e-14
+    sloping = rsym.solve(RIM, "bilaplacian(u) = 0", rsym.clamped(0, sp.Rational(-1, 2)), cells=12)
+    assert abs(sloping(0.3, 0.4) - 0.75 / 4) < 1e-9
+    with pytest.raises(rsym.RsymError, match="degree"):
+        rsym.solve(RIM, "bilaplacian(u) = 1", rsym.clamped(), cells=8, degree=1)
+
+
+def test_in_space():
+    ball = rsym.solve(rsym.sphere(1), "-laplacian(u) = 6", 0, cells=6, degree=2)
+    assert abs(ball(0.1, 0.2, 0.3) - 0.86) < 1e-4
+    assert ball.gradient(0.1, 0.2, [0.3, 0.4]).shape == (2, 3)
+
+
+def test_a_formula_meets_conditions_identically():
+    found = rsym.solve(RING, "-laplacian(u) = 1", {"rim": rsym.robin(2, 1), "bore": x}, cells=16)
+    formula = found.formula(6)
+    assert {symbol.name for symbol in formula.free_symbols} == {"x", "y"}
+    assert abs(formula.subs({x: sp.Rational(3, 10), y: sp.Rational(4, 10)}) - 0.3) < 1e-15
+    assert abs(float(formula.subs({x: 0.7, y: 0.2})) - found(0.7, 0.2)) < 1e-2
+    assert abs(float(found.formula(10).subs({x: 0.7, y: 0.2})) - found(0.7, 0.2)) < 1e-3
+    level = rsym.solve(RING, "-laplacian(u) = 4", {"rim": 0, "bore": rsym.constant()}, cells=16).formula(6)
+    assert abs(level.subs({x: 0.5, y: 0.0}) - level.subs({x: 0.0, y: 0.5})) < 1e-15
+
+
+def test_it_is_drawn():
+    import matplotlib.figure
+
+    found = rsym.solve(RIM, "-laplacian(u) = 1", 0, cells=8)
+    ax = matplotlib.figure.Figure().add_subplot()
+    artist = rsym.plot_field(found, ax=ax, resolution=40)
+    assert ax.get_title() == "$u$"
+    assert 0.2 < artist.levels.max() < 0.3
+    (line,) = rsym.level_lines(found, 0.16, resolution=40)
+    assert np.abs(np.hypot(*line.T) - 0.6).max() < 1e-9
+    ball = rsym.solve(rsym.sphere(1), "-laplacian(u) = 6", 0, cells=6, degree=2)
+    (line,) = rsym.level_lines(ball, 0.5, resolution=20, section={rsym.z: 0.5})
+    assert np.abs(np.hypot(*line.T) - 0.5).max() < 1e-3
+    with pytest.raises(rsym.RsymError, match="with_letters"):
+        rsym.plot_field(found, letters={"a": 1})
