@@ -73,6 +73,7 @@ from .output.image_axes import plot_image
 from .output.images import Image
 from .output.joins import plot_continuity
 from .output.models import load_letters, save, save_letters
+from .output.modes import plot_modes
 from .output.patches import compare_patches, plot_patches
 from .output.rendering import render
 from .output.repairs import plot_repair
@@ -80,6 +81,7 @@ from .output.sections import plot_sections, write_sections
 from .output.surfaces import plot_mesh
 from .output.sweep import plot_sweep
 from .output.systems import SystemRow, SystemTable, compare_systems
+from .output.torsion import plot_torsion
 from .output.verdicts import plot_verdict
 from .output.viewing import view
 from .problems.interpolation import interpolate
@@ -276,11 +278,13 @@ __all__ = [
     "plot_gallery",
     "plot_image",
     "plot_mesh",
+    "plot_modes",
     "plot_patches",
     "plot_repair",
     "plot_sections",
     "plot_sensitivity",
     "plot_sweep",
+    "plot_torsion",
     "plot_verdict",
     "polygon",
     "polyline",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rsym.language.expressions import ExpressionParser
 from rsym.language.scanner import Cursor, scan
-from rsym.language.syntax import ARITIES, Expression
+from rsym.language.syntax import ARITIES, EquationStatement, Expression, Position
 
 UNKNOWN = "u"
 
@@ -34,6 +34,18 @@ def parse_equation(text: str) -> tuple[Expression, Expression]:
     if not cursor.at_end:
         raise cursor.unexpected("the end of the equation", _EXAMPLE)
     return both
+
+
+def parse_statement(text: str) -> EquationStatement:
+    """An equation of its own as the statement of a model that it is.
+
+    Examples
+    --------
+    >>> parse_statement(" -laplacian(u) = 2").text
+    '-laplacian(u) = 2'
+    """
+    left, right = parse_equation(text)
+    return EquationStatement(Position(1, 1), left, right, text.strip())
 
 
 def sides(cursor: Cursor) -> tuple[Expression, Expression]:

@@ -18,6 +18,7 @@ from rsym.backends.kernel import compile
 from rsym.errors import RsymError, warn
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.output.boundaries import draw_parts
 from rsym.output.looks import PLAIN, Look
 from rsym.output.panels import TITLES, colour_bar, draw_levels, dress
 from rsym.output.pictures import page, require_axes, whole
@@ -55,7 +56,8 @@ def plot_field(
     Parameters
     ----------
     shape : Shape or Solution
-        A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found on one.
+        A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found on one: then the outside
+        is white, and named parts of the boundary have colours and a legend where there are several.
     field : str
         A scalar field of `compile`; or "sign", the inside in one colour: at each place only what matters there is
         evaluated, and of a shape of thousands of operations that is little.
@@ -128,6 +130,8 @@ def plot_field(
     boundary = trace(omega, 0.0, values=logic)
     artist = draw_levels(ax, sampler, values, chosen, boundary, look, logic)
     dress(ax, sampler, TITLES[field] if title is None else title)
+    if field_on is not shape:
+        draw_parts(ax, omega)
     if alone:
         colour_bar(artist, ax)
     undefined = undefined_picture(field, np.where(logic > 0, values, 0.0) if field_on is not shape else values)

@@ -17,7 +17,7 @@ from rsym.problems.equations import equation_of
 from rsym.problems.galerkin import Problem
 from rsym.problems.loops import loops_of
 from rsym.problems.refinement import Grade, refined
-from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved
+from rsym.problems.solution import MORE_POINTS, Attained, Solution, rule_for, solved
 from rsym.problems.solving import checked_degree
 from rsym.sampling.progress import Progress
 
@@ -62,6 +62,16 @@ class Torsion:
         """The shear stresses (..., 2) at points, (u_y, -u_x)."""
         slope = self.solution.gradient(*coordinates)
         return np.stack([slope[..., 1], -slope[..., 0]], axis=-1)
+
+    def greatest_stress(self) -> Attained:
+        """The greatest shear stress |grad u| at the points of integration on the boundary, where it is greatest.
+
+        At a corner that points inwards the stress has no bound: what is answered there grows with the cells.
+        """
+        points = self.solution.rule.boundary.points
+        stress = np.linalg.norm(self.solution.jets(points, 1)[1:], axis=0)
+        most = int(np.argmax(stress))
+        return Attained(float(stress[most]), tuple(float(one) for one in points[most]))
 
     def with_letters(self, values: Mapping[Any, float]) -> Torsion:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
