@@ -10,6 +10,7 @@ A shape with named parts comes in, and conditions by the names of these; functio
   SymPy, as its coefficients
 - `pointwise`: formulas compiled, at points; `loops`: the curves of a boundary; `lifts`: functions with values there
 - `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
+- `corners/`: what solutions have at corners; `problem`: a problem and what its solution is made of
 - `galerkin`: the system of a problem; `refinement`: until its error is small; `printed`: a solution
   as an expression; `solution`: what comes out
 - `solving`, `spectra`, `torsion`: what is asked; `stated`: what a model file asks

@@ -19,8 +19,9 @@ from rsym.logic.leaf_names import leaf_parts
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
-from rsym.problems.galerkin import Discretisation, Problem
+from rsym.problems.galerkin import Discretisation
 from rsym.problems.printed import printed
+from rsym.problems.problem import Problem, with_corners
 from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
@@ -173,12 +174,11 @@ class Solution:
             phi = jets(self.splines, self.coefficients[None], here, order)[:, 0]
             for term in product_terms(self.problem.dimension, order):
                 found[term.whole, some] += term.times * weight[term.left] * phi[term.right]
-            lift, extra = self.problem.lift(order), self.problem.extra(order)
+            lift = self.problem.lift(order)
             if lift is not None:
                 found[:, some] += lift(here)
-            if extra is not None:
-                beside = extra(here).reshape(len(self.others), -1, len(here))
-                found[:, some] += np.einsum("f,fkn->kn", self.others, beside)
+            if len(self.others):
+                found[:, some] += np.einsum("f,kfn->kn", self.others, self.problem.extras(here, order))
         return found
 
     def __call__(self, *coordinates: ArrayLike) -> Any:
@@ -321,7 +321,8 @@ class Solution:
         whole(degree, "the degree", 0)
         if self.report.eigenvalue is not None:
             raise RsymError("a mode has no formula of this kind", code="formula", remedy="solve has")
-        return printed(Discretisation(self.problem, self.rule, self.report.degree), degree)
+        smooth = replace(self.problem, corners=())
+        return printed(Discretisation(smooth, self.rule, self.report.degree), degree)
 
     def with_letters(self, values: Mapping[Any, float]) -> Solution:
         """The same problem for other letters, with the same cells and degree: new matrices, nothing compiled."""
@@ -329,7 +330,8 @@ class Solution:
             raise RsymError(
                 "this is a mode, with an eigenvalue of its own", code="letters", remedy="ask modes of other letters"
             )
-        problem = replace(self.problem, shape=self.shape.with_letters(values))
+        problem = replace(self.problem, shape=self.shape.with_letters(values), corners=())
+        problem = with_corners(problem) if self.problem.corners else problem
         rule = rule_for(problem, self.report.cells, self.order)
         return solved(problem, rule, self.report.cells, self.report.degree)
 
@@ -348,7 +350,8 @@ def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
         # Bounds with room beside the shape would be cells without it.
         if box is None or all(a <= c and d <= b for (a, b), (c, d) in zip(box, found, strict=True)):
             box = found
-    return quadrature(problem.shape, cells=cells, order=order, bounds=box)
+    near = [one.corner.point for one in problem.corners] or None
+    return quadrature(problem.shape, cells=cells, order=order, bounds=box, near=near)
 
 
 def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:

@@ -16,8 +16,8 @@ from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, resolved
 from rsym.problems.equations import equation_of
-from rsym.problems.galerkin import Problem
 from rsym.problems.loops import holes
+from rsym.problems.problem import Problem, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, refined
 from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
 from rsym.sampling.progress import Progress
@@ -33,6 +33,7 @@ def solve(
     tolerance: float | None = None,
     letters: Mapping[Any, Any] | None = None,
     axis: Any = None,
+    corners: bool = True,
     progress: Progress | None = None,
 ) -> Solution:
     """The solution of a linear elliptic equation on a shape.
@@ -60,6 +61,9 @@ def solve(
     axis : coordinate, optional
         The shape in the plane is half the section of a body of revolution about this axis; u does not depend on the
         angle, and operators are those of space.
+    corners : bool
+        Whether functions of their own are added at corners of a shape in the plane where solutions are singular; an
+        equation that diffuses differently in different directions has none.
     progress : callable, optional
         ``progress(done, total)``; an answer of False cancels.
 
@@ -88,6 +92,7 @@ def solve(
     np.True_
     """
     problem = problem_of(shape, equation, conditions, letters=letters, axis=axis)
+    problem = with_corners(problem) if corners else problem
     checked_degree(degree)
     if cells is not None:
         whole(cells, "the cells", 1)

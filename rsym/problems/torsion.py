@@ -14,8 +14,8 @@ from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.equations import equation_of
-from rsym.problems.galerkin import Problem
 from rsym.problems.loops import loops_of
+from rsym.problems.problem import Problem, with_corners
 from rsym.problems.refinement import Grade, refined
 from rsym.problems.solution import MORE_POINTS, Attained, Solution, rule_for, solved
 from rsym.problems.solving import checked_degree
@@ -77,6 +77,7 @@ class Torsion:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
         report, problem = self.solution.report, self.solution.problem
         other = replace(problem, shape=problem.shape.with_letters(values))
+        other = with_corners(other) if problem.corners else other
         return _torsion(other, report.cells, report.degree)
 
 
@@ -87,6 +88,7 @@ def torsion(
     cells: int | None = None,
     tolerance: float | None = None,
     letters: Mapping[Any, float] | None = None,
+    corners: bool = True,
     progress: Progress | None = None,
 ) -> Torsion:
     """The torsion of a shaft whose section is a shape in the plane.
@@ -95,7 +97,7 @@ def torsion(
     ----------
     shape : Shape
         The section; holes are found.
-    degree, cells, tolerance, letters, progress
+    degree, cells, tolerance, letters, corners, progress
         As in `solve`; the tolerance is a share of the rigidity.
 
     Returns
@@ -121,6 +123,7 @@ def torsion(
     if shape.dimension != 2:
         raise RsymError("torsion is of a section in the plane", code="dimension", remedy="give a shape of x and y")
     problem = _problem(shape if letters is None else shape.with_letters(letters))
+    problem = with_corners(problem) if corners else problem
     if cells is not None:
         return _torsion(problem, cells, degree)
 
@@ -161,6 +164,6 @@ def _torsion(problem: Problem, cells: int, degree: int) -> Torsion:
     around = np.sum(boundary.weights[:, None] * boundary.points * boundary.normals, axis=1) / 2
     areas = tuple(float(-np.sum(around[np.isin(boundary.leaves, hole)])) for hole in problem.levels)
     solution = solved(replace(problem, flows=tuple(2 * area for area in areas)), rule, cells, degree)
-    levels = tuple(float(one) for one in solution.others)
+    levels = tuple(float(one) for one in solution.others[: len(problem.levels)])
     held = sum(level * area for level, area in zip(levels, areas, strict=True))
     return Torsion(solution, 2 * (solution.integral() + held), levels, areas)
