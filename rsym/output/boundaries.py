@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.transforms import ScaledTranslation
 
 from rsym.arrays import Floats
 from rsym.logic.leaf_names import leaf_parts
@@ -19,6 +20,7 @@ from rsym.sampling.plane_leaves import leaves_of
 PART_COLOURS = ("#d55e00", "#0072b2", "#cc79a7", "#009e73", "#e69f00", "#56b4e9")
 WIDTH = 2.6
 MOST_NAMED = 8
+BELOW = 30  # points from the axes to their legend: the numbers and the name of the coordinate lie between
 
 
 def part_lines(omega: PlaneSampler) -> dict[str, list[Floats]]:
@@ -75,7 +77,8 @@ def draw_parts(ax: Axes, omega: PlaneSampler) -> list[LineCollection]:
     ax.legend(
         handles=shown,
         loc="upper center",
-        bbox_to_anchor=(0.5, -0.12),
+        bbox_to_anchor=(0.5, 0.0),
+        bbox_transform=ax.transAxes + ScaledTranslation(0.0, -BELOW / 72, ax.figure.dpi_scale_trans),
         ncols=min(len(shown), 4),
         fontsize=8,
         frameon=False,

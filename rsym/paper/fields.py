@@ -68,7 +68,7 @@ def gear() -> Shape:
 def draw_solved() -> Drawing:
     """The plate and the shaft above, six modes of the drum below."""
     heat = solve(plate(), "-laplacian(u) = 0", {"edge": 1, "holes": robin(LOSS)}, cells=CELLS["plate"])
-    twisted = torsion(shaft(), cells=CELLS["shaft"])
+    twisted = torsion(shaft(), cells=CELLS["shaft"], corners=False)
     drum = modes(gear(), COUNT, cells=CELLS["gear"])
     figure = Figure(figsize=(9.6, 9.6), layout="compressed")
     above, below = figure.subfigures(2, 1, height_ratios=(0.42, 0.58))
