@@ -82,6 +82,7 @@ from .output.sweep import plot_sweep
 from .output.systems import SystemRow, SystemTable, compare_systems
 from .output.verdicts import plot_verdict
 from .output.viewing import view
+from .problems.elastic import Deformation, elasticity
 from .problems.interpolation import interpolate
 from .problems.solution import Attained, Solution, SolutionReport
 from .problems.solution_structures import solution_structure
@@ -136,6 +137,7 @@ __all__ = [
     "Camera",
     "ContinuityReport",
     "Curve",
+    "Deformation",
     "DesignTable",
     "FairnessReport",
     "Feature",
@@ -209,6 +211,7 @@ __all__ = [
     "displacement_blend",
     "double_cone",
     "dumps",
+    "elasticity",
     "ellipse",
     "ellipsoid",
     "enclose",
