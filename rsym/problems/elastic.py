@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, resolved
 from rsym.problems.equations import equation_of
 from rsym.problems.galerkin import Discretisation, applied_form, single_load
+from rsym.problems.pointwise import PointFormulas
 from rsym.problems.problem import Problem, on_part, value_at
 from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, rule_for, with_rule
 from rsym.problems.solving import checked_degree
@@ -200,6 +201,11 @@ def _component(shape: Shape, conditions: Mapping[Any, Any], axis: int) -> Proble
     return Problem(shape, equation, given_by_name(shape, given), resolved(shape, given))
 
 
+def _lifted(lift: PointFormulas, points: Floats) -> Floats:
+    """The derivatives (kinds, 1, n) of a lift."""
+    return lift(points)[:, None]
+
+
 @dataclass(frozen=True, eq=False)
 class _Elastic:
     """The system of two components."""
@@ -252,7 +258,7 @@ class _Elastic:
         for trial, other in enumerate(self.problems):
             lift = other.lift(1)
             if lift is not None:
-                load = applied_form(self.form(component, trial), lambda points, lift=lift: lift(points)[:, None])
+                load = applied_form(self.form(component, trial), partial(_lifted, lift))
                 total = total - discrete.loads(discrete.inside, load)
         found: Floats = total[0]
         return found

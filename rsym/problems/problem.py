@@ -177,7 +177,8 @@ def value_at(shape: Shape, value: Any, points: Floats) -> Floats:
     if isinstance(value, Equation):
         value = value.expression
     if isinstance(value, sp.Basic):
-        return formulas(shape, {VALUE: value})(points)[0]
+        row: Floats = formulas(shape, {VALUE: value})(points)[0]
+        return row
     found: Floats = values_of(FLUX, value, list(np.ascontiguousarray(points.T)))
     return found
 

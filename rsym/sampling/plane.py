@@ -137,7 +137,8 @@ class PlaneSampler:
         coordinates[self.free[0]], coordinates[self.free[1]] = u, v
         for position, value in self.fixed.items():
             coordinates[position] = value
-        return self.kernel(*coordinates, letters=self.letters)
+        found: dict[str, NDArray[Any]] = self.kernel(*coordinates, letters=self.letters)
+        return found
 
 
 def plane_sampler(
@@ -167,7 +168,8 @@ def plane_sampler(
             raise RsymError(
                 "a solution is one for its letters", code="letters", remedy="draw solution.with_letters({...})"
             )
-        shape, given, field = shape.shape, shape.sampled, GIVEN
+        asked: Any = shape
+        shape, given, field = asked.shape, asked.sampled, GIVEN
     if field == "curvature" and section:
         shape, bounds = plane_section(shape, section, bounds)
         section = None

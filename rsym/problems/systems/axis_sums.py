@@ -105,7 +105,7 @@ class AxisSums:
         sizes = [square**self.dimension]
         for axis, count in enumerate(counts):
             sizes.append(int(count * self.points ** (axis + 1) * square ** (self.dimension - 1 - axis)))
-        return max(sizes)
+        return int(max(sizes))
 
     @cached_property
     def places(self) -> Ints:
