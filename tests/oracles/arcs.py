@@ -13,6 +13,7 @@ import sympy as sp
 import rsym
 
 DIGITS = 40
+START = 0.7
 x, y = rsym.x, rsym.y
 
 
@@ -47,12 +48,16 @@ class Oval:
         """The angles at which it meets another curve."""
         (cx, cy), (a, b), (c, s) = self.centre, self.axes, self.direction
 
-        def along(w):  # times (1 + w**2)**2, w the tangent of half the angle
+        def along(w):  # times (1 + w**2)**2, w the tangent of half the angle from a start where nothing happens
             d = 1 + w * w
-            u, v = a * (1 - w * w) / d, b * 2 * w / d
+            cosine, sine = (1 - w * w) / d, 2 * w / d
+            u, v = (
+                a * (cosine * mp.cos(START) - sine * mp.sin(START)),
+                b * (cosine * mp.sin(START) + sine * mp.cos(START)),
+            )
             return other.value(cx + c * u - s * v, cy + s * u + c * v) * d**2
 
-        return [2 * mp.atan(root) for root in real_roots(along, 4)]
+        return [START + 2 * mp.atan(root) for root in real_roots(along, 4)]
 
     def arcs(self, angles):
         """Arcs between angles, all the way round."""

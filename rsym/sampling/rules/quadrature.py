@@ -29,7 +29,7 @@ ORDER = 8
 PAIRS = 2**17  # of cells and leaves that are looked at at once
 CUT_AT_ONCE = 1024  # cells that the boundary may cross, of which rules are made at once
 POINTS = 2**20  # of such rules, about
-LIMITS = {2: Limits(6, 44), 3: Limits(5, 24)}
+LIMITS = {2: Limits(6, 44, 2.0), 3: Limits(5, 24, 3.0)}
 
 
 @dataclass(frozen=True)
@@ -214,21 +214,24 @@ def quadrature(
 
 @dataclass(frozen=True)
 class Prepared:
-    """A shape at letters within bounds, ready for rules."""
+    """A shape at letters within bounds, ready for rules; `owner` is the part of each leaf of the functions."""
 
     functions: LeafFunctions
     box: Bounds
     parts: tuple[str, ...]
+    owner: Ints
 
     def rule(self, cells: int, order: int, near: ArrayLike | None = None, threads: int | None = None) -> Quadrature:
         """The rule with so many cells along the longest side, and so many points along each direction of a cell."""
         grid = self.grid(cells)
         made = list(self.portions(grid, order, near, threads))
+        made = made or [_portion(self.functions, grid, np.arange(0), order, np.empty((0, 2)))]
         rule = rules_together([portion.rule for portion in made])
         _, gradient = self.functions.evaluate(rule.edge_leaf, rule.edge_points)
         normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
+        leaves = self.owner[rule.edge_leaf]
         boundary = BoundaryQuadrature(
-            rule.edge_points.T, rule.edge_weights, normals, rule.edge_leaf, rule.edge_owner, self.parts
+            rule.edge_points.T, rule.edge_weights, normals, leaves, rule.edge_owner, self.parts
         )
         full = np.concatenate([portion.full for portion in made])
         touched = np.union1d(rule.owner, rule.edge_owner)
@@ -280,14 +283,14 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
     box = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
     form = rule_form(shape, box is not None)
     known = extent(shape, letters) if box is None else box
-    functions = LeafFunctions(shape, form, letters, known)
+    functions = LeafFunctions(shape, form.form, letters, known)
     if box is None and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
         raise RsymError(
             "the inside of the shape is unbounded",
             code="unbounded",
             remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
         )
-    return Prepared(functions, known, leaf_names(form, shape))
+    return Prepared(functions, known, leaf_names(form.plain, shape), form.owner)
 
 
 def _points(near: ArrayLike | None, dimension: int) -> Floats:
