@@ -4,6 +4,7 @@ Each curve is cut at its crossings with all others, roots of polynomials of degr
 if the tree at its middle is true with the curve's own leaf and false without. Shares no code with rsym.
 """
 
+import itertools
 import random
 from dataclasses import dataclass
 
@@ -101,8 +102,7 @@ class Side:
 
     def arcs(self, places):
         """Arcs between places; what lies beyond is outside."""
-        ends = sorted(places)
-        return list(zip(ends, ends[1:], strict=False))
+        return list(itertools.pairwise(sorted(places)))
 
     def green(self, start, end):
         """Half the integral of x dy - y dx."""

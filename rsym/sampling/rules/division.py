@@ -185,7 +185,7 @@ class Limits:
 
 def divide(functions: BoundedFunctions, cells: CutPieces, near: Floats, limits: Limits) -> Divided:
     """Divide cells; those close to one of the points `near` (k, dim) are divided towards it."""
-    inside: list[tuple[Floats, Floats, Ints]] = []
+    inside = [(cells.lower[:, :0], cells.upper[:, :0], cells.owner[:0])]
     whole = np.empty(0, np.int64)
     cut: list[CutPieces] = []
     pieces = cells

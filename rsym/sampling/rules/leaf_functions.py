@@ -13,6 +13,7 @@ from rsym.logic.lifting import lifted
 from rsym.logic.sign_form import Gate, SignForm, sign_form, surface_form, through
 from rsym.model.recent import recently
 from rsym.model.shape import Bounds, Shape
+from rsym.program.builder import Builder
 from rsym.sampling.kernels.mesher_kernels import (
     MesherKernels,
     backend_for,
@@ -26,6 +27,7 @@ from rsym.sampling.rules.division import CutPieces
 from rsym.sampling.sharp.crossings import CompiledLeaves
 from rsym.sampling.sharp.loops import loop
 
+MOST_CHOICES = 6  # each may double the leaves
 EPSILON = float(np.finfo(np.float64).eps)
 
 
@@ -119,7 +121,7 @@ def rule_form(shape: Shape, capped: bool) -> RuleForm:
 def _smooth(form: SignForm) -> tuple[SignForm, Ints]:
     """The form without kinks in its leaves that are minima, maxima and absolute values in sums, and whose they are."""
     builder = form.builder
-    leaves = [lifted(builder, leaf, few=0) for leaf in form.leaves]
+    leaves = [_lifted(builder, leaf) for leaf in form.leaves]
     made = through(form.gates, leaves, lambda gate, first, second: builder.make(gate.operation, first, second))
     smooth = replace(sign_form(builder, made[-1]), parameters=form.parameters)
     owner: dict[int, int] = {}
@@ -129,6 +131,16 @@ def _smooth(form: SignForm) -> tuple[SignForm, Ints]:
     if list(form.leaves) == leaves or any(leaf not in owner for leaf in smooth.leaves):
         return form, np.arange(len(form.leaves))
     return smooth, np.array([owner[leaf] for leaf in smooth.leaves])
+
+
+def _lifted(builder: Builder, leaf: int) -> int:
+    """A leaf with all its choices on top that sums let through: a sum lifts those of one of its terms at a time."""
+    for _ in range(MOST_CHOICES):
+        number = lifted(builder, leaf, few=0)
+        if number == leaf:
+            break
+        leaf = number
+    return leaf
 
 
 def gate_array(gates: tuple[Gate, ...]) -> Ints:

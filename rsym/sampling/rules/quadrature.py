@@ -318,8 +318,7 @@ def _portion(functions: LeafFunctions, grid: CellGrid, cells: Ints, order: int, 
     """The rule in some cells."""
     lower, upper = grid.corners(cells)
     found = divide(functions, undivided(lower, upper, cells, functions.count), near, LIMITS[functions.dimension])
-    rules = [tensor_rule(found.lower, found.upper, found.owner, order)]
-    unresolved = 0.0
+    rules, unresolved = [tensor_rule(found.lower, found.upper, found.owner, order)], 0.0
     for pieces in found.cut:
         if len(pieces):
             if functions.dimension == 2:
