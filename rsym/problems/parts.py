@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,14 +16,13 @@ from rsym.arrays import Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError
 from rsym.logic.sign_form import SignForm, shape_form
-from rsym.logic.weights import Weights, weight
-from rsym.model.arguments import number
+from rsym.logic.weights import Weights
+from rsym.model.arguments import number, positive
 from rsym.model.equation import Equation
 from rsym.model.letters import Letters
 from rsym.model.shape import Bounds, Shape
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.meetings import Places
-from rsym.program.raising import raised
 from rsym.sampling.extent import bounds_or_extent
 
 AGREEMENT = 1e-9  # of the size of data
@@ -74,15 +74,13 @@ class Parts:
                     remedy="give data that agree where parts meet",
                 )
 
-    def weights(self, order: int, length: sp.Expr) -> dict[Name, sp.Expr]:
-        """Their weights, normalised to an order."""
-        found = Weights(self.shape, self.form, order, length)
-        return {name: found.of(leaves) for name, leaves in self.leaves.items()}
-
-    def factors(self) -> dict[Name, sp.Expr]:
-        """Their weights as products of leaves."""
-        made = {name: weight(self.form, leaves) for name, leaves in self.leaves.items()}
-        return {name: raised(self.form.builder.nodes, node) for name, node in made.items() if node is not None}
+    def weights(self, order: int, length: Any) -> Weights:
+        """What weighs them, normalised to an order with a length: by default the power of 2 next to half the box."""
+        if length is None:
+            unit = sp.Integer(2) ** round(math.log2(float(np.diff(self.box, axis=1).max()) / 2))
+        else:
+            unit = positive(length, "the length", self.shape.letters)
+        return Weights(self.shape, self.form, order, unit)
 
 
 def parts_of(shape: Shape, names: Iterable[Name]) -> Parts:

@@ -121,6 +121,16 @@ def test_how_large_the_formula_of_a_part_is_does_not_matter():
     assert abs(rsym.compile(rsym.interpolate(large, {"rim": x, "bore": 1}))(*point)["value"] - plain) < 1e-13
 
 
+def test_how_large_the_shape_is_does_not_matter():
+    at = 0.9, -0.4
+    values = []
+    for size in (1, 1024, sp.Rational(1, 1024)):
+        shape = rsym.ellipse(2, 1).named("rim") - rsym.ellipse(0.5, 0.25).named("bore")
+        u = rsym.interpolate(shape.scale(size), {"rim": x / size, "bore": (1, 3 / size)})
+        values.append(float(rsym.compile(u)(*(float(size) * one for one in at))["value"]))
+    assert np.ptp(values) < 1e-12
+
+
 def test_it_is_a_shape_in_the_bounds_of_the_shape():
     u = rsym.interpolate(RING.replace(bounds=((-3, 3), (-2, 4))), {"rim": x, "bore": 0})
     assert u.bounds == ((-3, 3), (-2, 4))
