@@ -92,14 +92,14 @@ class Places:
         """From depth to depth points (n, dim + 1) of all parts, how far off they may be last."""
         dimension = self.shape.dimension
         boxes, open_ = self._first
-        boxes = boxes[open_[list(parts)].all(axis=0)]
+        boxes = boxes[_where_all(open_, parts)]
         for _ in range(DEEPEST[dimension]):
             if not len(boxes) or len(boxes) > MOST:
                 break
             if len(parts) == 1:
                 yield self._points(parts, boxes[_spread(len(boxes), AT_A_GLANCE)])
             boxes, _ = halves(boxes)
-            boxes = boxes[self._open(boxes)[list(parts)].all(axis=0)]
+            boxes = boxes[_where_all(self._open(boxes), parts)]
         if len(boxes) > MOST:
             boxes = boxes[_spread(len(boxes), FEW)]
         yield self._points(parts, boxes)
@@ -158,6 +158,11 @@ class Places:
             good &= ((points >= lower - SLACK * self._size) & (points <= upper + SLACK * self._size)).all(axis=1)
         found: Floats = np.column_stack([points, doubt])[good]
         return found
+
+
+def _where_all(open_: Flags, parts: Sequence[int]) -> Flags:
+    """Which boxes may have points of all of some parts."""
+    return np.asarray(open_[list(parts)].all(axis=0))
 
 
 def _spread(count: int, most: int) -> Ints:

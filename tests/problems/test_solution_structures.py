@@ -1,6 +1,7 @@
 """Structures on shapes meet their conditions at a thousand points of the boundary, whatever stands in them."""
 
 import os
+import pickle
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ RING = rsym.disc(2).named("rim") - rsym.disc(1).named("bore")
 HALF = rsym.disc(2).named("rim") & rsym.half_plane((1, 0), 0).named("cut")
 OVAL = rsym.ellipse(2, 1).named("oval") & rsym.half_plane((1, 2), -1).named("cut")
 ELL = rsym.rectangle(2, 1).named("long") | rsym.rectangle(1, 2).named("high")
+SQUARE = rsym.rectangle(2, 2).named("sides") & rsym.half_plane((1, 1), 0).named("cut")  # a line through corners
 PLATE = rsym.rectangle(4, 3).named("edge") - rsym.disc(1, (0.4, 0.2)).named("hole")
 TORUS = rsym.torus(2, 0.5).named("torus") - rsym.sphere(1, (2, 0, 0)).named("dent")
 
@@ -60,6 +62,8 @@ CONDITIONS = [
     (OVAL, {"oval": rsym.dirichlet(1), "cut": rsym.robin(5, y)}),
     (OVAL, {"oval": rsym.clamped(x, y), "cut": rsym.neumann(0)}),
     (ELL, {"long": rsym.robin(1, x), "high": rsym.dirichlet(x - y)}),
+    (SQUARE, {"sides": rsym.robin(1, x), "cut": rsym.dirichlet(x * y)}),
+    (SQUARE, {"sides": rsym.dirichlet(x * y), "cut": rsym.robin(x, 3)}),
     (PLATE, {"edge": rsym.robin(1, x), "hole": rsym.neumann(y)}),
     (PLATE, {"edge": rsym.supported(x), "hole": rsym.robin(2, y)}),
     (TORUS, {"torus": rsym.robin(2, z), "dent": rsym.dirichlet(x)}),
@@ -91,6 +95,20 @@ def test_letters_live_in_shape_and_conditions():
     given = {"rim": rsym.dirichlet(x), "bore": rsym.robin(c, r)}
     for letters in ({"r": 0.4}, {"r": 1.5, "c": 9}):
         assert max(residuals(shape, given, [sp.exp(x), x * y], letters).values()) < 1e-13
+
+
+def test_in_float32_they_are_met_to_its_rounding():
+    u = rsym.solution_structure(HALF, {"rim": rsym.robin(1, y), "cut": y**2}).with_functions(sp.exp(x), x * y)
+    found = rsym.sample(HALF, 500, over="rim", rng=1)
+    at = rsym.compile(u, ("value", "gradient"), dtype="float32")(*found.points.T)
+    assert np.isfinite(at["gradient"]).all()
+    gap = np.einsum("ij,ij->i", at["gradient"], found.normals) + at["value"] - found.points[:, 1]
+    assert np.abs(gap).max() < 1e-3
+
+
+def test_they_travel():
+    structure = rsym.solution_structure(HALF, {"rim": rsym.robin(1, y), "cut": y**2})
+    assert pickle.loads(pickle.dumps(structure)) == structure
 
 
 def test_a_hole_at_an_unknown_level():
