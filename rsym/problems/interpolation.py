@@ -73,8 +73,9 @@ def interpolate(
     ------
     RsymError
         ``unknown-part``; ``vanished-part`` for one that has nothing of the boundary; ``contradiction`` for values that
-        differ where two parts meet, with the place and both values, all where letters have their defaults; a shape
-        without bounds that goes on without end; data without a formula, or of more derivatives than the order.
+        differ where two parts meet, with the place and both values; ``singular-part`` for slopes where the gradient of
+        the formula is zero; all where letters have their defaults. A shape without bounds that goes on without end;
+        data without a formula, or of more derivatives than the order.
 
     Source: Rvachev, Sheiko, Shapiro and Tsukanov (2001); the Taylor form: Rvachev (1982).
 
@@ -104,8 +105,9 @@ def interpolate(
     parts.require_all()
     parts.require_agreement({name: given[0] for name, given in slopes.items() if name in parts.leaves})
     found = parts.weights(degree, length)
-    weighed = [(slopes[name], found.of(leaves)) for name, leaves in parts.leaves.items()]
-    pieces = [OnPart(taylor(w, shape.coordinates, given), w) for given, w in weighed]
+    weighed = {name: found.of(leaves) for name, leaves in parts.leaves.items()}
+    parts.require_slopes({name: w for name, w in weighed.items() if len(slopes[name]) > 1})
+    pieces = [OnPart(taylor(w, shape.coordinates, slopes[name]), w) for name, w in weighed.items()]
     u = BLENDS[weights](pieces, even(degree + 1))
     return Shape(u, shape.coordinates, letters=known.letters, bounds=parts.box)
 

@@ -48,7 +48,7 @@ class Places:
     >>> from rsym.logic.sign_form import shape_form
     >>> half = rsym.disc(2) & rsym.half_plane((1, 0), 0)
     >>> places = Places(half, shape_form(half), ((-3, 3), (-3, 3)), ((0,), (1,)))
-    >>> places.has(1), sorted(places.meeting(0, 1)[0].round(12).tolist())
+    >>> len(places.of(1)) > 0, sorted(places.meeting(0, 1)[0].round(12).tolist())
     (True, [[0.0, -2.0], [0.0, 2.0]])
     """
 
@@ -57,9 +57,10 @@ class Places:
     box: Bounds
     parts: tuple[tuple[int, ...], ...]
 
-    def has(self, part: int) -> bool:
-        """Whether a part, by its number, has a point within the box."""
-        return any(len(points) for points in self._search([part]))
+    def of(self, part: int) -> Floats:
+        """Some points (n, dim) of a part, by its number, within the box; none if it has none there."""
+        found = (points[:, :-1] for points in self._search([part]) if len(points))
+        return next(found, np.empty((0, self.shape.dimension)))
 
     def meeting(self, one: int, other: int) -> tuple[Floats, Floats]:
         """Points (n, dim) where two parts meet, and (n,) how far off they may be."""

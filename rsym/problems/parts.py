@@ -27,6 +27,7 @@ from rsym.sampling.extent import bounds_or_extent
 
 AGREEMENT = 1e-9  # of the size of data
 ASIDE, LOOSELY = 1e-8, 1e-3  # where data are undefined where they meet: of the box, and of their size
+UNIT = 1e-6  # how far the gradient of a normalised weight may be from 1 in length
 LATTICE = 5  # points along each axis that tell the size of data
 
 
@@ -46,12 +47,25 @@ class Parts:
     def require_all(self) -> None:
         """Refuse a part that has nothing of the boundary where letters have their defaults."""
         for k, name in enumerate(self.leaves):
-            if not self._places.has(k):
+            if not len(self._places.of(k)):
                 values = ", ".join(f"{title} = {float(one.default):g}" for title, one in self.shape.letters.items())
                 raise RsymError(
                     f"{_called(name)} has nothing of the boundary{values and f' where {values}'}",
                     code="vanished-part",
                     remedy="leave it out, or change the letters, the shape or its bounds so that it is there",
+                )
+
+    def require_slopes(self, weights: Mapping[Name, sp.Expr]) -> None:
+        """Refuse a part on which its weight is not normalised, for there the gradient of its formula is 0."""
+        for name, expression in weights.items():
+            points = self._places.of(list(self.leaves).index(name))
+            kernel = compile(self.shape.replace(expression=expression), ("gradient",), backend="numpy")
+            lengths = np.linalg.norm(kernel(*points.T)["gradient"], axis=1)
+            if not (np.abs(lengths - 1) < UNIT).any():
+                raise RsymError(
+                    f"{_called(name)} has no slopes: the gradient of its formula is zero or undefined on it",
+                    code="singular-part",
+                    remedy="give it a formula that changes its sign with a slope, or values alone",
                 )
 
     def require_agreement(self, data: Mapping[Name, sp.Expr]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import Any
 
-from rsym.analysis.conditions import BoundaryCondition, Robin, UnknownLevel
+from rsym.analysis.conditions import BoundaryCondition, Clamped, Robin, UnknownLevel
 from rsym.analysis.structures import Conditioned, SolutionStructure, structure_of
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
@@ -98,7 +98,11 @@ def solution_structure(shape: Shape, conditions: Any, *, length: Any = None) -> 
         {name: given[name].values[0] for name in parts.leaves if not isinstance(given[name], Robin | UnknownLevel)}
     )
     weights = parts.weights(1, length)
-    pieces = [
-        Conditioned(given[name], weights.of(leaves), weights.factor(leaves)) for name, leaves in parts.leaves.items()
-    ]
-    return structure_of(pieces, shape.coordinates, letters, parts.box)
+    pieces = {
+        name: Conditioned(given[name], weights.of(leaves), weights.factor(leaves))
+        for name, leaves in parts.leaves.items()
+    }
+    parts.require_slopes(
+        {name: one.weight for name, one in pieces.items() if isinstance(one.condition, Robin | Clamped)}
+    )
+    return structure_of(list(pieces.values()), shape.coordinates, letters, parts.box)
