@@ -126,6 +126,11 @@ def test_a_hole_at_an_unknown_level():
 def test_at_corners_values_are_those_of_the_conditions():
     u = rsym.solution_structure(HALF, {"rim": rsym.robin(1, y), "cut": 4 - y}).with_functions(sp.exp(x), y)
     assert rsym.compile(u)([0.0, 0.0], [2.0, -2.0])["value"].tolist() == [2, 6]
+    # Within a part with slopes, which has no normal there, the value is that of what is undetermined.
+    u = rsym.solution_structure(SQUARE, {"sides": rsym.robin(1, y), "cut": x * y}).with_functions(3, x)
+    assert abs(rsym.compile(u)(1.0, 1.0)["value"] - (1 + 3 * 2**0.5)) < 1e-14
+    u = rsym.solution_structure(SQUARE, {"sides": rsym.clamped(x, y)}).with_functions(3)
+    assert rsym.compile(u)(1.0, 1.0)["value"] == 1
 
 
 def test_one_condition_all_over_and_parts_of_which_nothing_is_said():
