@@ -84,6 +84,7 @@ from .output.systems import SystemRow, SystemTable, compare_systems
 from .output.torsion import plot_torsion
 from .output.verdicts import plot_verdict
 from .output.viewing import view
+from .problems.elastic import Deformation, elasticity
 from .problems.interpolation import interpolate
 from .problems.solution import Attained, Solution, SolutionReport
 from .problems.solution_structures import solution_structure
@@ -139,6 +140,7 @@ __all__ = [
     "Camera",
     "ContinuityReport",
     "Curve",
+    "Deformation",
     "DesignTable",
     "FairnessReport",
     "Feature",
@@ -213,6 +215,7 @@ __all__ = [
     "displacement_blend",
     "double_cone",
     "dumps",
+    "elasticity",
     "ellipse",
     "ellipsoid",
     "enclose",

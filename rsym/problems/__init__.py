@@ -13,5 +13,5 @@ A shape with named parts comes in, and conditions by the names of these; functio
 - `corners/`: what solutions have at corners; `problem`: a problem and what its solution is made of
 - `galerkin`: the system of a problem; `refinement`: until its error is small; `printed`: a solution
   as an expression; `solution`: what comes out
-- `solving`, `spectra`, `torsion`: what is asked; `stated`: what a model file asks
+- `solving`, `spectra`, `torsion`, `elastic`: what is asked; `stated`: what a model file asks
 """

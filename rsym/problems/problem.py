@@ -16,10 +16,13 @@ import sympy as sp
 
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported, UnknownLevel
 from rsym.arrays import Floats
+from rsym.errors import RsymError
+from rsym.logic.leaf_names import leaf_parts
 from rsym.logic.sign_form import SignForm, shape_form
 from rsym.logic.weights import Joins, weight
 from rsym.model.equation import Equation
 from rsym.model.shape import Shape
+from rsym.model.wording import listing, proposal
 from rsym.problems.conditions import Name
 from rsym.problems.corners.places import corners_of
 from rsym.problems.corners.singular import SingularFunctions, singular_functions
@@ -30,6 +33,7 @@ from rsym.problems.splines.cardinals import derivatives
 from rsym.program.lowering import lower
 
 VALUE, FLUX = "value", "flux"
+ON_AXIS = 1e-6  # of the size of a shape
 VALUED = (Dirichlet, UnknownLevel, Clamped, Supported)
 
 
@@ -162,7 +166,10 @@ def with_corners(problem: Problem) -> Problem:
     )
     if problem.dimension != 2 or problem.order != 1 or not alike or len(problem.form.leaves) < 2:
         return problem
-    corners = corners_of(problem.shape)
+    every = corners_of(problem.shape)
+    # On the axis of a body of revolution exponents are those of cones.
+    size = max(abs(value) for corner in every for value in corner.point) if every else 1.0
+    corners = [one for one in every if problem.axis < 0 or abs(one.point[1 - problem.axis]) > ON_AXIS * size]
     points = np.array([corner.point for corner in corners]).reshape(-1, 2)
     place = list(problem.equation.expressions).index("f")
     loaded = (problem.coefficients(points)[place] != 0).tolist()
@@ -174,5 +181,32 @@ def value_at(shape: Shape, value: Any, points: Floats) -> Floats:
     if isinstance(value, Equation):
         value = value.expression
     if isinstance(value, sp.Basic):
-        return formulas(shape, {VALUE: value})(points)[0]
-    return values_of(FLUX, value, list(np.ascontiguousarray(points.T)))
+        row: Floats = formulas(shape, {VALUE: value})(points)[0]
+        return row
+    found: Floats = values_of(FLUX, value, list(np.ascontiguousarray(points.T)))
+    return found
+
+
+def on_part(problem: Problem, leaves: Any, part: str) -> Any:
+    """Which of the points with these leaves lie on a part."""
+    names = leaf_parts(problem.form, problem.shape)
+    known = list(dict.fromkeys(name for one in names for name in one))
+    if part not in known:
+        raise RsymError(
+            f"no part {part!r} on the boundary; it has {listing(known)}",
+            code="unknown-part",
+            remedy=proposal(part, known, "use one of these"),
+        )
+    found = np.isin(leaves, [leaf for leaf, one in enumerate(names) if part in one])
+    if not found.any():
+        raise vanished(part)
+    return found
+
+
+def vanished(part: str) -> RsymError:
+    """The error for a part that the boundary has nothing of."""
+    return RsymError(
+        f"the part {part!r} has nothing of the boundary",
+        code="vanished-part",
+        remedy="leave it out, or change the letters, the shape or its bounds so that it is there",
+    )

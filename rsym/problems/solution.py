@@ -15,13 +15,12 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError
-from rsym.logic.leaf_names import leaf_parts
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
-from rsym.model.wording import listing, proposal
+from rsym.problems.conditions import assigned
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.printed import printed
-from rsym.problems.problem import Problem, with_corners
+from rsym.problems.problem import Problem, on_part, vanished, with_corners
 from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
@@ -254,15 +253,7 @@ class Solution:
         boundary, problem = self.rule.boundary, self.problem
         on = np.ones(len(boundary.weights), np.bool_)
         if part is not None:
-            names = leaf_parts(problem.form, problem.shape)
-            known = list(dict.fromkeys(name for one in names for name in one))
-            if part not in known:
-                raise RsymError(
-                    f"no part {part!r} on the boundary; it has {listing(known)}",
-                    code="unknown-part",
-                    remedy=proposal(part, known, "use one of these"),
-                )
-            on = np.isin(boundary.leaves, [leaf for leaf, one in enumerate(names) if part in one])
+            on = on_part(problem, boundary.leaves, part)
         points = np.ascontiguousarray(boundary.points[on])
         dimension = problem.dimension
         diffusion = problem.coefficients(points)[: dimension * dimension].reshape(dimension, dimension, -1)
@@ -351,7 +342,13 @@ def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
         if box is None or all(a <= c and d <= b for (a, b), (c, d) in zip(box, found, strict=True)):
             box = found
     near = [one.corner.point for one in problem.corners] or None
-    return quadrature(problem.shape, cells=cells, order=order, bounds=box, near=near)
+    rule = quadrature(problem.shape, cells=cells, order=order, bounds=box, near=near)
+    names = assigned(problem.shape, list(problem.named))
+    there = {names[leaf] for leaf in np.unique(rule.boundary.leaves) if leaf < len(names)}
+    for name in problem.named:
+        if isinstance(name, str) and name not in there:
+            raise vanished(name)
+    return rule
 
 
 def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:
@@ -362,7 +359,7 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
             code="degree",
         )
     discrete = Discretisation(problem, rule, degree)
-    definite = problem.equation.symmetric and not problem.equation.reaction.is_negative
+    definite = problem.equation.symmetric and bool(problem.equation.reaction.is_nonnegative)
     found = solve_system(discrete.matrix, discrete.right, definite=definite, dimension=problem.dimension)
     inner = discrete.splines.extension.shape[1]
     told = SolutionReport(

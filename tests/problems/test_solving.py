@@ -164,6 +164,8 @@ def test_any_turn_and_shift_of_the_grid_has_the_same_error():
         ("-diff(u, x, x) + diff(u, y, y) = 1", 0, "not-elliptic"),
         ("-div(x*grad(u)) = 1", 0, "not-elliptic"),
         ("-2*diff(u, x, x) - diff(u, y, y) = 0", {"rim": rsym.neumann(1), ...: 0}, "condition"),
+        ("-laplacian(u) = 1", rsym.clamped(), "condition"),
+        ("bilaplacian(u) = 1", {"rim": rsym.neumann(1), ...: 0}, "condition"),
     ],
 )
 def test_what_has_no_answer_is_refused_with_a_remedy(text, conditions, code):
@@ -235,3 +237,10 @@ def test_it_is_drawn():
     assert np.abs(np.hypot(*line.T) - 0.5).max() < 1e-3
     with pytest.raises(rsym.RsymError, match="with_letters"):
         rsym.plot_field(found, letters={"a": 1})
+
+
+def test_a_part_that_has_vanished_is_refused():
+    square = rsym.rectangle(2, 2) & rsym.half_plane((1, 0), -2).named("far")
+    with pytest.raises(rsym.RsymError, match="'far' has nothing of the boundary") as raised:
+        rsym.solve(square, "-laplacian(u) = 1", {"far": rsym.neumann(1), ...: 0}, cells=8)
+    assert raised.value.code == "vanished-part"
